@@ -1,0 +1,66 @@
+// What a beam is: material, cross-section, length, mesh and supports.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace wheeltap::fem {
+
+/// Linear elastic, isotropic.
+struct Material {
+  double young;    ///< Young's modulus E [Pa], > 0
+  double poisson;  ///< Poisson's ratio ν [-], -1 < ν < 0.5
+  double density;  ///< mass density ρ [kg/m³], > 0
+
+  /// G = E / (2 (1 + ν)) [Pa].
+  [[nodiscard]] double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
+};
+
+/// What bending and shear see of a cross-section; `section.hpp` computes it for the common shapes.
+struct Section {
+  double area;               ///< A [m²]
+  double second_moment;      ///< I about the bending axis [m⁴]
+  double shear_coefficient;  ///< κ [-]: the shear stiffness is κ G A
+};
+
+/// A support at `at`: the listed motions are held rigidly, or by a spring where `stiffness` is given.
+struct Support {
+  double at;                        ///< [m], anywhere in [0, length]; not only at nodes
+  bool deflection = true;           ///< holds the deflection w
+  bool rotation = false;            ///< holds the rotation θ
+  std::optional<double> stiffness;  ///< spring [N/m for w, N·m/rad for θ]; rigid when empty
+};
+
+/// A straight prismatic Timoshenko beam meshed with equal two-node elements.
+struct Beam {
+  double length;  ///< L [m], > 0
+  int elements;   ///< number of equal elements, >= 1
+  std::vector<Support> supports;
+  Material material;
+  Section section;
+
+  [[nodiscard]] int nodes() const { return elements + 1; }
+  [[nodiscard]] double element_length() const { return length / elements; }
+
+  /// The 0-based element that contains x. Element e covers [x_e, x_{e+1}), the last one closed; an x
+  /// within 1e-9 L of a node counts as that node. Throws std::invalid_argument outside [0, L].
+  [[nodiscard]] int element_at(double x) const;
+
+  /// Midpoint of element e [m].
+  [[nodiscard]] double element_midpoint(int e) const { return (e + 0.5) * element_length(); }
+};
+
+/// Supports by name: "simply-supported", "cantilever" (clamped at 0), "clamped-clamped",
+/// "clamped-pinned" (clamped at 0), "free-free". Throws std::invalid_argument for another name.
+[[nodiscard]] std::vector<Support> named_supports(std::string_view name, double length);
+
+/// True where x → L - x maps the intact beam on itself, so that frequencies cannot tell mirror
+/// images apart.
+[[nodiscard]] bool is_mirror_symmetric(const Beam& beam);
+
+/// Throws std::invalid_argument naming the first member that is out of range, its value and the
+/// range that is allowed.
+void validate(const Beam& beam);
+
+}  // namespace wheeltap::fem

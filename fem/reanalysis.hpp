@@ -1,0 +1,65 @@
+// Frequencies of a beam with a few defects from the modes of the intact one, exactly.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "fem/beam.hpp"
+#include "fem/defect.hpp"
+
+namespace wheeltap::fem {
+
+/// A damaged element changes K by rank 2 and a support by rank 1. With the columns of C spanning those
+/// changes, the frequencies under s defects are the roots of a small secular problem
+///
+///   det S(λ) = 0,   S(λ) = Σ - |Γ|½ Cᵀ (K - λ M)⁻¹ C |Γ|½,   Σ = sign Γ,
+///
+/// and the number of damaged eigenvalues below λ is the intact number plus the negative inertia of
+/// S(λ), less the number of supports (Wittrick & Williams 1971; Haynsworth 1968). The count brackets
+/// every root, so no mode is missed or swapped.
+///
+/// The object is immutable after construction: any number of threads may use one, each with a
+/// workspace of its own.
+class Reanalysis {
+ public:
+  class Workspace;
+
+  /// Solves the intact beam for all its modes (dense, once). `modes` is how many of the lowest
+  /// frequencies `frequencies` will return, rigid-body ones included.
+  Reanalysis(const Beam& beam, int modes);
+  ~Reanalysis();
+  Reanalysis(Reanalysis&&) noexcept;
+  Reanalysis& operator=(Reanalysis&&) noexcept;
+
+  [[nodiscard]] Workspace make_workspace() const;
+  [[nodiscard]] int modes() const;
+  [[nodiscard]] int rigid_body_modes() const;  ///< of the intact beam
+  [[nodiscard]] const Beam& beam() const;
+  /// The intact frequencies [Hz], ascending.
+  [[nodiscard]] std::span<const double> intact_frequencies_hz() const;
+
+  /// Writes the `out.size()` <= modes() lowest frequencies [Hz] of the beam with these defects,
+  /// ascending. Throws std::invalid_argument for a defect outside the beam or out of range.
+  void frequencies_hz(std::span<const Damage> damages, std::span<const SpringSupport> supports,
+                      Workspace& workspace, std::span<double> out) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
+
+/// Scratch memory of one thread; move-only.
+class Reanalysis::Workspace {
+ public:
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(Workspace&&) noexcept;
+  ~Workspace();
+
+ private:
+  friend class Reanalysis;
+  struct Impl;
+  explicit Workspace(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace wheeltap::fem
