@@ -1,0 +1,88 @@
+// Which models compete, what parameters each has, and what is believed of them before the data.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "inference/prior.hpp"
+
+namespace wheeltap::inference {
+
+struct Parameter {
+  std::string name;
+  Prior prior;
+};
+
+/// A kind of exchangeable component, e.g. a damage with a location and a reduction. Components are
+/// *labelled* 1…k with independent identical priors: the prior of a set of k is P(k) ∏ p(component), a
+/// birth inserts at a uniform slot and a death removes a uniform one, so the two slot probabilities,
+/// 1/(k+1) each, cancel and no factorial appears.
+struct ComponentKind {
+  std::string name;                    ///< singular, as in "1 damage"
+  std::string plural;                  ///< as in "2 damages"
+  std::vector<Parameter> parameters;   ///< of one component
+};
+
+/// One competing model. Its parameter vector is laid out as
+///   [ its own parameters | components of kind 0 | components of kind 1 | … ].
+struct Model {
+  std::string name;
+  double log_prior;              ///< normalised over the space
+  std::vector<int> parameters;   ///< indices into ModelSpace::parameters()
+  std::vector<int> counts;       ///< number of components of each kind
+  int dimension = 0;
+  std::vector<int> offsets;      ///< where each kind's components begin
+};
+
+/// A finite list of models over a table of named parameters, each with counts of exchangeable components.
+class ModelSpace {
+ public:
+  struct ListedModel {
+    std::string name;
+    double weight;                        ///< prior weight, >= 0, normalised by the space
+    std::vector<std::string> parameters;  ///< names; the same name is the same parameter
+  };
+  struct Counts {
+    std::vector<int> counts;  ///< one a kind
+    double weight;
+  };
+
+  /// Any models over a shared table of parameters. Throws std::invalid_argument for a name that is not in
+  /// the table, a parameter no model uses, duplicate names, or weights that are negative or all zero.
+  [[nodiscard]] static ModelSpace of_models(std::vector<Parameter> parameters,
+                                            const std::vector<ListedModel>& models);
+  /// Component sets: each entry of `counts` is a model, all of them with the `common` parameters. Names
+  /// read "2 damages" or "1 damage, 1 support".
+  [[nodiscard]] static ModelSpace of_components(std::vector<Parameter> common,
+                                                std::vector<ComponentKind> kinds,
+                                                const std::vector<Counts>& counts);
+
+  [[nodiscard]] int size() const { return static_cast<int>(models_.size()); }
+  [[nodiscard]] const Model& operator[](int m) const { return models_[static_cast<std::size_t>(m)]; }
+  [[nodiscard]] const std::vector<Model>& models() const { return models_; }
+  [[nodiscard]] const std::vector<Parameter>& parameters() const { return parameters_; }
+  [[nodiscard]] const std::vector<ComponentKind>& kinds() const { return kinds_; }
+  [[nodiscard]] int max_dimension() const { return max_dimension_; }
+
+  /// Prior of parameter i of model m (own parameters first, then the components').
+  [[nodiscard]] const Prior& prior(int m, int i) const;
+  /// "k", "location[2]" …: the name of parameter i of model m.
+  [[nodiscard]] std::string parameter_name(int m, int i) const;
+  /// The model with these counts, or -1.
+  [[nodiscard]] int find(std::span<const int> counts) const;
+  /// The model with one component of `kind` more (step = +1) or fewer (-1) than m, or -1.
+  [[nodiscard]] int neighbour(int m, int kind, int step) const;
+
+ private:
+  void finish(const std::vector<double>& weights);
+
+  std::vector<Model> models_;
+  std::vector<Parameter> parameters_;
+  std::vector<ComponentKind> kinds_;
+  std::vector<std::vector<const Prior*>> priors_;
+  std::vector<int> neighbours_;
+  int max_dimension_ = 0;
+};
+
+}  // namespace wheeltap::inference

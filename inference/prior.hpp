@@ -1,0 +1,54 @@
+// Proper, normalised prior densities of one real parameter.
+#pragma once
+
+#include <string>
+#include <variant>
+
+namespace wheeltap::inference {
+
+struct Uniform { double lower, upper; };
+struct LogUniform { double lower, upper; };                    ///< p(x) ∝ 1/x, 0 < lower < upper
+struct Normal { double mean, sd; };
+struct LogNormal { double mu, sigma; };                        ///< ln x ~ N(mu, sigma²)
+struct HalfNormal { double sd; };                              ///< |N(0, sd²)|
+struct Gamma { double shape, scale; };                         ///< mean shape · scale
+struct Beta { double a, b, lower = 0.0, upper = 1.0; };        ///< scaled to [lower, upper]
+struct TruncatedNormal { double mean, sd, lower, upper; };
+
+/// One prior. All inference runs in the *standard normal coordinate* z of each parameter,
+///
+///   z = Φ⁻¹(F(x)),   x = F⁻¹(Φ(z)),
+///
+/// F being the prior's distribution function, so that a priori z ~ N(0, 1) whatever the family, the unit
+/// or the bounds (the isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu 1986).
+/// Proposals then need no bounds, birth from the prior is a standard normal draw, and a problem posed in
+/// millimetres is the same problem.
+class Prior {
+ public:
+  using Family = std::variant<Uniform, LogUniform, Normal, LogNormal, HalfNormal, Gamma, Beta,
+                              TruncatedNormal>;
+
+  /// Throws std::invalid_argument, naming family, value and bound, where the density would be improper
+  /// (inverted or infinite bounds, scale <= 0, NaN).
+  Prior(Family family);  // NOLINT(google-explicit-constructor): a family *is* a prior
+
+  /// ln p(x), normalised; -∞ outside the support.
+  [[nodiscard]] double log_density(double x) const;
+  /// x = F⁻¹(Φ(z)), accurate in both tails, always inside the closed support.
+  [[nodiscard]] double from_standard_normal(double z) const;
+  /// z = Φ⁻¹(F(x)); ±∞ at or outside the ends of the support.
+  [[nodiscard]] double to_standard_normal(double x) const;
+  [[nodiscard]] double lower() const;  ///< ends of the support, possibly ±∞
+  [[nodiscard]] double upper() const;
+  [[nodiscard]] double mean() const;
+  [[nodiscard]] double sd() const;
+  [[nodiscard]] const Family& family() const { return family_; }
+  /// As in a case file, e.g. "uniform [0, 100]".
+  [[nodiscard]] std::string describe() const;
+
+ private:
+  Family family_;
+  double log_normaliser_ = 0.0;
+};
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,72 @@
+// Counter-based random numbers: what a chain draws depends on (seed, chain, iteration, purpose) alone,
+// never on threads or on what was drawn before.
+#pragma once
+
+#include <Random123/philox.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+namespace wheeltap::inference {
+
+/// What a stream of random numbers is for; a part of its key, so that streams never overlap.
+enum class Purpose : std::uint32_t {
+  start, exploration, adaptation, fit, sampling, swap, prediction, evidence, simulation, test
+};
+
+/// A stream of Philox 4x64-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
+/// Cheap to construct: one is made for every iteration.
+class Random {
+ public:
+  Random(std::uint64_t seed, std::uint64_t chain, std::uint64_t iteration, Purpose purpose)
+      : key_{{seed, 0x7768656c74617000ULL}},
+        counter_{{0, iteration, chain, static_cast<std::uint64_t>(purpose)}} {}
+
+  using result_type = std::uint64_t;  ///< a UniformRandomBitGenerator, for the standard algorithms
+  static constexpr result_type min() { return 0; }
+  static constexpr result_type max() { return ~result_type{0}; }
+  result_type operator()() { return bits(); }
+
+  std::uint64_t bits() {
+    if (next_ == 4) {
+      block_ = r123::Philox4x64_R<10>{}(counter_, key_);
+      ++counter_[0];
+      next_ = 0;
+    }
+    return block_[next_++];
+  }
+
+  /// Uniform on the open interval (0, 1).
+  double uniform() { return (static_cast<double>(bits() >> 11) + 0.5) * 0x1.0p-53; }
+
+  /// Uniform on {0, …, n-1}; n >= 1.
+  int index(int n) { return static_cast<int>(uniform() * n); }
+
+  /// Standard normal (Box & Muller 1958).
+  double normal() {
+    if (has_spare_) {
+      has_spare_ = false;
+      return spare_;
+    }
+    const double radius = std::sqrt(-2.0 * std::log(uniform()));
+    const double angle = 2.0 * std::numbers::pi * uniform();
+    spare_ = radius * std::sin(angle);
+    has_spare_ = true;
+    return radius * std::cos(angle);
+  }
+
+  /// Standard exponential.
+  double exponential() { return -std::log(uniform()); }
+
+ private:
+  r123::Philox4x64_R<10>::key_type key_;
+  r123::Philox4x64_R<10>::ctr_type counter_;
+  r123::Philox4x64_R<10>::ctr_type block_{};
+  std::size_t next_ = 4;
+  double spare_ = 0.0;
+  bool has_spare_ = false;
+};
+
+}  // namespace wheeltap::inference
