@@ -1,0 +1,45 @@
+// Multilinear interpolation on a full-factorial grid of any dimension, all responses at once.
+#pragma once
+
+#include "emulator/design.hpp"
+
+namespace wheeltap::emulator {
+
+/// In the cell that holds x, with t_j ∈ [0, 1] the place of s_j(x_j) between its two levels,
+///   f(x) = Σ over the 2^d corners c of  Π_j (c_j ? t_j : 1 - t_j) · f_c.
+/// Exact at every node; reproduces functions that are linear in each s_j separately. Evaluations do
+/// not allocate and may run in several threads at once.
+class MultilinearInterpolant {
+ public:
+  /// The most factors an interpolant takes: the 2^d corner weights live on the stack.
+  static constexpr std::size_t kMostFactors = 12;
+
+  /// `values`: runs × responses, rows in the order of `full_factorial(factors)`. Throws
+  /// std::invalid_argument for bad factors (at least two levels each, at most kMostFactors), a row
+  /// count that is not the product of the level counts, no responses, or values that are not
+  /// finite.
+  MultilinearInterpolant(std::vector<Factor> factors, RowMatrix values);
+
+  /// All responses at x (one value per factor), written to `out` (one value per response).
+  /// Throws std::out_of_range naming factor, value and bounds when x lies outside the grid's box or
+  /// is NaN: there is no extrapolation. Throws std::invalid_argument for wrong sizes.
+  void evaluate(std::span<const double> x, std::span<double> out) const;
+
+  [[nodiscard]] bool contains(std::span<const double> x) const {
+    return emulator::contains(factors_, x);
+  }
+  [[nodiscard]] const std::vector<Factor>& factors() const { return factors_; }
+  [[nodiscard]] const RowMatrix& values() const { return values_; }
+  [[nodiscard]] Eigen::Index responses() const { return values_.cols(); }
+
+ private:
+  struct Axis {
+    std::vector<double> coordinates;  // s(level)
+    std::ptrdiff_t stride;            // doubles from one level to the next in values_
+  };
+  std::vector<Factor> factors_;
+  std::vector<Axis> axes_;
+  RowMatrix values_;
+};
+
+}  // namespace wheeltap::emulator
