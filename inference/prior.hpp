@@ -1,36 +1,63 @@
 // Proper, normalised prior densities of one real parameter.
 #pragma once
 
+#include <concepts>
 #include <string>
 #include <variant>
 
 namespace wheeltap::inference {
 
-struct Uniform { double lower, upper; };
-struct LogUniform { double lower, upper; };                    ///< p(x) ∝ 1/x, 0 < lower < upper
-struct Normal { double mean, sd; };
-struct LogNormal { double mu, sigma; };                        ///< ln x ~ N(mu, sigma²)
-struct HalfNormal { double sd; };                              ///< |N(0, sd²)|
-struct Gamma { double shape, scale; };                         ///< mean shape · scale
-struct Beta { double a, b, lower = 0.0, upper = 1.0; };        ///< scaled to [lower, upper]
-struct TruncatedNormal { double mean, sd, lower, upper; };
+struct Uniform {
+  double lower, upper;
+};
+/// p(x) ∝ 1/x, 0 < lower < upper.
+struct LogUniform {
+  double lower, upper;
+};
+struct Normal {
+  double mean, sd;
+};
+/// ln x ~ N(mu, sigma²).
+struct LogNormal {
+  double mu, sigma;
+};
+/// |N(0, sd²)|.
+struct HalfNormal {
+  double sd;
+};
+/// Mean shape · scale.
+struct Gamma {
+  double shape, scale;
+};
+/// Scaled to [lower, upper].
+struct Beta {
+  double a, b, lower = 0.0, upper = 1.0;
+};
+/// N(mean, sd²) cut to [lower, upper], either of which may be infinite.
+struct TruncatedNormal {
+  double mean, sd, lower, upper;
+};
 
 /// One prior. All inference runs in the *standard normal coordinate* z of each parameter,
 ///
 ///   z = Φ⁻¹(F(x)),   x = F⁻¹(Φ(z)),
 ///
-/// F being the prior's distribution function, so that a priori z ~ N(0, 1) whatever the family, the unit
-/// or the bounds (the isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu 1986).
-/// Proposals then need no bounds, birth from the prior is a standard normal draw, and a problem posed in
-/// millimetres is the same problem.
+/// F being the prior's distribution function, so that a priori z ~ N(0, 1) whatever the family, the
+/// unit or the bounds (the isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu
+/// 1986). Proposals then need no bounds, birth from the prior is a standard normal draw, and a
+/// problem posed in millimetres is the same problem.
 class Prior {
  public:
   using Family = std::variant<Uniform, LogUniform, Normal, LogNormal, HalfNormal, Gamma, Beta,
                               TruncatedNormal>;
 
-  /// Throws std::invalid_argument, naming family, value and bound, where the density would be improper
-  /// (inverted or infinite bounds, scale <= 0, NaN).
+  /// Throws std::invalid_argument, naming family, value and bound, where the density would be
+  /// improper (inverted or infinite bounds, scale <= 0, NaN).
   Prior(Family family);  // NOLINT(google-explicit-constructor): a family *is* a prior
+  template <class F>
+  requires(std::constructible_from<Family, F> && !std::same_as<F, Family> &&
+           !std::same_as<F, Prior>) Prior(F family)
+      : Prior(Family(family)) {}  // NOLINT(google-explicit-constructor)
 
   /// ln p(x), normalised; -∞ outside the support.
   [[nodiscard]] double log_density(double x) const;

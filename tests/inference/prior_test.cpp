@@ -1,0 +1,220 @@
+#include "inference/prior.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "inference/standard_normal.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<Prior> every_family() {
+  return {Uniform{-3.0, 5.0},
+          Uniform{1e9, 1e9 + 1e3},
+          LogUniform{1e-3, 1e4},
+          Normal{2.0, 0.5},
+          LogNormal{-1.0, 0.7},
+          HalfNormal{3.0},
+          Gamma{0.4, 2.0},
+          Gamma{1.0, 0.1},
+          Gamma{7.5, 1e6},
+          Beta{2.0, 3.0},
+          Beta{0.5, 0.5, -1.0, 4.0},
+          Beta{30.0, 1.0, 0.0, 0.6},
+          TruncatedNormal{0.0, 1.0, -1.0, 2.0},
+          TruncatedNormal{0.0, 1.0, 3.0, kInfinity},
+          TruncatedNormal{5.0, 2.0, -kInfinity, 4.0},
+          TruncatedNormal{0.0, 1.0, 40.0, 41.0},
+          TruncatedNormal{0.0, 1.0, -41.0, -40.0},
+          TruncatedNormal{0.0, 1.0, 2e4, kInfinity},
+          TruncatedNormal{0.0, 1.0, 0.5, 0.5 + 1e-6}};
+}
+
+// Φ⁻¹ against Φ = erfc from the C library, over the whole range of doubles.
+TEST(StandardNormal, QuantileInvertsTheDistributionFunction) {
+  for (double z = -37.0; z <= 8.0; z += 0.0625) {
+    const double p = normal_cdf(z);
+    // dz = dp/φ; p carries an error of z² rounding units in the lower tail and of one in the upper.
+    const double density = std::exp(-0.5 * z * z - kLogSqrt2Pi);
+    const double tolerance = 4e-16 * (1.0 + z * z) * p / density + 4e-16 * (1.0 + std::fabs(z));
+    EXPECT_NEAR(normal_quantile(p), z, tolerance) << z;
+    if (std::fabs(z) < 1.0) {
+      EXPECT_NEAR(normal_quantile_from_centre(0.5 * std::erf(z / std::sqrt(2.0))), z,
+                  2e-15 * std::fabs(z));
+    }
+    EXPECT_NEAR(normal_quantile_of_log(log_normal_cdf(z)), z, tolerance) << z;
+  }
+  for (const double z : {-38.0, -45.0, -100.0, -1e4, -1e8})
+    EXPECT_NEAR(normal_quantile_of_log(log_normal_cdf(z)) / z, 1.0, 1e-15) << z;
+  EXPECT_EQ(normal_quantile(0.0), -kInfinity);
+  EXPECT_EQ(normal_quantile(1.0), kInfinity);
+  EXPECT_TRUE(std::isnan(normal_quantile(1.5)));
+  EXPECT_TRUE(std::isnan(normal_quantile(kNaN)));
+}
+
+// The two branches of ln Φ meet: a gap at z = -30 would show as a wrong slope.
+TEST(StandardNormal, LogDistributionFunctionIsSmoothAcrossItsBranches) {
+  EXPECT_NEAR(log_normal_cdf(-30.0 + 1e-9) - log_normal_cdf(-30.0 - 1e-9), 2e-9 * 30.033, 5e-12);
+  EXPECT_NEAR(log_normal_cdf(5.0 + 1e-9), log_normal_cdf(5.0 - 1e-9), 1e-14);
+}
+
+// The density, integrated over the image of z in (-8, 8), by the chain rule ∫ p(x(z)) x'(z) dz: one
+// only if the density is normalised *and* x(z) is its own quantile function. The sharper statement
+// p(x) dx = φ(z) dz is checked point by point.
+TEST(Prior, DensityAndTransformBelongTogether) {
+  for (const Prior& prior : every_family()) {
+    for (double z = -5.0; z <= 5.0; z += 0.25) {
+      constexpr double kStep = 1e-3;
+      // Sixth-order central difference of x(z).
+      const auto x = [&](int i) { return prior.from_standard_normal(z + i * kStep); };
+      const double slope =
+          (45.0 * (x(1) - x(-1)) - 9.0 * (x(2) - x(-2)) + (x(3) - x(-3))) / (60.0 * kStep);
+      const double rounding = 1e-15 * std::fabs(x(0)) / kStep;
+      if (rounding > 1e-2 * slope) continue;  // x no longer resolves z there
+      const double jacobian = std::log(slope);
+      EXPECT_NEAR(prior.log_density(x(0)) + jacobian, -0.5 * z * z - kLogSqrt2Pi,
+                  2e-8 + 10.0 * rounding / slope)
+          << prior.describe() << " at z = " << z;
+    }
+  }
+}
+
+TEST(Prior, RoundTripsInBothTails) {
+  for (const Prior& prior : every_family()) {
+    double previous = -kInfinity;
+    for (double z = -8.0; z <= 8.0; z += 0.125) {
+      const double x = prior.from_standard_normal(z);
+      EXPECT_GE(x, previous) << prior.describe();
+      EXPECT_GE(x, prior.lower());
+      EXPECT_LE(x, prior.upper());
+      previous = x;
+      // What rounding x, or its distance from an end, to a double can move z by.
+      const double up = prior.to_standard_normal(x + 4e-16 * (std::fabs(x) + 1e-300));
+      const double down = prior.to_standard_normal(x - 4e-16 * (std::fabs(x) + 1e-300));
+      if (std::isinf(up) || std::isinf(down)) continue;
+      EXPECT_NEAR(prior.to_standard_normal(x), z, 2e-9 + 4.0 * (up - down))
+          << prior.describe() << " at z = " << z;
+    }
+  }
+}
+
+TEST(Prior, TailsResolveAtTheEndsOfTheSupport) {
+  const Prior unit = Uniform{0.0, 1.0};
+  EXPECT_NEAR(unit.to_standard_normal(unit.from_standard_normal(-30.0)), -30.0, 1e-12);
+  const Prior half = HalfNormal{1.0};
+  EXPECT_NEAR(half.to_standard_normal(half.from_standard_normal(-30.0)), -30.0, 1e-12);
+  EXPECT_NEAR(half.to_standard_normal(half.from_standard_normal(30.0)), 30.0, 1e-12);
+  EXPECT_TRUE(std::isfinite(half.to_standard_normal(60.0)));
+  const Prior gamma = Gamma{3.0, 2.0};
+  EXPECT_NEAR(gamma.to_standard_normal(gamma.from_standard_normal(-20.0)), -20.0, 1e-9);
+  EXPECT_NEAR(gamma.to_standard_normal(gamma.from_standard_normal(20.0)), 20.0, 1e-9);
+  for (const Prior& prior : every_family()) {
+    EXPECT_EQ(prior.to_standard_normal(prior.lower()), -kInfinity);
+    EXPECT_EQ(prior.to_standard_normal(prior.upper()), kInfinity);
+    EXPECT_FALSE(std::isnan(prior.from_standard_normal(-40.0)));
+    EXPECT_FALSE(std::isnan(prior.from_standard_normal(40.0)));
+  }
+}
+
+TEST(Prior, ClosedFormValues) {
+  EXPECT_NEAR(Prior(Uniform{0.0, 4.0}).log_density(1.0), -std::log(4.0), 1e-15);
+  EXPECT_NEAR(Prior(Uniform{2.0, 4.0}).from_standard_normal(0.0), 3.0, 1e-15);
+  // The geometric mean is the median.
+  EXPECT_NEAR(Prior(LogUniform{1e-2, 1e2}).from_standard_normal(0.0), 1.0, 1e-14);
+  // Beta(2,3): p(x) = 12 x (1-x)².
+  EXPECT_NEAR(Prior(Beta{2.0, 3.0}).log_density(0.25), std::log(12.0 * 0.25 * 0.5625), 1e-14);
+  EXPECT_NEAR(Prior(Beta{2.0, 3.0}).mean(), 0.4, 1e-15);
+  EXPECT_NEAR(Prior(Beta{2.0, 3.0}).sd(), 0.2, 1e-15);
+  // Gamma(1, s) is exponential: F = 1 - e^{-x/s}, with median s ln 2.
+  EXPECT_NEAR(Prior(Gamma{1.0, 3.0}).from_standard_normal(0.0), 3.0 * std::log(2.0), 1e-13);
+  EXPECT_NEAR(Prior(HalfNormal{2.0}).log_density(1.0),
+              std::log(std::sqrt(2.0 / M_PI) / 2.0) - 0.125, 1e-14);
+  // Half of N(0, 1) is both a half normal and a truncated normal.
+  const Prior half = HalfNormal{1.0}, cut = TruncatedNormal{0.0, 1.0, 0.0, kInfinity};
+  for (double z = -4.0; z <= 6.0; z += 0.5) {
+    EXPECT_NEAR(half.from_standard_normal(z), cut.from_standard_normal(z), 1e-14 * (1.0 + z * z));
+    EXPECT_NEAR(half.log_density(0.3 * (z + 4.0)), cut.log_density(0.3 * (z + 4.0)), 1e-13);
+  }
+  EXPECT_NEAR(half.mean(), cut.mean(), 1e-9);
+  EXPECT_NEAR(half.sd(), cut.sd(), 1e-9);
+}
+
+TEST(Prior, MomentsMatchQuadratureOverTheTransform) {
+  for (const Prior& prior : every_family()) {
+    double mean = 0.0, square = 0.0, weight = 0.0;
+    const double centre = prior.mean();
+    for (double z = -9.0; z <= 9.0; z += 0.01) {
+      const double w = std::exp(-0.5 * z * z), d = prior.from_standard_normal(z) - centre;
+      weight += w;
+      mean += w * d;
+      square += w * d * d;
+    }
+    EXPECT_NEAR(mean / weight, 0.0, 1e-6 * prior.sd()) << prior.describe();
+    EXPECT_NEAR(std::sqrt(square / weight) / prior.sd(), 1.0, 1e-5) << prior.describe();
+  }
+}
+
+TEST(Prior, OutsideItsSupportTheDensityIsZero) {
+  EXPECT_EQ(Prior(Uniform{0.0, 1.0}).log_density(1.0 + 1e-12), -kInfinity);
+  EXPECT_EQ(Prior(HalfNormal{1.0}).log_density(-1e-12), -kInfinity);
+  EXPECT_EQ(Prior(Gamma{2.0, 1.0}).log_density(-1.0), -kInfinity);
+  EXPECT_EQ(Prior(TruncatedNormal{0.0, 1.0, -1.0, 1.0}).log_density(1.5), -kInfinity);
+  EXPECT_EQ(Prior(Normal{0.0, 1.0}).log_density(kNaN), -kInfinity);
+}
+
+TEST(Prior, RefusesWhatIsNotADensityAndSaysWhy) {
+  const auto message = [](const Prior::Family& family) -> std::string {
+    try {
+      (void)Prior(family);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(message(Uniform{5.0, 2.0}), "uniform prior: lower = 5, must be < upper = 2");
+  EXPECT_EQ(message(LogUniform{0.0, 2.0}), "log_uniform prior: lower = 0, must be > 0 and finite");
+  const std::vector<Prior::Family> refused = {Uniform{1.0, 1.0},
+                                              Uniform{0.0, kInfinity},
+                                              Uniform{kNaN, 1.0},
+                                              Uniform{-1e308, 1e308},
+                                              LogUniform{-1.0, 1.0},
+                                              LogUniform{2.0, 1.0},
+                                              LogUniform{1.0, kInfinity},
+                                              Normal{0.0, 0.0},
+                                              Normal{0.0, -1.0},
+                                              Normal{kNaN, 1.0},
+                                              Normal{0.0, kInfinity},
+                                              LogNormal{0.0, 0.0},
+                                              LogNormal{kInfinity, 1.0},
+                                              HalfNormal{0.0},
+                                              HalfNormal{kNaN},
+                                              Gamma{0.0, 1.0},
+                                              Gamma{1.0, -1.0},
+                                              Gamma{kNaN, 1.0},
+                                              Beta{0.0, 1.0},
+                                              Beta{1.0, kInfinity},
+                                              Beta{1.0, 1.0, 1.0, 0.0},
+                                              TruncatedNormal{0.0, 0.0, 0.0, 1.0},
+                                              TruncatedNormal{0.0, 1.0, 1.0, 1.0},
+                                              TruncatedNormal{0.0, 1.0, kNaN, 1.0},
+                                              TruncatedNormal{0.0, 1.0, kInfinity, kInfinity}};
+  for (std::size_t i = 0; i < refused.size(); ++i) EXPECT_NE(message(refused[i]), "") << i;
+  EXPECT_EQ(message(TruncatedNormal{0.0, 1.0, -kInfinity, kInfinity}), "");
+}
+
+TEST(Prior, DescribesItselfAsTheCaseFileWould) {
+  EXPECT_EQ(Prior(Uniform{0.0, 100.0}).describe(), "uniform [0, 100]");
+  EXPECT_EQ(Prior(LogUniform{1e-4, 0.01}).describe(), "log_uniform [0.0001, 0.01]");
+  EXPECT_EQ(Prior(Beta{2.0, 3.0, 0.0, 0.6}).describe(), "beta [2, 3] on [0, 0.6]");
+}
+
+}  // namespace
+}  // namespace wheeltap::inference
