@@ -1,5 +1,6 @@
 #include "emulator/table_file.hpp"
 
+#include <hdf5.h>
 #include <netcdf.h>
 #include <unistd.h>
 
@@ -26,11 +27,20 @@ constexpr struct {
                          {"holdout_spread", &HoldoutError::spread},
                          {"holdout_q2", &HoldoutError::q2}};
 
-/// The NetCDF and HDF5 C libraries keep global state without locks.
-std::mutex& netcdf_mutex() {
-  static std::mutex mutex;
-  return mutex;
-}
+/// The NetCDF and HDF5 C libraries keep global state without locks: hold one of these while in
+/// them.
+class LibraryLock {
+ public:
+  // HDF5 keeps its error printing a thread, and NetCDF turns it off in the first thread only.
+  LibraryLock() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  std::lock_guard<std::mutex> lock_;
+};
 
 /// An open NetCDF file, closed when it goes out of scope.
 class Handle {
@@ -257,7 +267,7 @@ void write_table_file(const fs::path& path, const TableFile& file) {
   } const remover{temporary};
 
   {
-    const std::lock_guard lock(netcdf_mutex());
+    const LibraryLock lock;
     const Writer out{path};
     Handle handle;
     out.check(nc_create(temporary.c_str(), NC_NETCDF4 | NC_CLOBBER, &handle.id));
@@ -287,7 +297,7 @@ TableFile read_table_file(const fs::path& path, std::string_view expected_finger
     throw FileError(Kind::foreign, path, "not a NetCDF-4 table file");
   stream.close();
 
-  const std::lock_guard lock(netcdf_mutex());
+  const LibraryLock lock;
   const Reader in{path};
   Handle handle;
   const int status = nc_open(path.c_str(), NC_NOWRITE, &handle.id);

@@ -1,0 +1,269 @@
+#include "emulator/table_file.hpp"
+
+#include <gtest/gtest.h>
+#include <netcdf.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+namespace wheeltap::emulator {
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = FileError::Kind;
+
+/// A directory of its own for each test, removed at the end.
+class TableFileTest : public testing::Test {
+ protected:
+  TableFileTest()
+      : directory_(fs::temp_directory_path() /
+                   ("wheeltap_table_" + std::to_string(::getpid()) + "_" +
+                    testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::create_directories(directory_);
+  }
+  ~TableFileTest() override { fs::remove_all(directory_); }
+
+  [[nodiscard]] fs::path path(const std::string& name = "table.nc") const {
+    return directory_ / name;
+  }
+  [[nodiscard]] std::size_t files() const {
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(directory_), fs::directory_iterator()));
+  }
+  [[nodiscard]] std::string bytes() const {
+    std::ifstream stream(path(), std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  void put(const std::string& content) const { std::ofstream(path(), std::ios::binary) << content; }
+  /// The kind of error that reading the file ends with; nullopt when it reads well.
+  [[nodiscard]] std::optional<Kind> read_error(std::string_view fingerprint = {}) const {
+    try {
+      (void)read_table_file(path(), fingerprint);
+    } catch (const FileError& error) {
+      EXPECT_EQ(error.path(), path());
+      EXPECT_FALSE(error.reason().empty());
+      EXPECT_NE(std::string(error.what()).find(path().string()), std::string::npos);
+      return error.kind();
+    }
+    return std::nullopt;
+  }
+
+  fs::path directory_;
+};
+
+TableFile example() {
+  TableFile file;
+  file.attributes = {{"case", R"({"kind": "damage"})"},
+                     {"fingerprint", fingerprint("beam")},
+                     {"wheeltap_version", "0.1.0"},
+                     {"command", "wheeltap table case.json -o table.nc"}};
+  for (int count : {1, 2}) {
+    Table t;
+    for (int i = 1; i <= count; ++i) {
+      const std::string label = std::string("[") + std::to_string(i) + "]";
+      t.factors.push_back({"location" + label, "m", {0.05, 0.15, 0.25}});
+      t.factors.push_back({"reduction" + label, "", {0.0, 0.2, 0.4, 0.6}, Scale::compliance});
+    }
+    t.response_name = "frequency";
+    t.response_unit = "Hz";
+    t.values = RowMatrix::Random(count == 1 ? 12 : 144, 20);
+    for (int k = 0; k < 20; ++k) t.holdout.push_back({0.1 * k, 0.2 * k, 3.0, 1 - 0.01 * k});
+    t.holdout[3].q2 = -HUGE_VAL;
+    file.tables["count_" + std::to_string(count)] = t;
+  }
+  file.tables["count_1"].holdout.clear();
+  return file;
+}
+
+TEST_F(TableFileTest, ReadsBackWhatItWrote) {
+  const TableFile written = example();
+  write_table_file(path(), written);
+  const TableFile read = read_table_file(path(), fingerprint("beam"));
+  EXPECT_EQ(read.attributes, written.attributes);
+  ASSERT_EQ(read.tables.size(), 2u);
+  for (const auto& [name, t] : written.tables) {
+    const Table& r = read.tables.at(name);
+    ASSERT_EQ(r.factors.size(), t.factors.size());
+    for (std::size_t j = 0; j < t.factors.size(); ++j) {
+      EXPECT_EQ(r.factors[j].name, t.factors[j].name);
+      EXPECT_EQ(r.factors[j].unit, t.factors[j].unit);
+      EXPECT_EQ(r.factors[j].levels, t.factors[j].levels);
+      EXPECT_EQ(r.factors[j].scale, t.factors[j].scale);
+    }
+    EXPECT_EQ(r.response_name, "frequency");
+    EXPECT_EQ(r.response_unit, "Hz");
+    EXPECT_EQ(r.values, t.values);
+    ASSERT_EQ(r.holdout.size(), t.holdout.size());
+    for (std::size_t k = 0; k < t.holdout.size(); ++k) {
+      EXPECT_EQ(r.holdout[k].rmse, t.holdout[k].rmse);
+      EXPECT_EQ(r.holdout[k].max_error, t.holdout[k].max_error);
+      EXPECT_EQ(r.holdout[k].spread, t.holdout[k].spread);
+      EXPECT_EQ(r.holdout[k].q2, t.holdout[k].q2);
+    }
+  }
+}
+
+TEST_F(TableFileTest, AnyNetcdfReaderSeesNamedDimensionsAndUnits) {
+  write_table_file(path(), example());
+  int file, group, variable, dimensions[8];
+  ASSERT_EQ(nc_open(path().c_str(), NC_NOWRITE, &file), NC_NOERR);
+  ASSERT_EQ(nc_inq_grp_ncid(file, "count_2", &group), NC_NOERR);
+  ASSERT_EQ(nc_inq_varid(group, "frequency", &variable), NC_NOERR);
+  ASSERT_EQ(nc_inq_vardimid(group, variable, dimensions), NC_NOERR);
+  const char* expected[] = {"location[1]", "reduction[1]", "location[2]", "reduction[2]",
+                            "response"};
+  for (int i = 0; i < 5; ++i) {
+    char name[NC_MAX_NAME + 1] = {};
+    nc_inq_dimname(group, dimensions[i], name);
+    EXPECT_STREQ(name, expected[i]);
+  }
+  char units[8] = {};
+  nc_get_att_text(group, variable, "units", units);
+  EXPECT_STREQ(units, "Hz");
+  nc_close(file);
+}
+
+TEST_F(TableFileTest, ATableOfAnotherCaseIsRefused) {
+  write_table_file(path(), example());
+  EXPECT_EQ(read_error(), std::nullopt);
+  EXPECT_EQ(read_error(fingerprint("another beam")), Kind::mismatch);
+  TableFile anonymous = example();
+  anonymous.attributes.erase("fingerprint");
+  write_table_file(path(), anonymous);
+  EXPECT_EQ(read_error(fingerprint("beam")), Kind::mismatch);
+}
+
+TEST_F(TableFileTest, MissingAndForeignFiles) {
+  EXPECT_EQ(read_error(), Kind::missing);
+  put("");
+  EXPECT_EQ(read_error(), Kind::foreign);
+  put("location,reduction,f1\n0.1,0.2,13.85\n");
+  EXPECT_EQ(read_error(), Kind::foreign);
+  fs::remove(path());
+  fs::create_directory(path());
+  EXPECT_EQ(read_error(), Kind::missing);
+  fs::remove(path());
+  int file;
+  ASSERT_EQ(nc_create(path().c_str(), NC_NETCDF4, &file), NC_NOERR);
+  nc_put_att_text(file, NC_GLOBAL, "title", 7, "weather");
+  nc_close(file);
+  EXPECT_EQ(read_error(), Kind::foreign);
+}
+
+TEST_F(TableFileTest, OtherFormatVersionsAreNamed) {
+  for (int version : {kTableFormatVersion - 1, kTableFormatVersion + 1}) {
+    write_table_file(path(), example());
+    int file;
+    ASSERT_EQ(nc_open(path().c_str(), NC_WRITE, &file), NC_NOERR);
+    nc_put_att_int(file, NC_GLOBAL, "table_format_version", NC_INT, 1, &version);
+    nc_close(file);
+    EXPECT_EQ(read_error(), Kind::version);
+  }
+}
+
+TEST_F(TableFileTest, TruncatedFilesAreCorrupt) {
+  write_table_file(path(), example());
+  const std::string whole = bytes();
+  for (int part = 1; part < 40; ++part) {
+    put(whole.substr(0, whole.size() * static_cast<std::size_t>(part) / 40));
+    EXPECT_EQ(read_error(), Kind::corrupt) << part << "/40 of the file";
+  }
+  put(whole.substr(0, whole.size() - 1));
+  EXPECT_EQ(read_error(), Kind::corrupt);
+}
+
+TEST_F(TableFileTest, ADamagedByteInTheValuesIsNoticed) {
+  TableFile file = example();
+  file.tables.erase("count_1");
+  write_table_file(path(), file);
+  // Compressed random doubles fill most of the file: a byte in the middle of its largest extent of
+  // high-entropy bytes belongs to them. Every flipped byte must give the old values or an error.
+  const std::string whole = bytes();
+  const RowMatrix& values = file.tables.at("count_2").values;
+  int noticed = 0;
+  for (std::size_t at = whole.size() / 4; at < whole.size(); at += whole.size() / 40) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
+    put(damaged);
+    try {
+      EXPECT_EQ(read_table_file(path()).tables.at("count_2").values, values);
+    } catch (const FileError& error) {
+      EXPECT_EQ(error.kind(), Kind::corrupt);
+      ++noticed;
+    }
+  }
+  EXPECT_GT(noticed, 0);
+}
+
+TEST_F(TableFileTest, AFileThatContradictsItselfIsCorrupt) {
+  write_table_file(path(), example());
+  int file, group, variable;
+  ASSERT_EQ(nc_open(path().c_str(), NC_WRITE, &file), NC_NOERR);
+  ASSERT_EQ(nc_inq_grp_ncid(file, "count_1", &group), NC_NOERR);
+  ASSERT_EQ(nc_inq_varid(group, "location[1]", &variable), NC_NOERR);
+  const double unordered[] = {0.25, 0.15, 0.05};
+  nc_put_var_double(group, variable, unordered);
+  nc_close(file);
+  EXPECT_EQ(read_error(), Kind::corrupt);
+}
+
+TEST_F(TableFileTest, UnwritableOutput) {
+  const fs::path nowhere = directory_ / "absent" / "table.nc";
+  try {
+    write_table_file(nowhere, example());
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.kind(), Kind::unwritable);
+    EXPECT_EQ(error.path(), nowhere);
+  }
+  fs::create_directories(path("is_a_directory") / "full");
+  EXPECT_THROW(write_table_file(path("is_a_directory"), example()), FileError);
+  EXPECT_EQ(files(), 1u) << "no temporary file stays behind";
+}
+
+TEST_F(TableFileTest, AFailedWriteLeavesTheOldFile) {
+  write_table_file(path(), example());
+  TableFile bad = example();
+  bad.attributes["no/slash/allowed"] = "";
+  EXPECT_THROW(write_table_file(path(), bad), FileError);
+  EXPECT_EQ(read_error(), std::nullopt);
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(TableFileTest, ContradictingTablesAreRefused) {
+  TableFile wrong_rows = example();
+  wrong_rows.tables["count_1"].values = RowMatrix::Zero(11, 20);
+  EXPECT_THROW(write_table_file(path(), wrong_rows), std::invalid_argument);
+  TableFile wrong_holdout = example();
+  wrong_holdout.tables["count_2"].holdout.pop_back();
+  EXPECT_THROW(write_table_file(path(), wrong_holdout), std::invalid_argument);
+  TableFile clash = example();
+  clash.tables["count_1"].response_name = "location[1]";
+  EXPECT_THROW(write_table_file(path(), clash), std::invalid_argument);
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(TableFileTest, ThreadsMayReadAndWriteAtOnce) {
+  const TableFile file = example();
+  std::vector<std::jthread> crew;
+  for (int t = 0; t < 4; ++t)
+    crew.emplace_back([&, t] {
+      const fs::path mine = path("table" + std::to_string(t) + ".nc");
+      for (int i = 0; i < 3; ++i) {
+        write_table_file(mine, file);
+        EXPECT_EQ(read_table_file(mine).tables.at("count_2").values,
+                  file.tables.at("count_2").values);
+      }
+    });
+}
+
+TEST(Fingerprint, ReferenceValuesOfFnv1a) {
+  EXPECT_EQ(fingerprint(""), "cbf29ce484222325");
+  EXPECT_EQ(fingerprint("a"), "af63dc4c8601ec8c");
+  EXPECT_EQ(fingerprint("foobar"), "85944171f73967e8");
+}
+
+}  // namespace
+}  // namespace wheeltap::emulator
