@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/random/sobol.hpp>
+#include <charconv>
 #include <cmath>
 #include <random>
 #include <set>
@@ -10,10 +11,10 @@
 namespace wheeltap::emulator {
 namespace {
 
+/// The shortest text that reads back as x.
 std::string number(double x) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.10g", x);
-  return text;
+  return {text, std::to_chars(text, text + sizeof text, x).ptr};
 }
 
 /// Uniform on [0, 1) from the top 53 bits: the same on every platform, unlike the standard

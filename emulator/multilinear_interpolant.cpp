@@ -1,6 +1,5 @@
 #include "emulator/multilinear_interpolant.hpp"
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <string>
@@ -34,25 +33,10 @@ WHEELTAP_VECTOR_CLONES void weighted_sum(const double* __restrict weights,
 
 MultilinearInterpolant::MultilinearInterpolant(std::vector<Factor> factors, RowMatrix values)
     : factors_(std::move(factors)), values_(std::move(values)) {
-  check_factors(factors_);
+  axes_ = grid_axes(factors_, values_);
   if (factors_.size() > kMostFactors)
     throw std::invalid_argument("multilinear interpolation in " + std::to_string(factors_.size()) +
                                 " factors; at most " + std::to_string(kMostFactors));
-  if (values_.cols() < 1) throw std::invalid_argument("a table without responses");
-  std::ptrdiff_t stride = values_.cols();
-  axes_.resize(factors_.size());
-  for (std::size_t j = factors_.size(); j-- > 0;) {
-    const Factor& factor = factors_[j];
-    axes_[j].stride = stride;
-    stride *= static_cast<std::ptrdiff_t>(factor.levels.size());
-    for (double level : factor.levels)
-      axes_[j].coordinates.push_back(to_scale(factor.scale, level));
-  }
-  if (stride != values_.size())
-    throw std::invalid_argument("a table of " + std::to_string(values_.rows()) +
-                                " rows for a grid of " + std::to_string(stride / values_.cols()) +
-                                " nodes");
-  if (!values_.allFinite()) throw std::invalid_argument("a table with values that are not finite");
 }
 
 void MultilinearInterpolant::evaluate(std::span<const double> x, std::span<double> out) const {
@@ -67,15 +51,15 @@ void MultilinearInterpolant::evaluate(std::span<const double> x, std::span<doubl
   corners[0] = values_.data();
   std::size_t count = 1;
   for (std::size_t j = 0; j < axes_.size(); ++j) {
-    const auto& s = axes_[j].coordinates;
-    const double at = to_scale(factors_[j].scale, x[j]);
-    // The last level above `at` among the inner ones: x on the upper bound falls in the last cell.
-    const auto upper = std::upper_bound(s.begin() + 1, s.end() - 1, at);
-    const double t = (at - upper[-1]) / (upper[0] - upper[-1]);
-    const std::ptrdiff_t offset = (upper - s.begin() - 1) * axes_[j].stride;
+    const GridAxis& axis = axes_[j];
+    const double at = to_scale(axis.scale, x[j]);
+    const std::ptrdiff_t cell = axis.cell(at);
+    const double* const s = axis.coordinates.data() + cell;
+    const double t = (at - s[0]) / (s[1] - s[0]);
+    const std::ptrdiff_t offset = cell * axis.stride;
     for (std::size_t c = 0; c < count; ++c) {
       corners[c] += offset;
-      corners[count + c] = corners[c] + axes_[j].stride;
+      corners[count + c] = corners[c] + axis.stride;
       weights[count + c] = weights[c] * t;
       weights[c] *= 1.0 - t;
     }

@@ -1,7 +1,7 @@
 // Multilinear interpolation on a full-factorial grid of any dimension, all responses at once.
 #pragma once
 
-#include "emulator/design.hpp"
+#include "emulator/grid.hpp"
 
 namespace wheeltap::emulator {
 
@@ -33,12 +33,8 @@ class MultilinearInterpolant {
   [[nodiscard]] Eigen::Index responses() const { return values_.cols(); }
 
  private:
-  struct Axis {
-    std::vector<double> coordinates;  // s(level)
-    std::ptrdiff_t stride;            // doubles from one level to the next in values_
-  };
   std::vector<Factor> factors_;
-  std::vector<Axis> axes_;
+  std::vector<GridAxis> axes_;
   RowMatrix values_;
 };
 

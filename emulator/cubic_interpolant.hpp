@@ -1,0 +1,57 @@
+// Cubic interpolation on a full-factorial grid, monotone where the data are, all responses at once.
+#pragma once
+
+#include "emulator/grid.hpp"
+
+namespace wheeltap::emulator {
+
+/// How an interpolant joins the values along one factor.
+enum class AxisRule {
+  linear,         ///< straight lines
+  cubic,          ///< cubic Hermite pieces with the slopes of the parabola through three neighbours
+  monotone_cubic  ///< the same, its slopes limited so that no piece overshoots its two end values
+};
+
+[[nodiscard]] std::string_view name(AxisRule rule);
+/// Inverse of `name`. Throws std::invalid_argument for another text.
+[[nodiscard]] AxisRule axis_rule_named(std::string_view text);
+
+/// Interpolates along the last factor first, on every line of the local stencil, then along the one
+/// before it, and so on. In one dimension, between levels s_0 < s_1 a distance h apart,
+///   p(t) = y_0 + t h [d_0 + t (3Δ - 2d_0 - d_1 + t (d_0 + d_1 - 2Δ))],  Δ = (y_1 - y_0)/h,
+/// with d the parabolas' slopes (one-sided at the ends of the range). monotone_cubic sets d to 0
+/// where the secants on its sides differ in sign, and limits it to three times the smaller secant,
+/// which is enough for a monotone piece (Fritsch & Carlson 1980, Monotone piecewise cubic
+/// interpolation, section 3). Exact at nodes; cubic reproduces parabolas, monotone_cubic those it
+/// need not limit. The error falls as the cube of the spacing for smooth data (as the square where
+/// monotone_cubic flattens an extremum: choose cubic along a factor that the response waves in). A
+/// factor that sits on a level costs nothing. Evaluations do not allocate and may run in several
+/// threads at once.
+class CubicInterpolant {
+ public:
+  /// The most stencil nodes (4 a cubic factor, 2 a linear one) an evaluation gathers.
+  static constexpr std::size_t kMostNodes = 4096;
+
+  /// `values`: runs × responses, rows in the order of `full_factorial(factors)`; `rules`: one per
+  /// factor. Throws std::invalid_argument as `grid_axes` does, for another number of rules, and for
+  /// a stencil of more than kMostNodes.
+  CubicInterpolant(std::vector<Factor> factors, RowMatrix values, std::vector<AxisRule> rules);
+
+  /// All responses at x. Throws std::out_of_range outside the box, as MultilinearInterpolant does.
+  void evaluate(std::span<const double> x, std::span<double> out) const;
+
+  [[nodiscard]] bool contains(std::span<const double> x) const {
+    return emulator::contains(factors_, x);
+  }
+  [[nodiscard]] const std::vector<Factor>& factors() const { return factors_; }
+  [[nodiscard]] const RowMatrix& values() const { return values_; }
+  [[nodiscard]] Eigen::Index responses() const { return values_.cols(); }
+
+ private:
+  std::vector<Factor> factors_;
+  std::vector<GridAxis> axes_;
+  RowMatrix values_;
+  std::vector<AxisRule> rules_;
+};
+
+}  // namespace wheeltap::emulator
