@@ -4,20 +4,21 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace wheeltap::inference {
 
-/// Draws of one quantity: `chains[c][i]`, every chain of the same length.
+/// Draws of one quantity: `chains[c][i]`, every chain of the same length. All functions below
+/// return NaN for fewer than 4 draws a chain or where a draw is NaN, and throw
+/// std::invalid_argument where the lengths differ or there is no chain.
 using ChainsOf = std::vector<std::vector<double>>;
 
 /// Rank-normalised split R-hat: the larger of the bulk and the folded one (Vehtari et al. 2021,
-/// section 4.1). NaN for fewer than 4 draws a chain; 1 for a constant that agrees in every chain, +∞
-/// where the chains are constant at different values.
+/// section 4.1). 1 for a constant that agrees in every chain, +∞ where the chains are constant at
+/// different values.
 [[nodiscard]] double rhat(const ChainsOf& draws);
-/// Effective sample size of the rank-normalised split draws (ibid., sections 3.2 and 4.3), by Geyer's
-/// initial monotone sequence, autocovariances by FFT.
+/// Effective sample size of the rank-normalised split draws (ibid., sections 3.2 and 4.3), by
+/// Geyer's initial monotone sequence. At most N log10 N for antithetic chains; N for a constant.
 [[nodiscard]] double ess_bulk(const ChainsOf& draws);
 /// The smaller of the effective sample sizes of the 5 % and 95 % quantiles (ibid., section 4.3).
 [[nodiscard]] double ess_tail(const ChainsOf& draws);
@@ -28,20 +29,33 @@ using ChainsOf = std::vector<std::vector<double>>;
 /// Integrated autocorrelation time of the mean, draws / ess_mean.
 [[nodiscard]] double iact(const ChainsOf& draws);
 
-/// Posterior of the stationary distribution of the model indicator (Heck et al. 2019): rows of the
-/// transition matrix get independent Dirichlet(ε) priors, and each posterior draw of the matrix has
-/// a stationary vector.
-struct ModelProbabilities {
-  std::vector<double> mean;       ///< one a model
-  std::vector<double> sd;
-  Eigen::MatrixXd transitions;    ///< counts, models × models
-  double effective_draws = 0.0;   ///< Dirichlet moment matching, ibid., eq. 9 and following
+/// All of the above in one pass over the data (one sort serves them all).
+struct Convergence {
+  double rhat, ess_bulk, ess_tail, ess_mean, mcse_mean;
 };
+[[nodiscard]] Convergence convergence(const ChainsOf& draws);
+
+/// Posterior of the stationary distribution of the model indicator (Heck et al. 2019, Statistics
+/// and Computing 29:631): the rows of the transition matrix of the visited models get independent
+/// Dirichlet(ε, …, ε) priors, ε = 1 / (number of visited models), and each posterior draw of the
+/// matrix has a stationary vector. It takes the indicator for a Markov chain, which it nearly is.
+struct ModelProbabilities {
+  std::vector<double> mean;     ///< one a model; 0 for a model never visited
+  std::vector<double> sd;       ///< 0 for a model never visited
+  Eigen::MatrixXd transitions;  ///< counts, models × models
+  /// Size of the independent sample that would leave as much uncertainty: the mass of the Dirichlet
+  /// with the same mean and total variance, less the prior's. Infinite where one model alone was
+  /// visited.
+  double effective_draws = 0.0;
+};
+/// Throws std::invalid_argument for an index outside [0, models) or fewer than 1 posterior draw.
 [[nodiscard]] ModelProbabilities stationary_model_probabilities(
     const std::vector<std::vector<int>>& model_chains, int models, std::uint64_t seed,
     int posterior_draws = 1000);
 
-/// Completed trips of an indicator between its lowest and highest visited value, over all chains.
-[[nodiscard]] long round_trips(const std::vector<std::vector<int>>& chains, int lowest, int highest);
+/// Completed round trips of an indicator (lowest → highest → lowest, or the reverse), over all
+/// chains; 0 where lowest = highest.
+[[nodiscard]] long round_trips(const std::vector<std::vector<int>>& chains, int lowest,
+                               int highest);
 
 }  // namespace wheeltap::inference

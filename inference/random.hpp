@@ -1,5 +1,5 @@
-// Counter-based random numbers: what a chain draws depends on (seed, chain, iteration, purpose) alone,
-// never on threads or on what was drawn before.
+// Counter-based random numbers: what a chain draws depends on (seed, chain, iteration, purpose)
+// alone, never on threads or on what was drawn before.
 #pragma once
 
 #include <Random123/philox.h>
@@ -13,7 +13,16 @@ namespace wheeltap::inference {
 
 /// What a stream of random numbers is for; a part of its key, so that streams never overlap.
 enum class Purpose : std::uint32_t {
-  start, exploration, adaptation, fit, sampling, swap, prediction, evidence, simulation, test
+  start,
+  exploration,
+  adaptation,
+  fit,
+  sampling,
+  swap,
+  prediction,
+  evidence,
+  simulation,
+  test
 };
 
 /// A stream of Philox 4x64-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
@@ -59,6 +68,22 @@ class Random {
 
   /// Standard exponential.
   double exponential() { return -std::log(uniform()); }
+
+  /// Gamma with this shape > 0 and scale 1 (Marsaglia & Tsang 2000). A small shape may underflow to
+  /// 0.
+  double gamma(double shape) {
+    if (shape < 1.0) {
+      const double grown = gamma(shape + 1.0);
+      return grown * std::pow(uniform(), 1.0 / shape);
+    }
+    const double d = shape - 1.0 / 3.0;
+    const double c = 1.0 / std::sqrt(9.0 * d);
+    for (;;) {
+      const double x = normal();
+      const double v = (1.0 + c * x) * (1.0 + c * x) * (1.0 + c * x);
+      if (v > 0.0 && std::log(uniform()) < 0.5 * x * x + d - d * v + d * std::log(v)) return d * v;
+    }
+  }
 
  private:
   r123::Philox4x64_R<10>::key_type key_;
