@@ -1,0 +1,63 @@
+// A chain: lumped masses joined by links.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "dynamics/law.hpp"
+#include "dynamics/laws.hpp"
+
+namespace wheeltap::dynamics {
+
+/// A link between masses a and b; 0 is the ground or the moving base, 1 the first mass. With the
+/// extension e = y_b - y_a (opening: e > 0) its tension
+///
+///   T(e, ė) = stiffness · e + damping · ė + Σ laws
+///
+/// pulls a towards b: +T on a, -T on b.
+struct Link {
+  int a = 0;
+  int b = 1;
+  Coefficient stiffness = 0.0;  ///< [N/m]
+  Coefficient damping = 0.0;    ///< [N s/m]
+  std::vector<Law> laws = {};
+};
+
+/// M z̈ = -M 1 ÿ_base + F(t) + Σ ±T, z the displacement relative to the base. Without base motion z
+/// is the displacement itself.
+struct Chain {
+  std::vector<Coefficient> masses = {};  ///< [kg], masses 1, 2, …
+  std::vector<Link> links = {};
+
+  [[nodiscard]] int size() const { return static_cast<int>(masses.size()); }
+  /// True if no link has a law beside stiffness and damping.
+  [[nodiscard]] bool is_linear() const;
+  /// One more than the largest parameter index any coefficient uses.
+  [[nodiscard]] int parameters() const;
+};
+
+/// Throws std::invalid_argument unless there are masses and links, every link joins two different
+/// masses that exist, constant masses are positive and constant coefficients make sense for their
+/// law.
+void validate(const Chain& chain);
+
+/// The matrices of the linear part, n × n each.
+struct LinearMatrices {
+  Eigen::MatrixXd mass, damping, stiffness;
+};
+[[nodiscard]] LinearMatrices linear_matrices(const Chain& chain, std::span<const double> theta);
+
+/// What limits a time step.
+struct Rates {
+  double frequency = 0.0;  ///< bound of the highest natural frequency ω [rad/s]
+  double damping = 0.0;    ///< bound of the fastest decay, the largest eigenvalue of M⁻¹ C [1/s]
+};
+
+/// Gershgorin's bounds over the rows of M⁻¹ K and M⁻¹ C, every law taken at its stiffest branch for
+/// extensions up to `extension[link]` [m] (empty: 0, so that a cubic spring counts nothing). Exact
+/// for one mass.
+[[nodiscard]] Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
+                                   std::span<const double> extension = {});
+
+}  // namespace wheeltap::dynamics

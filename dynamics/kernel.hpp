@@ -1,0 +1,85 @@
+// Between simulate.cpp and the time loops compiled once for every vector width. Internal.
+#pragma once
+
+#include <cstdint>
+
+namespace wheeltap::dynamics::kernel {
+
+// The loops read plain arrays: nothing here may pull library code into a file compiled for AVX-512,
+// where the linker could pick its instance for every processor.
+
+struct LawTerm {
+  int kind = 0;
+  int slot = 0;    ///< first coefficient; the side (±1) follows the last one
+  int memory = 0;  ///< index of its state, if it has one
+};
+
+struct LinkTerm {
+  int a = 0, b = 0;
+  int slot = 0;  ///< stiffness, damping
+  int law_begin = 0, law_end = 0;
+};
+
+struct DriveTerm {
+  int mass = 0;  ///< 0: base acceleration
+  const double* samples = nullptr;
+  int slot = 0;  ///< scale, offset
+};
+
+/// One sensor. Predicted value: relative motion + base_scale · base[n] + base_offset.
+struct SensorTerm {
+  int mass = 0;
+  int quantity = 0;              ///< time derivatives
+  const double* base = nullptr;  ///< null: relative. Of every sample of the excitation.
+  int base_slot = 0;             ///< scale, offset
+  const double* observed = nullptr;
+  int slot = 0;  ///< scale, offset of what was observed
+};
+
+/// The work for one group of parameter vectors, one a lane.
+struct Task {
+  int masses = 0, links = 0, drives = 0, sensors = 0, memories = 0;
+  const LinkTerm* link = nullptr;
+  const LawTerm* law = nullptr;
+  const DriveTerm* drive = nullptr;
+  const SensorTerm* sensor = nullptr;
+  bool serial = false;  ///< link i joins masses i and i + 1, and there are no others
+  double step = 0.0;    ///< time between two samples of the excitation [s]
+  std::int64_t samples = 0;
+  int stride = 1;
+  std::int64_t lead_in = 0;  ///< samples of the response that are not scored
+  int substeps = 1;          ///< exact solution: halvings of the step in its exponential
+  double bound = 0.0;
+  int initial_slot = 0;  ///< displacements, then velocities; masses are slots 0, 1, …
+
+  /// coefficients[slot · W + lane], 64-byte aligned like everything below.
+  const double* coefficients = nullptr;
+  double* scratch = nullptr;     ///< scratch_size(…) · W doubles
+  double* sums = nullptr;        ///< [sensor][lane]; or null: then the trajectory is stored
+  double* trajectory = nullptr;  ///< [sample of the response][sensor][lane]
+  double* failed = nullptr;      ///< [lane]: 0 or 1
+};
+
+inline constexpr int kMaxMasses = 64;
+inline constexpr int kMaxMemories = 64;
+
+/// Vectors of scratch memory that the exact solution needs.
+constexpr int scratch_size(int masses, int drives, int sensors) {
+  const int n = 2 * masses;
+  return 3 * n * n + masses * (n + drives) + 4 * n * drives + sensors * (n + drives) + drives + n;
+}
+
+struct Kernel {
+  int lanes = 1;
+  void (*runge_kutta)(const Task&) = nullptr;
+  void (*exact)(const Task&) = nullptr;
+};
+
+Kernel scalar_kernel();
+Kernel baseline_kernel();
+#ifdef WHEELTAP_X86_KERNELS
+Kernel avx2_kernel();
+Kernel avx512_kernel();
+#endif
+
+}  // namespace wheeltap::dynamics::kernel

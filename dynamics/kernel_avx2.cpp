@@ -1,0 +1,3 @@
+#define WHEELTAP_KERNEL avx2
+#define WHEELTAP_LANES 4
+#include "dynamics/kernel_impl.hpp"

@@ -1,0 +1,3 @@
+#define WHEELTAP_KERNEL baseline
+#define WHEELTAP_LANES 2
+#include "dynamics/kernel_impl.hpp"

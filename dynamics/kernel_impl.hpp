@@ -1,0 +1,553 @@
+// The time loops over vectors of parameter sets. Included by each kernel_*.cpp, which first defines
+//   WHEELTAP_KERNEL  a namespace of its own, so that no two instruction sets share a symbol,
+//   WHEELTAP_LANES   how many doubles a vector holds.
+// Compiled without contraction to fused multiply-add: every width gives the same bits.
+#pragma once
+
+#include "dynamics/kernel.hpp"
+#include "dynamics/lane_math.hpp"
+#include "dynamics/laws.hpp"
+
+namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
+
+#if WHEELTAP_LANES == 1
+using V = double;
+#else
+using V __attribute__((vector_size(8 * WHEELTAP_LANES))) = double;
+#endif
+
+#define WHEELTAP_INLINE [[gnu::always_inline]] inline
+#define WHEELTAP_UNROLL _Pragma("GCC unroll 8")
+
+WHEELTAP_INLINE const V* vectors(const double* p) {
+  return reinterpret_cast<const V*>(p);
+}
+WHEELTAP_INLINE V* vectors(double* p) {
+  return reinterpret_cast<V*>(p);
+}
+
+WHEELTAP_INLINE bool all(V mask) {
+#if WHEELTAP_LANES == 1
+  return mask != 0.0;
+#else
+  for (int lane = 0; lane < WHEELTAP_LANES; ++lane)
+    if (mask[lane] == 0.0) return false;
+  return true;
+#endif
+}
+
+/// 1 in every lane where x is not within the bound (NaN included), else 0.
+WHEELTAP_INLINE V outside(V x, double bound) {
+  return x <= bound ? V{} : V{} + 1.0;
+}
+
+constexpr std::int64_t kSamplesBetweenChecks = 256;
+
+/// What both loops do with a sample: score it or store it.
+class Output {
+ public:
+  explicit Output(const Task& task) : task_(task), c_(vectors(task.coefficients)) {
+    if (task.sums != nullptr)
+      for (int i = 0; i < task.sensors; ++i) vectors(task.sums)[i] = V{};
+  }
+
+  /// True if sample n of the excitation is wanted.
+  WHEELTAP_INLINE bool due(std::int64_t n) {
+    if (n != next_) return false;
+    next_ += task_.stride;
+    ++sample_;
+    return task_.sums == nullptr || sample_ >= task_.lead_in;
+  }
+
+  /// `motion` is the sensor's relative motion.
+  WHEELTAP_INLINE void take(std::int64_t n, int i, V motion) {
+    const SensorTerm& s = task_.sensor[i];
+    if (s.base != nullptr) motion += c_[s.base_slot] * s.base[n] + c_[s.base_slot + 1];
+    if (task_.sums != nullptr) {
+      const V residual = c_[s.slot] * s.observed[sample_] + c_[s.slot + 1] - motion;
+      vectors(task_.sums)[i] += residual * residual;
+    } else {
+      vectors(task_.trajectory)[sample_ * task_.sensors + i] = motion;
+    }
+  }
+
+ private:
+  const Task& task_;
+  const V* c_;
+  std::int64_t next_ = 0;
+  std::int64_t sample_ = -1;
+};
+
+/// N > 0: number of masses; 0: task.masses. kSerial: link i joins masses i and i + 1.
+template <int N, bool kSerial>
+class RungeKutta {
+ public:
+  explicit RungeKutta(const Task& task)
+      : task_(task), c_(vectors(task.coefficients)), masses_(N > 0 ? N : task.masses) {}
+
+  void run() {
+    const int n = masses();
+    inverse_mass_[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) inverse_mass_[i] = 1.0 / c_[i - 1];
+
+    const int steps = task_.substeps;
+    const double h = task_.step / steps, half = 0.5 * h, sixth = h / 6.0, area = h * h / 6.0;
+    const double fraction = 0.5 / steps;
+    V y[M], v[M], q[kMaxMemories], drive_now[M], drive_next[M], peak{};
+    y[0] = v[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) {
+      y[i] = c_[task_.initial_slot + i - 1];
+      v[i] = c_[task_.initial_slot + n + i - 1];
+    }
+    for (int m = 0; m < task_.memories; ++m) q[m] = V{};
+    Output output(task_);
+    excite(0, drive_now);
+
+    for (std::int64_t sample = 0;; ++sample) {
+      const bool last = sample + 1 == task_.samples;
+      V slope[M];
+      excite(last ? sample : sample + 1, drive_next);
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) slope[i] = (drive_next[i] - drive_now[i]) * fraction;
+      for (int s = 0; s < steps; ++s) {
+        // 0   |
+        // 1/2 | 1/2
+        // 1/2 | 0   1/2
+        // 1   | 0   0   1
+        //     | 1/6 1/3 1/3 1/6     Those of y are those of v: y gains h v + h²/6 (a1 + a2 + a3).
+        V a1[M], a2[M], a3[M], a4[M], yi[M], v2[M], v3[M], drive[M];
+        V q1[kMaxMemories], q2[kMaxMemories], q3[kMaxMemories], q4[kMaxMemories], qi[kMaxMemories];
+        yi[0] = v2[0] = v3[0] = V{};
+        WHEELTAP_UNROLL
+        for (int i = 1; i <= n; ++i) drive[i] = drive_now[i] + (2.0 * s) * slope[i];
+        rates(y, v, q, drive, a1, q1);
+        if (s == 0) {
+          if (output.due(sample)) emit(output, sample, y, v, a1);
+          if (last) break;
+        }
+
+        WHEELTAP_UNROLL
+        for (int i = 1; i <= n; ++i) {
+          drive[i] += slope[i];
+          yi[i] = y[i] + half * v[i];
+          v2[i] = v[i] + half * a1[i];
+        }
+        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + half * q1[m];
+        rates(yi, v2, qi, drive, a2, q2);
+
+        WHEELTAP_UNROLL
+        for (int i = 1; i <= n; ++i) {
+          yi[i] = y[i] + half * v2[i];
+          v3[i] = v[i] + half * a2[i];
+        }
+        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + half * q2[m];
+        rates(yi, v3, qi, drive, a3, q3);
+
+        WHEELTAP_UNROLL
+        for (int i = 1; i <= n; ++i) {
+          drive[i] += slope[i];
+          yi[i] = y[i] + h * v3[i];
+          v2[i] = v[i] + h * a3[i];
+        }
+        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + h * q3[m];
+        rates(yi, v2, qi, drive, a4, q4);
+
+        WHEELTAP_UNROLL
+        for (int i = 1; i <= n; ++i) {
+          const V middle = a2[i] + a3[i];
+          y[i] += h * v[i] + area * (a1[i] + middle);
+          v[i] += sixth * (a1[i] + a4[i] + 2.0 * middle);
+        }
+        for (int m = 0; m < task_.memories; ++m)
+          q[m] += sixth * (q1[m] + q4[m] + 2.0 * (q2[m] + q3[m]));
+      }
+      if (last) break;
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) {
+        drive_now[i] = drive_next[i];
+        peak = lanes::max(lanes::abs(y[i]), peak);
+      }
+      if (sample % kSamplesBetweenChecks == 0 && all(outside(peak, task_.bound))) break;
+    }
+    // A NaN stays in the state, where 0 · x shows it.
+    V trace{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) trace += 0.0 * y[i] + 0.0 * v[i];
+    vectors(task_.failed)[0] = lanes::max(outside(peak, task_.bound), outside(trace, 0.0));
+  }
+
+ private:
+  static constexpr int M = (N > 0 ? N : kMaxMasses) + 1;
+  [[nodiscard]] WHEELTAP_INLINE int masses() const { return N > 0 ? N : masses_; }
+
+  /// drive[i] = F_i / m_i - ÿ_base at a sample.
+  WHEELTAP_INLINE void excite(std::int64_t sample, V* drive) const {
+    const int n = masses();
+    V force[M], base{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) force[i] = V{};
+    for (int j = 0; j < task_.drives; ++j) {
+      const DriveTerm& term = task_.drive[j];
+      const V value = c_[term.slot] * term.samples[sample] + c_[term.slot + 1];
+      if (term.mass == 0)
+        base += value;
+      else
+        force[term.mass] += value;
+    }
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) drive[i] = force[i] * inverse_mass_[i] - base;
+  }
+
+  /// Accelerations and rates of the laws' own states.
+  WHEELTAP_INLINE void rates(const V* y, const V* v, const V* q, const V* drive, V* a,
+                             V* q_rate) const {
+    const int n = masses();
+    V pull[M];
+    pull[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) pull[i] = V{};
+    const int links = kSerial && N > 0 ? N : task_.links;
+    WHEELTAP_UNROLL
+    for (int l = 0; l < links; ++l) {
+      const LinkTerm& link = task_.link[l];
+      const int from = kSerial ? l : link.a, to = kSerial ? l + 1 : link.b;
+      const V e = y[to] - y[from], rate = v[to] - v[from];
+      V tension = c_[link.slot] * e + c_[link.slot + 1] * rate;
+      for (int j = link.law_begin; j < link.law_end; ++j)
+        tension += apply(task_.law[j], e, rate, q, q_rate);
+      pull[from] += tension;
+      pull[to] -= tension;
+    }
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) a[i] = drive[i] + pull[i] * inverse_mass_[i];
+  }
+
+  WHEELTAP_INLINE V apply(const LawTerm& term, V e, V rate, const V* q, V* q_rate) const {
+    V tension{};
+    LawList::visit(
+        term.kind, [&](auto law) __attribute__((always_inline)) {
+          using Law = decltype(law);
+          const V* c = c_ + term.slot;
+          if constexpr (Law::kInfo.memory) {
+            static_assert(!Law::kInfo.one_sided);
+            tension = Law::tension(c, e, rate, q[term.memory]);
+            q_rate[term.memory] = Law::memory_rate(c, e, rate, q[term.memory]);
+          } else if constexpr (Law::kInfo.one_sided) {
+            const V side = c[Law::kInfo.size()];
+            tension = side * Law::tension(c, side * e, side * rate);
+          } else {
+            tension = Law::tension(c, e, rate);
+          }
+        });
+    return tension;
+  }
+
+  WHEELTAP_INLINE void emit(Output& output, std::int64_t sample, const V* y, const V* v,
+                            const V* a) const {
+    const int n = masses();
+    V motion[3][M];  // a copy, so that y, v and a need not live in memory
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) {
+      motion[0][i] = y[i];
+      motion[1][i] = v[i];
+      motion[2][i] = a[i];
+    }
+    for (int i = 0; i < task_.sensors; ++i)
+      output.take(sample, i, motion[task_.sensor[i].quantity][task_.sensor[i].mass]);
+  }
+
+  const Task& task_;
+  const V* c_;
+  int masses_;
+  V inverse_mass_[M];
+};
+
+/// The exact solution of a linear chain. With the state x = (z, h ż) and the inputs u linear over a
+/// step,
+///
+///   x⁺ = Φ x + Γ₀ u + Γ₁ u⁺,  Φ = e^A, Γ₁ = φ₂(A) B, Γ₀ = φ₁(A) B - Γ₁,
+///   A = [0 1; -h² M⁻¹K  -h M⁻¹C],  φ₁(A) = Σ Aᵏ/(k+1)!,  φ₂(A) = Σ Aᵏ/(k+2)!
+///
+/// (the first-order hold; Van Loan 1978 gives the integrals). The loop propagates w = x - Γ₁ u,
+/// which takes one product with u a step: w⁺ = Φ w + (Φ Γ₁ + Γ₀) u.
+template <int N>
+class Exact {
+ public:
+  explicit Exact(const Task& task)
+      : task_(task),
+        c_(vectors(task.coefficients)),
+        masses_(N > 0 ? N : task.masses),
+        inputs_(task.drives) {
+    const int n = order(), j = inputs_;
+    V* p = vectors(task.scratch);
+    const auto take = [&p](int size) {
+      V* block = p;
+      p += size;
+      return block;
+    };
+    transition_ = take(n * n);
+    phi2_ = take(n * n);
+    product_ = take(n * n);
+    lower_ = take(masses() * n);
+    input_ = take(masses() * j);
+    gamma0_ = take(n * j);
+    gamma1_ = take(n * j);
+    gain_ = take(n * j);
+    shifted_ = take(n * j);
+    rows_ = take(task.sensors * n);
+    feed_ = take(task.sensors * j);
+    u_ = take(j);
+    state_ = take(n);
+  }
+
+  void run() {
+    discretise();
+    observe();
+    propagate();
+  }
+
+ private:
+  static constexpr int kOrder = N > 0 ? 2 * N : 2 * kMaxMasses;
+  [[nodiscard]] WHEELTAP_INLINE int masses() const { return N > 0 ? N : masses_; }
+  [[nodiscard]] WHEELTAP_INLINE int order() const { return 2 * masses(); }
+
+  /// The lower half of A and of B, in units of the step.
+  void assemble() {
+    const int m = masses(), n = order();
+    const double h = task_.step, h2 = h * h;
+    for (int i = 0; i < m * n; ++i) lower_[i] = V{};
+    const auto add = [&](int row, int column, V k, V c) {
+      lower_[row * n + column] -= k;
+      lower_[row * n + m + column] -= c;
+    };
+    for (int l = 0; l < task_.links; ++l) {
+      const LinkTerm& link = task_.link[l];
+      const int a = link.a - 1, b = link.b - 1;
+      const V k = h2 * c_[link.slot], c = h * c_[link.slot + 1];
+      if (a >= 0) add(a, a, k, c);
+      if (b >= 0) add(b, b, k, c);
+      if (a >= 0 && b >= 0) {
+        add(a, b, -k, -c);
+        add(b, a, -k, -c);
+      }
+    }
+    for (int i = 0; i < m; ++i) {
+      for (int j = 0; j < n; ++j) lower_[i * n + j] /= c_[i];
+      for (int j = 0; j < inputs_; ++j) {
+        const int mass = task_.drive[j].mass;
+        input_[i * inputs_ + j] = mass == 0 ? V{} - h2 : mass == i + 1 ? h2 / c_[i] : V{};
+      }
+    }
+  }
+
+  /// y ← factor A x, y and x n × columns. The upper half of A only moves rows up.
+  void multiply_a(double factor, const V* x, V* y, int columns) const {
+    const int m = masses(), n = order();
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; j < columns; ++j) {
+        y[i * columns + j] = factor * x[(m + i) * columns + j];
+        V sum{};
+        for (int k = 0; k < n; ++k) sum += lower_[i * n + k] * x[k * columns + j];
+        y[(m + i) * columns + j] = factor * sum;
+      }
+  }
+
+  /// y ← Φ x.
+  void multiply_transition(const V* x, V* y, int columns) const {
+    const int n = order();
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < columns; ++j) {
+        V sum{};
+        for (int k = 0; k < n; ++k) sum += transition_[i * n + k] * x[k * columns + j];
+        y[i * columns + j] = sum;
+      }
+  }
+
+  /// Taylor polynomials at A/2ˢ, whose norm is at most 1/2 (remainder 3e-18), then s doublings:
+  /// Φ(2A) = Φ², φ₁(2A) = (Φ + 1) φ₁ / 2, φ₂(2A) = (Φ φ₂ + φ₁ + φ₂) / 4.
+  void discretise() {
+    assemble();
+    const int m = masses(), n = order(), j = inputs_;
+    constexpr int kDegree = 13;
+    double factor = 1.0;
+    for (int s = 0; s < task_.substeps; ++s) factor *= 0.5;
+    double coefficient = 1.0;  // 1 / (degree + 2)!
+    for (int k = 2; k <= kDegree + 2; ++k) coefficient /= k;
+    for (int i = 0; i < n * n; ++i) phi2_[i] = V{};
+    for (int i = 0; i < n; ++i) phi2_[i * n + i] = V{} + coefficient;
+    for (int k = kDegree; k > 0; --k) {
+      coefficient *= k + 2;
+      multiply_a(factor, phi2_, product_, n);
+      for (int i = 0; i < n * n; ++i) phi2_[i] = product_[i];
+      for (int i = 0; i < n; ++i) phi2_[i * n + i] += coefficient;
+    }
+    multiply_a(factor, phi2_, product_, n);  // φ₁ = A φ₂ + 1
+    for (int i = 0; i < n; ++i) product_[i * n + i] += 1.0;
+    multiply_a(factor, product_, transition_, n);  // Φ = A φ₁ + 1
+    for (int i = 0; i < n; ++i) transition_[i * n + i] += 1.0;
+
+    // gamma1 = φ₂ B and gain = φ₁ B, B zero in its upper half. Over the short step B is factor · B.
+    for (int i = 0; i < n; ++i)
+      for (int c = 0; c < j; ++c) {
+        V first{}, second{};
+        for (int k = 0; k < m; ++k) {
+          first += product_[i * n + m + k] * input_[k * j + c];
+          second += phi2_[i * n + m + k] * input_[k * j + c];
+        }
+        gain_[i * j + c] = factor * first;
+        gamma1_[i * j + c] = factor * second;
+      }
+    for (int s = 0; s < task_.substeps; ++s) {
+      multiply_transition(gamma1_, gamma0_, j);
+      multiply_transition(gain_, shifted_, j);
+      for (int i = 0; i < n * j; ++i) {
+        gamma1_[i] = 0.5 * (gamma0_[i] + gain_[i] + gamma1_[i]);
+        gain_[i] = shifted_[i] + gain_[i];
+      }
+      multiply_transition(transition_, product_, n);
+      for (int i = 0; i < n * n; ++i) transition_[i] = product_[i];
+    }
+    for (int i = 0; i < n * j; ++i) gamma0_[i] = gain_[i] - gamma1_[i];
+    multiply_transition(gamma1_, gain_, j);
+    for (int i = 0; i < n * j; ++i) gain_[i] += gamma0_[i];
+  }
+
+  /// Sensor i reads rows · w + feed · u: of w only one entry unless it is an accelerometer.
+  void observe() {
+    const int m = masses(), n = order(), j = inputs_;
+    const double h = task_.step;
+    for (int i = 0; i < task_.sensors; ++i) {
+      const int mass = task_.sensor[i].mass - 1, quantity = task_.sensor[i].quantity;
+      if (quantity == 2) {
+        for (int k = 0; k < n; ++k) rows_[i * n + k] = lower_[mass * n + k] / (h * h);
+        for (int c = 0; c < j; ++c) {
+          V sum = input_[mass * j + c] / (h * h);
+          for (int k = 0; k < n; ++k) sum += rows_[i * n + k] * gamma1_[k * j + c];
+          feed_[i * j + c] = sum;
+        }
+      } else {
+        const int row = quantity == 1 ? m + mass : mass;
+        const double unit = quantity == 1 ? 1.0 / h : 1.0;
+        rows_[i * n] = V{} + unit;
+        for (int c = 0; c < j; ++c) feed_[i * j + c] = unit * gamma1_[row * j + c];
+      }
+    }
+  }
+
+  WHEELTAP_INLINE void excite(std::int64_t sample) {
+    for (int j = 0; j < inputs_; ++j) {
+      const DriveTerm& term = task_.drive[j];
+      u_[j] = c_[term.slot] * term.samples[sample] + c_[term.slot + 1];
+    }
+  }
+
+  WHEELTAP_INLINE void emit(Output& output, std::int64_t sample) const {
+    const int m = masses(), n = order();
+    for (int i = 0; i < task_.sensors; ++i) {
+      const SensorTerm& s = task_.sensor[i];
+      V motion{};
+      if (s.quantity == 2) {
+        WHEELTAP_UNROLL
+        for (int k = 0; k < n; ++k) motion += rows_[i * n + k] * state_[k];
+      } else {
+        motion = rows_[i * n] * state_[s.quantity == 1 ? m + s.mass - 1 : s.mass - 1];
+      }
+      for (int c = 0; c < inputs_; ++c) motion += feed_[i * inputs_ + c] * u_[c];
+      output.take(sample, i, motion);
+    }
+  }
+
+  void propagate() {
+    const int m = masses(), n = order();
+    V w[kOrder], next[kOrder], peak{};
+    excite(0);
+    WHEELTAP_UNROLL
+    for (int i = 0; i < n; ++i) {
+      w[i] = c_[task_.initial_slot + i] * (i < m ? 1.0 : task_.step);
+      for (int j = 0; j < inputs_; ++j) w[i] -= gamma1_[i * inputs_ + j] * u_[j];
+    }
+    Output output(task_);
+    for (std::int64_t sample = 0;; ++sample) {
+      if (output.due(sample)) {
+        WHEELTAP_UNROLL
+        for (int i = 0; i < n; ++i) state_[i] = w[i];
+        emit(output, sample);
+      }
+      if (sample + 1 == task_.samples) break;
+      WHEELTAP_UNROLL
+      for (int i = 0; i < n; ++i) {
+        V sum{};
+        WHEELTAP_UNROLL
+        for (int k = 0; k < n; ++k) sum += transition_[i * n + k] * w[k];
+        for (int j = 0; j < inputs_; ++j) sum += gain_[i * inputs_ + j] * u_[j];
+        next[i] = sum;
+      }
+      WHEELTAP_UNROLL
+      for (int i = 0; i < n; ++i) w[i] = next[i];
+      WHEELTAP_UNROLL
+      for (int i = 0; i < m; ++i) peak = lanes::max(lanes::abs(w[i]), peak);
+      if (sample % kSamplesBetweenChecks == 0 && all(outside(peak, task_.bound))) break;
+      excite(sample + 1);
+    }
+    V trace{};
+    WHEELTAP_UNROLL
+    for (int i = 0; i < n; ++i) trace += 0.0 * w[i];
+    vectors(task_.failed)[0] = lanes::max(outside(peak, task_.bound), outside(trace, 0.0));
+  }
+
+  const Task& task_;
+  const V* c_;
+  int masses_, inputs_;
+  V *transition_, *phi2_, *product_, *lower_, *input_;
+  V *gamma0_, *gamma1_, *gain_, *shifted_, *rows_, *feed_, *u_, *state_;
+};
+
+template <int N>
+void run_runge_kutta(const Task& task) {
+  if (task.serial)
+    RungeKutta<N, true>(task).run();
+  else
+    RungeKutta<N, false>(task).run();
+}
+
+inline void runge_kutta(const Task& task) {
+  switch (task.masses) {
+    case 1:
+      return run_runge_kutta<1>(task);
+    case 2:
+      return run_runge_kutta<2>(task);
+    case 3:
+      return run_runge_kutta<3>(task);
+    case 4:
+      return run_runge_kutta<4>(task);
+    default:
+      return RungeKutta<0, false>(task).run();
+  }
+}
+
+inline void exact(const Task& task) {
+  switch (task.masses) {
+    case 1:
+      return Exact<1>(task).run();
+    case 2:
+      return Exact<2>(task).run();
+    case 3:
+      return Exact<3>(task).run();
+    default:
+      return Exact<0>(task).run();
+  }
+}
+
+}  // namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL
+
+namespace wheeltap::dynamics::kernel {
+#define WHEELTAP_JOIN2(a, b) a##b
+#define WHEELTAP_JOIN(a, b) WHEELTAP_JOIN2(a, b)
+Kernel WHEELTAP_JOIN(WHEELTAP_KERNEL, _kernel)() {
+  return {.lanes = WHEELTAP_LANES,
+          .runge_kutta = WHEELTAP_KERNEL::runge_kutta,
+          .exact = WHEELTAP_KERNEL::exact};
+}
+}  // namespace wheeltap::dynamics::kernel

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cmath>
+
+#include "dynamics/law.hpp"
+
+namespace wheeltap::dynamics::laws {
+
+/// T = k max(0, e), opening: a crack that bears on one side only. Closing: k min(0, e).
+struct Bilinear {
+  static constexpr LawInfo kInfo{
+      .name = "bilinear", .coefficients = {{{"stiffness", "N/m"}}}, .one_sided = true};
+
+  template <class V>
+  static V tension(const V* c, V e, V /*rate*/) {
+    return c[0] * (e > 0.0 ? e : V{});
+  }
+  static Slopes slopes(const double* c, double /*e_max*/) { return {.stiffness = std::abs(c[0])}; }
+  static bool feasible(const double* /*c*/) { return true; }
+};
+
+}  // namespace wheeltap::dynamics::laws

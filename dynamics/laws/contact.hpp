@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cmath>
+
+#include "dynamics/law.hpp"
+
+namespace wheeltap::dynamics::laws {
+
+/// T = k max(0, e - g), opening: a stop at distance g >= 0. Closing: k min(0, e + g), the bumper of
+/// science.md section 3. The force is continuous at the stop.
+struct Contact {
+  static constexpr LawInfo kInfo{
+      .name = "contact", .coefficients = {{{"stiffness", "N/m"}, {"gap", "m"}}}, .one_sided = true};
+
+  template <class V>
+  static V tension(const V* c, V e, V /*rate*/) {
+    const V penetration = e - c[1];
+    return c[0] * (penetration > 0.0 ? penetration : V{});
+  }
+  static Slopes slopes(const double* c, double /*e_max*/) { return {.stiffness = std::abs(c[0])}; }
+  static bool feasible(const double* c) { return c[1] >= 0.0; }
+};
+
+}  // namespace wheeltap::dynamics::laws

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cmath>
+
+#include "dynamics/law.hpp"
+
+namespace wheeltap::dynamics::laws {
+
+/// T = k₃ e³ (Duffing): k₃ > 0 hardens, k₃ < 0 softens. With a negative linear stiffness beside it
+/// the link has two wells at e = ±√(-k/k₃).
+struct Cubic {
+  static constexpr LawInfo kInfo{.name = "cubic", .coefficients = {{{"stiffness", "N/m^3"}}}};
+
+  template <class V>
+  static V tension(const V* c, V e, V /*rate*/) {
+    return c[0] * e * (e * e);
+  }
+  static Slopes slopes(const double* c, double e_max) {
+    return {.stiffness = 3.0 * std::abs(c[0]) * e_max * e_max};
+  }
+  static bool feasible(const double* /*c*/) { return true; }
+};
+
+}  // namespace wheeltap::dynamics::laws

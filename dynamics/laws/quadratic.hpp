@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cmath>
+
+#include "dynamics/law.hpp"
+
+namespace wheeltap::dynamics::laws {
+
+/// T = k₂ e²: the even part of an asymmetric spring (two wells of unequal depth).
+struct Quadratic {
+  static constexpr LawInfo kInfo{.name = "quadratic", .coefficients = {{{"stiffness", "N/m^2"}}}};
+
+  template <class V>
+  static V tension(const V* c, V e, V /*rate*/) {
+    return c[0] * e * e;
+  }
+  static Slopes slopes(const double* c, double e_max) {
+    return {.stiffness = 2.0 * std::abs(c[0]) * e_max};
+  }
+  static bool feasible(const double* /*c*/) { return true; }
+};
+
+}  // namespace wheeltap::dynamics::laws

@@ -1,0 +1,156 @@
+// The response of a chain to measured or prescribed excitation, and its misfit to a measured
+// response.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "dynamics/chain.hpp"
+
+namespace wheeltap::dynamics {
+
+enum class Quantity { displacement, velocity, acceleration };
+enum class Frame { absolute, relative };  ///< relative to the base
+
+/// A sampled signal, value = scale · sample + offset.
+struct Signal {
+  std::vector<double> samples = {};
+  Coefficient scale = 1.0;
+  Coefficient offset = 0.0;
+};
+
+/// A force on a mass [N].
+struct Force {
+  int mass = 1;
+  Signal signal = {};
+};
+
+/// The motion of mass 0. At least one of the two must be there. Without an acceleration [m/s²] it
+/// is that of the natural cubic spline through the displacement: linear between samples as every
+/// excitation here, and with the displacement as its exact double integral. The displacement [m]
+/// (and the spline's velocity) also turns relative motion into absolute. The offset of a
+/// displacement moves nothing but the absolute displacements.
+struct BaseMotion {
+  Signal acceleration = {};
+  Signal displacement = {};
+};
+
+/// What drives the chain, all signals of equal length. Between samples every signal is linear.
+struct Excitation {
+  double sample_rate_hz = 0.0;
+  std::vector<Force> forces = {};
+  std::optional<BaseMotion> base = {};
+};
+
+/// What is looked at.
+struct Sensor {
+  int mass = 1;
+  Quantity quantity = Quantity::displacement;
+  Frame frame = Frame::absolute;
+};
+
+/// Relative displacement [m] and velocity [m/s] of every mass at the first sample; empty: zero.
+struct InitialState {
+  std::vector<Coefficient> displacement = {};
+  std::vector<Coefficient> velocity = {};
+};
+
+enum class Integrator {
+  automatic,    ///< exact for linear chains, Runge-Kutta for the others
+  runge_kutta,  ///< the classical fourth-order scheme
+  exact         ///< the exact discrete solution; only for linear chains
+};
+
+/// The vector instructions to use. Results are the same to the last bit for all of them.
+enum class Instructions { automatic, scalar, baseline, avx2, avx512 };
+
+struct SimulatorOptions {
+  Integrator integrator = Integrator::automatic;
+  /// Runge-Kutta steps between two samples of the excitation; 0: chosen for every parameter vector,
+  /// as the next of 1, 2, 3, 4, 6, 8, 12, … 4096 that keeps ω h <= step_limit and γ h <= 1 for the
+  /// bounds of stiffest_rates. A vector that would need more fails.
+  int substeps = 0;
+  /// One step of length h shifts a frequency ω by the factor 1 - (ω h)⁴/120 and adds a damping
+  /// ratio (ω h)⁵/144: 1.3e-5 and 2.2e-6 at 0.2.
+  double step_limit = 0.2;
+  /// The extension [m] of each link up to which stiffest_rates considers nonlinear laws; empty: 0.
+  std::vector<double> extension = {};
+  /// Every `stride`-th sample of the excitation is a sample of the response (for an excitation that
+  /// was upsampled by that factor).
+  int stride = 1;
+  /// A trajectory in which a relative displacement exceeds this [m] has blown up.
+  double displacement_bound = 1e6;
+  Instructions instructions = Instructions::automatic;
+};
+
+struct Response {
+  Eigen::MatrixXd values;  ///< samples × sensors; empty if failed
+  bool failed = false;     ///< blown up, or parameters that make no sense (a mass <= 0, a gap < 0)
+  int substeps = 0;        ///< Runge-Kutta steps a sample; 0 for the exact solution
+};
+
+/// Integrates one chain for many parameter vectors. Forces and base acceleration are linear between
+/// samples (first-order hold); the state starts at the first sample; accelerations are those of the
+/// equation of motion at the sample. Immutable: any number of threads may use one.
+class Simulator {
+ public:
+  /// Throws std::invalid_argument for an invalid chain, excitation signals of unequal length or
+  /// with values that are not finite, masses that do not exist, an absolute displacement or
+  /// velocity of a base-driven chain without base displacement, an exact solution asked of a
+  /// nonlinear chain.
+  Simulator(Chain chain, Excitation excitation, std::vector<Sensor> sensors,
+            InitialState initial = {}, SimulatorOptions options = {});
+
+  [[nodiscard]] const Chain& chain() const;
+  [[nodiscard]] const SimulatorOptions& options() const;
+  [[nodiscard]] const std::vector<Sensor>& sensors() const;
+  [[nodiscard]] int samples() const;     ///< of the response
+  [[nodiscard]] int parameters() const;  ///< entries a parameter vector must have at least
+  /// Runge-Kutta steps a sample for these parameters; 0 for the exact solution, -1 for infeasible
+  /// ones.
+  [[nodiscard]] int substeps(std::span<const double> theta) const;
+
+  [[nodiscard]] Response simulate(std::span<const double> theta) const;
+  /// Several parameter vectors at once, one after the other in `thetas`.
+  [[nodiscard]] std::vector<Response> simulate_batch(std::span<const double> thetas,
+                                                     int sets) const;
+
+ private:
+  friend class Misfit;
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// Residuals r = (scale · observed + offset) - predicted of a simulator's sensors.
+class Misfit {
+ public:
+  /// `observed[c]` belongs to sensor c and has as many samples as the response. The first `lead_in`
+  /// samples are integrated and not scored. Throws std::invalid_argument otherwise, and for values
+  /// scored that are not finite.
+  Misfit(Simulator simulator, std::vector<Signal> observed, int lead_in = 0);
+
+  [[nodiscard]] const Simulator& simulator() const;
+  [[nodiscard]] int channels() const;
+  [[nodiscard]] int samples() const;     ///< scored, of each channel
+  [[nodiscard]] int parameters() const;  ///< entries a parameter vector must have at least
+
+  /// S_c = Σ_n r_c(n)² of `sets` parameter vectors, one after the other in `thetas` (all of equal
+  /// length), written to out[set · channels() + c]; +∞ for a vector whose trajectory fails, so that
+  /// a Gaussian log-likelihood becomes -∞. Vectors with the same number of sub-steps advance
+  /// together in SIMD lanes; a vector's result does not depend on its company. Allocates nothing
+  /// after the first call of a thread.
+  void sums_of_squares(std::span<const double> thetas, int sets, std::span<double> out) const;
+
+  /// The residuals themselves, out[c · samples() + n]. Returns false, and leaves `out` undefined,
+  /// if the trajectory fails.
+  [[nodiscard]] bool residuals(std::span<const double> theta, std::span<double> out) const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace wheeltap::dynamics
