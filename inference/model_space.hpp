@@ -14,28 +14,33 @@ struct Parameter {
   Prior prior;
 };
 
-/// A kind of exchangeable component, e.g. a damage with a location and a reduction. Components are
-/// *labelled* 1…k with independent identical priors: the prior of a set of k is P(k) ∏ p(component), a
-/// birth inserts at a uniform slot and a death removes a uniform one, so the two slot probabilities,
-/// 1/(k+1) each, cancel and no factorial appears.
+/// A kind of exchangeable component, e.g. a damage with a location and a reduction. A state holds a
+/// *set* of components, written in order of their first parameter. The prior density of an ordered
+/// set of k is
+///
+///   P(k) · k! · ∏ p(component),
+///
+/// since k! labelled vectors are the same set. A birth inserts a component where the order puts it
+/// and a death removes one of the k + 1 uniformly, so its 1/(k+1) cancels (k+1)!/k!.
 struct ComponentKind {
-  std::string name;                    ///< singular, as in "1 damage"
-  std::string plural;                  ///< as in "2 damages"
-  std::vector<Parameter> parameters;   ///< of one component
+  std::string name;                   ///< singular, as in "1 damage"
+  std::string plural;                 ///< as in "2 damages"
+  std::vector<Parameter> parameters;  ///< of one component
 };
 
 /// One competing model. Its parameter vector is laid out as
 ///   [ its own parameters | components of kind 0 | components of kind 1 | … ].
 struct Model {
   std::string name;
-  double log_prior;              ///< normalised over the space
-  std::vector<int> parameters;   ///< indices into ModelSpace::parameters()
-  std::vector<int> counts;       ///< number of components of each kind
+  double log_prior;             ///< normalised over the space
+  std::vector<int> parameters;  ///< indices into ModelSpace::parameters()
+  std::vector<int> counts;      ///< number of components of each kind
   int dimension = 0;
-  std::vector<int> offsets;      ///< where each kind's components begin
+  std::vector<int> offsets;  ///< where each kind's components begin
 };
 
-/// A finite list of models over a table of named parameters, each with counts of exchangeable components.
+/// A finite list of models over a table of named parameters, each with counts of exchangeable
+/// components.
 class ModelSpace {
  public:
   struct ListedModel {
@@ -48,18 +53,21 @@ class ModelSpace {
     double weight;
   };
 
-  /// Any models over a shared table of parameters. Throws std::invalid_argument for a name that is not in
-  /// the table, a parameter no model uses, duplicate names, or weights that are negative or all zero.
+  /// Any models over a shared table of parameters. Throws std::invalid_argument for a name that is
+  /// not in the table, a parameter no model uses, duplicate names, or weights that are negative or
+  /// all zero.
   [[nodiscard]] static ModelSpace of_models(std::vector<Parameter> parameters,
                                             const std::vector<ListedModel>& models);
-  /// Component sets: each entry of `counts` is a model, all of them with the `common` parameters. Names
-  /// read "2 damages" or "1 damage, 1 support".
+  /// Component sets: each entry of `counts` is a model, all of them with the `common` parameters.
+  /// Names read "2 damages" or "1 damage, 1 support".
   [[nodiscard]] static ModelSpace of_components(std::vector<Parameter> common,
                                                 std::vector<ComponentKind> kinds,
                                                 const std::vector<Counts>& counts);
 
   [[nodiscard]] int size() const { return static_cast<int>(models_.size()); }
-  [[nodiscard]] const Model& operator[](int m) const { return models_[static_cast<std::size_t>(m)]; }
+  [[nodiscard]] const Model& operator[](int m) const {
+    return models_[static_cast<std::size_t>(m)];
+  }
   [[nodiscard]] const std::vector<Model>& models() const { return models_; }
   [[nodiscard]] const std::vector<Parameter>& parameters() const { return parameters_; }
   [[nodiscard]] const std::vector<ComponentKind>& kinds() const { return kinds_; }
@@ -80,7 +88,7 @@ class ModelSpace {
   std::vector<Model> models_;
   std::vector<Parameter> parameters_;
   std::vector<ComponentKind> kinds_;
-  std::vector<std::vector<const Prior*>> priors_;
+  std::vector<std::vector<Prior>> priors_;  ///< copies, so that a space can be copied
   std::vector<int> neighbours_;
   int max_dimension_ = 0;
 };

@@ -1,5 +1,5 @@
-// Reversible-jump MCMC over a model space (Green 1995, 2003; Hastie & Green 2012), with no tuning asked
-// of its user.
+// Reversible-jump MCMC over a model space (Green 1995, 2003; Hastie & Green 2012), with no tuning
+// asked of its user.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ struct Options {
   int chains = 4;
   int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
   int warmup = 0;   ///< iterations a chain; 0: chosen by the engine
-  int draws = 0;    ///< kept a chain, after warm-up; 0: 50 000, extended until the run has converged
-  int thin = 0;     ///< iterations a draw; 0: chosen by the engine
+  int draws = 0;  ///< kept a chain, after warm-up; 0: 50 000, extended until the run has converged
+  int thin = 0;   ///< iterations a draw; 0: chosen by the engine
   bool prior_only = false;  ///< switch the likelihood off: the run must return the prior
 
-  /// Which moves may be used; the default is all of them, and the engine chooses among these.
+  /// Which moves may be used; the engine chooses among these.
   struct Moves {
     bool birth_death = true;
     bool informed_birth = true;
@@ -30,28 +30,30 @@ struct Options {
     bool reflection = true;
     bool independence = true;  ///< jumps within and between models by fitted mixtures
     bool tempering = true;     ///< parallel tempering during warm-up, and after it where needed
-  } moves;
+  };
+  Moves moves{};
 
   struct Progress {
-    const char* stage;      ///< "exploring", "sampling" …
-    double fraction;        ///< of the stage
+    const char* stage;  ///< "exploring", "sampling" …
+    double fraction;    ///< of the stage
     long likelihood_evaluations;
     std::vector<double> model_probabilities;  ///< so far; empty during warm-up
   };
-  /// Called from one thread at a time, a few times a second. Returning false stops the run early; what
-  /// has been sampled is kept.
-  std::function<bool(const Progress&)> progress;
+  /// Called from one thread at a time, a few times a second. Returning false stops the run early;
+  /// what has been sampled is kept.
+  std::function<bool(const Progress&)> progress = nullptr;
 };
 
-/// One chain's kept draws; theta is NaN-padded to the largest dimension, row-major draws × dimension.
+/// One chain's kept draws; theta is NaN-padded to the largest dimension, row-major draws ×
+/// dimension.
 struct Chain {
   std::vector<int> model;
-  std::vector<double> theta;           ///< physical parameters, laid out as in Model
-  std::vector<double> log_prior;       ///< ln P(model) + Σ ln p(x) + ln factor, in physical units
+  std::vector<double> theta;      ///< physical parameters, laid out as in Model
+  std::vector<double> log_prior;  ///< ln P(model) + Σ ln p(x) + ln factor, in physical units
   std::vector<double> log_likelihood;
-  std::vector<std::int16_t> move;      ///< index into Posterior::moves of the last attempted move
+  std::vector<std::int16_t> move;  ///< index into Posterior::moves of the last attempted move
   std::vector<std::uint8_t> accepted;
-  std::vector<float> prediction;       ///< draws × Posterior::predictions, or empty
+  std::vector<float> prediction;  ///< draws × Posterior::predictions, or empty
 };
 
 /// How often a move was tried and accepted after warm-up.
@@ -68,27 +70,20 @@ struct Posterior {
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> jumps_proposed;  ///< models × models, after warm-up
   std::vector<std::vector<long>> jumps_accepted;
-  int draws = 0;         ///< kept a chain
-  int warmup = 0;        ///< iterations spent a chain before the first draw
+  int draws = 0;   ///< kept a chain
+  int warmup = 0;  ///< iterations spent a chain before the first draw
   int thin = 1;
-  int dimension = 0;     ///< row length of Chain::theta
-  int predictions = 0;   ///< row length of Chain::prediction
+  int dimension = 0;    ///< row length of Chain::theta
+  int predictions = 0;  ///< row length of Chain::prediction
   long warmup_evaluations = 0;
   long likelihood_evaluations = 0;  ///< all of them, warm-up included
   double wall_seconds = 0.0;
   bool stopped_early = false;
-  std::vector<std::string> notes;   ///< what the engine chose, in words
+  std::vector<std::string> notes;  ///< what the engine chose, in words
 };
 
-/// Thrown where a model's likelihood is never finite under its prior, or is NaN: names the model and the
-/// parameter values.
-class LikelihoodError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// Samples the posterior over (model, parameters). Chains start from the prior. Adaptation happens during
-/// warm-up only; the kernel that produces the draws is fixed.
+/// Samples the posterior over (model, parameters). Chains start from the prior. Adaptation happens
+/// during warm-up only; the kernel that produces the draws is fixed.
 [[nodiscard]] Posterior reversible_jump(const Problem& problem, const Options& options);
 
 }  // namespace wheeltap::inference

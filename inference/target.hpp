@@ -5,9 +5,11 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "inference/model_space.hpp"
+#include "inference/random.hpp"
 
 namespace wheeltap::inference {
 
@@ -16,18 +18,22 @@ class Likelihood {
  public:
   virtual ~Likelihood() = default;
 
-  /// ln p(data | model, x), every normaliser included; -∞ where x is impossible. NaN is a fault, and the
-  /// sampler reports it with the model and the parameters. x is laid out as in Model.
+  /// ln p(data | model, x), every normaliser included; -∞ where x is impossible. NaN is a fault,
+  /// and the sampler reports it with the model and the parameters. x is laid out as in Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
 
   /// The predicted observables of the last call to log_likelihood, or empty: recorded for posterior
   /// predictive checks and convergence of the responses.
   [[nodiscard]] virtual std::span<const double> prediction() const { return {}; }
 
-  /// Standardised residuals (observed - predicted) / sd of the last call, or empty. Where they are given,
-  /// ln p(data | ·) = c - ½ Σ residual², up to a c that adding a component does not change, and births
-  /// can be proposed where they explain the residual.
+  /// Standardised residuals (observed - predicted) / sd of the last call, or empty. Where they are
+  /// given, ln p(data | ·) = c - ½ Σ residual², up to a c that adding a component does not change,
+  /// and births can be proposed where they explain the residual.
   [[nodiscard]] virtual std::span<const double> residuals() const { return {}; }
+
+  /// Where the noise is a parameter: the factor common to all sds of the last call, so that
+  /// residual · noise_scale does not depend on it. 1 for known noise.
+  [[nodiscard]] virtual double noise_scale() const { return 1.0; }
 };
 
 /// Makes one likelihood a thread.
@@ -38,8 +44,8 @@ using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 /// every model. It is never tempered.
 using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
 
-/// x → 2·center - x of one parameter of one kind's components, e.g. the mirror image of a location in a
-/// symmetric structure: a map under which the likelihood is (nearly) unchanged.
+/// x → 2·center - x of one parameter of one kind's components, e.g. the mirror image of a location
+/// in a symmetric structure: a map under which the likelihood is (nearly) unchanged.
 struct Reflection {
   int kind = 0;       ///< index into ModelSpace::kinds()
   int parameter = 0;  ///< index into ComponentKind::parameters
@@ -51,7 +57,66 @@ struct Problem {
   ModelSpace space;
   LikelihoodFactory likelihood;
   LogPriorFactor log_prior_factor = nullptr;  ///< optional
-  std::vector<Reflection> reflections;        ///< optional: symmetries worth proposing
+  std::vector<Reflection> reflections{};      ///< optional: symmetries worth proposing
+};
+
+/// One state of the chain: a model and its parameters in standard normal coordinates, with what the
+/// target says of it.
+struct State {
+  int model = 0;
+  std::vector<double> z;  ///< standard normal coordinates, laid out as in Model
+  std::vector<double> x;  ///< the physical parameters of z
+  double log_likelihood = -std::numeric_limits<double>::infinity();
+  double log_prior_factor = 0.0;
+  std::vector<double> prediction;
+  std::vector<double> residuals;
+  double noise_scale = 1.0;
+  bool evaluated = false;
+};
+
+/// Thrown where a model's likelihood is never finite under its prior, or is NaN: names the model
+/// and the parameter values.
+class LikelihoodError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The posterior density of one problem, for one thread. With respect to dz,
+///
+///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln factor + ln p(data | m, x(z)).
+class Target {
+ public:
+  /// `prior_only` replaces the likelihood by 1.
+  Target(const Problem& problem, bool prior_only);
+
+  /// Fills in everything of `state` that follows from model and z. An infinite z is impossible: -∞.
+  /// Throws LikelihoodError where the likelihood is NaN.
+  void evaluate(State& state);
+
+  /// Everything but the likelihood, with respect to dz. Needs an evaluated state.
+  [[nodiscard]] double log_prior(const State& state) const;
+  /// The same with respect to dx, for the record.
+  [[nodiscard]] double log_prior_physical(const State& state) const;
+
+  /// Draws model and parameters from the prior (without the factor), not evaluated.
+  void draw_prior(Random& random, State& state) const;
+  /// Draws the parameters of one model from the prior, not evaluated.
+  void draw_prior(int model, Random& random, State& state) const;
+
+  /// Sorts the components of each kind by their first parameter. True where the order was right
+  /// already.
+  bool sort_components(State& state) const;
+  [[nodiscard]] bool is_sorted(const State& state) const;
+
+  [[nodiscard]] const Problem& problem() const { return *problem_; }
+  [[nodiscard]] const ModelSpace& space() const { return problem_->space; }
+  [[nodiscard]] long evaluations() const { return evaluations_; }
+
+ private:
+  const Problem* problem_;
+  std::unique_ptr<Likelihood> likelihood_;
+  std::vector<double> log_model_;  ///< ln P(m) + Σ ln k! - (d/2) ln 2π
+  long evaluations_ = 0;
 };
 
 }  // namespace wheeltap::inference

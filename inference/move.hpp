@@ -1,0 +1,97 @@
+// Moves of a Markov chain: reversible pairs, and the one place where they are accepted or rejected.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "inference/random.hpp"
+#include "inference/target.hpp"
+
+namespace wheeltap::inference {
+
+/// What a kernel may use while it makes one step at inverse temperature `beta`: it leaves
+/// prior × likelihood^beta invariant. `adapting` is true in warm-up only.
+struct Step {
+  Target& target;
+  Random& random;
+  double beta = 1.0;
+  bool adapting = false;
+};
+
+/// A Markov kernel over (model, z).
+class Kernel {
+ public:
+  struct Outcome {
+    bool proposed = false;  ///< false where the kernel does not apply to the state
+    bool accepted = false;
+    int to_model = 0;  ///< what was proposed
+  };
+  explicit Kernel(std::string name) : name_(std::move(name)) {}
+  virtual ~Kernel() = default;
+  Kernel(const Kernel&) = delete;
+  Kernel& operator=(const Kernel&) = delete;
+
+  virtual Outcome step(State& state, const Step& step) = 0;
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  std::string name_;
+};
+
+/// A move is a pair: forward and reverse share one expression, so that they cannot drift apart. It
+/// knows the proposal only; prior and likelihood are the sampler's.
+class Move {
+ public:
+  virtual ~Move() = default;
+
+  /// Writes a proposal into `to` (which arrives as a copy of `from`) and returns
+  ///
+  ///   ln [ q(to → from) / q(from → to) · |J| ]     with respect to dz,
+  ///
+  /// or nothing where no proposal is possible: the chain then repeats its state. A move whose
+  /// reverse density depends on the likelihood's residuals evaluates `to` itself.
+  virtual std::optional<double> propose(const State& from, const Step& step, State& to) = 0;
+
+  /// Called after each of its proposals during warm-up.
+  virtual void adapt(double /*acceptance_probability*/, const State& /*reached*/) {}
+};
+
+/// Accepts a move with probability
+///
+///   min{1, likelihood ratio^beta · prior ratio · proposal ratio · |J|}       (Green 1995, eq. 7).
+class MetropolisHastings : public Kernel {
+ public:
+  MetropolisHastings(std::string name, std::unique_ptr<Move> move)
+      : Kernel(std::move(name)), move_(std::move(move)) {}
+  Outcome step(State& state, const Step& step) override;
+
+ private:
+  std::unique_ptr<Move> move_;
+  State proposal_;
+};
+
+/// ln of the ratio of tempered target densities, to over from; -∞ where `to` is impossible, +∞
+/// where only `from` is.
+[[nodiscard]] double log_target_ratio(const Target& target, double beta, const State& from,
+                                      const State& to);
+
+/// A fixed mixture of kernels: each step picks one with probability proportional to its weight,
+/// whatever the state. A kernel that does not apply leaves the state alone.
+class KernelMixture {
+ public:
+  void add(double weight, std::unique_ptr<Kernel> kernel);
+  /// Makes one step; returns the index of the kernel used, -1 where there is none.
+  int step(State& state, const Step& step, Kernel::Outcome& outcome);
+  [[nodiscard]] int size() const { return static_cast<int>(kernels_.size()); }
+  [[nodiscard]] const Kernel& operator[](int i) const {
+    return *kernels_[static_cast<std::size_t>(i)];
+  }
+
+ private:
+  std::vector<std::unique_ptr<Kernel>> kernels_;
+  std::vector<double> cumulative_;
+};
+
+}  // namespace wheeltap::inference

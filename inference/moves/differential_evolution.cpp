@@ -1,0 +1,49 @@
+#include "inference/moves/differential_evolution.hpp"
+
+#include <cmath>
+
+namespace wheeltap::inference {
+
+std::optional<double> DifferentialEvolution::propose(const State& from, const Step& step,
+                                                     State& to) {
+  const Eigen::MatrixXd& states = (*archive_)[static_cast<std::size_t>(from.model)];
+  const int n = static_cast<int>(states.cols());
+  if (n < 3 || states.rows() == 0) return std::nullopt;
+  const Model& model = step.target.space()[from.model];
+  const auto& kinds = step.target.space().kinds();
+  // The block: everything, the model's own parameters, or one component.
+  Eigen::Index first = 0;
+  Eigen::Index size = states.rows();
+  int components = 0;
+  for (const int k : model.counts) components += k;
+  const int own = static_cast<int>(model.parameters.size());
+  const int blocks = components + (own > 0 ? 1 : 0);
+  if (blocks > 1 && step.random.uniform() < 0.5) {
+    int block = step.random.index(blocks);
+    if (own > 0 && block-- == 0) {
+      size = own;
+    } else {
+      for (std::size_t j = 0; j < kinds.size(); ++j) {
+        size = static_cast<Eigen::Index>(kinds[j].parameters.size());
+        first = model.offsets[j] + block * size;
+        if (block < model.counts[j]) break;
+        block -= model.counts[j];
+      }
+    }
+  }
+  const int a = step.random.index(n);
+  int b = step.random.index(n - 1);
+  if (b >= a) ++b;
+  const double gamma =
+      step.random.uniform() < 0.1
+          ? 1.0
+          : 2.38 / std::sqrt(2.0 * static_cast<double>(size)) * (0.4 + 0.6 * step.random.uniform());
+  for (Eigen::Index i = first; i < first + size; ++i) {
+    to.z[static_cast<std::size_t>(i)] +=
+        gamma * (states(i, a) - states(i, b)) + 1e-4 * step.random.normal();
+  }
+  if (!step.target.is_sorted(to)) return std::nullopt;
+  return 0.0;
+}
+
+}  // namespace wheeltap::inference

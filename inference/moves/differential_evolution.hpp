@@ -1,0 +1,30 @@
+// Steps along the difference of two archived states.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "inference/move.hpp"
+
+namespace wheeltap::inference {
+
+/// States of each model kept from warm-up, one a column; frozen before sampling, so that the kernel
+/// is the same at every draw.
+using Archive = std::vector<Eigen::MatrixXd>;
+
+/// z' = z + γ (a - b) + e on one block of coordinates, a and b being two archived states of the
+/// same model (ter Braak & Vrugt 2008, with the archive frozen). The pair (b, a) is as likely, so
+/// the ratio is 1. γ is 2.38/√(2d), or 1 one time in ten to jump between modes; e ~ N(0, 10⁻⁸), so
+/// that the chain is irreducible.
+class DifferentialEvolution : public Move {
+ public:
+  explicit DifferentialEvolution(std::shared_ptr<const Archive> archive)
+      : archive_(std::move(archive)) {}
+  std::optional<double> propose(const State& from, const Step& step, State& to) override;
+
+ private:
+  std::shared_ptr<const Archive> archive_;
+};
+
+}  // namespace wheeltap::inference

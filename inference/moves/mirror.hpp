@@ -1,0 +1,25 @@
+// Reflections: the moves that symmetric structures need.
+#pragma once
+
+#include "inference/move.hpp"
+
+namespace wheeltap::inference {
+
+/// Reflects one parameter of every component of a kind (`whole`), or of one component chosen
+/// uniformly, in its centre: x → 2 c - x. An involution with |dx'/dx| = 1, so with respect to dz
+///
+///   ln ratio = Σ ln |dz'/dz| = Σ [ ln p(x') - ln φ(z') - ln p(x) + ln φ(z) ]
+///
+/// over the reflected coordinates, from |dz/dx| = p(x) / φ(z). A mirror image outside the prior's
+/// support is no proposal.
+class Mirror : public Move {
+ public:
+  Mirror(Reflection reflection, bool whole) : reflection_(reflection), whole_(whole) {}
+  std::optional<double> propose(const State& from, const Step& step, State& to) override;
+
+ private:
+  Reflection reflection_;
+  bool whole_;
+};
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,42 @@
+#include "inference/moves/mixture_jump.hpp"
+
+#include <cmath>
+
+namespace wheeltap::inference {
+
+double MixtureJump::log_density(int model, const std::vector<double>& z) const {
+  const auto& density = fit_->density[static_cast<std::size_t>(model)];
+  return density ? density->log_density(z) : 0.0;
+}
+
+std::optional<double> MixtureJump::propose(const State& from, const Step& step, State& to) {
+  const ModelSpace& space = step.target.space();
+  const std::vector<double>& weight = fit_->weight;
+  const auto m = static_cast<std::size_t>(from.model);
+  double log_ratio = 0.0;
+  if (between_) {
+    double u = step.random.uniform() * (1.0 - weight[m]);
+    to.model = -1;
+    for (int other = 0; other < space.size(); ++other) {
+      if (other == from.model) continue;
+      to.model = other;
+      u -= weight[static_cast<std::size_t>(other)];
+      if (u < 0.0) break;
+    }
+    if (to.model < 0) return std::nullopt;
+    const auto other = static_cast<std::size_t>(to.model);
+    log_ratio +=
+        std::log(weight[m] / (1.0 - weight[other])) - std::log(weight[other] / (1.0 - weight[m]));
+  }
+  const auto target = static_cast<std::size_t>(to.model);
+  to.z.resize(static_cast<std::size_t>(space[to.model].dimension));
+  if (fit_->density[target]) {
+    fit_->density[target]->sample(step.random, to.z);
+    if (!step.target.is_sorted(to)) return std::nullopt;
+  } else if (to.model == from.model) {
+    return std::nullopt;  // no parameters: nothing to renew
+  }
+  return log_ratio + log_density(from.model, from.z) - log_density(to.model, to.z);
+}
+
+}  // namespace wheeltap::inference

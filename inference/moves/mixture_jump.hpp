@@ -1,0 +1,39 @@
+// Independence proposals from normal mixtures fitted to pilots.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "inference/move.hpp"
+#include "inference/normal_mixture.hpp"
+
+namespace wheeltap::inference {
+
+/// What the pilots taught: for each model a normalised density q_m(z) near its posterior, and a
+/// rough probability ω_m > 0.
+struct PilotFit {
+  std::vector<std::unique_ptr<NormalMixture>> density;  ///< null for a model without parameters
+  std::vector<double> weight;
+};
+
+/// Proposes a model m' and its parameters from q_m' afresh (the independence form of AutoMix:
+/// Hastie 2005, ch. 3; Green 2003). `between` takes m' ≠ m with probability ω_m' / (1 - ω_m), else
+/// m' = m:
+///
+///   ln ratio = ln [ω_m / (1 - ω_m')] + ln q_m(z) - ln [ω_m' / (1 - ω_m)] - ln q_m'(z').
+///
+/// q_m' is a density over all vectors; one that does not come out in order is no proposal.
+class MixtureJump : public Move {
+ public:
+  MixtureJump(std::shared_ptr<const PilotFit> fit, bool between)
+      : fit_(std::move(fit)), between_(between) {}
+  std::optional<double> propose(const State& from, const Step& step, State& to) override;
+
+ private:
+  [[nodiscard]] double log_density(int model, const std::vector<double>& z) const;
+
+  std::shared_ptr<const PilotFit> fit_;
+  bool between_;
+};
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,64 @@
+#include "inference/moves/random_walk.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace wheeltap::inference {
+
+RandomWalk::Scales RandomWalk::initial_scales(const ModelSpace& space) {
+  Scales scales;
+  for (const Model& model : space.models()) {
+    std::vector<Block>& blocks = scales.emplace_back();
+    const auto add = [&](int first, int size) {
+      if (size > 0)
+        blocks.push_back({.first = first, .factor = Eigen::MatrixXd::Identity(size, size)});
+    };
+    add(0, static_cast<int>(model.parameters.size()));
+    for (std::size_t j = 0; j < space.kinds().size(); ++j) {
+      const int width = static_cast<int>(space.kinds()[j].parameters.size());
+      for (int c = 0; c < model.counts[j]; ++c) add(model.offsets[j] + c * width, width);
+    }
+    if (blocks.size() > 1) add(0, model.dimension);
+  }
+  return scales;
+}
+
+std::optional<double> RandomWalk::propose(const State& from, const Step& step, State& to) {
+  std::vector<Block>& blocks = scales_[static_cast<std::size_t>(from.model)];
+  if (blocks.empty()) return std::nullopt;
+  block_ = &blocks[static_cast<std::size_t>(step.random.index(static_cast<int>(blocks.size())))];
+  const double v = step.random.uniform();
+  factor_ = v < 0.7 ? 1.0 : v < 0.9 ? 0.1 : 4.0;
+  const Eigen::Index d = block_->factor.rows();
+  u_.resize(d);
+  for (double& value : u_) value = step.random.normal();
+  for (Eigen::Index i = 0; i < d; ++i) {
+    double sum = 0.0;
+    for (Eigen::Index k = 0; k <= i; ++k) sum += block_->factor(i, k) * u_[k];
+    to.z[static_cast<std::size_t>(block_->first + i)] += factor_ * sum;
+  }
+  // Each slot has a scale of its own, so a step that changes the order would not be symmetric.
+  if (!step.target.is_sorted(to)) {
+    if (step.adapting) adapt(0.0, from);
+    return std::nullopt;
+  }
+  return 0.0;
+}
+
+void RandomWalk::adapt(double acceptance_probability, const State&) {
+  if (factor_ != 1.0) return;
+  const auto d = static_cast<double>(block_->factor.rows());
+  const double goal = d < 2 ? 0.44 : d < 4 ? 0.35 : 0.234;
+  const double eta =
+      std::min(1.0, d * std::pow(static_cast<double>(++block_->adaptations), -2.0 / 3.0));
+  const double gain = eta * (acceptance_probability - goal) / u_.squaredNorm();
+  const Eigen::MatrixXd middle =
+      Eigen::MatrixXd::Identity(block_->factor.rows(), block_->factor.rows()) +
+      gain * u_ * u_.transpose();
+  const Eigen::MatrixXd& s = block_->factor;
+  const Eigen::LLT<Eigen::MatrixXd> llt(s * middle * s.transpose());
+  if (llt.info() == Eigen::Success) block_->factor = llt.matrixL();
+}
+
+}  // namespace wheeltap::inference

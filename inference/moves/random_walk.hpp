@@ -1,0 +1,45 @@
+// Random walks within a model.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "inference/move.hpp"
+
+namespace wheeltap::inference {
+
+/// z' = z + f S u with u ~ N(0, I) on a block of the coordinates: the model's own parameters, one
+/// of its components, or all of them, chosen uniformly. Symmetric, so the ratio is 1. The factor f
+/// is 1 in most steps and 0.1 or 4 in the others, chosen independently of the state: narrow and
+/// wide modes are both served.
+///
+/// S (lower triangular, one a block and model) is learnt in warm-up by robust adaptive Metropolis
+/// (Vihola 2012, algorithm RAM), towards an acceptance of 0.44 in one dimension and 0.234 in many:
+///
+///   S Sᵀ ← S (I + η_n (α - α*) u uᵀ / |u|²) Sᵀ,     η_n = min(1, d n^(-2/3)).
+class RandomWalk : public Move {
+ public:
+  /// The blocks' scales, for every model; what warm-up learns.
+  struct Block {
+    int first = 0;  ///< coordinates [first, first + S.rows())
+    Eigen::MatrixXd factor;
+    long adaptations = 0;
+  };
+  using Scales = std::vector<std::vector<Block>>;  ///< [model][block]
+
+  /// Blocks of every model, with S = the identity.
+  [[nodiscard]] static Scales initial_scales(const ModelSpace& space);
+
+  explicit RandomWalk(Scales scales) : scales_(std::move(scales)) {}
+  std::optional<double> propose(const State& from, const Step& step, State& to) override;
+  void adapt(double acceptance_probability, const State& reached) override;
+  [[nodiscard]] const Scales& scales() const { return scales_; }
+
+ private:
+  Scales scales_;
+  Eigen::VectorXd u_;
+  double factor_ = 1.0;
+  Block* block_ = nullptr;
+};
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,198 @@
+#include "inference/pilot.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "inference/moves/birth_death.hpp"
+#include "inference/moves/mirror.hpp"
+#include "inference/moves/model_switch.hpp"
+
+namespace wheeltap::inference {
+
+namespace {
+
+template <typename M, typename... Arguments>
+void add_move(KernelMixture& kernels, double weight, const std::string& name,
+              Arguments&&... arguments) {
+  kernels.add(weight, std::make_unique<MetropolisHastings>(
+                          name, std::make_unique<M>(std::forward<Arguments>(arguments)...)));
+}
+
+bool is_list(const ModelSpace& space) {
+  return space.kinds().empty();
+}
+
+// The kernels that both stages share, scaled by `share`; random walks are the caller's.
+void add_component_moves(KernelMixture& kernels, const Problem& problem, const Options& options,
+                         const Atlases& atlases, double share) {
+  const ModelSpace& space = problem.space;
+  const auto kinds = static_cast<double>(std::max<std::size_t>(space.kinds().size(), 1));
+  for (std::size_t j = 0; j < space.kinds().size(); ++j) {
+    const int kind = static_cast<int>(j);
+    if (options.moves.birth_death) {
+      add_move<BirthDeath>(kernels, share * 0.3 / kinds, "birth and death", kind,
+                           std::make_unique<PriorProposal>());
+    }
+    if (atlases[j] && options.moves.informed_birth) {
+      add_move<BirthDeath>(kernels, share * 0.4 / kinds, "informed birth and death", kind,
+                           std::make_unique<InformedProposal>(atlases[j], space, kind));
+    }
+    if (options.moves.relocation) {
+      std::unique_ptr<ComponentProposal> proposal = std::make_unique<PriorProposal>();
+      if (atlases[j]) proposal = std::make_unique<InformedProposal>(atlases[j], space, kind);
+      add_move<Relocation>(kernels, share * 0.3 / kinds, "relocation", kind, std::move(proposal));
+    }
+  }
+  if (options.moves.birth_death && is_list(space) && space.size() > 1) {
+    add_move<ModelSwitch>(kernels, share, "model switch");
+  }
+  if (options.moves.reflection) {
+    for (const Reflection& reflection : problem.reflections) {
+      add_move<Mirror>(kernels, share * 0.25, "mirror", reflection, true);
+      add_move<Mirror>(kernels, share * 0.15, "mirror of one", reflection, false);
+    }
+  }
+}
+
+}  // namespace
+
+Atlases make_atlases(const Problem& problem, const Options& options, long& evaluations) {
+  Atlases atlases(problem.space.kinds().size());
+  if (options.prior_only || !options.moves.informed_birth) return atlases;
+  Target target(problem, false);
+  for (std::size_t j = 0; j < atlases.size(); ++j)
+    atlases[j] = make_atlas(target, static_cast<int>(j));
+  evaluations += target.evaluations();
+  return atlases;
+}
+
+std::unique_ptr<KernelMixture> exploration_kernels(const Problem& problem, const Options& options,
+                                                   const Atlases& atlases) {
+  auto kernels = std::make_unique<KernelMixture>();
+  if (options.moves.random_walk) {
+    add_move<RandomWalk>(*kernels, 0.5, "random walk", RandomWalk::initial_scales(problem.space));
+  }
+  add_component_moves(*kernels, problem, options, atlases, 0.5);
+  return kernels;
+}
+
+PilotSamples::PilotSamples(const ModelSpace& space)
+    : models_(static_cast<std::size_t>(space.size())), visits_(models_.size(), 0) {
+  for (int m = 0; m < space.size(); ++m) {
+    models_[static_cast<std::size_t>(m)].dimension = static_cast<std::size_t>(space[m].dimension);
+  }
+}
+
+void PilotSamples::add(const State& state) {
+  const auto m = static_cast<std::size_t>(state.model);
+  OfModel& model = models_[m];
+  if (visits_[m]++ % model.stride != 0 || model.dimension == 0) return;
+  model.values.insert(model.values.end(), state.z.begin(), state.z.end());
+  if (model.values.size() >= 2 * kKeep * model.dimension) {
+    // Every second one goes, and from now on every second one comes.
+    const auto d = static_cast<std::ptrdiff_t>(model.dimension);
+    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(kKeep); ++i) {
+      std::copy_n(model.values.begin() + 2 * i * d, d, model.values.begin() + i * d);
+    }
+    model.values.resize(kKeep * model.dimension);
+    model.stride *= 2;
+  }
+}
+
+void PilotSamples::append(const PilotSamples& other) {
+  for (std::size_t m = 0; m < models_.size(); ++m) {
+    const std::vector<double>& more = other.models_[m].values;
+    models_[m].values.insert(models_[m].values.end(), more.begin(), more.end());
+    visits_[m] += other.visits_[m];
+  }
+}
+
+long PilotSamples::total() const {
+  long sum = 0;
+  for (const long n : visits_) sum += n;
+  return sum;
+}
+
+Eigen::MatrixXd PilotSamples::states(int model) const {
+  const OfModel& of = models_[static_cast<std::size_t>(model)];
+  if (of.dimension == 0) return {};
+  return Eigen::Map<const Eigen::MatrixXd>(
+      of.values.data(), static_cast<Eigen::Index>(of.dimension),
+      static_cast<Eigen::Index>(of.values.size() / of.dimension));
+}
+
+Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
+                std::uint64_t seed, int round) {
+  auto fit = std::make_shared<PilotFit>();
+  auto archive = std::make_shared<Archive>();
+  Pilot pilot;
+  pilot.scales = RandomWalk::initial_scales(space);
+  const PilotSamples& cold = by_rung.back();
+  double total = 0.0;
+  for (int m = 0; m < space.size(); ++m) {
+    const Eigen::Index d = space[m].dimension;
+    // A share of the cold visits, and never so small that the model is not looked at again.
+    const double share = (static_cast<double>(cold.visits(m)) + 1.0) /
+                         (static_cast<double>(cold.total()) + space.size());
+    fit->weight.push_back(std::max(share, 0.01 / space.size()));
+    total += fit->weight.back();
+    Eigen::MatrixXd states(d, 0);
+    for (auto rung = by_rung.rbegin(); rung != by_rung.rend() && states.cols() < 40 * (d + 1);
+         ++rung) {
+      const Eigen::MatrixXd more = rung->states(m);
+      if (more.cols() == 0) continue;
+      Eigen::MatrixXd both(d, states.cols() + more.cols());
+      both << states, more;
+      states = std::move(both);
+    }
+    archive->push_back(states);
+    if (d == 0) {
+      fit->density.push_back(nullptr);
+      continue;
+    }
+    if (states.cols() < 4 * (d + 1)) {
+      fit->density.push_back(
+          std::make_unique<NormalMixture>(NormalMixture::standard(static_cast<int>(d))));
+      continue;
+    }
+    Random random(seed, static_cast<std::uint64_t>(m), static_cast<std::uint64_t>(round),
+                  Purpose::fit);
+    fit->density.push_back(
+        std::make_unique<NormalMixture>(NormalMixture::fit(states.transpose(), random)));
+    for (RandomWalk::Block& block : pilot.scales[static_cast<std::size_t>(m)]) {
+      const Eigen::MatrixXd part = states.middleRows(block.first, block.factor.rows());
+      const Eigen::MatrixXd centred = part.colwise() - part.rowwise().mean();
+      Eigen::MatrixXd covariance =
+          centred * centred.transpose() / static_cast<double>(states.cols() - 1);
+      covariance.diagonal().array() += 1e-12;
+      const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+      if (llt.info() != Eigen::Success) continue;
+      block.factor =
+          2.38 / std::sqrt(static_cast<double>(part.rows())) * Eigen::MatrixXd(llt.matrixL());
+    }
+  }
+  for (double& weight : fit->weight) weight /= total;
+  pilot.fit = std::move(fit);
+  pilot.archive = std::move(archive);
+  return pilot;
+}
+
+std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Options& options,
+                                                const Atlases& atlases, const Pilot& pilot) {
+  auto kernels = std::make_unique<KernelMixture>();
+  if (options.moves.random_walk) {
+    add_move<RandomWalk>(*kernels, 0.2, "random walk", pilot.scales);
+    add_move<DifferentialEvolution>(*kernels, 0.1, "differential evolution", pilot.archive);
+  }
+  add_component_moves(*kernels, problem, options, atlases, 0.35);
+  if (options.moves.independence) {
+    if (problem.space.size() > 1) {
+      add_move<MixtureJump>(*kernels, 0.25, "mixture jump", pilot.fit, true);
+    }
+    add_move<MixtureJump>(*kernels, 0.1, "mixture renewal", pilot.fit, false);
+  }
+  return kernels;
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,71 @@
+// Warm-up: from priors alone to proposals that fit the posterior.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "inference/move.hpp"
+#include "inference/moves/component_proposal.hpp"
+#include "inference/moves/differential_evolution.hpp"
+#include "inference/moves/mixture_jump.hpp"
+#include "inference/moves/random_walk.hpp"
+#include "inference/reversible_jump.hpp"
+#include "inference/tempering.hpp"
+
+namespace wheeltap::inference {
+
+/// What is computed once and shared by every chain: the effects of single components, a kind each
+/// (null where there are none).
+using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
+[[nodiscard]] Atlases make_atlases(const Problem& problem, const Options& options,
+                                   long& evaluations);
+
+/// The kernels that need no pilot: random walk, births and deaths, relocation, mirrors, model
+/// switches.
+[[nodiscard]] std::unique_ptr<KernelMixture> exploration_kernels(const Problem& problem,
+                                                                 const Options& options,
+                                                                 const Atlases& atlases);
+
+/// States met in warm-up, by model: columns are states, thinned to a few thousand.
+class PilotSamples {
+ public:
+  explicit PilotSamples(const ModelSpace& space);
+  void add(const State& state);
+  /// Appends another chain's samples.
+  void append(const PilotSamples& other);
+  [[nodiscard]] long visits(int model) const { return visits_[static_cast<std::size_t>(model)]; }
+  [[nodiscard]] long total() const;
+  /// The kept states of a model, dimension × n.
+  [[nodiscard]] Eigen::MatrixXd states(int model) const;
+
+ private:
+  static constexpr std::size_t kKeep = 4000;
+  struct OfModel {
+    std::size_t dimension = 0;
+    std::vector<double> values;
+    long stride = 1;
+  };
+  std::vector<OfModel> models_;
+  std::vector<long> visits_;
+};
+
+/// What the pilots of all chains amount to; frozen when sampling starts.
+struct Pilot {
+  std::shared_ptr<const PilotFit> fit;
+  std::shared_ptr<const Archive> archive;
+  RandomWalk::Scales scales;
+};
+
+/// Fits the proposals. `by_rung[i]` holds the samples at the i-th temperature, the coldest last: a
+/// model with too few cold samples is fitted to warmer ones, and to its prior where there are none.
+[[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
+                              std::uint64_t seed, int round);
+
+/// All the kernels, the pilot's among them. The random walk that adapts is returned through `walk`.
+[[nodiscard]] std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem,
+                                                              const Options& options,
+                                                              const Atlases& atlases,
+                                                              const Pilot& pilot);
+
+}  // namespace wheeltap::inference

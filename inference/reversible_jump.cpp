@@ -1,0 +1,386 @@
+#include "inference/reversible_jump.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <mutex>
+
+#include "inference/diagnostics.hpp"
+#include "inference/parallel.hpp"
+#include "inference/pilot.hpp"
+
+namespace wheeltap::inference {
+
+namespace {
+
+constexpr int kExplorationRungs = 10;
+constexpr int kMaxRungs = 30;
+constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
+constexpr int kFirstScans = 20;
+constexpr int kStepsAScan = 3;
+constexpr int kTuning = 4000;
+constexpr int kDefaultDraws = 25000;
+constexpr int kMaxDraws = 200000;
+constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
+
+// Shares the caller's progress function between threads, and carries its wish to stop.
+class Reporter {
+ public:
+  Reporter(const Options& options, int models)
+      : options_(options), visits_(static_cast<std::size_t>(models)) {}
+
+  void begin(const char* stage, double total) {
+    stage_ = stage;
+    total_ = total;
+    done_ = 0.0;
+  }
+  void evaluated(long n) { evaluations_ += n; }
+  void visited(const std::vector<long>& visits) {
+    const std::scoped_lock lock(mutex_);
+    for (std::size_t m = 0; m < visits.size(); ++m) visits_[m] += visits[m];
+  }
+  /// False where the caller wants to stop.
+  bool advance(double work) {
+    const std::scoped_lock lock(mutex_);
+    done_ += work;
+    const auto now = std::chrono::steady_clock::now();
+    if (!options_.progress || now - last_ < std::chrono::milliseconds(100)) return !stop_;
+    last_ = now;
+    Options::Progress progress{.stage = stage_,
+                               .fraction = std::min(1.0, done_ / total_),
+                               .likelihood_evaluations = evaluations_,
+                               .model_probabilities = {}};
+    long sum = 0;
+    for (const long n : visits_) sum += n;
+    if (sum > 0) {
+      for (const long n : visits_) {
+        progress.model_probabilities.push_back(static_cast<double>(n) / static_cast<double>(sum));
+      }
+    }
+    if (!options_.progress(progress)) stop_ = true;
+    return !stop_;
+  }
+  [[nodiscard]] bool stopped() const { return stop_; }
+
+ private:
+  const Options& options_;
+  const char* stage_ = "";
+  double total_ = 1.0;
+  double done_ = 0.0;
+  std::atomic<long> evaluations_{0};
+  std::vector<long> visits_;
+  std::chrono::steady_clock::time_point last_{};
+  std::mutex mutex_;
+  std::atomic<bool> stop_{false};
+};
+
+// One chain through all the stages.
+struct Runner {
+  std::unique_ptr<Target> target;
+  std::unique_ptr<TemperedChain> tempered;
+  std::unique_ptr<KernelMixture> kernels;
+  State state;
+  long iteration = 0;
+  std::vector<PilotSamples> by_rung;
+  std::vector<MoveStatistics> moves;
+  std::vector<std::vector<long>> proposed, accepted;
+};
+
+class Engine {
+ public:
+  Engine(const Problem& problem, const Options& options)
+      : problem_(problem), options_(options), reporter_(options, problem.space.size()) {}
+
+  Posterior run() {
+    const auto began = std::chrono::steady_clock::now();
+    long shared_evaluations = 0;
+    {
+      Target target(problem_, options_.prior_only);
+      check_models(target, options_.seed);
+      shared_evaluations += target.evaluations();
+    }
+    atlases_ = make_atlases(problem_, options_, shared_evaluations);
+    runners_.resize(static_cast<std::size_t>(options_.chains));
+    posterior_.space = &problem_.space;
+    posterior_.chains.resize(runners_.size());
+    posterior_.thin = options_.thin > 0 ? options_.thin : 4;
+    posterior_.dimension = problem_.space.max_dimension();
+
+    explore();
+    if (!reporter_.stopped()) tune();
+    posterior_.warmup_evaluations = evaluations() + shared_evaluations;
+    if (!reporter_.stopped()) sample();
+
+    posterior_.likelihood_evaluations = evaluations() + shared_evaluations;
+    posterior_.stopped_early = reporter_.stopped();
+    posterior_.wall_seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return std::move(posterior_);
+  }
+
+ private:
+  [[nodiscard]] long evaluations() const {
+    long sum = 0;
+    for (const Runner& runner : runners_) sum += runner.target->evaluations();
+    return sum;
+  }
+
+  template <typename Job>
+  void each_chain(Job&& job) {
+    parallel_for(options_.chains, options_.threads,
+                 [&](int c) { job(c, runners_[static_cast<std::size_t>(c)]); });
+  }
+
+  // Tempering from the prior, every chain on its own.
+  void explore() {
+    const int scans = options_.warmup > 0
+                          ? std::max(60, options_.warmup / (2 * kExplorationRungs * kStepsAScan))
+                          : kExplorationScans;
+    reporter_.begin("exploring", static_cast<double>(scans) * options_.chains);
+    each_chain([&](int c, Runner& runner) {
+      runner.target = std::make_unique<Target>(problem_, options_.prior_only);
+      const int rungs = options_.moves.tempering ? kExplorationRungs : 1;
+      runner.tempered = std::make_unique<TemperedChain>(
+          *runner.target, rungs > 1 ? geometric_ladder(rungs) : std::vector<double>{1.0},
+          [&] { return exploration_kernels(problem_, options_, atlases_); }, options_.seed, c);
+      runner.tempered->start();
+      int done = 0;
+      for (int round = kFirstScans; done < scans; round *= 2) {
+        const int n = std::min(round, scans - done);
+        runner.by_rung.assign(static_cast<std::size_t>(runner.tempered->rungs()),
+                              PilotSamples(problem_.space));
+        for (int i = 0; i < n; ++i) {
+          const long before = runner.target->evaluations();
+          runner.tempered->scan(kStepsAScan, true, Purpose::exploration);
+          for (int r = 0; r < runner.tempered->rungs(); ++r) {
+            runner.by_rung[static_cast<std::size_t>(r)].add(runner.tempered->state(r));
+          }
+          reporter_.evaluated(runner.target->evaluations() - before);
+          if (!reporter_.advance(1.0)) return;
+        }
+        done += n;
+        // Two neighbours a unit of the barrier (Syed et al. 2022, section 4.3), while there is time
+        // left.
+        if (runner.tempered->rungs() > 1 && done < scans) {
+          runner.tempered->adapt_ladder(std::clamp(
+              static_cast<int>(std::ceil(2.0 * runner.tempered->barrier())) + 2, 6, kMaxRungs));
+        }
+      }
+      runner.state = runner.tempered->cold();
+    });
+    if (reporter_.stopped()) return;
+    fit(0, true);
+  }
+
+  // Pools what the chains have seen and freezes the proposals that follow from it.
+  void fit(int round, bool tempered) {
+    std::vector<PilotSamples> pooled;
+    if (tempered) {
+      // Ladders differ between chains: pool by rank from the cold end.
+      std::size_t rungs = 0;
+      for (const Runner& runner : runners_) rungs = std::max(rungs, runner.by_rung.size());
+      pooled.assign(rungs, PilotSamples(problem_.space));
+      for (const Runner& runner : runners_) {
+        for (std::size_t r = 0; r < runner.by_rung.size(); ++r) {
+          pooled[rungs - 1 - r].append(runner.by_rung[runner.by_rung.size() - 1 - r]);
+        }
+      }
+      hot_ = pooled;
+    } else {
+      pooled = hot_;
+      pooled.emplace_back(problem_.space);
+      for (const Runner& runner : runners_) pooled.back().append(runner.by_rung.back());
+    }
+    pilot_ = fit_pilot(problem_.space, pooled, options_.seed, round);
+  }
+
+  // At the target itself, with all the moves, adapting; then a second fit to better samples.
+  void tune() {
+    const int steps = options_.warmup > 0 ? options_.warmup / 2 : kTuning;
+    reporter_.begin("tuning", static_cast<double>(steps) * options_.chains);
+    each_chain([&](int c, Runner& runner) {
+      runner.tempered.reset();
+      runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
+      runner.by_rung.assign(1, PilotSamples(problem_.space));
+      for (int i = 0; i < steps; ++i) {
+        Random random(options_.seed, static_cast<std::uint64_t>(c), static_cast<std::uint64_t>(i),
+                      Purpose::adaptation);
+        Kernel::Outcome outcome;
+        runner.kernels->step(runner.state, {*runner.target, random, 1.0, true}, outcome);
+        runner.by_rung[0].add(runner.state);
+        if (i % 64 == 63 && !reporter_.advance(64.0)) return;
+      }
+    });
+    if (reporter_.stopped()) return;
+    fit(1, false);
+    posterior_.warmup = steps;
+  }
+
+  void sample() {
+    const int models = problem_.space.size();
+    each_chain([&](int, Runner& runner) {
+      runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
+      for (int i = 0; i < runner.kernels->size(); ++i) {
+        runner.moves.push_back({.name = (*runner.kernels)[i].name()});
+      }
+      runner.proposed.assign(static_cast<std::size_t>(models),
+                             std::vector<long>(static_cast<std::size_t>(models)));
+      runner.accepted = runner.proposed;
+    });
+    const int first = options_.draws > 0 ? options_.draws : kDefaultDraws;
+    reporter_.begin("sampling", static_cast<double>(first) * options_.chains);
+    draw(first);
+    if (options_.draws == 0) {
+      while (!reporter_.stopped() && posterior_.draws < kMaxDraws && !converged()) {
+        const int more = std::min(posterior_.draws, kMaxDraws - posterior_.draws);
+        reporter_.begin("sampling on", static_cast<double>(more) * options_.chains);
+        draw(more);
+      }
+    }
+    collect();
+  }
+
+  void draw(int draws) {
+    each_chain([&](int c, Runner& runner) {
+      Chain& chain = posterior_.chains[static_cast<std::size_t>(c)];
+      std::vector<long> visits(static_cast<std::size_t>(problem_.space.size()), 0);
+      long before = runner.target->evaluations();
+      for (int i = 0; i < draws; ++i) {
+        int move = -1;
+        bool accepted = false;
+        for (int t = 0; t < posterior_.thin; ++t) {
+          Random random(options_.seed, static_cast<std::uint64_t>(c),
+                        static_cast<std::uint64_t>(runner.iteration++), Purpose::sampling);
+          Kernel::Outcome outcome;
+          const auto from = static_cast<std::size_t>(runner.state.model);
+          move = runner.kernels->step(runner.state, {*runner.target, random, 1.0, false}, outcome);
+          accepted = outcome.accepted;
+          if (!outcome.proposed) continue;  // and so move >= 0
+          MoveStatistics& statistics = runner.moves[static_cast<std::size_t>(move)];
+          ++statistics.proposed;
+          statistics.accepted += outcome.accepted ? 1 : 0;
+          const auto to = static_cast<std::size_t>(outcome.to_model);
+          ++runner.proposed[from][to];
+          runner.accepted[from][to] += outcome.accepted ? 1 : 0;
+        }
+        record(runner, chain, move, accepted);
+        ++visits[static_cast<std::size_t>(runner.state.model)];
+        if (i % 256 == 255) {
+          reporter_.evaluated(runner.target->evaluations() - before);
+          before = runner.target->evaluations();
+          reporter_.visited(visits);
+          std::fill(visits.begin(), visits.end(), 0);
+          if (!reporter_.advance(256.0)) break;
+        }
+      }
+    });
+    // A run that was stopped keeps what every chain has.
+    std::size_t common = posterior_.chains.front().model.size();
+    for (const Chain& chain : posterior_.chains) common = std::min(common, chain.model.size());
+    for (Chain& chain : posterior_.chains) truncate(chain, common);
+    posterior_.draws = static_cast<int>(common);
+  }
+
+  void record(const Runner& runner, Chain& chain, int move, bool accepted) {
+    const State& state = runner.state;
+    chain.model.push_back(state.model);
+    chain.theta.insert(chain.theta.end(), state.x.begin(), state.x.end());
+    chain.theta.resize(chain.model.size() * static_cast<std::size_t>(posterior_.dimension),
+                       std::numeric_limits<double>::quiet_NaN());
+    chain.log_prior.push_back(runner.target->log_prior_physical(state));
+    chain.log_likelihood.push_back(state.log_likelihood);
+    chain.move.push_back(static_cast<std::int16_t>(move));
+    chain.accepted.push_back(accepted ? 1 : 0);
+    if (state.prediction.size() <= kMaxPredictions) {
+      for (const double value : state.prediction)
+        chain.prediction.push_back(static_cast<float>(value));
+    }
+  }
+
+  void truncate(Chain& chain, std::size_t draws) const {
+    const std::size_t predictions =
+        chain.prediction.size() / std::max<std::size_t>(chain.model.size(), 1);
+    chain.model.resize(draws);
+    chain.theta.resize(draws * static_cast<std::size_t>(posterior_.dimension));
+    chain.log_prior.resize(draws);
+    chain.log_likelihood.resize(draws);
+    chain.move.resize(draws);
+    chain.accepted.resize(draws);
+    chain.prediction.resize(draws * predictions);
+  }
+
+  // Good enough to stop: every undecided model probability known to 0.004 and mixed, the log
+  // posterior too.
+  [[nodiscard]] bool converged() const {
+    for (int m = 0; m < problem_.space.size(); ++m) {
+      ChainsOf indicator;
+      double mean = 0.0;
+      for (const Chain& chain : posterior_.chains) {
+        std::vector<double>& values = indicator.emplace_back();
+        for (const int model : chain.model) values.push_back(model == m ? 1.0 : 0.0);
+        for (const double v : values) mean += v;
+      }
+      mean /= static_cast<double>(posterior_.draws) * options_.chains;
+      if (mean < 0.001 || mean > 0.999) continue;
+      if (mcse_mean(indicator) > 0.004 || ess_mean(indicator) < 400.0 || rhat(indicator) > 1.01) {
+        return false;
+      }
+    }
+    ChainsOf log_posterior;
+    for (const Chain& chain : posterior_.chains) {
+      std::vector<double>& values = log_posterior.emplace_back(chain.log_likelihood);
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] += chain.log_prior[i];
+    }
+    return rhat(log_posterior) < 1.01 && ess_bulk(log_posterior) > 400.0;
+  }
+
+  void collect() {
+    for (Runner& runner : runners_) {
+      if (posterior_.moves.empty()) {
+        posterior_.moves = runner.moves;
+        posterior_.jumps_proposed = runner.proposed;
+        posterior_.jumps_accepted = runner.accepted;
+        continue;
+      }
+      for (std::size_t i = 0; i < runner.moves.size(); ++i) {
+        posterior_.moves[i].proposed += runner.moves[i].proposed;
+        posterior_.moves[i].accepted += runner.moves[i].accepted;
+      }
+      for (std::size_t a = 0; a < runner.proposed.size(); ++a) {
+        for (std::size_t b = 0; b < runner.proposed.size(); ++b) {
+          posterior_.jumps_proposed[a][b] += runner.proposed[a][b];
+          posterior_.jumps_accepted[a][b] += runner.accepted[a][b];
+        }
+      }
+    }
+    const Chain& any = posterior_.chains.front();
+    posterior_.predictions =
+        any.model.empty() ? 0 : static_cast<int>(any.prediction.size() / any.model.size());
+  }
+
+  const Problem& problem_;
+  const Options& options_;
+  Reporter reporter_;
+  Atlases atlases_;
+  std::vector<Runner> runners_;
+  std::vector<PilotSamples> hot_;
+  Pilot pilot_;
+  Posterior posterior_;
+};
+
+}  // namespace
+
+Posterior reversible_jump(const Problem& problem, const Options& options) {
+  if (options.chains < 1) {
+    throw std::invalid_argument("chains = " + std::to_string(options.chains) +
+                                " must be at least 1");
+  }
+  if (options.draws < 0 || options.warmup < 0 || options.thin < 0) {
+    throw std::invalid_argument("draws, warmup and thin must be at least 0");
+  }
+  return Engine(problem, options).run();
+}
+
+}  // namespace wheeltap::inference

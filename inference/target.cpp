@@ -1,0 +1,130 @@
+#include "inference/target.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace wheeltap::inference {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string describe(const ModelSpace& space, const State& state) {
+  std::string text = "model '" + space[state.model].name + "'";
+  for (std::size_t i = 0; i < state.x.size(); ++i) {
+    text += (i == 0 ? " at " : ", ") + space.parameter_name(state.model, static_cast<int>(i)) +
+            " = " + std::to_string(state.x[i]);
+  }
+  return text;
+}
+
+}  // namespace
+
+Target::Target(const Problem& problem, bool prior_only)
+    : problem_(&problem), likelihood_(prior_only ? nullptr : problem.likelihood()) {
+  for (const Model& model : problem.space.models()) {
+    double constant = model.log_prior - 0.5 * model.dimension * std::log(2.0 * std::numbers::pi);
+    for (const int k : model.counts) constant += std::lgamma(k + 1.0);
+    log_model_.push_back(constant);
+  }
+}
+
+void Target::evaluate(State& state) {
+  const std::size_t d = state.z.size();
+  state.x.resize(d);
+  state.evaluated = true;
+  state.log_likelihood = -kInfinity;
+  state.log_prior_factor = 0.0;
+  for (std::size_t i = 0; i < d; ++i) {
+    if (!std::isfinite(state.z[i])) return;
+    state.x[i] = space().prior(state.model, static_cast<int>(i)).from_standard_normal(state.z[i]);
+  }
+  if (problem_->log_prior_factor) {
+    state.log_prior_factor = problem_->log_prior_factor(state.model, state.x);
+    if (std::isnan(state.log_prior_factor)) {
+      throw LikelihoodError("the prior factor is NaN for " + describe(space(), state));
+    }
+    if (state.log_prior_factor == -kInfinity) return;
+  }
+  if (!likelihood_) {
+    state.log_likelihood = 0.0;
+    return;
+  }
+  ++evaluations_;
+  state.log_likelihood = likelihood_->log_likelihood(state.model, state.x);
+  if (std::isnan(state.log_likelihood) || state.log_likelihood == kInfinity) {
+    throw LikelihoodError("the log likelihood is " + std::to_string(state.log_likelihood) +
+                          " for " + describe(space(), state));
+  }
+  const auto prediction = likelihood_->prediction();
+  state.prediction.assign(prediction.begin(), prediction.end());
+  const auto residuals = likelihood_->residuals();
+  state.residuals.assign(residuals.begin(), residuals.end());
+  state.noise_scale = likelihood_->noise_scale();
+}
+
+double Target::log_prior(const State& state) const {
+  double square = 0.0;
+  for (const double z : state.z) square += z * z;
+  return log_model_[static_cast<std::size_t>(state.model)] - 0.5 * square + state.log_prior_factor;
+}
+
+double Target::log_prior_physical(const State& state) const {
+  const Model& model = space()[state.model];
+  double sum = model.log_prior + state.log_prior_factor;
+  for (const int k : model.counts) sum += std::lgamma(k + 1.0);
+  for (std::size_t i = 0; i < state.x.size(); ++i) {
+    sum += space().prior(state.model, static_cast<int>(i)).log_density(state.x[i]);
+  }
+  return sum;
+}
+
+void Target::draw_prior(Random& random, State& state) const {
+  double u = random.uniform();
+  int model = 0;
+  for (; model + 1 < space().size(); ++model) {
+    u -= std::exp(space()[model].log_prior);
+    if (u < 0.0) break;
+  }
+  draw_prior(model, random, state);
+}
+
+void Target::draw_prior(int model, Random& random, State& state) const {
+  state.model = model;
+  state.z.resize(static_cast<std::size_t>(space()[model].dimension));
+  for (double& z : state.z) z = random.normal();
+  state.evaluated = false;
+  sort_components(state);
+}
+
+bool Target::is_sorted(const State& state) const {
+  const Model& model = space()[state.model];
+  for (std::size_t j = 0; j < space().kinds().size(); ++j) {
+    const auto width = static_cast<std::ptrdiff_t>(space().kinds()[j].parameters.size());
+    const double* first = state.z.data() + model.offsets[j];
+    for (int c = 1; c < model.counts[j]; ++c) {
+      if (first[c * width] < first[(c - 1) * width]) return false;
+    }
+  }
+  return true;
+}
+
+bool Target::sort_components(State& state) const {
+  if (is_sorted(state)) return true;
+  const Model& model = space()[state.model];
+  for (std::size_t j = 0; j < space().kinds().size(); ++j) {
+    const auto width = static_cast<std::ptrdiff_t>(space().kinds()[j].parameters.size());
+    double* first = state.z.data() + model.offsets[j];
+    // Insertion sort of whole components: k is small and nearly sorted.
+    for (int c = 1; c < model.counts[j]; ++c) {
+      for (int b = c; b > 0 && first[b * width] < first[(b - 1) * width]; --b) {
+        std::swap_ranges(first + b * width, first + (b + 1) * width, first + (b - 1) * width);
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,73 @@
+// Non-reversible parallel tempering between the prior and the posterior.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "inference/move.hpp"
+
+namespace wheeltap::inference {
+
+/// One chain's ladder of replicas at inverse temperatures 0 = β_0 < … < β_N = 1, each targeting
+/// prior × likelihood^β. The lowest draws model and parameters afresh from the prior. Neighbours
+/// swap on alternating even and odd pairs, the deterministic scheme of Syed et al. (2022, section
+/// 2), in which round trips do not slow down as the ladder grows.
+class TemperedChain {
+ public:
+  /// Makes the kernels of one rung.
+  using KernelFactory = std::function<std::unique_ptr<KernelMixture>()>;
+
+  TemperedChain(Target& target, std::vector<double> betas, KernelFactory kernels,
+                std::uint64_t seed, int chain);
+
+  /// Starts every replica from the prior. Throws LikelihoodError where no draw of a thousand has a
+  /// finite likelihood.
+  void start();
+  /// `steps` kernel steps in every rung, then one round of swaps.
+  void scan(int steps, bool adapting, Purpose purpose);
+
+  /// Moves the ladder so that neighbours reject swaps equally often (ibid., algorithm 4), with
+  /// `rungs` rungs, from the rejections since the last call. Replicas keep their rung or its
+  /// nearest.
+  void adapt_ladder(int rungs);
+  /// Σ of the neighbours' rejection rates since the last adaptation: the communication barrier Λ.
+  [[nodiscard]] double barrier() const;
+
+  [[nodiscard]] const std::vector<double>& betas() const { return betas_; }
+  [[nodiscard]] int rungs() const { return static_cast<int>(betas_.size()); }
+  [[nodiscard]] const State& state(int rung) const {
+    return states_[static_cast<std::size_t>(rung)];
+  }
+  [[nodiscard]] const State& cold() const { return states_.back(); }
+  /// Trips of a replica from β = 0 to β = 1 and back, completed since the start.
+  [[nodiscard]] long round_trips() const { return round_trips_; }
+
+ private:
+  Target& target_;
+  std::vector<double> betas_;
+  KernelFactory factory_;
+  std::uint64_t seed_;
+  int chain_;
+  std::vector<State> states_;
+  std::vector<std::unique_ptr<KernelMixture>> kernels_;
+  std::vector<double> rejection_;  ///< Σ (1 - α) of each pair
+  std::vector<long> tried_;
+  std::vector<int> direction_;  ///< of each replica: +1 since β = 0, -1 since β = 1
+  std::vector<int> replica_;    ///< which replica is at each rung
+  long scans_ = 0;
+  long round_trips_ = 0;
+};
+
+/// A first ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in equal ratios.
+[[nodiscard]] std::vector<double> geometric_ladder(int rungs);
+
+/// A state drawn from the prior whose likelihood is finite. Throws LikelihoodError after a thousand
+/// tries.
+[[nodiscard]] State start_from_prior(Target& target, Random& random);
+
+/// Throws LikelihoodError, naming the model, for a model with prior weight whose likelihood is
+/// finite at none of a thousand draws from its prior.
+void check_models(Target& target, std::uint64_t seed);
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,231 @@
+// Every kernel leaves prior × likelihood^β invariant: the exact test of Gandy & Scott (2020,
+// section 2). Parameters from the prior and data given them are a draw of the joint distribution,
+// and remain one when the parameters are moved by a kernel that leaves their posterior invariant,
+// however few steps and whether or not it mixes. Each test has a control: the same move with a
+// fault, which must be found out.
+#include "inference/move.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "inference/moves/birth_death.hpp"
+#include "inference/moves/differential_evolution.hpp"
+#include "inference/moves/mirror.hpp"
+#include "inference/moves/mixture_jump.hpp"
+#include "inference/moves/model_switch.hpp"
+#include "inference/moves/random_walk.hpp"
+#include "tests/inference/statistics.hpp"
+#include "tests/inference/toy_problems.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+// A correct kernel fails with this probability: six functionals, two models of test.
+constexpr double kFalseAlarm = 1e-6;
+constexpr int kReplicates = 6000;
+constexpr int kSteps = 7;  // odd: two reflections are none
+
+using MoveFactory = std::function<std::unique_ptr<Move>()>;
+
+// A move whose ratio is replaced by 1.
+class ForgetsRatio : public Move {
+ public:
+  explicit ForgetsRatio(std::unique_ptr<Move> move) : move_(std::move(move)) {}
+  std::optional<double> propose(const State& from, const Step& step, State& to) override {
+    if (!move_->propose(from, step, to)) return std::nullopt;
+    return 0.0;
+  }
+
+ private:
+  std::unique_ptr<Move> move_;
+};
+
+// A move that is accepted whatever the target says.
+class AlwaysAccepted : public Move {
+ public:
+  explicit AlwaysAccepted(std::unique_ptr<Move> move) : move_(std::move(move)) {}
+  std::optional<double> propose(const State& from, const Step& step, State& to) override {
+    if (!move_->propose(from, step, to)) return std::nullopt;
+    return 1e6;
+  }
+
+ private:
+  std::unique_ptr<Move> move_;
+};
+
+std::vector<double> functionals(const State& state) {
+  double location = 0.0, height = 0.0, square = 0.0;
+  for (std::size_t i = 0; i + 1 < state.x.size(); i += 2) {
+    location += state.x[i];
+    height += state.x[i + 1];
+    square += state.x[i] * state.x[i + 1];
+  }
+  const double last = state.x.empty() ? 0.0 : state.x.back();
+  return {location, height, square, last, state.log_likelihood};
+}
+
+struct Sample {
+  std::vector<double> models;
+  std::vector<std::vector<double>> values;  // [functional][replicate]
+};
+
+// (model, parameters) of kReplicates joint draws, after `steps` steps of the kernel.
+Sample joint_draws(const std::vector<double>& weights, const MoveFactory& make, int steps,
+                   int stream, double beta) {
+  Sample sample{.models = std::vector<double>(weights.size(), 0.0), .values = {}};
+  for (int n = 0; n < kReplicates; ++n) {
+    Random random(7, static_cast<std::uint64_t>(stream), static_cast<std::uint64_t>(n),
+                  Purpose::test);
+    // Tempered by β, a Gaussian likelihood is one with its noise divided by √β.
+    const Problem blind = toy::bump_problem(std::vector<double>(toy::kSensors, 0.0), weights);
+    Target prior(blind, true);
+    State state;
+    prior.draw_prior(random, state);
+    prior.evaluate(state);
+    std::vector<double> data(toy::kSensors);
+    toy::predict(state.x, data);
+    for (double& y : data) y += toy::kNoise / std::sqrt(beta) * random.normal();
+    const Problem problem = toy::bump_problem(data, weights);
+    Target target(problem, false);
+    target.evaluate(state);
+    MetropolisHastings kernel("under test", make());
+    for (int s = 0; s < steps; ++s) kernel.step(state, {target, random, beta, false});
+    sample.models[static_cast<std::size_t>(state.model)] += 1.0;
+    const auto values = functionals(state);
+    sample.values.resize(values.size());
+    for (std::size_t f = 0; f < values.size(); ++f) sample.values[f].push_back(values[f]);
+  }
+  return sample;
+}
+
+// The smallest p-value over the functionals, times their number (Bonferroni).
+double invariance_p_value(const MoveFactory& make,
+                          const std::vector<double>& weights = {1, 2, 2, 1}, double beta = 1.0) {
+  const Sample before = joint_draws(weights, make, 0, 1, beta);
+  const Sample after = joint_draws(weights, make, kSteps, 2, beta);
+  double smallest = same_counts_p_value(before.models, after.models);
+  for (std::size_t f = 0; f < before.values.size(); ++f) {
+    smallest = std::min(smallest, two_sample_p_value(before.values[f], after.values[f]));
+  }
+  return std::min(1.0, smallest * static_cast<double>(before.values.size() + 1));
+}
+
+template <typename Broken>
+MoveFactory broken(const MoveFactory& make) {
+  return [make] { return std::make_unique<Broken>(make()); };
+}
+
+std::shared_ptr<const EffectAtlas> toy_atlas() {
+  static const auto atlas = [] {
+    const Problem problem = toy::bump_problem(std::vector<double>(toy::kSensors, 0.0), {1, 1});
+    Target target(problem, false);
+    return make_atlas(target, 0);
+  }();
+  return atlas;
+}
+
+// Mixtures and archives need not fit anything to leave the target invariant.
+std::shared_ptr<const PilotFit> rough_fit(const ModelSpace& space) {
+  auto fit = std::make_shared<PilotFit>();
+  for (int m = 0; m < space.size(); ++m) {
+    fit->weight.push_back(0.1 + 0.2 * m);
+    const int d = space[m].dimension;
+    if (d == 0) {
+      fit->density.push_back(nullptr);
+      continue;
+    }
+    Random random(3, 0, static_cast<std::uint64_t>(m), Purpose::test);
+    Eigen::MatrixXd samples(400, d);
+    for (double& value : samples.reshaped()) value = 0.3 + 0.7 * random.normal();
+    fit->density.push_back(std::make_unique<NormalMixture>(NormalMixture::fit(samples, random)));
+  }
+  double total = 0.0;
+  for (const double w : fit->weight) total += w;
+  for (double& w : fit->weight) w /= total;
+  return fit;
+}
+
+std::shared_ptr<const Archive> rough_archive(const ModelSpace& space) {
+  auto archive = std::make_shared<Archive>();
+  Random random(4, 0, 0, Purpose::test);
+  for (int m = 0; m < space.size(); ++m) {
+    Eigen::MatrixXd& states = archive->emplace_back(space[m].dimension, 50);
+    for (double& value : states.reshaped()) value = random.normal();
+  }
+  return archive;
+}
+
+MoveFactory birth_from_prior() {
+  return [] { return std::make_unique<BirthDeath>(0, std::make_unique<PriorProposal>()); };
+}
+
+template <typename M>
+MoveFactory informed() {
+  return [] {
+    static const ModelSpace space = toy::bump_space({1, 2, 2, 1});
+    return std::make_unique<M>(0, std::make_unique<InformedProposal>(toy_atlas(), space, 0));
+  };
+}
+
+TEST(Invariance, BirthAndDeathFromThePrior) {
+  EXPECT_GT(invariance_p_value(birth_from_prior()), kFalseAlarm);
+  EXPECT_GT(invariance_p_value(birth_from_prior(), {1, 2, 2, 1}, 0.3), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(birth_from_prior())), kFalseAlarm);
+}
+
+TEST(Invariance, InformedBirthAndDeath) {
+  ASSERT_NE(toy_atlas(), nullptr);
+  EXPECT_GT(invariance_p_value(informed<BirthDeath>()), kFalseAlarm);
+  EXPECT_GT(invariance_p_value(informed<BirthDeath>(), {1, 2, 2, 1}, 0.3), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(informed<BirthDeath>())), kFalseAlarm);
+}
+
+TEST(Invariance, Relocation) {
+  EXPECT_GT(invariance_p_value(informed<Relocation>()), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(informed<Relocation>())), kFalseAlarm);
+}
+
+TEST(Invariance, RandomWalk) {
+  const MoveFactory make = [] {
+    return std::make_unique<RandomWalk>(RandomWalk::initial_scales(toy::bump_space({1, 2, 2, 1})));
+  };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
+}
+
+TEST(Invariance, MirrorOfAll) {
+  const MoveFactory make = [] { return std::make_unique<Mirror>(Reflection{0, 0, 0.5}, true); };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
+}
+
+TEST(Invariance, MirrorOfOne) {
+  const MoveFactory make = [] { return std::make_unique<Mirror>(Reflection{0, 0, 0.5}, false); };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
+}
+
+TEST(Invariance, DifferentialEvolution) {
+  const auto archive = rough_archive(toy::bump_space({1, 2, 2, 1}));
+  const MoveFactory make = [archive] { return std::make_unique<DifferentialEvolution>(archive); };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
+}
+
+TEST(Invariance, MixtureJumpBetweenModels) {
+  const auto fit = rough_fit(toy::bump_space({1, 2, 2, 1}));
+  const MoveFactory make = [fit] { return std::make_unique<MixtureJump>(fit, true); };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+}
+
+TEST(Invariance, MixtureRenewalWithinAModel) {
+  const auto fit = rough_fit(toy::bump_space({1, 2, 2, 1}));
+  const MoveFactory make = [fit] { return std::make_unique<MixtureJump>(fit, false); };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
+}
+
+}  // namespace
+}  // namespace wheeltap::inference

@@ -1,0 +1,324 @@
+// The whole engine: the prior comes back when the likelihood is off, exact posteriors come back
+// when it is on, and what should not matter does not.
+#include "inference/reversible_jump.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "inference/diagnostics.hpp"
+#include "tests/inference/statistics.hpp"
+#include "tests/inference/toy_problems.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+// Tolerances are this many Monte Carlo standard errors: a false alarm once in 10⁶ comparisons.
+constexpr double kSigmas = 4.9;
+
+ChainsOf indicator(const Posterior& posterior, int model) {
+  ChainsOf chains;
+  for (const Chain& chain : posterior.chains) {
+    auto& values = chains.emplace_back();
+    for (const int m : chain.model) values.push_back(m == model ? 1.0 : 0.0);
+  }
+  return chains;
+}
+
+double mean_of(const ChainsOf& chains) {
+  double sum = 0.0, n = 0.0;
+  for (const auto& chain : chains) {
+    for (const double v : chain) sum += v;
+    n += static_cast<double>(chain.size());
+  }
+  return sum / n;
+}
+
+double probability(const Posterior& posterior, int model) {
+  return mean_of(indicator(posterior, model));
+}
+
+void expect_probability(const Posterior& posterior, int model, double exact) {
+  const ChainsOf chains = indicator(posterior, model);
+  const double error = mcse_mean(chains);
+  EXPECT_NEAR(mean_of(chains), exact, kSigmas * error + 1e-12)
+      << (*posterior.space)[model].name << ", standard error " << error;
+}
+
+// The functional f(x) of every draw of one model, thinned to its effective size, against F by
+// Kolmogorov-Smirnov.
+template <typename F>
+double ks_of_draws(const Posterior& posterior, int model, int parameter, F&& cdf) {
+  ChainsOf chains;
+  std::size_t shortest = std::numeric_limits<std::size_t>::max();
+  for (const Chain& chain : posterior.chains) {
+    auto& values = chains.emplace_back();
+    for (std::size_t i = 0; i < chain.model.size(); ++i) {
+      if (chain.model[i] != model) continue;
+      values.push_back(cdf(chain.theta[i * static_cast<std::size_t>(posterior.dimension) +
+                                       static_cast<std::size_t>(parameter)]));
+    }
+    shortest = std::min(shortest, values.size());
+  }
+  std::vector<double> all;
+  for (auto& values : chains) {
+    values.resize(shortest);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  const double effective = std::min(ess_mean(chains), static_cast<double>(all.size()));
+  std::sort(all.begin(), all.end());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    largest = std::max(
+        {largest, std::abs(all[i] - static_cast<double>(i) / static_cast<double>(all.size())),
+         std::abs(all[i] - static_cast<double>(i + 1) / static_cast<double>(all.size()))});
+  }
+  const double t = std::sqrt(effective) * largest;
+  return std::min(1.0, 2.0 * std::exp(-2.0 * t * t));
+}
+
+Options small(std::uint64_t seed = 1) {
+  return {.seed = seed, .warmup = 3000, .draws = 6000};
+}
+
+struct MoveSet {
+  const char* name;
+  Options::Moves moves;
+};
+
+class PriorRecovery : public testing::TestWithParam<MoveSet> {};
+
+// With the likelihood off, the counts follow their prior, and so do locations and heights. Ordered
+// locations: the smallest of k from F is distributed as 1 - (1 - F)^k.
+TEST_P(PriorRecovery, CountsLocationsAndHeights) {
+  const std::vector<double> weights{3, 1, 4, 2};
+  const Problem problem = toy::bump_problem(std::vector<double>(toy::kSensors, 1.0), weights);
+  Options options = small();
+  options.prior_only = true;
+  options.moves = GetParam().moves;
+  const Posterior posterior = reversible_jump(problem, options);
+  for (int k = 0; k < 4; ++k) {
+    expect_probability(posterior, k, weights[static_cast<std::size_t>(k)] / 10.0);
+  }
+  for (int k = 1; k < 4; ++k) {
+    const Prior& location = problem.space.prior(k, 0);
+    const Prior& height = problem.space.prior(k, 1);
+    const auto cdf = [](const Prior& prior, double x) {
+      return 0.5 * std::erfc(-prior.to_standard_normal(x) / std::numbers::sqrt2);
+    };
+    EXPECT_GT(ks_of_draws(posterior, k, 0,
+                          [&](double x) { return 1.0 - std::pow(1.0 - cdf(location, x), k); }),
+              1e-6);
+    EXPECT_GT(ks_of_draws(posterior, k, 1, [&](double x) { return cdf(height, x); }), 1e-6);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(MoveSets, PriorRecovery,
+                         testing::Values(MoveSet{"All", {}},
+                                         MoveSet{"SourceOnly",
+                                                 {.informed_birth = false,
+                                                  .relocation = false,
+                                                  .reflection = false,
+                                                  .independence = false,
+                                                  .tempering = false}},
+                                         MoveSet{"WithoutIndependence", {.independence = false}},
+                                         MoveSet{"MirrorsAndBirths",
+                                                 {.informed_birth = false,
+                                                  .random_walk = false,
+                                                  .relocation = false,
+                                                  .independence = false}},
+                                         MoveSet{"IndependenceOnly",
+                                                 {.birth_death = false,
+                                                  .informed_birth = false,
+                                                  .random_walk = false,
+                                                  .relocation = false,
+                                                  .reflection = false}}),
+                         [](const auto& set) { return set.param.name; });
+
+// A flat likelihood with a Poisson prior returns that Poisson, k = 0 included.
+TEST(ReversibleJump, FlatLikelihoodReturnsThePoissonPrior) {
+  class Flat : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double>) override { return -3.0; }
+  };
+  std::vector<double> weights;
+  double term = 1.0;
+  for (int k = 0; k <= 9; ++k) {
+    weights.push_back(term);
+    term *= 3.0 / (k + 1);
+  }
+  double total = 0.0;
+  for (const double w : weights) total += w;
+  const Problem problem{.space = toy::bump_space(weights),
+                        .likelihood = [] { return std::make_unique<Flat>(); }};
+  const Posterior posterior = reversible_jump(problem, {.warmup = 3000, .draws = 10000});
+  for (int k = 0; k <= 9; ++k)
+    expect_probability(posterior, k, weights[static_cast<std::size_t>(k)] / total);
+}
+
+// n = 20, ȳ = 0.5, σ = τ = 1: BF10 = (1 + n)^(-1/2) exp(½ n² ȳ² / (n + 1)) = 2.360070.
+class NormalMean : public Likelihood {
+ public:
+  double log_likelihood(int model, std::span<const double> x) override {
+    const double mu = model == 0 ? 0.0 : x[0];
+    return -0.5 * 20.0 * (0.5 - mu) * (0.5 - mu);
+  }
+};
+
+Problem nested_means(double unit) {
+  class InUnit : public NormalMean {
+   public:
+    explicit InUnit(double u) : unit_(u) {}
+    double log_likelihood(int model, std::span<const double> x) override {
+      const double mu = x.empty() ? 0.0 : x[0] / unit_;
+      return NormalMean::log_likelihood(model, {&mu, 1});
+    }
+
+   private:
+    double unit_;
+  };
+  return {.space = ModelSpace::of_models({{"mu", Normal{0.0, unit}}},
+                                         {{"zero", 1, {}}, {"free", 1, {"mu"}}}),
+          .likelihood = [unit] { return std::make_unique<InUnit>(unit); }};
+}
+
+TEST(ReversibleJump, NestedNormalMeans) {
+  const Problem problem = nested_means(1.0);
+  const Posterior posterior = reversible_jump(problem, {.warmup = 2000, .draws = 20000});
+  expect_probability(posterior, 1, 2.360070 / 3.360070);
+}
+
+TEST(ReversibleJump, UnitsDoNotMatter) {
+  const Problem metres = nested_means(1.0);
+  const Problem millimetres = nested_means(1000.0);
+  const Posterior a = reversible_jump(metres, small());
+  const Posterior b = reversible_jump(millimetres, small());
+  EXPECT_EQ(a.chains[0].model, b.chains[0].model);
+  EXPECT_NEAR(b.chains[0].theta[0] / 1000.0, a.chains[0].theta[0], 1e-12);
+}
+
+TEST(ReversibleJump, OrderOfModelsDoesNotMatter) {
+  Problem problem = nested_means(1.0);
+  const Posterior forward = reversible_jump(problem, small());
+  class Swapped : public NormalMean {
+   public:
+    double log_likelihood(int model, std::span<const double> x) override {
+      return NormalMean::log_likelihood(1 - model, x);
+    }
+  };
+  problem.space =
+      ModelSpace::of_models({{"mu", Normal{0.0, 1.0}}}, {{"free", 1, {"mu"}}, {"zero", 1, {}}});
+  problem.likelihood = [] { return std::make_unique<Swapped>(); };
+  const Posterior backward = reversible_jump(problem, small());
+  const double error =
+      std::hypot(mcse_mean(indicator(forward, 1)), mcse_mean(indicator(backward, 0)));
+  EXPECT_NEAR(probability(forward, 1), probability(backward, 0), kSigmas * error);
+}
+
+Problem bumps() {
+  std::vector<double> data(toy::kSensors);
+  toy::predict(std::vector<double>{0.3, 1.2}, data);
+  data[1] += 0.3;
+  data[4] -= 0.4;
+  return toy::bump_problem(data, {1, 1, 1, 1});
+}
+
+TEST(ReversibleJump, SameSeedSameRunForAnyNumberOfThreads) {
+  const Problem problem = bumps();
+  Options options = small(5);
+  options.threads = 1;
+  const Posterior one = reversible_jump(problem, options);
+  options.threads = 3;
+  const Posterior three = reversible_jump(problem, options);
+  for (std::size_t c = 0; c < one.chains.size(); ++c) {
+    EXPECT_EQ(one.chains[c].model, three.chains[c].model);
+    EXPECT_EQ(one.chains[c].log_likelihood, three.chains[c].log_likelihood);
+  }
+  EXPECT_EQ(one.likelihood_evaluations, three.likelihood_evaluations);
+  options.seed = 6;
+  EXPECT_NE(reversible_jump(problem, options).chains[0].log_likelihood,
+            one.chains[0].log_likelihood);
+}
+
+TEST(ReversibleJump, MoveSetsAgree) {
+  const Problem problem = bumps();
+  Options options{.seed = 2, .warmup = 3000, .draws = 20000};
+  const Posterior all = reversible_jump(problem, options);
+  options.moves = {.informed_birth = false,
+                   .relocation = false,
+                   .reflection = false,
+                   .independence = false,
+                   .tempering = false};
+  const Posterior plain = reversible_jump(problem, options);
+  for (int k = 0; k < 4; ++k) {
+    const double error = std::hypot(mcse_mean(indicator(all, k)), mcse_mean(indicator(plain, k)));
+    EXPECT_NEAR(probability(all, k), probability(plain, k), kSigmas * error) << k;
+  }
+}
+
+TEST(ReversibleJump, RecordedDensitiesAreTheRecomputedOnes) {
+  const Problem problem = bumps();
+  const Posterior posterior = reversible_jump(problem, small());
+  const auto likelihood = problem.likelihood();
+  const Chain& chain = posterior.chains[1];
+  for (std::size_t i = 0; i < chain.model.size(); i += 97) {
+    const int m = chain.model[i];
+    const std::span<const double> x(
+        chain.theta.data() + i * static_cast<std::size_t>(posterior.dimension),
+        static_cast<std::size_t>(problem.space[m].dimension));
+    EXPECT_EQ(chain.log_likelihood[i], likelihood->log_likelihood(m, x));
+    double log_prior = problem.space[m].log_prior + std::lgamma(problem.space[m].counts[0] + 1.0);
+    for (std::size_t j = 0; j < x.size(); ++j) {
+      log_prior += problem.space.prior(m, static_cast<int>(j)).log_density(x[j]);
+    }
+    EXPECT_NEAR(chain.log_prior[i], log_prior, 1e-12 * std::abs(log_prior));
+  }
+}
+
+TEST(ReversibleJump, ReportsALikelihoodThatIsNotANumber) {
+  class Bad : public Likelihood {
+   public:
+    double log_likelihood(int model, std::span<const double> x) override {
+      return model == 1 && x[0] > 0.5 ? std::nan("") : 0.0;
+    }
+  };
+  Problem problem = nested_means(1.0);
+  problem.likelihood = [] { return std::make_unique<Bad>(); };
+  try {
+    (void)reversible_jump(problem, small());
+    FAIL() << "no error";
+  } catch (const LikelihoodError& error) {
+    EXPECT_NE(std::string(error.what()).find("'free' at mu = "), std::string::npos) << error.what();
+  }
+}
+
+TEST(ReversibleJump, ReportsALikelihoodThatIsNeverFinite) {
+  class Impossible : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double>) override {
+      return -std::numeric_limits<double>::infinity();
+    }
+  };
+  Problem problem = nested_means(1.0);
+  problem.likelihood = [] { return std::make_unique<Impossible>(); };
+  EXPECT_THROW((void)reversible_jump(problem, small()), LikelihoodError);
+}
+
+TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {
+  const Problem problem = bumps();
+  for (const char* stage : {"exploring", "tuning", "sampling"}) {
+    Options options{.seed = 1, .warmup = 20000, .draws = 400000};
+    options.progress = [&](const Options::Progress& p) { return std::string(p.stage) != stage; };
+    const Posterior posterior = reversible_jump(problem, options);
+    EXPECT_TRUE(posterior.stopped_early);
+    for (const Chain& chain : posterior.chains) {
+      EXPECT_EQ(chain.model.size(), static_cast<std::size_t>(posterior.draws));
+      EXPECT_EQ(chain.theta.size(),
+                chain.model.size() * static_cast<std::size_t>(posterior.dimension));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace wheeltap::inference
