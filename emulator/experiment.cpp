@@ -5,10 +5,13 @@
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "emulator/journal.hpp"
 
 namespace wheeltap::emulator {
 namespace {
@@ -22,6 +25,15 @@ std::string describe(const Design& design, Eigen::Index run) {
          << design.points(run, static_cast<Eigen::Index>(j));
   text << ")";
   return text.str();
+}
+
+/// Names and points, byte for byte: two designs with the same text are the same.
+std::string text_of(const Design& design) {
+  std::string text;
+  for (const Factor& factor : design.factors) text += factor.name + '\n';
+  text.append(reinterpret_cast<const char*>(design.points.data()),
+              static_cast<std::size_t>(design.points.size()) * sizeof(double));
+  return text;
 }
 
 }  // namespace
@@ -44,6 +56,22 @@ RowMatrix run_experiment(const Design& design, Eigen::Index responses, const Mod
   std::atomic<bool> failed{false};
   std::mutex mutex;  // guards what follows and the progress callback
   Eigen::Index done = 0;
+  std::vector<char> remembered(static_cast<std::size_t>(runs), 0);
+  std::optional<Journal> journal;
+  if (!options.journal.empty()) {
+    journal.emplace(options.journal, options.identity + '\n' + text_of(design),
+                    static_cast<std::size_t>(responses));
+    for (const Journal::Entry& entry : journal->entries()) {
+      if (entry.run < 0 || entry.run >= runs)
+        throw FileError(
+            FileError::Kind::corrupt, options.journal,
+            "holds run " + std::to_string(entry.run) + " of a design of " + std::to_string(runs));
+      auto& seen = remembered[static_cast<std::size_t>(entry.run)];
+      done += seen ? 0 : 1;
+      seen = 1;
+      std::copy(entry.response.begin(), entry.response.end(), result.row(entry.run).data());
+    }
+  }
   Eigen::Index failed_run = std::numeric_limits<Eigen::Index>::max();
   std::exception_ptr failure;
 
@@ -68,6 +96,7 @@ RowMatrix run_experiment(const Design& design, Eigen::Index responses, const Mod
     while (!failed) {
       const Eigen::Index run = next++;
       if (run >= runs) return;
+      if (remembered[static_cast<std::size_t>(run)]) continue;
       try {
         const std::span<double> response(result.row(run).data(),
                                          static_cast<std::size_t>(responses));
@@ -75,10 +104,10 @@ RowMatrix run_experiment(const Design& design, Eigen::Index responses, const Mod
         for (std::size_t k = 0; k < response.size(); ++k)
           if (!std::isfinite(response[k]))
             throw std::domain_error("response " + std::to_string(k) + " is not finite");
-        if (options.progress) {
-          const std::lock_guard lock(mutex);
-          options.progress(++done, runs);
-        }
+        const std::lock_guard lock(mutex);
+        if (journal) journal->append(run, response);
+        ++done;
+        if (options.progress) options.progress(done, runs);
       } catch (...) {
         fail(run);
       }
@@ -95,6 +124,8 @@ RowMatrix run_experiment(const Design& design, Eigen::Index responses, const Mod
     if (failed_run < 0) std::rethrow_exception(failure);
     try {
       std::rethrow_exception(failure);
+    } catch (const FileError&) {
+      throw;  // the journal's, not the model's
     } catch (const std::exception& error) {
       std::throw_with_nested(
           RunError(failed_run, describe(design, failed_run) + " failed: " + error.what()));
@@ -103,6 +134,20 @@ RowMatrix run_experiment(const Design& design, Eigen::Index responses, const Mod
     }
   }
   return result;
+}
+
+Design shard(const Design& design, Eigen::Index part, Eigen::Index parts) {
+  if (parts < 1 || part < 0 || part >= parts)
+    throw std::invalid_argument("part " + std::to_string(part) + " of " + std::to_string(parts) +
+                                " parts: 0 <= part < parts is needed");
+  const Eigen::Index runs = (design.runs() - part + parts - 1) / parts;
+  if (runs < 1)
+    throw std::invalid_argument("part " + std::to_string(part) + " of " + std::to_string(parts) +
+                                " of a design of " + std::to_string(design.runs()) +
+                                " runs is empty");
+  Design out{.factors = design.factors, .points = RowMatrix(runs, design.points.cols())};
+  for (Eigen::Index i = 0; i < runs; ++i) out.points.row(i) = design.points.row(part + i * parts);
+  return out;
 }
 
 }  // namespace wheeltap::emulator

@@ -1,9 +1,11 @@
 // Running a model over a design, on several threads.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <stdexcept>
+#include <string>
 
 #include "emulator/design.hpp"
 
@@ -16,6 +18,12 @@ using ModelFactory = std::function<Model()>;
 
 struct ExperimentOptions {
   int threads = 1;  ///< >= 1
+  /// Where finished runs are remembered (empty: nowhere). When the file exists already, its runs
+  /// are taken from it and not repeated; it stays after the last run, for the caller to remove once
+  /// the result is safe.
+  std::filesystem::path journal = {};
+  /// What the journal's runs belong to, beside the design itself, e.g. the case as text.
+  std::string identity = {};
   /// Called after each run with (runs done, runs in all), one call at a time, from any thread.
   std::function<void(Eigen::Index done, Eigen::Index total)> progress = {};
 };
@@ -38,5 +46,10 @@ class RunError : public std::runtime_error {
 [[nodiscard]] RowMatrix run_experiment(const Design& design, Eigen::Index responses,
                                        const ModelFactory& factory,
                                        const ExperimentOptions& options = {});
+
+/// Part `part` of `parts` (0-based) of a design: its runs part, part + parts, part + 2 parts, …, so
+/// that several machines may share the work. Throws std::invalid_argument unless 0 <= part < parts
+/// and the part has a run.
+[[nodiscard]] Design shard(const Design& design, Eigen::Index part, Eigen::Index parts);
 
 }  // namespace wheeltap::emulator

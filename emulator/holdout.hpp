@@ -19,6 +19,7 @@ struct HoldoutError {
   /// effect apart are no longer told apart at two to three sigma. A usual bound for metamodels in
   /// sensitivity studies is Q² ≥ 0.9 as well.
   [[nodiscard]] bool cannot_be_predicted() const { return !(q2 >= 0.9); }
+  [[nodiscard]] bool operator==(const HoldoutError&) const = default;
 };
 
 /// Per response, from truth and prediction (runs × responses each). Where a response does not vary,

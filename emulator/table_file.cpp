@@ -4,7 +4,7 @@
 #include <netcdf.h>
 #include <unistd.h>
 
-#include <cmath>
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <mutex>
@@ -17,8 +17,12 @@ using Kind = FileError::Kind;
 
 constexpr const char* kFormatAttribute = "table_format";
 constexpr const char* kFormatName = "wheeltap-table";
+constexpr const char* kResponseName = "response_name";
+constexpr const char* kChecksumAttribute = "table_checksum";
 constexpr const char* kVersionAttribute = "table_format_version";
 constexpr const char* kResponseDimension = "response";
+constexpr const char* kRunDimension = "run";
+constexpr std::string_view kParameterPrefix = "parameter_";
 constexpr struct {
   const char* name;
   double HoldoutError::*member;
@@ -62,6 +66,42 @@ class Handle {
   bool open_ = false;
 };
 
+/// Of everything a file holds, so that no damage passes unseen, wherever in the file it is.
+std::string checksum(const TableFile& file) {
+  std::uint64_t hash = fnv1a("");
+  const auto text = [&](std::string_view s) { hash = fnv1a("\n", fnv1a(s, hash)); };
+  const auto numbers = [&](const double* first, std::ptrdiff_t count) {
+    text({reinterpret_cast<const char*>(first), static_cast<std::size_t>(count) * sizeof(double)});
+  };
+  const auto texts = [&](const std::map<std::string, std::string>& map) {
+    for (const auto& [key, value] : map) text(key), text(value);
+  };
+  texts(file.attributes);
+  for (const auto& [name, t] : file.tables) {
+    text(name);
+    for (const Factor& f : t.factors) {
+      text(f.name);
+      text(f.unit);
+      text(emulator::name(f.scale));
+      numbers(f.levels.data(), static_cast<std::ptrdiff_t>(f.levels.size()));
+    }
+    text(t.response_name);
+    text(t.response_unit);
+    numbers(t.points.data(), t.points.size());
+    numbers(t.values.data(), t.values.size());
+    for (const HoldoutError& e : t.holdout)
+      for (const auto& [unused, member] : kHoldoutVariables) numbers(&(e.*member), 1);
+    texts(t.attributes);
+    for (const auto& [key, matrix] : t.parameters) {
+      text(key);
+      numbers(matrix.data(), matrix.size());
+    }
+  }
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  return digits;
+}
+
 // ---- writing ----------------------------------------------------------------------------------
 
 struct Writer {
@@ -75,13 +115,18 @@ struct Writer {
     check(nc_put_att_text(group, variable, name, value.size(), value.c_str()));
   }
 
-  /// A compressed variable with a checksum a chunk, so that a damaged file is noticed when read.
+  /// A compressed variable of doubles.
   int variable(int group, const std::string& name, const std::vector<int>& dimensions) const {
     int id;
     check(nc_def_var(group, name.c_str(), NC_DOUBLE, static_cast<int>(dimensions.size()),
                      dimensions.data(), &id));
     check(nc_def_var_deflate(group, id, 1, 1, 1));
-    check(nc_def_var_fletcher32(group, id, NC_FLETCHER32));
+    return id;
+  }
+
+  int dimension(int group, const std::string& name, std::ptrdiff_t length) const {
+    int id;
+    check(nc_def_dim(group, name.c_str(), static_cast<std::size_t>(length), &id));
     return id;
   }
 
@@ -89,23 +134,28 @@ struct Writer {
     int group;
     check(nc_def_grp(file, name.c_str(), &group));
     std::vector<int> dimensions;
-    std::string order;
-    for (const Factor& factor : t.factors) {
-      int dimension;
-      check(nc_def_dim(group, factor.name.c_str(), factor.levels.size(), &dimension));
-      const int id = variable(group, factor.name, {dimension});
+    if (!t.is_grid()) dimensions.push_back(dimension(group, kRunDimension, t.points.rows()));
+    for (std::size_t j = 0; j < t.factors.size(); ++j) {
+      const Factor& factor = t.factors[j];
+      if (t.is_grid())
+        dimensions.push_back(
+            dimension(group, factor.name, static_cast<std::ptrdiff_t>(factor.levels.size())));
+      const int id = variable(group, factor.name, {dimensions.back()});
       text(group, id, "units", factor.unit);
       text(group, id, "scale", std::string(emulator::name(factor.scale)));
-      check(nc_put_var_double(group, id, factor.levels.data()));
-      dimensions.push_back(dimension);
+      if (t.is_grid()) {
+        check(nc_put_var_double(group, id, factor.levels.data()));
+      } else {
+        const Eigen::VectorXd column = t.points.col(static_cast<Eigen::Index>(j));
+        check(nc_put_att_double(group, id, "levels", NC_DOUBLE, factor.levels.size(),
+                                factor.levels.data()));
+        check(nc_put_var_double(group, id, column.data()));
+      }
     }
-    int response;
-    check(nc_def_dim(group, kResponseDimension, static_cast<std::size_t>(t.values.cols()),
-                     &response));
+    const int response = dimension(group, kResponseDimension, t.values.cols());
     dimensions.push_back(response);
     const int id = variable(group, t.response_name, dimensions);
     text(group, id, "units", t.response_unit);
-    text(group, NC_GLOBAL, "response_name", t.response_name);
     check(nc_put_var_double(group, id, t.values.data()));
     for (const auto& [holdout_name, member] : kHoldoutVariables) {
       if (t.holdout.empty()) break;
@@ -113,28 +163,17 @@ struct Writer {
       for (const HoldoutError& e : t.holdout) column.push_back(e.*member);
       check(nc_put_var_double(group, variable(group, holdout_name, {response}), column.data()));
     }
+    for (const auto& [key, matrix] : t.parameters) {
+      const std::string full = std::string(kParameterPrefix) + key;
+      const int rows = dimension(group, full + "_rows", matrix.rows());
+      const int columns = dimension(group, full + "_columns", matrix.cols());
+      check(nc_put_var_double(group, variable(group, full, {rows, columns}), matrix.data()));
+    }
+    // Not an attribute that a caller may set: it says which variable is the response.
+    text(group, NC_GLOBAL, kResponseName, t.response_name);
+    for (const auto& [key, value] : t.attributes) text(group, NC_GLOBAL, key.c_str(), value);
   }
 };
-
-void check_table(const std::string& name, const Table& t) {
-  const std::string who = "table \"" + name + "\"";
-  check_factors(t.factors, 1);
-  std::size_t runs = 1;
-  for (const Factor& factor : t.factors) {
-    if (factor.name == kResponseDimension || factor.name == t.response_name)
-      throw std::invalid_argument(who + ": a factor may not be called \"" + factor.name + "\"");
-    runs *= factor.levels.size();
-  }
-  if (t.response_name.empty()) throw std::invalid_argument(who + ": the response has no name");
-  if (t.values.cols() < 1 || static_cast<std::size_t>(t.values.rows()) != runs)
-    throw std::invalid_argument(who + ": values are " + std::to_string(t.values.rows()) + " x " +
-                                std::to_string(t.values.cols()) + ", the grid has " +
-                                std::to_string(runs) + " nodes");
-  if (!t.holdout.empty() && t.holdout.size() != static_cast<std::size_t>(t.values.cols()))
-    throw std::invalid_argument(who + ": " + std::to_string(t.holdout.size()) +
-                                " holdout errors for " + std::to_string(t.values.cols()) +
-                                " responses");
-}
 
 // ---- reading ----------------------------------------------------------------------------------
 
@@ -159,8 +198,9 @@ struct Reader {
     return value;
   }
 
-  std::map<std::string, std::string> global_texts(int file) const {
-    std::map<std::string, std::string> texts;
+  /// The text attributes of a group, less our own.
+  std::map<std::string, std::string> texts(int file) const {
+    std::map<std::string, std::string> found;
     int count = 0;
     check(nc_inq_natts(file, &count), "attributes");
     for (int i = 0; i < count; ++i) {
@@ -168,10 +208,11 @@ struct Reader {
       nc_type type;
       check(nc_inq_attname(file, NC_GLOBAL, i, name), "attribute name");
       check(nc_inq_atttype(file, NC_GLOBAL, name, &type), name);
-      if (type == NC_CHAR && name != std::string(kFormatAttribute))
-        texts[name] = text(file, NC_GLOBAL, name);
+      const std::string_view own[] = {kFormatAttribute, kChecksumAttribute, kResponseName};
+      if (type == NC_CHAR && std::ranges::count(own, std::string_view(name)) == 0)
+        found[name] = text(file, NC_GLOBAL, name);
     }
-    return texts;
+    return found;
   }
 
   /// The values of a double variable, whose size must be `size`.
@@ -190,42 +231,94 @@ struct Reader {
     if (type != NC_DOUBLE || held != size)
       fail(std::string("variable ") + name + " has another type or size than its dimensions say");
     check(nc_get_var_double(group, variable, values), std::string("variable ") + name);
-    for (std::size_t i = 0; i < size; ++i)
-      if (std::isnan(values[i])) fail(std::string("variable ") + name + " holds NaN");
+  }
+
+  std::size_t length(int group, int dimension) const {
+    std::size_t n = 0;
+    check(nc_inq_dimlen(group, dimension, &n), "dimension");
+    return n;
+  }
+
+  std::vector<int> dimensions(int group, int variable) const {
+    int rank = 0;
+    check(nc_inq_varndims(group, variable, &rank), "variable");
+    std::vector<int> ids(static_cast<std::size_t>(rank));
+    check(nc_inq_vardimid(group, variable, ids.data()), "variable");
+    return ids;
+  }
+
+  Factor factor(int group, int id, const char* name) const {
+    return {.name = name,
+            .unit = text(group, id, "units"),
+            .levels = {},
+            .scale = scale_named(text(group, id, "scale"))};
+  }
+
+  /// Levels of a factor of scattered runs, and its column of the points.
+  void scattered_factor(int group, int id, const char* name, Table& t) const {
+    Factor f = factor(group, id, name);
+    std::size_t levels = 0;
+    check(nc_inq_attlen(group, id, "levels", &levels), name);
+    f.levels.resize(levels);
+    check(nc_get_att_double(group, id, "levels", f.levels.data()), name);
+    Eigen::VectorXd column(t.points.rows());
+    doubles(group, id, static_cast<std::size_t>(column.size()), column.data());
+    t.points.conservativeResize(Eigen::NoChange, t.points.cols() + 1);
+    t.points.rightCols<1>() = column;
+    t.factors.push_back(std::move(f));
   }
 
   Table table(int group) const {
     Table t;
-    t.response_name = text(group, NC_GLOBAL, "response_name");
+    t.response_name = text(group, NC_GLOBAL, kResponseName);
+    t.attributes = texts(group);
     int response;
     if (nc_inq_varid(group, t.response_name.c_str(), &response) != NC_NOERR)
       fail("no variable \"" + t.response_name + "\"");
-    int rank = 0;
-    int dimensions[NC_MAX_VAR_DIMS];
-    check(nc_inq_varndims(group, response, &rank), t.response_name);
-    if (rank < 2) fail("variable \"" + t.response_name + "\" has too few dimensions");
-    check(nc_inq_vardimid(group, response, dimensions), t.response_name);
+    const std::vector<int> axes = dimensions(group, response);
+    if (axes.size() < 2) fail("variable \"" + t.response_name + "\" has too few dimensions");
     t.response_unit = text(group, response, "units");
+
     std::size_t runs = 1;
-    for (int i = 0; i < rank - 1; ++i) {
+    bool scattered = false;
+    for (std::size_t j = 0; j + 1 < axes.size(); ++j) {
       char name[NC_MAX_NAME + 1] = {};
-      std::size_t length = 0;
-      check(nc_inq_dim(group, dimensions[i], name, &length), "factor");
+      check(nc_inq_dimname(group, axes[j], name), "dimension");
+      runs *= length(group, axes[j]);
+      if (name == std::string_view(kRunDimension)) {
+        scattered = true;
+        continue;
+      }
       int id;
       if (nc_inq_varid(group, name, &id) != NC_NOERR)
         fail(std::string("no levels for the factor \"") + name + "\"");
-      Factor factor{.name = name,
-                    .unit = text(group, id, "units"),
-                    .levels = std::vector<double>(length),
-                    .scale = scale_named(text(group, id, "scale"))};
-      doubles(group, id, length, factor.levels.data());
-      t.factors.push_back(std::move(factor));
-      runs *= length;
+      Factor f = factor(group, id, name);
+      f.levels.resize(length(group, axes[j]));
+      doubles(group, id, f.levels.size(), f.levels.data());
+      t.factors.push_back(std::move(f));
     }
-    std::size_t responses = 0;
-    check(nc_inq_dimlen(group, dimensions[rank - 1], &responses), kResponseDimension);
+    if (scattered && axes.size() != 2) fail("scattered runs on a grid");
+    if (scattered) t.points.resize(static_cast<Eigen::Index>(runs), 0);
+    const std::size_t responses = length(group, axes.back());
     t.values.resize(static_cast<Eigen::Index>(runs), static_cast<Eigen::Index>(responses));
     doubles(group, response, runs * responses, t.values.data());
+
+    int variables = 0;
+    check(nc_inq_nvars(group, &variables), "variables");
+    for (int id = 0; id < variables; ++id) {
+      char name[NC_MAX_NAME + 1] = {};
+      check(nc_inq_varname(group, id, name), "variable");
+      const std::vector<int> own = dimensions(group, id);
+      if (std::string_view(name).starts_with(kParameterPrefix)) {
+        if (own.size() != 2) fail(std::string("variable ") + name + " is not a matrix");
+        RowMatrix matrix(static_cast<Eigen::Index>(length(group, own[0])),
+                         static_cast<Eigen::Index>(length(group, own[1])));
+        doubles(group, id, static_cast<std::size_t>(matrix.size()), matrix.data());
+        t.parameters[name + kParameterPrefix.size()] = std::move(matrix);
+      } else if (scattered && id != response && own.size() == 1 && own[0] == axes[0]) {
+        scattered_factor(group, id, name, t);
+      }
+    }
     for (const auto& [name, member] : kHoldoutVariables) {
       int id;
       if (nc_inq_varid(group, name, &id) != NC_NOERR) continue;
@@ -240,14 +333,6 @@ struct Reader {
 };
 
 }  // namespace
-
-std::string fingerprint(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
-  return digits;
-}
 
 void write_table_file(const fs::path& path, const TableFile& file) {
   for (const auto& [name, table] : file.tables) check_table(name, table);
@@ -275,6 +360,7 @@ void write_table_file(const fs::path& path, const TableFile& file) {
     out.text(handle.id, NC_GLOBAL, kFormatAttribute, kFormatName);
     out.check(
         nc_put_att_int(handle.id, NC_GLOBAL, kVersionAttribute, NC_INT, 1, &kTableFormatVersion));
+    out.text(handle.id, NC_GLOBAL, kChecksumAttribute, checksum(file));
     for (const auto& [name, value] : file.attributes)
       out.text(handle.id, NC_GLOBAL, name.c_str(), value);
     for (const auto& [name, table] : file.tables) out.table(handle.id, name, table);
@@ -285,7 +371,7 @@ void write_table_file(const fs::path& path, const TableFile& file) {
   if (error) throw FileError(Kind::unwritable, path, error.message());
 }
 
-TableFile read_table_file(const fs::path& path, std::string_view expected_fingerprint) {
+TableFile read_table_file(const fs::path& path, const TableReadOptions& options) {
   std::error_code error;
   if (!fs::exists(path, error)) throw FileError(Kind::missing, path, "no such file");
   char magic[8] = {};
@@ -318,14 +404,14 @@ TableFile read_table_file(const fs::path& path, std::string_view expected_finger
                         std::to_string(kTableFormatVersion) + ": compute the table again");
 
   TableFile file;
-  file.attributes = in.global_texts(handle.id);
-  if (!expected_fingerprint.empty()) {
+  file.attributes = in.texts(handle.id);
+  if (!options.expected_fingerprint.empty()) {
     const auto found = file.attributes.find("fingerprint");
-    if (found == file.attributes.end() || found->second != expected_fingerprint)
+    if (found == file.attributes.end() || found->second != options.expected_fingerprint)
       throw FileError(Kind::mismatch, path,
                       "this table was computed for another case (fingerprint " +
                           (found == file.attributes.end() ? "absent" : found->second) +
-                          ", expected " + std::string(expected_fingerprint) + ")");
+                          ", expected " + options.expected_fingerprint + ")");
   }
   int count = 0;
   in.check(nc_inq_grps(handle.id, &count, nullptr), "groups");
@@ -336,10 +422,20 @@ TableFile read_table_file(const fs::path& path, std::string_view expected_finger
     in.check(nc_inq_grpname(group, name), "group name");
     try {
       file.tables[name] = in.table(group);
-    } catch (const std::invalid_argument& contradiction) {
+    } catch (const FileError&) {
+      throw;
+    } catch (const std::exception& contradiction) {  // std::bad_alloc for an absurd size, too
       in.fail("damaged table file: group " + std::string(name) + ": " + contradiction.what());
     }
   }
+  if (checksum(file) != in.text(handle.id, NC_GLOBAL, kChecksumAttribute))
+    in.fail("damaged table file: its checksum does not fit its content");
+  for (const auto& [name, table] : file.tables)
+    if (const Eigen::Index missing = table.missing_runs(); missing > 0 && !options.allow_incomplete)
+      throw FileError(Kind::incomplete, path,
+                      std::to_string(missing) + " of the " + std::to_string(table.values.rows()) +
+                          " runs of " + name +
+                          " are not done: resume them, or merge the other parts");
   return file;
 }
 

@@ -1,0 +1,20 @@
+// A short number that tells two texts apart.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace wheeltap::emulator {
+
+/// 64-bit FNV-1a of the bytes: tells two cases apart, not a defence against forgery.
+[[nodiscard]] constexpr std::uint64_t fnv1a(std::string_view bytes,
+                                            std::uint64_t hash = 0xcbf29ce484222325) {
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
+/// The same as 16 hexadecimal digits.
+[[nodiscard]] std::string fingerprint(std::string_view text);
+
+}  // namespace wheeltap::emulator

@@ -1,0 +1,40 @@
+// A file that remembers finished runs, so that an interrupted experiment goes on where it stopped.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "emulator/file_error.hpp"
+
+namespace wheeltap::emulator {
+
+/// One line of text that says what the runs belong to, then a record for each finished run: its
+/// number, its responses, and a checksum. A process killed in the middle of a record leaves a tail
+/// that fails its checksum; opening the journal again cuts it off. Not thread-safe.
+class Journal {
+ public:
+  struct Entry {
+    std::int64_t run;
+    std::vector<double> response;
+  };
+
+  /// Opens or creates the journal of an experiment with this identity and number of responses.
+  /// Throws FileError: foreign (not a journal), mismatch (of another experiment), unwritable.
+  Journal(std::filesystem::path path, std::string_view identity, std::size_t responses);
+
+  /// The runs found in the file when it was opened.
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+
+  /// Adds a run and hands it to the operating system. Throws FileError (unwritable) on a full disk.
+  void append(std::int64_t run, std::span<const double> response);
+
+ private:
+  std::filesystem::path path_;
+  std::vector<Entry> entries_;
+  std::ofstream stream_;
+};
+
+}  // namespace wheeltap::emulator
