@@ -1,0 +1,109 @@
+#include "dynamics/laws.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "dynamics/lane_math.hpp"
+#include "dynamics/simulate.hpp"
+
+namespace {
+
+using namespace wheeltap::dynamics;
+
+/// The tension as the integrator has it: from the acceleration of a unit mass at its first sample.
+double tension(const Law& law, double e, double rate) {
+  const Chain chain{.masses = {1.0}, .links = {{.laws = {law}}}};
+  const Excitation still{.sample_rate_hz = 1.0, .forces = {{.mass = 1, .signal = {{0.0}}}}};
+  const Simulator simulator(chain, still, {{.mass = 1, .quantity = Quantity::acceleration}},
+                            {.displacement = {e}, .velocity = {rate}}, {.substeps = 1});
+  return -simulator.simulate({}).values(0, 0);
+}
+
+TEST(Laws, FollowTheContract) {
+  for (double e : {-0.7, -0.2, 0.0, 0.1, 0.9})
+    for (double rate : {-1.3, 0.0, 0.4}) {
+      EXPECT_DOUBLE_EQ(tension(make_law<laws::Quadratic>({3.0}), e, rate), 3.0 * e * e);
+      EXPECT_DOUBLE_EQ(tension(make_law<laws::Cubic>({-3.0}), e, rate), -3.0 * e * (e * e));
+      EXPECT_DOUBLE_EQ(tension(make_law<laws::Bilinear>({3.0}), e, rate), 3.0 * std::max(0.0, e));
+      EXPECT_DOUBLE_EQ(tension(make_law<laws::Bilinear>({3.0}, Side::closing), e, rate),
+                       3.0 * std::min(0.0, e));
+      EXPECT_DOUBLE_EQ(tension(make_law<laws::Contact>({3.0, 0.3}), e, rate),
+                       3.0 * std::max(0.0, e - 0.3));
+      EXPECT_DOUBLE_EQ(tension(make_law<laws::Contact>({3.0, 0.3}, Side::closing), e, rate),
+                       3.0 * std::min(0.0, e + 0.3));
+      EXPECT_DOUBLE_EQ(tension(make_law<laws::QuadraticDamping>({3.0}), e, rate),
+                       3.0 * rate * std::abs(rate));
+      EXPECT_NEAR(tension(make_law<laws::Coulomb>({3.0, 0.5}), e, rate),
+                  3.0 * std::tanh(rate / 0.5), 3e-15);
+      EXPECT_EQ(tension(make_law<laws::BoucWen>({3.0, 0.1}), e, rate), 0.0);  // ζ(0) = 0
+    }
+}
+
+TEST(Laws, ForceIsContinuousAtTheStop) {
+  for (Side side : {Side::opening, Side::closing}) {
+    const Law stop = make_law<laws::Contact>({830e3, 1e-4}, side);
+    const double sign = side == Side::opening ? 1.0 : -1.0;
+    EXPECT_EQ(tension(stop, sign * 1e-4, 0.0), 0.0);
+    EXPECT_EQ(tension(stop, sign * (1e-4 - 1e-12), 0.0), 0.0);
+    EXPECT_NEAR(tension(stop, sign * (1e-4 + 1e-12), 0.0), sign * 830e3 * 1e-12, 1e-13);
+  }
+}
+
+// Small loops are elastic with stiffness k; large ones saturate at ±k e_y (β + γ = 1).
+TEST(Laws, BoucWenStartsElasticAndYields) {
+  const double k = 100.0, yield = 0.01, rate = 1000.0;
+  // A link pulled at constant speed: a heavy mass.
+  const auto pulled = [&](double speed, double exponent) {
+    const double mass = 1e9;
+    const Chain chain{.masses = {mass},
+                      .links = {{.laws = {make_law<laws::BoucWen>({k, yield, exponent})}}}};
+    const Excitation still{.sample_rate_hz = rate,
+                           .forces = {{.mass = 1, .signal = {std::vector<double>(1000, 0.0)}}}};
+    const Simulator simulator(chain, still, {{.mass = 1, .quantity = Quantity::acceleration}},
+                              {.displacement = {0.0}, .velocity = {speed}});
+    return Eigen::VectorXd(-mass * simulator.simulate({}).values.col(0));
+  };
+  for (double exponent : {1.0, 2.0, 3.7}) {
+    const Eigen::VectorXd slow = pulled(1e-7, exponent);
+    EXPECT_NEAR(slow(999) / (k * 1e-7 * 0.999), 1.0, 2e-5);
+    const Eigen::VectorXd fast = pulled(-1.0, exponent);
+    EXPECT_NEAR(fast(999), -k * yield, 1e-9);
+  }
+  // n = 1 has the closed form ζ = 1 - exp(-e/e_y).
+  const Eigen::VectorXd pull = pulled(0.02, 1.0);
+  for (int n : {100, 500, 999})
+    EXPECT_NEAR(pull(n), k * yield * (1.0 - std::exp(-0.02 * n / rate / yield)), 1e-8);
+}
+
+TEST(Laws, HaveTheirOwnNamesAndDefaults) {
+  std::set<std::string_view> names;
+  for (const LawInfo& info : law_infos()) {
+    EXPECT_TRUE(names.insert(info.name).second) << info.name;
+    EXPECT_GE(info.size(), 1);
+  }
+  EXPECT_EQ(make_law("coulomb", std::vector<Coefficient>{2.0}).coefficients[1].value, 1e-3);
+  EXPECT_THROW((void)make_law("coulomb", {}), std::invalid_argument);
+  EXPECT_THROW((void)make_law("cubic", std::vector<Coefficient>{1.0, 2.0}), std::invalid_argument);
+  EXPECT_THROW((void)make_law("friction", std::vector<Coefficient>{1.0}), std::invalid_argument);
+}
+
+TEST(LaneMath, AgreesWithTheStandardLibrary) {
+  using Pair __attribute__((vector_size(16))) = double;
+  for (int i = -3000; i <= 3000; ++i) {
+    const double x = 0.00731 * i;
+    const Pair both{x, 30.0 * x};
+    const Pair e = lanes::exp(both), t = lanes::tanh(both);
+    for (int lane = 0; lane < 2; ++lane) {
+      EXPECT_NEAR(e[lane] / std::exp(both[lane]), 1.0, 7e-16) << both[lane];
+      EXPECT_NEAR(t[lane], std::tanh(both[lane]), 4e-16) << both[lane];
+    }
+    EXPECT_EQ(lanes::exp(x), e[0]);
+    EXPECT_EQ(lanes::tanh(x), t[0]);
+  }
+}
+
+}  // namespace

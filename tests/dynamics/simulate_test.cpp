@@ -1,0 +1,592 @@
+#include "dynamics/simulate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <vector>
+
+namespace {
+
+using namespace wheeltap::dynamics;
+
+constexpr double kPi = std::numbers::pi;
+
+std::vector<double> noise(std::size_t samples, unsigned seed, double amplitude = 1.0) {
+  std::mt19937_64 generator(seed);
+  std::uniform_real_distribution<double> uniform(-amplitude, amplitude);
+  std::vector<double> x(samples);
+  for (double& value : x) value = uniform(generator);
+  return x;
+}
+
+/// Masses 5 kg in series, k = 50, c = 0.1: C2 of science.md section 4.
+Chain uniform_chain(int masses) {
+  Chain chain;
+  for (int i = 0; i < masses; ++i) {
+    chain.masses.emplace_back(5.0);
+    chain.links.push_back({.a = i, .b = i + 1, .stiffness = 50.0, .damping = 0.1});
+  }
+  return chain;
+}
+
+std::vector<Sensor> displacements(int masses) {
+  std::vector<Sensor> sensors;
+  for (int i = 1; i <= masses; ++i) sensors.push_back({.mass = i});
+  return sensors;
+}
+
+/// One unit mass on one link, released from displacement A without force. Unit mass, sampled at
+/// `rate`.
+Simulator released(Link link, double amplitude, double rate, std::size_t samples,
+                   SimulatorOptions options) {
+  Chain chain{.masses = {1.0}, .links = {std::move(link)}};
+  return Simulator(chain,
+                   {.sample_rate_hz = rate,
+                    .forces = {{.mass = 1, .signal = {std::vector<double>(samples, 0.0)}}}},
+                   {{.mass = 1},
+                    {.mass = 1, .quantity = Quantity::velocity},
+                    {.mass = 1, .quantity = Quantity::acceleration}},
+                   {.displacement = {amplitude}, .velocity = {0.0}}, std::move(options));
+}
+
+/// Circular frequency from the first and last upward zero crossings of the displacement, each found
+/// as the root of the quintic Hermite interpolant of displacement, velocity and acceleration.
+double frequency(const Response& response, double rate) {
+  const auto crossing = [&](Eigen::Index n) {
+    const double h = 1.0 / rate;
+    const double y0 = response.values(n, 0), y1 = response.values(n + 1, 0);
+    const double v0 = h * response.values(n, 1), v1 = h * response.values(n + 1, 1);
+    const double a0 = h * h * response.values(n, 2), a1 = h * h * response.values(n + 1, 2);
+    double lo = 0.0, hi = 1.0;
+    for (int i = 0; i < 60; ++i) {
+      const double s = 0.5 * (lo + hi);
+      const double c3 = 10 * (y1 - y0) - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1;
+      const double c4 = -15 * (y1 - y0) + 8 * v0 + 7 * v1 + 1.5 * a0 - a1;
+      const double c5 = 6 * (y1 - y0) - 3 * v0 - 3 * v1 - 0.5 * a0 + 0.5 * a1;
+      const double y = y0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))));
+      (y < 0.0 ? lo : hi) = s;
+    }
+    return (static_cast<double>(n) + lo) * h;
+  };
+  std::vector<double> crossings;
+  for (Eigen::Index n = 0; n + 1 < response.values.rows(); ++n)
+    if (response.values(n, 0) < 0.0 && response.values(n + 1, 0) >= 0.0)
+      crossings.push_back(crossing(n));
+  return 2.0 * kPi * static_cast<double>(crossings.size() - 1) /
+         (crossings.back() - crossings.front());
+}
+
+// ẍ + x + x³ = 0 released at A: the frequencies of science.md section 5.7, printed to 1e-8.
+TEST(RungeKutta, DuffingFreeVibration) {
+  struct Case {
+    double amplitude, omega;
+  };
+  for (const Case& c : {Case{0.1, 1.00374184}, Case{0.5, 1.08915818}, Case{1.0, 1.31777606},
+                        Case{2.0, 1.97601636}}) {
+    Link spring{.stiffness = 1.0, .laws = {make_law<laws::Cubic>({1.0})}};
+    const auto simulator = released(spring, c.amplitude, 100.0, 4000, {.substeps = 4});
+    EXPECT_NEAR(frequency(simulator.simulate({}), 100.0), c.omega, 1e-8) << c.amplitude;
+  }
+}
+
+TEST(RungeKutta, ConvergesAtFourthOrderOnDuffing) {
+  Link spring{.stiffness = 1.0, .laws = {make_law<laws::Cubic>({1.0})}};
+  // ω(A = 2) from the complete elliptic integral by the arithmetic-geometric mean:
+  // ω = π √(1 + A²) / (2 K(m)), m = A² / (2 (1 + A²)).
+  double a = 1.0, b = std::sqrt(1.0 - 4.0 / 10.0);
+  for (int i = 0; i < 20; ++i) {
+    const double mean = 0.5 * (a + b);
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  const double omega = std::sqrt(5.0) * a;
+  EXPECT_NEAR(omega, 1.97601636, 5e-9);
+  const auto error = [&](int substeps) {
+    const Response response = released(spring, 2.0, 25.0, 500, {.substeps = substeps}).simulate({});
+    return std::abs(frequency(response, 25.0) - omega);
+  };
+  // Over 20 s the amplitude, lost at the fifth order, has not yet changed the frequency.
+  const double e1 = error(2), e2 = error(4), e4 = error(8);
+  EXPECT_NEAR(std::log2(e1 / e2), 4.0, 0.3);
+  EXPECT_NEAR(std::log2(e2 / e4), 4.0, 0.2);
+}
+
+// Zero gap: half periods of the two branches, ω = 2 ω₁ ω₂ / (ω₁ + ω₂).
+TEST(RungeKutta, BilinearFrequency) {
+  for (Side side : {Side::opening, Side::closing}) {
+    Link link{.stiffness = 1.0, .laws = {make_law<laws::Bilinear>({3.0}, side)}};
+    const auto simulator = released(link, 1.0, 100.0, 6000, {.substeps = 8});
+    EXPECT_NEAR(frequency(simulator.simulate({}), 100.0), 2.0 * 1.0 * 2.0 / (1.0 + 2.0), 1e-6);
+  }
+}
+
+/// Mode by mode, each with the closed solution of q̈ + 2ζω q̇ + ω² q = p₀ + p′ t over a step.
+Eigen::MatrixXd modal_superposition(const Chain& chain, const Eigen::MatrixXd& force, double h,
+                                    const Eigen::VectorXd& y0, const Eigen::VectorXd& v0) {
+  const LinearMatrices m = linear_matrices(chain, {});
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(m.stiffness, m.mass);
+  const Eigen::MatrixXd& shapes = modes.eigenvectors();  // mass-normalised
+  const Eigen::MatrixXd damping = shapes.transpose() * m.damping * shapes;
+  const Eigen::MatrixXd p = force * shapes;
+  Eigen::VectorXd q = shapes.transpose() * m.mass * y0, dq = shapes.transpose() * m.mass * v0;
+  Eigen::MatrixXd y(force.rows(), force.cols());
+  for (Eigen::Index n = 0;; ++n) {
+    y.row(n) = (shapes * q).transpose();
+    if (n + 1 == force.rows()) return y;
+    for (Eigen::Index i = 0; i < q.size(); ++i) {
+      const double w2 = modes.eigenvalues()(i), a = 0.5 * damping(i, i), wd = std::sqrt(w2 - a * a);
+      const double rate = (p(n + 1, i) - p(n, i)) / h;
+      const double beta = rate / w2, alpha = (p(n, i) - 2.0 * a * beta) / w2;
+      const double c = q(i) - alpha, s = (dq(i) - beta + a * c) / wd;
+      const double decay = std::exp(-a * h), cosine = std::cos(wd * h), sine = std::sin(wd * h);
+      q(i) = decay * (c * cosine + s * sine) + alpha + beta * h;
+      dq(i) = decay * ((s * wd - a * c) * cosine - (c * wd + a * s) * sine) + beta;
+    }
+  }
+}
+
+TEST(Exact, AgreesWithModalSuperposition) {
+  for (int masses : {1, 3, 7}) {
+    const Chain chain = uniform_chain(masses);
+    const std::vector<double> force = noise(2000, 7, 10.0);
+    for (double rate : {100.0, 1.0}) {  // ω h up to 0.06 and 6
+      const std::size_t samples = rate > 50.0 ? 2000 : 300;
+      const std::vector<double> f(force.begin(),
+                                  force.begin() + static_cast<std::ptrdiff_t>(samples));
+      InitialState initial;
+      Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(samples), masses);
+      forces.col(0) = Eigen::Map<const Eigen::VectorXd>(f.data(), forces.rows());
+      Eigen::VectorXd y0(masses), v0(masses);
+      for (int i = 0; i < masses; ++i) {
+        y0(i) = 0.1 * i - 0.2;
+        v0(i) = 0.3 - 0.1 * i;
+        initial.displacement.emplace_back(y0(i));
+        initial.velocity.emplace_back(v0(i));
+      }
+      const Simulator simulator(chain,
+                                {.sample_rate_hz = rate, .forces = {{.mass = 1, .signal = {f}}}},
+                                displacements(masses), initial);
+      const Response response = simulator.simulate({});
+      ASSERT_FALSE(response.failed);
+      EXPECT_EQ(response.substeps, 0);
+      const Eigen::MatrixXd reference = modal_superposition(chain, forces, 1.0 / rate, y0, v0);
+      EXPECT_LT((response.values - reference).cwiseAbs().maxCoeff(),
+                1e-10 * reference.cwiseAbs().maxCoeff())
+          << masses << " masses at " << rate << " Hz";
+    }
+  }
+}
+
+TEST(Exact, IsTheLimitOfRungeKutta) {
+  const Chain chain = uniform_chain(3);
+  const Excitation drive{.sample_rate_hz = 10.0,
+                         .forces = {{.mass = 2, .signal = {noise(500, 3, 10.0)}}}};
+  std::vector<Sensor> sensors;
+  for (Quantity q : {Quantity::displacement, Quantity::velocity, Quantity::acceleration})
+    for (int mass : {1, 3}) sensors.push_back({.mass = mass, .quantity = q});
+  const Response exact = Simulator(chain, drive, sensors).simulate({});
+  const auto error = [&](int substeps) {
+    const Response response =
+        Simulator(chain, drive, sensors, {}, {.substeps = substeps}).simulate({});
+    EXPECT_EQ(response.substeps, substeps);
+    return ((response.values - exact.values).cwiseAbs().colwise().maxCoeff().array() /
+            exact.values.cwiseAbs().colwise().maxCoeff().array())
+        .maxCoeff();
+  };
+  const double e4 = error(4), e8 = error(8);
+  EXPECT_NEAR(std::log2(e4 / e8), 4.0, 0.1);
+  EXPECT_LT(error(256), 1e-10);
+}
+
+// Between samples the force is linear, so interpolating it to twice the rate changes nothing.
+TEST(Simulator, StrideOnAnInterpolatedForceIsASubstep) {
+  const std::vector<double> force = noise(200, 5, 20.0);
+  std::vector<double> fine;
+  for (std::size_t n = 0; n < force.size(); ++n) {
+    fine.push_back(force[n]);
+    if (n + 1 < force.size()) fine.push_back(0.5 * (force[n] + force[n + 1]));
+  }
+  Chain chain = uniform_chain(2);
+  for (bool cubic : {false, true}) {
+    if (cubic) chain.links[1].laws = {make_law<laws::Cubic>({100.0})};
+    const Integrator integrator = cubic ? Integrator::runge_kutta : Integrator::exact;
+    const Response coarse =
+        Simulator(chain, {.sample_rate_hz = 20.0, .forces = {{.mass = 1, .signal = {force}}}},
+                  displacements(2), {}, {.integrator = integrator, .substeps = cubic ? 2 : 0})
+            .simulate({});
+    const Response strided =
+        Simulator(chain, {.sample_rate_hz = 40.0, .forces = {{.mass = 1, .signal = {fine}}}},
+                  displacements(2), {},
+                  {.integrator = integrator, .substeps = cubic ? 1 : 0, .stride = 2})
+            .simulate({});
+    ASSERT_EQ(coarse.values.rows(), strided.values.rows());
+    EXPECT_LT((coarse.values - strided.values).cwiseAbs().maxCoeff(),
+              1e-12 * coarse.values.cwiseAbs().maxCoeff());
+  }
+}
+
+// Moving the base by ÿ_b is pushing every mass by -m ÿ_b, relative to the base.
+TEST(Simulator, BaseAccelerationIsAnInertiaForce) {
+  Chain chain = uniform_chain(3);
+  chain.masses = {5.0, 3.0, 4.0};
+  const std::vector<double> base = noise(400, 11, 2.0);
+  Excitation pushed{.sample_rate_hz = 20.0};
+  for (int i = 1; i <= 3; ++i)
+    pushed.forces.push_back(
+        {.mass = i, .signal = {base, -chain.masses[static_cast<std::size_t>(i - 1)].value, 0.0}});
+  const Excitation moved{.sample_rate_hz = 20.0, .base = BaseMotion{.acceleration = {base}}};
+  for (bool nonlinear : {false, true}) {
+    if (nonlinear) chain.links[1].laws = {make_law<laws::Contact>({200.0, 0.05}, Side::closing)};
+    std::vector<Sensor> sensors{
+        {.mass = 2, .frame = Frame::relative},
+        {.mass = 3, .quantity = Quantity::acceleration, .frame = Frame::relative}};
+    const Response by_force = Simulator(chain, pushed, sensors).simulate({});
+    sensors.push_back({.mass = 3, .quantity = Quantity::acceleration});
+    const Response by_base = Simulator(chain, moved, sensors).simulate({});
+    EXPECT_LT((by_base.values.leftCols(2) - by_force.values).cwiseAbs().maxCoeff(), 1e-11);
+    const Eigen::Map<const Eigen::VectorXd> ground(base.data(), 400);
+    EXPECT_LT((by_base.values.col(2) - by_base.values.col(1) - ground).cwiseAbs().maxCoeff(),
+              1e-14);
+  }
+}
+
+// A base moved by X sin Ωt: the steady amplitude of an undamped... damped mass is |H| X with
+// H = (k + iΩc) / (k - mΩ² + iΩc), displacement and acceleration as excitation alike.
+TEST(Simulator, BaseDisplacementGivesTheTransmissibility) {
+  const double rate = 64.0, omega = 3.0, amplitude = 0.02, m = 5.0, k = 50.0, c = 4.0;
+  const std::size_t samples = 64 * 120;
+  std::vector<double> displacement(samples), acceleration(samples);
+  for (std::size_t n = 0; n < samples; ++n) {
+    const double phase = omega * static_cast<double>(n) / rate;
+    displacement[n] = amplitude * std::sin(phase);
+    acceleration[n] = -omega * omega * displacement[n];
+  }
+  const std::complex<double> h =
+      std::complex(k, omega * c) / std::complex(k - m * omega * omega, omega * c);
+  const Chain chain{.masses = {m}, .links = {{.stiffness = k, .damping = c}}};
+  const std::vector<Sensor> sensors{{.mass = 1},
+                                    {.mass = 1, .quantity = Quantity::velocity},
+                                    {.mass = 1, .quantity = Quantity::acceleration}};
+  const BaseMotion both{.acceleration = {acceleration}, .displacement = {displacement}};
+  const BaseMotion one{.displacement = {displacement}};
+  for (const BaseMotion& base : {both, one}) {
+    const Response response =
+        Simulator(chain, {.sample_rate_hz = rate, .base = base}, sensors).simulate({});
+    double worst[3] = {0.0, 0.0, 0.0};
+    for (std::size_t n = samples - 640; n < samples - 64; ++n) {
+      const std::complex<double> rotor =
+          h * amplitude * std::polar(1.0, omega * static_cast<double>(n) / rate);
+      const auto row = static_cast<Eigen::Index>(n);
+      worst[0] = std::max(worst[0], std::abs(response.values(row, 0) - rotor.imag()));
+      worst[1] = std::max(worst[1], std::abs(response.values(row, 1) - omega * rotor.real()));
+      worst[2] =
+          std::max(worst[2], std::abs(response.values(row, 2) + omega * omega * rotor.imag()));
+    }
+    // θ = Ω/rate = 0.047: the hold of the acceleration errs by θ²/12 = 1.8e-4, the spline by θ⁴/720
+    // in all but its own second derivative at the samples.
+    const double scale = amplitude * std::abs(h),
+                 tolerance = base.acceleration.samples.empty() ? 4e-7 : 3e-4;
+    EXPECT_LT(worst[0], tolerance * scale);
+    EXPECT_LT(worst[1], tolerance * scale * omega);
+    EXPECT_LT(worst[2], 3e-4 * scale * omega * omega);
+  }
+}
+
+/// A chain with every law in it and every coefficient a parameter.
+struct Everything {
+  Chain chain;
+  std::vector<double> theta;
+
+  Coefficient parameter(double value) {
+    theta.push_back(value);
+    return Coefficient::of_parameter(static_cast<int>(theta.size()) - 1);
+  }
+
+  explicit Everything(bool serial) {
+    chain.masses = {parameter(2.0), parameter(3.0), parameter(1.5)};
+    for (int i = 0; i < 3; ++i)
+      chain.links.push_back(
+          {.a = i, .b = i + 1, .stiffness = parameter(90.0 + i), .damping = parameter(0.2)});
+    if (!serial)
+      chain.links.push_back(
+          {.a = 3, .b = 1, .stiffness = parameter(5.0), .damping = parameter(0.1)});
+    chain.links[0].laws = {make_law<laws::Quadratic>({parameter(30.0)}),
+                           make_law<laws::Cubic>({parameter(200.0)}),
+                           make_law<laws::BoucWen>({parameter(40.0), parameter(0.05),
+                                                    parameter(1.5), parameter(0.6), 0.3})};
+    chain.links[1].laws = {
+        make_law<laws::Bilinear>({parameter(60.0)}, Side::closing),
+        make_law<laws::Contact>({parameter(400.0), parameter(0.02)}, Side::opening)};
+    chain.links[2].laws = {make_law<laws::Coulomb>({parameter(0.5), parameter(0.01)}),
+                           make_law<laws::QuadraticDamping>({parameter(0.3)})};
+  }
+};
+
+TEST(Lanes, EveryWidthAndCompanyGivesTheSameBits) {
+  for (bool linear : {false, true})
+    for (bool serial : {true, false}) {
+      Everything everything(serial);
+      if (linear)
+        for (Link& link : everything.chain.links) link.laws.clear();
+      const int sets = 11;
+      std::vector<double> thetas;
+      const std::vector<double> factors = noise(sets * everything.theta.size(), 17, 0.3);
+      for (std::size_t i = 0; i < factors.size(); ++i)
+        thetas.push_back(everything.theta[i % everything.theta.size()] * (1.0 + factors[i]));
+      const std::size_t dimension = everything.theta.size();
+      const Excitation drive{.sample_rate_hz = 50.0,
+                             .forces = {{.mass = 3, .signal = {noise(300, 23, 30.0)}}},
+                             .base = BaseMotion{.acceleration = {noise(300, 29, 3.0)}}};
+      const std::vector<Sensor> sensors{{.mass = 1, .frame = Frame::relative},
+                                        {.mass = 2, .quantity = Quantity::acceleration}};
+      const std::vector<Signal> observed{{noise(300, 31)}, {noise(300, 37)}};
+      std::vector<double> reference;
+      for (Instructions instructions :
+           {Instructions::scalar, Instructions::baseline, Instructions::avx2, Instructions::avx512,
+            Instructions::automatic}) {
+        try {
+          const Misfit misfit(
+              Simulator(everything.chain, drive, sensors, {}, {.instructions = instructions}),
+              observed, 20);
+          std::vector<double> together(sets * 2), alone(sets * 2);
+          misfit.sums_of_squares(thetas, sets, together);
+          for (std::size_t i = 0; i < sets; ++i)
+            misfit.sums_of_squares(std::span(thetas).subspan(i * dimension, dimension), 1,
+                                   std::span(alone).subspan(2 * i, 2));
+          EXPECT_EQ(together, alone);
+          if (reference.empty()) reference = together;
+          EXPECT_EQ(together, reference) << static_cast<int>(instructions);
+          for (double sum : together) EXPECT_TRUE(std::isfinite(sum));
+        } catch (const std::invalid_argument&) {
+          EXPECT_NE(instructions, Instructions::automatic);  // this processor lacks the set
+        }
+      }
+    }
+}
+
+TEST(Misfit, IsTheSumOfSquaredResidualsOfTheStoredResponse) {
+  Everything everything(false);
+  const int scale = static_cast<int>(everything.theta.size());
+  everything.theta.insert(everything.theta.end(), {1.1, 0.05});
+  const std::vector<double> force = noise(200, 41, 20.0);
+  std::vector<double> shifted = force;
+  for (double& f : shifted) f = 1.1 * f + 0.05;
+  const std::vector<Sensor> sensors = displacements(2);
+  const std::vector<Signal> observed{
+      {noise(200, 43), Coefficient::of_parameter(scale), Coefficient::of_parameter(scale + 1)},
+      {noise(200, 47)}};
+  // The same scale and offset as parameters of the force, and worked into its samples.
+  const Misfit misfit(Simulator(everything.chain,
+                                {.sample_rate_hz = 50.0,
+                                 .forces = {{.mass = 1,
+                                             .signal = {force, Coefficient::of_parameter(scale),
+                                                        Coefficient::of_parameter(scale + 1)}}}},
+                                sensors),
+                      observed, 50);
+  const Simulator plain(everything.chain,
+                        {.sample_rate_hz = 50.0, .forces = {{.mass = 1, .signal = {shifted}}}},
+                        sensors);
+  ASSERT_EQ(misfit.samples(), 150);
+  std::vector<double> sums(2), residuals(300);
+  misfit.sums_of_squares(everything.theta, 1, sums);
+  ASSERT_TRUE(misfit.residuals(everything.theta, residuals));
+  const Response response = plain.simulate(everything.theta);
+  for (std::size_t c = 0; c < 2; ++c) {
+    double sum = 0.0;
+    for (std::size_t n = 0; n < 150; ++n) {
+      const double seen =
+          observed[c].samples[n + 50] * (c == 0 ? 1.1 : 1.0) + (c == 0 ? 0.05 : 0.0);
+      const double r =
+          seen - response.values(static_cast<Eigen::Index>(n + 50), static_cast<Eigen::Index>(c));
+      EXPECT_NEAR(residuals[c * 150 + n], r, 1e-12);
+      sum += r * r;
+    }
+    EXPECT_NEAR(sums[c], sum, 1e-10 * sum);
+  }
+}
+
+TEST(Simulator, ATrajectoryThatBlowsUpFails) {
+  const Coefficient k3 = Coefficient::of_parameter(0);
+  const Chain chain{.masses = {1.0},
+                    .links = {{.stiffness = 1.0, .laws = {make_law<laws::Cubic>({k3})}}}};
+  const Misfit misfit(Simulator(chain,
+                                {.sample_rate_hz = 100.0,
+                                 .forces = {{.mass = 1, .signal = {noise(5000, 1, 50.0)}}}},
+                                displacements(1)),
+                      {{noise(5000, 2)}});
+  const std::vector<double> thetas{1.0, -5.0, 2.0, -1.0};
+  std::vector<double> sums(4);
+  misfit.sums_of_squares(thetas, 4, sums);
+  EXPECT_TRUE(std::isfinite(sums[0]));
+  EXPECT_EQ(sums[1], std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isfinite(sums[2]));
+  EXPECT_EQ(sums[3], std::numeric_limits<double>::infinity());
+  const Response response = misfit.simulator().simulate(std::span(thetas).subspan(1, 1));
+  EXPECT_TRUE(response.failed);
+  EXPECT_EQ(response.values.size(), 0);
+
+  Chain unstable = uniform_chain(2);  // e^{13 t}: beyond the bound, and finite
+  unstable.links[1].stiffness = -1000.0;
+  const Simulator linear(
+      unstable, {.sample_rate_hz = 100.0, .forces = {{.mass = 1, .signal = {noise(500, 3)}}}},
+      displacements(2));
+  EXPECT_TRUE(linear.simulate({}).failed);
+  Chain weightless = uniform_chain(1);
+  weightless.masses[0] = Coefficient::of_parameter(0);
+  const Simulator impossible(
+      weightless, {.sample_rate_hz = 100.0, .forces = {{.mass = 1, .signal = {noise(500, 3)}}}},
+      displacements(1));
+  const double mass = -1.0;
+  EXPECT_TRUE(impossible.simulate({&mass, 1}).failed);
+  EXPECT_EQ(impossible.substeps({&mass, 1}), -1);
+}
+
+// Energy of an undamped chain with springs of every kind, left alone.
+TEST(Simulator, EnergyOfAConservativeChainIsKept) {
+  const double k = 40.0, k2 = 20.0, k3 = 300.0, kb = 60.0, kl = 500.0, gap = 0.03;
+  Chain chain{.masses = {1.0, 2.0, 1.5}};
+  for (int i = 0; i < 3; ++i) chain.links.push_back({.a = i, .b = i + 1, .stiffness = k});
+  chain.links[0].laws = {make_law<laws::Quadratic>({k2}), make_law<laws::Cubic>({k3})};
+  std::vector<Sensor> sensors = displacements(3);
+  for (int i = 1; i <= 3; ++i) sensors.push_back({.mass = i, .quantity = Quantity::velocity});
+  const auto drift = [&](bool stops, int substeps) {
+    chain.links[1].laws = {make_law<laws::Contact>({stops ? kl : 0.0, gap}, Side::closing)};
+    chain.links[2].laws = {make_law<laws::Bilinear>({stops ? kb : 0.0}, Side::opening)};
+    const Response r =
+        Simulator(chain,
+                  {.sample_rate_hz = 100.0,
+                   .forces = {{.mass = 1, .signal = {std::vector<double>(2000)}}}},
+                  sensors, {.displacement = {0.1, -0.2, 0.15}, .velocity = {0.5, 0.0, -0.5}},
+                  {.substeps = substeps})
+            .simulate({});
+    const auto energy = [&](Eigen::Index n) {
+      const Eigen::VectorXd x = r.values.row(n);
+      const double e1 = x(0), e2 = x(1) - x(0), e3 = x(2) - x(1);
+      const double pressed = std::min(0.0, e2 + gap), opened = std::max(0.0, e3);
+      return 0.5 * (1.0 * x(3) * x(3) + 2.0 * x(4) * x(4) + 1.5 * x(5) * x(5)) +
+             0.5 * k * (e1 * e1 + e2 * e2 + e3 * e3) + k2 * e1 * e1 * e1 / 3.0 +
+             k3 * std::pow(e1, 4) / 4.0 +
+             (stops ? 0.5 * kl * pressed * pressed + 0.5 * kb * opened * opened : 0.0);
+    };
+    double worst = 0.0;
+    for (Eigen::Index n = 0; n < r.values.rows(); ++n)
+      worst = std::max(worst, std::abs(energy(n) / energy(0) - 1.0));
+    return worst;
+  };
+  EXPECT_LT(drift(false, 8), 1e-7);
+  EXPECT_GT(drift(false, 2) / drift(false, 8), 0.5 * std::pow(4.0, 5));  // the fifth order's loss
+  EXPECT_LT(drift(true, 32), 1e-4);  // where a step straddles a stop its error is of third order
+}
+
+// Free decay: mechanical energy, with what hysteresis stores (k e_y² ζ²/2), never grows.
+TEST(Simulator, DampingLawsDissipate) {
+  const double k = 50.0, kh = 80.0, yield = 0.02;
+  const std::vector<std::vector<Law>> cases{{make_law<laws::QuadraticDamping>({0.8})},
+                                            {make_law<laws::Coulomb>({1.0, 0.02})},
+                                            {make_law<laws::BoucWen>({kh, yield, 2.0, 0.7, 0.3})},
+                                            {make_law<laws::BoucWen>({kh, yield})}};
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const bool hysteretic = i >= 2;
+    Chain chain{.masses = {1.0}, .links = {{.stiffness = k, .laws = cases[i]}}};
+    const Response r = Simulator(chain,
+                                 {.sample_rate_hz = 200.0,
+                                  .forces = {{.mass = 1, .signal = {std::vector<double>(1000)}}}},
+                                 {{.mass = 1},
+                                  {.mass = 1, .quantity = Quantity::velocity},
+                                  {.mass = 1, .quantity = Quantity::acceleration}},
+                                 {.displacement = {0.3}, .velocity = {0.0}}, {.substeps = 8})
+                           .simulate({});
+    double last = std::numeric_limits<double>::infinity(), first = 0.0;
+    for (Eigen::Index n = 0; n < r.values.rows(); ++n) {
+      const double y = r.values(n, 0), v = r.values(n, 1);
+      const double zeta = hysteretic ? (-r.values(n, 2) - k * y) / (kh * yield) : 0.0;
+      EXPECT_LE(std::abs(zeta), 1.0 + 1e-9);
+      const double energy = 0.5 * v * v + 0.5 * k * y * y + 0.5 * kh * yield * yield * zeta * zeta;
+      EXPECT_LE(energy, last * (1.0 + 1e-7)) << "law " << i << ", sample " << n;
+      last = energy;
+      if (n == 0) first = energy;
+    }
+    EXPECT_LT(last, 0.5 * first);
+  }
+}
+
+TEST(Simulator, ChoosesStepsFromTheStiffestBranch) {
+  const Coefficient kl = Coefficient::of_parameter(0);
+  Chain chain{.masses = {2.0},
+              .links = {{.stiffness = 8.0, .laws = {make_law<laws::Contact>({kl, 0.1})}}}};
+  const Excitation drive{.sample_rate_hz = 10.0,
+                         .forces = {{.mass = 1, .signal = {std::vector<double>(10)}}}};
+  const auto steps = [&](double value, SimulatorOptions options) {
+    return Simulator(chain, drive, displacements(1), {}, std::move(options)).substeps({&value, 1});
+  };
+  EXPECT_EQ(steps(-1.0, {}), 2);   // ω h = 0.2
+  EXPECT_EQ(steps(60.0, {}), 3);   // 0.6
+  EXPECT_EQ(steps(192.0, {}), 6);  // ω h = 1.0 asks for 5
+  EXPECT_EQ(steps(192.0, {.step_limit = 0.5}), 2);
+  EXPECT_EQ(steps(192.0, {.substeps = 7}), 7);
+  EXPECT_EQ(steps(1e12, {}), -1);
+  chain.links[0].laws = {make_law<laws::Cubic>({kl})};
+  EXPECT_EQ(steps(20.0, {.extension = {1.0}}), 3);
+  EXPECT_EQ(steps(20.0, {}), 1);
+  chain.links[0].laws = {make_law<laws::Coulomb>({kl, 0.01})};
+  EXPECT_EQ(steps(0.6, {}), 3);  // creep rate F/(v m) = 30 /s
+}
+
+TEST(Simulator, RefusesMisuse) {
+  const Chain chain = uniform_chain(2);
+  const Excitation drive{.sample_rate_hz = 10.0,
+                         .forces = {{.mass = 1, .signal = {std::vector<double>(10)}}}};
+  const auto refuses = [](const Chain& c, const Excitation& e, const std::vector<Sensor>& s,
+                          const InitialState& i = {}, const SimulatorOptions& o = {}) {
+    EXPECT_THROW(Simulator(c, e, s, i, o), std::invalid_argument);
+  };
+  const std::vector<Sensor> sensor{{.mass = 1}};
+  EXPECT_NO_THROW(Simulator(chain, drive, sensor));
+  refuses({}, drive, sensor);
+  refuses(chain, drive, {});
+  refuses(chain, drive, {{.mass = 3}});
+  refuses(chain, {.sample_rate_hz = 10.0}, sensor);
+  refuses(chain, {.sample_rate_hz = 0.0, .forces = drive.forces}, sensor);
+  refuses(chain,
+          {.sample_rate_hz = 10.0, .forces = {{.mass = 0, .signal = {std::vector<double>(10)}}}},
+          sensor);
+  refuses(chain,
+          {.sample_rate_hz = 10.0,
+           .forces = {{.mass = 1, .signal = {std::vector<double>(10)}},
+                      {.mass = 2, .signal = {std::vector<double>(9)}}}},
+          sensor);
+  refuses(chain, {.sample_rate_hz = 10.0, .forces = {{.mass = 1, .signal = {{0.0, std::nan("")}}}}},
+          sensor);
+  refuses(chain, {.sample_rate_hz = 10.0, .base = BaseMotion{}}, sensor);
+  refuses(chain,
+          {.sample_rate_hz = 10.0, .base = BaseMotion{.acceleration = {std::vector<double>(10)}}},
+          sensor);
+  refuses(chain, drive, sensor, {.displacement = {1.0}});
+  refuses(chain, drive, sensor, {}, {.extension = {1.0}});
+  refuses(chain, drive, sensor, {}, {.stride = 0});
+  Chain cubic = chain;
+  cubic.links[0].laws = {make_law<laws::Cubic>({1.0})};
+  refuses(cubic, drive, sensor, {}, {.integrator = Integrator::exact});
+  Chain wrong = chain;
+  wrong.links[0].b = 3;
+  refuses(wrong, drive, sensor);
+  wrong = chain;
+  wrong.masses[1] = 0.0;
+  refuses(wrong, drive, sensor);
+  wrong = chain;
+  wrong.links[0].laws = {make_law<laws::Contact>({1.0, -0.1})};
+  refuses(wrong, drive, sensor);
+
+  const Simulator simulator(chain, drive, sensor);
+  EXPECT_THROW(Misfit(simulator, {}), std::invalid_argument);
+  EXPECT_THROW(Misfit(simulator, {{std::vector<double>(9)}}), std::invalid_argument);
+  EXPECT_THROW(Misfit(simulator, {{std::vector<double>(10)}}, 10), std::invalid_argument);
+  EXPECT_THROW(Misfit(simulator, {{std::vector<double>(10, std::nan(""))}}), std::invalid_argument);
+}
+
+}  // namespace
