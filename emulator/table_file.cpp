@@ -2,12 +2,13 @@
 
 #include <hdf5.h>
 #include <netcdf.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <mutex>
+
+#include "emulator/atomic_file.hpp"
 
 namespace wheeltap::emulator {
 namespace {
@@ -336,26 +337,13 @@ struct Reader {
 
 void write_table_file(const fs::path& path, const TableFile& file) {
   for (const auto& [name, table] : file.tables) check_table(name, table);
-  const fs::path temporary = path.string() + ".part" + std::to_string(::getpid());
-  // NetCDF reports a directory that is absent or closed as an HDF5 error; the system says it
-  // better.
-  if (!std::ofstream(temporary))
-    throw FileError(Kind::unwritable, path,
-                    "cannot be created: check that its directory exists "
-                    "and may be written to");
-  struct Remover {
-    const fs::path& path;
-    ~Remover() {
-      std::error_code ignored;
-      fs::remove(path, ignored);
-    }
-  } const remover{temporary};
-
+  // Its error says more than NetCDF's where the directory is absent or closed.
+  AtomicFile target(path);
   {
     const LibraryLock lock;
     const Writer out{path};
     Handle handle;
-    out.check(nc_create(temporary.c_str(), NC_NETCDF4 | NC_CLOBBER, &handle.id));
+    out.check(nc_create(target.temporary().c_str(), NC_NETCDF4 | NC_CLOBBER, &handle.id));
     handle.opened();
     out.text(handle.id, NC_GLOBAL, kFormatAttribute, kFormatName);
     out.check(
@@ -366,9 +354,7 @@ void write_table_file(const fs::path& path, const TableFile& file) {
     for (const auto& [name, table] : file.tables) out.table(handle.id, name, table);
     out.check(handle.close());
   }
-  std::error_code error;
-  fs::rename(temporary, path, error);
-  if (error) throw FileError(Kind::unwritable, path, error.message());
+  target.commit();
 }
 
 TableFile read_table_file(const fs::path& path, const TableReadOptions& options) {

@@ -1,0 +1,26 @@
+// Writing a file so that nothing half-written ever stands under its name.
+#pragma once
+
+#include "emulator/file_error.hpp"
+
+namespace wheeltap::emulator {
+
+/// Holds a temporary name in the directory of `path`. What is written there takes `path`'s place at
+/// `commit`, and is removed when it never comes to that.
+class AtomicFile {
+ public:
+  /// Throws FileError (unwritable) where no file can be created there.
+  explicit AtomicFile(std::filesystem::path path);
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile();
+
+  [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
+  /// Renames; the file must be closed. Throws FileError (unwritable).
+  void commit();
+
+ private:
+  std::filesystem::path path_, temporary_;
+};
+
+}  // namespace wheeltap::emulator

@@ -1,0 +1,35 @@
+// Designs and model runs as CSV text, so that any other FE code can make a table.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "emulator/file_error.hpp"
+#include "emulator/table.hpp"
+
+namespace wheeltap::emulator {
+
+/// Reads runs of a model from a CSV file: the first line has the columns' names, each with its unit
+/// in brackets or none ("location [m],reduction,f1 [Hz],f2 [Hz]"); every further line is a run.
+/// Spaces around fields, empty lines, lines that start with # and quotes around fields are
+/// accepted. `factors` says which columns are the inputs, in this order; all other columns are the
+/// responses, in the file's order, and must have the same unit. A factor without levels gets the
+/// range of its column; otherwise every value must lie in its range. A factor's unit, where both
+/// give one, must be the column's. Returns scattered runs called `response_name`. Throws FileError:
+/// missing; corrupt with line and column for anything that does not fit (a cell that is no finite
+/// number, a row too short, a name twice, an unknown factor, a value outside its factor's range,
+/// the same point twice, no runs).
+[[nodiscard]] Table read_runs_csv(const std::filesystem::path& path, std::vector<Factor> factors,
+                                  const std::string& response_name);
+
+/// Writes a design's points with such a first line, for another program to run. Atomically, as
+/// `write_table_file` does. Throws FileError (unwritable).
+void write_design_csv(const std::filesystem::path& path, const Design& design);
+
+/// The same runs as a grid where the points are every combination of their values, once each.
+/// std::nullopt otherwise.
+[[nodiscard]] std::optional<Table> as_grid(const Table& scattered);
+
+}  // namespace wheeltap::emulator

@@ -1,0 +1,124 @@
+#include "emulator/runs_csv.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/emulator/temporary_directory.hpp"
+
+namespace wheeltap::emulator {
+namespace {
+
+using Kind = FileError::Kind;
+
+const std::vector<Factor> kFactors = {{"location[1]", "m", {}}, {"reduction", "", {}}};
+constexpr const char* kHeader = "reduction, location[1] [m], f1 [Hz], f2 [Hz]\n";
+
+class RunsCsv : public testing::Test {
+ protected:
+  Table read(const std::string& text, const std::vector<Factor>& factors = kFactors) const {
+    test::put_bytes(path, text);
+    return read_runs_csv(path, factors, "frequency");
+  }
+  std::string error(const std::string& text, const std::vector<Factor>& factors = kFactors) const {
+    try {
+      (void)read(text, factors);
+    } catch (const FileError& e) {
+      EXPECT_EQ(e.kind(), Kind::corrupt);
+      return e.reason();
+    }
+    return "";
+  }
+  test::TemporaryDirectory directory;
+  const std::filesystem::path path = directory / "runs.csv";
+};
+
+TEST_F(RunsCsv, ReadsColumnsByName) {
+  const Table t = read(std::string("# from another code\n") + kHeader +
+                       "0.1, 0.25, 13.8, 55.4\r\n\n\"0.3\",0.75,13.1,5.5e1\n");
+  ASSERT_EQ(t.points.rows(), 2);
+  EXPECT_EQ(t.points(1, 0), 0.75);
+  EXPECT_EQ(t.points(1, 1), 0.3);
+  EXPECT_EQ(t.values(0, 1), 55.4);
+  EXPECT_EQ(t.values(1, 1), 55.0);
+  EXPECT_EQ(t.response_unit, "Hz");
+  EXPECT_EQ(t.factors[0].unit, "m");
+  EXPECT_EQ(t.factors[1].levels, (std::vector{0.1, 0.3}));
+}
+
+TEST_F(RunsCsv, ErrorsNameLineAndColumn) {
+  const std::string row = "0.1,0.25,13.8,55.4\n";
+  EXPECT_NE(error(""), "");
+  EXPECT_EQ(error(kHeader), "no runs");
+  EXPECT_NE(error("reduction,f1\n0.1,2\n").find("location[1]"), std::string::npos);
+  EXPECT_NE(error("reduction,location[1]\n0.1,2\n").find("response"), std::string::npos);
+  EXPECT_NE(error("reduction,reduction,location[1],f1\n").find("twice"), std::string::npos);
+  EXPECT_NE(error("reduction,location[1] [mm],f1\n").find("mm"), std::string::npos);
+  EXPECT_NE(error("reduction,location[1],f1 [Hz],f2 [rad/s]\n").find("units"), std::string::npos);
+  for (const char* cell : {"13,8", "nan", "inf", "1e999", "", "13.8Hz", "--1"}) {
+    const std::string reason =
+        error(std::string(kHeader) + row + "0.2,0.25," + "\"" + cell + "\"" + ",55\n");
+    EXPECT_NE(reason.find("line 3"), std::string::npos) << cell;
+    EXPECT_NE(reason.find("f1"), std::string::npos) << cell;
+  }
+  EXPECT_NE(error(std::string(kHeader) + row + "0.2,0.25,13\n").find("3 fields"),
+            std::string::npos);
+  EXPECT_NE(error(std::string(kHeader) + row + row).find("line 2"), std::string::npos);
+  EXPECT_NE(error(std::string(kHeader) + row, {{"location[1]", "m", {0.3, 0.5}}, kFactors[1]})
+                .find("outside"),
+            std::string::npos);
+  EXPECT_NE(error(std::string(kHeader) + row).find("never varies"), std::string::npos);
+}
+
+TEST_F(RunsCsv, MissingFile) {
+  try {
+    (void)read_runs_csv(path, kFactors, "frequency");
+    FAIL();
+  } catch (const FileError& e) {
+    EXPECT_EQ(e.kind(), Kind::missing);
+  }
+}
+
+TEST_F(RunsCsv, ADesignGoesOutAndComesBack) {
+  std::vector<Factor> factors = {{"location[1]", "m", {0.05, 0.95}},
+                                 {"reduction", "", {0, 0.6}, Scale::compliance}};
+  const Design design = latin_hypercube(factors, 25, 2);
+  write_design_csv(path, design);
+  std::string text = test::bytes_of(path);
+  std::string runs;
+  std::size_t at = 0;
+  for (std::size_t end; (end = text.find('\n', at)) != std::string::npos; at = end + 1)
+    runs += text.substr(at, end - at) + (at == 0 ? ",f1 [Hz]\n" : ",1\n");
+  const Table t = read(runs, factors);
+  EXPECT_EQ(t.points, design.points) << "to the last bit";
+  EXPECT_EQ(t.factors[1].levels, factors[1].levels);
+  EXPECT_EQ(t.factors[1].scale, Scale::compliance);
+  EXPECT_FALSE(as_grid(t));
+  EXPECT_THROW(write_design_csv(directory / "absent/design.csv", design), FileError);
+}
+
+TEST_F(RunsCsv, AFullFactorialInAnyOrderIsAGrid) {
+  std::vector<Factor> factors = {{"a", "", {0, 1, 4}}, {"b", "", {2, 3}}};
+  Table whole{.factors = factors,
+              .points = {},
+              .response_name = "f",
+              .response_unit = "",
+              .values = RowMatrix::Random(6, 2),
+              .holdout = {},
+              .attributes = {},
+              .parameters = {}};
+  Table shuffled = whole;
+  shuffled.points = whole.design().points;
+  for (Eigen::Index i : {1, 3}) {
+    shuffled.points.row(i).swap(shuffled.points.row(i + 2));
+    shuffled.values.row(i).swap(shuffled.values.row(i + 2));
+  }
+  const auto grid = as_grid(shuffled);
+  ASSERT_TRUE(grid);
+  EXPECT_TRUE(grid->is_grid());
+  EXPECT_EQ(grid->values, whole.values);
+  EXPECT_EQ(grid->factors[0].levels, factors[0].levels);
+  shuffled.points(0, 0) = 0.5;
+  EXPECT_FALSE(as_grid(shuffled));
+}
+
+}  // namespace
+}  // namespace wheeltap::emulator
