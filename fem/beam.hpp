@@ -24,7 +24,8 @@ struct Section {
   double shear_coefficient;  ///< κ [-]: the shear stiffness is κ G A
 };
 
-/// A support at `at`: the listed motions are held rigidly, or by a spring where `stiffness` is given.
+/// A support at `at`: the listed motions are held rigidly, or by a spring where `stiffness` is
+/// given.
 struct Support {
   double at;                        ///< [m], anywhere in [0, length]; not only at nodes
   bool deflection = true;           ///< holds the deflection w
@@ -43,8 +44,8 @@ struct Beam {
   [[nodiscard]] int nodes() const { return elements + 1; }
   [[nodiscard]] double element_length() const { return length / elements; }
 
-  /// The 0-based element that contains x. Element e covers [x_e, x_{e+1}), the last one closed; an x
-  /// within 1e-9 L of a node counts as that node. Throws std::invalid_argument outside [0, L].
+  /// The 0-based element that contains x. Element e covers [x_e, x_{e+1}), the last one closed; an
+  /// x within 1e-9 L of a node counts as that node. Throws std::invalid_argument outside [0, L].
   [[nodiscard]] int element_at(double x) const;
 
   /// Midpoint of element e [m].

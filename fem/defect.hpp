@@ -16,9 +16,9 @@ struct Damage {
 /// A spring to ground at `location`, acting through the element's shape functions. An infinite
 /// stiffness is a rigid support.
 struct SpringSupport {
-  double location;                                              ///< x [m] in [0, L]
-  double stiffness = std::numeric_limits<double>::infinity();   ///< [N/m] or [N·m/rad], > 0
-  bool rotation = false;                                        ///< holds the rotation, not the deflection
+  double location;                                             ///< x [m] in [0, L]
+  double stiffness = std::numeric_limits<double>::infinity();  ///< [N/m] or [N·m/rad], > 0
+  bool rotation = false;  ///< holds the rotation, not the deflection
 };
 
 struct Defects {

@@ -28,6 +28,7 @@ struct ModalOptions {
 
 /// Throws std::invalid_argument for an invalid beam, defects outside it, or more modes than free
 /// degrees of freedom.
-[[nodiscard]] Modes modal_analysis(const Beam& beam, const Defects& defects, const ModalOptions& options);
+[[nodiscard]] Modes modal_analysis(const Beam& beam, const Defects& defects,
+                                   const ModalOptions& options);
 
 }  // namespace wheeltap::fem

@@ -9,14 +9,14 @@
 
 namespace wheeltap::fem {
 
-/// A damaged element changes K by rank 2 and a support by rank 1. With the columns of C spanning those
-/// changes, the frequencies under s defects are the roots of a small secular problem
+/// A damaged element changes K by rank 2 and a support by rank 1. With the columns of C spanning
+/// those changes, the frequencies under s defects are the roots of a small secular problem
 ///
 ///   det S(λ) = 0,   S(λ) = Σ - |Γ|½ Cᵀ (K - λ M)⁻¹ C |Γ|½,   Σ = sign Γ,
 ///
 /// and the number of damaged eigenvalues below λ is the intact number plus the negative inertia of
-/// S(λ), less the number of supports (Wittrick & Williams 1971; Haynsworth 1968). The count brackets
-/// every root, so no mode is missed or swapped.
+/// S(λ), less the number of supports (Wittrick & Williams 1971; Haynsworth 1968). The count
+/// brackets every root, so no mode is missed or swapped.
 ///
 /// The object is immutable after construction: any number of threads may use one, each with a
 /// workspace of its own.

@@ -12,14 +12,24 @@ namespace wheeltap::fem {
 /// 6 (1 + ν)(1 + m²)² / ((7 + 6 ν)(1 + m²)² + (20 + 12 ν) m²).
 [[nodiscard]] double cowper_tube(double poisson, double radius_ratio);
 
-struct Rectangle { double width, height; };                       ///< bending about the width [m]
-struct Circle { double diameter; };                               ///< [m]
-struct Tube { double outer_diameter, thickness; };                ///< [m]
-struct ISection { double height, width, flange_thickness, web_thickness; };  ///< [m]
-struct Box { double height, width, flange_thickness, web_thickness; };       ///< outer sizes [m]
+struct Rectangle {
+  double width, height;
+};  ///< bending about the width [m]
+struct Circle {
+  double diameter;
+};  ///< [m]
+struct Tube {
+  double outer_diameter, thickness;
+};  ///< [m]
+struct ISection {
+  double height, width, flange_thickness, web_thickness;
+};  ///< [m]
+struct Box {
+  double height, width, flange_thickness, web_thickness;
+};  ///< outer sizes [m]
 
-/// A, I and Cowper's κ for the shape. Throws std::invalid_argument for sizes that are not positive or
-/// do not fit into each other.
+/// A, I and Cowper's κ for the shape. Throws std::invalid_argument for sizes that are not positive
+/// or do not fit into each other.
 [[nodiscard]] Section section(const Rectangle& shape, double poisson);
 [[nodiscard]] Section section(const Circle& shape, double poisson);
 [[nodiscard]] Section section(const Tube& shape, double poisson);
