@@ -309,7 +309,7 @@ class Fitter {
     std::vector<Cluster> clusters = initial(most), best;
     double best_score = kInfinity;
     for (;;) {
-      const double log_likelihood = expectation_maximisation(clusters, 30, 1e-4);
+      const double log_likelihood = expectation_maximisation(clusters, 4, 1e-4);
       const double score = criterion(clusters.size(), log_likelihood);
       if (score < best_score &&
           clusters.size() <= static_cast<std::size_t>(options_.max_components)) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Dense>
 #include <cmath>
 #include <limits>
 #include <numbers>
