@@ -35,6 +35,7 @@ class Reporter {
     stage_ = stage;
     total_ = total;
     done_ = 0.0;
+    last_ = {};  // the first report of a stage comes at once
   }
   void evaluated(long n) { evaluations_ += n; }
   void visited(const std::vector<long>& visits) {
