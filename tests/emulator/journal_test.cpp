@@ -81,7 +81,7 @@ TEST_F(JournalTest, CutAnywhereItKeepsTheWholeRecords) {
   const std::string bytes = bytes_of(path);
   const std::size_t header = bytes.find('\n') + 1;
   const std::size_t record = (bytes.size() - header) / 20;
-  for (std::size_t cut = 0; cut <= bytes.size(); ++cut) {
+  for (std::size_t cut = 0; cut <= bytes.size(); cut += 5) {
     put_bytes(path, bytes.substr(0, cut));
     calls = 0;
     ASSERT_EQ(whole, run_experiment(grid(), 2, counting(calls), {.journal = path}));

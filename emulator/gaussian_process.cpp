@@ -1,0 +1,516 @@
+#include "emulator/gaussian_process.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <numbers>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+namespace wheeltap::emulator {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kLeastNugget = 1e-12;
+constexpr double kLargestNugget = 1e3;
+constexpr double kShortest = 0.005, kLongest = 50.0;  // lengths, in units of the factor's range
+const double kSqrt5 = std::sqrt(5.0);
+
+/// k(r) from r².
+template <class Array>
+void correlate(Kernel kernel, Array&& squared) {
+  if (kernel == Kernel::squared_exponential) {
+    squared = (-0.5 * squared).exp();
+  } else {
+    const auto r = (kSqrt5 * squared.sqrt()).eval();
+    squared = (1.0 + r + (5.0 / 3.0) * squared) * (-r).exp();
+  }
+}
+
+/// ∂k/∂ ln ℓ_j from r², less the factor ((u_j - u'_j)/ℓ_j)².
+ArrayXd slope(Kernel kernel, const ArrayXd& squared) {
+  if (kernel == Kernel::squared_exponential) return (-0.5 * squared).exp();
+  const ArrayXd r = kSqrt5 * squared.sqrt();
+  return (5.0 / 3.0) * (1.0 + r) * (-r).exp();
+}
+
+/// Points divided by the lengths, a factor a column.
+MatrixXd scaled(const RowMatrix& unit_points, const VectorXd& lengths) {
+  return unit_points * lengths.cwiseInverse().asDiagonal();
+}
+
+/// r² between the points from row `from` on and point i.
+ArrayXd squared_distances(const MatrixXd& z, Index i, Index from) {
+  ArrayXd squared = ArrayXd::Zero(z.rows() - from);
+  for (Index j = 0; j < z.cols(); ++j)
+    squared += (z.col(j).tail(z.rows() - from).array() - z(i, j)).square();
+  return squared;
+}
+
+/// Lower triangle of R = k(X, X) + η I; the upper one is left as it is.
+MatrixXd correlation_matrix(const RowMatrix& unit_points, const Correlation& c) {
+  const MatrixXd z = scaled(unit_points, c.lengths);
+  MatrixXd r(z.rows(), z.rows());
+  for (Index i = 0; i < z.rows(); ++i) {
+    ArrayXd column = squared_distances(z, i, i);
+    correlate(c.kernel, column);
+    r.col(i).tail(z.rows() - i) = column.matrix();
+    r(i, i) = 1.0 + c.nugget;
+  }
+  return r;
+}
+
+using Cholesky = Eigen::LLT<MatrixXd, Eigen::Lower>;
+
+/// β, α and σ² of every column of y under R.
+struct Trend {
+  VectorXd w;   // R⁻¹ 1
+  double ones;  // 1ᵀ R⁻¹ 1
+  Eigen::RowVectorXd mean;
+  MatrixXd alpha;  // R⁻¹ (y - β), n × m
+  Eigen::RowVectorXd variance;
+};
+
+Trend trend(const Cholesky& factor, const RowMatrix& y) {
+  Trend t;
+  const Index n = y.rows();
+  t.w = factor.solve(VectorXd::Ones(n));
+  t.ones = t.w.sum();
+  t.mean = (t.w.transpose() * y) / t.ones;
+  const MatrixXd residual = y.rowwise() - t.mean;
+  t.alpha = factor.solve(residual);
+  t.variance = residual.cwiseProduct(t.alpha).colwise().sum() / static_cast<double>(n);
+  return t;
+}
+
+}  // namespace
+
+std::string_view name(Kernel kernel) {
+  switch (kernel) {
+    case Kernel::matern52:
+      return "matern-5/2";
+    case Kernel::squared_exponential:
+      return "squared-exponential";
+  }
+  throw std::invalid_argument("unknown kernel");
+}
+
+Kernel kernel_named(std::string_view text) {
+  for (Kernel kernel : {Kernel::matern52, Kernel::squared_exponential})
+    if (text == name(kernel)) return kernel;
+  throw std::invalid_argument("kernel \"" + std::string(text) +
+                              "\" is not one of matern-5/2, squared-exponential");
+}
+
+LogLikelihood log_marginal_likelihood(const RowMatrix& unit_points, const RowMatrix& values,
+                                      const Correlation& c) {
+  const Index n = unit_points.rows(), d = unit_points.cols(), m = values.cols();
+  const auto runs = static_cast<double>(n);
+  LogLikelihood out{.value = -std::numeric_limits<double>::infinity(),
+                    .gradient = VectorXd::Zero(d + 1)};
+  const Cholesky factor(correlation_matrix(unit_points, c));
+  if (factor.info() != Eigen::Success) return out;
+  const Trend t = trend(factor, values);
+  if (!(t.variance.minCoeff() > 0.0)) return out;
+  const double log_det = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  if (!std::isfinite(log_det)) return out;
+  out.value = -0.5 * (runs * (2.0 * std::numbers::pi * t.variance.array()).log().sum() +
+                      static_cast<double>(m) * (log_det + runs));
+
+  // W = Σ α αᵀ / σ² - m R⁻¹; the derivative by p is ½ Σ_ab W_ab ∂R_ab/∂p.
+  const MatrixXd inverse = factor.solve(MatrixXd::Identity(n, n));
+  const MatrixXd weighted = t.alpha * t.variance.cwiseInverse().asDiagonal();
+  const MatrixXd w = weighted * t.alpha.transpose() - static_cast<double>(m) * inverse;
+  const MatrixXd z = scaled(unit_points, c.lengths);
+  for (Index i = 0; i + 1 < n; ++i) {
+    const Index below = n - i - 1;
+    const ArrayXd common =
+        slope(c.kernel, squared_distances(z, i, i + 1)) * w.col(i).tail(below).array();
+    for (Index j = 0; j < d; ++j)  // twice a half: the matrix is symmetric
+      out.gradient(j) += (common * (z.col(j).tail(below).array() - z(i, j)).square()).sum();
+  }
+  out.gradient(d) = 0.5 * c.nugget * w.trace();
+  return out;
+}
+
+struct GaussianProcess::Impl {
+  /// Responses that share lengths.
+  struct Group {
+    Index first, count;
+    Correlation correlation;
+    MatrixXd z;  // scaled points
+    Cholesky factor;
+    Trend fit;
+  };
+
+  std::vector<Factor> factors;
+  Kernel kernel;
+  RowMatrix unit_points;
+  RowMatrix values;  // standardised: less offset, divided by size
+  Eigen::RowVectorXd offset, size;
+  std::vector<double> low, range;  // of the scale coordinates
+  std::vector<Group> groups;
+
+  Impl(std::vector<Factor> f, const RowMatrix& points, const RowMatrix& y, Kernel k)
+      : factors(std::move(f)), kernel(k) {
+    check_factors(factors);
+    if (points.rows() < 2)
+      throw std::invalid_argument("a Gaussian process from " + std::to_string(points.rows()) +
+                                  " runs; at least 2 are needed");
+    if (points.rows() != y.rows() || y.cols() < 1 ||
+        points.cols() != static_cast<Index>(factors.size()))
+      throw std::invalid_argument(
+          "a Gaussian process from points " + std::to_string(points.rows()) + " x " +
+          std::to_string(points.cols()) + " and values " + std::to_string(y.rows()) + " x " +
+          std::to_string(y.cols()) + " in " + std::to_string(factors.size()) + " factors");
+    if (!y.allFinite()) throw std::invalid_argument("runs with values that are not finite");
+    for (const Factor& factor : factors) {
+      low.push_back(to_scale(factor.scale, factor.low()));
+      range.push_back(to_scale(factor.scale, factor.high()) - low.back());
+    }
+    unit_points.resize(points.rows(), points.cols());
+    for (Index i = 0; i < points.rows(); ++i) {
+      const std::span<const double> x(points.row(i).data(), factors.size());
+      try {
+        require_inside(factors, x);
+      } catch (const std::out_of_range& error) {
+        throw std::invalid_argument("run " + std::to_string(i) + ": " + error.what());
+      }
+      to_unit(x, unit_points.row(i).data());
+    }
+    offset = y.colwise().mean();
+    values = y.rowwise() - offset;
+    size = values.colwise().norm() / std::sqrt(static_cast<double>(y.rows()));
+    // A constant response, to rounding, has nothing to be learnt: its variance will be 0.
+    for (Index k_response = 0; k_response < size.size(); ++k_response)
+      if (!(size(k_response) > 1e-14 * std::abs(offset(k_response)))) {
+        size(k_response) = 0.0;
+        values.col(k_response).setZero();
+      } else {
+        values.col(k_response) /= size(k_response);
+      }
+  }
+
+  void to_unit(std::span<const double> x, double* u) const {
+    for (std::size_t j = 0; j < x.size(); ++j)
+      u[j] = (to_scale(factors[j].scale, x[j]) - low[j]) / range[j];
+  }
+
+  /// Conditions the responses [first, first + count) on all runs, with the nugget raised until R is
+  /// numerically positive definite.
+  [[nodiscard]] Group condition(Index first, Index count, Correlation correlation) const {
+    Group g{.first = first,
+            .count = count,
+            .correlation = std::move(correlation),
+            .z = {},
+            .factor = {},
+            .fit = {}};
+    double& nugget = g.correlation.nugget;
+    for (nugget = std::max(nugget, kLeastNugget);; nugget *= 10.0) {
+      g.factor.compute(correlation_matrix(unit_points, g.correlation));
+      if (g.factor.info() == Eigen::Success) break;
+      if (nugget > kLargestNugget)
+        throw std::invalid_argument("a correlation matrix that no nugget makes positive definite");
+    }
+    g.z = scaled(unit_points, g.correlation.lengths);
+    g.fit = trend(g.factor, values.middleCols(first, count));
+    return g;
+  }
+};
+
+namespace {
+
+/// Maximises ln L over ln ℓ (and ln η) inside a box by BFGS, whose steps are projected on the box
+/// and halved until they gain enough (Nocedal & Wright 2006, Numerical Optimization, chapter 6).
+/// Eigen has no such search for a scalar function, and a dependency for d + 1 unknowns is not worth
+/// it.
+class Search {
+ public:
+  Search(const RowMatrix& points, const RowMatrix& values, const GaussianProcessOptions& options)
+      : points_(points), values_(values), options_(options) {
+    const Index d = points.cols();
+    unknowns_ = d + (options.infer_nugget ? 1 : 0);
+    low_ = VectorXd::Constant(unknowns_, std::log(kShortest));
+    high_ = VectorXd::Constant(unknowns_, std::log(kLongest));
+    if (options.infer_nugget) {
+      low_(d) = std::log(kLeastNugget);
+      high_(d) = std::log(kLargestNugget);
+    }
+  }
+
+  Correlation run() {
+    VectorXd best;
+    Value best_value;
+    const std::vector<double> nuggets =
+        options_.infer_nugget ? std::vector{1e-6, 1e-3, 0.1} : std::vector{nugget_};
+    // Clusters of runs may need more than the least nugget at any length.
+    for (; best.size() == 0 && nugget_ < kLargestNugget; nugget_ *= 10.0)
+      for (double length : {0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2})
+        for (double nugget : nuggets) {
+          VectorXd p = VectorXd::Constant(unknowns_, std::log(length));
+          if (options_.infer_nugget) p(unknowns_ - 1) = std::log(std::max(nugget, nugget_));
+          if (const Value v = value(p);
+              std::isfinite(v.f) && (best.size() == 0 || v.f > best_value.f)) {
+            best = p;
+            best_value = v;
+          }
+        }
+    if (best.size() == 0) return correlation(VectorXd::Zero(unknowns_));
+    nugget_ /= 10.0;  // the loop's last step
+    climb(best, best_value);
+    return correlation(best);
+  }
+
+ private:
+  struct Value {
+    double f = -std::numeric_limits<double>::infinity();
+    VectorXd gradient;
+  };
+
+  [[nodiscard]] Correlation correlation(const VectorXd& p) const {
+    return {.kernel = options_.kernel,
+            .lengths = p.head(points_.cols()).array().exp().matrix(),
+            .nugget = options_.infer_nugget ? std::exp(p(unknowns_ - 1)) : nugget_};
+  }
+
+  [[nodiscard]] Value value(const VectorXd& p) const {
+    const LogLikelihood l = log_marginal_likelihood(points_, values_, correlation(p));
+    return {l.value, l.gradient.head(unknowns_)};
+  }
+
+  void climb(VectorXd& p, Value& at) const {
+    MatrixXd h = MatrixXd::Identity(unknowns_, unknowns_);  // inverse Hessian of -ln L
+    bool fresh = true;
+    for (int iteration = 0; iteration < options_.most_iterations; ++iteration) {
+      // Unknowns that press against a bound stay there for this step.
+      VectorXd gradient = at.gradient;
+      for (Index j = 0; j < unknowns_; ++j)
+        if ((p(j) <= low_(j) && gradient(j) < 0) || (p(j) >= high_(j) && gradient(j) > 0))
+          gradient(j) = 0.0;
+      if (gradient.norm() < 1e-3) return;
+      VectorXd direction = h * gradient;
+      for (Index j = 0; j < unknowns_; ++j)
+        if (gradient(j) == 0.0) direction(j) = 0.0;
+      if (direction.dot(gradient) <= 0.0) {
+        h.setIdentity();
+        fresh = true;
+        direction = gradient;
+      }
+      if (fresh) direction /= std::max(1.0, direction.norm());
+      direction *= std::min(1.0, 2.0 / direction.cwiseAbs().maxCoeff());  // a factor e² at most
+
+      VectorXd next;
+      Value there;
+      double step = 1.0;
+      for (; step > 1e-4; step *= 0.5) {
+        next = (p + step * direction).cwiseMax(low_).cwiseMin(high_);
+        there = value(next);
+        if (there.f >= at.f + 1e-4 * gradient.dot(next - p) && there.f > at.f) break;
+      }
+      if (step <= 1e-4) {
+        if (fresh) return;
+        h.setIdentity();
+        fresh = true;
+        continue;
+      }
+      const VectorXd s = next - p;
+      const VectorXd y = at.gradient - there.gradient;  // of -ln L
+      if (const double sy = s.dot(y); sy > 1e-10 * s.norm() * y.norm()) {
+        if (fresh) h = MatrixXd::Identity(unknowns_, unknowns_) * (sy / y.squaredNorm());
+        const MatrixXd left = MatrixXd::Identity(unknowns_, unknowns_) - s * y.transpose() / sy;
+        h = left * h * left.transpose() + s * s.transpose() / sy;
+        fresh = false;
+      }
+      const double gain = there.f - at.f;
+      p = next;
+      at = there;
+      if (gain < 1e-6) return;
+    }
+  }
+
+  const RowMatrix& points_;
+  const RowMatrix& values_;
+  const GaussianProcessOptions& options_;
+  Index unknowns_;
+  VectorXd low_, high_;
+  double nugget_ = kLeastNugget;
+};
+
+/// The rows of m that a fit looks at.
+RowMatrix fitted_rows(const RowMatrix& m, const std::vector<Index>& rows) {
+  return m(rows, Eigen::all);
+}
+
+}  // namespace
+
+GaussianProcess::GaussianProcess(std::vector<Factor> factors, const RowMatrix& points,
+                                 const RowMatrix& values, const GaussianProcessOptions& options) {
+  if (options.most_fitted_runs < 2 || options.most_iterations < 0 || options.threads < 1)
+    throw std::invalid_argument(
+        "Gaussian process options: most_fitted_runs >= 2, most_iterations >= 0 and threads >= 1 "
+        "are needed");
+  auto impl = std::make_unique<Impl>(std::move(factors), points, values, options.kernel);
+  std::vector<Index> rows(static_cast<std::size_t>(points.rows()));
+  std::iota(rows.begin(), rows.end(), Index{0});
+  if (points.rows() > options.most_fitted_runs) {
+    std::mt19937_64 generator(options.seed);
+    for (std::size_t i = rows.size() - 1; i > 0; --i)
+      std::swap(rows[i], rows[generator() % (i + 1)]);
+    rows.resize(static_cast<std::size_t>(options.most_fitted_runs));
+  }
+  const RowMatrix fitted_points = fitted_rows(impl->unit_points, rows);
+  const Index responses = values.cols();
+  const Index groups = options.shared_lengths ? 1 : responses;
+  const Index per_group = responses / groups;
+  impl->groups.resize(static_cast<std::size_t>(groups));
+
+  std::atomic<Index> next = 0;
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto work = [&] {
+    for (Index g; (g = next++) < groups;) {
+      try {
+        // Constant responses say nothing about lengths.
+        std::vector<Index> varying;
+        for (Index k = g * per_group; k < (g + 1) * per_group; ++k)
+          if (impl->values(rows, k).squaredNorm() > 0.0) varying.push_back(k);
+        Correlation correlation{.kernel = options.kernel,
+                                .lengths = VectorXd::Ones(points.cols()),
+                                .nugget = kLeastNugget};
+        if (!varying.empty()) {
+          const RowMatrix fitted_values = impl->values(rows, varying);
+          correlation = Search(fitted_points, fitted_values, options).run();
+        }
+        impl->groups[static_cast<std::size_t>(g)] =
+            impl->condition(g * per_group, per_group, std::move(correlation));
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        failure = std::current_exception();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> crew;
+    for (Index t = 1; t < std::min<Index>(options.threads, groups); ++t) crew.emplace_back(work);
+    work();
+  }
+  if (failure) std::rethrow_exception(failure);
+  impl_ = std::move(impl);
+}
+
+GaussianProcess::GaussianProcess(std::vector<Factor> factors, const RowMatrix& points,
+                                 const RowMatrix& values, Kernel kernel,
+                                 const RowMatrix& parameters) {
+  auto impl = std::make_unique<Impl>(std::move(factors), points, values, kernel);
+  const Index d = points.cols();
+  if ((parameters.rows() != 1 && parameters.rows() != values.cols()) ||
+      parameters.cols() != d + 1 || !(parameters.array() > 0.0).all() || !parameters.allFinite())
+    throw std::invalid_argument("Gaussian process parameters: 1 or " +
+                                std::to_string(values.cols()) + " rows of " +
+                                std::to_string(d + 1) + " positive numbers are needed");
+  const Index per_group = values.cols() / parameters.rows();
+  for (Index g = 0; g < parameters.rows(); ++g)
+    impl->groups.push_back(impl->condition(g * per_group, per_group,
+                                           {.kernel = kernel,
+                                            .lengths = parameters.row(g).head(d).transpose(),
+                                            .nugget = parameters(g, d)}));
+  impl_ = std::move(impl);
+}
+
+GaussianProcess::~GaussianProcess() = default;
+GaussianProcess::GaussianProcess(GaussianProcess&&) noexcept = default;
+GaussianProcess& GaussianProcess::operator=(GaussianProcess&&) noexcept = default;
+
+void GaussianProcess::evaluate(std::span<const double> x, std::span<double> mean) const {
+  evaluate(x, mean, {});
+}
+
+void GaussianProcess::evaluate(std::span<const double> x, std::span<double> mean,
+                               std::span<double> variance) const {
+  require_inside(impl_->factors, x);
+  if (mean.size() != static_cast<std::size_t>(responses()) ||
+      (!variance.empty() && variance.size() != mean.size()))
+    throw std::invalid_argument("room for " + std::to_string(mean.size()) + " means and " +
+                                std::to_string(variance.size()) + " variances; there are " +
+                                std::to_string(responses()) + " responses");
+  thread_local std::vector<double> u;
+  thread_local ArrayXd r;
+  thread_local VectorXd half;
+  u.resize(x.size());
+  impl_->to_unit(x, u.data());
+  for (const Impl::Group& g : impl_->groups) {
+    r.setZero(g.z.rows());
+    for (Index j = 0; j < g.z.cols(); ++j)
+      r +=
+          (g.z.col(j).array() - u[static_cast<std::size_t>(j)] / g.correlation.lengths(j)).square();
+    correlate(g.correlation.kernel, r);
+    double share = 0.0;
+    if (!variance.empty()) {
+      half = g.factor.matrixL().solve(r.matrix());
+      const double unexplained = 1.0 - g.fit.w.dot(r.matrix());
+      share = std::max(0.0, 1.0 - half.squaredNorm() + unexplained * unexplained / g.fit.ones);
+    }
+    for (Index k = 0; k < g.count; ++k) {
+      const Index response = g.first + k;
+      const double size = impl_->size(response);
+      mean[static_cast<std::size_t>(response)] =
+          impl_->offset(response) + size * (g.fit.mean(k) + g.fit.alpha.col(k).dot(r.matrix()));
+      if (!variance.empty())
+        variance[static_cast<std::size_t>(response)] = size * size * g.fit.variance(k) * share;
+    }
+  }
+}
+
+LeaveOneOut GaussianProcess::leave_one_out() const {
+  const Index n = impl_->values.rows();
+  LeaveOneOut out{.mean = RowMatrix(n, responses()), .variance = RowMatrix(n, responses())};
+  for (const Impl::Group& g : impl_->groups) {
+    const VectorXd q =
+        g.factor.solve(MatrixXd::Identity(n, n)).diagonal() - g.fit.w.cwiseAbs2() / g.fit.ones;
+    for (Index k = 0; k < g.count; ++k) {
+      const Index response = g.first + k;
+      const double size = impl_->size(response);
+      // Q y = R⁻¹ (y - β): β has been fitted to y.
+      const VectorXd residual = g.fit.alpha.col(k).cwiseQuotient(q);
+      out.mean.col(response) =
+          (impl_->offset(response) + size * (impl_->values.col(response) - residual).array())
+              .matrix();
+      out.variance.col(response) = size * size * g.fit.variance(k) * q.cwiseInverse();
+    }
+  }
+  return out;
+}
+
+RowMatrix GaussianProcess::parameters() const {
+  const auto d = static_cast<Index>(impl_->factors.size());
+  RowMatrix out(static_cast<Index>(impl_->groups.size()), d + 1);
+  Index row = 0;
+  for (const Impl::Group& g : impl_->groups) {
+    out.row(row).head(d) = g.correlation.lengths.transpose();
+    out(row++, d) = g.correlation.nugget;
+  }
+  return out;
+}
+
+Kernel GaussianProcess::kernel() const {
+  return impl_->kernel;
+}
+const std::vector<Factor>& GaussianProcess::factors() const {
+  return impl_->factors;
+}
+Eigen::Index GaussianProcess::responses() const {
+  return impl_->values.cols();
+}
+
+}  // namespace wheeltap::emulator
