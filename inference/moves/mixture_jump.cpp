@@ -4,6 +4,24 @@
 
 namespace wheeltap::inference {
 
+int propose_model(const PilotFit& fit, int from, Random& random, double& log_ratio) {
+  const std::vector<double>& weight = fit.weight;
+  const auto m = static_cast<std::size_t>(from);
+  double u = random.uniform() * (1.0 - weight[m]);
+  int chosen = -1;
+  for (int other = 0; other < static_cast<int>(weight.size()); ++other) {
+    if (other == from) continue;
+    chosen = other;
+    u -= weight[static_cast<std::size_t>(other)];
+    if (u < 0.0) break;
+  }
+  if (chosen < 0) return -1;
+  const auto other = static_cast<std::size_t>(chosen);
+  log_ratio +=
+      std::log(weight[m] / (1.0 - weight[other])) - std::log(weight[other] / (1.0 - weight[m]));
+  return chosen;
+}
+
 double MixtureJump::log_density(int model, const std::vector<double>& z) const {
   const auto& density = fit_->density[static_cast<std::size_t>(model)];
   return density ? density->log_density(z) : 0.0;
@@ -11,22 +29,10 @@ double MixtureJump::log_density(int model, const std::vector<double>& z) const {
 
 std::optional<double> MixtureJump::propose(const State& from, const Step& step, State& to) {
   const ModelSpace& space = step.target.space();
-  const std::vector<double>& weight = fit_->weight;
-  const auto m = static_cast<std::size_t>(from.model);
   double log_ratio = 0.0;
   if (between_) {
-    double u = step.random.uniform() * (1.0 - weight[m]);
-    to.model = -1;
-    for (int other = 0; other < space.size(); ++other) {
-      if (other == from.model) continue;
-      to.model = other;
-      u -= weight[static_cast<std::size_t>(other)];
-      if (u < 0.0) break;
-    }
+    to.model = propose_model(*fit_, from.model, step.random, log_ratio);
     if (to.model < 0) return std::nullopt;
-    const auto other = static_cast<std::size_t>(to.model);
-    log_ratio +=
-        std::log(weight[m] / (1.0 - weight[other])) - std::log(weight[other] / (1.0 - weight[m]));
   }
   const auto target = static_cast<std::size_t>(to.model);
   to.z.resize(static_cast<std::size_t>(space[to.model].dimension));

@@ -47,18 +47,19 @@ std::optional<double> RandomWalk::propose(const State& from, const Step& step, S
 }
 
 void RandomWalk::adapt(double acceptance_probability, const State&) {
-  if (factor_ != 1.0) return;
-  const auto d = static_cast<double>(block_->factor.rows());
+  if (factor_ == 1.0) learn(*block_, u_, acceptance_probability);
+}
+
+void RandomWalk::learn(Block& block, const Eigen::VectorXd& u, double acceptance_probability) {
+  const Eigen::Index n = block.factor.rows();
+  const auto d = static_cast<double>(n);
   const double goal = d < 2 ? 0.44 : d < 4 ? 0.35 : 0.234;
   const double eta =
-      std::min(1.0, d * std::pow(static_cast<double>(++block_->adaptations), -2.0 / 3.0));
-  const double gain = eta * (acceptance_probability - goal) / u_.squaredNorm();
-  const Eigen::MatrixXd middle =
-      Eigen::MatrixXd::Identity(block_->factor.rows(), block_->factor.rows()) +
-      gain * u_ * u_.transpose();
-  const Eigen::MatrixXd& s = block_->factor;
-  const Eigen::LLT<Eigen::MatrixXd> llt(s * middle * s.transpose());
-  if (llt.info() == Eigen::Success) block_->factor = llt.matrixL();
+      std::min(1.0, d * std::pow(static_cast<double>(++block.adaptations), -2.0 / 3.0));
+  const double gain = eta * (acceptance_probability - goal) / u.squaredNorm();
+  const Eigen::MatrixXd middle = Eigen::MatrixXd::Identity(n, n) + gain * u * u.transpose();
+  const Eigen::LLT<Eigen::MatrixXd> llt(block.factor * middle * block.factor.transpose());
+  if (llt.info() == Eigen::Success) block.factor = llt.matrixL();
 }
 
 }  // namespace wheeltap::inference

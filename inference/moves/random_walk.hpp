@@ -27,7 +27,10 @@ class RandomWalk : public Move {
   };
   using Scales = std::vector<std::vector<Block>>;  ///< [model][block]
 
-  /// Blocks of every model, with S = the identity.
+  /// One step of RAM, after a proposal S u that had this acceptance probability.
+  static void learn(Block& block, const Eigen::VectorXd& u, double acceptance_probability);
+
+  /// Blocks of every model, with S = the identity; the last block of each is all its coordinates.
   [[nodiscard]] static Scales initial_scales(const ModelSpace& space);
 
   explicit RandomWalk(Scales scales) : scales_(std::move(scales)) {}

@@ -10,11 +10,15 @@
 #include <functional>
 
 #include "inference/moves/birth_death.hpp"
+#include "inference/moves/delayed_rejection.hpp"
 #include "inference/moves/differential_evolution.hpp"
 #include "inference/moves/mirror.hpp"
 #include "inference/moves/mixture_jump.hpp"
+#include "inference/moves/mixture_transport.hpp"
 #include "inference/moves/model_switch.hpp"
 #include "inference/moves/random_walk.hpp"
+#include "inference/moves/slice.hpp"
+#include "inference/moves/split_merge.hpp"
 #include "tests/inference/statistics.hpp"
 #include "tests/inference/toy_problems.hpp"
 
@@ -27,6 +31,11 @@ constexpr int kReplicates = 6000;
 constexpr int kSteps = 7;  // odd: two reflections are none
 
 using MoveFactory = std::function<std::unique_ptr<Move>()>;
+using KernelFactory = std::function<std::unique_ptr<Kernel>()>;
+
+KernelFactory accepted_or_rejected(const MoveFactory& make) {
+  return [make] { return std::make_unique<MetropolisHastings>("under test", make()); };
+}
 
 // A move whose ratio is replaced by 1.
 class ForgetsRatio : public Move {
@@ -71,7 +80,7 @@ struct Sample {
 };
 
 // (model, parameters) of kReplicates joint draws, after `steps` steps of the kernel.
-Sample joint_draws(const std::vector<double>& weights, const MoveFactory& make, int steps,
+Sample joint_draws(const std::vector<double>& weights, const KernelFactory& make, int steps,
                    int stream, double beta) {
   Sample sample{.models = std::vector<double>(weights.size(), 0.0), .values = {}};
   for (int n = 0; n < kReplicates; ++n) {
@@ -89,8 +98,8 @@ Sample joint_draws(const std::vector<double>& weights, const MoveFactory& make, 
     const Problem problem = toy::bump_problem(data, weights);
     Target target(problem, false);
     target.evaluate(state);
-    MetropolisHastings kernel("under test", make());
-    for (int s = 0; s < steps; ++s) kernel.step(state, {target, random, beta, false});
+    const auto kernel = make();
+    for (int s = 0; s < steps; ++s) kernel->step(state, {target, random, beta, false});
     sample.models[static_cast<std::size_t>(state.model)] += 1.0;
     const auto values = functionals(state);
     sample.values.resize(values.size());
@@ -100,8 +109,8 @@ Sample joint_draws(const std::vector<double>& weights, const MoveFactory& make, 
 }
 
 // The smallest p-value over the functionals, times their number (Bonferroni).
-double invariance_p_value(const MoveFactory& make,
-                          const std::vector<double>& weights = {1, 2, 2, 1}, double beta = 1.0) {
+double kernel_p_value(const KernelFactory& make, const std::vector<double>& weights = {1, 2, 2, 1},
+                      double beta = 1.0) {
   const Sample before = joint_draws(weights, make, 0, 1, beta);
   const Sample after = joint_draws(weights, make, kSteps, 2, beta);
   double smallest = same_counts_p_value(before.models, after.models);
@@ -109,6 +118,11 @@ double invariance_p_value(const MoveFactory& make,
     smallest = std::min(smallest, two_sample_p_value(before.values[f], after.values[f]));
   }
   return std::min(1.0, smallest * static_cast<double>(before.values.size() + 1));
+}
+
+double invariance_p_value(const MoveFactory& make,
+                          const std::vector<double>& weights = {1, 2, 2, 1}, double beta = 1.0) {
+  return kernel_p_value(accepted_or_rejected(make), weights, beta);
 }
 
 template <typename Broken>
@@ -225,6 +239,62 @@ TEST(Invariance, MixtureRenewalWithinAModel) {
   const MoveFactory make = [fit] { return std::make_unique<MixtureJump>(fit, false); };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
+}
+
+TEST(Invariance, MixtureTransport) {
+  const auto fit = rough_fit(toy::bump_space({1, 2, 2, 1}));
+  const MoveFactory make = [fit] { return std::make_unique<MixtureTransport>(fit); };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+}
+
+TEST(Invariance, SplitAndMerge) {
+  const MoveFactory make = [] { return std::make_unique<SplitMerge>(0, 0.15); };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+}
+
+TEST(Invariance, Slice) {
+  EXPECT_GT(kernel_p_value([] { return std::make_unique<Slice>(1.0); }), kFalseAlarm);
+  // The control counts half of the log likelihood.
+  class HalfLikelihood : public Slice {
+   public:
+    using Slice::Slice;
+    Outcome step(State& state, const Step& s) override {
+      return Slice::step(state, {s.target, s.random, 0.5 * s.beta, false});
+    }
+  };
+  EXPECT_LT(kernel_p_value([] { return std::make_unique<HalfLikelihood>(1.0); }), kFalseAlarm);
+}
+
+TEST(Invariance, DelayedRejection) {
+  const auto scales = RandomWalk::initial_scales(toy::bump_space({1, 2, 2, 1}));
+  EXPECT_GT(kernel_p_value([&] { return std::make_unique<DelayedRejection>(scales); }),
+            kFalseAlarm);
+  // The control forgets the first stage, as if the second try were a fresh step of its own: it
+  // accepts too little of what lies beyond a rejected point.
+  class Forgets : public Kernel {
+   public:
+    explicit Forgets(RandomWalk::Scales scales)
+        : Kernel("forgets"), walk_(scales), scales_(std::move(scales)) {}
+    Outcome step(State& state, const Step& s) override {
+      State to = state;
+      if (!walk_.propose(state, s, to)) return {};
+      s.target.evaluate(to);
+      const double ratio = log_target_ratio(s.target, s.beta, state, to);
+      if (std::log(s.random.uniform()) < ratio) {
+        state = to;
+      } else if (std::log(s.random.uniform()) < ratio + 1.0) {
+        state = to;  // the rejected point gets a second chance
+      }
+      return {.proposed = true, .accepted = true, .to_model = state.model};
+    }
+
+   private:
+    RandomWalk walk_;
+    RandomWalk::Scales scales_;
+  };
+  EXPECT_LT(kernel_p_value([&] { return std::make_unique<Forgets>(scales); }), kFalseAlarm);
 }
 
 }  // namespace

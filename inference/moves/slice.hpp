@@ -1,0 +1,25 @@
+// Slice sampling along a random direction.
+#pragma once
+
+#include "inference/move.hpp"
+
+namespace wheeltap::inference {
+
+/// Neal (2003, Annals of Statistics 31:705, section 4 and figures 3 and 5): with y uniform below
+/// the target density at z, step out from z along a direction of random length until both ends lie
+/// outside the slice { ln π > y }, then shrink towards z until a point lies inside. The direction
+/// is drawn without regard to the state, so each one is a valid univariate update. Never rejects,
+/// and pays several likelihood calls for it.
+class Slice : public Kernel {
+ public:
+  /// `width` [standard normal coordinates] is the typical first interval; it matters little.
+  explicit Slice(double width) : Kernel("slice"), width_(width) {}
+  Outcome step(State& state, const Step& step) override;
+
+ private:
+  double width_;
+  std::vector<double> direction_;
+  State trial_;
+};
+
+}  // namespace wheeltap::inference
