@@ -133,18 +133,24 @@ Eigen::VectorXd lost_stiffness(const Beam& beam, const Defects& defects) {
   return lost;
 }
 
-int rigid_body_freedom(const Beam& beam, const Defects& defects) {
-  // Rank of the held motions over the rigid motions w = α + β (x/L), θ L = β.
+int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added) {
+  // Rank of the held motions over the rigid motions w = α + β (x/L), θ L = β: a rotation, or
+  // deflections at two places, hold β; a deflection holds α or ties it to β.
   double first_at = -1.0;
   bool deflection = false, second = false;
-  for (const Hold& h : holds(beam, defects)) {
-    if (h.rotation)
+  const auto hold = [&](double at, bool rotation) {
+    if (rotation)
       second = true;
     else if (!deflection)
-      deflection = true, first_at = h.at;
-    else if (std::abs(h.at - first_at) > 1e-9 * beam.length)
+      deflection = true, first_at = at;
+    else if (std::abs(at - first_at) > 1e-9 * beam.length)
       second = true;
+  };
+  for (const Support& s : beam.supports) {
+    if (s.deflection) hold(s.at, false);
+    if (s.rotation) hold(s.at, true);
   }
+  for (const SpringSupport& s : added) hold(s.location, s.rotation);
   return 2 - static_cast<int>(deflection) - static_cast<int>(second);
 }
 

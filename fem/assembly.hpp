@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <span>
 
 #include "fem/beam.hpp"
 #include "fem/defect.hpp"
@@ -26,8 +27,9 @@ template <class Real>
 /// 1 - Π (1 - r) of the damages in each element: what the element lost of its stiffness.
 [[nodiscard]] Eigen::VectorXd lost_stiffness(const Beam& beam, const Defects& defects);
 
-/// How many rigid motions (of two: translation and rotation) the supports leave free.
-[[nodiscard]] int rigid_body_freedom(const Beam& beam, const Defects& defects);
+/// How many rigid motions (of two: translation and rotation) the beam's and these supports leave
+/// free.
+[[nodiscard]] int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added);
 
 /// The reduced problem: every degree of freedom is u = T q, where q are the free ones. A rigid
 /// support N(x) · u = 0 removes one, expressed by its neighbours in the element; so K and M stay

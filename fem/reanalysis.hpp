@@ -45,6 +45,7 @@ class Reanalysis {
 
  private:
   struct Impl;
+  struct Solver;
   std::unique_ptr<const Impl> impl_;
 };
 
