@@ -232,4 +232,22 @@ Design sobol(std::vector<Factor> factors, Eigen::Index n, std::uint64_t seed) {
   return on_box(std::move(factors), std::move(unit));
 }
 
+Design with_corners(Design design) {
+  std::vector<Factor> ends = design.factors;
+  check_factors(ends);
+  if (ends.size() > 20)
+    throw std::invalid_argument("the corners of a box of " + std::to_string(ends.size()) +
+                                " factors; at most 20");
+  for (Factor& factor : ends) factor.levels = {factor.low(), factor.high()};
+  std::set<std::vector<double>> there;
+  for (const auto& row : design.points.rowwise()) there.emplace(row.begin(), row.end());
+  const RowMatrix corners = full_factorial(ends).points;
+  for (const auto& corner : corners.rowwise())
+    if (!there.contains({corner.begin(), corner.end()})) {
+      design.points.conservativeResize(design.points.rows() + 1, Eigen::NoChange);
+      design.points.bottomRows<1>() = corner;
+    }
+  return design;
+}
+
 }  // namespace wheeltap::emulator

@@ -84,4 +84,8 @@ struct Design {
 /// box, uniform in each factor's scale, under a random digital shift drawn from `seed`.
 [[nodiscard]] Design sobol(std::vector<Factor> factors, Eigen::Index n, std::uint64_t seed);
 
+/// The design and then the 2^d corners of its box that it does not have yet: with them, the convex
+/// hull of the runs is the whole box. Throws std::invalid_argument for more than 20 factors.
+[[nodiscard]] Design with_corners(Design design);
+
 }  // namespace wheeltap::emulator

@@ -129,6 +129,17 @@ TEST(Design, SobolFillsEveryBinaryBoxEqually) {
   EXPECT_NE(design.points, sobol(square, 256, 4).points);
 }
 
+TEST(Design, CornersAreAddedOnce) {
+  const Factors box = {{"a", "", {0, 1, 3}}, {"b", "", {-1, 1}}};
+  Design design = latin_hypercube(box, 5, 1);
+  EXPECT_EQ(with_corners(design).runs(), 9);
+  design.points.row(2) << 3, -1;
+  const Design more = with_corners(design);
+  EXPECT_EQ(more.runs(), 8);
+  EXPECT_EQ(more.points.topRows(5), design.points);
+  EXPECT_EQ(with_corners(more).points, more.points);
+}
+
 TEST(Design, EmptyScatteredDesignsAreRefused) {
   const Factors box = {{"a", "", {0, 1}}};
   EXPECT_THROW((void)random_design(box, 0, 1), std::invalid_argument);

@@ -1,0 +1,66 @@
+// Linear interpolation between scattered runs. Built where CGAL is (CMake option
+// WHEELTAP_WITH_CGAL): CGAL's triangulations in any dimension are licensed GPL-3 or later, so a
+// program that links wheeltap::emulator_delaunay is distributed under those terms.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "emulator/design.hpp"
+
+namespace wheeltap::emulator {
+
+/// Continuous and linear on every simplex of the Delaunay triangulation of the runs (in the
+/// factors' scale coordinates, each range mapped to [0, 1]): in the simplex with vertices v_0 … v_d
+/// that holds x,  f(x) = Σ λ_i f(v_i),  Σ λ_i v_i = x,  Σ λ_i = 1,  λ_i >= 0.  Exact at the runs;
+/// reproduces functions linear in the scale coordinates; the error falls as the square of the
+/// distance between runs. CGAL triangulates (with exact predicates); a lookup then walks from a
+/// simplex near x towards it (Devillers, Pion & Teillaud 2002, Walking in a triangulation), in
+/// plain arithmetic and without allocating. Evaluations may run in several threads at once.
+class DelaunayInterpolant {
+ public:
+  /// The number of simplices grows steeply with the dimension.
+  static constexpr std::size_t kMostFactors = 5;
+
+  /// `points`: runs × factors, `values`: runs × responses. Throws std::invalid_argument for bad
+  /// factors or more than kMostFactors, shapes that disagree, points outside the factors' ranges,
+  /// the same point twice, values not finite, points that all lie in a hyperplane (fewer than d + 1
+  /// among them), and full-factorial grids in two or more factors, whose cospherical cells make the
+  /// triangulation arbitrary: use MultilinearInterpolant there.
+  DelaunayInterpolant(std::vector<Factor> factors, const RowMatrix& points, RowMatrix values);
+
+  /// All responses at x. Throws std::out_of_range naming the point where it lies outside the convex
+  /// hull of the runs (or is NaN), std::invalid_argument for wrong sizes.
+  void evaluate(std::span<const double> x, std::span<double> out) const;
+
+  /// True inside the convex hull of the runs.
+  [[nodiscard]] bool contains(std::span<const double> x) const;
+  /// True where the hull is the factors' whole box, as with designs from `with_corners`. (Along the
+  /// box's sides such a design has long thin simplices from corner to corner, and larger errors.)
+  [[nodiscard]] bool covers_box() const;
+  [[nodiscard]] std::size_t simplices() const { return simplices_.size() / (dimension() + 1); }
+  [[nodiscard]] const std::vector<Factor>& factors() const { return factors_; }
+  [[nodiscard]] Eigen::Index responses() const { return values_.cols(); }
+
+ private:
+  using Coordinates = double[kMostFactors];
+  using Weights = double[kMostFactors + 1];
+
+  [[nodiscard]] std::size_t dimension() const { return factors_.size(); }
+  void to_unit(std::span<const double> x, Coordinates& u) const;
+  void weights(std::size_t simplex, const Coordinates& u, Weights& lambda) const;
+  bool locate(const Coordinates& u, std::size_t& simplex, Weights& lambda) const;
+  [[nodiscard]] std::size_t hint(const Coordinates& u) const;
+
+  std::vector<Factor> factors_;
+  std::vector<double> low_, range_;  // of the scale coordinates
+  RowMatrix unit_points_;
+  RowMatrix values_;
+  std::vector<std::int32_t> simplices_;   // d + 1 runs each
+  std::vector<std::int32_t> neighbours_;  // the simplex opposite each of them; -1 beyond the hull
+  std::vector<double> inverses_;          // d × d each: [v_1 - v_0, …, v_d - v_0]⁻¹
+  std::size_t cells_a_side_ = 1;
+  std::vector<std::int32_t> hints_;  // a simplex near each cell's centre
+};
+
+}  // namespace wheeltap::emulator
