@@ -1,0 +1,46 @@
+// What residuals say: Gaussian and autoregressive likelihoods, and whether they are white.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace wheeltap::dynamics {
+
+/// ln ∏ N(r_n | 0, σ²) from S = Σ r_n²: -N/2 ln(2π σ²) - S / (2σ²). -∞ for S = ∞ or σ <= 0.
+[[nodiscard]] double gaussian_log_likelihood(double sum_of_squares, int samples, double sigma);
+
+/// AR(p) coefficients φ of r_n = Σ φ_j r_{n-j} + ε_n from partial autocorrelations in (-1, 1),
+/// which map one to one onto the stationary processes (Barndorff-Nielsen & Schou 1973;
+/// Durbin-Levinson recursion). Throws std::invalid_argument for a value outside.
+[[nodiscard]] std::vector<double> ar_coefficients(std::span<const double> partial_autocorrelations);
+
+/// Exact log-likelihood of residuals under a stationary Gaussian AR(p) process with the marginal
+/// standard deviation `sigma`, so that sigma means the same with and without correlation. By
+/// innovations: r_n given the past is normal about the Durbin-Levinson predictor of order m =
+/// min(n, p), with variance σ² ∏_{j<=m} (1 - π_j²). Costs N p multiplications, and p = 0 is the
+/// white case. -∞ for sigma <= 0 or a partial autocorrelation outside (-1, 1).
+[[nodiscard]] double ar_log_likelihood(std::span<const double> residuals,
+                                       std::span<const double> partial_autocorrelations,
+                                       double sigma);
+
+/// ρ_1 … ρ_lags of x about its mean, ρ_k = Σ (x_n - x̄)(x_{n+k} - x̄) / Σ (x_n - x̄)². Throws
+/// std::invalid_argument unless 1 <= lags < x.size().
+[[nodiscard]] std::vector<double> autocorrelation(std::span<const double> x, int lags);
+
+/// Sample partial autocorrelations π_1 … π_lags (Yule-Walker by Durbin-Levinson): starting values
+/// for an AR model of the residuals.
+[[nodiscard]] std::vector<double> partial_autocorrelation(std::span<const double> x, int lags);
+
+/// Ljung & Box (1978): Q = N (N + 2) Σ ρ_k² / (N - k), χ² with lags - fitted degrees of freedom if
+/// the residuals are white.
+struct Whiteness {
+  double statistic = 0.0;
+  int degrees_of_freedom = 0;
+  double p_value = 1.0;
+};
+
+/// `fitted` is the number of AR coefficients that were fitted to these residuals. Throws
+/// std::invalid_argument unless fitted < lags < x.size().
+[[nodiscard]] Whiteness ljung_box(std::span<const double> residuals, int lags, int fitted = 0);
+
+}  // namespace wheeltap::dynamics

@@ -1,0 +1,126 @@
+#include "dynamics/residuals.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+namespace {
+
+using namespace wheeltap::dynamics;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Autocorrelations of a stationary AR process with coefficients φ: extended from the Yule-Walker
+/// equations by ρ_k = Σ φ_j ρ_{k-j}.
+Eigen::VectorXd theoretical(const std::vector<double>& phi, int lags) {
+  const auto p = static_cast<Eigen::Index>(phi.size());
+  Eigen::MatrixXd a = Eigen::MatrixXd::Identity(p, p);
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(p);
+  for (Eigen::Index k = 1; k <= p; ++k)
+    for (Eigen::Index j = 1; j <= p; ++j) {
+      const double value = phi[static_cast<std::size_t>(j - 1)];
+      const Eigen::Index lag = std::abs(k - j);
+      if (lag == 0)
+        b(k - 1) += value;
+      else
+        a(k - 1, lag - 1) -= value;
+    }
+  Eigen::VectorXd rho(lags + 1);
+  rho(0) = 1.0;
+  rho.segment(1, p) = a.partialPivLu().solve(b);
+  for (Eigen::Index k = p + 1; k <= lags; ++k) {
+    rho(k) = 0.0;
+    for (Eigen::Index j = 1; j <= p; ++j)
+      rho(k) += phi[static_cast<std::size_t>(j - 1)] * rho(k - j);
+  }
+  return rho;
+}
+
+TEST(AutoregressiveLikelihood, IsTheMultivariateNormal) {
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> normal;
+  const int n = 40;
+  for (const std::vector<double>& partial :
+       {std::vector<double>{0.7}, {0.8, -0.5}, {-0.3, 0.4, 0.9, -0.2}}) {
+    std::vector<double> r(n);
+    for (double& value : r) value = normal(generator);
+    const Eigen::VectorXd rho = theoretical(ar_coefficients(partial), n);
+    Eigen::MatrixXd covariance(n, n);
+    const double sigma = 1.7;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) covariance(i, j) = sigma * sigma * rho(std::abs(i - j));
+    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+    const Eigen::Map<const Eigen::VectorXd> x(r.data(), n);
+    const double expected = -0.5 * n * std::log(2.0 * std::numbers::pi) -
+                            factor.matrixL().toDenseMatrix().diagonal().array().log().sum() -
+                            0.5 * x.dot(factor.solve(x));
+    EXPECT_NEAR(ar_log_likelihood(r, partial, sigma), expected, 1e-9 * std::abs(expected));
+  }
+}
+
+TEST(AutoregressiveLikelihood, OfOrderZeroIsWhite) {
+  const std::vector<double> r{0.3, -0.2, 0.5};
+  EXPECT_NEAR(ar_log_likelihood(r, {}, 0.4), gaussian_log_likelihood(0.38, 3, 0.4), 1e-14);
+  EXPECT_EQ(gaussian_log_likelihood(kInfinity, 3, 0.4), -kInfinity);
+  EXPECT_EQ(gaussian_log_likelihood(1.0, 3, 0.0), -kInfinity);
+  EXPECT_EQ(ar_log_likelihood(r, std::vector<double>{1.0}, 0.4), -kInfinity);
+  EXPECT_EQ(ar_log_likelihood(r, {}, -1.0), -kInfinity);
+}
+
+// AR(2): φ₂ = π₂, φ₁ = π₁ (1 - π₂).
+TEST(AutoregressiveCoefficients, OfSecondOrder) {
+  const std::vector<double> phi = ar_coefficients(std::vector<double>{0.6, -0.4});
+  EXPECT_NEAR(phi[0], 0.6 * 1.4, 1e-15);
+  EXPECT_NEAR(phi[1], -0.4, 1e-15);
+  EXPECT_THROW((void)ar_coefficients(std::vector<double>{1.0}), std::invalid_argument);
+}
+
+// Standard errors 1/√N of sample partial autocorrelations: five of them.
+TEST(PartialAutocorrelation, RecoversTheProcess) {
+  std::mt19937_64 generator(6);
+  std::normal_distribution<double> normal;
+  const std::vector<double> phi = ar_coefficients(std::vector<double>{0.6, -0.4});
+  std::vector<double> x(20000, 0.0);
+  for (std::size_t n = 2; n < x.size(); ++n)
+    x[n] = phi[0] * x[n - 1] + phi[1] * x[n - 2] + normal(generator);
+  const std::vector<double> partial = partial_autocorrelation(x, 4);
+  const double tolerance = 5.0 / std::sqrt(20000.0);
+  EXPECT_NEAR(partial[0], 0.6, tolerance);
+  EXPECT_NEAR(partial[1], -0.4, tolerance);
+  EXPECT_NEAR(partial[2], 0.0, tolerance);
+  EXPECT_NEAR(partial[3], 0.0, tolerance);
+  EXPECT_LT(ljung_box(x, 20).p_value, 1e-10);
+}
+
+// Under whiteness the p-values are uniform: Kolmogorov's distance of 400 of them, false alarm 1e-4.
+TEST(LjungBox, IsUniformOnWhiteNoise) {
+  std::mt19937_64 generator(7);
+  std::normal_distribution<double> normal;
+  std::vector<double> p;
+  for (int run = 0; run < 400; ++run) {
+    std::vector<double> x(500);
+    for (double& value : x) value = normal(generator);
+    p.push_back(ljung_box(x, 10).p_value);
+  }
+  std::sort(p.begin(), p.end());
+  double distance = 0.0;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    distance = std::max(distance, std::abs(p[i] - (static_cast<double>(i) + 0.5) / 400.0));
+  EXPECT_LT(distance, std::sqrt(-0.5 * std::log(0.5e-4) / 400.0));
+}
+
+TEST(LjungBox, RefusesMisuse) {
+  const std::vector<double> x(10, 1.0);
+  EXPECT_THROW((void)ljung_box(x, 10), std::invalid_argument);
+  EXPECT_THROW((void)ljung_box(x, 2, 2), std::invalid_argument);
+  EXPECT_EQ(autocorrelation(x, 3), std::vector<double>(3, 0.0));
+}
+
+}  // namespace
