@@ -1,0 +1,402 @@
+#include "apps/case_file.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <sstream>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validation_results.hpp>
+#include <valijson/validator.hpp>
+
+#include "apps/schema_texts.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+std::string shortened(const Json& value) {
+  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw Failure(Exit::no_input, path.string() + ": cannot be read: is a directory");
+  }
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) {
+    throw Failure(Exit::no_input, path.string() + ": cannot be read: " + std::strerror(errno));
+  }
+  return text.str();
+}
+
+// The parser's byte count as line and column, both from 1.
+std::pair<std::size_t, std::size_t> line_and_column(const std::string& text, std::size_t byte) {
+  const std::size_t at = std::min(byte > 0 ? byte - 1 : 0, text.size());
+  const std::string_view before = std::string_view(text).substr(0, at);
+  const auto line = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
+  const std::size_t newline = before.rfind('\n');
+  return {line, newline == std::string_view::npos ? at + 1 : at - newline};
+}
+
+Json parse_text(const std::filesystem::path& path, const std::string& text) {
+  // JSON readers keep the last of two equal keys in silence; a case's author should know.
+  std::vector<std::vector<std::string>> open;
+  const auto no_duplicates = [&](int, Json::parse_event_t event, Json& parsed) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key) {
+      const auto key = parsed.get<std::string>();
+      if (std::ranges::find(open.back(), key) != open.back().end()) {
+        throw Failure(Exit::bad_input,
+                      path.string() + ": the key \"" + key + "\" stands twice in one object");
+      }
+      open.back().push_back(key);
+    }
+    return true;
+  };
+  try {
+    return Json::parse(text, no_duplicates);
+  } catch (const Json::parse_error& error) {
+    const auto [line, column] = line_and_column(text, error.byte);
+    std::string what = error.what();
+    if (const auto at = what.find(": ", what.find("column")); at != std::string::npos) {
+      what = what.substr(at + 2);
+    }
+    std::ranges::replace(what, '\n', ' ');
+    throw Failure(Exit::bad_input, path.string() + ":" + std::to_string(line) + ":" +
+                                       std::to_string(column) + ": not JSON: " + what +
+                                       (text.find("NaN") != std::string::npos
+                                            ? " (JSON has no NaN; null is a mode not measured)"
+                                            : ""));
+  } catch (const Json::out_of_range& error) {
+    throw Failure(Exit::bad_input,
+                  path.string() + ": a number is too large for double precision: " + error.what());
+  }
+}
+
+void apply_override(const std::filesystem::path& path, Json& json, const std::string& override) {
+  const auto fail = [&](const std::string& why) {
+    throw Failure(Exit::usage, "--set " + override + ": " + why);
+  };
+  const auto equals = override.find('=');
+  if (equals == std::string::npos || equals == 0) fail("must read path.to.key=VALUE");
+  const std::string value_text = override.substr(equals + 1);
+  Json value = Json::parse(value_text, nullptr, false);
+  if (value.is_discarded()) value = value_text;
+
+  Json* at = &json;
+  std::istringstream keys(override.substr(0, equals));
+  for (std::string key; std::getline(keys, key, '.');) {
+    if (key.empty()) fail("an empty key");
+    if (at->is_array()) {
+      std::size_t index = at->size() + 1;
+      if (std::ranges::all_of(key, [](char c) { return c >= '0' && c <= '9'; }) && key.size() < 9) {
+        index = std::stoul(key);
+      }
+      if (index > at->size()) {
+        fail("\"" + key + "\" is not an element of a list of " + std::to_string(at->size()) +
+             " in " + path.string());
+      }
+      if (index == at->size()) at->push_back(nullptr);
+      at = &(*at)[index];
+    } else {
+      if (!at->is_object()) *at = Json::object();
+      at = &(*at)[key];
+    }
+  }
+  *at = std::move(value);
+}
+
+// ---- why a value does not satisfy a schema, in an engineer's words
+// --------------------------------
+
+struct Complaint {
+  Pointer where;
+  std::string message;
+};
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+std::string unknown_key(const std::string& key, const Json& properties) {
+  std::string nearest, list;
+  std::size_t best = key.size() / 3 + 2;
+  for (const auto& [name, ignored] : properties.items()) {
+    const std::size_t distance = edit_distance(key, name);
+    if (distance < best) best = distance, nearest = name;
+    list += (list.empty() ? "" : ", ") + name;
+  }
+  return "unknown key" + (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") +
+         " (allowed here: " + list + ")";
+}
+
+bool has_type(const Json& value, const std::string& type) {
+  if (type == "number") return value.is_number();
+  if (type == "integer") {
+    return value.is_number_integer() ||
+           (value.is_number_float() && std::trunc(value.get<double>()) == value.get<double>());
+  }
+  if (type == "string") return value.is_string();
+  if (type == "boolean") return value.is_boolean();
+  if (type == "array") return value.is_array();
+  if (type == "object") return value.is_object();
+  return value.is_null();
+}
+
+const Json& resolved(const Json& root, const Json& rule) {
+  if (!rule.contains("$ref")) return rule;
+  return resolved(root, root.at(Pointer(rule["$ref"].get<std::string>().substr(1))));
+}
+
+bool type_matches(const Json& rule, const Json& value) {
+  if (!rule.contains("type")) return true;
+  if (rule["type"].is_string()) return has_type(value, rule["type"]);
+  return std::ranges::any_of(rule["type"], [&](const Json& t) { return has_type(value, t); });
+}
+
+std::string joined(const Json& list) {
+  std::string text;
+  for (const Json& item : list) text += (text.empty() ? "" : ", ") + item.dump();
+  return text;
+}
+
+std::string article(const std::string& type) {
+  if (type == "array") return "a list";
+  return (std::string("aeio").find(type[0]) != std::string::npos ? "an " : "a ") + type;
+}
+
+// What would be right: the schema's own words where it has any.
+std::string wanted(const Json& rule) {
+  if (rule.contains("description")) return rule["description"];
+  if (rule.contains("enum")) {
+    return (rule["enum"].size() > 1 ? "one of " : "") + joined(rule["enum"]);
+  }
+  if (!rule.contains("type")) return "something else";
+  if (rule["type"].is_string()) return article(rule["type"]);
+  std::string text;
+  for (const Json& t : rule["type"]) text += (text.empty() ? "" : " or ") + article(t);
+  return text;
+}
+
+std::string number(const Json& bound) {
+  return bound.dump();
+}
+
+std::optional<Complaint> explain(const Json& root, const Json& reference, const Json& value,
+                                 const Pointer& where) {
+  const Json& rule = resolved(root, reference);
+  const auto complain = [&](const std::string& message) { return Complaint{where, message}; };
+
+  if (rule.contains("anyOf")) {
+    std::vector<const Json*> fitting;
+    for (const Json& alternative : rule["anyOf"]) {
+      const Json& candidate = resolved(root, alternative);
+      if (!explain(root, candidate, value, where)) return {};
+      if (type_matches(candidate, value) && (value.is_object() || value.is_array() ||
+                                             (value.is_number() && candidate.contains("type")))) {
+        fitting.push_back(&candidate);
+      }
+    }
+    if (fitting.size() == 1) return explain(root, *fitting[0], value, where);
+    return complain("must be " + wanted(rule));
+  }
+  if (!type_matches(rule, value)) return complain("must be " + wanted(rule));
+  if (rule.contains("enum") && std::ranges::find(rule["enum"], value) == rule["enum"].end()) {
+    return complain("must be " + (rule["enum"].size() > 1 ? "one of " + joined(rule["enum"])
+                                                          : joined(rule["enum"])));
+  }
+  if (value.is_number()) {
+    const double x = value;
+    const std::string unit =
+        rule.contains("description") ? " (" + rule["description"].get<std::string>() + ")" : "";
+    if (rule.contains("minimum") && !(x >= rule["minimum"].get<double>())) {
+      return complain("must be >= " + number(rule["minimum"]) + unit);
+    }
+    if (rule.contains("exclusiveMinimum") && !(x > rule["exclusiveMinimum"].get<double>())) {
+      return complain("must be > " + number(rule["exclusiveMinimum"]) + unit);
+    }
+    if (rule.contains("maximum") && !(x <= rule["maximum"].get<double>())) {
+      return complain("must be <= " + number(rule["maximum"]) + unit);
+    }
+    if (rule.contains("exclusiveMaximum") && !(x < rule["exclusiveMaximum"].get<double>())) {
+      return complain("must be < " + number(rule["exclusiveMaximum"]) + unit);
+    }
+  }
+  if (value.is_string() && rule.contains("minLength") &&
+      value.get<std::string>().size() < rule["minLength"].get<std::size_t>()) {
+    return complain("must not be empty");
+  }
+  if (value.is_array()) {
+    const std::string many = " elements, has " + std::to_string(value.size());
+    if (rule.contains("minItems") && value.size() < rule["minItems"].get<std::size_t>()) {
+      return complain("must have at least " + number(rule["minItems"]) + many);
+    }
+    if (rule.contains("maxItems") && value.size() > rule["maxItems"].get<std::size_t>()) {
+      return complain("must have at most " + number(rule["maxItems"]) + many);
+    }
+    if (rule.contains("items")) {
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        if (auto c = explain(root, rule["items"], value[i], where / i)) return c;
+      }
+    }
+  }
+  if (value.is_object()) {
+    const Json properties = rule.value("properties", Json::object());
+    if (rule.value("additionalProperties", true) == false) {
+      for (const auto& [key, ignored] : value.items()) {
+        if (!properties.contains(key)) return Complaint{where / key, unknown_key(key, properties)};
+      }
+    }
+    for (const Json& key : rule.value("required", Json::array())) {
+      if (!value.contains(key.get<std::string>())) {
+        const Json& missing = resolved(root, properties.at(key.get<std::string>()));
+        return Complaint{where / key.get<std::string>(), "is missing: must be " + wanted(missing)};
+      }
+    }
+    if (rule.contains("minProperties") && value.size() < rule["minProperties"].get<std::size_t>()) {
+      return complain("must be " + wanted(rule));
+    }
+    for (const auto& [key, item] : value.items()) {
+      if (properties.contains(key)) {
+        if (auto c = explain(root, properties[key], item, where / key)) return c;
+      }
+    }
+  }
+  return {};
+}
+
+std::string place(const Pointer& where) {
+  const std::string text = where.to_string();
+  return text.empty() ? "/" : text;
+}
+
+}  // namespace
+
+void CaseFile::refuse(const Pointer& where, const std::string& message) const {
+  std::string line = path.string() + ": " + place(where) + ": ";
+  if (json.contains(where) && !json.at(where).is_object()) line += shortened(json.at(where)) + ": ";
+  throw Failure(Exit::bad_input, line + message);
+}
+
+std::filesystem::path CaseFile::resolve(const std::string& name) const {
+  return path.parent_path() / name;
+}
+
+CaseFile read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+  CaseFile file{.path = path, .json = parse_text(path, read_text(path))};
+  if (!file.json.is_object()) {
+    throw Failure(Exit::bad_input, path.string() + ": /: must be an object, is a " +
+                                       std::string(file.json.type_name()));
+  }
+  for (const std::string& override : overrides) apply_override(path, file.json, override);
+  return file;
+}
+
+std::vector<std::string> schema_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, text] : kSchemaTexts) {
+    if (name != "common") names.emplace_back(name);
+  }
+  return names;
+}
+
+Json schema(std::string_view name) {
+  const auto find = [](std::string_view wanted) -> std::optional<Json> {
+    for (const auto& [n, text] : kSchemaTexts) {
+      if (n == wanted) return Json::parse(text);
+    }
+    return {};
+  };
+  auto found = name == "common" ? std::nullopt : find(name);
+  if (!found) {
+    std::string list;
+    for (const auto& n : schema_names()) list += (list.empty() ? "" : ", ") + n;
+    throw Failure(Exit::usage,
+                  "no schema of the name \"" + std::string(name) + "\"; there are: " + list);
+  }
+  (*found)["definitions"].update(find("common")->at("definitions"));
+  return *found;
+}
+
+void validate_against_schema(const CaseFile& file, std::string_view schema_name) {
+  const Json rules = schema(schema_name);
+  valijson::Schema compiled;
+  valijson::SchemaParser parser;
+  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(rules), compiled);
+  valijson::Validator validator;
+  valijson::ValidationResults results;
+  if (validator.validate(compiled, valijson::adapters::NlohmannJsonAdapter(file.json), &results)) {
+    return;
+  }
+  if (const auto complaint = explain(rules, rules, file.json, Pointer())) {
+    file.refuse(complaint->where, complaint->message);
+  }
+  valijson::ValidationResults::Error error;
+  results.popError(error);
+  std::string context;
+  for (const std::string& part : error.context) context += part;
+  throw Failure(Exit::bad_input, file.path.string() + ": " + context + ": " + error.description);
+}
+
+inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
+  const Json& prior = file.json.at(where);
+  std::string family;
+  for (const auto& [key, ignored] : prior.items()) {
+    if (key == "on") continue;
+    if (!family.empty()) {
+      file.refuse(where,
+                  "a prior has one family, here are both \"" + family + "\" and \"" + key + "\"");
+    }
+    family = key;
+  }
+  if (prior.contains("on") && family != "beta") {
+    file.refuse(where / "on", "goes with \"beta\" only");
+  }
+  const auto arguments = [&](std::size_t n) {
+    const Json& list = prior.at(family);
+    if (list.is_number() && n == 1) return std::vector<double>{list.get<double>()};
+    return list.get<std::vector<double>>();
+  };
+  try {
+    using namespace inference;
+    if (family == "half_normal") return Prior(HalfNormal{arguments(1)[0]});
+    if (family == "truncated_normal") {
+      const auto a = arguments(4);
+      return Prior(TruncatedNormal{a[0], a[1], a[2], a[3]});
+    }
+    const auto a = arguments(2);
+    if (family == "uniform") return Prior(Uniform{a[0], a[1]});
+    if (family == "log_uniform") return Prior(LogUniform{a[0], a[1]});
+    if (family == "normal") return Prior(Normal{a[0], a[1]});
+    if (family == "log_normal") return Prior(LogNormal{a[0], a[1]});
+    if (family == "gamma") return Prior(Gamma{a[0], a[1]});
+    const auto on = prior.value("on", std::vector<double>{0.0, 1.0});
+    return Prior(Beta{a[0], a[1], on[0], on[1]});
+  } catch (const std::invalid_argument& error) {
+    file.refuse(where / family, error.what());
+  }
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,50 @@
+// Case files: JSON text, overridden by --set, held against a JSON Schema before anything runs.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/failure.hpp"
+#include "inference/prior.hpp"
+
+namespace wheeltap::apps {
+
+using Json = nlohmann::json;
+/// A place in a case, e.g. /beam/material/poisson.
+using Pointer = Json::json_pointer;
+
+/// A case as read, with what is needed to complain about it.
+struct CaseFile {
+  std::filesystem::path path;
+  Json json;
+
+  /// Throws Failure (65): "FILE: /pointer: VALUE: message", the value being what stands there.
+  [[noreturn]] void refuse(const Pointer& where, const std::string& message) const;
+
+  /// A file that the case names, relative to the case's own folder.
+  [[nodiscard]] std::filesystem::path resolve(const std::string& name) const;
+};
+
+/// Reads FILE and applies `overrides`, each "path.to.key=VALUE" (array elements by 0-based number;
+/// VALUE is JSON, or else taken as text). Throws Failure: 66 for a file that cannot be read, 65
+/// with line and column for text that is not JSON, 64 for an override that leads nowhere.
+[[nodiscard]] CaseFile read_case(const std::filesystem::path& path,
+                                 const std::vector<std::string>& overrides = {});
+
+/// Kinds of case that have a schema.
+[[nodiscard]] std::vector<std::string> schema_names();
+/// The JSON Schema (draft 7) of a kind of case, its shared definitions included. Throws Failure
+/// (64) for another name.
+[[nodiscard]] Json schema(std::string_view name);
+
+/// Holds the case against its schema. Throws Failure (65) with the first complaint, worded for the
+/// case's author.
+void validate_against_schema(const CaseFile& file, std::string_view schema_name);
+
+/// The prior written at `where`. Throws Failure (65) where it is improper.
+[[nodiscard]] inference::Prior parse_prior(const CaseFile& file, const Pointer& where);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,530 @@
+#include "apps/damage_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "apps/csv_frequencies.hpp"
+#include "fem/modal_analysis.hpp"
+#include "fem/section.hpp"
+#include "inference/random.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string number(double x) {
+  return Json(x).dump();
+}
+
+Pointer at(const char* text) {
+  return Pointer(text);
+}
+
+fem::Section parse_section(const CaseFile& file, double poisson) {
+  const Pointer where = at("/beam/section");
+  const Json& s = file.json.at(where);
+  static const std::vector<std::pair<std::string, std::vector<std::string>>> shapes = {
+      {"rectangle", {"width", "height"}},
+      {"circle", {"diameter"}},
+      {"tube", {"outer_diameter", "thickness"}},
+      {"i", {"height", "width", "flange_thickness", "web_thickness"}},
+      {"box", {"height", "width", "flange_thickness", "web_thickness"}},
+      {"", {"area", "second_moment", "shear_coefficient"}}};
+  const auto shape = s.value("shape", std::string());
+  const auto& sizes =
+      std::ranges::find(shapes, shape, &std::pair<std::string, std::vector<std::string>>::first)
+          ->second;
+  std::string list;
+  for (const auto& size : sizes) list += (list.empty() ? "" : ", ") + size;
+  const std::string what =
+      shape.empty() ? "a section without a shape" : "a \"" + shape + "\" section";
+  for (const auto& size : sizes) {
+    if (!s.contains(size)) file.refuse(where / size, "is missing: " + what + " has " + list);
+  }
+  for (const auto& [key, ignored] : s.items()) {
+    if (key != "shape" && key != "shear_coefficient" &&
+        std::ranges::find(sizes, key) == sizes.end()) {
+      file.refuse(where / key, what + " has no such size; it has " + list);
+    }
+  }
+  const auto size = [&](const char* key) { return s.at(key).get<double>(); };
+  try {
+    fem::Section section{};
+    if (shape == "rectangle") {
+      section = fem::section(fem::Rectangle{size("width"), size("height")}, poisson);
+    } else if (shape == "circle") {
+      section = fem::section(fem::Circle{size("diameter")}, poisson);
+    } else if (shape == "tube") {
+      section = fem::section(fem::Tube{size("outer_diameter"), size("thickness")}, poisson);
+    } else if (shape == "i") {
+      section = fem::section(fem::ISection{size("height"), size("width"), size("flange_thickness"),
+                                           size("web_thickness")},
+                             poisson);
+    } else if (shape == "box") {
+      section = fem::section(
+          fem::Box{size("height"), size("width"), size("flange_thickness"), size("web_thickness")},
+          poisson);
+    } else {
+      section = {size("area"), size("second_moment"), size("shear_coefficient")};
+    }
+    if (s.contains("shear_coefficient")) section.shear_coefficient = size("shear_coefficient");
+    return section;
+  } catch (const std::invalid_argument& error) {
+    file.refuse(where, error.what());
+  }
+}
+
+std::vector<fem::Support> parse_supports(const CaseFile& file, double length) {
+  const Pointer where = at("/beam/supports");
+  const Json& supports = file.json.at(where);
+  if (supports.is_string()) return fem::named_supports(supports.get<std::string>(), length);
+  std::vector<fem::Support> list;
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    const Json& s = supports[i];
+    fem::Support support{.at = s.at("at"), .deflection = false, .rotation = false, .stiffness = {}};
+    if (support.at > length) {
+      file.refuse(where / i / "at",
+                  "lies outside the beam, which is " + number(length) + " m long");
+    }
+    for (const auto& motion : s.at("fix")) {
+      (motion == "deflection" ? support.deflection : support.rotation) = true;
+    }
+    if (s.contains("stiffness") && s["stiffness"].is_number()) support.stiffness = s["stiffness"];
+    list.push_back(support);
+  }
+  return list;
+}
+
+fem::Beam parse_beam(const CaseFile& file) {
+  const Json& b = file.json.at("beam");
+  const Json& m = b.at("material");
+  const double length = b.at("length");
+  const fem::Material material{m.at("young"), m.at("poisson"), m.at("density")};
+  fem::Beam beam{.length = length,
+                 .elements = b.at("elements").get<int>(),
+                 .supports = parse_supports(file, length),
+                 .material = material,
+                 .section = parse_section(file, material.poisson)};
+  try {
+    fem::validate(beam);
+  } catch (const std::invalid_argument& error) {
+    file.refuse(at("/beam"), error.what());
+  }
+  return beam;
+}
+
+int free_degrees_of_freedom(const fem::Beam& beam) {
+  int n = 2 * beam.nodes();
+  for (const fem::Support& s : beam.supports) {
+    if (!s.stiffness) n -= (s.deflection ? 1 : 0) + (s.rotation ? 1 : 0);
+  }
+  return n;
+}
+
+// A prior of something that must lie in [lower, upper]; `allowed` says so in words.
+inference::Prior bounded_prior(const CaseFile& file, const Pointer& where, double lower,
+                               double upper, const std::string& allowed) {
+  const inference::Prior prior = parse_prior(file, where);
+  if (!(prior.lower() >= lower && prior.upper() <= upper)) {
+    file.refuse(where, "reaches from " + number(prior.lower()) + " to " + number(prior.upper()) +
+                           ", but " + allowed);
+  }
+  return prior;
+}
+
+std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where, int min,
+                                      int max) {
+  const auto n = static_cast<std::size_t>(max - min + 1);
+  std::vector<double> weights(n, 1.0);
+  const Json& count = file.json.at(where);
+  if (count.contains("prior") && count["prior"].is_object()) {
+    const double mean = count["prior"]["poisson"];
+    for (std::size_t i = 0; i < n; ++i) {
+      const double k = min + static_cast<double>(i);
+      weights[i] = std::exp(k * std::log(mean) - std::lgamma(k + 1.0) - mean);
+    }
+  } else if (count.contains("prior") && count["prior"].is_array()) {
+    weights = count["prior"].get<std::vector<double>>();
+    if (weights.size() != n) {
+      file.refuse(where / "prior", "must have " + std::to_string(n) + " weights, for " +
+                                       std::to_string(min) + " to " + std::to_string(max));
+    }
+  }
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (!(sum > 0.0 && std::isfinite(sum))) {
+    file.refuse(where / "prior", "at least one weight must be > 0");
+  }
+  for (double& w : weights) w /= sum;
+  return weights;
+}
+
+double true_stiffness(const Json& defect) {
+  const Json& s = defect.at("stiffness");
+  return s.is_number() ? s.get<double>() : kInfinity;
+}
+
+void parse_truth(const CaseFile& file, const Pointer& block, double length, DefectKind& kind,
+                 DamageCase& out) {
+  const Json& b = file.json.at(block);
+  if (!b.contains("truth")) return;
+  const Json& t = b["truth"];
+  const Json& list = t.is_array() ? t : t.at("defects");
+  const Pointer where = t.is_array() ? block / "truth" : block / "truth" / "defects";
+  const Json& data = file.json.at("data");
+  Simulation simulation = out.simulation.value_or(Simulation{});
+  if (data.contains("cov") && data["cov"].is_number()) simulation.cov = data["cov"];
+  simulation.modes = data.value("modes", simulation.modes);
+  simulation.seed = data.value("seed", simulation.seed);
+  if (t.is_object()) {
+    simulation.modes = t.value("modes", simulation.modes);
+    simulation.cov = t.value("cov", simulation.cov);
+    simulation.seed = t.value("seed", simulation.seed);
+  }
+  out.simulation = simulation;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Json& d = list[i];
+    const std::string severity = kind.severity_name();
+    const std::string other = severity == "reduction" ? "stiffness" : "reduction";
+    if (d.contains(other)) {
+      file.refuse(where / i / other, "a " + kind.name + " has a " + severity + ", not a " + other);
+    }
+    if (severity == "reduction" && !d.contains("reduction")) {
+      file.refuse(where / i / "reduction", "is missing: must be a number in [0, 1)");
+    }
+    DefectKind::True truth{.location = d.at("location"), .severity = kInfinity};
+    if (truth.location > length) {
+      file.refuse(where / i / "location",
+                  "lies outside the beam, which is " + number(length) + " m long");
+    }
+    if (severity == "reduction") truth.severity = d["reduction"];
+    if (d.contains("stiffness")) truth.severity = true_stiffness(d);
+    kind.truth.push_back(truth);
+  }
+  std::ranges::sort(kind.truth, {}, &DefectKind::True::location);
+}
+
+DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length, DamageCase& out) {
+  const Json& b = file.json.at(where);
+  const bool support = b.value("kind", std::string("reduction")) == "support";
+  const int min = b["count"].value("min", 0);
+  const int max = b["count"].at("max");
+  if (min > max) {
+    file.refuse(where / "count" / "min", "must not exceed max, which is " + std::to_string(max));
+  }
+  for (const char* key : {"reduction"}) {
+    if (support && b.contains(key)) {
+      file.refuse(where / key, "a support has a stiffness, not a reduction");
+    }
+  }
+  for (const char* key : {"stiffness", "fix"}) {
+    if (!support && b.contains(key))
+      file.refuse(where / key, "goes with \"kind\": \"support\" only");
+  }
+  DefectKind kind{
+      .type = support ? DefectKind::Type::support : DefectKind::Type::reduction,
+      .name = b.value("name", std::string(support ? "support" : "damage")),
+      .plural = {},
+      .min_count = min,
+      .max_count = max,
+      .weights = parse_count_prior(file, where / "count", min, max),
+      .location = bounded_prior(file, where / "location", 0.0, length,
+                                "locations lie on the beam, in [0, " + number(length) + "] m"),
+      .severity = DefectKind::Rigid{},
+      .rotation = support && b.contains("fix") && b["fix"][0] == "rotation",
+      .truth = {},
+      .where = where};
+  kind.plural = b.value("plural", kind.name + "s");
+  if (support) {
+    if (b.contains("stiffness") && b["stiffness"].is_number()) {
+      kind.severity = b["stiffness"].get<double>();
+    } else if (b.contains("stiffness") && b["stiffness"].is_object()) {
+      kind.severity =
+          bounded_prior(file, where / "stiffness", 0.0, kInfinity, "a spring's stiffness is > 0");
+    }
+  } else {
+    if (!b.contains("reduction")) {
+      file.refuse(where / "reduction", "is missing: must be a prior on [0, 1)");
+    }
+    kind.severity = bounded_prior(file, where / "reduction", 0.0, std::nextafter(1.0, 0.0),
+                                  "a reduction lies in [0, 1): 0 is intact, 1 would be broken");
+  }
+  parse_truth(file, where, length, kind, out);
+  return kind;
+}
+
+EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
+  const Pointer where = at("/predictor");
+  const Json& p = file.json.at("predictor");
+  if (out.kinds.size() != 1 || out.kinds[0].type != DefectKind::Type::reduction) {
+    file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
+  }
+  EmulatorSpec spec;
+  spec.emulator_error = p.value("emulator_error", true);
+  spec.holdout = p.value("holdout", spec.holdout);
+  if (p.contains("table")) {
+    for (const char* key : {"sites", "multipliers", "interpolation", "coordinate", "holdout"}) {
+      if (p.contains(key))
+        file.refuse(where / key, "is the table's own: it does not go with \"table\"");
+    }
+    spec.table = file.resolve(p["table"].get<std::string>());
+    return spec;
+  }
+  for (const char* key : {"sites", "multipliers"}) {
+    if (!p.contains(key)) {
+      file.refuse(where / key,
+                  "is missing: an emulator has a \"table\", or \"sites\" and \"multipliers\"");
+    }
+  }
+  const int elements = out.beam.elements;
+  const auto parse_sites = [&](const Pointer& list_at) {
+    std::vector<int> sites;
+    const Json& list = file.json.at(list_at);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const int site = list[i];
+      if (site > elements) {
+        file.refuse(list_at / i, "the beam has " + std::to_string(elements) + " elements");
+      }
+      if (!sites.empty() && site - 1 <= sites.back()) {
+        file.refuse(list_at / i, "sites must increase, and none may stand twice");
+      }
+      sites.push_back(site - 1);
+    }
+    if (sites.size() < 2) file.refuse(list_at, "at least two sites are needed to interpolate");
+    return sites;
+  };
+  const Json& sites = p["sites"];
+  if (sites.is_string()) {
+    spec.sites.emplace_back(static_cast<std::size_t>(elements));
+    std::iota(spec.sites[0].begin(), spec.sites[0].end(), 0);
+  } else if (sites[0].is_array()) {
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+      spec.sites.push_back(parse_sites(where / "sites" / i));
+    }
+  } else {
+    spec.sites.push_back(parse_sites(where / "sites"));
+  }
+  for (const double multiplier : p["multipliers"]) spec.reductions.push_back(1.0 - multiplier);
+  std::ranges::sort(spec.reductions);
+  if (std::ranges::adjacent_find(spec.reductions) != spec.reductions.end()) {
+    file.refuse(where / "multipliers", "no multiplier may stand twice");
+  }
+  spec.cubic = p.value("interpolation", std::string()) == "cubic";
+  spec.compliance = p.value("coordinate", std::string()) == "compliance";
+  return spec;
+}
+
+FrequencyData parse_data(const CaseFile& file) {
+  const Pointer where = at("/data");
+  const Json& d = file.json.at("data");
+  FrequencyData data;
+  if (d.contains("frequencies") && d.contains("file")) {
+    file.refuse(where / "file", "data have either \"frequencies\" or a \"file\", not both");
+  }
+  if (d.contains("cov") && d.contains("sd")) {
+    file.refuse(where / "sd", "noise is either \"cov\" or \"sd\", not both");
+  }
+  for (const char* key : {"columns", "row"}) {
+    if (d.contains(key) && !d.contains("file")) file.refuse(where / key, "goes with \"file\" only");
+  }
+  if (d.contains("row") && !d.contains("columns")) {
+    file.refuse(where / "row", "goes with \"columns\" only");
+  }
+  if (d.contains("frequencies")) {
+    for (const Json& f : d["frequencies"]) {
+      data.frequencies_hz.push_back(f.is_null() ? kNaN : f.get<double>());
+    }
+    data.origin = "given in the case";
+  } else if (d.contains("file")) {
+    FrequencyCells cells{.columns = {}, .row = d.value("row", 1)};
+    for (const Json& c : d.value("columns", Json::array())) {
+      cells.columns.push_back(c.is_string() ? c.get<std::string>() : c.dump());
+    }
+    FrequencyTable table = read_frequency_csv(file.resolve(d["file"].get<std::string>()), cells);
+    data.frequencies_hz = std::move(table.frequencies_hz);
+    if (!d.contains("cov") && !d.contains("sd")) data.sd_hz = std::move(table.sd_hz);
+    data.origin = "from " + d["file"].get<std::string>() +
+                  (d.contains("columns") ? ", row " + std::to_string(cells.row) : "");
+  }
+  if (!data.frequencies_hz.empty() && data.measured() == 0) {
+    file.refuse(where, "not one frequency is given");
+  }
+  double previous = 0.0;
+  for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i) {
+    const double f = data.frequencies_hz[i];
+    if (std::isnan(f)) continue;
+    if (f < previous) {
+      file.refuse(d.contains("frequencies") ? where / "frequencies" / i : where / "file",
+                  "frequencies must increase; mode " + std::to_string(i + 1) + " at " + number(f) +
+                      " Hz lies below the one before it");
+    }
+    previous = f;
+  }
+  if (d.contains("cov")) {
+    if (d["cov"].is_number()) {
+      data.cov = d["cov"].get<double>();
+      for (const double f : data.frequencies_hz) data.sd_hz.push_back(*data.cov * f);
+    } else {
+      data.cov_prior =
+          bounded_prior(file, where / "cov", 0.0, kInfinity, "a coefficient of variation is > 0");
+    }
+  }
+  if (d.contains("sd")) {
+    const Json& sd = d["sd"];
+    if (!data.frequencies_hz.empty() && sd.size() != data.frequencies_hz.size()) {
+      file.refuse(where / "sd", "must have one value a mode: " + std::to_string(data.modes()) +
+                                    ", has " + std::to_string(sd.size()));
+    }
+    for (const Json& s : sd) data.sd_hz.push_back(s.is_null() ? kNaN : s.get<double>());
+  }
+  for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i) {
+    if (!data.sd_hz.empty() && std::isnan(data.sd_hz[i]) && !std::isnan(data.frequencies_hz[i])) {
+      file.refuse(where,
+                  "mode " + std::to_string(i + 1) + " has a frequency but no standard deviation");
+    }
+  }
+  return data;
+}
+
+}  // namespace
+
+int FrequencyData::measured() const {
+  return static_cast<int>(
+      std::ranges::count_if(frequencies_hz, [](double f) { return !std::isnan(f); }));
+}
+
+fem::Defects DamageCase::true_defects() const {
+  fem::Defects defects;
+  for (const DefectKind& kind : kinds) {
+    for (const DefectKind::True& t : kind.truth) {
+      if (kind.type == DefectKind::Type::reduction) {
+        defects.damages.push_back({t.location, t.severity});
+      } else {
+        defects.supports.push_back({t.location, t.severity, kind.rotation});
+      }
+    }
+  }
+  return defects;
+}
+
+DamageCase parse_damage_case(CaseFile file, Needs needs) {
+  validate_against_schema(file, "damage");
+  DamageCase out{.file = std::move(file),
+                 .title = {},
+                 .notes = {},
+                 .beam = {},
+                 .data = {},
+                 .simulation = {},
+                 .kinds = {},
+                 .emulator = {}};
+  const CaseFile& f = out.file;
+  const Json& json = f.json;
+  out.title = json.value("title", f.path.stem().string());
+  if (json.contains("notes")) {
+    if (json["notes"].is_string()) {
+      out.notes = {json["notes"].get<std::string>()};
+    } else {
+      out.notes = json["notes"].get<std::vector<std::string>>();
+    }
+  }
+  out.beam = parse_beam(f);
+  const Json& damage = json["damage"];
+  if (damage.is_array()) {
+    for (std::size_t i = 0; i < damage.size(); ++i) {
+      out.kinds.push_back(parse_kind(f, at("/damage") / i, out.beam.length, out));
+    }
+  } else {
+    out.kinds.push_back(parse_kind(f, at("/damage"), out.beam.length, out));
+  }
+  for (std::size_t i = 1; i < out.kinds.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (out.kinds[i].name == out.kinds[j].name) {
+        f.refuse(out.kinds[i].where,
+                 "two kinds are called \"" + out.kinds[i].name + "\"; give one of them a \"name\"");
+      }
+    }
+  }
+  if (json.contains("predictor") && json["predictor"].is_object()) {
+    out.emulator = parse_emulator(f, out);
+  }
+  out.data = parse_data(f);
+
+  const int free = free_degrees_of_freedom(out.beam);
+  if (free < 1) f.refuse(at("/beam/supports"), "nothing is left to vibrate");
+  out.rigid_body_modes =
+      fem::modal_analysis(out.beam, {}, {.modes = std::min(3, free)}).rigid_body_modes;
+  int most_supports = 0;
+  for (const DefectKind& kind : out.kinds) {
+    if (kind.type == DefectKind::Type::support) {
+      most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
+    }
+  }
+  const int most_modes = free - std::max(out.rigid_body_modes, most_supports);
+  if (out.modes() > most_modes) {
+    f.refuse(out.data.modes() > 0 ? at("/data") : at("/data/modes"),
+             std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most_modes) +
+                 ", the elastic modes of " + std::to_string(out.beam.elements) +
+                 " elements; refine beam.elements");
+  }
+  if (needs == Needs::structure) return out;
+
+  if (out.data.frequencies_hz.empty()) {
+    if (!out.simulation) {
+      f.refuse(at("/data"),
+               "no data: give \"frequencies\" or a \"file\", or a \"truth\" in damage to simulate "
+               "them from");
+    }
+    const auto sd = out.data.sd_hz;
+    const auto cov = out.data.cov;
+    const auto cov_prior = out.data.cov_prior;
+    out.data = simulate(out, out.simulation->seed);
+    out.data.cov = cov;
+    out.data.cov_prior = cov_prior;
+    if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
+      f.refuse(at("/data/sd"), "must have one value a mode: " + std::to_string(out.data.modes()));
+    }
+    if (!sd.empty()) out.data.sd_hz = sd;
+    if (cov_prior) out.data.sd_hz.clear();
+  }
+  if (out.data.sd_hz.empty() && !out.data.cov_prior) {
+    f.refuse(at("/data/cov"),
+             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"");
+  }
+  return out;
+}
+
+std::vector<double> elastic_frequencies(const fem::Beam& beam, const fem::Defects& defects,
+                                        int modes) {
+  const int free = free_degrees_of_freedom(beam) - static_cast<int>(defects.supports.size());
+  const fem::Modes found = fem::modal_analysis(beam, defects, {.modes = std::min(free, modes + 3)});
+  std::vector<double> elastic(found.frequencies_hz.begin() + found.rigid_body_modes,
+                              found.frequencies_hz.end());
+  elastic.resize(std::min(elastic.size(), static_cast<std::size_t>(modes)));
+  return elastic;
+}
+
+FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed) {
+  if (!damage_case.simulation) {
+    damage_case.file.refuse(at("/damage/truth"), "is missing: there is nothing to simulate");
+  }
+  const Simulation& s = *damage_case.simulation;
+  if (!(s.cov > 0.0) && damage_case.data.cov_prior) {
+    damage_case.file.refuse(at("/damage/truth"),
+                            "simulated noise needs a number: {\"defects\": [...], \"cov\": 0.001}");
+  }
+  FrequencyData data;
+  data.simulated = true;
+  data.origin = "simulated from the case's truth, seed " + std::to_string(seed);
+  inference::Random random(seed, 0, 0, inference::Purpose::simulation);
+  for (const double f :
+       elastic_frequencies(damage_case.beam, damage_case.true_defects(), s.modes)) {
+    data.frequencies_hz.push_back(f * (1.0 + s.cov * random.normal()));
+    data.sd_hz.push_back(s.cov * f);
+  }
+  return data;
+}
+
+}  // namespace wheeltap::apps
