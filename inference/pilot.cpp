@@ -6,6 +6,7 @@
 
 #include "inference/moves/birth_death.hpp"
 #include "inference/moves/mirror.hpp"
+#include "inference/moves/mixture_transport.hpp"
 #include "inference/moves/model_switch.hpp"
 
 namespace wheeltap::inference {
@@ -46,6 +47,10 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
   }
   if (options.moves.birth_death && is_list(space) && space.size() > 1) {
     add_move<ModelSwitch>(kernels, share, "model switch");
+  }
+  for (const NamedMove& extra : problem.moves) {
+    kernels.add(share / static_cast<double>(problem.moves.size()),
+                std::make_unique<MetropolisHastings>(extra.name, extra.make()));
   }
   if (options.moves.reflection) {
     for (const Reflection& reflection : problem.reflections) {
@@ -173,6 +178,10 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
     }
   }
   for (double& weight : fit->weight) weight /= total;
+  for (std::size_t j = 0; j < space.kinds().size(); ++j) {
+    pilot.conditionals.push_back(
+        std::make_shared<const ConditionalMixtures>(space, *fit, static_cast<int>(j)));
+  }
   pilot.fit = std::move(fit);
   pilot.archive = std::move(archive);
   return pilot;
@@ -180,17 +189,28 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
 
 std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Options& options,
                                                 const Atlases& atlases, const Pilot& pilot) {
+  const ModelSpace& space = problem.space;
   auto kernels = std::make_unique<KernelMixture>();
   if (options.moves.random_walk) {
-    add_move<RandomWalk>(*kernels, 0.2, "random walk", pilot.scales);
-    add_move<DifferentialEvolution>(*kernels, 0.1, "differential evolution", pilot.archive);
+    add_move<RandomWalk>(*kernels, 0.1, "random walk", pilot.scales);
+    add_move<DifferentialEvolution>(*kernels, 0.05, "differential evolution", pilot.archive);
   }
-  add_component_moves(*kernels, problem, options, atlases, 0.35);
+  add_component_moves(*kernels, problem, options, atlases, 0.3);
   if (options.moves.independence) {
-    if (problem.space.size() > 1) {
-      add_move<MixtureJump>(*kernels, 0.25, "mixture jump", pilot.fit, true);
+    if (space.size() > 1) {
+      add_move<MixtureJump>(*kernels, 0.4, "mixture jump", pilot.fit, true);
+      add_move<MixtureTransport>(*kernels, 0.05, "mixture transport", pilot.fit);
     }
     add_move<MixtureJump>(*kernels, 0.1, "mixture renewal", pilot.fit, false);
+    for (std::size_t j = 0; j < space.kinds().size(); ++j) {
+      const int kind = static_cast<int>(j);
+      const double share = 1.0 / static_cast<double>(space.kinds().size());
+      const auto propose = [&] {
+        return std::make_unique<ConditionalProposal>(pilot.conditionals[j], space, kind);
+      };
+      add_move<BirthDeath>(*kernels, 0.2 * share, "pilot birth and death", kind, propose());
+      add_move<Relocation>(*kernels, 0.05 * share, "pilot relocation", kind, propose());
+    }
   }
   return kernels;
 }

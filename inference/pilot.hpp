@@ -7,6 +7,7 @@
 
 #include "inference/move.hpp"
 #include "inference/moves/component_proposal.hpp"
+#include "inference/moves/conditional_proposal.hpp"
 #include "inference/moves/differential_evolution.hpp"
 #include "inference/moves/mixture_jump.hpp"
 #include "inference/moves/random_walk.hpp"
@@ -54,6 +55,7 @@ class PilotSamples {
 struct Pilot {
   std::shared_ptr<const PilotFit> fit;
   std::shared_ptr<const Archive> archive;
+  std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one a kind
   RandomWalk::Scales scales;
 };
 

@@ -1,6 +1,7 @@
 #include "inference/reversible_jump.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -20,7 +21,7 @@ constexpr int kMaxRungs = 30;
 constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
 constexpr int kFirstScans = 20;
 constexpr int kStepsAScan = 3;
-constexpr int kTuning = 4000;
+constexpr std::array<int, 2> kTuning{4000, 12000};  // steps before each refit
 constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
@@ -197,26 +198,34 @@ class Engine {
     pilot_ = fit_pilot(problem_.space, pooled, options_.seed, round);
   }
 
-  // At the target itself, with all the moves, adapting; then a second fit to better samples.
+  // At the target itself, with all the moves, adapting; each round ends in a fit to better samples.
   void tune() {
-    const int steps = options_.warmup > 0 ? options_.warmup / 2 : kTuning;
-    reporter_.begin("tuning", static_cast<double>(steps) * options_.chains);
-    each_chain([&](int c, Runner& runner) {
-      runner.tempered.reset();
-      runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
-      runner.by_rung.assign(1, PilotSamples(problem_.space));
-      for (int i = 0; i < steps; ++i) {
-        Random random(options_.seed, static_cast<std::uint64_t>(c), static_cast<std::uint64_t>(i),
-                      Purpose::adaptation);
-        Kernel::Outcome outcome;
-        runner.kernels->step(runner.state, {*runner.target, random, 1.0, true}, outcome);
-        runner.by_rung[0].add(runner.state);
-        if (i % 64 == 63 && !reporter_.advance(64.0)) return;
-      }
-    });
-    if (reporter_.stopped()) return;
-    fit(1, false);
-    posterior_.warmup = steps;
+    int total = 0;
+    for (const int steps : kTuning) total += steps;
+    reporter_.begin("tuning", static_cast<double>(total) * options_.chains);
+    int done = 0;
+    for (std::size_t round = 0; round < kTuning.size() && !reporter_.stopped(); ++round) {
+      const int steps =
+          options_.warmup > 0
+              ? static_cast<int>(static_cast<double>(options_.warmup) / 2 * kTuning[round] / total)
+              : kTuning[round];
+      each_chain([&](int c, Runner& runner) {
+        runner.tempered.reset();
+        runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
+        runner.by_rung.assign(1, PilotSamples(problem_.space));
+        for (int i = 0; i < steps; ++i) {
+          Random random(options_.seed, static_cast<std::uint64_t>(c),
+                        static_cast<std::uint64_t>(done + i), Purpose::adaptation);
+          Kernel::Outcome outcome;
+          runner.kernels->step(runner.state, {*runner.target, random, 1.0, true}, outcome);
+          runner.by_rung[0].add(runner.state);
+          if (i % 64 == 63 && !reporter_.advance(64.0)) return;
+        }
+      });
+      done += steps;
+      if (!reporter_.stopped()) fit(static_cast<int>(round) + 1, false);
+    }
+    posterior_.warmup = done;
   }
 
   void sample() {

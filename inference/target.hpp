@@ -52,12 +52,22 @@ struct Reflection {
   double center = 0.0;
 };
 
+class Move;
+
+/// A move of the user's own, e.g. a Transformation that knows the structure of the problem. Made
+/// once a chain and temperature.
+struct NamedMove {
+  std::string name;
+  std::function<std::unique_ptr<Move>()> make;
+};
+
 /// Everything the engine asks of its user.
 struct Problem {
   ModelSpace space;
   LikelihoodFactory likelihood;
   LogPriorFactor log_prior_factor = nullptr;  ///< optional
   std::vector<Reflection> reflections{};      ///< optional: symmetries worth proposing
+  std::vector<NamedMove> moves{};             ///< optional: added to the engine's own
 };
 
 /// One state of the chain: a model and its parameters in standard normal coordinates, with what the

@@ -79,6 +79,7 @@ std::optional<double> Transformation::propose(const State& from, const Step& ste
     to.z[i] = space.prior(to.model, static_cast<int>(i)).to_standard_normal(out_[i]);
     if (!std::isfinite(to.z[i])) return std::nullopt;  // outside the prior's support
   }
+  if (!step.target.is_sorted(to)) return std::nullopt;
   const std::span<const double> in(in_), out(out_);
   return log_density(g_to, out.subspan(d_to)) - log_density(g_from, in.subspan(d)) + log_jacobian +
          log_dz_dx(space, to, out) - log_dz_dx(space, from, in);
