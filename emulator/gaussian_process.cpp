@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace wheeltap::emulator {
 namespace {
@@ -24,6 +25,7 @@ using Eigen::VectorXd;
 
 constexpr double kLeastNugget = 1e-12;
 constexpr double kLargestNugget = 1e3;
+constexpr double kLadder[] = {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // lengths tried first
 constexpr double kShortest = 0.005, kLongest = 50.0;  // lengths, in units of the factor's range
 const double kSqrt5 = std::sqrt(5.0);
 
@@ -113,8 +115,11 @@ Kernel kernel_named(std::string_view text) {
                               "\" is not one of matern-5/2, squared-exponential");
 }
 
-LogLikelihood log_marginal_likelihood(const RowMatrix& unit_points, const RowMatrix& values,
-                                      const Correlation& c) {
+namespace {
+
+/// The gradient stays 0 where it is not asked for: it is most of the work.
+LogLikelihood log_likelihood(const RowMatrix& unit_points, const RowMatrix& values,
+                             const Correlation& c, bool with_gradient) {
   const Index n = unit_points.rows(), d = unit_points.cols(), m = values.cols();
   const auto runs = static_cast<double>(n);
   LogLikelihood out{.value = -std::numeric_limits<double>::infinity(),
@@ -127,6 +132,7 @@ LogLikelihood log_marginal_likelihood(const RowMatrix& unit_points, const RowMat
   if (!std::isfinite(log_det)) return out;
   out.value = -0.5 * (runs * (2.0 * std::numbers::pi * t.variance.array()).log().sum() +
                       static_cast<double>(m) * (log_det + runs));
+  if (!with_gradient) return out;
 
   // W = Σ α αᵀ / σ² - m R⁻¹; the derivative by p is ½ Σ_ab W_ab ∂R_ab/∂p.
   const MatrixXd inverse = factor.solve(MatrixXd::Identity(n, n));
@@ -142,6 +148,13 @@ LogLikelihood log_marginal_likelihood(const RowMatrix& unit_points, const RowMat
   }
   out.gradient(d) = 0.5 * c.nugget * w.trace();
   return out;
+}
+
+}  // namespace
+
+LogLikelihood log_marginal_likelihood(const RowMatrix& unit_points, const RowMatrix& values,
+                                      const Correlation& correlation) {
+  return log_likelihood(unit_points, values, correlation, true);
 }
 
 struct GaussianProcess::Impl {
@@ -251,24 +264,41 @@ class Search {
 
   Correlation run() {
     VectorXd best;
-    Value best_value;
+    double best_value = -std::numeric_limits<double>::infinity();
+    const auto consider = [&](const VectorXd& p) {
+      const double v = value(p, false).f;
+      if (v > best_value) {
+        best = p;
+        best_value = v;
+      }
+    };
     const std::vector<double> nuggets =
         options_.infer_nugget ? std::vector{1e-6, 1e-3, 0.1} : std::vector{nugget_};
     // Clusters of runs may need more than the least nugget at any length.
-    for (; best.size() == 0 && nugget_ < kLargestNugget; nugget_ *= 10.0)
-      for (double length : {0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2})
+    for (; nugget_ < kLargestNugget; nugget_ *= 10.0) {
+      for (double length : kLadder)
         for (double nugget : nuggets) {
           VectorXd p = VectorXd::Constant(unknowns_, std::log(length));
           if (options_.infer_nugget) p(unknowns_ - 1) = std::log(std::max(nugget, nugget_));
-          if (const Value v = value(p);
-              std::isfinite(v.f) && (best.size() == 0 || v.f > best_value.f)) {
-            best = p;
-            best_value = v;
-          }
+          consider(p);
         }
+      if (best.size() > 0) break;
+    }
     if (best.size() == 0) return correlation(VectorXd::Zero(unknowns_));
-    nugget_ /= 10.0;  // the loop's last step
-    climb(best, best_value);
+    // Then each length by itself: a response may wave along one factor and hardly move along
+    // another, and the likelihood has a hill for each number of waves.
+    for (bool moved = true; std::exchange(moved, false);)
+      for (Index j = 0; j < points_.cols(); ++j) {
+        const double before = best_value;
+        VectorXd p = best;
+        for (double length : kLadder) {
+          p(j) = std::log(length);
+          consider(p);
+        }
+        moved = moved || best_value > before + 1.0;
+      }
+    Value at = value(best, true);
+    climb(best, at);
     return correlation(best);
   }
 
@@ -284,8 +314,8 @@ class Search {
             .nugget = options_.infer_nugget ? std::exp(p(unknowns_ - 1)) : nugget_};
   }
 
-  [[nodiscard]] Value value(const VectorXd& p) const {
-    const LogLikelihood l = log_marginal_likelihood(points_, values_, correlation(p));
+  [[nodiscard]] Value value(const VectorXd& p, bool with_gradient) const {
+    const LogLikelihood l = log_likelihood(points_, values_, correlation(p), with_gradient);
     return {l.value, l.gradient.head(unknowns_)};
   }
 
@@ -315,7 +345,7 @@ class Search {
       double step = 1.0;
       for (; step > 1e-4; step *= 0.5) {
         next = (p + step * direction).cwiseMax(low_).cwiseMin(high_);
-        there = value(next);
+        there = value(next, true);
         if (there.f >= at.f + 1e-4 * gradient.dot(next - p) && there.f > at.f) break;
       }
       if (step <= 1e-4) {
