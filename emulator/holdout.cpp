@@ -35,6 +35,35 @@ std::vector<HoldoutError> holdout_error(const RowMatrix& truth, const RowMatrix&
   return errors;
 }
 
+std::vector<StandardisedResiduals> standardised_residuals(const RowMatrix& truth,
+                                                          const RowMatrix& mean,
+                                                          const RowMatrix& variance) {
+  const auto alike = [&](const RowMatrix& m) {
+    return m.rows() == truth.rows() && m.cols() == truth.cols();
+  };
+  if (truth.rows() < 1 || !alike(mean) || !alike(variance))
+    throw std::invalid_argument(
+        "standardised residuals from matrices of different shapes, or none");
+  std::vector<StandardisedResiduals> out;
+  for (Eigen::Index k = 0; k < truth.cols(); ++k) {
+    double n = 0, sum = 0, squares = 0, beyond = 0;
+    for (Eigen::Index i = 0; i < truth.rows(); ++i) {
+      const double error = truth(i, k) - mean(i, k);
+      if (error == 0.0 && variance(i, k) == 0.0) continue;
+      const double z = error / std::sqrt(variance(i, k));
+      n += 1;
+      sum += z;
+      squares += z * z;
+      beyond += std::abs(z) > 2.0 ? 1.0 : 0.0;
+    }
+    if (n == 0)
+      out.push_back({.mean = 0.0, .rms = 0.0, .beyond_two = 0.0});
+    else
+      out.push_back({.mean = sum / n, .rms = std::sqrt(squares / n), .beyond_two = beyond / n});
+  }
+  return out;
+}
+
 RowMatrix predict(const Predictor& predictor, const Design& design, Eigen::Index responses) {
   RowMatrix answers(design.runs(), responses);
   for (Eigen::Index i = 0; i < design.runs(); ++i)

@@ -28,6 +28,20 @@ struct HoldoutError {
 [[nodiscard]] std::vector<HoldoutError> holdout_error(const RowMatrix& truth,
                                                       const RowMatrix& predicted);
 
+/// Whether a response's predicted variances are honest: of z = (y - ŷ) / √variance over n runs.
+struct StandardisedResiduals {
+  double mean;        ///< 0 for an unbiased predictor
+  double rms;         ///< 1 for honest variances; above: overconfident
+  double beyond_two;  ///< share with |z| > 2: 0.046 for a normal error
+};
+
+/// Per response, from runs × responses each; for held-out runs or leave-one-out predictions alike.
+/// Runs predicted exactly with variance 0 are left out; an error at variance 0 makes rms infinite.
+/// Throws std::invalid_argument for different shapes or no runs.
+[[nodiscard]] std::vector<StandardisedResiduals> standardised_residuals(const RowMatrix& truth,
+                                                                        const RowMatrix& mean,
+                                                                        const RowMatrix& variance);
+
 /// Something that answers like a model: an emulator bound to its evaluate().
 using Predictor = std::function<void(std::span<const double> point, std::span<double> response)>;
 

@@ -70,6 +70,19 @@ TEST(Holdout, DoesNotDependOnThreadsButOnTheSeed) {
   EXPECT_NE(rmse(1, 3), rmse(1, 4));
 }
 
+TEST(StandardisedResiduals, KnownValues) {
+  RowMatrix truth(4, 2), mean = RowMatrix::Zero(4, 2), variance(4, 2);
+  truth << 1, 0, -3, 0, 2, 0, 0, 5;
+  variance << 1, 0, 1, 0, 4, 0, 1, 0;
+  const auto z = standardised_residuals(truth, mean, variance);  // 1, -3, 1, 0
+  EXPECT_DOUBLE_EQ(z[0].mean, -0.25);
+  EXPECT_DOUBLE_EQ(z[0].rms, std::sqrt(11.0 / 4));
+  EXPECT_DOUBLE_EQ(z[0].beyond_two, 0.25);
+  EXPECT_TRUE(std::isinf(z[1].rms)) << "an error where none was admitted";
+  EXPECT_THROW((void)standardised_residuals(truth, mean, RowMatrix::Zero(4, 1)),
+               std::invalid_argument);
+}
+
 TEST(Holdout, Misuse) {
   EXPECT_THROW((void)holdout_error(RowMatrix::Zero(3, 2), RowMatrix::Zero(3, 1)),
                std::invalid_argument);
