@@ -1,0 +1,20 @@
+// What the optimisers share.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace wheeltap::inference {
+
+/// To be maximised. -∞ marks the impossible; NaN counts as -∞.
+using Objective = std::function<double(std::span<const double>)>;
+
+struct Optimum {
+  std::vector<double> z;
+  double value = 0.0;
+  long evaluations = 0;
+  bool converged = false;  ///< the method's own criterion was met within its budget
+};
+
+}  // namespace wheeltap::inference
