@@ -32,8 +32,9 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
   for (std::size_t j = 0; j < space.kinds().size(); ++j) {
     const int kind = static_cast<int>(j);
     if (options.moves.birth_death) {
-      add_move<BirthDeath>(kernels, share * 0.3 / kinds, "birth and death", kind,
-                           std::make_unique<PriorProposal>());
+      // Without an atlas the plain birth does the informed one's work as well.
+      add_move<BirthDeath>(kernels, share * (atlases[j] ? 0.3 : 0.7) / kinds, "birth and death",
+                           kind, std::make_unique<PriorProposal>());
     }
     if (atlases[j] && options.moves.informed_birth) {
       add_move<BirthDeath>(kernels, share * 0.4 / kinds, "informed birth and death", kind,

@@ -21,7 +21,7 @@ constexpr int kMaxRungs = 30;
 constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
 constexpr int kFirstScans = 20;
 constexpr int kStepsAScan = 3;
-constexpr std::array<int, 2> kTuning{4000, 12000};  // steps before each refit
+constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit
 constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw

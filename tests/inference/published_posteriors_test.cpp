@@ -126,7 +126,8 @@ Problem coal_problem(const std::vector<double>& days, double length, int k_min, 
                   from = to;
                 }
                 return sum;
-              }};
+              },
+          .moves = first_interval};
 }
 
 TEST(PublishedPosteriors, CoalMiningDisasters) {
