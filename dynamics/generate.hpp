@@ -1,0 +1,53 @@
+// Excitations for simulated experiments, the same on every machine for a given seed.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+namespace wheeltap::dynamics {
+
+/// Uniform and normal numbers whose sequence does not depend on the standard library.
+class Noise {
+ public:
+  explicit Noise(std::uint64_t seed) : generator_(seed) {}
+  double uniform();  ///< on (0, 1)
+  double normal();   ///< standard (Box & Muller 1958)
+
+ private:
+  std::mt19937_64 generator_;
+  double spare_ = 0.0;
+  bool has_spare_ = false;
+};
+
+/// Independent normal samples of this variance.
+[[nodiscard]] std::vector<double> white_noise(int samples, double variance, Noise& noise);
+
+/// Gaussian noise with a flat spectrum on [low_hz, high_hz] and none outside; `variance` is the
+/// expected one. Cut from a longer period, so that its ends do not meet. Throws
+/// std::invalid_argument unless 0 <= low_hz < high_hz <= sample_rate_hz / 2 and the band holds a
+/// line of the period.
+[[nodiscard]] std::vector<double> band_limited_noise(int samples, double sample_rate_hz,
+                                                     double low_hz, double high_hz, double variance,
+                                                     Noise& noise);
+
+/// amplitude · sin(2π f t + phase), phase in rad.
+[[nodiscard]] std::vector<double> sine(int samples, double sample_rate_hz, double amplitude,
+                                       double frequency_hz, double phase = 0.0);
+
+/// A periodic sum of equal sines with random phases, on the lines k f_s / period of [low_hz,
+/// high_hz].
+struct Multisine {
+  int period = 1024;  ///< samples
+  double low_hz = 0.0;
+  double high_hz = 0.0;
+  double rms = 1.0;
+  bool odd_lines_only = false;
+};
+
+/// Throws std::invalid_argument if no line lies in the band, or the band reaches half the sampling
+/// rate.
+[[nodiscard]] std::vector<double> multisine(int samples, double sample_rate_hz,
+                                            const Multisine& options, Noise& noise);
+
+}  // namespace wheeltap::dynamics

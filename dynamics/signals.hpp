@@ -1,0 +1,82 @@
+// Spectra, frequency responses, and changes of the sampling rate.
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+namespace wheeltap::dynamics {
+
+/// Welch's method (1967): Hann windows over overlapping segments, each freed of its mean.
+struct WelchOptions {
+  int segment = 1024;    ///< samples; clipped to the record
+  double overlap = 0.5;  ///< fraction of a segment, in [0, 1)
+};
+
+/// One-sided power spectral density: ∫ density df is the variance.
+struct Spectrum {
+  std::vector<double> frequencies_hz;
+  std::vector<double> density;  ///< [unit² / Hz]
+  int segments = 0;
+};
+
+/// Throws std::invalid_argument for fewer than 4 samples, a rate <= 0 or an overlap outside [0, 1).
+[[nodiscard]] Spectrum welch(std::span<const double> x, double sample_rate_hz,
+                             WelchOptions options = {});
+
+/// Frequency response of y to x. H1 = S_xy / S_xx (noise on the output), H2 = S_yy / S_yx (noise on
+/// the input), γ² = |S_xy|² / (S_xx S_yy) = H1 / H2, which is 1 for a single segment whatever the
+/// data.
+struct FrequencyResponse {
+  std::vector<double> frequencies_hz;
+  std::vector<std::complex<double>> h1, h2;
+  std::vector<double> coherence;
+  int segments = 0;
+};
+
+[[nodiscard]] FrequencyResponse frequency_response(std::span<const double> x,
+                                                   std::span<const double> y, double sample_rate_hz,
+                                                   WelchOptions options = {});
+
+/// Does samples [begin, end) of a record stand for all of it? Both spectra with the same segments.
+struct SpectrumComparison {
+  Spectrum full, window;
+  double power_ratio = 1.0;  ///< variance in the window over that in the record
+  /// Root mean square of 10 log₁₀(window / full) over the frequencies that hold 99.9 % of the
+  /// record's power, and what the scatter of two independent estimates of one spectrum would give.
+  double difference_db = 0.0;
+  double expected_db = 0.0;
+};
+
+/// The segments are clipped to the window. Throws std::invalid_argument for a window that is not
+/// one.
+[[nodiscard]] SpectrumComparison compare_window(std::span<const double> record, int begin, int end,
+                                                double sample_rate_hz, WelchOptions options = {});
+
+/// The part of a signal's amplitude that linear interpolation between its samples loses:
+/// 1 - √(Σ S sinc⁴(f / f_s) / Σ S) over its spectrum (one component at f keeps sinc²(f/f_s) of its
+/// own).
+[[nodiscard]] double linear_interpolation_loss(const Spectrum& spectrum, double sample_rate_hz);
+
+/// Subtracts the least-squares polynomial of degree 0 (mean) or 1 (line), in place.
+void detrend(std::span<double> x, int degree);
+
+/// Samples [begin, end) of a record at `factor` times its rate, (end - begin - 1) · factor + 1
+/// values; those at the old places are the old ones. Interpolation by a sinc of 32 samples to
+/// either side under a Kaiser window (β = 12): content below 0.43 of the sampling rate is kept to
+/// 1e-5 of its amplitude. Samples outside the window are used where the record has them; beyond its
+/// ends it is continued by odd reflection, and the first and last 32 samples are less exact. Throws
+/// std::invalid_argument for a factor < 1 or a window that is not one.
+[[nodiscard]] std::vector<double> upsample(std::span<const double> record, int begin, int end,
+                                           int factor);
+
+/// One period at `factor` times its rate, by its Fourier series: exact for a periodic signal below
+/// half the sampling rate. Slow if the length has large prime factors.
+[[nodiscard]] std::vector<double> upsample_periodic(std::span<const double> period, int factor);
+
+/// Every `factor`-th sample from the first on, after a zero-phase low-pass: content below 0.4 of
+/// the new rate is kept, above 0.5 of it (what would alias) is removed, both to 1e-4 of the
+/// amplitude. Ends are continued by odd reflection. Throws std::invalid_argument for a factor < 1.
+[[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
+
+}  // namespace wheeltap::dynamics
