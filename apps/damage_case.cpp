@@ -174,7 +174,7 @@ void parse_truth(const CaseFile& file, const Pointer& block, double length, Defe
   const Json& t = b["truth"];
   const Json& list = t.is_array() ? t : t.at("defects");
   const Pointer where = t.is_array() ? block / "truth" : block / "truth" / "defects";
-  const Json& data = file.json.at("data");
+  const Json data = file.json.value("data", Json::object());
   Simulation simulation = out.simulation.value_or(Simulation{});
   if (data.contains("cov") && data["cov"].is_number()) simulation.cov = data["cov"];
   simulation.modes = data.value("modes", simulation.modes);
@@ -307,7 +307,9 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
   } else {
     spec.sites.push_back(parse_sites(where / "sites"));
   }
-  for (const double multiplier : p["multipliers"]) spec.reductions.push_back(1.0 - multiplier);
+  for (const double multiplier : p["multipliers"]) {
+    spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // 0.6, not 1 - 0.4
+  }
   std::ranges::sort(spec.reductions);
   if (std::ranges::adjacent_find(spec.reductions) != spec.reductions.end()) {
     file.refuse(where / "multipliers", "no multiplier may stand twice");
@@ -431,7 +433,13 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
     }
   }
   out.beam = parse_beam(f);
-  const Json& damage = json["damage"];
+  const Json damage = json.value("damage", Json::array());
+  if (needs == Needs::data) {
+    for (const char* key : {"damage", "data"}) {
+      if (!json.contains(key))
+        f.refuse(Pointer() / std::string(key), "is missing: must be an object");
+    }
+  }
   if (damage.is_array()) {
     for (std::size_t i = 0; i < damage.size(); ++i) {
       out.kinds.push_back(parse_kind(f, at("/damage") / i, out.beam.length, out));
@@ -450,7 +458,7 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
   if (json.contains("predictor") && json["predictor"].is_object()) {
     out.emulator = parse_emulator(f, out);
   }
-  out.data = parse_data(f);
+  if (json.contains("data")) out.data = parse_data(f);
 
   const int free = free_degrees_of_freedom(out.beam);
   if (free < 1) f.refuse(at("/beam/supports"), "nothing is left to vibrate");

@@ -1,0 +1,52 @@
+// The commands of the program, one function each. All throw Failure (or emulator::FileError) where
+// they cannot do their work.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wheeltap::apps {
+
+/// Options that commands share.
+struct CommonOptions {
+  std::filesystem::path case_path;
+  std::filesystem::path output;
+  std::vector<std::string> overrides;  ///< --set
+  std::optional<std::uint64_t> seed;
+  int threads = 0;  ///< 0: as many as the machine has
+  bool quiet = false;
+  bool resume = false;
+  std::string command_line;
+};
+
+struct ModesOptions {
+  std::optional<int> modes;  ///< rigid-body ones included
+  bool truth = false;        ///< damaged as the case's truth says
+  bool json = false;
+  bool shapes = false;  ///< with json: add the shapes
+};
+
+struct SamplingOptions {
+  int chains = 4;
+  int warmup = 0;  ///< 0: chosen by the engine
+  int draws = 0;   ///< 0: chosen by the engine
+  bool prior_only = false;
+};
+
+void run_modes(const CommonOptions& common, const ModesOptions& options);
+/// Runs the design of the case's predictor, measures the emulator on fresh runs, writes the table.
+/// Finished runs are remembered beside the output until it is written; `resume` starts from them.
+void run_table(const CommonOptions& common);
+/// Writes summary.json and posterior.nc into the output folder and prints what was found. With
+/// `resume`, a folder that holds a finished run of the same case and options is printed again
+/// instead.
+void run_damage(const CommonOptions& common, const SamplingOptions& options);
+/// Frequencies with noise from the case's truth: a CSV, or a complete case where the output ends in
+/// .json.
+void run_simulate(const CommonOptions& common);
+void run_schema(const std::string& name);
+
+}  // namespace wheeltap::apps

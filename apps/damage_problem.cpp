@@ -1,0 +1,204 @@
+#include "apps/damage_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace wheeltap::apps {
+namespace {
+
+using inference::Prior;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class FrequencyLikelihood final : public inference::Likelihood {
+ public:
+  explicit FrequencyLikelihood(const DamageProblem& problem)
+      : problem_(problem),
+        data_(problem.damage_case.data),
+        workspace_(problem.reanalysis->make_workspace()),
+        rigid_(static_cast<std::size_t>(problem.reanalysis->rigid_body_modes())),
+        prediction_(data_.frequencies_hz.size()),
+        all_(prediction_.size() + rigid_) {}
+
+  double log_likelihood(int model, std::span<const double> x) override {
+    const auto& data = data_;
+    const double cov = data.cov_prior ? x[0] : 0.0;
+    noise_scale_ = data.cov_prior ? cov : 1.0;
+    predict(model, x);
+    residuals_.clear();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < prediction_.size(); ++i) {
+      const double observed = data.frequencies_hz[i];
+      if (std::isnan(observed)) continue;
+      const double measured = data.cov_prior ? cov * observed : data.sd_hz[i];
+      const double sd =
+          emulator_error_ ? std::hypot(measured, (*emulator_error_)[i].rmse) : measured;
+      const double residual = (observed - prediction_[i]) / sd;
+      residuals_.push_back(residual);
+      sum -= 0.5 * residual * residual + std::log(sd * kSqrtTwoPi);
+    }
+    return sum;
+  }
+  [[nodiscard]] std::span<const double> prediction() const override { return prediction_; }
+  [[nodiscard]] std::span<const double> residuals() const override { return residuals_; }
+  [[nodiscard]] double noise_scale() const override { return noise_scale_; }
+
+ private:
+  static constexpr double kSqrtTwoPi = 2.5066282746310002;  // √(2π)
+
+  void predict(int model, std::span<const double> x) {
+    damages_.clear();
+    supports_.clear();
+    const inference::Model& m = problem_.problem.space[model];
+    for (std::size_t k = 0; k < problem_.damage_case.kinds.size(); ++k) {
+      const DefectKind& kind = problem_.damage_case.kinds[k];
+      const std::size_t width = kind.severity_prior() ? 2 : 1;
+      for (int c = 0; c < m.counts[k]; ++c) {
+        const auto at =
+            static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
+        if (kind.type == DefectKind::Type::reduction) {
+          damages_.push_back({x[at], x[at + 1]});
+        } else if (width == 2) {
+          supports_.push_back({x[at], x[at + 1], kind.rotation});
+        } else {
+          const double* known = std::get_if<double>(&kind.severity);
+          supports_.push_back({x[at], known ? *known : kInfinity, kind.rotation});
+        }
+      }
+    }
+    emulator_error_ = nullptr;
+    if (problem_.emulator && !damages_.empty()) {
+      std::ranges::sort(damages_, {}, &fem::Damage::location);
+      problem_.emulator->evaluate(damages_, prediction_);
+      if (problem_.damage_case.emulator->emulator_error) {
+        emulator_error_ = &problem_.emulator->holdout(static_cast<int>(damages_.size()));
+      }
+      return;
+    }
+    problem_.reanalysis->frequencies_hz(damages_, supports_, workspace_, all_);
+    // Supports hold rigid-body motions, so there may be fewer of those than without them.
+    std::size_t first = 0;
+    while (first < rigid_ && all_[first] <= 1e-6 * all_[rigid_]) ++first;
+    std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first), prediction_.size(),
+                prediction_.begin());
+  }
+
+  const DamageProblem& problem_;
+  const FrequencyData& data_;
+  fem::Reanalysis::Workspace workspace_;
+  std::size_t rigid_;
+  std::vector<double> prediction_, all_, residuals_;
+  std::vector<fem::Damage> damages_;
+  std::vector<fem::SpringSupport> supports_;
+  const std::vector<emulator::HoldoutError>* emulator_error_ = nullptr;
+  double noise_scale_ = 1.0;
+};
+
+// Same density at x and L - x, tried at quantiles from the bulk to the tails.
+bool is_mirror_symmetric(const Prior& prior, double length) {
+  for (double z = -4.0; z <= 4.0; z += 0.5) {
+    const double here = prior.from_standard_normal(z);
+    const double mirrored = prior.from_standard_normal(-z);
+    if (std::abs(here + mirrored - length) > 1e-9 * length) return false;
+  }
+  return true;
+}
+
+// Every combination of the kinds' counts, the last kind running fastest, with product weights.
+std::vector<inference::ModelSpace::Counts> combinations(const std::vector<DefectKind>& kinds) {
+  std::vector<inference::ModelSpace::Counts> list = {{{}, 1.0}};
+  for (const DefectKind& kind : kinds) {
+    std::vector<inference::ModelSpace::Counts> longer;
+    for (const auto& head : list) {
+      for (int n = kind.min_count; n <= kind.max_count; ++n) {
+        auto next = head;
+        next.counts.push_back(n);
+        next.weight *= kind.weights[static_cast<std::size_t>(n - kind.min_count)];
+        longer.push_back(std::move(next));
+      }
+    }
+    list = std::move(longer);
+  }
+  // A model with no prior weight is no candidate.
+  std::erase_if(list, [](const auto& entry) { return !(entry.weight > 0.0); });
+  return list;
+}
+
+}  // namespace
+
+std::vector<DamageProblem::Component> DamageProblem::components(int model,
+                                                                std::span<const double> x) const {
+  std::vector<Component> list;
+  const inference::Model& m = problem.space[model];
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    const std::size_t width = kind.severity_prior() ? 2 : 1;
+    for (int c = 0; c < m.counts[k]; ++c) {
+      const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
+      const double* known = std::get_if<double>(&kind.severity);
+      list.push_back(
+          {static_cast<int>(k), x[at], width == 2 ? x[at + 1] : (known ? *known : kInfinity)});
+    }
+  }
+  return list;
+}
+
+std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
+                                                         const DamageProblemOptions& options) {
+  const CaseFile& file = damage_case.file;
+  std::vector<inference::ComponentKind> kinds;
+  for (const DefectKind& kind : damage_case.kinds) {
+    inference::ComponentKind component{kind.name, kind.plural, {{"location", kind.location}}};
+    if (const Prior* severity = kind.severity_prior()) {
+      component.parameters.push_back({kind.severity_name(), *severity});
+    }
+    kinds.push_back(std::move(component));
+  }
+  std::vector<inference::Parameter> common;
+  if (damage_case.data.cov_prior) common.push_back({"cov", *damage_case.data.cov_prior});
+
+  auto out = std::make_unique<DamageProblem>(
+      DamageProblem{.damage_case = damage_case,
+                    .reanalysis = std::make_shared<const fem::Reanalysis>(
+                        damage_case.beam, damage_case.modes() + damage_case.rigid_body_modes),
+                    .emulator = nullptr,
+                    .problem = {.space = inference::ModelSpace::of_components(
+                                    common, kinds, combinations(damage_case.kinds)),
+                                .likelihood = {}},
+                    .symmetric = fem::is_mirror_symmetric(damage_case.beam),
+                    .common = static_cast<int>(common.size())});
+  for (const DefectKind& kind : damage_case.kinds) {
+    out->symmetric = out->symmetric && is_mirror_symmetric(kind.location, damage_case.beam.length);
+  }
+  if (out->symmetric) {
+    for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+      out->problem.reflections.push_back({static_cast<int>(k), 0, 0.5 * damage_case.beam.length});
+    }
+  }
+
+  if (damage_case.emulator) {
+    const EmulatorSpec& spec = *damage_case.emulator;
+    const int max_count = damage_case.kinds[0].max_count;
+    const Pointer where("/predictor");
+    try {
+      out->emulator = std::make_shared<const FrequencyEmulator>(
+          spec.table ? FrequencyEmulator::load(*spec.table, damage_case.beam, max_count,
+                                               damage_case.modes())
+                     : FrequencyEmulator::train(
+                           *out->reanalysis, spec, max_count, damage_case.modes(),
+                           {.threads = options.threads, .progress = options.table_progress}));
+    } catch (const std::invalid_argument& error) {
+      file.refuse(where, error.what());
+    }
+    if (const auto outside = out->emulator->reaches_outside(damage_case.kinds[0])) {
+      file.refuse(damage_case.kinds[0].where / outside->prior, outside->message);
+    }
+  }
+  out->problem.likelihood = [problem = out.get()] {
+    return std::make_unique<FrequencyLikelihood>(*problem);
+  };
+  return out;
+}
+
+}  // namespace wheeltap::apps

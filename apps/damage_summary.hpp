@@ -1,0 +1,26 @@
+// What a damage run found: the general summary, and where on the beam.
+#pragma once
+
+#include "apps/damage_problem.hpp"
+#include "apps/summary.hpp"
+
+namespace wheeltap::apps {
+
+/// What the user asked for, to be repeated.
+struct RunInfo {
+  std::uint64_t seed = 1;
+  std::string command_line;
+};
+
+/// The whole of summary.json. `posterior` must have at least 4 draws a chain, all chains the same.
+[[nodiscard]] Report summarise_damage(const DamageProblem& problem,
+                                      const inference::Posterior& posterior, const RunInfo& info);
+
+/// Errors of an emulator on held-out FE runs, per count and mode, with a warning for every mode it
+/// cannot predict. Noise is the data's sd where known.
+[[nodiscard]] Report emulator_report(const FrequencyEmulator& emulator, const FrequencyData& data);
+
+/// "modes 5 to 20", "modes 3, 7 and 9".
+[[nodiscard]] std::string name_modes(const std::vector<int>& modes);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,150 @@
+// wheeltap: the command line.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "apps/commands.hpp"
+#include "apps/failure.hpp"
+#include "emulator/file_error.hpp"
+
+namespace {
+
+using namespace wheeltap;
+using apps::Exit;
+
+int report(Exit exit, const std::string& line) {
+  std::cerr << "wheeltap: " << line << '\n';
+  return static_cast<int>(exit);
+}
+
+Exit exit_of(emulator::FileError::Kind kind) {
+  switch (kind) {
+    case emulator::FileError::Kind::missing:
+      return Exit::no_input;
+    case emulator::FileError::Kind::unwritable:
+      return Exit::cannot_create;
+    default:
+      return Exit::bad_input;
+  }
+}
+
+std::string joined(int argc, char** argv) {
+  std::string line = "wheeltap";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain =
+        !word.empty() && word.find_first_of(" '\"{}[]$*?&|;<>()\\") == std::string::npos;
+    line += " " + (plain ? word : "'" + word + "'");
+  }
+  return line;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Structural health monitoring: how many damages, where, how bad, with honest "
+      "probabilities"};
+  app.set_version_flag("--version", std::string("wheeltap ") + WHEELTAP_VERSION);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+
+  apps::CommonOptions common;
+  common.command_line = joined(argc, argv);
+  apps::ModesOptions modes;
+  apps::SamplingOptions sampling;
+  std::string schema = "damage";
+  constexpr int kMany = 1'000'000'000;
+
+  const auto add_case = [&](CLI::App* command) {
+    command->add_option("CASE", common.case_path, "the case, a JSON file")->required();
+    command->add_option("--set", common.overrides, "override the case: path.to.key=VALUE")
+        ->take_all()
+        ->allow_extra_args(false);
+  };
+  const auto add_output = [&](CLI::App* command, const char* what) {
+    command->add_option("-o,--output", common.output, what)->required();
+    command->add_flag("--quiet", common.quiet, "no progress on standard error");
+  };
+  const auto add_seed = [&](CLI::App* command, const char* what) {
+    command->add_option("--seed", common.seed, what);
+  };
+  const auto add_threads = [&](CLI::App* command) {
+    command
+        ->add_option("--threads", common.threads, "threads (default: all); never changes a result")
+        ->check(CLI::Range(1, 4096));
+  };
+
+  CLI::App* modes_command = app.add_subcommand("modes", "natural frequencies of the case's beam");
+  add_case(modes_command);
+  modes_command->add_option("--modes", modes.modes, "how many, rigid-body ones included")
+      ->check(CLI::Range(1, kMany));
+  modes_command->add_flag("--truth", modes.truth, "damaged as damage.truth says");
+  modes_command->add_flag("--json", modes.json, "as JSON");
+  modes_command->add_flag("--shapes", modes.shapes, "with --json: the shapes too");
+
+  CLI::App* table_command = app.add_subcommand(
+      "table", "run a design of experiments, train the emulator, measure its error");
+  add_case(table_command);
+  add_output(table_command, "the table file to write, NetCDF");
+  add_seed(table_command, "of the fresh FE runs that measure the error (default 1)");
+  add_threads(table_command);
+  table_command->add_flag("--resume", common.resume, "go on where an interrupted table stopped");
+
+  CLI::App* damage_command = app.add_subcommand("damage", "how many damages, where, how bad");
+  add_case(damage_command);
+  add_output(damage_command, "the folder to write results into");
+  add_seed(damage_command, "of the chains (default 1)");
+  add_threads(damage_command);
+  damage_command->add_option("--chains", sampling.chains, "independent chains (default 4)")
+      ->check(CLI::Range(1, 1000));
+  damage_command
+      ->add_option("--warmup", sampling.warmup,
+                   "iterations a chain before the first draw (default: chosen)")
+      ->check(CLI::Range(1, kMany));
+  damage_command
+      ->add_option("--draws", sampling.draws,
+                   "draws a chain, after warm-up (default: until converged)")
+      ->check(CLI::Range(100, kMany));
+  damage_command->add_flag("--prior-only", sampling.prior_only,
+                           "leave the data out: must return the prior");
+  damage_command->add_flag("--resume", common.resume,
+                           "print a finished run of the same case again instead of repeating it");
+
+  CLI::App* simulate_command =
+      app.add_subcommand("simulate", "synthetic frequencies from the case's truth");
+  add_case(simulate_command);
+  add_output(simulate_command, "the file to write: .csv, or .json for a complete case");
+  add_seed(simulate_command, "of the noise (default: the case's, or 1)");
+
+  CLI::App* schema_command = app.add_subcommand("schema", "the JSON Schema of a case");
+  schema_command->add_option("NAME", schema, "which kind of case (default: damage)");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {
+    return app.exit(asked);
+  } catch (const CLI::ParseError& error) {
+    const auto chosen = app.get_subcommands();
+    std::string what = error.what();
+    std::ranges::replace(what, '\n', ' ');
+    return report(Exit::usage, what + " (see wheeltap " +
+                                   (chosen.empty() ? "" : chosen[0]->get_name() + " ") + "--help)");
+  }
+
+  try {
+    if (modes_command->parsed()) apps::run_modes(common, modes);
+    if (table_command->parsed()) apps::run_table(common);
+    if (damage_command->parsed()) apps::run_damage(common, sampling);
+    if (simulate_command->parsed()) apps::run_simulate(common);
+    if (schema_command->parsed()) apps::run_schema(schema);
+    std::cout.flush();
+    if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");
+    return static_cast<int>(Exit::done);
+  } catch (const apps::Failure& failure) {
+    return report(failure.exit(), failure.what());
+  } catch (const emulator::FileError& error) {
+    return report(exit_of(error.kind()), error.what());
+  } catch (const std::exception& error) {
+    return report(Exit::internal, std::string("internal fault: ") + error.what());
+  }
+}

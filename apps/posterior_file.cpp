@@ -1,0 +1,235 @@
+#include "apps/posterior_file.hpp"
+
+#include <netcdf.h>
+
+#include <cmath>
+#include <ctime>
+
+#include "emulator/file_error.hpp"
+#include "inference/random.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+class NetcdfWriter {
+ public:
+  explicit NetcdfWriter(const std::filesystem::path& path) : path_(path) {
+    check(nc_create(path.c_str(), NC_NETCDF4 | NC_CLOBBER, &file_));
+  }
+  NetcdfWriter(const NetcdfWriter&) = delete;
+  NetcdfWriter& operator=(const NetcdfWriter&) = delete;
+  ~NetcdfWriter() {
+    if (file_ >= 0) nc_close(file_);
+  }
+  void close() {
+    const int file = std::exchange(file_, -1);
+    check(nc_close(file));
+  }
+
+  void check(int status) const {
+    if (status == NC_NOERR) return;
+    throw emulator::FileError(emulator::FileError::Kind::unwritable, path_, nc_strerror(status));
+  }
+  [[nodiscard]] int root() const { return file_; }
+  [[nodiscard]] int group(const char* name) const {
+    int id = 0;
+    check(nc_def_grp(file_, name, &id));
+    return id;
+  }
+  void text(int group, int variable, const char* name, const std::string& value) const {
+    check(nc_put_att_text(group, variable, name, value.size(), value.c_str()));
+  }
+  // A dimension with its coordinate variable 0, 1, … (or 1, 2, …).
+  [[nodiscard]] int dimension(int group, const char* name, std::size_t size, int first) const {
+    int id = 0, variable = 0;
+    check(nc_def_dim(group, name, size, &id));
+    check(nc_def_var(group, name, NC_INT, 1, &id, &variable));
+    std::vector<int> values(size);
+    for (std::size_t i = 0; i < size; ++i) values[i] = first + static_cast<int>(i);
+    check(nc_put_var_int(group, variable, values.data()));
+    return id;
+  }
+  [[nodiscard]] int variable(int group, const std::string& name, nc_type type,
+                             const std::vector<int>& dimensions) const {
+    int id = 0;
+    check(nc_def_var(group, name.c_str(), type, static_cast<int>(dimensions.size()),
+                     dimensions.data(), &id));
+    if (dimensions.size() > 1) check(nc_def_var_deflate(group, id, 1, 1, 1));
+    return id;
+  }
+  int put(int group, const std::string& name, const std::vector<int>& dimensions,
+          const std::vector<double>& values) const {
+    const int id = variable(group, name, NC_DOUBLE, dimensions);
+    check(nc_put_var_double(group, id, values.data()));
+    return id;
+  }
+  int put(int group, const std::string& name, const std::vector<int>& dimensions,
+          const std::vector<float>& values) const {
+    const int id = variable(group, name, NC_FLOAT, dimensions);
+    check(nc_put_var_float(group, id, values.data()));
+    return id;
+  }
+  int put(int group, const std::string& name, const std::vector<int>& dimensions,
+          const std::vector<int>& values, nc_type type = NC_INT) const {
+    const int id = variable(group, name, type, dimensions);
+    check(nc_put_var_int(group, id, values.data()));
+    return id;
+  }
+
+ private:
+  std::filesystem::path path_;
+  int file_ = -1;
+};
+
+std::string now() {
+  const std::time_t t = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&t, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+}  // namespace
+
+void write_posterior_file(const std::filesystem::path& path, const DamageProblem& problem,
+                          const inference::Posterior& posterior, std::uint64_t seed) {
+  const DamageCase& damage_case = problem.damage_case;
+  const FrequencyData& data = damage_case.data;
+  const auto& space = *posterior.space;
+  const std::size_t chains = posterior.chains.size();
+  const std::size_t draws = posterior.chains[0].model.size();
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  const auto modes = static_cast<std::size_t>(data.modes());
+  const bool several = damage_case.kinds.size() > 1;
+
+  // Collects one number a draw over all chains, in the file's order.
+  const auto each = [&](auto value) {
+    using Number = decltype(value(posterior.chains[0], std::size_t{0}));
+    std::vector<Number> all;
+    all.reserve(chains * draws);
+    for (const auto& chain : posterior.chains) {
+      for (std::size_t i = 0; i < draws; ++i) all.push_back(value(chain, i));
+    }
+    return all;
+  };
+  const auto count_of = [&](std::size_t kind) {
+    return each([&](const inference::Chain& chain, std::size_t i) {
+      return space[chain.model[i]].counts[kind];
+    });
+  };
+  const auto total_count = each([&](const inference::Chain& chain, std::size_t i) {
+    int sum = 0;
+    for (const int n : space[chain.model[i]].counts) sum += n;
+    return sum;
+  });
+
+  NetcdfWriter file(path);
+  file.text(file.root(), NC_GLOBAL, "inference_library", "wheeltap");
+  file.text(file.root(), NC_GLOBAL, "inference_library_version", WHEELTAP_VERSION);
+  file.text(file.root(), NC_GLOBAL, "created_at", now());
+  file.text(file.root(), NC_GLOBAL, "title", damage_case.title);
+  file.text(file.root(), NC_GLOBAL, "case", damage_case.file.json.dump());
+
+  {
+    const int group = file.group("posterior");
+    const int chain = file.dimension(group, "chain", chains, 0);
+    const int draw = file.dimension(group, "draw", draws, 0);
+    std::string names;
+    for (const auto& model : space.models()) names += (names.empty() ? "" : ";") + model.name;
+    const int model =
+        file.put(group, "model", {chain, draw},
+                 each([](const inference::Chain& c, std::size_t i) { return c.model[i]; }));
+    file.text(group, model, "names", names);
+    file.put(group, "k", {chain, draw}, total_count);
+    for (int p = 0; p < problem.common; ++p) {
+      file.put(group, space.parameters()[static_cast<std::size_t>(p)].name, {chain, draw},
+               each([&](const inference::Chain& c, std::size_t i) {
+                 return c.theta[i * width + static_cast<std::size_t>(p)];
+               }));
+    }
+    for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+      const DefectKind& kind = damage_case.kinds[k];
+      if (kind.max_count == 0) continue;
+      const auto slots = static_cast<std::size_t>(kind.max_count);
+      const std::string prefix = several ? kind.name + "_" : "";
+      const int slot = file.dimension(group, (prefix + "slot").c_str(), slots, 1);
+      if (several) file.put(group, "k_" + kind.name, {chain, draw}, count_of(k));
+      const std::size_t parameters = kind.severity_prior() ? 2 : 1;
+      for (std::size_t p = 0; p < parameters; ++p) {
+        std::vector<double> values;
+        values.reserve(chains * draws * slots);
+        for (const auto& c : posterior.chains) {
+          for (std::size_t i = 0; i < draws; ++i) {
+            const auto& m = space[c.model[i]];
+            for (std::size_t s = 0; s < slots; ++s) {
+              values.push_back(static_cast<int>(s) < m.counts[k]
+                                   ? c.theta[i * width + static_cast<std::size_t>(m.offsets[k]) +
+                                             parameters * s + p]
+                                   : std::nan(""));
+            }
+          }
+        }
+        const std::string name = p == 0 ? "location" : kind.severity_name();
+        const int id = file.put(group, prefix + name, {chain, draw, slot}, values);
+        if (p == 0) file.text(group, id, "units", "m");
+        if (p == 1 && kind.type == DefectKind::Type::support) {
+          file.text(group, id, "units", kind.rotation ? "N m/rad" : "N/m");
+        }
+      }
+    }
+  }
+  {
+    const int group = file.group("sample_stats");
+    const int chain = file.dimension(group, "chain", chains, 0);
+    const int draw = file.dimension(group, "draw", draws, 0);
+    file.put(group, "lp", {chain, draw}, each([](const inference::Chain& c, std::size_t i) {
+               return c.log_prior[i] + c.log_likelihood[i];
+             }));
+    file.put(group, "log_likelihood", {chain, draw},
+             each([](const inference::Chain& c, std::size_t i) { return c.log_likelihood[i]; }));
+    file.put(group, "k", {chain, draw}, total_count);
+    const int move = file.put(
+        group, "move", {chain, draw},
+        each([](const inference::Chain& c, std::size_t i) { return static_cast<int>(c.move[i]); }),
+        NC_SHORT);
+    std::string names;
+    for (const auto& m : posterior.moves) names += (names.empty() ? "" : ";") + m.name;
+    file.text(group, move, "names", names);
+    file.put(group, "accepted", {chain, draw}, each([](const inference::Chain& c, std::size_t i) {
+               return static_cast<int>(c.accepted[i]);
+             }),
+             NC_BYTE);
+  }
+  if (posterior.predictions == data.modes()) {
+    const int group = file.group("posterior_predictive");
+    const int chain = file.dimension(group, "chain", chains, 0);
+    const int draw = file.dimension(group, "draw", draws, 0);
+    const int mode = file.dimension(group, "mode", modes, 1);
+    std::vector<float> values;
+    values.reserve(chains * draws * modes);
+    for (std::size_t c = 0; c < chains; ++c) {
+      const auto& from = posterior.chains[c];
+      for (std::size_t i = 0; i < draws; ++i) {
+        inference::Random random(seed, c, i, inference::Purpose::prediction);
+        for (std::size_t m = 0; m < modes; ++m) {
+          const double f = from.prediction[i * modes + m];
+          const double sd = data.cov_prior ? from.theta[i * width] * f : data.sd_hz[m];
+          values.push_back(static_cast<float>(f + (std::isnan(sd) ? 0.0 : sd) * random.normal()));
+        }
+      }
+    }
+    const int id = file.put(group, "frequency", {chain, draw, mode}, values);
+    file.text(group, id, "units", "Hz");
+  }
+  {
+    const int group = file.group("observed_data");
+    const int mode = file.dimension(group, "mode", modes, 1);
+    const int id = file.put(group, "frequency", {mode}, data.frequencies_hz);
+    file.text(group, id, "units", "Hz");
+    if (!data.sd_hz.empty()) file.put(group, "sd", {mode}, data.sd_hz);
+  }
+  file.close();
+}
+
+}  // namespace wheeltap::apps

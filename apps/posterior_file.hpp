@@ -1,0 +1,20 @@
+// posterior.nc: every draw of a damage run, in the ArviZ InferenceData layout.
+#pragma once
+
+#include <filesystem>
+
+#include "apps/damage_problem.hpp"
+#include "inference/reversible_jump.hpp"
+
+namespace wheeltap::apps {
+
+/// Writes a NetCDF-4 file with the groups
+///   posterior             parameters (chain, draw[, slot]), NaN in unused slots; k, model
+///   sample_stats          lp, log_likelihood, k, move, accepted (chain, draw)
+///   posterior_predictive  frequency (chain, draw, mode): predicted, with the noise of `seed` added
+///   observed_data         frequency (mode)
+/// and attributes that name models and moves. Throws emulator::FileError (unwritable).
+void write_posterior_file(const std::filesystem::path& path, const DamageProblem& problem,
+                          const inference::Posterior& posterior, std::uint64_t seed);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,357 @@
+#include "apps/terminal.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <numeric>
+
+namespace wheeltap::apps {
+namespace {
+
+constexpr int kWidth = 76;
+constexpr double kWorthTelling = 0.05;
+
+struct Style {
+  bool colour;
+  [[nodiscard]] std::string bold(const std::string& text) const {
+    return colour ? "\x1b[1m" + text + "\x1b[0m" : text;
+  }
+  [[nodiscard]] std::string warn(const std::string& text) const {
+    return colour ? "\x1b[33m" + text + "\x1b[0m" : text;
+  }
+};
+
+// Characters, not bytes, of UTF-8 text.
+std::size_t columns(const std::string& text) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+std::string pad_right(const std::string& text, std::size_t width) {
+  const std::size_t n = columns(text);
+  return n < width ? text + std::string(width - n, ' ') : text;
+}
+
+std::string pad_left(const std::string& text, std::size_t width) {
+  const std::size_t n = columns(text);
+  return n < width ? std::string(width - n, ' ') + text : text;
+}
+
+std::string repeated(const std::string& glyph, int n) {
+  std::string text;
+  for (int i = 0; i < n; ++i) text += glyph;
+  return text;
+}
+
+// A bar of eighths of a character.
+std::string bar(double fraction, int width) {
+  static const char* parts[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+  const int eighths = static_cast<int>(std::lround(std::clamp(fraction, 0.0, 1.0) * width * 8));
+  return repeated("█", eighths / 8) + parts[eighths % 8];
+}
+
+// Text broken at spaces, further lines indented.
+void print_wrapped(std::ostream& out, const std::string& text, const std::string& first,
+                   const std::string& further) {
+  std::string line = first;
+  std::size_t used = columns(first);
+  bool fresh = true;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    if (!fresh && used + 1 + columns(word) > static_cast<std::size_t>(kWidth)) {
+      out << line << '\n';
+      line = further;
+      used = columns(further);
+      fresh = true;
+    }
+    line += (fresh ? "" : " ") + word;
+    used += columns(word) + (fresh ? 0 : 1);
+    fresh = false;
+    at = end + 1;
+  }
+  out << line << '\n';
+}
+
+// Rows of cells, the first column left-aligned, all others right-aligned.
+void print_table(std::ostream& out, const std::vector<std::vector<std::string>>& rows,
+                 const Style& style) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], columns(row[c]));
+  }
+  bool header = true;
+  for (const auto& row : rows) {
+    std::string line = "  ";
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      line += c == 0 ? pad_right(row[c], widths[c]) : "   " + pad_left(row[c], widths[c]);
+    }
+    out << (header ? style.bold(line) : line) << '\n';
+    header = false;
+  }
+}
+
+std::string number(const Report& value, int digits) {
+  return value.is_number() ? significant(value.get<double>(), digits) : "-";
+}
+
+std::string interval(const Report& s, const std::function<std::string(double)>& text) {
+  return text(s["q2.5"]) + " to " + text(s["q97.5"]);
+}
+
+std::string metres(double x) {
+  return fixed(x, 3);
+}
+
+std::string severity_text(const std::string& name, double x) {
+  return name == "reduction" ? fixed(100.0 * x, 0) + " %" : significant(x, 3);
+}
+
+// "location[1]" → {"location", "1"}, prefix of the kind kept.
+struct Slot {
+  std::string base, index;
+};
+Slot split_label(const std::string& label) {
+  const auto bracket = label.find('[');
+  if (bracket == std::string::npos) return {label, ""};
+  return {label.substr(0, bracket), label.substr(bracket + 1, label.size() - bracket - 2)};
+}
+
+const Report* find_kind(const Report& summary, const std::string& label) {
+  const auto& kinds = summary["kinds"];
+  if (kinds.size() == 1) return &kinds[0];
+  for (const auto& kind : kinds) {
+    if (label.starts_with(kind["name"].get<std::string>() + " ")) return &kind;
+  }
+  return nullptr;
+}
+
+// One line a defect, from the plain or the folded parameter table of a model.
+void print_defects(std::ostream& out, const Report& summary, const Report& table, bool folded,
+                   const Style& style) {
+  const double length = summary["beam"]["length"];
+  std::vector<std::vector<std::string>> rows;
+  std::string severity_heading;
+  for (const auto& [label, s] : table.items()) {
+    const Slot slot = split_label(label);
+    if (slot.index.empty() || !slot.base.ends_with("location")) continue;
+    const Report* kind = find_kind(summary, label);
+    const std::string name = kind != nullptr ? (*kind)["name"].get<std::string>() : "defect";
+    const double at = s["q50"];
+    std::vector<std::string> row = {name + " " + slot.index, metres(at) + " m"};
+    if (folded) row.push_back(metres(length - at) + " m");
+    row.push_back(interval(s, metres) + " m");
+    if (kind != nullptr && (*kind)["severity"].is_string()) {
+      const std::string severity = (*kind)["severity"];
+      const std::string prefix = slot.base.substr(0, slot.base.size() - 8);
+      for (const std::string& key :
+           {prefix + severity + "[" + slot.index + "]", severity + "[" + slot.index + "]"}) {
+        if (!table.contains(key)) continue;
+        const auto text = [&](double x) { return severity_text(severity, x); };
+        row.push_back(text(table[key]["q50"]));
+        row.push_back(interval(table[key], text));
+        severity_heading = severity;
+        break;
+      }
+    }
+    rows.push_back(std::move(row));
+  }
+  if (rows.empty()) return;
+  std::vector<std::string> header = {"", "location"};
+  if (folded) header.emplace_back("or its mirror");
+  header.emplace_back("95 % interval");
+  if (!severity_heading.empty()) {
+    header.push_back(severity_heading == "reduction" ? "stiffness lost" : "stiffness [N/m]");
+    header.emplace_back("95 % interval");
+  }
+  rows.insert(rows.begin(), header);
+  print_table(out, rows, style);
+}
+
+std::string support_glyph(const Report& s) {
+  const bool deflection = s["deflection"], rotation = s["rotation"];
+  if (!s["stiffness"].is_string()) return "≀";
+  if (deflection && rotation) return "█";
+  return deflection ? "▲" : "◆";
+}
+
+}  // namespace
+
+bool colour_wanted() {
+  return isatty(STDOUT_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
+}
+
+std::string draw_beam(const Report& beam, const std::vector<double>& inclusion, int width) {
+  static const char* levels[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  const double length = beam["length"];
+  const auto n = static_cast<int>(inclusion.size());
+  std::vector<double> density(static_cast<std::size_t>(width));
+  // Each element spreads its expected number evenly over the columns it covers.
+  for (int e = 0; e < n; ++e) {
+    const double from = static_cast<double>(e) * width / n, to = (e + 1.0) * width / n;
+    for (int c = static_cast<int>(from); c < width && c < to; ++c) {
+      const double overlap = std::min(to, c + 1.0) - std::max(from, static_cast<double>(c));
+      density[static_cast<std::size_t>(c)] +=
+          inclusion[static_cast<std::size_t>(e)] * overlap / (to - from);
+    }
+  }
+  const double peak = *std::ranges::max_element(density);
+  std::string top, supports;
+  std::vector<std::string> feet(static_cast<std::size_t>(width), " ");
+  for (const double d : density) {
+    const double share = peak > 0.0 ? d / peak : 0.0;
+    const int level = share > 0.01 ? std::clamp(static_cast<int>(std::ceil(share * 8.0)), 1, 8) : 0;
+    top += levels[level];
+  }
+  for (const auto& s : beam["supports"]) {
+    const double at = s["at"].get<double>() / length * (width - 1);
+    feet[static_cast<std::size_t>(std::lround(at))] = support_glyph(s);
+  }
+  for (const auto& f : feet) supports += f;
+  std::string scale(static_cast<std::size_t>(width), ' ');
+  std::string text = "  " + top + "\n  " + repeated("━", width) + "\n  " + supports + "\n  ";
+  const std::string left = "0", middle = significant(0.5 * length, 3),
+                    right = significant(length, 4) + " m";
+  const auto w = static_cast<std::size_t>(width);
+  std::string labels = left;
+  labels = pad_right(labels, w / 2 - middle.size() / 2) + middle;
+  labels = pad_right(labels, w - right.size()) + right;
+  return text + labels + "\n";
+}
+
+void print_emulator(std::ostream& out, const Report& emulator, bool colour) {
+  const Style style{colour};
+  for (const auto& [count, table] : emulator["counts"].items()) {
+    out << "\nEmulator for " << count << (count == "1" ? " damage" : " damages") << " ("
+        << table["runs"] << " FE runs), error on fresh FE runs:\n";
+    std::vector<std::vector<std::string>> rows = {
+        {"mode", "RMSE [Hz]", "largest [Hz]", "RMSE / effect", "Q2", "noise sd [Hz]"}};
+    for (const auto& m : table["modes"]) {
+      rows.push_back({m["mode"].dump(), number(m["rmse"], 3), number(m["max_error"], 3),
+                      number(m["relative_rmse"], 2), number(m["q2"], 3), number(m["noise"], 3)});
+    }
+    print_table(out, rows, style);
+  }
+  for (const auto& w : emulator["warnings"]) {
+    print_wrapped(out, w.get<std::string>(), style.warn("! "), "  ");
+  }
+}
+
+void print_damage(std::ostream& out, const Report& summary, bool colour) {
+  const Style style{colour};
+  const auto& models = summary["models"];
+  out << '\n' << style.bold(summary["title"].get<std::string>()) << '\n';
+  out << "Data: " << summary["data"]["origin"].get<std::string>() << '\n';
+
+  const bool several = summary["kinds"].size() > 1;
+  out << '\n'
+      << style.bold(several ? "What is there?"
+                            : "How many " + summary["kinds"][0]["plural"].get<std::string>() + "?")
+      << '\n';
+  std::size_t widest = 0;
+  for (const auto& m : models) widest = std::max(widest, columns(m["name"]));
+  for (const auto& m : models) {
+    const double p = m["probability"];
+    out << "  " << pad_right(m["name"], widest) << "  " << pad_left(percent(p), 8) << " ± "
+        << pad_right(significant(100.0 * m["mcse"].get<double>(), 2) + " %", 9) << ' ' << bar(p, 30)
+        << '\n';
+  }
+  out << "  (± is the Monte Carlo error of this run; a priori";
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    out << (i > 0 ? ", " : " ") << percent(models[i]["prior"]);
+  }
+  out << ")\n";
+
+  const bool folded = summary["damage"].contains("folded");
+  for (const auto& m : models) {
+    const std::string name = m["name"];
+    const double p = m["probability"];
+    if (p < kWorthTelling || !summary["parameters"].contains(name)) continue;
+    const Report& table = folded && summary["damage"]["folded"].contains(name)
+                              ? summary["damage"]["folded"][name]
+                              : summary["parameters"][name];
+    bool has_defects = false;
+    for (const auto& [label, ignored] : table.items()) {
+      has_defects = has_defects || label.find('[') != std::string::npos;
+    }
+    if (!has_defects) continue;
+    out << '\n' << style.bold("If " + name) << " (" << percent(p) << ")\n";
+    print_defects(out, summary, table, folded, style);
+  }
+  for (const auto& m : models) {
+    const std::string name = m["name"];
+    if (m["probability"].get<double>() < kWorthTelling) continue;
+    const auto& table = summary["parameters"][name];
+    if (table.contains("cov")) {
+      const auto& s = table["cov"];
+      out << "\nNoise (coefficient of variation) if " << name << ": " << number(s["q50"], 3)
+          << ", 95 % " << interval(s, [](double x) { return significant(x, 3); }) << '\n';
+    }
+  }
+
+  const auto draw = [&](const Report& by_element, const std::string& plural) {
+    const auto inclusion = by_element["overall"].get<std::vector<double>>();
+    const double expected = std::accumulate(inclusion.begin(), inclusion.end(), 0.0);
+    out << '\n'
+        << style.bold("Where along the beam are the " + plural + "?") << " (expected number "
+        << significant(expected, 3) << "; tallest bar "
+        << percent(*std::ranges::max_element(inclusion)) << " in one element)\n";
+    out << draw_beam(summary["beam"], inclusion, kWidth - 4);
+  };
+  for (const auto& kind : summary["kinds"]) {
+    const auto& by_element = summary["damage"]["inclusion_by_element"];
+    draw(several ? by_element[kind["name"].get<std::string>()] : by_element, kind["plural"]);
+  }
+
+  const auto& diagnosed = summary["diagnostics"];
+  const auto& warnings = diagnosed["warnings"];
+  if (!warnings.empty()) out << '\n' << style.bold("What to keep in mind") << '\n';
+  for (const auto& w : warnings) {
+    print_wrapped(out, w.get<std::string>(), style.warn("! "), "  ");
+  }
+
+  const auto& cost = summary["cost"];
+  out << '\n'
+      << cost["chains"] << " chains of " << cost["draws_a_chain"] << " draws in "
+      << significant(cost["wall_seconds"], 2) << " s; effective sample size of the count "
+      << (diagnosed["ess_model"].is_number() ? rounded_count(diagnosed["ess_model"]) : "-")
+      << ", largest R-hat "
+      << (diagnosed["rhat_max"].is_number() ? fixed(diagnosed["rhat_max"], 4) : "-") << ".\n";
+  out << (diagnosed["converged"].get<bool>()
+              ? "Converged."
+              : style.warn("NOT CONVERGED: see the first point above."))
+      << '\n';
+}
+
+ProgressBar::ProgressBar(bool quiet) : visible_(!quiet && isatty(STDERR_FILENO) != 0) {}
+
+void ProgressBar::show(const std::string& stage, double fraction, const std::string& detail) {
+  if (!visible_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (stage != stage_) stage_ = stage, began_ = now, last_ = {};
+  if (now - last_ < std::chrono::milliseconds(80)) return;
+  last_ = now;
+  const double seconds = std::chrono::duration<double>(now - began_).count();
+  std::string left;
+  if (fraction > 0.05 && seconds > 1.0) {
+    left = "  " + fixed(seconds * (1.0 - fraction) / fraction, 0) + " s left";
+  }
+  const std::string line = pad_right(stage, 12) + " " + pad_right(bar(fraction, 24), 24) + " " +
+                           pad_left(fixed(100.0 * fraction, 0), 3) + " %" + left +
+                           (detail.empty() ? "" : "  " + detail);
+  std::fprintf(stderr, "\r\x1b[K%s", line.c_str());
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+void ProgressBar::clear() {
+  if (drawn_) std::fprintf(stderr, "\r\x1b[K");
+  drawn_ = false;
+}
+
+}  // namespace wheeltap::apps
