@@ -12,8 +12,8 @@
 #include <stdexcept>
 
 #include "fem/assembly.hpp"
-#include "fem/skyline_ldlt.hpp"
 #include "fem/strain_energy.hpp"
+#include "fem/sturm_certificate.hpp"
 
 namespace wheeltap::fem {
 namespace {
@@ -22,8 +22,6 @@ using Sparse = Assembly<double>::Sparse;
 
 /// Modes computed above the wanted ones, among which the Sturm count looks for a gap.
 constexpr Eigen::Index kSpareModes = 3;
-/// A gap between eigenvalues that rounding cannot close.
-constexpr double kClearGap = 1e-6;
 
 /// y = (K - σ M)⁻¹ x for Spectra, by CHOLMOD's simplicial L D Lᵀ.
 class ShiftInvert {
@@ -107,17 +105,9 @@ Modes finish(const Beam& beam, const Defects& defects, const Assembly<double>& a
   return modes;
 }
 
-/// Keeps the lowest `count` modes; certified where K - σ M has, for a σ in the first clear gap
-/// above them, as many negative pivots as there are computed modes below σ.
+/// Keeps the lowest `count` modes, certified or not.
 void certify_and_trim(Modes& modes, const Assembly<double>& a, Eigen::Index count) {
-  const Eigen::Index computed = modes.eigenvalues.size(), n = a.stiffness.rows();
-  modes.certified = computed == n;
-  for (Eigen::Index below = count; below < computed && !modes.certified; ++below) {
-    const double low = modes.eigenvalues[below - 1], high = modes.eigenvalues[below];
-    if (high - low <= kClearGap * high) continue;
-    modes.certified = SkylineLdlt<double>(a.stiffness, a.mass).factor((low + high) / 2) == below;
-    break;
-  }
+  modes.certified = nothing_missed(a, modes.eigenvalues, count);
   modes.eigenvalues.conservativeResize(count);
   modes.frequencies_hz.conservativeResize(count);
   modes.shapes.conservativeResize(Eigen::NoChange, count);

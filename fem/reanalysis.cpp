@@ -142,8 +142,10 @@ struct Reanalysis::Impl {
 
 struct Reanalysis::Workspace::Impl {
   std::vector<std::pair<int, double>> lost;  // element, fraction of stiffness lost
+  std::vector<Damage> damages;
   std::vector<double> columns, inverse_gamma, flexibility, product, pairs;
-  std::vector<double> lambda;  // roots
+  std::vector<double> eta, coordinates, strains, point_rows;  // one mode and what is seen of it
+  std::vector<double> lambda;                                 // roots
   detail::SecularScratch scratch;
   Secular secular;
   int damage_columns = 0, support_columns = 0;
@@ -193,7 +195,10 @@ struct Reanalysis::Solver {
     double low = 0.0, high = 0.0;
     double last_step = 0.0;
     int evaluations = 0;
+    bool settled = false;  // at the root: one more evaluation there gives the mode
   };
+
+  const Results* results = nullptr;  // where modes are wanted too
 
   double* add_column(double inverse_gamma) {
     const std::size_t m = work.inverse_gamma.size();
@@ -244,6 +249,21 @@ struct Reanalysis::Solver {
     double sum = 0.0;
     for (std::size_t j = 0; j < intact.stride; ++j) sum += a[j] * b[j] * intact.compliances[j];
     return sum;
+  }
+
+  /// row[j] = N(x) · φ_j; returns the compliance of its terms, had they not cancelled.
+  double motion(double at, bool rotation, double* row) const {
+    const MotionRow<double> motion = motion_row(intact.beam, intact.element, at, rotation);
+    std::fill_n(row, intact.stride, 0.0);
+    double uncancelled = 0.0;
+    for (int i = 0; i < 4; ++i) {
+      const double coefficient = motion.coefficients[i];
+      if (coefficient == 0.0) continue;
+      const double* dof = intact.dof_rows.data() + index(motion.first_dof + i) * intact.stride;
+      for (std::size_t j = 0; j < intact.stride; ++j) row[j] += coefficient * dof[j];
+      uncancelled += coefficient * coefficient * compliance(dof, dof);
+    }
+    return uncancelled;
   }
 
   void add_support(const SpringSupport& s, bool rigid_ones) {
@@ -380,13 +400,19 @@ struct Reanalysis::Solver {
     }
     // Damaged eigenvalues below the two that H follows.
     const int first = pole + static_cast<int>(steps.negative.lane[lane]) - work.support_columns;
+    if (search.settled) {
+      const bool is_low =
+          search.root == first || (search.root != first + 1 && -low_step < high_step);
+      capture(search.root, search.z, pole, steps, lane, is_low);
+      return true;
+    }
     const int below = first + (low_step < 0.0) + (high_step < 0.0);
     (search.root < below ? search.high : search.low) = search.z;
 
     const double width = search.high - search.low;
     if (width <= 4e-16 * search.high) {
       search.z = 0.5 * (search.high + search.low);
-      return true;
+      return settle(search);
     }
     const bool followed = search.root == first || search.root == first + 1;
     if (followed && search.evaluations < kPatience) {
@@ -403,7 +429,7 @@ struct Reanalysis::Solver {
       search.last_step = step;
       if (error <= kRootError * search.z) {
         search.z = next;
-        return true;
+        return settle(search);
       }
       if (inside) {
         search.z = next;
@@ -416,12 +442,147 @@ struct Reanalysis::Solver {
     return false;
   }
 
+  /// The root is known; where its mode is wanted, one more evaluation follows.
+  [[nodiscard]] bool settle(Search& search) const {
+    search.settled = results != nullptr;
+    return !search.settled;
+  }
+
+  /// The mode from H v = 0 at the root: v, then η = A⁻¹ [c_p c_{p+1}] v, then every coordinate.
+  void capture(int root, double z, int pole, const SecularSteps& steps, int lane,
+               bool is_low) const {
+    const auto at = [lane](const Pack& pack) { return pack.lane[lane]; };
+    const double d = is_low ? at(steps.low) : at(steps.high);
+    const double n11 = at(steps.n11), n12 = at(steps.n12), n22 = at(steps.n22);
+    const double r11 = at(steps.h11) - d * n11, r12 = at(steps.h12) - d * n12,
+                 r22 = at(steps.h22) - d * n22;
+    double v1 = -r12, v2 = r11;
+    if (std::abs(r11) < std::abs(r22)) v1 = r22, v2 = -r12;
+    if (v1 == 0.0 && v2 == 0.0) {  // a double root: any two N-orthogonal vectors
+      v1 = is_low ? 1.0 : -n12;
+      v2 = is_low ? 0.0 : n11;
+    }
+    const double scale = 1.0 / std::sqrt(v1 * v1 * n11 + 2.0 * v1 * v2 * n12 + v2 * v2 * n22);
+    v1 *= scale;
+    v2 *= scale;
+    const auto m = index(work.secular.columns);
+    for (std::size_t a = 0; a < m; ++a)
+      work.eta[a] = at(work.scratch.poles[a]) * v1 + at(work.scratch.poles[m + a]) * v2;
+    std::fill(work.coordinates.begin(), work.coordinates.end(), 0.0);
+    for (std::size_t a = 0; a < m; ++a) {
+      const double* c = work.columns.data() + a * intact.stride;
+      for (std::size_t j = 0; j < intact.stride; ++j) work.coordinates[j] += work.eta[a] * c[j];
+    }
+    for (std::size_t j = 0; j < intact.stride; ++j) {
+      const double gap = intact.eigenvalues[j] - z;
+      work.coordinates[j] = gap == 0.0 ? 0.0 : work.coordinates[j] / gap;
+    }
+    work.coordinates[index(pole)] = v1;
+    work.coordinates[index(pole) + 1] = v2;
+    report(root, z);
+  }
+
+  /// A rigid-body mode that the supports leave, or an intact mode where nothing is wrong.
+  void report_unchanged(int root) const {
+    std::fill(work.coordinates.begin(), work.coordinates.end(), 0.0);
+    work.coordinates[index(root)] = 1.0;
+    if (root < work.rigid && work.rigid < intact.rigid) {
+      // One of two rigid motions is held: turn about the held place, or translate.
+      double held0 = 0.0, held1 = 0.0;
+      for (int a = work.damage_columns; a < work.secular.columns; ++a) {
+        const double* c = work.columns.data() + index(a) * intact.stride;
+        if (std::hypot(c[0], c[1]) > std::hypot(held0, held1)) held0 = c[0], held1 = c[1];
+      }
+      const double size = std::hypot(held0, held1);
+      work.coordinates[0] = -held1 / size;
+      work.coordinates[1] = held0 / size;
+    }
+    report(root, root < work.rigid ? 0.0 : intact.eigenvalues[index(root)]);
+  }
+
+  /// Writes what is wanted of one mode, φ = Σ_j coordinates[j] φ_j.
+  void report(int root, double lambda) const {
+    const int n = static_cast<int>(intact.stride);
+    const double* q = work.coordinates.data();
+    // ∂f/∂λ = 1 / (8 π² f)
+    const double per_lambda =
+        lambda > 0.0 ? 1.0 / (4.0 * std::numbers::pi * std::sqrt(lambda)) : 0.0;
+    const auto gradient = [&](double bending, double shear) {
+      return -per_lambda * (bending * bending + shear * shear);
+    };
+    const auto loss = [&](int e) {
+      for (const auto& [element, lost] : work.lost)
+        if (element == e) return lost;
+      return 0.0;
+    };
+    double strain[2];
+    if (!results->damage_gradients_hz.empty()) {
+      const std::size_t count = work.damages.size();
+      for (std::size_t d = 0; d < count; ++d) {
+        const int e = intact.beam.element_at(work.damages[d].location);
+        detail::project(intact.element_rows.data() + 2 * index(e) * intact.stride, 2, intact.stride,
+                        q, n, strain);
+        results->damage_gradients_hz[index(root) * count + d] =
+            gradient(strain[0], strain[1]) * (1.0 - loss(e)) / (1.0 - work.damages[d].reduction);
+      }
+    }
+    if (!results->element_gradients_hz.empty()) {
+      const int count = intact.beam.elements;
+      work.strains.resize(2 * index(count));
+      detail::project(intact.element_rows.data(), 2 * count, intact.stride, q, n,
+                      work.strains.data());
+      double* to = results->element_gradients_hz.data() + index(root) * index(count);
+      for (std::size_t e = 0; e < index(count); ++e)
+        to[e] = gradient(work.strains[2 * e], work.strains[2 * e + 1]);
+      for (const auto& [e, lost] : work.lost) to[e] *= 1.0 - lost;
+    }
+    if (!results->shapes.empty()) {
+      const std::size_t count = results->points.size();
+      double* to = results->shapes.data() + index(root) * count;
+      detail::project(work.point_rows.data(), static_cast<int>(count), intact.stride, q, n, to);
+      const std::span<double> shape(to, count);
+      double largest = 0.0;
+      for (const double w : shape) largest = std::max(largest, std::abs(w));
+      const auto first = std::find_if(shape.begin(), shape.end(), [&](double w) {
+        return std::abs(w) >= (1.0 - 1e-6) * largest;
+      });
+      if (*first < 0.0)
+        for (double& w : shape) w = -w;
+    }
+  }
+
+  /// Rows of the intact modes at the points, and room for one mode.
+  void want(const Results& wanted, std::span<const Damage> damages) {
+    const std::size_t n = wanted.frequencies_hz.size();
+    const auto require = [](const char* name, std::size_t size, std::size_t expected) {
+      if (size != 0 && size != expected)
+        throw std::invalid_argument(std::string(name) + " has size " + std::to_string(size) +
+                                    ": must be empty or " + std::to_string(expected));
+    };
+    require("damage_gradients_hz", wanted.damage_gradients_hz.size(), n * damages.size());
+    require("element_gradients_hz", wanted.element_gradients_hz.size(),
+            n * index(intact.beam.elements));
+    require("shapes", wanted.shapes.size(), n * wanted.points.size());
+    if (wanted.damage_gradients_hz.empty() && wanted.element_gradients_hz.empty() &&
+        wanted.shapes.empty())
+      return;
+    results = &wanted;
+    work.damages.assign(damages.begin(), damages.end());
+    work.eta.resize(index(work.secular.columns));
+    work.coordinates.resize(intact.stride);
+    if (wanted.shapes.empty()) return;
+    work.point_rows.resize(wanted.points.size() * intact.stride);
+    for (std::size_t i = 0; i < wanted.points.size(); ++i)
+      motion(wanted.points[i].at, wanted.points[i].rotation,
+             work.point_rows.data() + i * intact.stride);
+  }
+
   void solve(int count) {
     work.lambda.assign(index(count), 0.0);
-    const int rigid = std::min(count, work.rigid);
-    if (work.secular.columns == 0) {
-      std::copy_n(intact.eigenvalues.begin(), count, work.lambda.begin());
-      return;
+    const int rigid = work.secular.columns == 0 ? count : std::min(count, work.rigid);
+    for (int root = 0; root < rigid; ++root) {
+      if (root >= work.rigid) work.lambda[index(root)] = intact.eigenvalues[index(root)];
+      if (results) report_unchanged(root);
     }
     int next = rigid, active = 0;
     Search lanes[kLanes];
@@ -452,10 +613,23 @@ struct Reanalysis::Solver {
 void Reanalysis::frequencies_hz(std::span<const Damage> damages,
                                 std::span<const SpringSupport> supports, Workspace& workspace,
                                 std::span<double> out) const {
+  solve(damages, supports, workspace,
+        {.frequencies_hz = out,
+         .damage_gradients_hz = {},
+         .element_gradients_hz = {},
+         .shapes = {},
+         .points = {}});
+}
+
+void Reanalysis::solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
+                       Workspace& workspace, const Results& results) const {
+  const auto count = static_cast<int>(results.frequencies_hz.size());
   Solver solver{*impl_, *workspace.impl_};
-  solver.set(damages, supports, static_cast<int>(out.size()));
-  solver.solve(static_cast<int>(out.size()));
-  std::transform(workspace.impl_->lambda.begin(), workspace.impl_->lambda.end(), out.begin(),
+  solver.set(damages, supports, count);
+  solver.want(results, damages);
+  solver.solve(count);
+  std::transform(workspace.impl_->lambda.begin(), workspace.impl_->lambda.end(),
+                 results.frequencies_hz.begin(),
                  [](double lambda) { return std::sqrt(lambda) / (2.0 * std::numbers::pi); });
 }
 

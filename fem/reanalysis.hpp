@@ -31,6 +31,25 @@ class Reanalysis {
   Reanalysis(Reanalysis&&) noexcept;
   Reanalysis& operator=(Reanalysis&&) noexcept;
 
+  /// A motion to observe: the deflection, or the rotation, at a place.
+  struct Point {
+    double at;  ///< x [m] in [0, L]
+    bool rotation = false;
+  };
+
+  /// Where `solve` writes; what is empty is not computed. Matrices are row-major, a row a mode.
+  struct Results {
+    std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
+    /// n × damages: ∂f/∂r of each listed damage, the others held [Hz].
+    std::span<double> damage_gradients_hz;
+    /// n × elements: ∂f/∂r of a further damage, compounding with those listed, at r = 0 [Hz].
+    std::span<double> element_gradients_hz;
+    /// n × points: mass-normalised shapes; the sign makes the largest (of equals, the first)
+    /// positive.
+    std::span<double> shapes;
+    std::span<const Point> points;  ///< where the shapes are wanted
+  };
+
   [[nodiscard]] Workspace make_workspace() const;
   [[nodiscard]] int modes() const;
   [[nodiscard]] int rigid_body_modes() const;  ///< of the intact beam
@@ -42,6 +61,15 @@ class Reanalysis {
   /// ascending. Throws std::invalid_argument for a defect outside the beam or out of range.
   void frequencies_hz(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                       Workspace& workspace, std::span<double> out) const;
+
+  /// Frequencies with their gradients and shapes. The gradients are modal strain energies,
+  ///
+  ///   ∂λ/∂γ = -(Cᵀφ)² = -(Γ⁻¹ η)²,   (Γ⁻¹ - F(λ)) η = 0,   φ = Σ_j φ_j c_jᵀ η / (λ_j - λ),
+  ///
+  /// nearly free once the root is known. Those of a multiple eigenvalue are of one basis of its
+  /// modes. Throws std::invalid_argument as `frequencies_hz`, and where a span's size does not fit.
+  void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
+             Workspace& workspace, const Results& results) const;
 
  private:
   struct Impl;

@@ -232,6 +232,25 @@ void evaluate(const Secular& s, const Pack& lambda, const int (&lower_pole)[kLan
 }
 
 WHEELTAP_CLONES
+void project(const double* rows, int count, std::size_t stride, const double* x, int size,
+             double* out) {
+  for (int r = 0; r < count; ++r) {
+    const double* row = rows + static_cast<std::size_t>(r) * stride;
+    Vec sum0{}, sum1{};
+    int j = 0;
+    for (; j + 2 * kLanes <= size; j += 2 * kLanes) {
+      sum0 += load(row + j) * load(x + j);
+      sum1 += load(row + j + kLanes) * load(x + j + kLanes);
+    }
+    sum0 += sum1;
+    double total = 0.0;
+    for (; j < size; ++j) total += row[j] * x[j];
+    for (int l = 0; l < kLanes; ++l) total += sum0[l];
+    out[r] = total;
+  }
+}
+
+WHEELTAP_CLONES
 void fill_pairs(const Secular& s, int modes, const double* series, const int* series_end,
                 double* product, double* pairs) {
   const std::ptrdiff_t rows = s.near + s.terms;

@@ -69,4 +69,8 @@ void evaluate(const Secular& secular, const Pack& lambda, const int (&lower_pole
 void fill_pairs(const Secular& secular, int modes, const double* series, const int* series_end,
                 double* product, double* pairs);
 
+/// out[r] = Σ_j rows[r * stride + j] x[j], j < size.
+void project(const double* rows, int count, std::size_t stride, const double* x, int size,
+             double* out);
+
 }  // namespace wheeltap::fem::detail

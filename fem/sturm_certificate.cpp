@@ -1,0 +1,20 @@
+#include "fem/sturm_certificate.hpp"
+
+#include "fem/skyline_ldlt.hpp"
+
+namespace wheeltap::fem {
+
+bool nothing_missed(const Assembly<double>& assembly,
+                    const Eigen::Ref<const Eigen::VectorXd>& eigenvalues, Eigen::Index count) {
+  constexpr double kClearGap = 1e-6;  // relative; rounding of the factorisation cannot close it
+  if (eigenvalues.size() == assembly.stiffness.rows()) return true;
+  for (Eigen::Index below = count; below < eigenvalues.size(); ++below) {
+    const double low = eigenvalues[below - 1], high = eigenvalues[below];
+    if (high - low <= kClearGap * high) continue;
+    SkylineLdlt<double> ldlt(assembly.stiffness, assembly.mass);
+    return ldlt.factor(0.5 * (low + high)) == below;
+  }
+  return false;
+}
+
+}  // namespace wheeltap::fem

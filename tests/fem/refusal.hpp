@@ -1,0 +1,23 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace wheeltap {
+
+/// `call` throws std::invalid_argument, and its message contains every one of `words`.
+template <class Call>
+void expect_refusal(Call&& call, std::initializer_list<std::string> words) {
+  try {
+    call();
+    ADD_FAILURE() << "not refused; expected a message with \"" << *words.begin() << "\"";
+  } catch (const std::invalid_argument& error) {
+    for (const std::string& word : words)
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos)
+          << "\"" << word << "\" is not in: " << error.what();
+  }
+}
+
+}  // namespace wheeltap
