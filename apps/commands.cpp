@@ -238,7 +238,7 @@ void run_table(const CommonOptions& common) {
                                 {"wheeltap_version", WHEELTAP_VERSION},
                                 {"command", common.command_line}});
   for (int count = 1; count <= max_count; ++count) std::filesystem::remove(journal(count), ignored);
-  print_emulator(std::cout, emulator_report(*trained, damage_case.data), colour_wanted());
+  print_emulator(std::cout, emulator_report(*trained, damage_case.data), colour_wanted(), true);
   std::cout << "\nTable: " << common.output.string()
             << "  (use it with \"predictor\": {\"table\": \"" << common.output.filename().string()
             << "\"})\n";
@@ -274,7 +274,7 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   bar.clear();
   if (problem->emulator && !common.quiet) {
     print_emulator(std::cout, emulator_report(*problem->emulator, problem->damage_case.data),
-                   colour_wanted());
+                   colour_wanted(), false);
   }
 
   inference::Options engine;

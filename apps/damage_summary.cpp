@@ -265,7 +265,7 @@ void unidentified(const Draws& draws, const Report& models, const Report& parame
     const double p = models[static_cast<std::size_t>(m)]["probability"];
     if (p < kWorthTelling || model.dimension < data || data == 0) continue;
     std::string text = std::to_string(data) + (data == 1 ? " frequency" : " frequencies") +
-                       " cannot exclude " + model.name + " (P = " + percent(p) + "): with " +
+                       " cannot exclude " + model.name + " (" + probability_is(p) + "): with " +
                        std::to_string(model.dimension) +
                        " unknowns it has as many as there are data, or more, and fits them however "
                        "they fall";
@@ -362,9 +362,14 @@ Report fit(const Draws& draws, std::vector<std::string>& warnings) {
   if (mean_p < 0.005) {
     warnings.push_back(
         "No model here fits the data within the stated noise" +
-        (off.empty() ? std::string() : " (" + name_modes(off) + " are off by more than 3 sd)") +
-        ". Check the beam's properties, the mode numbering and data.cov before believing the "
-        "locations; or infer the noise: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.");
+        (off.empty() ? std::string() : " (off by more than 3 sd: " + name_modes(off) + ")") +
+        (problem.emulator
+             ? ". The emulator's error may be larger here than on average over its box: try "
+               "\"predictor\": \"fe\". Otherwise check"
+             : ". Check") +
+        " the beam's properties, the mode numbering and data.cov before believing the locations; "
+        "or "
+        "infer the noise: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.");
   }
   return {{"modes", rows}, {"posterior_predictive_p", mean_p}};
 }
@@ -381,9 +386,10 @@ void bounds(const Draws& draws, const Report& models, std::vector<std::string>& 
       }
     }
     if (at_most > 0.5 && kinds[k].max_count > kinds[k].min_count) {
-      const std::string key = kinds[k].where.to_string().substr(1) + "/count/max";
+      std::string key = kinds[k].where.to_string().substr(1) + ".count.max";
+      std::ranges::replace(key, '/', '.');
       warnings.push_back("The largest number of " + kinds[k].plural + " that the case allows, " +
-                         std::to_string(kinds[k].max_count) + ", has P = " + percent(at_most) +
+                         std::to_string(kinds[k].max_count) + ", has " + probability_is(at_most) +
                          ". More were never asked about: raise " + key + " to ask.");
     }
     const inference::Prior* severity = kinds[k].severity_prior();
@@ -435,7 +441,6 @@ std::string name_modes(const std::vector<int>& modes) {
 
 Report emulator_report(const FrequencyEmulator& emulator, const FrequencyData& data) {
   Report counts = Report::object();
-  Report warnings = Report::array();
   for (int count = 1; count <= emulator.max_count(); ++count) {
     Report rows = Report::array();
     std::vector<int> blind;
@@ -451,21 +456,18 @@ Report emulator_report(const FrequencyEmulator& emulator, const FrequencyData& d
                       {"noise", std::isnan(noise) ? Report() : Report(noise)}});
       if (error.cannot_be_predicted()) blind.push_back(mode + 1);
     }
+    Report warning;
     if (!blind.empty()) {
-      warnings.push_back(
-          "With " + std::to_string(count) + (count == 1 ? " damage" : " damages") +
-          " the emulator cannot predict " + name_modes(blind) +
-          ": its error there is of the size of the damage effect itself (Q2 < 0.9).");
+      warning = "With " + std::to_string(count) + (count == 1 ? " damage" : " damages") +
+                " the emulator cannot predict " + name_modes(blind) +
+                ": its error there is of the size of the damage effect itself (Q2 < 0.9). Use more "
+                "sites (\"sites\": \"every\"), \"coordinate\": \"compliance\", or \"predictor\": "
+                "\"fe\".";
     }
-    counts[std::to_string(count)] = {{"runs", emulator.runs(count)}, {"modes", rows}};
+    counts[std::to_string(count)] = {
+        {"runs", emulator.runs(count)}, {"modes", rows}, {"warning", warning}};
   }
-  if (!warnings.empty()) {
-    auto& last = warnings.back().get_ref<std::string&>();
-    last +=
-        " Use more sites (\"sites\": \"every\"), \"coordinate\": \"compliance\", or \"predictor\": "
-        "\"fe\".";
-  }
-  return {{"counts", counts}, {"warnings", warnings}};
+  return {{"counts", counts}};
 }
 
 Report summarise_damage(const DamageProblem& problem, const Posterior& posterior,
@@ -522,7 +524,13 @@ Report summarise_damage(const DamageProblem& problem, const Posterior& posterior
   if (problem.emulator) {
     emulator = emulator_report(*problem.emulator, damage_case.data);
     emulator["error_in_likelihood"] = damage_case.emulator->emulator_error;
-    for (const auto& w : emulator["warnings"]) warnings.push_back(w);
+    for (int m = 0; m < draws.space().size(); ++m) {
+      const std::string count = std::to_string(draws.space()[m].counts[0]);
+      const double p = models[static_cast<std::size_t>(m)]["probability"];
+      if (p < kWorthTelling || !emulator["counts"].contains(count)) continue;
+      const auto& warning = emulator["counts"][count]["warning"];
+      if (warning.is_string()) warnings.push_back(warning);
+    }
   }
 
   Report diagnosed = diagnostics(posterior, watched, ess_model, info.seed, warnings);

@@ -306,9 +306,14 @@ std::string rounded_count(double x) {
 }
 
 std::string percent(double probability) {
-  if (probability > 0.999 && probability < 1.0) return "> 99.9 %";
+  if (probability > 0.999) return "> 99.9 %";
   if (probability < 0.001) return "< 0.1 %";
   return significant(100.0 * probability, probability < 0.0995 ? 2 : 3) + " %";
+}
+
+std::string probability_is(double probability) {
+  const std::string text = percent(probability);
+  return text[0] == '<' || text[0] == '>' ? "P " + text : "P = " + text;
 }
 
 }  // namespace wheeltap::apps

@@ -88,5 +88,7 @@ struct Watched {
 [[nodiscard]] std::string rounded_count(double x);
 /// "75 %", "> 99.9 %", "< 0.1 %".
 [[nodiscard]] std::string percent(double probability);
+/// "P = 75 %", "P > 99.9 %".
+[[nodiscard]] std::string probability_is(double probability);
 
 }  // namespace wheeltap::apps

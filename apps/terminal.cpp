@@ -224,7 +224,7 @@ std::string draw_beam(const Report& beam, const std::vector<double>& inclusion, 
   return text + labels + "\n";
 }
 
-void print_emulator(std::ostream& out, const Report& emulator, bool colour) {
+void print_emulator(std::ostream& out, const Report& emulator, bool colour, bool with_warnings) {
   const Style style{colour};
   for (const auto& [count, table] : emulator["counts"].items()) {
     out << "\nEmulator for " << count << (count == "1" ? " damage" : " damages") << " ("
@@ -236,9 +236,9 @@ void print_emulator(std::ostream& out, const Report& emulator, bool colour) {
                       number(m["relative_rmse"], 2), number(m["q2"], 3), number(m["noise"], 3)});
     }
     print_table(out, rows, style);
-  }
-  for (const auto& w : emulator["warnings"]) {
-    print_wrapped(out, w.get<std::string>(), style.warn("! "), "  ");
+    if (with_warnings && table["warning"].is_string()) {
+      print_wrapped(out, table["warning"].get<std::string>(), style.warn("! "), "  ");
+    }
   }
 }
 
@@ -292,6 +292,19 @@ void print_damage(std::ostream& out, const Report& summary, bool colour) {
       out << "\nNoise (coefficient of variation) if " << name << ": " << number(s["q50"], 3)
           << ", 95 % " << interval(s, [](double x) { return significant(x, 3); }) << '\n';
     }
+  }
+
+  if (summary["data"]["simulated"].get<bool>()) {
+    std::string truth;
+    for (const auto& kind : summary["kinds"]) {
+      for (const auto& t : kind["truth"]) {
+        truth += (truth.empty() ? "" : "; ") + kind["name"].get<std::string>() + " at " +
+                 metres(t["location"]) + " m";
+        if (t.contains("reduction")) truth += ", " + severity_text("reduction", t["reduction"]);
+      }
+    }
+    out << "\nTruth that the data were simulated from: " << (truth.empty() ? "nothing" : truth)
+        << ".\n";
   }
 
   const auto draw = [&](const Report& by_element, const std::string& plural) {

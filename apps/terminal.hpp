@@ -14,7 +14,7 @@ namespace wheeltap::apps {
 void print_damage(std::ostream& out, const Report& summary, bool colour);
 
 /// An emulator's errors per mode, from `emulator_report`.
-void print_emulator(std::ostream& out, const Report& emulator, bool colour);
+void print_emulator(std::ostream& out, const Report& emulator, bool colour, bool with_warnings);
 
 /// The beam as text, `width` characters long: damage along it, the beam, its supports.
 [[nodiscard]] std::string draw_beam(const Report& beam, const std::vector<double>& inclusion,
