@@ -1,0 +1,43 @@
+#include "inference/evidence/comparison.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace wheeltap::inference {
+namespace {
+
+ModelSpace three() {
+  return ModelSpace::of_models({{"a", Normal{0.0, 1.0}}},
+                               {{"one", 1.0, {"a"}}, {"two", 2.0, {"a"}}, {"none", 1.0, {}}});
+}
+
+TEST(ImpliedProbabilities, WeighEvidenceByPrior) {
+  const double never = -std::numeric_limits<double>::infinity();
+  const ImpliedProbabilities p = implied_probabilities(
+      three(), {{-1000.0, 0.1}, {-1000.0 + std::log(1.5), 0.2}, {never, 0.0}});
+  EXPECT_NEAR(p.mean[0], 0.25, 1e-12);
+  EXPECT_NEAR(p.mean[1], 0.75, 1e-12);
+  EXPECT_EQ(p.mean[2], 0.0);
+  // Two models: P = logistic of a difference whose variance is 0.1² + 0.2².
+  EXPECT_NEAR(p.standard_error[0], 0.25 * 0.75 * std::hypot(0.1, 0.2), 1e-12);
+  EXPECT_NEAR(p.standard_error[1], p.standard_error[0], 1e-12);
+  EXPECT_EQ(p.standard_error[2], 0.0);
+  EXPECT_THROW((void)implied_probabilities(three(), {{0.0, 0.0}}), std::invalid_argument);
+}
+
+TEST(Disagreements, SpeakOnlyBeyondTheCombinedError) {
+  const ImpliedProbabilities implied{{0.5, 0.3, 0.2}, {0.03, 0.03, 0.0}};
+  EXPECT_TRUE(disagreements(three(), {0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, implied).empty());
+  const auto two = disagreements(three(), {0.65, 0.15, 0.2}, {0.01, 0.01, 0.01}, implied);
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_NE(two[0].find("'one': sampled probability 0.6500"), std::string::npos) << two[0];
+  // An unknown error is no reason to be silent.
+  const ImpliedProbabilities unknown{{0.5, 0.3, 0.2}, std::vector<double>(3, std::nan(""))};
+  EXPECT_EQ(disagreements(three(), {0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, unknown).size(), 2U);
+}
+
+}  // namespace
+}  // namespace wheeltap::inference

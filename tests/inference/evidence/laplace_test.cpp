@@ -1,0 +1,83 @@
+#include "inference/evidence/laplace.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "tests/inference/evidence/problems.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+// Exact for a normal posterior; the central differences of a quadratic are exact, too.
+TEST(Laplace, IsExactForALinearGaussianModel) {
+  for (const int d : {1, 2, 4, 6}) {
+    const Known known = linear_gaussian(d);
+    const Laplace result = laplace(known.problem, 0, {});
+    EXPECT_NEAR(result.evidence.log_evidence, known.log_evidence, 1e-6) << d;
+    EXPECT_TRUE(std::isnan(result.evidence.standard_error));
+    EXPECT_TRUE(result.evidence.warnings.empty());
+  }
+  const Laplace mean = laplace(nested_means(), 1, {});
+  EXPECT_NEAR(mean.evidence.log_evidence + 2.5, std::log(2.360070), 1e-6);
+  EXPECT_NEAR(mean.x[0], 10.0 / 21.0, 1e-6);
+  EXPECT_NEAR(mean.covariance(0, 0), 1.0 / 21.0, 1e-7);
+  const Laplace none = laplace(nested_means(), 0, {});
+  EXPECT_EQ(none.evidence.log_evidence, -2.5);
+  EXPECT_EQ(none.evidence.standard_error, 0.0);
+}
+
+TEST(Laplace, KnowsOneModeOnly) {
+  // The higher mode holds ¾ of the evidence.
+  const Known known = two_narrow_modes(2);
+  EXPECT_NEAR(laplace(known.problem, 0, {}).evidence.log_evidence,
+              known.log_evidence + std::log(0.75), 1e-4);
+}
+
+TEST(Laplace, SaysWhereTheHessianFails) {
+  // A cusp down: the likelihood grows away from the mode's ridge in every direction but one.
+  const Problem flat = one_model({{"a", Uniform{0.0, 1.0}}}, [](int, std::span<const double> x) {
+    // Cancels the prior of z out to its bound, and rises: no interior mode.
+    const double z = Prior(Uniform{0.0, 1.0}).to_standard_normal(x[0]);
+    return 0.5 * z * z + 0.1 * std::fabs(z);
+  });
+  const Laplace result = laplace(flat, 0, {});
+  ASSERT_EQ(result.evidence.warnings.size(), 1U);
+  EXPECT_NE(result.evidence.warnings[0].find("not positive definite"), std::string::npos);
+  EXPECT_TRUE(std::isnan(result.evidence.log_evidence));
+  EXPECT_THROW((void)laplace(never(), 0, {}), LikelihoodError);
+}
+
+TEST(MaximumLikelihood, IsNotThePosteriorMode) {
+  const Problem problem = nested_means();
+  ModelPosterior posterior(problem, 1);
+  EXPECT_NEAR(maximum_likelihood(problem, 1, {}).z[0], 0.5, 1e-6);
+  EXPECT_NEAR(maximum_a_posteriori(problem, 1, {}).z[0], 10.0 / 21.0, 1e-6);
+}
+
+TEST(InformationCriteria, MatchTheirDefinitions) {
+  const Problem problem = nested_means();
+  const InformationCriteria null = information_criteria(problem, 0, 20, {});
+  const InformationCriteria free = information_criteria(problem, 1, 20, {});
+  EXPECT_NEAR(null.bic, 5.0, 1e-9);
+  EXPECT_NEAR(null.aic, 5.0, 1e-9);
+  EXPECT_NEAR(free.bic, std::log(20.0), 1e-9);
+  EXPECT_NEAR(free.aic, 2.0, 1e-9);
+  EXPECT_THROW((void)information_criteria(problem, 0, 0, {}), std::invalid_argument);
+}
+
+// μ | y ~ N(m, v) with m = 10/21, v = 1/21 and deviance 20 (ȳ - μ)²: mean 20 (v + (ȳ-m)²), and half
+// its variance is ½ · 400 (2v² + 4v(ȳ-m)²).
+TEST(Dic, MatchesTheClosedForm) {
+  const ModelSamples samples = metropolis(nested_means(), 1, {.seed = 1, .draws = 50000});
+  const Dic dic = deviance_information_criterion(samples);
+  const double v = 1.0 / 21.0, e = 0.5 - 10.0 / 21.0;
+  const double effective = 200.0 * (2.0 * v * v + 4.0 * v * e * e);
+  // A variance of chi-squared-like values from about 40 000 effective draws: 4 % at 4 sd.
+  EXPECT_NEAR(dic.effective_parameters, effective, 0.08 * effective);
+  EXPECT_NEAR(dic.dic, 20.0 * (v + e * e) + effective, 0.1);
+}
+
+}  // namespace
+}  // namespace wheeltap::inference

@@ -1,0 +1,96 @@
+#include "inference/evidence/tmcmc.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+
+#include "tests/inference/evidence/problems.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+bool long_tests() {
+  return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
+}
+
+// The standard error is a Student t's sd with 7 degrees of freedom; 6 of it are exceeded with
+// probability 2 · P(t₇ > 7.1) = 2e-4.
+constexpr double kErrors = 6.0;
+
+TEST(Tmcmc, AgreesWithClosedForms) {
+  const std::vector<Known> all = {
+      linear_gaussian(1),  linear_gaussian(3), linear_gaussian(6), two_narrow_modes(1),
+      two_narrow_modes(3), exchangeable(1),    exchangeable(3),    corner()};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Tmcmc result = tmcmc(all[i].problem, 0, {.seed = 1, .samples = 300});
+    EXPECT_NEAR(result.evidence.log_evidence, all[i].log_evidence,
+                kErrors * result.evidence.standard_error)
+        << "problem " << i;
+    EXPECT_LT(result.evidence.standard_error, 0.25) << "problem " << i;
+    EXPECT_GT(result.evidence.likelihood_evaluations, 0);
+  }
+}
+
+TEST(Tmcmc, KeepsModesInProportion) {
+  const Known known = two_narrow_modes(2);
+  const Tmcmc result = tmcmc(known.problem, 0, {.seed = 2});
+  double right = 0.0;
+  for (Eigen::Index i = 0; i < result.z.rows(); ++i) right += result.z(i, 0) > 0.0 ? 1.0 : 0.0;
+  // 4000 samples less what resampling costs; a standard error of 2 % is seen between replicates.
+  EXPECT_NEAR(right / static_cast<double>(result.z.rows()), 0.75, 0.08);
+}
+
+TEST(Tmcmc, NestedMeans) {
+  const Problem problem = nested_means();
+  const Tmcmc null = tmcmc(problem, 0, {}), free = tmcmc(problem, 1, {});
+  EXPECT_EQ(null.evidence.standard_error, 0.0);
+  EXPECT_EQ(null.evidence.log_evidence, -2.5);
+  EXPECT_NEAR(free.evidence.log_evidence - null.evidence.log_evidence, std::log(2.360070),
+              kErrors * free.evidence.standard_error);
+  EXPECT_LT(free.evidence.standard_error, 0.03);
+}
+
+TEST(Tmcmc, StandardErrorCovers) {
+  const int seeds = long_tests() ? 200 : 25;
+  for (const Known& known : {linear_gaussian(2), two_narrow_modes(2)}) {
+    int inside = 0;
+    double squares = 0.0;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      const Evidence e =
+          tmcmc(known.problem, 0,
+                {.seed = static_cast<std::uint64_t>(seed), .samples = long_tests() ? 500 : 200})
+              .evidence;
+      const double z = (e.log_evidence - known.log_evidence) / e.standard_error;
+      inside += std::fabs(z) < 1.96 ? 1 : 0;
+      squares += z * z / seeds;
+    }
+    // Nominal 0.95; less than 0.80 of 25 (0.90 of 200) has a probability below 1e-3.
+    EXPECT_GE(inside, seeds * (long_tests() ? 0.90 : 0.80));
+    RecordProperty("coverage", std::to_string(static_cast<double>(inside) / seeds));
+    std::printf("    coverage of ± 1.96 standard errors: %d of %d (rms z %.2f)\n", inside, seeds,
+                std::sqrt(squares));
+  }
+}
+
+TEST(Tmcmc, ThreadsDoNotMatterAndSeedsDo) {
+  const Known known = linear_gaussian(2);
+  const double one =
+      tmcmc(known.problem, 0, {.seed = 3, .samples = 100, .threads = 1}).evidence.log_evidence;
+  EXPECT_EQ(
+      tmcmc(known.problem, 0, {.seed = 3, .samples = 100, .threads = 3}).evidence.log_evidence,
+      one);
+  EXPECT_NE(tmcmc(known.problem, 0, {.seed = 4, .samples = 100}).evidence.log_evidence, one);
+}
+
+TEST(Tmcmc, Misuse) {
+  const Known known = linear_gaussian(1);
+  EXPECT_THROW((void)tmcmc(never(), 0, {}), LikelihoodError);
+  EXPECT_THROW((void)tmcmc(known.problem, 0, {.replicates = 3}), std::invalid_argument);
+  EXPECT_THROW((void)tmcmc(known.problem, 0, {.samples = 5}), std::invalid_argument);
+  EXPECT_THROW((void)tmcmc(known.problem, 1, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace wheeltap::inference
