@@ -1,0 +1,35 @@
+// Bridge sampling: the evidence from posterior draws and draws of a proposal that resembles it.
+#pragma once
+
+#include <cstdint>
+
+#include "inference/evidence/metropolis.hpp"
+
+namespace wheeltap::inference {
+
+struct BridgeOptions {
+  std::uint64_t seed = 1;
+  int proposal_draws = 0;  ///< 0: as many as posterior draws are used
+  int threads = 0;         ///< 0: as many as the machine has. Never changes a result.
+  NormalMixture::FitOptions fit{};
+};
+
+/// Meng & Wong (1996, Statistica Sinica 6:831) with their optimal bridge. With q a normal mixture
+/// fitted to the first half of each chain, l = π/q the ratio at the second half's draws (1) and at
+/// draws of q (2),
+///
+///   Z ← Σ₂ l / (s₁ l + s₂ Z) / n₂  ÷  Σ₁ 1 / (s₁ l + s₂ Z) / n₁
+///
+/// is iterated to its fixed point, s being the shares of the sample sizes, the posterior's the
+/// effective one. The standard error is the delta method's with the autocorrelation of the
+/// posterior draws (Frühwirth-Schnatter 2004, Econometrics Journal 7:143, section 3.2).
+///
+/// Throws std::invalid_argument for fewer than 20 draws a chain.
+[[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
+                                       const ModelSamples& samples, const BridgeOptions& options);
+
+/// With nothing given: a TMCMC pilot, chains that renew themselves from it, and the bridge.
+[[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
+                                       const BridgeOptions& options);
+
+}  // namespace wheeltap::inference

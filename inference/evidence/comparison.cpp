@@ -1,0 +1,59 @@
+#include "inference/evidence/comparison.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+
+namespace wheeltap::inference {
+
+ImpliedProbabilities implied_probabilities(const ModelSpace& space,
+                                           const std::vector<Evidence>& evidences) {
+  const auto n = static_cast<std::size_t>(space.size());
+  if (evidences.size() != n)
+    throw std::invalid_argument("implied probabilities: " + std::to_string(evidences.size()) +
+                                " evidences, must be " + std::to_string(n));
+  double top = -std::numeric_limits<double>::infinity();
+  std::vector<double> log_p;
+  for (std::size_t m = 0; m < n; ++m) {
+    log_p.push_back(space[static_cast<int>(m)].log_prior + evidences[m].log_evidence);
+    top = std::max(top, log_p.back());
+  }
+  ImpliedProbabilities result{log_p, std::vector<double>(n, 0.0)};
+  double sum = 0.0;
+  for (double& p : result.mean) sum += p = std::exp(p - top);
+  for (double& p : result.mean) p /= sum;
+  for (std::size_t m = 0; m < n; ++m) {
+    double variance = 0.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double slope = result.mean[m] * ((m == k ? 1.0 : 0.0) - result.mean[k]);
+      // An impossible model's error does not matter, whatever it is.
+      if (slope != 0.0) variance += std::pow(slope * evidences[k].standard_error, 2.0);
+    }
+    result.standard_error[m] = std::sqrt(variance);
+  }
+  return result;
+}
+
+std::vector<std::string> disagreements(const ModelSpace& space, const std::vector<double>& sampled,
+                                       const std::vector<double>& sampled_error,
+                                       const ImpliedProbabilities& implied, double sigmas,
+                                       double least) {
+  std::vector<std::string> sentences;
+  for (std::size_t m = 0; m < sampled.size(); ++m) {
+    const double error = std::hypot(sampled_error[m], implied.standard_error[m]);
+    const double difference = std::fabs(sampled[m] - implied.mean[m]);
+    // Written so that a NaN speaks up.
+    if (difference <= least || difference <= sigmas * error) continue;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  ": sampled probability %.4f ± %.4f, but the evidences imply %.4f ± %.4f",
+                  sampled[m], sampled_error[m], implied.mean[m], implied.standard_error[m]);
+    sentences.push_back("model '" + space[static_cast<int>(m)].name + "'" + text +
+                        "; sample for longer before trusting either");
+  }
+  return sentences;
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,119 @@
+#include "inference/evidence/importance_sampling.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "inference/parallel.hpp"
+
+namespace wheeltap::inference {
+
+std::vector<double> log_importance_ratios(const Problem& problem, int model,
+                                          const NormalMixture& proposal, int n, std::uint64_t seed,
+                                          int threads, long& evaluations) {
+  constexpr int kBlock = 1000;  // draws a job: the stream belongs to the block, not to the thread
+  const int blocks = (n + kBlock - 1) / kBlock;
+  std::vector<double> ratios(static_cast<std::size_t>(n));
+  std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
+  parallel_for(blocks, threads, [&](int block) {
+    ModelPosterior posterior(problem, model);
+    Random random(seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 62U),
+                  static_cast<std::uint64_t>(model), Purpose::evidence);
+    std::vector<double> z(static_cast<std::size_t>(posterior.dimension()));
+    const int end = std::min(n, (block + 1) * kBlock);
+    for (int i = block * kBlock; i < end; ++i) {
+      proposal.sample(random, z);
+      const double log_posterior = posterior(z).log_posterior();
+      ratios[static_cast<std::size_t>(i)] = log_posterior - proposal.log_density(z);
+    }
+    counted[static_cast<std::size_t>(block)] = posterior.evaluations();
+  });
+  for (const long c : counted) evaluations += c;
+  return ratios;
+}
+
+double pareto_shape(std::span<const double> log_weights) {
+  std::vector<double> sorted(log_weights.begin(), log_weights.end());
+  std::ranges::sort(sorted, std::greater<>());
+  const auto n = static_cast<double>(sorted.size());
+  const auto tail = static_cast<std::size_t>(std::min(0.2 * n, 3.0 * std::sqrt(n)));
+  if (tail < 5 || sorted[tail] == -std::numeric_limits<double>::infinity())
+    return -std::numeric_limits<double>::infinity();
+  // Exceedances over the threshold, ascending, in units of the largest weight.
+  std::vector<double> x;
+  for (std::size_t i = tail; i-- > 0;)
+    x.push_back(std::exp(sorted[i] - sorted[0]) - std::exp(sorted[tail] - sorted[0]));
+  if (!(x.back() > 0.0) || !(x[x.size() / 4] > 0.0))
+    return -std::numeric_limits<double>::infinity();
+  // Profile likelihood over θ = -k/σ on a grid set by the quartile, averaged by its weight.
+  const auto m = static_cast<double>(x.size());
+  const double quartile = x[static_cast<std::size_t>(m / 4.0 + 0.5) - 1];
+  const int points = 30 + static_cast<int>(std::sqrt(m));
+  const auto shape = [&](double theta) {
+    double sum = 0.0;
+    for (const double v : x) sum += std::log1p(-theta * v);
+    return sum / m;
+  };
+  std::vector<double> theta, log_likelihood;
+  for (int j = 1; j <= points; ++j) {
+    const double t = 1.0 / x.back() + (1.0 - std::sqrt(points / (j - 0.5))) / (3.0 * quartile);
+    const double k = shape(t);
+    theta.push_back(t);
+    log_likelihood.push_back(m * (std::log(-t / k) - k - 1.0));
+  }
+  const double top = std::ranges::max(log_likelihood);
+  double mean = 0.0, sum = 0.0;
+  for (std::size_t j = 0; j < theta.size(); ++j) {
+    const double w = std::exp(log_likelihood[j] - top);
+    mean += w * theta[j];
+    sum += w;
+  }
+  const double k = shape(mean / sum);
+  return (m * k + 10.0 * 0.5) / (m + 10.0);  // drawn a little towards ½, as their appendix has it
+}
+
+ImportanceSampling importance_sampling(const Problem& problem, int model,
+                                       const NormalMixture& proposal,
+                                       const ImportanceOptions& options) {
+  if (options.draws < 100)
+    throw std::invalid_argument("importance sampling: draws = " + std::to_string(options.draws) +
+                                ", must be >= 100");
+  const int d = ModelPosterior(problem, model).dimension();
+  if (proposal.dimension() != d)
+    throw std::invalid_argument(
+        "importance sampling: the proposal's dimension = " + std::to_string(proposal.dimension()) +
+        ", must be " + std::to_string(d));
+  ImportanceSampling result;
+  Evidence& evidence = result.evidence;
+  const std::vector<double> ratios =
+      log_importance_ratios(problem, model, proposal, options.draws, options.seed, options.threads,
+                            evidence.likelihood_evaluations);
+  const double top = std::ranges::max(ratios);
+  const std::string name = "model '" + problem.space[model].name + "': ";
+  if (top == -std::numeric_limits<double>::infinity())
+    throw LikelihoodError(name + "the likelihood is zero at every one of " +
+                          std::to_string(options.draws) + " draws from the proposal");
+  const double n = options.draws;
+  double sum = 0.0, squares = 0.0;
+  for (const double r : ratios) {
+    const double w = std::exp(r - top);
+    sum += w;
+    squares += w * w;
+  }
+  evidence.log_evidence = top + std::log(sum / n);
+  result.effective_draws = sum * sum / squares;
+  evidence.standard_error = std::sqrt(std::max(0.0, (n * squares / (sum * sum) - 1.0) / (n - 1.0)));
+  result.pareto_k = pareto_shape(ratios);
+  if (result.pareto_k > 0.7)
+    evidence.warnings.push_back(name + "importance weights have too heavy a tail (Pareto shape " +
+                                std::to_string(result.pareto_k) +
+                                " > 0.7); the proposal misses part of the posterior");
+  if (result.effective_draws < 100.0)
+    evidence.warnings.push_back(name + "importance sampling has only " +
+                                std::to_string(result.effective_draws) + " effective draws");
+  return result;
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,43 @@
+// Importance sampling: the evidence as the mean weight of draws from a proposal.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "inference/evidence/model_posterior.hpp"
+#include "inference/normal_mixture.hpp"
+
+namespace wheeltap::inference {
+
+struct ImportanceOptions {
+  std::uint64_t seed = 1;
+  int draws = 20000;
+  int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
+};
+
+struct ImportanceSampling {
+  Evidence evidence;
+  double effective_draws = 0.0;  ///< (Σw)² / Σw²
+  double pareto_k = 0.0;         ///< see pareto_shape
+};
+
+/// Z = E_q[π/q] with draws from the proposal q, e.g. a mixture fitted to a pilot with a defensive
+/// component; the standard error is sd(w) / (mean(w) √n). Warns where the Pareto shape exceeds 0.7,
+/// or the effective draws are fewer than 100: the error is then not to be trusted.
+[[nodiscard]] ImportanceSampling importance_sampling(const Problem& problem, int model,
+                                                     const NormalMixture& proposal,
+                                                     const ImportanceOptions& options);
+
+/// ln π(z) - ln q(z) of n draws from q. Adds to `evaluations`.
+[[nodiscard]] std::vector<double> log_importance_ratios(const Problem& problem, int model,
+                                                        const NormalMixture& proposal, int n,
+                                                        std::uint64_t seed, int threads,
+                                                        long& evaluations);
+
+/// Shape k̂ of the generalised Pareto distribution fitted to the largest 3√n weights (Zhang &
+/// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): the weights have 1/k
+/// finite moments. -∞ where there are fewer than 5 to fit.
+[[nodiscard]] double pareto_shape(std::span<const double> log_weights);
+
+}  // namespace wheeltap::inference

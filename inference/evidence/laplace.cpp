@@ -1,0 +1,220 @@
+#include "inference/evidence/laplace.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "inference/differential_evolution.hpp"
+#include "inference/standard_normal.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kBound = 8.0;
+
+std::span<const double> view(const Eigen::VectorXd& z) {
+  return {z.data(), static_cast<std::size_t>(z.size())};
+}
+
+using Function = std::function<double(const Eigen::VectorXd&)>;
+
+// Steps along each coordinate that lower f by about `drop`, at most 1.
+Eigen::VectorXd steps(const Function& f, const Eigen::VectorXd& z, double value, double drop) {
+  Eigen::VectorXd h(z.size());
+  for (Eigen::Index i = 0; i < z.size(); ++i) {
+    double step = 0.1;
+    for (int iteration = 0; iteration < 40; ++iteration) {
+      Eigen::VectorXd up = z, down = z;
+      up[i] += step;
+      down[i] -= step;
+      const double fall = value - 0.5 * (f(up) + f(down));
+      if (fall > 2.0 * drop) {
+        // As a parabola would have it, and never so far that a cliff decides.
+        step *= std::max(0.1, std::sqrt(drop / fall));
+      } else if (fall < 0.5 * drop && step < 1.0) {
+        step = std::min(1.0, step * (fall > 0.0 ? std::min(4.0, std::sqrt(drop / fall)) : 4.0));
+      } else {
+        break;
+      }
+      if (step < 1e-9) break;
+    }
+    h[i] = step;
+  }
+  return h;
+}
+
+struct Derivatives {
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd hessian;
+};
+
+Derivatives derivatives(const Function& f, const Eigen::VectorXd& z, double value,
+                        const Eigen::VectorXd& h) {
+  const Eigen::Index d = z.size();
+  Derivatives result{Eigen::VectorXd(d), Eigen::MatrixXd(d, d)};
+  const auto at = [&](Eigen::Index i, double a, Eigen::Index j, double b) {
+    Eigen::VectorXd p = z;
+    p[i] += a * h[i];
+    p[j] += b * h[j];
+    return f(p);
+  };
+  for (Eigen::Index i = 0; i < d; ++i) {
+    const double up = at(i, 1.0, i, 0.0), down = at(i, -1.0, i, 0.0);
+    result.gradient[i] = (up - down) / (2.0 * h[i]);
+    result.hessian(i, i) = (up - 2.0 * value + down) / (h[i] * h[i]);
+    for (Eigen::Index j = 0; j < i; ++j)
+      result.hessian(i, j) = result.hessian(j, i) =
+          (at(i, 1, j, 1) - at(i, 1, j, -1) - at(i, -1, j, 1) + at(i, -1, j, -1)) /
+          (4.0 * h[i] * h[j]);
+  }
+  return result;
+}
+
+// Newton's method with halved steps; each pass takes shorter differences than the last.
+void polish(const Function& f, Eigen::VectorXd& z, double& value) {
+  double drop = 0.05;
+  for (int iteration = 0; iteration < 20; ++iteration, drop = std::max(1e-4, 0.5 * drop)) {
+    const Derivatives at = derivatives(f, z, value, steps(f, z, value, drop));
+    if (!at.gradient.allFinite() || !at.hessian.allFinite()) return;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(-at.hessian);
+    // Uphill along every direction, however the surface curves there.
+    const Eigen::VectorXd curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-6);
+    const Eigen::VectorXd step =
+        eigen.eigenvectors() *
+        (eigen.eigenvectors().transpose() * at.gradient).cwiseQuotient(curvature);
+    double gain = 0.0;
+    for (double scale = 1.0; scale > 1e-4; scale *= 0.5) {
+      const Eigen::VectorXd to = z + scale * step;
+      const double there = f(to);
+      if (there > value) {
+        gain = there - value;
+        z = to;
+        value = there;
+        break;
+      }
+    }
+    if (gain < 1e-10) return;
+  }
+}
+
+// Differential evolution from several seeds, the best polished.
+Optimum search(const Objective& objective, int dimension, const ModeOptions& options,
+               const std::string& name) {
+  if (options.restarts < 1)
+    throw std::invalid_argument("mode: restarts = " + std::to_string(options.restarts) +
+                                ", must be >= 1");
+  Optimum best;
+  best.value = -kInfinity;
+  long evaluations = 0;
+  for (int r = 0; r < options.restarts; ++r) {
+    Optimum found = maximise_by_differential_evolution(
+        objective, dimension,
+        {.seed = options.seed + static_cast<std::uint64_t>(r) * 0x9e3779b97f4a7c15ULL,
+         .generations = options.generations,
+         .bound = kBound,
+         .tolerance = 1e-3});
+    evaluations += found.evaluations;
+    if (r == 0 || found.value > best.value) best = std::move(found);
+  }
+  if (best.value == -kInfinity)
+    throw LikelihoodError("model '" + name + "': no point of the search has a finite likelihood");
+  Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(best.z.data(), dimension);
+  polish(
+      [&](const Eigen::VectorXd& at) {
+        if (at.cwiseAbs().maxCoeff() > kBound) return -kInfinity;
+        ++evaluations;
+        return objective(view(at));
+      },
+      z, best.value);
+  best.z.assign(z.begin(), z.end());
+  best.evaluations = evaluations;
+  return best;
+}
+
+Optimum nothing_to_search(ModelPosterior& posterior) {
+  return {{}, posterior({}).log_posterior(), posterior.evaluations(), true};
+}
+
+}  // namespace
+
+Optimum maximum_a_posteriori(const Problem& problem, int model, const ModeOptions& options) {
+  ModelPosterior posterior(problem, model);
+  if (posterior.dimension() == 0) return nothing_to_search(posterior);
+  return search([&](std::span<const double> z) { return posterior(z).log_posterior(); },
+                posterior.dimension(), options, posterior.name());
+}
+
+Optimum maximum_likelihood(const Problem& problem, int model, const ModeOptions& options) {
+  ModelPosterior posterior(problem, model);
+  if (posterior.dimension() == 0) return nothing_to_search(posterior);
+  return search([&](std::span<const double> z) { return posterior(z).log_likelihood; },
+                posterior.dimension(), options, posterior.name());
+}
+
+Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
+  const Optimum mode = maximum_a_posteriori(problem, model, options);
+  Laplace result;
+  result.z = mode.z;
+  result.evidence.log_evidence = mode.value;
+  ModelPosterior posterior(problem, model);
+  const Eigen::Index d = posterior.dimension();
+  if (d > 0) {
+    const Function f = [&](const Eigen::VectorXd& z) { return posterior(view(z)).log_posterior(); };
+    const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(mode.z.data(), d);
+    const Eigen::MatrixXd h = -derivatives(f, z, mode.value, steps(f, z, mode.value, 0.05)).hessian;
+    const Eigen::LLT<Eigen::MatrixXd> llt(h);
+    if (h.allFinite() && llt.info() == Eigen::Success) {
+      result.covariance = llt.solve(Eigen::MatrixXd::Identity(d, d));
+      const Eigen::MatrixXd factor = llt.matrixL();
+      result.evidence.log_evidence +=
+          static_cast<double>(d) * kLogSqrt2Pi - factor.diagonal().array().log().sum();
+    } else {
+      result.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
+      result.covariance = Eigen::MatrixXd::Constant(d, d, std::numeric_limits<double>::quiet_NaN());
+      result.evidence.warnings.push_back(
+          "model '" + posterior.name() +
+          "': minus the Hessian at the mode is not positive definite; Laplace's evidence does not "
+          "exist");
+    }
+    (void)posterior(view(z));
+    result.x.assign(posterior.x().begin(), posterior.x().end());
+  }
+  result.evidence.standard_error = d == 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+  result.evidence.likelihood_evaluations = mode.evaluations + posterior.evaluations();
+  return result;
+}
+
+InformationCriteria information_criteria(const Problem& problem, int model, long observations,
+                                         const ModeOptions& options) {
+  if (observations < 1)
+    throw std::invalid_argument(
+        "information criteria: observations = " + std::to_string(observations) + ", must be >= 1");
+  const Optimum best = maximum_likelihood(problem, model, options);
+  ModelPosterior posterior(problem, model);
+  const double fit = best.z.empty() ? posterior({}).log_likelihood : best.value;
+  const auto k = static_cast<double>(posterior.dimension());
+  return {k * std::log(static_cast<double>(observations)) - 2.0 * fit, 2.0 * k - 2.0 * fit, fit,
+          best.evaluations};
+}
+
+Dic deviance_information_criterion(const ModelSamples& samples) {
+  double n = 0.0, mean = 0.0, squares = 0.0;
+  for (const auto& chain : samples.log_likelihood)
+    for (const double l : chain) {  // Welford
+      n += 1.0;
+      const double e = -2.0 * l - mean;
+      mean += e / n;
+      squares += e * (-2.0 * l - mean);
+    }
+  if (n < 2.0) throw std::invalid_argument("deviance information criterion: fewer than 2 draws");
+  const double effective = 0.5 * squares / (n - 1.0);
+  return {mean + effective, effective};
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,64 @@
+// The mode of one model, Laplace's evidence, and the information criteria.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "inference/evidence/metropolis.hpp"
+#include "inference/optimum.hpp"
+
+namespace wheeltap::inference {
+
+struct ModeOptions {
+  std::uint64_t seed = 1;
+  int restarts = 3;  ///< of differential evolution; the best is polished
+  int generations = 300;
+};
+
+/// Mode of ln π(z), by self-adaptive differential evolution and Newton steps on finite differences.
+/// Throws LikelihoodError where no point of the search has a finite likelihood.
+[[nodiscard]] Optimum maximum_a_posteriori(const Problem& problem, int model,
+                                           const ModeOptions& options);
+/// The same for the likelihood alone, within |z| <= 8: the prior's support but for a share of
+/// 1e-15.
+[[nodiscard]] Optimum maximum_likelihood(const Problem& problem, int model,
+                                         const ModeOptions& options);
+
+struct Laplace {
+  Evidence evidence;  ///< standard error NaN
+  std::vector<double> z;
+  std::vector<double> x;       ///< the mode in physical parameters
+  Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, of z
+};
+
+/// ln Z ≈ ln π(z*) + (d/2) ln 2π - ½ ln|H|, H = -∇² ln π at the mode z*, in standard normal
+/// coordinates, so that the prior's bounds are no edges. H is by central differences over steps
+/// that lower ln π by about 0.05, wide enough to pass over the grain of an element-wise constant
+/// likelihood. It knows one mode only, and warns where H is not positive definite, or the mode is
+/// at the edge of an ordering of components.
+[[nodiscard]] Laplace laplace(const Problem& problem, int model, const ModeOptions& options);
+
+struct InformationCriteria {
+  double bic = 0.0;  ///< k ln n - 2 ln L_max
+  double aic = 0.0;  ///< 2k - 2 ln L_max
+  double max_log_likelihood = 0.0;
+  long likelihood_evaluations = 0;
+};
+
+/// `observations` is the n of BIC. Throws std::invalid_argument for observations < 1.
+[[nodiscard]] InformationCriteria information_criteria(const Problem& problem, int model,
+                                                       long observations,
+                                                       const ModeOptions& options);
+
+struct Dic {
+  double dic = 0.0;  ///< mean deviance + effective_parameters, deviance = -2 ln L
+  double effective_parameters = 0.0;
+};
+
+/// Deviance information criterion from posterior draws, its effective number of parameters half the
+/// variance of the deviance (Gelman et al. 2014, Bayesian Data Analysis, eq. 7.10): unlike the
+/// deviance at the posterior mean (Spiegelhalter et al. 2002) it does not depend on the
+/// parameterisation and is not misled by several modes.
+[[nodiscard]] Dic deviance_information_criterion(const ModelSamples& samples);
+
+}  // namespace wheeltap::inference

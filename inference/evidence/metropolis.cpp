@@ -1,0 +1,182 @@
+#include "inference/evidence/metropolis.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "inference/diagnostics.hpp"
+#include "inference/parallel.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+std::span<const double> view(const Eigen::VectorXd& z) {
+  return {z.data(), static_cast<std::size_t>(z.size())};
+}
+std::span<double> view(Eigen::VectorXd& z) {
+  return {z.data(), static_cast<std::size_t>(z.size())};
+}
+
+class Walker {
+ public:
+  Walker(const Problem& problem, int model, const NormalMixture* pilot, std::uint64_t seed,
+         std::uint64_t chain)
+      : posterior_(problem, model),
+        pilot_(pilot),
+        random_(seed, chain, static_cast<std::uint64_t>(model), Purpose::evidence),
+        d_(posterior_.dimension()),
+        factor_(2.38 / std::sqrt(std::max(1.0, static_cast<double>(d_))) *
+                Eigen::MatrixXd::Identity(d_, d_)) {
+    start();
+  }
+
+  // Every second step of a piloted walk is a draw from the pilot.
+  bool step(int iteration, bool adapt) {
+    return pilot_ != nullptr && iteration % 2 == 1 ? renew() : walk(adapt ? iteration : -1);
+  }
+
+  ModelPosterior& posterior() { return posterior_; }
+  [[nodiscard]] const Eigen::VectorXd& z() const { return z_; }
+  [[nodiscard]] const Eigen::VectorXd& x() const { return x_; }
+  [[nodiscard]] const ModelPosterior::Value& value() const { return value_; }
+
+ private:
+  void start() {
+    constexpr int kGood = 50, kTries = 2000;
+    Eigen::VectorXd z(d_);
+    int good = 0;
+    for (int i = 0; i < kTries && good < kGood; ++i) {
+      if (pilot_ != nullptr) {
+        pilot_->sample(random_, view(z));
+      } else {
+        posterior_.draw_prior(random_, view(z));
+      }
+      const ModelPosterior::Value value = posterior_(view(z));
+      if (value.log_posterior() == -std::numeric_limits<double>::infinity()) continue;
+      if (good++ == 0 || value.log_posterior() > value_.log_posterior()) accept(z, value);
+      if (pilot_ != nullptr) break;  // a draw of the pilot is as good as any
+    }
+    if (good == 0)
+      throw LikelihoodError(
+          "model '" + posterior_.name() + "': the likelihood is zero at every one of " +
+          std::to_string(kTries) +
+          (pilot_ != nullptr ? " draws from the pilot" : " draws from the prior"));
+  }
+
+  void accept(const Eigen::VectorXd& z, const ModelPosterior::Value& value) {
+    z_ = z;
+    x_ = Eigen::Map<const Eigen::VectorXd>(posterior_.x().data(), d_);
+    value_ = value;
+  }
+
+  bool walk(int iteration) {
+    Eigen::VectorXd u(d_);
+    for (double& v : u) v = random_.normal();
+    const Eigen::VectorXd to = z_ + factor_ * u;
+    const ModelPosterior::Value value = posterior_(view(to));
+    const double ratio = value.log_posterior() - value_.log_posterior();
+    const bool accepted = std::log(random_.uniform()) < ratio;
+    if (iteration >= 0) {
+      // S' S'ᵀ = S (I + η (α - α*) u uᵀ / |u|²) Sᵀ
+      const double target = d_ == 1 ? 0.44 : 0.234;
+      const double gain =
+          std::min(1.0, static_cast<double>(d_) * std::pow(iteration + 1.0, -2.0 / 3.0));
+      const double rate = std::min(1.0, std::exp(ratio));
+      const Eigen::MatrixXd next = factor_ *
+                                   (Eigen::MatrixXd::Identity(d_, d_) +
+                                    gain * (rate - target) / u.squaredNorm() * u * u.transpose()) *
+                                   factor_.transpose();
+      const Eigen::LLT<Eigen::MatrixXd> llt(next);
+      if (llt.info() == Eigen::Success) factor_ = llt.matrixL();
+    }
+    if (accepted) accept(to, value);
+    return accepted;
+  }
+
+  bool renew() {
+    Eigen::VectorXd to(d_);
+    pilot_->sample(random_, view(to));
+    const ModelPosterior::Value value = posterior_(view(to));
+    const double ratio = value.log_posterior() - value_.log_posterior() +
+                         pilot_->log_density(view(z_)) - pilot_->log_density(view(to));
+    const bool accepted = std::log(random_.uniform()) < ratio;
+    if (accepted) accept(to, value);
+    return accepted;
+  }
+
+  ModelPosterior posterior_;
+  const NormalMixture* pilot_;
+  Random random_;
+  Eigen::Index d_;
+  Eigen::MatrixXd factor_;
+  Eigen::VectorXd z_, x_;
+  ModelPosterior::Value value_;
+};
+
+ModelSamples run(const Problem& problem, int model, const NormalMixture* pilot,
+                 const MetropolisOptions& options) {
+  const auto require = [](bool fine, const char* name, int value, const char* bound) {
+    if (!fine)
+      throw std::invalid_argument(std::string("metropolis: ") + name + " = " +
+                                  std::to_string(value) + ", must be " + bound);
+  };
+  require(options.chains >= 1, "chains", options.chains, ">= 1");
+  require(options.warmup >= 0, "warmup", options.warmup, ">= 0");
+  require(options.draws >= 4, "draws", options.draws, ">= 4");
+  const auto chains = static_cast<std::size_t>(options.chains);
+  const Eigen::Index d = ModelPosterior(problem, model).dimension();
+  require(d >= 1, "dimension of the model", static_cast<int>(d), ">= 1");
+  ModelSamples samples{std::vector<Eigen::MatrixXd>(chains, Eigen::MatrixXd(options.draws, d)),
+                       std::vector<Eigen::MatrixXd>(chains, Eigen::MatrixXd(options.draws, d)),
+                       ChainsOf(chains),
+                       ChainsOf(chains),
+                       0.0,
+                       1.0,
+                       0,
+                       {}};
+  std::vector<long> accepted(chains, 0), evaluations(chains, 0);
+  parallel_for(options.chains, options.threads, [&](int chain) {
+    const auto c = static_cast<std::size_t>(chain);
+    Walker walker(problem, model, pilot, options.seed, c);
+    for (int i = 0; i < options.warmup; ++i) walker.step(i, true);
+    for (int i = 0; i < options.draws; ++i) {
+      accepted[c] += walker.step(i, false) ? 1 : 0;
+      samples.z[c].row(i) = walker.z().transpose();
+      samples.x[c].row(i) = walker.x().transpose();
+      samples.log_posterior[c].push_back(walker.value().log_posterior());
+      samples.log_likelihood[c].push_back(walker.value().log_likelihood);
+    }
+    evaluations[c] = walker.posterior().evaluations();
+  });
+  for (std::size_t c = 0; c < chains; ++c) {
+    samples.acceptance += static_cast<double>(accepted[c]) / (options.chains * 1.0 * options.draws);
+    samples.likelihood_evaluations += evaluations[c];
+  }
+  samples.rhat = rhat(samples.log_posterior);
+  for (Eigen::Index j = 0; j < d; ++j) {
+    ChainsOf of;
+    for (const Eigen::MatrixXd& z : samples.z) of.emplace_back(z.col(j).begin(), z.col(j).end());
+    samples.rhat = std::max(samples.rhat, rhat(of));
+  }
+  if (!(samples.rhat < 1.05))
+    samples.warnings.push_back("chains of model '" + problem.space[model].name +
+                               "' disagree (R-hat " + std::to_string(samples.rhat) +
+                               "): draw more, or start from a pilot that knows every mode");
+  return samples;
+}
+
+}  // namespace
+
+ModelSamples metropolis(const Problem& problem, int model, const MetropolisOptions& options) {
+  return run(problem, model, nullptr, options);
+}
+
+ModelSamples metropolis(const Problem& problem, int model, const NormalMixture& pilot,
+                        const MetropolisOptions& options) {
+  return run(problem, model, &pilot, options);
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,62 @@
+// The posterior of one model alone.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "inference/target.hpp"
+
+namespace wheeltap::inference {
+
+/// What every method of this folder returns of one model:
+///
+///   ln Z = ln ∫ p(data | model, x) p(x | model) dx.
+struct Evidence {
+  double log_evidence = 0.0;
+  /// Of ln Z; 0 where it is exact, NaN where the method (Laplace) cannot tell.
+  double standard_error = 0.0;
+  long likelihood_evaluations = 0;
+  std::vector<std::string> warnings{};
+};
+
+/// ln π(z) = ln p₀(z) + ln factor + ln likelihood in standard normal coordinates, for one thread,
+/// where
+///
+///   p₀(z) = ∏_kinds k! · ∏ φ(z_i)  on the components in order (by their first coordinate), 0 off
+///   it,
+///
+/// is the prior of the unordered set, and integrates to 1.
+class ModelPosterior {
+ public:
+  struct Value {
+    double log_prior = 0.0;  ///< ln p₀ + ln factor
+    double log_base = 0.0;   ///< ln p₀ alone
+    double log_likelihood = 0.0;
+    [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
+    /// What p₀ lacks of the posterior: ln factor + ln likelihood; -∞ out of order.
+    double log_gain = 0.0;
+  };
+
+  /// Throws std::invalid_argument for a model outside the space. `problem` must outlive this.
+  ModelPosterior(const Problem& problem, int model);
+
+  /// Everything is -∞ where z is out of order or not finite. Throws LikelihoodError for a NaN.
+  Value operator()(std::span<const double> z);
+  /// The physical parameters of the last z in order.
+  [[nodiscard]] std::span<const double> x() const { return state_.x; }
+
+  /// From p₀.
+  void draw_prior(Random& random, std::span<double> z);
+
+  [[nodiscard]] int dimension() const { return static_cast<int>(state_.z.size()); }
+  [[nodiscard]] long evaluations() const { return target_.evaluations(); }
+  [[nodiscard]] const std::string& name() const { return target_.space()[state_.model].name; }
+
+ private:
+  Target target_;
+  State state_;
+  double constant_ = 0.0;
+};
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,255 @@
+#include "inference/evidence/tmcmc.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "inference/parallel.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Particle {
+  std::vector<double> z;
+  double log_base = 0.0;  // ln p₀
+  double log_gain = 0.0;  // ln factor + ln likelihood
+};
+
+struct Weights {
+  double log_mean, cov;
+};
+
+// Mean, in logs, and coefficient of variation of exp(step · gain). A step of 0 tells the possible
+// from the impossible.
+Weights weights(const std::vector<Particle>& particles, double step) {
+  double top = -kInfinity;
+  for (const Particle& p : particles) top = std::max(top, p.log_gain);
+  double sum = 0.0, squares = 0.0;
+  for (const Particle& p : particles) {
+    if (p.log_gain == -kInfinity) continue;
+    const double w = std::exp(step * (p.log_gain - top));
+    sum += w;
+    squares += w * w;
+  }
+  const auto n = static_cast<double>(particles.size());
+  const double mean = sum / n;
+  return {step * top + std::log(mean), std::sqrt(std::max(0.0, squares / n / (mean * mean) - 1.0))};
+}
+
+class Replicate {
+ public:
+  Replicate(const Problem& problem, int model, const TmcmcOptions& options, int index)
+      : posterior_(problem, model),
+        options_(options),
+        model_(static_cast<std::uint64_t>(model)),
+        index_(static_cast<std::uint64_t>(index)) {}
+
+  // ln Z
+  double run() {
+    Random random = stream(0);
+    particles_.resize(static_cast<std::size_t>(options_.samples));
+    bool possible = true, any = false;
+    for (Particle& p : particles_) {
+      p.z.resize(static_cast<std::size_t>(posterior_.dimension()));
+      posterior_.draw_prior(random, p.z);
+      evaluate(p);
+      possible = possible && p.log_gain > -kInfinity;
+      any = any || p.log_gain > -kInfinity;
+    }
+    if (!any)
+      throw LikelihoodError("model '" + posterior_.name() +
+                            "': the likelihood is zero at every one of " +
+                            std::to_string(options_.samples) + " draws from the prior");
+    double log_evidence = 0.0, beta = 0.0;
+    for (stages_ = 1;; ++stages_) {
+      const double step = possible ? next_step(1.0 - beta) : 0.0;
+      possible = true;
+      log_evidence += weights(particles_, step).log_mean;
+      beta = beta + step >= 1.0 - 1e-12 ? 1.0 : beta + step;
+      Random stage = stream(static_cast<std::uint64_t>(stages_));
+      resample(step, stage);
+      move(beta, stage);
+      if (beta == 1.0) return log_evidence;
+      if (stages_ == kMostStages)
+        throw LikelihoodError("model '" + posterior_.name() + "': TMCMC is still at exponent " +
+                              std::to_string(beta) + " after " + std::to_string(kMostStages) +
+                              " stages");
+    }
+  }
+
+  [[nodiscard]] const std::vector<Particle>& particles() const { return particles_; }
+  [[nodiscard]] int stages() const { return stages_; }
+  [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
+  [[nodiscard]] bool sluggish() const { return sluggish_; }
+
+ private:
+  static constexpr int kMostStages = 1000, kMostSweeps = 60;
+
+  [[nodiscard]] Random stream(std::uint64_t stage) const {
+    // Kept apart from the other users of this purpose by the high bit.
+    return {options_.seed, index_ | (std::uint64_t{1} << 63U), stage << 32U | model_,
+            Purpose::evidence};
+  }
+
+  void evaluate(Particle& p) {
+    const ModelPosterior::Value value = posterior_(p.z);
+    p.log_base = value.log_base;
+    p.log_gain = value.log_gain;
+  }
+
+  // The step whose weights have the wanted coefficient of variation, by bisection.
+  [[nodiscard]] double next_step(double rest) const {
+    if (weights(particles_, rest).cov <= options_.weight_cov) return rest;
+    double low = 0.0, high = rest;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (low + high);
+      (weights(particles_, middle).cov > options_.weight_cov ? high : low) = middle;
+    }
+    return high;
+  }
+
+  // Systematic: one uniform number, evenly spaced pointers.
+  void resample(double step, Random& random) {
+    double top = -kInfinity;
+    for (const Particle& p : particles_) top = std::max(top, p.log_gain);
+    std::vector<double> cumulative;
+    double sum = 0.0;
+    for (const Particle& p : particles_)
+      cumulative.push_back(sum +=
+                           p.log_gain == -kInfinity ? 0.0 : std::exp(step * (p.log_gain - top)));
+    std::vector<Particle> next;
+    const double n = options_.samples, u = random.uniform();
+    std::size_t from = 0;
+    for (int i = 0; i < options_.samples; ++i) {
+      const double pointer = (i + u) / n * sum;
+      while (from + 1 < cumulative.size() && cumulative[from] <= pointer) ++from;
+      next.push_back(particles_[from]);
+    }
+    particles_ = std::move(next);
+  }
+
+  void move(double beta, Random& random) {
+    const int d = posterior_.dimension();
+    Eigen::MatrixXd states(options_.samples, d);
+    for (int i = 0; i < options_.samples; ++i)
+      states.row(i) =
+          Eigen::Map<const Eigen::RowVectorXd>(particles_[static_cast<std::size_t>(i)].z.data(), d);
+    NormalMixture::FitOptions fit;
+    fit.max_components = 8;
+    fit.defensive_weight = 0.05;
+    const NormalMixture mixture = NormalMixture::fit(states, fit, random);
+
+    Particle to;
+    to.z.resize(static_cast<std::size_t>(d));
+    std::vector<double> normal(to.z);
+    double moved = 0.0;
+    const double least = options_.acceptances * options_.samples;
+    for (int sweep = 0; moved < least && sweep < kMostSweeps; ++sweep) {
+      const bool renew = sweep % 2 == 0;
+      double accepted = 0.0;
+      for (Particle& p : particles_) {
+        double log_ratio = 0.0;
+        if (renew) {
+          mixture.sample(random, to.z);
+          log_ratio = mixture.log_density(p.z) - mixture.log_density(to.z);
+        } else {
+          const NormalMixture::Component& c = mixture[mixture.sample_component(random)];
+          for (double& v : normal) v = random.normal();
+          for (int i = 0; i < d; ++i) {
+            double e = 0.0;
+            for (int j = 0; j <= i; ++j) e += c.factor(i, j) * normal[static_cast<std::size_t>(j)];
+            to.z[static_cast<std::size_t>(i)] =
+                p.z[static_cast<std::size_t>(i)] + std::exp(log_scale_) * e;
+          }
+        }
+        evaluate(to);
+        if (to.log_gain == -kInfinity) continue;
+        log_ratio += to.log_base - p.log_base + beta * (to.log_gain - p.log_gain);
+        if (std::log(random.uniform()) < log_ratio) {
+          p = to;
+          accepted += 1.0;
+        }
+      }
+      moved += accepted;
+      if (!renew)
+        log_scale_ = std::clamp(log_scale_ + 2.0 * (accepted / options_.samples - 0.3), -6.0, 2.0);
+    }
+    sluggish_ = sluggish_ || moved < 0.5 * least;
+  }
+
+  ModelPosterior posterior_;
+  const TmcmcOptions& options_;
+  std::uint64_t model_, index_;
+  std::vector<Particle> particles_;
+  double log_scale_ = 0.0;
+  int stages_ = 0;
+  bool sluggish_ = false;
+};
+
+}  // namespace
+
+Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
+  const auto require = [](bool fine, const char* name, double value, const char* bound) {
+    if (!fine)
+      throw std::invalid_argument(std::string("tmcmc: ") + name + " = " + std::to_string(value) +
+                                  ", must be " + bound);
+  };
+  require(options.replicates >= 4, "replicates", options.replicates, ">= 4");
+  require(options.samples >= 20, "samples", options.samples, ">= 20");
+  require(options.weight_cov > 0.0, "weight_cov", options.weight_cov, "> 0");
+  require(options.acceptances > 0.0, "acceptances", options.acceptances, "> 0");
+
+  Tmcmc result;
+  ModelPosterior posterior(problem, model);
+  if (posterior.dimension() == 0) {
+    result.evidence.log_evidence = posterior({}).log_gain;
+    result.evidence.likelihood_evaluations = posterior.evaluations();
+    return result;
+  }
+  const auto r = static_cast<std::size_t>(options.replicates);
+  std::vector<double> log_evidence(r);
+  std::vector<long> evaluations(r);
+  std::vector<int> stages(r);
+  std::vector<char> sluggish(r);
+  result.z.resize(static_cast<Eigen::Index>(r) * options.samples, posterior.dimension());
+  parallel_for(options.replicates, options.threads, [&](int index) {
+    const auto i = static_cast<std::size_t>(index);
+    Replicate replicate(problem, model, options, index);
+    log_evidence[i] = replicate.run();
+    evaluations[i] = replicate.evaluations();
+    stages[i] = replicate.stages();
+    sluggish[i] = replicate.sluggish() ? 1 : 0;
+    Eigen::Index row = static_cast<Eigen::Index>(index) * options.samples;
+    for (const Particle& p : replicate.particles())
+      result.z.row(row++) = Eigen::Map<const Eigen::RowVectorXd>(p.z.data(), posterior.dimension());
+  });
+
+  const double n = options.replicates;
+  const double top = std::ranges::max(log_evidence);
+  double mean = 0.0, squares = 0.0;
+  for (const double l : log_evidence) mean += std::exp(l - top) / n;
+  for (const double l : log_evidence) {
+    const double e = std::exp(l - top) / mean - 1.0;
+    squares += e * e;
+  }
+  Evidence& evidence = result.evidence;
+  evidence.log_evidence = top + std::log(mean);
+  evidence.standard_error = std::sqrt(squares / (n - 1.0) / n * (n - 1.0) / (n - 3.0));
+  for (const long e : evaluations) evidence.likelihood_evaluations += e;
+  result.stages = std::ranges::max(stages);
+  const std::string name = "model '" + problem.space[model].name + "': ";
+  if (squares / (n - 1.0) > 0.25)
+    evidence.warnings.push_back(name +
+                                "TMCMC replicates scatter by more than half a nat; use more "
+                                "samples");
+  if (std::ranges::any_of(sluggish, [](char s) { return s != 0; }))
+    evidence.warnings.push_back(name +
+                                "TMCMC samples hardly moved in some stage; use more samples");
+  return result;
+}
+
+}  // namespace wheeltap::inference

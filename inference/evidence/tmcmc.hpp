@@ -1,0 +1,47 @@
+// Transitional Markov chain Monte Carlo: the evidence of one model by tempering from its prior.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "inference/evidence/model_posterior.hpp"
+#include "inference/normal_mixture.hpp"
+
+namespace wheeltap::inference {
+
+struct TmcmcOptions {
+  std::uint64_t seed = 1;
+  int replicates = 8;        ///< independent runs, whose scatter is the standard error; >= 4
+  int samples = 500;         ///< a replicate
+  double weight_cov = 1.0;   ///< coefficient of variation of the weights that sets each step of β
+  double acceptances = 4.0;  ///< moves accepted a sample and stage, on average, before going on
+  int threads = 0;           ///< 0: as many as the machine has. Never changes a result.
+};
+
+struct Tmcmc {
+  Evidence evidence;
+  Eigen::MatrixXd z;  ///< posterior draws of all replicates together, draws × dimension
+  int stages = 0;     ///< the most of any replicate
+};
+
+/// Ching & Chen (2007, J. Engineering Mechanics 133:816): samples pass through
+///
+///   π_j(z) ∝ p₀(z) [factor · likelihood]^{β_j},   0 = β_0 < … < β_m = 1,
+///
+/// by weighting with the power of the step, resampling, and Metropolis moves, and
+/// Z = ∏_j mean of the weights of step j.
+///
+/// Beyond the paper: β by bisection on the weights' coefficient of variation; systematic
+/// resampling; prior draws of likelihood zero are a step of their own; half of the moves are
+/// drawn from a normal mixture fitted to the stage's samples and half are steps with the covariance
+/// of one of its components, at a scale adapted from sweep to sweep, so that separate modes stay
+/// balanced; sweeps until each sample has moved several times; everything in log space.
+///
+/// ln Z is the log of the replicates' mean Z. Its standard error is from their scatter, times
+/// √((R-1)/(R-3)) for knowing the scatter from R replicates only (the sd of Student's t).
+///
+/// Throws LikelihoodError where no prior draw has a finite likelihood; std::invalid_argument for
+/// options out of range.
+[[nodiscard]] Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options);
+
+}  // namespace wheeltap::inference
