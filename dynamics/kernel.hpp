@@ -44,6 +44,7 @@ struct Task {
   const DriveTerm* drive = nullptr;
   const SensorTerm* sensor = nullptr;
   bool serial = false;  ///< link i joins masses i and i + 1, and there are no others
+  int only_law = -1;    ///< the kind of all laws, if they are of one kind
   double step = 0.0;    ///< time between two samples of the excitation [s]
   std::int64_t samples = 0;
   int stride = 1;

@@ -4,6 +4,8 @@
 // Compiled without contraction to fused multiply-add: every width gives the same bits.
 #pragma once
 
+#include <type_traits>
+
 #include "dynamics/kernel.hpp"
 #include "dynamics/lane_math.hpp"
 #include "dynamics/laws.hpp"
@@ -78,8 +80,11 @@ class Output {
   std::int64_t sample_ = -1;
 };
 
-/// N > 0: number of masses; 0: task.masses. kSerial: link i joins masses i and i + 1.
-template <int N, bool kSerial>
+struct AnyLaw {};
+
+/// N > 0: number of masses; 0: task.masses. kSerial: link i joins masses i and i + 1. OnlyLaw: the
+/// one kind of law there is, which spares the choice at every link.
+template <int N, bool kSerial, class OnlyLaw>
 class RungeKutta {
  public:
   explicit RungeKutta(const Task& task)
@@ -94,6 +99,13 @@ class RungeKutta {
     const int steps = task_.substeps;
     const double h = task_.step / steps, half = 0.5 * h, sixth = h / 6.0, area = h * h / 6.0;
     const double fraction = 0.5 / steps;
+    V half_inverse[M], full_inverse[M], sixth_inverse[M];
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) {
+      half_inverse[i] = half * inverse_mass_[i];
+      full_inverse[i] = h * inverse_mass_[i];
+      sixth_inverse[i] = sixth * inverse_mass_[i];
+    }
     V y[M], v[M], q[kMaxMemories], drive_now[M], drive_next[M], peak{};
     y[0] = v[0] = V{};
     WHEELTAP_UNROLL
@@ -117,12 +129,23 @@ class RungeKutta {
         // 1/2 | 0   1/2
         // 1   | 0   0   1
         //     | 1/6 1/3 1/3 1/6     Those of y are those of v: y gains h v + h²/6 (a1 + a2 + a3).
-        V a1[M], a2[M], a3[M], a4[M], yi[M], v2[M], v3[M], drive[M];
+        // A stage is a chain of dependent operations: what it knows before its forces, v + h drive
+        // / 2, is added beforehand.
+        V a1[M], a2[M], a3[M], known[M], yi[M], vi[M], vn[M], drive[M], pull[M];
         V q1[kMaxMemories], q2[kMaxMemories], q3[kMaxMemories], q4[kMaxMemories], qi[kMaxMemories];
-        yi[0] = v2[0] = v3[0] = V{};
+        yi[0] = vi[0] = vn[0] = V{};
         WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) drive[i] = drive_now[i] + (2.0 * s) * slope[i];
-        rates(y, v, q, drive, a1, q1);
+        for (int i = 1; i <= n; ++i) {
+          drive[i] = drive_now[i] + (2.0 * s) * slope[i];
+          known[i] = v[i] + half * drive[i];
+          yi[i] = y[i] + half * v[i];
+        }
+        forces(y, v, q, pull, q1);
+        WHEELTAP_UNROLL
+        for (int i = 1; i <= n; ++i) {
+          vi[i] = known[i] + half_inverse[i] * pull[i];
+          a1[i] = drive[i] + inverse_mass_[i] * pull[i];
+        }
         if (s == 0) {
           if (output.due(sample)) emit(output, sample, y, v, a1);
           if (last) break;
@@ -131,35 +154,39 @@ class RungeKutta {
         WHEELTAP_UNROLL
         for (int i = 1; i <= n; ++i) {
           drive[i] += slope[i];
-          yi[i] = y[i] + half * v[i];
-          v2[i] = v[i] + half * a1[i];
+          known[i] = v[i] + half * drive[i];
         }
         for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + half * q1[m];
-        rates(yi, v2, qi, drive, a2, q2);
-
+        forces(yi, vi, qi, pull, q2);
         WHEELTAP_UNROLL
         for (int i = 1; i <= n; ++i) {
-          yi[i] = y[i] + half * v2[i];
-          v3[i] = v[i] + half * a2[i];
+          yi[i] = y[i] + half * vi[i];
+          vn[i] = known[i] + half_inverse[i] * pull[i];
+          a2[i] = drive[i] + inverse_mass_[i] * pull[i];
         }
-        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + half * q2[m];
-        rates(yi, v3, qi, drive, a3, q3);
 
+        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + half * q2[m];
+        WHEELTAP_UNROLL
+        for (int i = 1; i <= n; ++i) known[i] = v[i] + h * drive[i];
+        forces(yi, vn, qi, pull, q3);
+        WHEELTAP_UNROLL
+        for (int i = 1; i <= n; ++i) {
+          yi[i] = y[i] + h * vn[i];
+          vi[i] = known[i] + full_inverse[i] * pull[i];
+          a3[i] = drive[i] + inverse_mass_[i] * pull[i];
+        }
+
+        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + h * q3[m];
         WHEELTAP_UNROLL
         for (int i = 1; i <= n; ++i) {
           drive[i] += slope[i];
-          yi[i] = y[i] + h * v3[i];
-          v2[i] = v[i] + h * a3[i];
-        }
-        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + h * q3[m];
-        rates(yi, v2, qi, drive, a4, q4);
-
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) {
           const V middle = a2[i] + a3[i];
+          known[i] = v[i] + sixth * (a1[i] + drive[i] + 2.0 * middle);
           y[i] += h * v[i] + area * (a1[i] + middle);
-          v[i] += sixth * (a1[i] + a4[i] + 2.0 * middle);
         }
+        forces(yi, vi, qi, pull, q4);
+        WHEELTAP_UNROLL
+        for (int i = 1; i <= n; ++i) v[i] = known[i] + sixth_inverse[i] * pull[i];
         for (int m = 0; m < task_.memories; ++m)
           q[m] += sixth * (q1[m] + q4[m] + 2.0 * (q2[m] + q3[m]));
       }
@@ -200,11 +227,9 @@ class RungeKutta {
     for (int i = 1; i <= n; ++i) drive[i] = force[i] * inverse_mass_[i] - base;
   }
 
-  /// Accelerations and rates of the laws' own states.
-  WHEELTAP_INLINE void rates(const V* y, const V* v, const V* q, const V* drive, V* a,
-                             V* q_rate) const {
+  /// The sum of the tensions on every mass, and the rates of the laws' own states.
+  WHEELTAP_INLINE void forces(const V* y, const V* v, const V* q, V* pull, V* q_rate) const {
     const int n = masses();
-    V pull[M];
     pull[0] = V{};
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) pull[i] = V{};
@@ -214,34 +239,41 @@ class RungeKutta {
       const LinkTerm& link = task_.link[l];
       const int from = kSerial ? l : link.a, to = kSerial ? l + 1 : link.b;
       const V e = y[to] - y[from], rate = v[to] - v[from];
-      V tension = c_[link.slot] * e + c_[link.slot + 1] * rate;
+      V tension = c_[link.slot] * e;
       for (int j = link.law_begin; j < link.law_end; ++j)
         tension += apply(task_.law[j], e, rate, q, q_rate);
+      tension += c_[link.slot + 1] * rate;  // last: within a stage the velocities are known last
       pull[from] += tension;
       pull[to] -= tension;
     }
-    WHEELTAP_UNROLL
-    for (int i = 1; i <= n; ++i) a[i] = drive[i] + pull[i] * inverse_mass_[i];
   }
 
   WHEELTAP_INLINE V apply(const LawTerm& term, V e, V rate, const V* q, V* q_rate) const {
-    V tension{};
-    LawList::visit(
-        term.kind, [&](auto law) __attribute__((always_inline)) {
-          using Law = decltype(law);
-          const V* c = c_ + term.slot;
-          if constexpr (Law::kInfo.memory) {
-            static_assert(!Law::kInfo.one_sided);
-            tension = Law::tension(c, e, rate, q[term.memory]);
-            q_rate[term.memory] = Law::memory_rate(c, e, rate, q[term.memory]);
-          } else if constexpr (Law::kInfo.one_sided) {
-            const V side = c[Law::kInfo.size()];
-            tension = side * Law::tension(c, side * e, side * rate);
-          } else {
-            tension = Law::tension(c, e, rate);
-          }
-        });
-    return tension;
+    if constexpr (std::is_same_v<OnlyLaw, AnyLaw>) {
+      V tension{};
+      LawList::visit(
+          term.kind, [&](auto law) __attribute__((always_inline)) {
+            tension = apply(law, term, e, rate, q, q_rate);
+          });
+      return tension;
+    } else {
+      return apply(OnlyLaw{}, term, e, rate, q, q_rate);
+    }
+  }
+
+  template <class Law>
+  WHEELTAP_INLINE V apply(Law, const LawTerm& term, V e, V rate, const V* q, V* q_rate) const {
+    const V* c = c_ + term.slot;
+    if constexpr (Law::kInfo.memory) {
+      static_assert(!Law::kInfo.one_sided);
+      q_rate[term.memory] = Law::memory_rate(c, e, rate, q[term.memory]);
+      return Law::tension(c, e, rate, q[term.memory]);
+    } else if constexpr (Law::kInfo.one_sided) {
+      const V side = c[Law::kInfo.size()];
+      return side * Law::tension(c, side * e, side * rate);
+    } else {
+      return Law::tension(c, e, rate);
+    }
   }
 
   WHEELTAP_INLINE void emit(Output& output, std::int64_t sample, const V* y, const V* v,
@@ -506,10 +538,15 @@ class Exact {
 
 template <int N>
 void run_runge_kutta(const Task& task) {
-  if (task.serial)
-    RungeKutta<N, true>(task).run();
-  else
-    RungeKutta<N, false>(task).run();
+  if (!task.serial) return RungeKutta<N, false, AnyLaw>(task).run();
+  if constexpr (N <= 3) {
+    if (task.only_law >= 0) {
+      LawList::visit(task.only_law,
+                     [&](auto law) { RungeKutta<N, true, decltype(law)>(task).run(); });
+      return;
+    }
+  }
+  RungeKutta<N, true, AnyLaw>(task).run();
 }
 
 inline void runge_kutta(const Task& task) {
@@ -523,7 +560,7 @@ inline void runge_kutta(const Task& task) {
     case 4:
       return run_runge_kutta<4>(task);
     default:
-      return RungeKutta<0, false>(task).run();
+      return RungeKutta<0, false, AnyLaw>(task).run();
   }
 }
 

@@ -32,25 +32,21 @@ bool cpu_has(Instructions instructions) {
   return true;
 }
 
-kernel::Kernel make_kernel(Instructions instructions) {
+/// The kernels to choose from, narrowest first: the one asked for, or all that this processor has.
+std::vector<kernel::Kernel> make_kernels(Instructions instructions) {
   if (!cpu_has(instructions)) fail("this processor lacks the vector instructions asked for");
-  switch (instructions) {
-    case Instructions::scalar:
-      return kernel::scalar_kernel();
-    case Instructions::baseline:
-      return kernel::baseline_kernel();
+  std::vector<kernel::Kernel> kernels;
+  const auto add = [&](Instructions offered, kernel::Kernel (*make)()) {
+    if (instructions == offered || (instructions == Instructions::automatic && cpu_has(offered)))
+      kernels.push_back(make());
+  };
 #ifdef WHEELTAP_X86_KERNELS
-    case Instructions::avx2:
-      return kernel::avx2_kernel();
-    case Instructions::avx512:
-      return kernel::avx512_kernel();
+  add(Instructions::avx2, kernel::avx2_kernel);
+  add(Instructions::avx512, kernel::avx512_kernel);
 #endif
-    default:
-      break;
-  }
-  for (Instructions best : {Instructions::avx512, Instructions::avx2})
-    if (cpu_has(best)) return make_kernel(best);
-  return kernel::baseline_kernel();
+  if (kernels.empty()) add(Instructions::baseline, kernel::baseline_kernel);
+  if (instructions == Instructions::scalar) kernels.push_back(kernel::scalar_kernel());
+  return kernels;
 }
 
 void require_finite(const std::vector<double>& samples, const std::string& name) {
@@ -120,7 +116,7 @@ struct Simulator::Impl {
   std::vector<kernel::DriveTerm> drives;
   std::vector<kernel::SensorTerm> terms;
   kernel::Task task;
-  kernel::Kernel kernel;
+  std::vector<kernel::Kernel> kernels;
   bool exact = false;
   int samples = 0;  ///< of the excitation
   int parameters = 0;
@@ -280,7 +276,7 @@ void Simulator::Impl::compile() {
 
   exact = options.integrator == Integrator::exact || (options.integrator == Integrator::automatic &&
                                                       chain.is_linear() && options.substeps == 0);
-  kernel = make_kernel(options.instructions);
+  kernels = make_kernels(options.instructions);
   task.masses = n;
   task.links = static_cast<int>(links.size());
   task.link = links.data();
@@ -293,6 +289,9 @@ void Simulator::Impl::compile() {
     const auto& link = links[static_cast<std::size_t>(l)];
     task.serial = task.serial && link.a == l && link.b == l + 1;
   }
+  const auto same_kind = [&](const kernel::LawTerm& law) { return law.kind == laws.front().kind; };
+  if (!laws.empty() && std::all_of(laws.begin(), laws.end(), same_kind))
+    task.only_law = laws.front().kind;
   task.step = dt;
   task.samples = samples;
   task.stride = options.stride;
@@ -339,7 +338,7 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
   }
   std::sort(memory.order.begin(), memory.order.end());
 
-  const auto lanes = static_cast<std::size_t>(kernel.lanes);
+  const auto most = static_cast<std::size_t>(kernels.back().lanes);
   alignas(64) std::array<double, 8> failed;
   kernel::Task work = task;
   work.sensor = sensor_terms.data();
@@ -347,22 +346,27 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
   work.lead_in = lead_in;
   work.failed = failed.data();
   const std::size_t channels = sensor_terms.size();
-  double* table = memory.coefficients.take((width + channels) * lanes);
-  double* totals = table + width * lanes;
+  double* table = memory.coefficients.take((width + channels) * most);
+  double* totals = table + width * most;
   work.coefficients = table;
   const auto scratch =
       static_cast<std::size_t>(kernel::scratch_size(work.masses, work.drives, work.sensors));
-  if (exact) work.scratch = memory.exact.take(scratch * lanes);
+  if (exact) work.scratch = memory.exact.take(scratch * most);
   if (sums)
     work.sums = totals;
   else
     work.trajectory =
-        memory.trajectory.take(static_cast<std::size_t>(response_samples()) * channels * lanes);
+        memory.trajectory.take(static_cast<std::size_t>(response_samples()) * channels * most);
 
   for (std::size_t begin = 0; begin < count;) {
     const int group = memory.order[begin].first;
     std::size_t end = begin;
-    while (end < count && end - begin < lanes && memory.order[end].first == group) ++end;
+    while (end < count && end - begin < most && memory.order[end].first == group) ++end;
+    // The narrowest kernel that holds the group: a wide vector costs more than a narrow one.
+    const kernel::Kernel& kernel = *std::find_if(
+        kernels.begin(), kernels.end() - 1,
+        [&](const kernel::Kernel& k) { return static_cast<std::size_t>(k.lanes) >= end - begin; });
+    const auto lanes = static_cast<std::size_t>(kernel.lanes);
     if (group != kInfeasible) {
       for (std::size_t lane = 0; lane < lanes; ++lane) {  // idle lanes repeat the last set
         const auto set =
