@@ -31,7 +31,7 @@ class Solver {
     // Gershgorin is loose in mixed units; doubling from the scale of the mesh finds the top.
     Real top = assembly_.stiffness.diagonal().cwiseQuotient(assembly_.mass.diagonal()).maxCoeff();
     const int n = ldlt_.size();
-    while (ldlt_.factor(top) < n) top *= 2;
+    while (count_below(top, top) < n) top *= 2;
     const int rigid = spectrum_.rigid_body_modes;
     if (rigid > 0) {
       rigid_ = cluster(0, rigid, -top * kTwins);
@@ -45,16 +45,26 @@ class Solver {
   /// Eigenvalues closer than this fraction are treated as one, their vectors made orthogonal.
   static constexpr Real kTwins = 1e-13L;
 
+  /// Factors at σ; moves σ by a small share of `room` where the factorisation is unstable.
+  int count_below(Real& sigma, Real room) {
+    int below = ldlt_.factor(sigma);
+    for (int attempt = 1; !ldlt_.stable() && attempt < 8; ++attempt) {
+      sigma += 0.01L * static_cast<Real>(attempt) * room;
+      below = ldlt_.factor(sigma);
+    }
+    return below;
+  }
+
   /// Eigenvalues number `below_low` … `below_high` - 1 lie in (low, high).
   void isolate(Real low, int below_low, Real high, int below_high) {
     while (below_high - below_low > 1) {
       // Natural frequencies spread evenly on a logarithmic scale at the bottom.
-      const Real middle = low > 0 && high > 4 * low ? std::sqrt(low * high) : (low + high) / 2;
+      Real middle = low > 0 && high > 4 * low ? std::sqrt(low * high) : (low + high) / 2;
       if (high - low <= kTwins * high) {
         cluster(below_low, below_high, middle);
         return;
       }
-      const int below = std::clamp(ldlt_.factor(middle), below_low, below_high);
+      const int below = std::clamp(count_below(middle, high - low), below_low, below_high);
       if (below > below_low) isolate(low, below_low, middle, below);
       low = middle;
       below_low = below;
@@ -67,13 +77,15 @@ class Solver {
     Vector q(ldlt_.size());
     for (int attempt = 0; attempt < 200; ++attempt) {
       Real shift = (low + high) / 2;
-      const int below = ldlt_.factor(shift);
+      const int below = count_below(shift, high - low);
       (below > index ? high : low) = shift;
       start(q, index);
       Real quotient = improve(q);
       for (int step = 0; step < 12 && quotient > low && quotient < high; ++step) {
         shift = quotient;
-        ldlt_.factor(shift);
+        // Off the eigenvalue by a little where it makes a leading block singular too.
+        Real stable = shift;
+        count_below(stable, 1e-6L * shift);
         quotient = improve(q);
         // Cubic convergence: the vector is now right to the cube of a smaller change.
         if (std::abs(quotient - shift) <= kTwins * shift) {

@@ -4,6 +4,9 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
 #include <vector>
 
 namespace wheeltap::fem {
@@ -42,6 +45,7 @@ class SkylineLdlt {
   /// Factors K - σ M; returns the number of eigenvalues below σ.
   int factor(Real sigma) {
     int negative = 0;
+    growth_ = 0;
     for (std::size_t i = 0; i < l_.size(); ++i) l_[i] = k_[i] - sigma * m_[i];
     for (std::size_t i = 0; i < first_.size(); ++i) {
       Real* row = &l_[start_[i]] - first_[i];
@@ -50,18 +54,26 @@ class SkylineLdlt {
         for (std::size_t c = std::max(first_[i], first_[j]); c < j; ++c)
           row[j] -= row[c] * other[c];
       }
+      const std::size_t diagonal = start_[i + 1] - 1;
+      Real removed = 0;
       for (std::size_t j = first_[i]; j < i; ++j) {
         const Real scaled = row[j];
         row[j] /= l_[start_[j + 1] - 1];
         row[i] -= scaled * row[j];
+        removed = std::max(removed, std::abs(scaled * row[j]));
       }
-      // A zero pivot means that σ is an eigenvalue of a leading block: step aside by rounding.
-      if (row[i] == 0)
-        row[i] = std::numeric_limits<Real>::epsilon() * std::abs(k_[start_[i + 1] - 1]);
+      const Real size = std::abs(k_[diagonal]) + std::abs(sigma * m_[diagonal]);
+      growth_ = std::max(growth_, removed / size);
+      if (row[i] == 0) row[i] = std::numeric_limits<Real>::epsilon() * size;
       negative += row[i] < 0;
     }
     return negative;
   }
+
+  /// False where σ nearly is an eigenvalue of a leading block, whose tiny pivot drowned the rows
+  /// below it in rounding: the count and solutions are then not to be trusted, and σ should move a
+  /// little.
+  [[nodiscard]] bool stable() const { return growth_ < Real{1e4}; }
 
   /// Overwrites x with (K - σ M)⁻¹ x of the last factorisation.
   template <class Vector>
@@ -82,6 +94,7 @@ class SkylineLdlt {
 
   std::vector<std::size_t> first_;  // first stored column of each row
   std::vector<std::size_t> start_;  // where each row begins
+  Real growth_ = 0;                 // largest update of a diagonal entry, relative to the entry
   std::vector<Real> k_, m_, l_;     // the skylines of K, M, and of L with D on the diagonal
 };
 
