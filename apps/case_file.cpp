@@ -264,7 +264,8 @@ std::optional<Complaint> explain(const Json& root, const Json& reference, const 
   }
   if (value.is_object()) {
     const Json properties = rule.value("properties", Json::object());
-    if (rule.value("additionalProperties", true) == false) {
+    const Json others = rule.value("additionalProperties", Json(true));
+    if (others == false) {
       for (const auto& [key, ignored] : value.items()) {
         if (!properties.contains(key)) return Complaint{where / key, unknown_key(key, properties)};
       }
@@ -281,6 +282,8 @@ std::optional<Complaint> explain(const Json& root, const Json& reference, const 
     for (const auto& [key, item] : value.items()) {
       if (properties.contains(key)) {
         if (auto c = explain(root, properties[key], item, where / key)) return c;
+      } else if (others.is_object()) {
+        if (auto c = explain(root, others, item, where / key)) return c;
       }
     }
   }

@@ -1,17 +1,15 @@
 #include "apps/commands.hpp"
 
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <fstream>
 #include <iostream>
 
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_summary.hpp"
 #include "apps/posterior_file.hpp"
+#include "apps/running.hpp"
 #include "apps/terminal.hpp"
 #include "emulator/atomic_file.hpp"
 #include "fem/modal_analysis.hpp"
@@ -19,44 +17,6 @@
 
 namespace wheeltap::apps {
 namespace {
-
-// Lines for people who watch, on standard error.
-std::shared_ptr<spdlog::logger> make_log(bool quiet) {
-  auto log = std::make_shared<spdlog::logger>("wheeltap",
-                                              std::make_shared<spdlog::sinks::stderr_sink_st>());
-  log->set_pattern("%v");
-  log->set_level(quiet ? spdlog::level::warn : spdlog::level::info);
-  return log;
-}
-
-std::atomic<bool> interrupted{false};
-
-// Ctrl-C asks the sampler to stop; a second one ends the program.
-class StopOnInterrupt {
- public:
-  StopOnInterrupt() {
-    previous_ = std::signal(SIGINT, [](int) {
-      if (interrupted.exchange(true)) std::_Exit(130);
-    });
-  }
-  StopOnInterrupt(const StopOnInterrupt&) = delete;
-  StopOnInterrupt& operator=(const StopOnInterrupt&) = delete;
-  ~StopOnInterrupt() { std::signal(SIGINT, previous_); }
-
- private:
-  void (*previous_)(int);
-};
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  emulator::AtomicFile file(path);
-  std::ofstream stream(file.temporary(), std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) {
-    throw emulator::FileError(emulator::FileError::Kind::unwritable, path, "cannot be written");
-  }
-  file.commit();
-}
 
 std::string sparkline(const Eigen::VectorXd& shape) {
   static const char* levels[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
@@ -72,24 +32,6 @@ std::string sparkline(const Eigen::VectorXd& shape) {
     text += levels[std::clamp(static_cast<int>(std::lround(3.5 + 3.5 * w)), 0, 7)];
   }
   return text;
-}
-
-// Chains that were stopped early may differ in length.
-void cut_to_shortest(inference::Posterior& posterior) {
-  std::size_t n = posterior.chains.empty() ? 0 : posterior.chains[0].model.size();
-  for (const auto& chain : posterior.chains) n = std::min(n, chain.model.size());
-  for (auto& chain : posterior.chains) {
-    chain.model.resize(n);
-    chain.theta.resize(n * static_cast<std::size_t>(posterior.dimension));
-    chain.log_prior.resize(n);
-    chain.log_likelihood.resize(n);
-    chain.move.resize(n);
-    chain.accepted.resize(n);
-    if (!chain.prediction.empty()) {
-      chain.prediction.resize(n * static_cast<std::size_t>(posterior.predictions));
-    }
-  }
-  posterior.draws = static_cast<int>(n);
 }
 
 Report options_report(const SamplingOptions& options) {
@@ -119,15 +61,6 @@ std::optional<Report> finished_run(const std::filesystem::path& directory, const
 void print_where(const std::filesystem::path& directory) {
   std::cout << "Results: " << (directory / "summary.json").string() << " (numbers), "
             << (directory / "posterior.nc").string() << " (every draw)\n";
-}
-
-void make_output_folder(const std::filesystem::path& directory) {
-  std::error_code error;
-  std::filesystem::create_directories(directory, error);
-  if (error || !std::filesystem::is_directory(directory)) {
-    throw emulator::FileError(emulator::FileError::Kind::unwritable, directory,
-                              error ? error.message() : "is not a folder");
-  }
 }
 
 }  // namespace
@@ -284,44 +217,14 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   engine.warmup = options.warmup;
   engine.draws = options.draws;
   engine.prior_only = options.prior_only;
-  engine.progress = [&](const inference::Options::Progress& progress) {
-    std::string detail;
-    for (std::size_t m = 0; m < progress.model_probabilities.size(); ++m) {
-      if (m == 0) detail = "P =";
-      if (m < 8) detail += " " + fixed(progress.model_probabilities[m], 2);
-    }
-    bar.show(progress.stage, progress.fraction, detail);
-    return !interrupted.load();
-  };
-  inference::Posterior posterior;
-  {
-    const StopOnInterrupt stop;
-    try {
-      posterior = inference::reversible_jump(problem->problem, engine);
-    } catch (const inference::LikelihoodError& error) {
-      bar.clear();
-      throw Failure(Exit::bad_input, common.case_path.string() + ": " + error.what());
-    }
-  }
-  bar.clear();
-  cut_to_shortest(posterior);
-  if (posterior.draws < 100) {
-    throw Failure(Exit::internal, "stopped before there were 100 draws a chain: nothing to report");
-  }
+  const inference::Posterior posterior =
+      run_engine(problem->problem, engine, common.case_path, common.quiet);
 
   Report summary =
       summarise_damage(*problem, posterior, {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
   write_posterior_file(posterior_file.temporary(), *problem, posterior, seed);
-  {
-    std::ofstream stream(summary_file.temporary(), std::ios::binary);
-    stream << summary.dump(1) << '\n';
-    stream.close();
-    if (!stream) {
-      throw emulator::FileError(emulator::FileError::Kind::unwritable,
-                                common.output / "summary.json", "cannot be written");
-    }
-  }
+  write_text(summary_file, summary.dump(1) + "\n");
   posterior_file.commit();
   summary_file.commit();
   print_damage(std::cout, summary, colour_wanted());

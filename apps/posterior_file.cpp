@@ -1,96 +1,11 @@
 #include "apps/posterior_file.hpp"
 
-#include <netcdf.h>
-
 #include <cmath>
-#include <ctime>
 
-#include "emulator/file_error.hpp"
+#include "apps/netcdf_writer.hpp"
 #include "inference/random.hpp"
 
 namespace wheeltap::apps {
-namespace {
-
-class NetcdfWriter {
- public:
-  explicit NetcdfWriter(const std::filesystem::path& path) : path_(path) {
-    check(nc_create(path.c_str(), NC_NETCDF4 | NC_CLOBBER, &file_));
-  }
-  NetcdfWriter(const NetcdfWriter&) = delete;
-  NetcdfWriter& operator=(const NetcdfWriter&) = delete;
-  ~NetcdfWriter() {
-    if (file_ >= 0) nc_close(file_);
-  }
-  void close() {
-    const int file = std::exchange(file_, -1);
-    check(nc_close(file));
-  }
-
-  void check(int status) const {
-    if (status == NC_NOERR) return;
-    throw emulator::FileError(emulator::FileError::Kind::unwritable, path_, nc_strerror(status));
-  }
-  [[nodiscard]] int root() const { return file_; }
-  [[nodiscard]] int group(const char* name) const {
-    int id = 0;
-    check(nc_def_grp(file_, name, &id));
-    return id;
-  }
-  void text(int group, int variable, const char* name, const std::string& value) const {
-    check(nc_put_att_text(group, variable, name, value.size(), value.c_str()));
-  }
-  // A dimension with its coordinate variable 0, 1, … (or 1, 2, …).
-  [[nodiscard]] int dimension(int group, const char* name, std::size_t size, int first) const {
-    int id = 0, variable = 0;
-    check(nc_def_dim(group, name, size, &id));
-    check(nc_def_var(group, name, NC_INT, 1, &id, &variable));
-    std::vector<int> values(size);
-    for (std::size_t i = 0; i < size; ++i) values[i] = first + static_cast<int>(i);
-    check(nc_put_var_int(group, variable, values.data()));
-    return id;
-  }
-  [[nodiscard]] int variable(int group, const std::string& name, nc_type type,
-                             const std::vector<int>& dimensions) const {
-    int id = 0;
-    check(nc_def_var(group, name.c_str(), type, static_cast<int>(dimensions.size()),
-                     dimensions.data(), &id));
-    if (dimensions.size() > 1) check(nc_def_var_deflate(group, id, 1, 1, 1));
-    return id;
-  }
-  int put(int group, const std::string& name, const std::vector<int>& dimensions,
-          const std::vector<double>& values) const {
-    const int id = variable(group, name, NC_DOUBLE, dimensions);
-    check(nc_put_var_double(group, id, values.data()));
-    return id;
-  }
-  int put(int group, const std::string& name, const std::vector<int>& dimensions,
-          const std::vector<float>& values) const {
-    const int id = variable(group, name, NC_FLOAT, dimensions);
-    check(nc_put_var_float(group, id, values.data()));
-    return id;
-  }
-  int put(int group, const std::string& name, const std::vector<int>& dimensions,
-          const std::vector<int>& values, nc_type type = NC_INT) const {
-    const int id = variable(group, name, type, dimensions);
-    check(nc_put_var_int(group, id, values.data()));
-    return id;
-  }
-
- private:
-  std::filesystem::path path_;
-  int file_ = -1;
-};
-
-std::string now() {
-  const std::time_t t = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&t, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
-}  // namespace
 
 void write_posterior_file(const std::filesystem::path& path, const DamageProblem& problem,
                           const inference::Posterior& posterior, std::uint64_t seed) {
@@ -125,9 +40,7 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
   });
 
   NetcdfWriter file(path);
-  file.text(file.root(), NC_GLOBAL, "inference_library", "wheeltap");
-  file.text(file.root(), NC_GLOBAL, "inference_library_version", WHEELTAP_VERSION);
-  file.text(file.root(), NC_GLOBAL, "created_at", now());
+  file.about();
   file.text(file.root(), NC_GLOBAL, "title", damage_case.title);
   file.text(file.root(), NC_GLOBAL, "case", damage_case.file.json.dump());
 

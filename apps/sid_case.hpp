@@ -25,7 +25,7 @@ struct SidChannel {
   /// Raw samples from the start of the lead-in; an excitation's are upsampled by SidCase::stride.
   dynamics::Signal signal = {};
   std::string unit = {};  ///< as the file's header has it
-  Pointer where = {};
+  Pointer where = Pointer();
 
   [[nodiscard]] bool is_excitation() const {
     return role == Role::force || role == Role::base_acceleration ||
@@ -36,20 +36,20 @@ struct SidChannel {
 struct SidModel {
   std::string name;
   double weight = 1.0;
-  dynamics::Chain chain;
-  dynamics::InitialState initial;
-  std::vector<dynamics::Coefficient> noise;  ///< sd, one a response channel
+  dynamics::Chain chain = {};
+  dynamics::InitialState initial = {};
+  std::vector<dynamics::Coefficient> noise = {};  ///< sd, one a response channel
   /// Partial autocorrelations of each response channel's residuals; empty: white.
-  std::vector<std::vector<dynamics::Coefficient>> autocorrelations;
-  std::vector<int> parameters;  ///< those it uses, increasing
-  Pointer where;
+  std::vector<std::vector<dynamics::Coefficient>> autocorrelations = {};
+  std::vector<int> parameters = {};  ///< those it uses, increasing
+  Pointer where = Pointer();
 };
 
 /// A simulation asked for by the case.
 struct SidTruth {
   int model = 0;
-  std::vector<double> theta;  ///< one value a parameter of the case; NaN where not given
-  std::vector<double> noise;  ///< sd, one a response channel
+  std::vector<double> theta = {};  ///< one value a parameter of the case; NaN where not given
+  std::vector<double> noise = {};  ///< sd, one a response channel
   int samples = 0;
   double sample_rate_hz = 0.0;
   std::uint64_t seed = 1;
@@ -57,22 +57,22 @@ struct SidTruth {
 
 struct SidCase {
   CaseFile file;
-  std::string title;
-  std::vector<std::string> notes;
-  std::vector<inference::Parameter> parameters;
-  std::vector<SidChannel> channels;
-  std::vector<SidModel> models;
-  std::optional<SidTruth> truth;
+  std::string title = {};
+  std::vector<std::string> notes = {};
+  std::vector<inference::Parameter> parameters = {};
+  std::vector<SidChannel> channels = {};
+  std::vector<SidModel> models = {};
+  std::optional<SidTruth> truth = {};
 
   double sample_rate_hz = 0.0;
   int begin = 0, end = 0;  ///< samples scored, in the record
   int lead_in = 0;         ///< samples before those
   int stride = 1;          ///< excitation samples a response sample
   bool simulated = false;
-  std::string origin;  ///< in words
+  std::string origin = {};  ///< in words
   double band = 0.97;
-  dynamics::SimulatorOptions integration;
-  std::vector<std::string> warnings;
+  dynamics::SimulatorOptions integration = {};
+  std::vector<std::string> warnings = {};
 
   [[nodiscard]] std::vector<const SidChannel*> responses() const;
   /// Its signals, as loaded.

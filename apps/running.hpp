@@ -1,0 +1,34 @@
+// What the commands that sample have in common: a log, an engine that can be interrupted, files.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "emulator/atomic_file.hpp"
+#include "inference/reversible_jump.hpp"
+
+namespace spdlog {
+class logger;
+}
+
+namespace wheeltap::apps {
+
+/// Lines for people who watch, on standard error; warnings only where `quiet`.
+[[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
+
+/// Samples with a progress bar; Ctrl-C ends the run with what there is, a second one the program.
+/// Chains are cut to one length. Throws Failure where the likelihood fails, or nothing was sampled.
+[[nodiscard]] inference::Posterior run_engine(const inference::Problem& problem,
+                                              inference::Options options,
+                                              const std::filesystem::path& case_path, bool quiet);
+
+/// Throws emulator::FileError where it cannot be made.
+void make_output_folder(const std::filesystem::path& directory);
+
+/// Into the file's temporary name; the caller commits. Throws emulator::FileError.
+void write_text(const emulator::AtomicFile& file, const std::string& text);
+/// The whole file at once.
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,185 @@
+#include "apps/sid_problem.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "dynamics/residuals.hpp"
+#include "inference/random.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using dynamics::Misfit;
+
+constexpr double kImpossible = -std::numeric_limits<double>::infinity();
+
+void scatter(const SidCase& sid_case, int model, std::span<const double> x,
+             std::vector<double>& theta) {
+  theta.assign(sid_case.parameters.size(), 0.0);
+  const auto& used = sid_case.models[static_cast<std::size_t>(model)].parameters;
+  for (std::size_t i = 0; i < used.size(); ++i) theta[static_cast<std::size_t>(used[i])] = x[i];
+}
+
+class RecordLikelihood final : public inference::Likelihood {
+ public:
+  explicit RecordLikelihood(const SidProblem& problem) : problem_(problem) {}
+
+  double log_likelihood(int m, std::span<const double> x) override {
+    const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
+    const Misfit& misfit = problem_.misfits[static_cast<std::size_t>(m)];
+    scatter(problem_.sid_case, m, x, theta_);
+    const auto channels = static_cast<std::size_t>(misfit.channels());
+    const auto samples = static_cast<std::size_t>(misfit.samples());
+    double sum = log_scales(misfit);
+    if (model.autocorrelations.empty()) {
+      sums_.resize(channels);
+      misfit.sums_of_squares(theta_, 1, sums_);
+      for (std::size_t c = 0; c < channels; ++c) {
+        sum += dynamics::gaussian_log_likelihood(sums_[c], misfit.samples(),
+                                                 model.noise[c].at(theta_));
+      }
+      return sum;
+    }
+    residuals_.resize(channels * samples);
+    if (!misfit.residuals(theta_, residuals_)) return kImpossible;
+    for (std::size_t c = 0; c < channels; ++c) {
+      pacf_.clear();
+      for (const auto& pi : model.autocorrelations[c]) pacf_.push_back(pi.at(theta_));
+      sum += dynamics::ar_log_likelihood({residuals_.data() + c * samples, samples}, pacf_,
+                                         model.noise[c].at(theta_));
+    }
+    return std::isnan(sum) ? kImpossible : sum;
+  }
+
+ private:
+  double log_scales(const Misfit& misfit) const {
+    double sum = 0.0;
+    for (const SidChannel& channel : problem_.sid_case.channels) {
+      if (channel.role != SidChannel::Role::response || channel.signal.scale.is_constant())
+        continue;
+      sum += misfit.samples() * std::log(std::abs(channel.signal.scale.at(theta_)));
+    }
+    return sum;
+  }
+
+  const SidProblem& problem_;
+  std::vector<double> theta_, sums_, residuals_, pacf_;
+};
+
+/// The largest extension of each link as far as displacements were measured, with which the steps
+/// of nonlinear laws are chosen; 0 where they were not.
+std::vector<double> measured_extensions(const SidCase& sid_case, const dynamics::Chain& chain) {
+  std::vector<const SidChannel*> of_mass(static_cast<std::size_t>(chain.size()) + 1, nullptr);
+  bool base = false;
+  for (const SidChannel& channel : sid_case.channels) {
+    base = base || channel.role == SidChannel::Role::base_acceleration ||
+           channel.role == SidChannel::Role::base_displacement;
+  }
+  for (const SidChannel* channel : sid_case.responses()) {
+    const bool to_ground = channel->frame == dynamics::Frame::relative || !base;
+    if (channel->quantity == dynamics::Quantity::displacement && to_ground &&
+        channel->signal.scale.is_constant()) {
+      of_mass[static_cast<std::size_t>(channel->mass)] = channel;
+    }
+  }
+  std::vector<double> extensions;
+  for (const dynamics::Link& link : chain.links) {
+    double most = 0.0;
+    const auto* a = of_mass[static_cast<std::size_t>(link.a)];
+    const auto* b = of_mass[static_cast<std::size_t>(link.b)];
+    if ((link.a == 0 || a != nullptr) && (link.b == 0 || b != nullptr)) {
+      const auto at = [](const SidChannel* channel, std::size_t n) {
+        if (channel == nullptr) return 0.0;
+        const double offset =
+            channel->signal.offset.is_constant() ? channel->signal.offset.value : 0.0;
+        return channel->signal.scale.value * channel->signal.samples[n] + offset;
+      };
+      const std::size_t samples = (a != nullptr ? a : b)->signal.samples.size();
+      for (std::size_t n = 0; n < samples; ++n)
+        most = std::max(most, std::abs(at(b, n) - at(a, n)));
+    }
+    extensions.push_back(most);
+  }
+  return extensions;
+}
+
+/// Mean over models and draws from the prior.
+double measure_cost(const SidProblem& problem) {
+  const auto likelihood = problem.problem.likelihood();
+  const auto began = std::chrono::steady_clock::now();
+  constexpr double kLongEnough = 0.05;
+  int calls = 0;
+  double seconds = 0.0;
+  for (std::uint64_t i = 0; i < 20 && seconds < kLongEnough; ++i) {
+    for (int m = 0; m < problem.problem.space.size(); ++m) {
+      inference::Random random(1, static_cast<std::uint64_t>(m), i, inference::Purpose::simulation);
+      std::vector<double> x;
+      for (int p = 0; p < problem.problem.space[m].dimension; ++p) {
+        // The bulk of the prior: its tails may ask for many more steps than the posterior does.
+        x.push_back(problem.problem.space.prior(m, p).from_standard_normal(0.5 * random.normal()));
+      }
+      static_cast<void>(likelihood->log_likelihood(m, x));
+      ++calls;
+    }
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  }
+  return seconds / calls;
+}
+
+}  // namespace
+
+std::vector<double> SidProblem::theta(int model, std::span<const double> x) const {
+  std::vector<double> theta;
+  scatter(sid_case, model, x, theta);
+  return theta;
+}
+
+std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
+  std::vector<inference::ModelSpace::ListedModel> listed;
+  for (const SidModel& model : sid_case.models) {
+    listed.push_back({model.name, model.weight, {}});
+    for (const int p : model.parameters) {
+      listed.back().parameters.push_back(sid_case.parameters[static_cast<std::size_t>(p)].name);
+    }
+  }
+  // The truth alone may use a parameter; the space knows only what models use.
+  std::vector<inference::Parameter> parameters;
+  for (std::size_t p = 0; p < sid_case.parameters.size(); ++p) {
+    if (std::ranges::any_of(sid_case.models, [&](const SidModel& model) {
+          return std::ranges::count(model.parameters, static_cast<int>(p)) > 0;
+        })) {
+      parameters.push_back(sid_case.parameters[p]);
+    }
+  }
+  const CaseFile& file = sid_case.file;
+  const auto space = [&] {
+    try {
+      return inference::ModelSpace::of_models(parameters, listed);
+    } catch (const std::invalid_argument& error) {
+      file.refuse(Pointer("/models"), error.what());
+    }
+  };
+  auto out = std::make_unique<SidProblem>(SidProblem{
+      .sid_case = sid_case, .misfits = {}, .problem = {.space = space(), .likelihood = {}}});
+  std::vector<dynamics::Signal> observed;
+  for (const SidChannel* channel : sid_case.responses()) observed.push_back(channel->signal);
+  for (const SidModel& model : sid_case.models) {
+    dynamics::SimulatorOptions options = sid_case.integration;
+    options.extension = measured_extensions(sid_case, model.chain);
+    try {
+      out->misfits.emplace_back(dynamics::Simulator(model.chain, sid_case.excitation(),
+                                                    sid_case.sensors(), model.initial, options),
+                                observed, sid_case.lead_in);
+    } catch (const std::invalid_argument& error) {
+      file.refuse(model.where, error.what());
+    }
+  }
+  out->problem.likelihood = [problem = out.get()] {
+    return std::make_unique<RecordLikelihood>(*problem);
+  };
+  out->seconds_a_likelihood = measure_cost(*out);
+  return out;
+}
+
+}  // namespace wheeltap::apps

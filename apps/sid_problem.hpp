@@ -1,0 +1,31 @@
+// From a system-identification case to a problem for the engine.
+#pragma once
+
+#include <memory>
+
+#include "apps/sid_case.hpp"
+#include "inference/target.hpp"
+
+namespace wheeltap::apps {
+
+/// All that a run needs, kept together because the problem's likelihood refers to it.
+struct SidProblem {
+  SidCase sid_case;
+  std::vector<dynamics::Misfit> misfits;  ///< one a model; parameters as in SidCase::parameters
+  inference::Problem problem;
+  double seconds_a_likelihood = 0.0;  ///< measured, under the prior
+
+  /// The parameters of the case from those of a model (as in inference::Model); 0 for the others.
+  [[nodiscard]] std::vector<double> theta(int model, std::span<const double> x) const;
+};
+
+/// The log likelihood of model m is
+///
+///   Σ over channels c of  ln p(r_c | σ_c, π_c) + N ln |scale_c|,
+///
+/// r_c the N scored residuals of the channel in SI units, white and Gaussian or autoregressive with
+/// the partial autocorrelations π_c (dynamics/residuals.hpp); the last term, the density of the raw
+/// samples, only where the scale is a parameter. Throws Failure.
+[[nodiscard]] std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case);
+
+}  // namespace wheeltap::apps
