@@ -143,6 +143,7 @@ struct Reanalysis::Impl {
 struct Reanalysis::Workspace::Impl {
   std::vector<std::pair<int, double>> lost;  // element, fraction of stiffness lost
   std::vector<Damage> damages;
+  bool need_coordinates = false;  // of modes, for more than gradients of the damages
   std::vector<double> columns, inverse_gamma, flexibility, product, pairs;
   std::vector<double> eta, coordinates, strains, point_rows;  // one mode and what is seen of it
   std::vector<double> lambda;                                 // roots
@@ -468,15 +469,12 @@ struct Reanalysis::Solver {
     const auto m = index(work.secular.columns);
     for (std::size_t a = 0; a < m; ++a)
       work.eta[a] = at(work.scratch.poles[a]) * v1 + at(work.scratch.poles[m + a]) * v2;
-    std::fill(work.coordinates.begin(), work.coordinates.end(), 0.0);
-    for (std::size_t a = 0; a < m; ++a) {
-      const double* c = work.columns.data() + a * intact.stride;
-      for (std::size_t j = 0; j < intact.stride; ++j) work.coordinates[j] += work.eta[a] * c[j];
+    if (!work.need_coordinates) {
+      report(root, z);
+      return;
     }
-    for (std::size_t j = 0; j < intact.stride; ++j) {
-      const double gap = intact.eigenvalues[j] - z;
-      work.coordinates[j] = gap == 0.0 ? 0.0 : work.coordinates[j] / gap;
-    }
+    detail::coordinates(work.secular, static_cast<int>(intact.stride), work.eta.data(), z, pole,
+                        work.coordinates.data());
     work.coordinates[index(pole)] = v1;
     work.coordinates[index(pole) + 1] = v2;
     report(root, z);
@@ -515,13 +513,19 @@ struct Reanalysis::Solver {
         if (element == e) return lost;
       return 0.0;
     };
-    double strain[2];
     if (!results->damage_gradients_hz.empty()) {
       const std::size_t count = work.damages.size();
       for (std::size_t d = 0; d < count; ++d) {
         const int e = intact.beam.element_at(work.damages[d].location);
-        detail::project(intact.element_rows.data() + 2 * index(e) * intact.stride, 2, intact.stride,
-                        q, n, strain);
+        double strain[2];  // b·φ, a·φ
+        if (work.need_coordinates) {
+          detail::project(intact.element_rows.data() + 2 * index(e) * intact.stride, 2,
+                          intact.stride, q, n, strain);
+        } else {  // Cᵀφ = Γ⁻¹ η
+          std::size_t a = 0;
+          for (auto l = work.lost.begin(); l->first != e; ++l) a += 2;
+          for (std::size_t i : {0, 1}) strain[i] = work.inverse_gamma[a + i] * work.eta[a + i];
+        }
         results->damage_gradients_hz[index(root) * count + d] =
             gradient(strain[0], strain[1]) * (1.0 - loss(e)) / (1.0 - work.damages[d].reduction);
       }
@@ -568,7 +572,10 @@ struct Reanalysis::Solver {
       return;
     results = &wanted;
     work.damages.assign(damages.begin(), damages.end());
-    work.eta.resize(index(work.secular.columns));
+    work.eta.assign(index(work.secular.columns), 0.0);
+    work.need_coordinates = !wanted.element_gradients_hz.empty() || !wanted.shapes.empty() ||
+                            std::any_of(work.lost.begin(), work.lost.end(),
+                                        [](const auto& l) { return l.second == 0.0; });
     work.coordinates.resize(intact.stride);
     if (wanted.shapes.empty()) return;
     work.point_rows.resize(wanted.points.size() * intact.stride);

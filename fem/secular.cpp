@@ -232,6 +232,20 @@ void evaluate(const Secular& s, const Pack& lambda, const int (&lower_pole)[kLan
 }
 
 WHEELTAP_CLONES
+void coordinates(const Secular& s, int modes, const double* eta, double lambda, int pole,
+                 double* out) {
+  for (int j = 0; j < modes; ++j) out[j] = 0.0;
+  for (int a = 0; a < s.columns; ++a) {
+    const double* c = s.c + static_cast<std::size_t>(a) * s.stride;
+    for (int j = 0; j < modes; ++j) out[j] += eta[a] * c[j];
+  }
+  const double at_poles[2] = {out[pole], out[pole + 1]};
+  for (int j = 0; j < modes; ++j) out[j] /= s.eigenvalues[j] - lambda;
+  out[pole] = at_poles[0];
+  out[pole + 1] = at_poles[1];
+}
+
+WHEELTAP_CLONES
 void project(const double* rows, int count, std::size_t stride, const double* x, int size,
              double* out) {
   for (int r = 0; r < count; ++r) {

@@ -69,6 +69,11 @@ void evaluate(const Secular& secular, const Pack& lambda, const int (&lower_pole
 void fill_pairs(const Secular& secular, int modes, const double* series, const int* series_end,
                 double* product, double* pairs);
 
+/// out[j] = c_jᵀ η / (λ_j - λ), j < modes: what the mode with forces η has of every intact mode;
+/// the two modes from `pole` on are left to the caller.
+void coordinates(const Secular& secular, int modes, const double* eta, double lambda, int pole,
+                 double* out);
+
 /// out[r] = Σ_j rows[r * stride + j] x[j], j < size.
 void project(const double* rows, int count, std::size_t stride, const double* x, int size,
              double* out);
