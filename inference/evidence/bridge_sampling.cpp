@@ -15,6 +15,8 @@ namespace wheeltap::inference {
 
 namespace {
 
+constexpr int kMostDraws = 80000;
+
 double variance(const std::vector<double>& values, double mean) {
   double sum = 0.0;
   for (const double v : values) sum += (v - mean) * (v - mean);
@@ -122,11 +124,22 @@ Evidence bridge_sampling(const Problem& problem, int model, const BridgeOptions&
   if (first.z.cols() == 0) return first.evidence;  // no parameters: exact
   Random random(options.seed, 1, static_cast<std::uint64_t>(model), Purpose::fit);
   const NormalMixture pilot = NormalMixture::fit(first.z, options.fit, random);
-  const ModelSamples samples = metropolis(
-      problem, model, pilot, {.seed = options.seed, .warmup = 1000, .threads = options.threads});
-  Evidence evidence = bridge_sampling(problem, model, samples, options);
-  evidence.likelihood_evaluations +=
-      first.evidence.likelihood_evaluations + samples.likelihood_evaluations;
+  // Longer chains while anything is left to complain of: each starts afresh, so that none is picked
+  // for its answer.
+  Evidence evidence;
+  long spent = first.evidence.likelihood_evaluations;
+  for (int draws = 5000; draws <= kMostDraws; draws *= 4) {
+    const ModelSamples samples =
+        metropolis(problem, model, pilot,
+                   {.seed = options.seed + static_cast<std::uint64_t>(draws),
+                    .warmup = draws / 5,
+                    .draws = draws,
+                    .threads = options.threads});
+    evidence = bridge_sampling(problem, model, samples, options);
+    spent += evidence.likelihood_evaluations + samples.likelihood_evaluations;
+    if (evidence.warnings.empty()) break;
+  }
+  evidence.likelihood_evaluations = spent;
   return evidence;
 }
 

@@ -72,28 +72,38 @@ class Walker {
     value_ = value;
   }
 
+  // Negative iterations do not adapt.
   bool walk(int iteration) {
     Eigen::VectorXd u(d_);
     for (double& v : u) v = random_.normal();
-    const Eigen::VectorXd to = z_ + factor_ * u;
+    // A piloted walk steps by the covariance of one of the pilot's components, whichever it is in:
+    // a mixture of symmetric steps is symmetric.
+    const Eigen::MatrixXd& factor =
+        pilot_ != nullptr ? (*pilot_)[pilot_->sample_component(random_)].factor : factor_;
+    const Eigen::VectorXd to = z_ + std::exp(log_scale_) * (factor * u);
     const ModelPosterior::Value value = posterior_(view(to));
     const double ratio = value.log_posterior() - value_.log_posterior();
     const bool accepted = std::log(random_.uniform()) < ratio;
-    if (iteration >= 0) {
-      // S' S'ᵀ = S (I + η (α - α*) u uᵀ / |u|²) Sᵀ
-      const double target = d_ == 1 ? 0.44 : 0.234;
-      const double gain =
-          std::min(1.0, static_cast<double>(d_) * std::pow(iteration + 1.0, -2.0 / 3.0));
-      const double rate = std::min(1.0, std::exp(ratio));
-      const Eigen::MatrixXd next = factor_ *
-                                   (Eigen::MatrixXd::Identity(d_, d_) +
-                                    gain * (rate - target) / u.squaredNorm() * u * u.transpose()) *
-                                   factor_.transpose();
-      const Eigen::LLT<Eigen::MatrixXd> llt(next);
-      if (llt.info() == Eigen::Success) factor_ = llt.matrixL();
-    }
+    if (iteration >= 0) adapt(iteration, std::min(1.0, std::exp(ratio)), u);
     if (accepted) accept(to, value);
     return accepted;
+  }
+
+  void adapt(int iteration, double rate, const Eigen::VectorXd& u) {
+    const double target = d_ == 1 ? 0.44 : 0.234;
+    const double gain =
+        std::min(1.0, static_cast<double>(d_) * std::pow(iteration + 1.0, -2.0 / 3.0));
+    if (pilot_ != nullptr) {
+      log_scale_ += gain * (rate - target);
+      return;
+    }
+    // S' S'ᵀ = S (I + η (α - α*) u uᵀ / |u|²) Sᵀ
+    const Eigen::MatrixXd next = factor_ *
+                                 (Eigen::MatrixXd::Identity(d_, d_) +
+                                  gain * (rate - target) / u.squaredNorm() * u * u.transpose()) *
+                                 factor_.transpose();
+    const Eigen::LLT<Eigen::MatrixXd> llt(next);
+    if (llt.info() == Eigen::Success) factor_ = llt.matrixL();
   }
 
   bool renew() {
@@ -112,6 +122,7 @@ class Walker {
   Random random_;
   Eigen::Index d_;
   Eigen::MatrixXd factor_;
+  double log_scale_ = 0.0;
   Eigen::VectorXd z_, x_;
   ModelPosterior::Value value_;
 };
