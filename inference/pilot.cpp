@@ -8,6 +8,7 @@
 #include "inference/moves/mirror.hpp"
 #include "inference/moves/mixture_transport.hpp"
 #include "inference/moves/model_switch.hpp"
+#include "inference/parallel.hpp"
 
 namespace wheeltap::inference {
 
@@ -32,8 +33,9 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
   for (std::size_t j = 0; j < space.kinds().size(); ++j) {
     const int kind = static_cast<int>(j);
     if (options.moves.birth_death) {
-      // Without an atlas the plain birth does the informed one's work as well.
-      add_move<BirthDeath>(kernels, share * (atlases[j] ? 0.3 : 0.7) / kinds, "birth and death",
+      // Without an atlas the plain birth does the informed one's work as well, and blind
+      // relocations are rarely accepted.
+      add_move<BirthDeath>(kernels, share * (atlases[j] ? 0.3 : 0.9) / kinds, "birth and death",
                            kind, std::make_unique<PriorProposal>());
     }
     if (atlases[j] && options.moves.informed_birth) {
@@ -43,7 +45,8 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
     if (options.moves.relocation) {
       std::unique_ptr<ComponentProposal> proposal = std::make_unique<PriorProposal>();
       if (atlases[j]) proposal = std::make_unique<InformedProposal>(atlases[j], space, kind);
-      add_move<Relocation>(kernels, share * 0.3 / kinds, "relocation", kind, std::move(proposal));
+      add_move<Relocation>(kernels, share * (atlases[j] ? 0.3 : 0.1) / kinds, "relocation", kind,
+                           std::move(proposal));
     }
   }
   if (options.moves.birth_death && is_list(space) && space.size() > 1) {
@@ -128,57 +131,80 @@ Eigen::MatrixXd PilotSamples::states(int model) const {
       static_cast<Eigen::Index>(of.values.size() / of.dimension));
 }
 
+namespace {
+
+// The coldest samples of a model, and warmer ones until there are enough; thinned to at most
+// `most`.
+Eigen::MatrixXd coldest_states(const std::vector<PilotSamples>& by_rung, int model, Eigen::Index d,
+                               Eigen::Index most) {
+  Eigen::MatrixXd states(d, 0);
+  for (auto rung = by_rung.rbegin(); rung != by_rung.rend() && states.cols() < 40 * (d + 1);
+       ++rung) {
+    const Eigen::MatrixXd more = rung->states(model);
+    if (more.cols() == 0) continue;
+    Eigen::MatrixXd both(d, states.cols() + more.cols());
+    both << states, more;
+    states = std::move(both);
+  }
+  if (states.cols() <= most) return states;
+  Eigen::MatrixXd thinned(d, most);
+  for (Eigen::Index i = 0; i < most; ++i) thinned.col(i) = states.col(i * states.cols() / most);
+  return thinned;
+}
+
+void fit_scales(const Eigen::MatrixXd& states, std::vector<RandomWalk::Block>& blocks) {
+  for (RandomWalk::Block& block : blocks) {
+    const Eigen::MatrixXd part = states.middleRows(block.first, block.factor.rows());
+    const Eigen::MatrixXd centred = part.colwise() - part.rowwise().mean();
+    Eigen::MatrixXd covariance =
+        centred * centred.transpose() / static_cast<double>(states.cols() - 1);
+    covariance.diagonal().array() += 1e-12;
+    const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+    if (llt.info() != Eigen::Success) continue;
+    block.factor =
+        2.38 / std::sqrt(static_cast<double>(part.rows())) * Eigen::MatrixXd(llt.matrixL());
+  }
+}
+
+}  // namespace
+
 Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
-                std::uint64_t seed, int round) {
+                const PilotOptions& options) {
+  const auto models = static_cast<std::size_t>(space.size());
   auto fit = std::make_shared<PilotFit>();
-  auto archive = std::make_shared<Archive>();
+  auto archive = std::make_shared<Archive>(models);
   Pilot pilot;
   pilot.scales = RandomWalk::initial_scales(space);
+  fit->density.resize(models);
+
   const PilotSamples& cold = by_rung.back();
   double total = 0.0;
   for (int m = 0; m < space.size(); ++m) {
-    const Eigen::Index d = space[m].dimension;
     // A share of the cold visits, and never so small that the model is not looked at again.
     const double share = (static_cast<double>(cold.visits(m)) + 1.0) /
                          (static_cast<double>(cold.total()) + space.size());
     fit->weight.push_back(std::max(share, 0.01 / space.size()));
     total += fit->weight.back();
-    Eigen::MatrixXd states(d, 0);
-    for (auto rung = by_rung.rbegin(); rung != by_rung.rend() && states.cols() < 40 * (d + 1);
-         ++rung) {
-      const Eigen::MatrixXd more = rung->states(m);
-      if (more.cols() == 0) continue;
-      Eigen::MatrixXd both(d, states.cols() + more.cols());
-      both << states, more;
-      states = std::move(both);
-    }
-    archive->push_back(states);
-    if (d == 0) {
-      fit->density.push_back(nullptr);
-      continue;
-    }
-    if (states.cols() < 4 * (d + 1)) {
-      fit->density.push_back(
-          std::make_unique<NormalMixture>(NormalMixture::standard(static_cast<int>(d))));
-      continue;
-    }
-    Random random(seed, static_cast<std::uint64_t>(m), static_cast<std::uint64_t>(round),
-                  Purpose::fit);
-    fit->density.push_back(
-        std::make_unique<NormalMixture>(NormalMixture::fit(states.transpose(), random)));
-    for (RandomWalk::Block& block : pilot.scales[static_cast<std::size_t>(m)]) {
-      const Eigen::MatrixXd part = states.middleRows(block.first, block.factor.rows());
-      const Eigen::MatrixXd centred = part.colwise() - part.rowwise().mean();
-      Eigen::MatrixXd covariance =
-          centred * centred.transpose() / static_cast<double>(states.cols() - 1);
-      covariance.diagonal().array() += 1e-12;
-      const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
-      if (llt.info() != Eigen::Success) continue;
-      block.factor =
-          2.38 / std::sqrt(static_cast<double>(part.rows())) * Eigen::MatrixXd(llt.matrixL());
-    }
   }
   for (double& weight : fit->weight) weight /= total;
+
+  parallel_for(space.size(), options.threads, [&](int m) {
+    const auto at = static_cast<std::size_t>(m);
+    const Eigen::Index d = space[m].dimension;
+    if (d == 0) return;
+    const Eigen::MatrixXd& states = (*archive)[at] =
+        coldest_states(by_rung, m, d, options.most_samples);
+    if (states.cols() < 4 * (d + 1)) {
+      fit->density[at] =
+          std::make_unique<NormalMixture>(NormalMixture::standard(static_cast<int>(d)));
+      return;
+    }
+    Random random(options.seed, at, static_cast<std::uint64_t>(options.round), Purpose::fit);
+    fit->density[at] =
+        std::make_unique<NormalMixture>(NormalMixture::fit(states.transpose(), random));
+    fit_scales(states, pilot.scales[at]);
+  });
+
   for (std::size_t j = 0; j < space.kinds().size(); ++j) {
     pilot.conditionals.push_back(
         std::make_shared<const ConditionalMixtures>(space, *fit, static_cast<int>(j)));

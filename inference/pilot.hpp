@@ -61,10 +61,16 @@ struct Pilot {
 
 /// Fits the proposals. `by_rung[i]` holds the samples at the i-th temperature, the coldest last: a
 /// model with too few cold samples is fitted to warmer ones, and to its prior where there are none.
+struct PilotOptions {
+  std::uint64_t seed = 1;
+  int round = 0;
+  int threads = 0;
+  Eigen::Index most_samples = 8000;  ///< that a mixture is fitted to
+};
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
-                              std::uint64_t seed, int round);
+                              const PilotOptions& options);
 
-/// All the kernels, the pilot's among them. The random walk that adapts is returned through `walk`.
+/// All the kernels, the pilot's among them.
 [[nodiscard]] std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem,
                                                               const Options& options,
                                                               const Atlases& atlases,

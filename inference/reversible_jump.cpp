@@ -195,7 +195,13 @@ class Engine {
       pooled.emplace_back(problem_.space);
       for (const Runner& runner : runners_) pooled.back().append(runner.by_rung.back());
     }
-    pilot_ = fit_pilot(problem_.space, pooled, options_.seed, round);
+    // The last fit is the one that is used; the first two only have to lead there.
+    const bool last = round == static_cast<int>(kTuning.size());
+    pilot_ = fit_pilot(problem_.space, pooled,
+                       {.seed = options_.seed,
+                        .round = round,
+                        .threads = options_.threads,
+                        .most_samples = last ? 12000 : 3000});
   }
 
   // At the target itself, with all the moves, adapting; each round ends in a fit to better samples.
