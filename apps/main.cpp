@@ -4,6 +4,7 @@
 
 #include "apps/commands.hpp"
 #include "apps/failure.hpp"
+#include "apps/report/report.hpp"
 #include "emulator/file_error.hpp"
 
 namespace {
@@ -116,6 +117,13 @@ int main(int argc, char** argv) {
   add_output(simulate_command, "the file to write: .csv, or .json for a complete case");
   add_seed(simulate_command, "of the noise (default: the case's, or 1)");
 
+  apps::ReportOptions drawing;
+  CLI::App* report_command =
+      app.add_subcommand("report", "draw report.html of a finished run again");
+  report_command->add_option("DIR", common.output, "the folder of the run")->required();
+  report_command->add_flag("--figures", drawing.figures,
+                           "write the figures as SVG files too (needs Node.js)");
+
   CLI::App* schema_command = app.add_subcommand("schema", "the JSON Schema of a case");
   schema_command->add_option("NAME", schema, "which kind of case (default: damage)");
 
@@ -136,6 +144,7 @@ int main(int argc, char** argv) {
     if (table_command->parsed()) apps::run_table(common);
     if (damage_command->parsed()) apps::run_damage(common, sampling);
     if (simulate_command->parsed()) apps::run_simulate(common);
+    if (report_command->parsed()) apps::run_report(common.output, drawing);
     if (schema_command->parsed()) apps::run_schema(schema);
     std::cout.flush();
     if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");

@@ -23,7 +23,7 @@ std::string in_words(const std::vector<std::string>& items, const std::string& l
 // "2 damages" is said "two damages", "0 damages" "no damage"; a sid model's name stays as it is.
 std::string said(const std::string& model, bool counts) {
   if (!counts) return "“" + model + "”";
-  static const char* words[] = {"no",  "one", "two",   "three", "four", "five",
+  static const char* words[] = {"no",  "one",   "two",   "three", "four", "five",
                                 "six", "seven", "eight", "nine",  "ten"};
   std::string text;
   for (std::size_t from = 0; from < model.size();) {
@@ -100,8 +100,8 @@ std::string where_and_how_bad(const Report& summary, const std::string& model) {
       // A kind's name stands before its parameters only where two kinds share a parameter's name.
       for (const std::string& candidate : {prefix + word + index, word + index}) {
         if (severity.empty() && all[model].contains(candidate) &&
-            (prefix.empty() || (prefix == "support ") == (candidate.find("stiff") !=
-                                                          std::string::npos))) {
+            (prefix.empty() ||
+             (prefix == "support ") == (candidate.find("stiff") != std::string::npos))) {
           severity = candidate;
         }
       }
@@ -112,8 +112,10 @@ std::string where_and_how_bad(const Report& summary, const std::string& model) {
   std::string text;
   for (std::size_t i = 0; i < places.size(); ++i) {
     std::string one = places[i];
-    if (places.size() > 1) one = "(" + std::to_string(i + 1) + ") " + one;
-    else one[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(one[0])));
+    if (places.size() > 1)
+      one = "(" + std::to_string(i + 1) + ") " + one;
+    else
+      one[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(one[0])));
     text += (i == 0 ? "" : "; ") + one;
   }
   text += ".";
@@ -188,10 +190,9 @@ Answer answer(const Report& summary) {
       out.detail = "If " + said(best, true) + ": " + out.detail;
     }
   } else if (models.size() > 1) {
-    out.detail = "That there is any at all has a probability of " + percent(1.0 - p(models[0])) +
-                 (p(models[0]) >= kDecided
-                      ? "; what is said below of places is for that case."
-                      : ".");
+    out.detail =
+        "That there is any at all has a probability of " + percent(1.0 - p(models[0])) +
+        (p(models[0]) >= kDecided ? "; what is said below of places is for that case." : ".");
   }
   return out;
 }

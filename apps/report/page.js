@@ -1,0 +1,184 @@
+// Builds the page from the run's data. Everything that came from input is put in as text.
+(() => {
+  const run = JSON.parse(document.getElementById('run').textContent);
+  const { summary, draws } = run;
+  const main = document.getElementById('content');
+  const { number, percent } = charts;
+
+  function element(name, properties = {}, ...children) {
+    const node = document.createElement(name);
+    for (const [key, value] of Object.entries(properties)) {
+      if (key === 'class') node.className = value;
+      else if (key.startsWith('on')) node.addEventListener(key.slice(2), value);
+      else node.setAttribute(key, value);
+    }
+    node.append(...children.filter((c) => c !== null && c !== undefined));
+    return node;
+  }
+  const shown = (x) => (typeof x === 'number' ? number(x, 5) : x === null || x === undefined ? '–' : String(x));
+
+  // Values keep all their digits in data-value and in what is copied.
+  function table({ head, rows, caption }) {
+    const body = rows.map((row) => element('tr', {}, ...row.map((cell, i) => {
+      const node = element(i === 0 && typeof cell !== 'number' ? 'th' : 'td', i === 0 && typeof cell !== 'number' ? { scope: 'row', dir: 'auto' } : {}, shown(cell));
+      if (typeof cell === 'number') node.dataset.value = cell;
+      return node;
+    })));
+    return element('table', {}, caption ? element('caption', {}, caption) : null,
+      element('thead', {}, element('tr', {}, ...head.map((h) => element('th', { scope: 'col' }, h)))), element('tbody', {}, ...body));
+  }
+  const tabSeparated = ({ head, rows }) => [head, ...rows].map((row) => row.map((c) => (c === null || c === undefined ? '' : String(c))).join('\t')).join('\n');
+  async function copy(text, button) {
+    const label = button.textContent;
+    try {
+      await navigator.clipboard.writeText(text);
+    } catch {
+      const area = element('textarea');
+      area.value = text;
+      document.body.append(area);
+      area.select();
+      document.execCommand('copy');
+      area.remove();
+    }
+    button.textContent = 'Copied';
+    setTimeout(() => { button.textContent = label; }, 1500);
+  }
+  function save(name, text, type) {
+    const url = URL.createObjectURL(new Blob([text], { type }));
+    const link = element('a', { href: url, download: name });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(url), 1000);
+  }
+  const scrolled = (data, tall) => element('div', { class: 'scroll' + (tall ? ' tall' : ''), tabindex: '0', role: 'region', 'aria-label': data.caption || 'table' }, table(data));
+  function copyable(data) {
+    const button = element('button', { type: 'button' }, 'Copy the table');
+    button.addEventListener('click', () => copy(tabSeparated(data), button));
+    return element('div', {}, scrolled(data, true), button);
+  }
+
+  // ---- figures ----------------------------------------------------------------------------
+  const all = charts.figures(run);
+  const drawn = [];
+  let theme = null;
+  const wantedTheme = () => charts.themes[!matchMedia('print').matches && matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light'];
+
+  function draw(one) {
+    const width = Math.floor(one.place.clientWidth);
+    if (width < 40) return;
+    one.width = width;
+    one.view?.finalize();
+    one.place.replaceChildren();
+    one.view = new vega.View(vega.parse(one.figure.spec(width, theme)), { renderer: 'svg', container: one.place, hover: true });
+    one.view.run();
+    const svg = one.place.querySelector('svg');
+    svg?.setAttribute('aria-label', one.figure.title);
+  }
+  function figureElement(figure, level) {
+    const place = element('div', { class: 'chart', id: 'figure-' + figure.id });
+    const one = { figure, place };
+    drawn.push(one);
+    const saveButton = element('button', { type: 'button', 'aria-label': 'Save as SVG: ' + figure.title, onclick: async () => {
+      const view = new vega.View(vega.parse(figure.spec(figure.wide ? 720 : 380, charts.themes.light)), { renderer: 'none' });
+      save(figure.id + '.svg', await view.toSVG(), 'image/svg+xml');
+    } }, 'Save as SVG');
+    const numbers = element('details', {}, element('summary', { 'aria-label': 'Numbers: ' + figure.title }, 'Numbers'));
+    numbers.addEventListener('toggle', () => {
+      if (numbers.childElementCount > 1) return;
+      const data = figure.table();
+      const button = element('button', { type: 'button' }, 'Copy the table');
+      button.addEventListener('click', () => copy(tabSeparated(data), button));
+      numbers.append(scrolled({ ...data, caption: figure.title }), button);
+    });
+    return element('figure', { class: figure.wide ? 'wide' : '', 'data-figure': figure.id },
+      element('h' + level, { dir: 'auto' }, figure.title), figure.caption ? element('figcaption', { dir: 'auto' }, figure.caption) : null,
+      place, element('div', { class: 'tools' }, saveButton, numbers));
+  }
+  const grid = (list, level = 3) => element('div', { class: 'figures' }, ...list.map((f) => figureElement(f, level)));
+  const of = (section, group) => all.filter((f) => f.section === section && (group === undefined || f.group === group));
+
+  function section(id, title, lead, ...content) {
+    const filled = content.filter(Boolean);
+    if (!filled.length) return;
+    main.append(element('section', { id, 'aria-labelledby': id + '-title' }, element('h2', { id: id + '-title' }, title), lead ? element('p', { class: 'lead' }, lead) : null, ...filled));
+    document.getElementById('contents').append(element('a', { href: '#' + id }, title));
+  }
+
+  const parameterRows = (rows) => {
+    const keys = [...new Set(Object.values(rows).flatMap((r) => Object.keys(r)))].filter((k) => Object.values(rows).every((r) => typeof r[k] !== 'object' || r[k] === null));
+    return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat' })[k] || k)],
+      rows: Object.entries(rows).map(([name, r]) => [name, ...keys.map((k) => r[k])]) };
+  };
+
+  // ---- sections ---------------------------------------------------------------------------
+  const d = summary.diagnostics;
+  const warnings = [...(d.warnings || [])];
+  const loose = [];
+  for (const [model, list] of Object.entries(draws.parameters)) {
+    for (const p of list) if (p.prior && p.prior.overlap > 0.85) loose.push(`${p.name} under “${model}” (overlap ${percent(p.prior.overlap)})`);
+  }
+  if (loose.length) warnings.push(`Nearly the prior: the data say little about ${loose.join(', ')}. Such a posterior repeats what the case assumed; do not report it as a finding.`);
+  const p = summary.data?.posterior_predictive_p;
+  section('warnings', 'What to keep in mind', null,
+    element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
+      `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
+      (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
+      (typeof d.round_trips === 'number' ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
+    warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'),
+    ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, n)), ...(summary.notes || []).map((n) => element('p', { dir: 'auto' }, n)));
+
+  section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')));
+
+  const mirrored = d.symmetry?.statement;
+  section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored || null, of('where').length ? grid(of('where')) : null);
+
+  const folded = summary.damage?.folded;
+  section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${number(p, 3)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
+    of('fit').length ? grid(of('fit')) : null);
+
+  const perModel = Object.keys(summary.parameters).flatMap((model) => {
+    const probability = summary.models.find((m) => m.name === model)?.probability;
+    const out = [element('h3', { dir: 'auto' }, `${model} (P = ${percent(probability)})`)];
+    if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model]), caption: 'Posterior given this model' }));
+    else out.push(element('p', { class: 'lead' }, 'No parameters.'));
+    if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));
+    if (of('parameters', model).length) out.push(grid(of('parameters', model), 4));
+    if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));
+    return [element('section', { class: 'model', 'aria-label': model }, ...out)];
+  });
+  section('parameters', 'Parameters', 'Posterior beside prior. A posterior that repeats its prior is not a finding.', ...perModel);
+
+  const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
+  const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of what means the same in every model' }) : null;
+  section('sampling', 'How the sampler fared', 'Chains that have converged look alike, keep no trend and move often between models.', grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
+
+  section('emulator', 'The emulator', null, of('emulator').length ? grid(of('emulator')) : null);
+
+  const about = summary.wheeltap;
+  const command = about.command_line || `wheeltap ${about.command} ${about.case_file || 'CASE'} --seed ${about.seed}`;
+  const facts = [['Case', about.case_file], ['Wheeltap', about.version], ['Seed', about.seed], ['Machine', about.machine], ['Written', draws.created_at], ['Data', summary.data?.origin],
+    ['Chains', summary.cost && `${summary.cost.chains ?? draws.chains} of ${summary.cost.draws_a_chain ?? draws.draws} draws`],
+    ['Likelihood evaluations', summary.cost?.likelihood_evaluations], ['Time', summary.cost && `${number(summary.cost.wall_seconds, 3)} s`]];
+  const again = element('button', { type: 'button' }, 'Copy');
+  again.addEventListener('click', () => copy(command, again));
+  section('about', 'About this run', null,
+    element('dl', {}, ...facts.filter(([, v]) => v !== undefined && v !== null && v !== '').flatMap(([k, v]) => [element('dt', {}, k), element('dd', { dir: 'auto' }, String(v))]),
+      element('dt', {}, 'Command'), element('dd', {}, element('code', {}, command), ' ', again)),
+    element('details', {}, element('summary', {}, 'The case'), element('pre', {}, JSON.stringify(about.case, null, 1))));
+
+  // ---- drawing ----------------------------------------------------------------------------
+  function drawAll() {
+    theme = wantedTheme();
+    for (const one of drawn) draw(one);
+  }
+  drawAll();
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawAll);
+  matchMedia('print').addEventListener('change', drawAll);
+  let waiting = 0;
+  new ResizeObserver(() => {
+    cancelAnimationFrame(waiting);
+    waiting = requestAnimationFrame(() => {
+      for (const one of drawn) if (Math.floor(one.place.clientWidth) !== one.width) draw(one);
+    });
+  }).observe(main);
+  document.documentElement.dataset.ready = 'true';
+})();

@@ -1,0 +1,212 @@
+#include "apps/report/report.hpp"
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+#include "apps/failure.hpp"
+#include "apps/report/answer.hpp"
+#include "apps/report/assets.hpp"
+#include "apps/report/digest.hpp"
+#include "emulator/atomic_file.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using emulator::FileError;
+namespace fs = std::filesystem;
+
+Report read_summary(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw FileError(FileError::Kind::missing, path, "no such file");
+  Report summary = Report::parse(stream, nullptr, false);
+  if (summary.is_discarded()) {
+    throw FileError(FileError::Kind::corrupt, path, "is truncated or not JSON");
+  }
+  const auto lacks = [&](const std::string& what) {
+    throw FileError(FileError::Kind::foreign, path,
+                    "has no " + what + ": not the summary of a wheeltap run");
+  };
+  for (const char* key : {"wheeltap", "models", "parameters", "diagnostics"}) {
+    if (!summary.is_object() || !summary.contains(key)) lacks('"' + std::string(key) + '"');
+  }
+  if (!summary["wheeltap"].contains("case")) lacks("\"wheeltap\".\"case\"");
+  if (!summary["models"].is_array() || summary["models"].empty()) lacks("models");
+  for (const auto& model : summary["models"]) {
+    if (!model.is_object() || !model.contains("name") || !model["name"].is_string() ||
+        !model.contains("probability") || !model["probability"].is_number()) {
+      lacks("name and probability of a model");
+    }
+  }
+  if (summary["wheeltap"].value("command", "") == "damage") {
+    for (const char* key : {"beam", "damage", "kinds"}) {
+      if (!summary.contains(key)) lacks('"' + std::string(key) + '"');
+    }
+  }
+  return summary;
+}
+
+// What the scripts draw: the summary, what charts need of the draws, and the answer.
+Report content(const fs::path& directory, const Report& summary, const Answer& said) {
+  Report out = {
+      {"summary", summary},
+      {"answer",
+       {{"caution", said.caution}, {"headline", said.headline}, {"detail", said.detail}}}};
+  try {
+    out["draws"] = digest(directory / "posterior.nc", summary);
+  } catch (const nlohmann::json::exception& error) {
+    throw FileError(FileError::Kind::foreign, directory / "summary.json",
+                    std::string("does not hold what a run writes: ") + error.what());
+  }
+  return out;
+}
+
+// `text` with each {{key}} replaced, in one pass: what is put in is not looked at again.
+std::string fill(std::string_view text,
+                 const std::vector<std::pair<std::string_view, std::string_view>>& values) {
+  std::string out;
+  std::size_t at = 0;
+  while (true) {
+    const std::size_t open = text.find("{{", at);
+    if (open == std::string_view::npos) break;
+    const std::size_t close = text.find("}}", open);
+    const std::string_view key = text.substr(open + 2, close - open - 2);
+    out += text.substr(at, open - at);
+    for (const auto& [name, value] : values) {
+      if (name == key) out += value;
+    }
+    at = close + 2;
+  }
+  return out += text.substr(at);
+}
+
+std::string title_of(const Report& summary) {
+  const std::string title = summary.value("title", "");
+  return title.empty() ? "Untitled run" : title;
+}
+
+}  // namespace
+
+std::string script_safe(const Report& json) {
+  // Bytes that are not UTF-8 become U+FFFD.
+  const std::string text = json.dump(-1, ' ', false, Report::error_handler_t::replace);
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '<') {
+      out += "\\u003c";
+    } else if (text.compare(i, 3, "\xe2\x80\xa8") == 0 || text.compare(i, 3, "\xe2\x80\xa9") == 0) {
+      out += text[i + 2] == '\xa8' ? "\\u2028" : "\\u2029";
+      i += 2;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
+std::string html_text(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+void write_report(const fs::path& directory) {
+  const Report summary = read_summary(directory / "summary.json");
+  Answer said;
+  try {
+    said = answer(summary);
+  } catch (const nlohmann::json::exception& error) {
+    throw FileError(FileError::Kind::foreign, directory / "summary.json",
+                    std::string("does not hold what a run writes: ") + error.what());
+  }
+  const std::string data = script_safe(content(directory, summary, said));
+  const std::string title = html_text(title_of(summary));
+  const std::string caution =
+      said.caution.empty() ? "" : "<p class=\"caution\">" + html_text(said.caution) + "</p>";
+  const std::string detail =
+      said.detail.empty() ? "" : "<p class=\"detail\">" + html_text(said.detail) + "</p>";
+  const std::string headline = html_text(said.headline);
+  const std::string licences = html_text(std::string(assets::kLicences));
+  const std::string page = fill(assets::kTemplate, {{"title", title},
+                                                    {"caution", caution},
+                                                    {"headline", headline},
+                                                    {"detail", detail},
+                                                    {"style", assets::kStyle},
+                                                    {"data", data},
+                                                    {"vega", assets::kVega},
+                                                    {"charts", assets::kCharts},
+                                                    {"page", assets::kPage},
+                                                    {"licences", licences}});
+  const fs::path path = directory / "report.html";
+  emulator::AtomicFile file(path);
+  std::ofstream stream(file.temporary(), std::ios::binary);
+  stream << page;
+  stream.close();
+  if (!stream) throw FileError(FileError::Kind::unwritable, path, "cannot be written");
+  file.commit();
+}
+
+int write_figures(const fs::path& directory) {
+  const Report summary = read_summary(directory / "summary.json");
+  const Report data = content(directory, summary, {});
+  const fs::path folder = directory / "figures";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw FileError(FileError::Kind::unwritable, folder, error.message());
+  const fs::path list = folder / "figures.txt";
+  fs::remove(list, error);
+  std::FILE* node = popen("node -", "w");
+  if (node == nullptr) throw Failure(Exit::internal, "no process can be started");
+  const auto send = [&](std::string_view text) { std::fwrite(text.data(), 1, text.size(), node); };
+  send(assets::kVega);
+  send(assets::kCharts);
+  send("const run = " + script_safe(data) +
+       ";\nconst folder = " + Report(fs::absolute(folder).string()).dump() + ";\n");
+  send(assets::kFigures);
+  const int status = pclose(node);
+  std::ifstream written(list);
+  if (status != 0 || !written) {
+    throw Failure(Exit::no_input,
+                  "figures need Node.js: `node` is missing or could not draw them. Every figure of "
+                  "report.html can also be saved from the page.");
+  }
+  int n = 0;
+  for (std::string line; std::getline(written, line);) ++n;
+  return n;
+}
+
+void run_report(const fs::path& directory, const ReportOptions& options) {
+  if (!fs::is_directory(directory)) {
+    throw FileError(FileError::Kind::missing, directory, "no such folder");
+  }
+  write_report(directory);
+  std::cout << "Report: " << (directory / "report.html").string() << '\n';
+  if (options.figures) {
+    const int n = write_figures(directory);
+    std::cout << n << " figures: " << (directory / "figures").string() << '\n';
+  }
+}
+
+}  // namespace wheeltap::apps
