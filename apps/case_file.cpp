@@ -32,11 +32,10 @@ std::string read_text(const std::filesystem::path& path) {
     throw Failure(Exit::no_input, path.string() + ": cannot be read: is a directory");
   }
   std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
+  if (!stream) {
     throw Failure(Exit::no_input, path.string() + ": cannot be read: " + std::strerror(errno));
   }
-  return text.str();
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 // The parser's byte count as line and column, both from 1.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "apps/summary.hpp"
+
 namespace wheeltap::apps {
 namespace {
 
@@ -16,7 +18,7 @@ std::string group(int count) {
 }
 
 std::string number(double x) {
-  return Json(x).dump();
+  return significant(x, 6);
 }
 
 std::vector<Factor> factors(const fem::Beam& beam, const EmulatorSpec& spec, int count) {

@@ -1,0 +1,153 @@
+#include "apps/case_file.hpp"
+
+#include <gmock/gmock.h>
+
+#include "program.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using testing::HasSubstr;
+
+// The complaint about a case, or "" where there is none.
+std::string complaint(const Json& json, Exit expected = Exit::bad_input) {
+  const Workspace where;
+  try {
+    validate_against_schema(read_case(where.write_json("c.json", json)), "damage");
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.exit(), expected);
+    EXPECT_EQ(std::string(failure.what()).find('\n'), std::string::npos) << "one line";
+    return failure.what();
+  }
+  return "";
+}
+
+std::string reading(const std::string& text, const std::vector<std::string>& overrides = {},
+                    Exit expected = Exit::bad_input) {
+  const Workspace where;
+  try {
+    (void)read_case(where.write("c.json", text), overrides);
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.exit(), expected);
+    EXPECT_EQ(std::string(failure.what()).find('\n'), std::string::npos) << "one line";
+    return failure.what();
+  }
+  return "";
+}
+
+TEST(CaseFile, AcceptsAGoodCase) {
+  EXPECT_EQ(complaint(small_case()), "");
+}
+
+TEST(CaseFile, NamesLineAndColumnOfASyntaxError) {
+  EXPECT_THAT(reading("{\n  \"a\": 1,\n  \"b\" 2\n}"), HasSubstr("c.json:3:7: not JSON"));
+  EXPECT_THAT(reading("{\"a\": [1, NaN]}"), HasSubstr("null is a mode not measured"));
+  EXPECT_THAT(reading(""), HasSubstr("c.json:1:1: not JSON"));
+  EXPECT_THAT(reading("[1]"), HasSubstr("must be an object"));
+}
+
+TEST(CaseFile, RefusesAKeyThatStandsTwice) {
+  EXPECT_THAT(reading(R"({"a": {"b": 1, "b": 2}})"), HasSubstr("\"b\" stands twice"));
+  EXPECT_EQ(reading(R"({"a": {"b": 1}, "c": {"b": 2}})"), "");
+}
+
+TEST(CaseFile, RefusesNumbersBeyondDoublePrecision) {
+  EXPECT_THAT(reading(R"({"a": 1e999})"), HasSubstr("too large"));
+}
+
+TEST(CaseFile, MissingFileHasItsOwnExitCode) {
+  try {
+    (void)read_case("/no/such/file.json");
+    FAIL();
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.exit(), Exit::no_input);
+    EXPECT_THAT(failure.what(), HasSubstr("/no/such/file.json"));
+  }
+}
+
+TEST(CaseFile, OverridesReachAnywhere) {
+  const Workspace where;
+  const auto file = read_case(where.write_json("c.json", small_case()),
+                              {"beam.length=2.5", "data.frequencies.1=60", "title=Two words",
+                               "damage.location={\"beta\": [2, 2]}", "new.deep.key=true"});
+  EXPECT_EQ(file.json["beam"]["length"], 2.5);
+  EXPECT_EQ(file.json["data"]["frequencies"][1], 60);
+  EXPECT_EQ(file.json["title"], "Two words");
+  EXPECT_EQ(file.json["damage"]["location"]["beta"][0], 2);
+  EXPECT_EQ(file.json["new"]["deep"]["key"], true);
+}
+
+TEST(CaseFile, OverridesThatLeadNowhereAreUsageErrors) {
+  EXPECT_THAT(reading("{\"a\": [1, 2]}", {"a.7=3"}, Exit::usage), HasSubstr("list of 2"));
+  EXPECT_THAT(reading("{}", {"a"}, Exit::usage), HasSubstr("path.to.key=VALUE"));
+}
+
+TEST(CaseFile, SuggestsTheNearestKey) {
+  Json json = small_case();
+  json["beam"]["lenght"] = 1.0;
+  EXPECT_THAT(complaint(json), HasSubstr("/beam/lenght"));
+  EXPECT_THAT(complaint(json), HasSubstr("did you mean \"length\"?"));
+  json = small_case();
+  json["zzz"] = 1;
+  EXPECT_THAT(complaint(json), HasSubstr("/zzz"));
+  EXPECT_THAT(complaint(json), HasSubstr("allowed here: beam, damage, data"));
+}
+
+TEST(CaseFile, NamesPlaceValueAndBound) {
+  Json json = small_case();
+  json["beam"]["length"] = -1.0;
+  EXPECT_THAT(complaint(json), HasSubstr("/beam/length: -1.0: must be > 0"));
+  json = small_case();
+  json["beam"]["material"]["poisson"] = 0.5;
+  EXPECT_THAT(complaint(json), HasSubstr("/beam/material/poisson: 0.5: must be < 0.5"));
+  json = small_case();
+  json["beam"]["material"].erase("young");
+  EXPECT_THAT(complaint(json), HasSubstr("/beam/material/young: is missing"));
+  json = small_case();
+  json["data"]["frequencies"][1] = "NaN";
+  EXPECT_THAT(complaint(json), HasSubstr("/data/frequencies/1: \"NaN\": must be Hz, or null"));
+  json = small_case();
+  json["beam"]["supports"] = "simply supported";
+  EXPECT_THAT(complaint(json), HasSubstr("/beam/supports"));
+  EXPECT_THAT(complaint(json), HasSubstr("clamped-pinned"));
+  json = small_case();
+  json["damage"]["count"]["prior"] = Json{{"poison", 1.0}};
+  EXPECT_THAT(complaint(json), HasSubstr("did you mean \"poisson\"?"));
+  json = small_case();
+  json["damage"]["location"] = 3;
+  EXPECT_THAT(complaint(json), HasSubstr("/damage/location: 3: must be a prior"));
+  json = small_case();
+  json["kind"] = "sid";
+  EXPECT_THAT(complaint(json), HasSubstr("/kind: \"sid\": must be \"damage\""));
+}
+
+TEST(CaseFile, ReadsEveryFormOfPrior) {
+  const Workspace where;
+  const auto prior = [&](const char* text) {
+    return parse_prior(read_case(where.write("c.json", std::string("{\"p\": ") + text + "}")),
+                       Pointer("/p"));
+  };
+  EXPECT_EQ(prior(R"({"uniform": [1, 3]})").mean(), 2.0);
+  EXPECT_EQ(prior(R"({"log_uniform": [1, 10]})").lower(), 1.0);
+  EXPECT_EQ(prior(R"({"normal": [5, 2]})").sd(), 2.0);
+  EXPECT_NEAR(prior(R"({"log_normal": [0, 0.5]})").mean(), std::exp(0.125), 1e-12);
+  EXPECT_NEAR(prior(R"({"half_normal": 2})").mean(), 2.0 * std::sqrt(2.0 / M_PI), 1e-12);
+  EXPECT_NEAR(prior(R"({"gamma": [3, 2]})").mean(), 6.0, 1e-12);
+  EXPECT_NEAR(prior(R"({"beta": [2, 2]})").mean(), 0.5, 1e-12);
+  EXPECT_NEAR(prior(R"({"beta": [2, 2], "on": [1, 5]})").mean(), 3.0, 1e-12);
+  EXPECT_EQ(prior(R"({"truncated_normal": [0, 1, -1, 2]})").upper(), 2.0);
+  EXPECT_THROW((void)prior(R"({"uniform": [3, 1]})"), Failure);
+  EXPECT_THROW((void)prior(R"({"normal": [0, -1]})"), Failure);
+  EXPECT_THROW((void)prior(R"({"uniform": [0, 1], "normal": [0, 1]})"), Failure);
+  EXPECT_THROW((void)prior(R"({"uniform": [0, 1], "on": [0, 1]})"), Failure);
+}
+
+TEST(CaseFile, SchemaIsCompleteByItself) {
+  const Json damage = schema("damage");
+  EXPECT_TRUE(damage["definitions"].contains("prior"));
+  EXPECT_TRUE(damage["definitions"].contains("beam"));
+  EXPECT_THROW((void)schema("common"), Failure);
+}
+
+}  // namespace
+}  // namespace wheeltap::apps

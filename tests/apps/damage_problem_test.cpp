@@ -1,0 +1,181 @@
+#include "apps/damage_problem.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "program.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using testing::HasSubstr;
+
+std::unique_ptr<const DamageProblem> problem(const Json& json) {
+  const Workspace where;
+  return make_damage_problem(parse_damage_case(read_case(where.write_json("c.json", json))), {});
+}
+
+double log_normal_density(double observed, double mean, double sd) {
+  const double r = (observed - mean) / sd;
+  return -0.5 * r * r - std::log(sd) - 0.5 * std::log(2.0 * std::numbers::pi);
+}
+
+TEST(DamageProblem, LikelihoodIsTheContractsGaussian) {
+  const Json json = small_case();
+  const auto p = problem(json);
+  ASSERT_EQ(p->problem.space.size(), 3);
+  const auto likelihood = p->problem.likelihood();
+  const std::vector<double> observed = json["data"]["frequencies"];
+  const std::vector<std::vector<double>> thetas = {{}, {0.33, 0.4}, {0.1, 0.2, 0.72, 0.5}};
+  for (int m = 0; m < 3; ++m) {
+    const auto& theta = thetas[static_cast<std::size_t>(m)];
+    fem::Defects defects;
+    for (std::size_t i = 0; i < theta.size(); i += 2) {
+      defects.damages.push_back({theta[i], theta[i + 1]});
+    }
+    const auto f = elastic_frequencies(p->damage_case.beam, defects, 3);
+    double expected = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      expected += log_normal_density(observed[i], f[i], 0.01 * observed[i]);
+    }
+    EXPECT_NEAR(likelihood->log_likelihood(m, theta), expected, 1e-4 * std::abs(expected));
+    ASSERT_EQ(likelihood->residuals().size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(likelihood->prediction()[i], f[i], 2e-7 * f[i]);
+      EXPECT_NEAR(likelihood->residuals()[i], (observed[i] - f[i]) / (0.01 * observed[i]), 1e-4);
+    }
+  }
+}
+
+TEST(DamageProblem, InferredNoiseKeepsItsNormaliser) {
+  Json json = small_case();
+  json["data"]["cov"] = {{"log_uniform", {1e-3, 1e-1}}};
+  const auto p = problem(json);
+  EXPECT_EQ(p->problem.space.parameter_name(0, 0), "cov");
+  const auto likelihood = p->problem.likelihood();
+  const std::vector<double> observed = json["data"]["frequencies"];
+  const auto f = elastic_frequencies(p->damage_case.beam, {}, 3);
+  for (const double cov : {0.002, 0.05}) {
+    double expected = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      expected += log_normal_density(observed[i], f[i], cov * observed[i]);
+    }
+    EXPECT_NEAR(likelihood->log_likelihood(0, std::vector<double>{cov}), expected,
+                1e-4 * std::abs(expected));
+    EXPECT_EQ(likelihood->noise_scale(), cov);
+  }
+}
+
+TEST(DamageProblem, ModesNotMeasuredAreLeftOut) {
+  Json json = small_case();
+  json["data"]["frequencies"] = {13.8, nullptr, 124.0};
+  const auto p = problem(json);
+  const auto likelihood = p->problem.likelihood();
+  const auto f = elastic_frequencies(p->damage_case.beam, {}, 3);
+  const double expected =
+      log_normal_density(13.8, f[0], 0.138) + log_normal_density(124.0, f[2], 1.24);
+  EXPECT_NEAR(likelihood->log_likelihood(0, {}), expected, 1e-5);
+  EXPECT_EQ(likelihood->residuals().size(), 2U);
+  EXPECT_EQ(likelihood->prediction().size(), 3U);
+}
+
+TEST(DamageProblem, FreeFreePredictsElasticModes) {
+  Json json = small_case();
+  json["beam"]["supports"] = "free-free";
+  Json support = {
+      {"kind", "support"}, {"count", {{"max", 2}}}, {"location", {{"uniform", {0, 1}}}}};
+  json["damage"]["count"]["max"] = 1;
+  json["damage"] = {json["damage"], support};
+  const auto p = problem(json);
+  const auto likelihood = p->problem.likelihood();
+  const auto check = [&](const std::vector<int>& counts, const std::vector<double>& theta,
+                         const fem::Defects& defects) {
+    (void)likelihood->log_likelihood(p->problem.space.find(counts), theta);
+    const auto f = elastic_frequencies(p->damage_case.beam, defects, 3);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(likelihood->prediction()[i], f[i], 1e-6 * f[i]) << counts[0] << counts[1] << i;
+    }
+  };
+  check({0, 0}, {}, {});
+  check({1, 0}, {0.31, 0.4}, {.damages = {{0.31, 0.4}}, .supports = {}});
+  check({0, 1}, {0.13}, {.damages = {}, .supports = {{.location = 0.13}}});
+  check({1, 2}, {0.31, 0.4, 0.13, 0.8},
+        {.damages = {{0.31, 0.4}}, .supports = {{.location = 0.13}, {.location = 0.8}}});
+}
+
+TEST(DamageProblem, SeveralKindsCombineWithProductWeights) {
+  Json json = small_case();
+  json["damage"]["count"] = {{"max", 1}, {"prior", {3, 1}}};
+  Json support = {{"kind", "support"},
+                  {"count", {{"max", 2}, {"prior", {{"poisson", 1.0}}}}},
+                  {"location", {{"uniform", {0.0, 0.5}}}},
+                  {"stiffness", {{"log_uniform", {1e2, 1e6}}}}};
+  json["damage"] = {json["damage"], support};
+  const auto p = problem(json);
+  const auto& space = p->problem.space;
+  ASSERT_EQ(space.size(), 6);
+  const int both = space.find(std::vector<int>{1, 2});
+  EXPECT_EQ(space[both].name, "1 damage, 2 supports");
+  EXPECT_NEAR(std::exp(space[both].log_prior), 0.25 * 0.2, 1e-12);  // 1/2 of 1, 1, 1/2
+  EXPECT_EQ(space[both].dimension, 6);
+  const auto components = p->components(both, std::vector<double>{0.2, 0.3, 0.1, 1e3, 0.4, 1e4});
+  ASSERT_EQ(components.size(), 3U);
+  EXPECT_EQ(components[2].kind, 1);
+  EXPECT_EQ(components[2].severity, 1e4);
+  EXPECT_FALSE(p->symmetric) << "the supports' prior covers one half only";
+}
+
+TEST(DamageProblem, ReflectsWhereBeamAndPriorAreSymmetric) {
+  Json json = small_case();
+  EXPECT_EQ(problem(json)->problem.reflections.size(), 1U);
+  EXPECT_EQ(problem(json)->problem.reflections[0].center, 0.5);
+  json["damage"]["location"] = {{"beta", {2, 2}}};
+  EXPECT_TRUE(problem(json)->symmetric);
+  json["damage"]["location"] = {{"uniform", {0.0, 0.9}}};
+  EXPECT_FALSE(problem(json)->symmetric);
+  json = small_case();
+  json["beam"]["supports"] = "cantilever";
+  EXPECT_FALSE(problem(json)->symmetric);
+}
+
+TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
+  Json json = small_case();
+  json["damage"]["location"] = {{"uniform", {0.1, 0.9}}};
+  json["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
+  const std::vector<double> theta = {0.5, 0.3};
+  const auto honest = problem(json);
+  json["predictor"]["emulator_error"] = false;
+  const auto blind = problem(json);
+  const auto with = honest->problem.likelihood(), without = blind->problem.likelihood();
+  (void)with->log_likelihood(1, theta);
+  const double naive = without->log_likelihood(1, theta);
+  double sum = 0.0, expected = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double f = without->prediction()[i], observed = json["data"]["frequencies"][i];
+    const double rmse = honest->emulator->holdout(1)[i].rmse;
+    EXPECT_GT(rmse, 0.0);
+    sum += log_normal_density(observed, f, 0.01 * observed);
+    expected += log_normal_density(observed, f, std::hypot(0.01 * observed, rmse));
+  }
+  EXPECT_NEAR(naive, sum, 1e-9);
+  EXPECT_NEAR(with->log_likelihood(1, theta), expected, 1e-9);
+  EXPECT_EQ(with->log_likelihood(0, {}), without->log_likelihood(0, {})) << "intact is exact";
+}
+
+TEST(DamageProblem, RefusesAPriorOutsideTheEmulatorsBox) {
+  Json json = small_case();
+  json["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
+  try {
+    (void)problem(json);
+    FAIL();
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.exit(), Exit::bad_input);
+    EXPECT_THAT(failure.what(), HasSubstr("/damage/location"));
+    EXPECT_THAT(failure.what(), HasSubstr("uniform [0, 1] reaches outside the emulator's box"));
+  }
+}
+
+}  // namespace
+}  // namespace wheeltap::apps
