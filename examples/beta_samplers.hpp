@@ -1,0 +1,140 @@
+// Five ways to sample Beta(2, 3), each as short as it can be: importance, rejection, Gibbs,
+// Metropolis-Hastings and slice sampling.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "inference/random.hpp"
+
+namespace wheeltap::examples {
+
+using inference::Random;
+
+/// p(μ) = Γ(5) / (Γ(2) Γ(3)) μ (1 - μ)² = 12 μ (1 - μ)² on [0, 1].
+inline double beta_density(double mu) {
+  return mu < 0.0 || mu > 1.0 ? 0.0 : 12.0 * mu * (1.0 - mu) * (1.0 - mu);
+}
+
+inline constexpr double kProposalMean = 0.4, kProposalSd = 0.2;
+
+/// The proposal of importance and rejection sampling, N(0.4, 0.2²).
+inline double proposal_density(double mu) {
+  const double u = (mu - kProposalMean) / kProposalSd;
+  return std::exp(-0.5 * u * u) / (std::sqrt(2.0 * std::numbers::pi) * kProposalSd);
+}
+
+/// The function whose expectation is wanted: μ³ + μ² + 4μ + 0.2, 2.1142857 under Beta(2, 3).
+inline double polynomial(double mu) {
+  return ((mu + 1.0) * mu + 4.0) * mu + 0.2;
+}
+
+/// The least j with p <= j · proposal everywhere. It exists though the proposal's density lies
+/// below p's in places: what an envelope needs is a bounded ratio, and on [0, 1] this one is.
+inline double envelope_factor() {
+  constexpr int kPoints = 100000;
+  double most = 0.0;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double mu = static_cast<double>(i) / kPoints;
+    most = std::max(most, beta_density(mu) / proposal_density(mu));
+  }
+  return most * (1.0 + 1e-8);  // the grid misses the top by a share of this order at most
+}
+
+struct WeightedMean {
+  double mean, standard_error, effective_draws;
+};
+
+/// E[f] = Σ w f / Σ w over draws of the proposal, w = p / proposal. Gives expectations, not draws.
+inline WeightedMean importance(const std::function<double(double)>& f, int n, Random& random) {
+  double sum = 0.0, squares = 0.0, weighted = 0.0;
+  std::vector<double> w, value;
+  for (int i = 0; i < n; ++i) {
+    const double mu = kProposalMean + kProposalSd * random.normal();
+    w.push_back(beta_density(mu) / proposal_density(mu));
+    value.push_back(f(mu));
+    sum += w.back();
+    squares += w.back() * w.back();
+    weighted += w.back() * value.back();
+  }
+  const double mean = weighted / sum;
+  double variance = 0.0;  // of a ratio, by the delta method
+  for (std::size_t i = 0; i < w.size(); ++i)
+    variance += std::pow(w[i] / sum * (value[i] - mean), 2.0);
+  return {mean, std::sqrt(variance), sum * sum / squares};
+}
+
+/// Draws from the proposal, kept with probability p / (j · proposal): independent draws of p.
+inline std::vector<double> rejection(int n, Random& random) {
+  const double j = envelope_factor();
+  std::vector<double> draws;
+  while (static_cast<int>(draws.size()) < n) {
+    const double mu = kProposalMean + kProposalSd * random.normal();
+    if (random.uniform() * j * proposal_density(mu) < beta_density(mu)) draws.push_back(mu);
+  }
+  return draws;
+}
+
+/// Two coordinates of Dirichlet(2, 1, 2), each drawn in turn given the other; the first is Beta(2,
+/// 3):
+///
+///   μ₁ | μ₂ ~ (1 - μ₂) Beta(2, 2),   μ₂ | μ₁ ~ (1 - μ₁) Beta(1, 2).
+///
+/// (With K = 2 components, which must sum to one, each would fix the other and nothing could move.)
+inline std::vector<double> gibbs(int n, Random& random) {
+  const auto beta = [&](double a, double b) {
+    const double x = random.gamma(a), y = random.gamma(b);
+    return x / (x + y);
+  };
+  std::vector<double> draws;
+  double first = 0.5, second = 0.25;
+  for (int i = 0; i < n; ++i) {
+    first = (1.0 - second) * beta(2.0, 2.0);
+    second = (1.0 - first) * beta(1.0, 2.0);
+    draws.push_back(first);
+  }
+  return draws;
+}
+
+/// A normal random walk of this width; a proposal that is refused repeats the state.
+inline std::vector<double> metropolis_hastings(const std::function<double(double)>& density,
+                                               double start, double width, int n, Random& random) {
+  std::vector<double> draws;
+  double mu = start;
+  for (int i = 0; i < n; ++i) {
+    const double to = mu + width * random.normal();
+    if (random.uniform() * density(mu) < density(to)) mu = to;
+    draws.push_back(mu);
+  }
+  return draws;
+}
+
+/// A height under the density, an interval stepped out until both ends lie below it, and draws from
+/// the interval, shrunk to the current point at each that lies below (Neal 2003, Annals of
+/// Statistics 31:705).
+inline std::vector<double> slice(const std::function<double(double)>& density, double start,
+                                 double width, int n, Random& random) {
+  std::vector<double> draws;
+  double mu = start;
+  for (int i = 0; i < n; ++i) {
+    const double height = random.uniform() * density(mu);
+    double low = mu - width * random.uniform(), high = low + width;
+    while (density(low) > height) low -= width;
+    while (density(high) > height) high += width;
+    for (;;) {
+      const double to = low + (high - low) * random.uniform();
+      if (density(to) > height) {
+        mu = to;
+        break;
+      }
+      (to < mu ? low : high) = to;
+    }
+    draws.push_back(mu);
+  }
+  return draws;
+}
+
+}  // namespace wheeltap::examples
