@@ -57,6 +57,10 @@ std::string interval(const Report& row, const std::string& unit) {
 }
 
 // One component: "near 0.095 m (0.09 to 0.1 m) or its mirror image 0.905 m, with stiffness …".
+std::string between(const Report& x) {
+  return fixed(x["q2.5"].get<double>(), 3) + " to " + fixed(x["q97.5"].get<double>(), 3) + " m";
+}
+
 std::string place(const Report& table, const std::string& location, const std::string& severity,
                   double length, bool mirrored) {
   const Report& x = table[location];
@@ -64,10 +68,10 @@ std::string place(const Report& table, const std::string& location, const std::s
   const double width = x["q97.5"].get<double>() - x["q2.5"].get<double>();
   std::string text;
   if (width > kLocated * length) {
-    text = "not located: anywhere from " + interval(x, " m") +
+    text = "not located: anywhere from " + between(x) +
            (mirrored ? " or in the mirror image of that" : "") + " (95 %)";
   } else {
-    text = "near " + fixed(at, 3) + " m (95 % interval " + interval(x, " m") + ")";
+    text = "near " + fixed(at, 3) + " m (95 % interval " + between(x) + ")";
     if (mirrored && std::abs(length - 2.0 * at) > 0.01 * length) {
       text += " or its mirror image " + fixed(length - at, 3) + " m";
     }

@@ -17,7 +17,7 @@ const charts = (() => {
 
   const number = (x, digits = 4) =>
     typeof x === 'number' && isFinite(x) ? String(+x.toPrecision(digits)) : '–';
-  const percent = (p) => (p > 0.999 && p < 1 ? '> 99.9 %' : p > 0 && p < 0.001 ? '< 0.1 %' : `${+(100 * p).toPrecision(3)} %`);
+  const percent = (p) => (p > 0.999 ? '> 99.9 %' : p >= 0 && p < 0.001 ? '< 0.1 %' : `${+(100 * p).toPrecision(3)} %`);
   const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^-|-$/g, '').slice(0, 60) || 'figure';
   // Reductions are fractions; people read percent.
   const isFraction = (name) => /(^|\s)reduction(\[|$)/.test(name);
@@ -91,7 +91,7 @@ const charts = (() => {
       title: several ? `Where the ${kind.plural} are` : `Where along the beam the ${kind.plural} are`,
       caption: `Expected number of ${kind.plural} in each element, all counts together, above the beam (length to scale) and its supports.${truth.length ? ' Arrows: the truth that the data were simulated from.' : ''}`,
       table: () => ({ head: ['element', 'from [m]', 'to [m]', `expected ${kind.plural}`], rows: inclusion.map((p, e) => [e, e * step, (e + 1) * step, p]) }),
-      spec: (width, theme) => frame(width, 200, theme, {
+      spec: (width, theme) => frame(width, 182, theme, {
         data: [
           { name: 'e', values: inclusion.map((p, e) => ({ p, from: e * step, to: (e + 1) * step })) },
           { name: 's', values: supports.map((s) => ({ ...s, clamp: s.deflection && s.rotation, spring: typeof s.stiffness === 'number' })) },
@@ -126,7 +126,7 @@ const charts = (() => {
       scales: [linear('x', xDomain || [x.from, x.from + x.n * x.width], 'width'), linear('y', yDomain || [y.from, y.from + y.n * y.width], 'height'),
         { name: 'heat', type: root ? 'sqrt' : 'linear', domain: [0, top], range: theme.heat, interpolate: 'lab', zero: true }],
       axes: [axisX(xTitle, { format: xFormat, grid: true }), axisY(yTitle, { format: yFormat })],
-      legends: legend ? [{ fill: 'heat', type: 'gradient', title: legend, gradientLength: Math.min(220, width * 0.5), tickCount: 3, format: '.2~g' }] : [],
+      legends: legend ? [{ fill: 'heat', type: 'gradient', title: legend, gradientLength: Math.min(220, width * 0.5), tickCount: 3, format: '.2~r' }] : [],
       marks: [{ type: 'rect', from: { data: 'c' }, encode: { enter: { x: { scale: 'x', field: 'x0' }, x2: { signal: "scale('x', datum.x1) + 0.4" },
         y: { scale: 'y', field: 'y1' }, y2: { signal: "scale('y', datum.y0) + 0.4" }, fill: { scale: 'heat', field: 'd' } } } }],
     });
@@ -199,7 +199,7 @@ const charts = (() => {
     const fraction = isFraction(p.name);
     return {
       id: `marginal-${slug(model)}-${slug(p.name)}`, section: 'parameters', group: model, title: p.name + unit(p.name),
-      caption: p.prior ? `Prior: ${p.prior.words}${/^(.* )?location\[/.test(p.name) ? ', in increasing order' : ''}.` : '',
+      caption: p.prior ? `Prior: ${p.prior.words}${p.prior.ordered ? ', in increasing order' : ''}.` : '',
       table: () => ({ head: ['from', 'to', 'posterior density'], rows: p.density.map((d, i) => [x0 + i * w, x0 + (i + 1) * w, d]) }),
       spec: (width, theme) => frame(width, 130, theme, {
         data: [{ name: 'h', values: [{ x: x0, d: 0 }, ...p.density.flatMap((d, i) => [{ x: x0 + i * w, d }, { x: x0 + (i + 1) * w, d }]), { x: x0 + p.bins.n * w, d: 0 }] },
@@ -263,7 +263,7 @@ const charts = (() => {
     });
     return {
       id: 'model-visits', section: 'sampling', wide: true, title: 'Model of each draw',
-      caption: `One row a chain, every ${step === 1 ? '' : step + '-th '}draw. Colours that alternate everywhere, alike in all rows, mean that the chains move freely between models.`,
+      caption: `One row a chain${step === 1 ? "" : `, one draw in ${step}`}. Colours that alternate everywhere, alike in all rows, mean that the chains move freely between models.`,
       table: () => ({ head: ['draw', ...chains.map((_, i) => 'chain ' + (i + 1))], rows: chains[0].map((_, n) => [n * step + 1, ...chains.map((c) => names[c[n]])]) }),
       spec: (width, theme) => frame(width, Math.max(60, 22 * chains.length), theme, {
         data: [{ name: 'v', values }],

@@ -343,7 +343,7 @@ Report one_parameter(const Posterior& posterior, const Slot& slot, std::size_t m
     history.push_back(std::move(one));
   }
   if (all.empty()) return {};
-  const Bins bins = bins_over(all, kHistogramBins);
+  const Bins bins = bins_over(all, all.size() < 20000 ? kHistogramBins : 2 * kHistogramBins);
   std::vector<std::size_t> counts(bins.n);
   for (const double x : all) ++counts[bins.at(x)];
   Report heights = Report::array();
@@ -376,6 +376,7 @@ Report one_parameter(const Posterior& posterior, const Slot& slot, std::size_t m
     }
     out["prior"] = {{"words", prior->describe()},
                     {"overlap", compact(overlap)},
+                    {"ordered", ordered},
                     {"x", x_list},
                     {"density", p_list}};
   }

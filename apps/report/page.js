@@ -22,6 +22,7 @@
     const body = rows.map((row) => element('tr', {}, ...row.map((cell, i) => {
       const node = element(i === 0 && typeof cell !== 'number' ? 'th' : 'td', i === 0 && typeof cell !== 'number' ? { scope: 'row', dir: 'auto' } : {}, shown(cell));
       if (typeof cell === 'number') node.dataset.value = cell;
+      else if (String(cell).length > 24) node.classList.add('long');
       return node;
     })));
     return element('table', {}, caption ? element('caption', {}, caption) : null,
@@ -170,15 +171,26 @@
     theme = wantedTheme();
     for (const one of drawn) draw(one);
   }
-  drawAll();
+  // What is seen first is drawn first; the rest follows without holding up the page.
+  async function drawInTurn() {
+    theme = wantedTheme();
+    let since = performance.now();
+    for (const one of drawn) {
+      if (one.width === undefined) draw(one);
+      if (performance.now() - since < 50) continue;
+      await new Promise((go) => setTimeout(go));
+      since = performance.now();
+    }
+    document.documentElement.dataset.ready = 'true';
+  }
+  drawInTurn();
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawAll);
   matchMedia('print').addEventListener('change', drawAll);
   let waiting = 0;
   new ResizeObserver(() => {
     cancelAnimationFrame(waiting);
     waiting = requestAnimationFrame(() => {
-      for (const one of drawn) if (Math.floor(one.place.clientWidth) !== one.width) draw(one);
+      for (const one of drawn) if (one.width !== undefined && Math.floor(one.place.clientWidth) !== one.width) draw(one);
     });
   }).observe(main);
-  document.documentElement.dataset.ready = 'true';
 })();

@@ -62,6 +62,17 @@ Report content(const fs::path& directory, const Report& summary, const Answer& s
   return out;
 }
 
+// Prose as HTML, numbers and their units kept on one line.
+std::string prose(const std::string& text) {
+  std::string out = html_text(text);
+  for (const std::string unit : {" %", " m "}) {
+    for (std::size_t at = 0; (at = out.find(unit, at)) != std::string::npos; at += 6) {
+      out.replace(at, 1, "&nbsp;");
+    }
+  }
+  return out;
+}
+
 // `text` with each {{key}} replaced, in one pass: what is put in is not looked at again.
 std::string fill(std::string_view text,
                  const std::vector<std::pair<std::string_view, std::string_view>>& values) {
@@ -144,10 +155,10 @@ void write_report(const fs::path& directory) {
   const std::string data = script_safe(content(directory, summary, said));
   const std::string title = html_text(title_of(summary));
   const std::string caution =
-      said.caution.empty() ? "" : "<p class=\"caution\">" + html_text(said.caution) + "</p>";
+      said.caution.empty() ? "" : "<p class=\"caution\">" + prose(said.caution) + "</p>";
   const std::string detail =
-      said.detail.empty() ? "" : "<p class=\"detail\">" + html_text(said.detail) + "</p>";
-  const std::string headline = html_text(said.headline);
+      said.detail.empty() ? "" : "<p class=\"detail\">" + prose(said.detail) + "</p>";
+  const std::string headline = prose(said.headline);
   const std::string licences = html_text(std::string(assets::kLicences));
   const std::string page = fill(assets::kTemplate, {{"title", title},
                                                     {"caution", caution},
