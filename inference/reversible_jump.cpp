@@ -97,13 +97,12 @@ class Engine {
 
   Posterior run() {
     const auto began = std::chrono::steady_clock::now();
-    long shared_evaluations = 0;
     {
       Target target(problem_, options_.prior_only);
       check_models(target, options_.seed);
-      shared_evaluations += target.evaluations();
+      shared_evaluations_ += target.evaluations();
     }
-    atlases_ = make_atlases(problem_, options_, shared_evaluations);
+    atlases_ = make_atlases(problem_, options_, shared_evaluations_);
     runners_.resize(static_cast<std::size_t>(options_.chains));
     posterior_.space = &problem_.space;
     posterior_.chains.resize(runners_.size());
@@ -112,10 +111,10 @@ class Engine {
 
     explore();
     if (!reporter_.stopped()) tune();
-    posterior_.warmup_evaluations = evaluations() + shared_evaluations;
+    posterior_.warmup_evaluations = evaluations() + shared_evaluations_;
     if (!reporter_.stopped()) sample();
 
-    posterior_.likelihood_evaluations = evaluations() + shared_evaluations;
+    posterior_.likelihood_evaluations = evaluations() + shared_evaluations_;
     posterior_.stopped_early = reporter_.stopped();
     posterior_.wall_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -216,7 +215,6 @@ class Engine {
               ? static_cast<int>(static_cast<double>(options_.warmup) / 2 * kTuning[round] / total)
               : kTuning[round];
       each_chain([&](int c, Runner& runner) {
-        runner.tempered.reset();
         runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
         runner.by_rung.assign(1, PilotSamples(problem_.space));
         for (int i = 0; i < steps; ++i) {
@@ -235,21 +233,17 @@ class Engine {
   }
 
   void sample() {
-    const int models = problem_.space.size();
-    each_chain([&](int, Runner& runner) {
-      runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
-      for (int i = 0; i < runner.kernels->size(); ++i) {
-        runner.moves.push_back({.name = (*runner.kernels)[i].name()});
-      }
-      runner.proposed.assign(static_cast<std::size_t>(models),
-                             std::vector<long>(static_cast<std::size_t>(models)));
-      runner.accepted = runner.proposed;
-    });
+    posterior_.tempered_draws = options_.tempered_draws;
+    prepare_sampling();
     const int first = options_.draws > 0 ? options_.draws : kDefaultDraws;
     reporter_.begin("sampling", static_cast<double>(first) * options_.chains);
     draw(first);
     if (options_.draws == 0) {
       while (!reporter_.stopped() && posterior_.draws < kMaxDraws && !converged()) {
+        if (!posterior_.tempered_draws && options_.moves.tempering && !chains_agree()) {
+          restart_tempered();
+          continue;
+        }
         const int more = std::min(posterior_.draws, kMaxDraws - posterior_.draws);
         reporter_.begin("sampling on", static_cast<double>(more) * options_.chains);
         draw(more);
@@ -258,29 +252,77 @@ class Engine {
     collect();
   }
 
+  // Chains that disagree have not seen the same modes: what they drew becomes warm-up, and the
+  // ladder stays in use from here on.
+  void restart_tempered() {
+    posterior_.tempered_draws = true;
+    posterior_.notes.push_back(
+        "The chains disagreed, so they were restarted with parallel tempering throughout.");
+    posterior_.warmup += posterior_.draws * posterior_.thin;
+    posterior_.warmup_evaluations = evaluations() + shared_evaluations_;
+    posterior_.draws = 0;
+    for (Chain& chain : posterior_.chains) chain = Chain{};
+    prepare_sampling();
+    reporter_.begin("sampling with tempering",
+                    static_cast<double>(kDefaultDraws) * options_.chains);
+    draw(kDefaultDraws);
+  }
+
+  void prepare_sampling() {
+    const auto models = static_cast<std::size_t>(problem_.space.size());
+    each_chain([&](int, Runner& runner) {
+      const auto make = [&] { return sampling_kernels(problem_, options_, atlases_, pilot_); };
+      runner.kernels = make();
+      if (posterior_.tempered_draws) runner.tempered->set_kernels(make);
+      runner.moves.clear();
+      for (int i = 0; i < runner.kernels->size(); ++i) {
+        runner.moves.push_back({.name = (*runner.kernels)[i].name()});
+      }
+      runner.proposed.assign(models, std::vector<long>(models));
+      runner.accepted = runner.proposed;
+    });
+  }
+
+  // `thin` iterations; returns the last move and whether it was accepted.
+  std::pair<int, bool> advance(int c, Runner& runner) {
+    int move = -1;
+    bool accepted = false;
+    const auto observe = [&](int kernel, const Kernel::Outcome& outcome, int from_model) {
+      move = kernel;
+      accepted = outcome.accepted;
+      if (!outcome.proposed) return;  // and so kernel >= 0
+      MoveStatistics& statistics = runner.moves[static_cast<std::size_t>(kernel)];
+      ++statistics.proposed;
+      statistics.accepted += outcome.accepted ? 1 : 0;
+      const auto from = static_cast<std::size_t>(from_model);
+      const auto to = static_cast<std::size_t>(outcome.to_model);
+      ++runner.proposed[from][to];
+      runner.accepted[from][to] += outcome.accepted ? 1 : 0;
+    };
+    if (posterior_.tempered_draws) {
+      runner.tempered->scan(posterior_.thin, false, Purpose::sampling, observe);
+      runner.state = runner.tempered->cold();
+      return {move, accepted};
+    }
+    for (int t = 0; t < posterior_.thin; ++t) {
+      Random random(options_.seed, static_cast<std::uint64_t>(c),
+                    static_cast<std::uint64_t>(runner.iteration++), Purpose::sampling);
+      Kernel::Outcome outcome;
+      const int from = runner.state.model;
+      const int kernel =
+          runner.kernels->step(runner.state, {*runner.target, random, 1.0, false}, outcome);
+      observe(kernel, outcome, from);
+    }
+    return {move, accepted};
+  }
+
   void draw(int draws) {
     each_chain([&](int c, Runner& runner) {
       Chain& chain = posterior_.chains[static_cast<std::size_t>(c)];
       std::vector<long> visits(static_cast<std::size_t>(problem_.space.size()), 0);
       long before = runner.target->evaluations();
       for (int i = 0; i < draws; ++i) {
-        int move = -1;
-        bool accepted = false;
-        for (int t = 0; t < posterior_.thin; ++t) {
-          Random random(options_.seed, static_cast<std::uint64_t>(c),
-                        static_cast<std::uint64_t>(runner.iteration++), Purpose::sampling);
-          Kernel::Outcome outcome;
-          const auto from = static_cast<std::size_t>(runner.state.model);
-          move = runner.kernels->step(runner.state, {*runner.target, random, 1.0, false}, outcome);
-          accepted = outcome.accepted;
-          if (!outcome.proposed) continue;  // and so move >= 0
-          MoveStatistics& statistics = runner.moves[static_cast<std::size_t>(move)];
-          ++statistics.proposed;
-          statistics.accepted += outcome.accepted ? 1 : 0;
-          const auto to = static_cast<std::size_t>(outcome.to_model);
-          ++runner.proposed[from][to];
-          runner.accepted[from][to] += outcome.accepted ? 1 : 0;
-        }
+        const auto [move, accepted] = advance(c, runner);
         record(runner, chain, move, accepted);
         ++visits[static_cast<std::size_t>(runner.state.model)];
         if (i % 256 == 255) {
@@ -327,33 +369,58 @@ class Engine {
     chain.prediction.resize(draws * predictions);
   }
 
+  [[nodiscard]] ChainsOf indicator(int model) const {
+    ChainsOf chains;
+    for (const Chain& chain : posterior_.chains) {
+      std::vector<double>& values = chains.emplace_back();
+      for (const int m : chain.model) values.push_back(m == model ? 1.0 : 0.0);
+    }
+    return chains;
+  }
+  [[nodiscard]] double share(int model) const {
+    double n = 0.0;
+    for (const Chain& chain : posterior_.chains) {
+      n += static_cast<double>(std::count(chain.model.begin(), chain.model.end(), model));
+    }
+    return n / (static_cast<double>(posterior_.draws) * options_.chains);
+  }
+  [[nodiscard]] ChainsOf log_posterior() const {
+    ChainsOf chains;
+    for (const Chain& chain : posterior_.chains) {
+      std::vector<double>& values = chains.emplace_back(chain.log_likelihood);
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] += chain.log_prior[i];
+    }
+    return chains;
+  }
+
   // Good enough to stop: every undecided model probability known to 0.004 and mixed, the log
   // posterior too.
   [[nodiscard]] bool converged() const {
     for (int m = 0; m < problem_.space.size(); ++m) {
-      ChainsOf indicator;
-      double mean = 0.0;
-      for (const Chain& chain : posterior_.chains) {
-        std::vector<double>& values = indicator.emplace_back();
-        for (const int model : chain.model) values.push_back(model == m ? 1.0 : 0.0);
-        for (const double v : values) mean += v;
-      }
-      mean /= static_cast<double>(posterior_.draws) * options_.chains;
-      if (mean < 0.001 || mean > 0.999) continue;
-      if (mcse_mean(indicator) > 0.004 || ess_mean(indicator) < 400.0 || rhat(indicator) > 1.01) {
+      const double p = share(m);
+      if (p < 0.001 || p > 0.999) continue;
+      const ChainsOf chains = indicator(m);
+      if (mcse_mean(chains) > 0.004 || ess_mean(chains) < 400.0 || rhat(chains) > 1.01)
         return false;
-      }
     }
-    ChainsOf log_posterior;
-    for (const Chain& chain : posterior_.chains) {
-      std::vector<double>& values = log_posterior.emplace_back(chain.log_likelihood);
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] += chain.log_prior[i];
+    const ChainsOf log_density = log_posterior();
+    return rhat(log_density) < 1.01 && ess_bulk(log_density) > 400.0;
+  }
+
+  // Whether longer chains would do: an R-hat far from 1 says that they are in different places.
+  [[nodiscard]] bool chains_agree() const {
+    for (int m = 0; m < problem_.space.size(); ++m) {
+      const double p = share(m);
+      if (p > 0.001 && p < 0.999 && !(rhat(indicator(m)) < 1.05)) return false;
     }
-    return rhat(log_posterior) < 1.01 && ess_bulk(log_posterior) > 400.0;
+    return rhat(log_posterior()) < 1.05;
   }
 
   void collect() {
     for (Runner& runner : runners_) {
+      if (posterior_.tempered_draws) {
+        posterior_.ladder_round_trips += runner.tempered->round_trips();
+      }
       if (posterior_.moves.empty()) {
         posterior_.moves = runner.moves;
         posterior_.jumps_proposed = runner.proposed;
@@ -384,6 +451,7 @@ class Engine {
   std::vector<PilotSamples> hot_;
   Pilot pilot_;
   Posterior posterior_;
+  long shared_evaluations_ = 0;  ///< of no chain in particular
 };
 
 }  // namespace

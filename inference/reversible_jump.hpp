@@ -29,9 +29,13 @@ struct Options {
     bool relocation = true;
     bool reflection = true;
     bool independence = true;  ///< jumps within and between models by fitted mixtures
-    bool tempering = true;     ///< parallel tempering during warm-up, and after it where needed
+    bool tempering = true;     ///< parallel tempering during warm-up
   };
   Moves moves{};
+
+  /// Parallel tempering while the draws are made, too, on the ladder that warm-up set. The engine
+  /// turns to it by itself where the chains do not agree without it and `draws` is 0.
+  bool tempered_draws = false;
 
   struct Progress {
     const char* stage;  ///< "exploring", "sampling" …
@@ -79,6 +83,8 @@ struct Posterior {
   long likelihood_evaluations = 0;  ///< all of them, warm-up included
   double wall_seconds = 0.0;
   bool stopped_early = false;
+  bool tempered_draws = false;  ///< the draws were made with parallel tempering
+  long ladder_round_trips = 0;  ///< between β = 0 and β = 1 and back, over all chains; 0 without it
   std::vector<std::string> notes;  ///< what the engine chose, in words
 };
 

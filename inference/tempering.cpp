@@ -78,7 +78,12 @@ void TemperedChain::start() {
   }
 }
 
-void TemperedChain::scan(int steps, bool adapting, Purpose purpose) {
+void TemperedChain::set_kernels(KernelFactory kernels) {
+  factory_ = std::move(kernels);
+  for (auto& kernel : kernels_) kernel = factory_();
+}
+
+void TemperedChain::scan(int steps, bool adapting, Purpose purpose, const Observer& observe) {
   const auto stream = [&](long rung, Purpose p) {
     return Random(seed_, static_cast<std::uint64_t>(chain_),
                   static_cast<std::uint64_t>(scans_ * kMaxRungs + rung), p);
@@ -100,7 +105,10 @@ void TemperedChain::scan(int steps, bool adapting, Purpose purpose) {
     }
     for (int s = 0; s < steps; ++s) {
       Kernel::Outcome outcome;
-      kernels_[r]->step(states_[r], {target_, random, betas_[r], adapting}, outcome);
+      const int from = states_[r].model;
+      const int kernel =
+          kernels_[r]->step(states_[r], {target_, random, betas_[r], adapting}, outcome);
+      if (observe && i + 1 == rungs()) observe(kernel, outcome, from);
     }
   }
   Random random = stream(kMaxRungs - 1, Purpose::swap);

@@ -24,8 +24,14 @@ class TemperedChain {
   /// Starts every replica from the prior. Throws LikelihoodError where no draw of a thousand has a
   /// finite likelihood.
   void start();
+  /// What happened in one kernel step at β = 1.
+  using Observer = std::function<void(int kernel, const Kernel::Outcome& outcome, int from_model)>;
+
   /// `steps` kernel steps in every rung, then one round of swaps.
-  void scan(int steps, bool adapting, Purpose purpose);
+  void scan(int steps, bool adapting, Purpose purpose, const Observer& observe = nullptr);
+
+  /// Other kernels from now on, for every rung.
+  void set_kernels(KernelFactory kernels);
 
   /// Moves the ladder so that neighbours reject swaps equally often (ibid., algorithm 4), with
   /// `rungs` rungs, from the rejections since the last call. Replicas keep their rung or its
@@ -40,6 +46,7 @@ class TemperedChain {
     return states_[static_cast<std::size_t>(rung)];
   }
   [[nodiscard]] const State& cold() const { return states_.back(); }
+  [[nodiscard]] const KernelMixture& cold_kernels() const { return *kernels_.back(); }
   /// Trips of a replica from β = 0 to β = 1 and back, completed since the start.
   [[nodiscard]] long round_trips() const { return round_trips_; }
 

@@ -257,6 +257,25 @@ TEST(ReversibleJump, MoveSetsAgree) {
   }
 }
 
+// Tempering leaves P(k) and the parameters alone, whether it stops after warm-up or goes on.
+TEST(ReversibleJump, TemperingChangesNoProbability) {
+  const Problem problem = bumps();
+  Options options{.seed = 4, .warmup = 3000, .draws = 20000};
+  const Posterior without = reversible_jump(problem, options);
+  options.tempered_draws = true;
+  options.draws = 6000;
+  const Posterior with = reversible_jump(problem, options);
+  EXPECT_GT(with.ladder_round_trips, 100);
+  for (int k = 0; k < 4; ++k) {
+    const double error =
+        std::hypot(mcse_mean(indicator(without, k)), mcse_mean(indicator(with, k)));
+    EXPECT_NEAR(probability(without, k), probability(with, k), kSigmas * error) << k;
+  }
+  options.prior_only = true;
+  const Posterior prior = reversible_jump(problem, options);
+  for (int k = 0; k < 4; ++k) expect_probability(prior, k, 0.25);
+}
+
 TEST(ReversibleJump, RecordedDensitiesAreTheRecomputedOnes) {
   const Problem problem = bumps();
   const Posterior posterior = reversible_jump(problem, small());
