@@ -56,11 +56,9 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
     kernels.add(share / static_cast<double>(problem.moves.size()),
                 std::make_unique<MetropolisHastings>(extra.name, extra.make()));
   }
-  if (options.moves.reflection) {
-    for (const Reflection& reflection : problem.reflections) {
-      add_move<Mirror>(kernels, share * 0.25, "mirror", reflection, true);
-      add_move<Mirror>(kernels, share * 0.15, "mirror of one", reflection, false);
-    }
+  if (options.moves.reflection && !problem.reflections.empty()) {
+    add_move<Mirror>(kernels, share * 0.25, "mirror", problem.reflections, true);
+    add_move<Mirror>(kernels, share * 0.15, "mirror of one", problem.reflections, false);
   }
 }
 

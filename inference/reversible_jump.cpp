@@ -162,6 +162,7 @@ class Engine {
           if (!reporter_.advance(1.0)) return;
         }
         done += n;
+        if (c == 0) posterior_.warmup += n * kStepsAScan;
         // Two neighbours a unit of the barrier (Syed et al. 2022, section 4.3), while there is time
         // left.
         if (runner.tempered->rungs() > 1 && done < scans) {
@@ -229,7 +230,7 @@ class Engine {
       done += steps;
       if (!reporter_.stopped()) fit(static_cast<int>(round) + 1, false);
     }
-    posterior_.warmup = done;
+    posterior_.warmup += done;
   }
 
   void sample() {

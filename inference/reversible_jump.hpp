@@ -75,7 +75,7 @@ struct Posterior {
   std::vector<std::vector<long>> jumps_proposed;  ///< models × models, after warm-up
   std::vector<std::vector<long>> jumps_accepted;
   int draws = 0;   ///< kept a chain
-  int warmup = 0;  ///< iterations spent a chain before the first draw
+  int warmup = 0;  ///< iterations a chain at β = 1 before the first draw
   int thin = 1;
   int dimension = 0;    ///< row length of Chain::theta
   int predictions = 0;  ///< row length of Chain::prediction

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "inference/differential_evolution.hpp"
+#include "inference/evidence/importance_sampling.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -137,6 +138,28 @@ Optimum search(const Objective& objective, int dimension, const ModeOptions& opt
   return best;
 }
 
+// A few draws about the mode with the tails of t₅ tell whether the posterior resembles the normal
+// that Laplace puts in its place.
+void check_shape(const Problem& problem, int model, std::uint64_t seed, const Eigen::VectorXd& z,
+                 Laplace& result) {
+  constexpr int kDraws = 1000;
+  constexpr double kHalfNat = 0.5;
+  const Eigen::LLT<Eigen::MatrixXd> llt(result.covariance);
+  if (llt.info() != Eigen::Success) return;
+  const NormalMixture proposal({{1.0, z, llt.matrixL()}}, 5.0);
+  const ImportanceSampling drawn =
+      importance_sampling(problem, model, proposal, {.seed = seed, .draws = kDraws, .threads = 1});
+  result.evidence.likelihood_evaluations += drawn.evidence.likelihood_evaluations;
+  const double difference = drawn.evidence.log_evidence - result.evidence.log_evidence;
+  if (std::fabs(difference) > kHalfNat + 3.0 * drawn.evidence.standard_error ||
+      drawn.pareto_k > 0.7)
+    result.evidence.warnings.push_back(
+        "model '" + problem.space[model].name +
+        "': the posterior about its mode does not look normal; importance sampling there changes "
+        "Laplace's log evidence by " +
+        std::to_string(difference));
+}
+
 Optimum nothing_to_search(ModelPosterior& posterior) {
   return {{}, posterior({}).log_posterior(), posterior.evaluations(), true};
 }
@@ -174,6 +197,7 @@ Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
       const Eigen::MatrixXd factor = llt.matrixL();
       result.evidence.log_evidence +=
           static_cast<double>(d) * kLogSqrt2Pi - factor.diagonal().array().log().sum();
+      check_shape(problem, model, options.seed, z, result);
     } else {
       result.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
       result.covariance = Eigen::MatrixXd::Constant(d, d, std::numeric_limits<double>::quiet_NaN());
@@ -186,7 +210,7 @@ Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
     result.x.assign(posterior.x().begin(), posterior.x().end());
   }
   result.evidence.standard_error = d == 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
-  result.evidence.likelihood_evaluations = mode.evaluations + posterior.evaluations();
+  result.evidence.likelihood_evaluations += mode.evaluations + posterior.evaluations();
   return result;
 }
 

@@ -5,8 +5,9 @@
 
 namespace wheeltap::inference {
 
-/// Reflects one parameter of every component of a kind (`whole`), or of one component chosen
-/// uniformly, in its centre: x → 2 c - x. An involution with |dx'/dx| = 1, so with respect to dz
+/// Reflects every component of every kind that has a reflection (`whole`: the mirror image of the
+/// state), or one component chosen uniformly, in its centre: x → 2 c - x. An involution with
+/// |dx'/dx| = 1, so with respect to dz
 ///
 ///   ln ratio = Σ ln |dz'/dz| = Σ [ ln p(x') - ln φ(z') - ln p(x) + ln φ(z) ]
 ///
@@ -14,11 +15,12 @@ namespace wheeltap::inference {
 /// support is no proposal.
 class Mirror : public Move {
  public:
-  Mirror(Reflection reflection, bool whole) : reflection_(reflection), whole_(whole) {}
+  Mirror(std::vector<Reflection> reflections, bool whole)
+      : reflections_(std::move(reflections)), whole_(whole) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
  private:
-  Reflection reflection_;
+  std::vector<Reflection> reflections_;
   bool whole_;
 };
 

@@ -209,13 +209,17 @@ TEST(Invariance, RandomWalk) {
 }
 
 TEST(Invariance, MirrorOfAll) {
-  const MoveFactory make = [] { return std::make_unique<Mirror>(Reflection{0, 0, 0.5}, true); };
+  const MoveFactory make = [] {
+    return std::make_unique<Mirror>(std::vector<Reflection>{{0, 0, 0.5}}, true);
+  };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
 }
 
 TEST(Invariance, MirrorOfOne) {
-  const MoveFactory make = [] { return std::make_unique<Mirror>(Reflection{0, 0, 0.5}, false); };
+  const MoveFactory make = [] {
+    return std::make_unique<Mirror>(std::vector<Reflection>{{0, 0, 0.5}}, false);
+  };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
 }

@@ -46,6 +46,17 @@ TEST(Laplace, SaysWhereTheHessianFails) {
   EXPECT_THROW((void)laplace(never(), 0, {}), LikelihoodError);
 }
 
+TEST(Laplace, SaysWhereThePosteriorIsNotNormal) {
+  // Element-wise constant, as of a damage's location: flat to the differences, yet a narrow mode.
+  const Problem steps = one_model({{"a", Uniform{0.0, 1.0}}}, [](int, std::span<const double> x) {
+    const double element = std::floor(100.0 * x[0]) - 30.0;
+    return -2.0 * element * element;
+  });
+  const Laplace result = laplace(steps, 0, {});
+  ASSERT_EQ(result.evidence.warnings.size(), 1U);
+  EXPECT_NE(result.evidence.warnings[0].find("does not look normal"), std::string::npos);
+}
+
 TEST(MaximumLikelihood, IsNotThePosteriorMode) {
   const Problem problem = nested_means();
   ModelPosterior posterior(problem, 1);
