@@ -10,6 +10,7 @@
 #include "apps/damage_summary.hpp"
 #include "apps/posterior_file.hpp"
 #include "apps/running.hpp"
+#include "apps/sid_command.hpp"
 #include "apps/terminal.hpp"
 #include "emulator/atomic_file.hpp"
 #include "fem/modal_analysis.hpp"
@@ -235,8 +236,9 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
 }
 
 void run_simulate(const CommonOptions& common) {
-  const DamageCase damage_case =
-      parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
+  CaseFile file = read_case(common.case_path, common.overrides);
+  if (file.json.value("kind", Json()) == "sid") return simulate_sid(common, std::move(file));
+  const DamageCase damage_case = parse_damage_case(std::move(file), Needs::structure);
   const std::uint64_t seed =
       common.seed.value_or(damage_case.simulation ? damage_case.simulation->seed : 1);
   const FrequencyData data = simulate(damage_case, seed);

@@ -36,6 +36,10 @@ struct SamplingOptions {
   bool prior_only = false;
 };
 
+struct SidOptions {
+  std::string evidence;  ///< "", or methods joined by +: tmcmc, bridge, laplace
+};
+
 void run_modes(const CommonOptions& common, const ModesOptions& options);
 /// Runs the design of the case's predictor, measures the emulator on fresh runs, writes the table.
 /// Finished runs are remembered beside the output until it is written; `resume` starts from them.
@@ -47,6 +51,11 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options);
 /// Frequencies with noise from the case's truth: a CSV, or a complete case where the output ends in
 /// .json.
 void run_simulate(const CommonOptions& common);
+/// Which model explains a record: writes summary.json and posterior.nc into the output folder and
+/// prints what was found. A case with a sweep is run once a value, and sweep.csv takes the place of
+/// posterior.nc.
+void run_sid(const CommonOptions& common, const SamplingOptions& options,
+             const SidOptions& sid_options);
 void run_schema(const std::string& name);
 
 }  // namespace wheeltap::apps

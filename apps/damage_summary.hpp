@@ -6,12 +6,6 @@
 
 namespace wheeltap::apps {
 
-/// What the user asked for, to be repeated.
-struct RunInfo {
-  std::uint64_t seed = 1;
-  std::string command_line;
-};
-
 /// The whole of summary.json. `posterior` must have at least 4 draws a chain, all chains the same.
 [[nodiscard]] Report summarise_damage(const DamageProblem& problem,
                                       const inference::Posterior& posterior, const RunInfo& info);

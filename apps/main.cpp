@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
   common.command_line = joined(argc, argv);
   apps::ModesOptions modes;
   apps::SamplingOptions sampling;
+  apps::SidOptions sid;
   std::string schema = "damage";
   constexpr int kMany = 1'000'000'000;
 
@@ -73,6 +74,21 @@ int main(int argc, char** argv) {
     command
         ->add_option("--threads", common.threads, "threads (default: all); never changes a result")
         ->check(CLI::Range(1, 4096));
+  };
+
+  const auto add_sampling = [&](CLI::App* command) {
+    command->add_option("--chains", sampling.chains, "independent chains (default 4)")
+        ->check(CLI::Range(1, 1000));
+    command
+        ->add_option("--warmup", sampling.warmup,
+                     "iterations a chain before the first draw (default: chosen)")
+        ->check(CLI::Range(1, kMany));
+    command
+        ->add_option("--draws", sampling.draws,
+                     "draws a chain, after warm-up (default: until converged)")
+        ->check(CLI::Range(100, kMany));
+    command->add_flag("--prior-only", sampling.prior_only,
+                      "leave the data out: must return the prior");
   };
 
   CLI::App* modes_command = app.add_subcommand("modes", "natural frequencies of the case's beam");
@@ -96,23 +112,22 @@ int main(int argc, char** argv) {
   add_output(damage_command, "the folder to write results into");
   add_seed(damage_command, "of the chains (default 1)");
   add_threads(damage_command);
-  damage_command->add_option("--chains", sampling.chains, "independent chains (default 4)")
-      ->check(CLI::Range(1, 1000));
-  damage_command
-      ->add_option("--warmup", sampling.warmup,
-                   "iterations a chain before the first draw (default: chosen)")
-      ->check(CLI::Range(1, kMany));
-  damage_command
-      ->add_option("--draws", sampling.draws,
-                   "draws a chain, after warm-up (default: until converged)")
-      ->check(CLI::Range(100, kMany));
-  damage_command->add_flag("--prior-only", sampling.prior_only,
-                           "leave the data out: must return the prior");
+  add_sampling(damage_command);
   damage_command->add_flag("--resume", common.resume,
                            "print a finished run of the same case again instead of repeating it");
 
+  CLI::App* sid_command = app.add_subcommand("sid", "which equation of motion a record obeys");
+  add_case(sid_command);
+  add_output(sid_command, "the folder to write results into");
+  add_seed(sid_command, "of the chains (default 1)");
+  add_threads(sid_command);
+  add_sampling(sid_command);
+  sid_command->add_flag("--evidence{tmcmc+bridge}", sid.evidence,
+                        "also the evidence of each model on its own: --evidence, or "
+                        "--evidence=METHODS of tmcmc, bridge, laplace, joined by +");
+
   CLI::App* simulate_command =
-      app.add_subcommand("simulate", "synthetic frequencies from the case's truth");
+      app.add_subcommand("simulate", "synthetic data from the case's truth");
   add_case(simulate_command);
   add_output(simulate_command, "the file to write: .csv, or .json for a complete case");
   add_seed(simulate_command, "of the noise (default: the case's, or 1)");
@@ -143,6 +158,7 @@ int main(int argc, char** argv) {
     if (modes_command->parsed()) apps::run_modes(common, modes);
     if (table_command->parsed()) apps::run_table(common);
     if (damage_command->parsed()) apps::run_damage(common, sampling);
+    if (sid_command->parsed()) apps::run_sid(common, sampling, sid);
     if (simulate_command->parsed()) apps::run_simulate(common);
     if (report_command->parsed()) apps::run_report(common.output, drawing);
     if (schema_command->parsed()) apps::run_schema(schema);

@@ -7,6 +7,41 @@
 
 namespace wheeltap::apps {
 
+void write_sample_stats(const NetcdfWriter& file, const inference::Posterior& posterior,
+                        const std::vector<int>& k) {
+  const std::size_t chains = posterior.chains.size();
+  const std::size_t draws = posterior.chains[0].model.size();
+  const auto each = [&](auto value) {
+    using Number = decltype(value(posterior.chains[0], std::size_t{0}));
+    std::vector<Number> all;
+    all.reserve(chains * draws);
+    for (const auto& chain : posterior.chains) {
+      for (std::size_t i = 0; i < draws; ++i) all.push_back(value(chain, i));
+    }
+    return all;
+  };
+  const int group = file.group("sample_stats");
+  const int chain = file.dimension(group, "chain", chains, 0);
+  const int draw = file.dimension(group, "draw", draws, 0);
+  file.put(group, "lp", {chain, draw}, each([](const inference::Chain& c, std::size_t i) {
+             return c.log_prior[i] + c.log_likelihood[i];
+           }));
+  file.put(group, "log_likelihood", {chain, draw},
+           each([](const inference::Chain& c, std::size_t i) { return c.log_likelihood[i]; }));
+  file.put(group, "k", {chain, draw}, k);
+  const int move = file.put(
+      group, "move", {chain, draw},
+      each([](const inference::Chain& c, std::size_t i) { return static_cast<int>(c.move[i]); }),
+      NC_SHORT);
+  std::string names;
+  for (const auto& m : posterior.moves) names += (names.empty() ? "" : ";") + m.name;
+  file.text(group, move, "names", names);
+  file.put(group, "accepted", {chain, draw}, each([](const inference::Chain& c, std::size_t i) {
+             return static_cast<int>(c.accepted[i]);
+           }),
+           NC_BYTE);
+}
+
 void write_posterior_file(const std::filesystem::path& path, const DamageProblem& problem,
                           const inference::Posterior& posterior, std::uint64_t seed) {
   const DamageCase& damage_case = problem.damage_case;
@@ -92,28 +127,7 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
       }
     }
   }
-  {
-    const int group = file.group("sample_stats");
-    const int chain = file.dimension(group, "chain", chains, 0);
-    const int draw = file.dimension(group, "draw", draws, 0);
-    file.put(group, "lp", {chain, draw}, each([](const inference::Chain& c, std::size_t i) {
-               return c.log_prior[i] + c.log_likelihood[i];
-             }));
-    file.put(group, "log_likelihood", {chain, draw},
-             each([](const inference::Chain& c, std::size_t i) { return c.log_likelihood[i]; }));
-    file.put(group, "k", {chain, draw}, total_count);
-    const int move = file.put(
-        group, "move", {chain, draw},
-        each([](const inference::Chain& c, std::size_t i) { return static_cast<int>(c.move[i]); }),
-        NC_SHORT);
-    std::string names;
-    for (const auto& m : posterior.moves) names += (names.empty() ? "" : ";") + m.name;
-    file.text(group, move, "names", names);
-    file.put(group, "accepted", {chain, draw}, each([](const inference::Chain& c, std::size_t i) {
-               return static_cast<int>(c.accepted[i]);
-             }),
-             NC_BYTE);
-  }
+  write_sample_stats(file, posterior, total_count);
   if (posterior.predictions == data.modes()) {
     const int group = file.group("posterior_predictive");
     const int chain = file.dimension(group, "chain", chains, 0);

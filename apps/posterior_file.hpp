@@ -4,9 +4,14 @@
 #include <filesystem>
 
 #include "apps/damage_problem.hpp"
+#include "apps/netcdf_writer.hpp"
 #include "inference/reversible_jump.hpp"
 
 namespace wheeltap::apps {
+
+/// The group sample_stats; `k` has one number a draw, chain by chain.
+void write_sample_stats(const NetcdfWriter& file, const inference::Posterior& posterior,
+                        const std::vector<int>& k);
 
 /// Writes a NetCDF-4 file with the groups
 ///   posterior             parameters (chain, draw[, slot]), NaN in unused slots; k, model

@@ -13,6 +13,12 @@ namespace wheeltap::apps {
 /// JSON that keeps the order in which it is written.
 using Report = nlohmann::ordered_json;
 
+/// What the user asked for, to be repeated.
+struct RunInfo {
+  std::uint64_t seed = 1;
+  std::string command_line;
+};
+
 /// Mean, sd, quantiles and histogram mode of one quantity, with its convergence where `chains` are
 /// long enough to judge it (null otherwise).
 [[nodiscard]] Report summarise(const inference::ChainsOf& chains);

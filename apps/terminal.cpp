@@ -173,6 +173,46 @@ void print_defects(std::ostream& out, const Report& summary, const Report& table
   print_table(out, rows, style);
 }
 
+// One bar a model.
+void print_models(std::ostream& out, const Report& models) {
+  std::size_t widest = 0;
+  for (const auto& m : models) widest = std::max(widest, columns(m["name"]));
+  for (const auto& m : models) {
+    const double p = m["probability"];
+    out << "  " << pad_right(m["name"], widest) << "  " << pad_left(percent(p), 8) << " ± "
+        << pad_right(significant(100.0 * m["mcse"].get<double>(), 2) + " %", 9) << ' ' << bar(p, 30)
+        << '\n';
+  }
+  out << "  (± is the Monte Carlo error of this run; a priori";
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    out << (i > 0 ? ", " : " ") << percent(models[i]["prior"]);
+  }
+  out << ")\n";
+}
+
+// Warnings, cost and convergence; `what` the models count.
+void print_closing(std::ostream& out, const Report& summary, const std::string& what,
+                   const Style& style) {
+  const auto& diagnosed = summary["diagnostics"];
+  const auto& warnings = diagnosed["warnings"];
+  if (!warnings.empty()) out << '\n' << style.bold("What to keep in mind") << '\n';
+  for (const auto& w : warnings) {
+    print_wrapped(out, w.get<std::string>(), style.warn("! "), "  ");
+  }
+
+  const auto& cost = summary["cost"];
+  out << '\n'
+      << cost["chains"] << " chains of " << cost["draws_a_chain"] << " draws in "
+      << significant(cost["wall_seconds"], 2) << " s; effective sample size of the " << what << ' '
+      << (diagnosed["ess_model"].is_number() ? rounded_count(diagnosed["ess_model"]) : "-")
+      << ", largest R-hat "
+      << (diagnosed["rhat_max"].is_number() ? fixed(diagnosed["rhat_max"], 4) : "-") << ".\n";
+  out << (diagnosed["converged"].get<bool>()
+              ? "Converged."
+              : style.warn("NOT CONVERGED: see the first point above."))
+      << '\n';
+}
+
 std::string support_glyph(const Report& s) {
   const bool deflection = s["deflection"], rotation = s["rotation"];
   if (!s["stiffness"].is_string()) return "≀";
@@ -253,19 +293,7 @@ void print_damage(std::ostream& out, const Report& summary, bool colour) {
       << style.bold(several ? "What is there?"
                             : "How many " + summary["kinds"][0]["plural"].get<std::string>() + "?")
       << '\n';
-  std::size_t widest = 0;
-  for (const auto& m : models) widest = std::max(widest, columns(m["name"]));
-  for (const auto& m : models) {
-    const double p = m["probability"];
-    out << "  " << pad_right(m["name"], widest) << "  " << pad_left(percent(p), 8) << " ± "
-        << pad_right(significant(100.0 * m["mcse"].get<double>(), 2) + " %", 9) << ' ' << bar(p, 30)
-        << '\n';
-  }
-  out << "  (± is the Monte Carlo error of this run; a priori";
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    out << (i > 0 ? ", " : " ") << percent(models[i]["prior"]);
-  }
-  out << ")\n";
+  print_models(out, models);
 
   const bool folded = summary["damage"].contains("folded");
   for (const auto& m : models) {
@@ -321,24 +349,75 @@ void print_damage(std::ostream& out, const Report& summary, bool colour) {
     draw(several ? by_element[kind["name"].get<std::string>()] : by_element, kind["plural"]);
   }
 
-  const auto& diagnosed = summary["diagnostics"];
-  const auto& warnings = diagnosed["warnings"];
-  if (!warnings.empty()) out << '\n' << style.bold("What to keep in mind") << '\n';
-  for (const auto& w : warnings) {
-    print_wrapped(out, w.get<std::string>(), style.warn("! "), "  ");
-  }
+  print_closing(out, summary, "count", style);
+}
 
-  const auto& cost = summary["cost"];
-  out << '\n'
-      << cost["chains"] << " chains of " << cost["draws_a_chain"] << " draws in "
-      << significant(cost["wall_seconds"], 2) << " s; effective sample size of the count "
-      << (diagnosed["ess_model"].is_number() ? rounded_count(diagnosed["ess_model"]) : "-")
-      << ", largest R-hat "
-      << (diagnosed["rhat_max"].is_number() ? fixed(diagnosed["rhat_max"], 4) : "-") << ".\n";
-  out << (diagnosed["converged"].get<bool>()
-              ? "Converged."
-              : style.warn("NOT CONVERGED: see the first point above."))
-      << '\n';
+void print_sid(std::ostream& out, const Report& summary, bool colour) {
+  const Style style{colour};
+  out << '\n' << style.bold(summary["title"].get<std::string>()) << '\n';
+  const auto& data = summary["data"];
+  out << "Data: " << data["origin"].get<std::string>() << "; samples " << data["samples"][0]
+      << " to " << data["samples"][1] << " at " << number(data["sample_rate"], 6) << " Hz\n";
+  out << '\n' << style.bold("Which model?") << '\n';
+  print_models(out, summary["models"]);
+  for (const auto& b : summary["log_bayes_factors"]) {
+    out << "  ln Bayes factor of " << b["model"].get<std::string>() << " against "
+        << b["against"].get<std::string>() << ": ";
+    if (b["log_bayes_factor"].is_number()) {
+      out << fixed(b["log_bayes_factor"], 2) << " ± " << significant(b["mcse"], 2) << '\n';
+    } else {
+      out << "beyond what these chains can tell (never visited: "
+          << b["never_visited"].get<std::string>() << ")\n";
+    }
+  }
+  if (summary.contains("evidence")) {
+    for (const auto& [method, rows] : summary["evidence"].items()) {
+      out << '\n' << style.bold("Evidence by " + method) << '\n';
+      std::vector<std::vector<std::string>> table = {{"model", "ln Z", "±", "P(model)", "±"}};
+      for (const auto& row : rows) {
+        table.push_back(
+            {row["model"],
+             row["log_evidence"].is_number() ? fixed(row["log_evidence"], 3) : std::string("-"),
+             number(row["standard_error"], 2), number(row["probability"], 4),
+             number(row["probability_error"], 2)});
+      }
+      print_table(out, table, style);
+    }
+  }
+  for (const auto& m : summary["models"]) {
+    const std::string name = m["name"];
+    const double p = m["probability"];
+    if (p < kWorthTelling || !summary["parameters"].contains(name)) continue;
+    out << '\n' << style.bold("If " + name) << " (" << percent(p) << ")\n";
+    std::vector<std::vector<std::string>> rows = {{"parameter", "mean", "sd", "95 % interval"}};
+    for (const auto& [label, s] : summary["parameters"][name].items()) {
+      rows.push_back({label, number(s["mean"], 5), number(s["sd"], 2),
+                      interval(s, [](double x) { return significant(x, 4); })});
+    }
+    if (rows.size() > 1) print_table(out, rows, style);
+    rows = {{"response", "MSE", "NRMSE", "R2", "white?"}};
+    for (const auto& f : summary["fit"].value(name, Report::array())) {
+      const auto& white = f["whiteness"];
+      rows.push_back({f["channel"], number(f["mse"], 3),
+                      f["nrmse"].is_number() ? fixed(100.0 * f["nrmse"].get<double>(), 2) + " %"
+                                             : std::string("-"),
+                      f["r2"].is_number() ? fixed(f["r2"], 5) : std::string("-"),
+                      white.is_object() ? (white["white"].get<bool>() ? "yes, p " : "NO, p ") +
+                                              number(white["p_value"], 2)
+                                        : std::string("-")});
+    }
+    if (rows.size() > 1) print_table(out, rows, style);
+  }
+  const auto& predictive = summary["predictive"];
+  out << "\nThe " << percent(predictive["level"]) << " predictive band holds ";
+  bool first = true;
+  for (const auto& row : predictive["channels"]) {
+    out << (first ? "" : ", ") << fixed(100.0 * row["coverage"].get<double>(), 1) << " % of "
+        << row["channel"].get<std::string>();
+    first = false;
+  }
+  out << ".\n";
+  print_closing(out, summary, "model", style);
 }
 
 ProgressBar::ProgressBar(bool quiet) : visible_(!quiet && isatty(STDERR_FILENO) != 0) {}

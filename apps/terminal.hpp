@@ -13,6 +13,9 @@ namespace wheeltap::apps {
 /// The text of a finished damage run, from its summary.
 void print_damage(std::ostream& out, const Report& summary, bool colour);
 
+/// The text of a finished system-identification run, from its summary.
+void print_sid(std::ostream& out, const Report& summary, bool colour);
+
 /// An emulator's errors per mode, from `emulator_report`.
 void print_emulator(std::ostream& out, const Report& emulator, bool colour, bool with_warnings);
 

@@ -1,0 +1,277 @@
+#include "apps/sid_command.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <sstream>
+
+#include "apps/running.hpp"
+#include "apps/sid_posterior_file.hpp"
+#include "apps/terminal.hpp"
+#include "inference/evidence/bridge_sampling.hpp"
+#include "inference/evidence/laplace.hpp"
+#include "inference/evidence/tmcmc.hpp"
+#include "inference/parallel.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+/// What the engine spends by default, in likelihoods (reversible_jump.cpp): enough for hard
+/// problems, too much for records that take milliseconds.
+constexpr double kDefaultWarmup = 70'000;  ///< a chain
+constexpr double kDefaultDraws = 25'000;   ///< a chain, four iterations each
+constexpr double kAffordableSeconds = 60.0;
+constexpr double kFewestDraws = 3'000;
+constexpr double kFewestWarmup = 6'000;
+
+inference::Options engine_options(const CommonOptions& common, const SamplingOptions& options,
+                                  double seconds_a_likelihood) {
+  inference::Options engine;
+  engine.seed = common.seed.value_or(1);
+  engine.chains = options.chains;
+  engine.threads = common.threads;
+  engine.prior_only = options.prior_only;
+  engine.warmup = options.warmup;
+  engine.draws = options.draws;
+  const int threads = std::min(inference::thread_count(common.threads), options.chains);
+  // Likelihoods that each chain can have.
+  const double affordable = kAffordableSeconds * threads / options.chains / seconds_a_likelihood;
+  if (options.prior_only || kDefaultWarmup + 4.0 * kDefaultDraws <= affordable) return engine;
+  engine.thin = 1;
+  if (engine.warmup == 0) {
+    engine.warmup = static_cast<int>(std::clamp(0.5 * affordable, kFewestWarmup, kDefaultWarmup));
+  }
+  if (engine.draws == 0) {
+    engine.draws = static_cast<int>(std::clamp(0.5 * affordable, kFewestDraws, kDefaultDraws));
+  }
+  return engine;
+}
+
+std::vector<std::string> methods_of(const std::string& text) {
+  std::vector<std::string> methods;
+  std::istringstream stream(text);
+  for (std::string method; std::getline(stream, method, '+');) {
+    if (method != "tmcmc" && method != "bridge" && method != "laplace") {
+      throw Failure(Exit::usage, "--evidence=" + text + ": methods are tmcmc, bridge and laplace");
+    }
+    methods.push_back(method);
+  }
+  return methods;
+}
+
+std::vector<SidEvidence> evidences(const SidProblem& problem, const std::string& methods,
+                                   const CommonOptions& common, spdlog::logger& log) {
+  const std::uint64_t seed = common.seed.value_or(1);
+  std::vector<SidEvidence> out;
+  for (const std::string& method : methods_of(methods)) {
+    log.info("Evidence of each model by {} ...", method);
+    SidEvidence by{.method = method, .evidences = {}};
+    for (int m = 0; m < problem.problem.space.size(); ++m) {
+      if (method == "tmcmc") {
+        by.evidences.push_back(
+            inference::tmcmc(problem.problem, m, {.seed = seed, .threads = common.threads})
+                .evidence);
+      } else if (method == "bridge") {
+        by.evidences.push_back(inference::bridge_sampling(
+            problem.problem, m, {.seed = seed, .threads = common.threads}));
+      } else {
+        by.evidences.push_back(inference::laplace(problem.problem, m, {.seed = seed}).evidence);
+      }
+    }
+    out.push_back(std::move(by));
+  }
+  return out;
+}
+
+Report options_report(const SamplingOptions& options, const inference::Options& engine) {
+  return {{"chains", options.chains},
+          {"warmup", engine.warmup},
+          {"draws", engine.draws},
+          {"thin", engine.thin},
+          {"prior_only", options.prior_only}};
+}
+
+struct Run {
+  std::unique_ptr<const SidProblem> problem;
+  inference::Posterior posterior;
+  SidPredictive predictive;
+  Report summary;
+};
+
+Run run_once(SidCase sid_case, const CommonOptions& common, const SamplingOptions& options,
+             const SidOptions& sid_options, spdlog::logger& log) {
+  Run run{.problem = make_sid_problem(std::move(sid_case)),
+          .posterior = {},
+          .predictive = {},
+          .summary = {}};
+  const inference::Options engine =
+      engine_options(common, options, run.problem->seconds_a_likelihood);
+  run.posterior = run_engine(run.problem->problem, engine, common.case_path, common.quiet);
+  const auto also = evidences(*run.problem, sid_options.evidence, common, log);
+  run.predictive = predict(*run.problem, run.posterior);
+  run.summary = summarise_sid(*run.problem, run.posterior, run.predictive, also,
+                              {.seed = engine.seed, .command_line = common.command_line});
+  run.summary["wheeltap"]["options"] = options_report(options, engine);
+  return run;
+}
+
+std::string csv_number(const Report& value) {
+  return value.is_number() ? significant(value.get<double>(), 8) : "";
+}
+
+// A number that the chains cannot tell is ±inf, since one of the two models was never visited.
+std::string csv_log_factor(const Report& row) {
+  if (row["log_bayes_factor"].is_number()) return csv_number(row["log_bayes_factor"]);
+  return row["never_visited"] == "both"         ? "nan"
+         : row["never_visited"] == row["model"] ? "-inf"
+                                                : "inf";
+}
+
+void run_sweep(const CaseFile& file, const CommonOptions& common, const SamplingOptions& options,
+               const SidOptions& sid_options, spdlog::logger& log) {
+  const Json sweep = file.json["sweep"];
+  Pointer path;
+  try {
+    path = Pointer(sweep["path"].get<std::string>());
+  } catch (const Json::exception&) {
+    file.refuse(Pointer("/sweep/path"), "must be a JSON pointer, e.g. \"/record/samples/1\"");
+  }
+  if (!file.json.contains(path)) {
+    file.refuse(Pointer("/sweep/path"), "leads nowhere in this case");
+  }
+  // All of them first, so that a mistake in the last does not cost the runs before it.
+  std::vector<SidCase> cases;
+  for (const Json& value : sweep["values"]) {
+    CaseFile one = file;
+    one.json.erase("sweep");
+    one.json[path] = value;
+    cases.push_back(parse_sid_case(std::move(one)));
+  }
+  emulator::AtomicFile table_file(common.output / "sweep.csv");
+  emulator::AtomicFile summary_file(common.output / "summary.json");
+  Report rows = Report::array();
+  std::string table;
+  std::vector<std::vector<std::string>> printed;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Json value = sweep["values"][i];
+    Run run = run_once(std::move(cases[i]), common, options, sid_options, log);
+    const Report& s = run.summary;
+    Report row = {{"value", Report::parse(value.dump())},
+                  {"models", s["models"]},
+                  {"log_bayes_factors", s["log_bayes_factors"]},
+                  {"parameters", s["parameters"]},
+                  {"fit", s["fit"]},
+                  {"converged", s["diagnostics"]["converged"]},
+                  {"warnings", s["diagnostics"]["warnings"]},
+                  {"cost", s["cost"]}};
+    if (s.contains("evidence")) row["evidence"] = s["evidence"];
+    std::vector<std::string> header = {"value"}, cells = {value.dump()};
+    const auto add = [&](const std::string& name, const std::string& cell) {
+      header.push_back(name);
+      cells.push_back(cell);
+    };
+    for (const auto& m : s["models"]) {
+      add("P(" + m["name"].get<std::string>() + ")", csv_number(m["probability"]));
+      add("mcse", csv_number(m["mcse"]));
+    }
+    for (const auto& b : s["log_bayes_factors"]) {
+      add("ln B(" + b["model"].get<std::string>() + ":" + b["against"].get<std::string>() + ")",
+          csv_log_factor(b));
+      add("mcse", csv_number(b["mcse"]));
+    }
+    if (s.contains("evidence")) {
+      for (const auto& [method, models] : s["evidence"].items()) {
+        for (std::size_t m = 1; m < models.size(); ++m) {
+          add(method + " ln B(" + models[m]["model"].get<std::string>() + ")",
+              csv_number(models[m]["log_bayes_factor"]));
+          const auto& se = models[m]["standard_error"];
+          add("se",
+              se.is_number() && models[0]["standard_error"].is_number()
+                  ? significant(
+                        std::hypot(se.get<double>(), models[0]["standard_error"].get<double>()), 4)
+                  : "");
+        }
+      }
+    }
+    add("converged", s["diagnostics"]["converged"].get<bool>() ? "1" : "0");
+    const auto line = [](const std::vector<std::string>& list) {
+      std::string text;
+      for (const auto& cell : list) text += (text.empty() ? "" : ",") + cell;
+      return text + "\n";
+    };
+    if (i == 0) {
+      table = "# " + run.problem->sid_case.title + "; value of " +
+              sweep["path"].get<std::string>() + "\n" + line(header);
+      std::cout << '\n'
+                << run.problem->sid_case.title << "\nSweep of " << sweep["path"].get<std::string>()
+                << "\n"
+                << line(header);
+    }
+    table += line(cells);
+    std::cout << line(cells) << std::flush;
+    rows.push_back(std::move(row));
+  }
+  const Report summary = {{"wheeltap",
+                           {{"version", WHEELTAP_VERSION},
+                            {"command", "sid"},
+                            {"command_line", common.command_line},
+                            {"seed", common.seed.value_or(1)},
+                            {"case_file", file.path.string()},
+                            {"case", Report::parse(file.json.dump())}}},
+                          {"sweep", {{"path", sweep["path"].get<std::string>()}, {"rows", rows}}}};
+  write_text(table_file, table);
+  write_text(summary_file, summary.dump(1) + "\n");
+  table_file.commit();
+  summary_file.commit();
+  std::cout << "Results: " << (common.output / "sweep.csv").string() << " (the table), "
+            << (common.output / "summary.json").string() << " (all numbers)\n";
+}
+
+}  // namespace
+
+void run_sid(const CommonOptions& common, const SamplingOptions& options,
+             const SidOptions& sid_options) {
+  static_cast<void>(methods_of(sid_options.evidence));
+  const auto log = make_log(common.quiet);
+  CaseFile file = read_case(common.case_path, common.overrides);
+  if (file.json.contains("sweep")) {
+    validate_against_schema(file, "sid");
+    make_output_folder(common.output);
+    run_sweep(file, common, options, sid_options, *log);
+    return;
+  }
+  SidCase parsed = parse_sid_case(std::move(file));
+  make_output_folder(common.output);
+  // Reserve the names first: a run that cannot be kept should not start.
+  emulator::AtomicFile posterior_file(common.output / "posterior.nc");
+  emulator::AtomicFile summary_file(common.output / "summary.json");
+  const Run run = run_once(std::move(parsed), common, options, sid_options, *log);
+  write_sid_posterior_file(posterior_file.temporary(), *run.problem, run.posterior, run.predictive,
+                           common.seed.value_or(1));
+  write_text(summary_file, run.summary.dump(1) + "\n");
+  posterior_file.commit();
+  summary_file.commit();
+  print_sid(std::cout, run.summary, colour_wanted());
+  std::cout << "Results: " << (common.output / "summary.json").string() << " (numbers), "
+            << (common.output / "posterior.nc").string() << " (every draw)\n";
+  if (!run.summary["diagnostics"]["converged"].get<bool>()) {
+    std::cout << "NOT CONVERGED: do not trust these numbers yet.\n";
+  }
+}
+
+void simulate_sid(const CommonOptions& common, CaseFile file) {
+  const SidCase sid_case = parse_sid_case(std::move(file), SidNeeds::models);
+  const std::uint64_t seed = common.seed.value_or(sid_case.truth ? sid_case.truth->seed : 1);
+  const dynamics::Record record = simulate_record(sid_case, seed);
+  write_text(common.output,
+             record_csv(record, sid_case.title + ", simulated by wheeltap " + WHEELTAP_VERSION +
+                                    ", seed " + std::to_string(seed)));
+  if (!common.quiet) {
+    std::cout << record.samples() << " samples of " << record.columns.size()
+              << " columns: " << common.output.string() << '\n';
+  }
+}
+
+}  // namespace wheeltap::apps

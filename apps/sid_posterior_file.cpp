@@ -1,0 +1,146 @@
+#include "apps/sid_posterior_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/posterior_file.hpp"
+#include "inference/random.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+std::string netcdf_name(std::string name) {
+  std::ranges::replace(name, '/', '_');
+  while (!name.empty() && name.back() == ' ') name.pop_back();
+  return name;
+}
+
+/// Channel names without their unit, made unique by their mass.
+std::vector<std::string> variable_names(const SidCase& sid_case) {
+  std::vector<std::string> names;
+  for (const SidChannel* channel : sid_case.responses()) {
+    std::string name = netcdf_name(channel->column.substr(0, channel->column.find(" [")));
+    if (name.find_first_not_of("0123456789") == std::string::npos) name = "column_" + name;
+    if (std::ranges::find(names, name) != names.end()) {
+      name += "_" + std::to_string(names.size() + 1);
+    }
+    names.push_back(name);
+  }
+  return names;
+}
+
+const char* unit(dynamics::Quantity quantity) {
+  switch (quantity) {
+    case dynamics::Quantity::displacement:
+      return "m";
+    case dynamics::Quantity::velocity:
+      return "m/s";
+    default:
+      return "m/s^2";
+  }
+}
+
+}  // namespace
+
+void write_sid_posterior_file(const std::filesystem::path& path, const SidProblem& problem,
+                              const inference::Posterior& posterior,
+                              const SidPredictive& predictive, std::uint64_t seed) {
+  const SidCase& sid_case = problem.sid_case;
+  const auto& space = *posterior.space;
+  const std::size_t chains = posterior.chains.size();
+  const std::size_t draws = posterior.chains[0].model.size();
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  const auto responses = sid_case.responses();
+  const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
+  std::vector<int> model_of_draw;
+  for (const auto& chain : posterior.chains) {
+    model_of_draw.insert(model_of_draw.end(), chain.model.begin(), chain.model.end());
+  }
+
+  NetcdfWriter file(path);
+  file.about();
+  file.text(file.root(), NC_GLOBAL, "title", sid_case.title);
+  file.text(file.root(), NC_GLOBAL, "case", sid_case.file.json.dump());
+  {
+    const int group = file.group("posterior");
+    const int chain = file.dimension(group, "chain", chains, 0);
+    const int draw = file.dimension(group, "draw", draws, 0);
+    std::string names;
+    for (const auto& model : space.models()) names += (names.empty() ? "" : ";") + model.name;
+    const int model = file.put(group, "model", {chain, draw}, model_of_draw);
+    file.text(group, model, "names", names);
+    for (std::size_t p = 0; p < space.parameters().size(); ++p) {
+      std::vector<int> slot;  // of this parameter in each model
+      for (const auto& m : space.models()) {
+        const auto found = std::ranges::find(m.parameters, static_cast<int>(p));
+        slot.push_back(
+            found == m.parameters.end() ? -1 : static_cast<int>(found - m.parameters.begin()));
+      }
+      std::vector<double> values;
+      values.reserve(chains * draws);
+      for (const auto& c : posterior.chains) {
+        for (std::size_t i = 0; i < draws; ++i) {
+          const int at = slot[static_cast<std::size_t>(c.model[i])];
+          values.push_back(at < 0 ? std::nan("")
+                                  : c.theta[i * width + static_cast<std::size_t>(at)]);
+        }
+      }
+      std::string name = netcdf_name(space.parameters()[p].name);
+      if (name == "model" || name == "chain" || name == "draw") name += "_";
+      file.put(group, name, {chain, draw}, values);
+    }
+  }
+  write_sample_stats(file, posterior, model_of_draw);
+
+  const auto names = variable_names(sid_case);
+  const std::size_t each = predictive.draws.size() / chains;
+  if (each > 0 && predictive.draws.size() == each * chains) {
+    const int group = file.group("posterior_predictive");
+    const int chain = file.dimension(group, "chain", chains, 0);
+    const int draw = file.dimension(group, "draw", each, 0);
+    const int sample = file.dimension(group, "sample", samples, sid_case.begin);
+    std::vector<int> index;
+    for (const auto& d : predictive.draws) index.push_back(static_cast<int>(d.draw));
+    file.put(group, "draw_index", {chain, draw}, index);
+    for (std::size_t c = 0; c < responses.size(); ++c) {
+      std::vector<float> values;
+      values.reserve(predictive.draws.size() * samples);
+      for (const auto& d : predictive.draws) {
+        const int m = posterior.chains[d.chain].model[d.draw];
+        const auto theta =
+            problem.theta(m, {posterior.chains[d.chain].theta.data() + d.draw * width, width});
+        const std::vector<double> y = observed(problem, c, theta);
+        inference::Random random(seed, d.chain * responses.size() + c, d.draw,
+                                 inference::Purpose::prediction);
+        for (std::size_t n = 0; n < samples; ++n) {
+          values.push_back(static_cast<float>(y[n] -
+                                              static_cast<double>(d.residuals[c * samples + n]) +
+                                              d.noise[c] * random.normal()));
+        }
+      }
+      const int id = file.put(group, names[c], {chain, draw, sample}, values);
+      file.text(group, id, "units", unit(responses[c]->quantity));
+    }
+  }
+  {
+    const int group = file.group("observed_data");
+    const int sample = file.dimension(group, "sample", samples, sid_case.begin);
+    std::vector<double> time;
+    for (std::size_t n = 0; n < samples; ++n) {
+      time.push_back((sid_case.begin + static_cast<double>(n)) / sid_case.sample_rate_hz);
+    }
+    file.text(group, file.put(group, "time", {sample}, time), "units", "s");
+    int most = 0;
+    std::vector<long> visits(static_cast<std::size_t>(space.size()));
+    for (const int m : model_of_draw) ++visits[static_cast<std::size_t>(m)];
+    most = static_cast<int>(std::ranges::max_element(visits) - visits.begin());
+    const auto theta = posterior_mean(problem, posterior, most);
+    for (std::size_t c = 0; c < responses.size(); ++c) {
+      const int id = file.put(group, names[c], {sample}, observed(problem, c, theta));
+      file.text(group, id, "units", unit(responses[c]->quantity));
+    }
+  }
+  file.close();
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,409 @@
+#include "apps/sid_summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "dynamics/residuals.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using inference::Posterior;
+
+constexpr double kWorthTelling = 0.05;  // models with less probability are not judged
+constexpr double kWhite = 0.01;         // p-value below which residuals are called coloured
+constexpr std::size_t kMaxPredicted = 6'000'000;
+constexpr int kFewestDraws = 20;
+
+double probability(const Report& models, int m) {
+  return models[static_cast<std::size_t>(m)]["probability"];
+}
+
+/// Residuals freed of their fitted autoregression (all but the first p).
+std::vector<double> innovations(std::span<const double> residuals,
+                                const std::vector<dynamics::Coefficient>& autocorrelations,
+                                std::span<const double> theta) {
+  if (autocorrelations.empty()) return {residuals.begin(), residuals.end()};
+  std::vector<double> pacf;
+  for (const auto& pi : autocorrelations) pacf.push_back(pi.at(theta));
+  const std::vector<double> phi = dynamics::ar_coefficients(pacf);
+  std::vector<double> out;
+  for (std::size_t n = phi.size(); n < residuals.size(); ++n) {
+    double e = residuals[n];
+    for (std::size_t j = 0; j < phi.size(); ++j) e -= phi[j] * residuals[n - 1 - j];
+    out.push_back(e);
+  }
+  return out;
+}
+
+std::string channel_name(const SidChannel& channel) {
+  return channel.column.find_first_not_of("0123456789") == std::string::npos
+             ? "column " + channel.column
+             : channel.column;
+}
+
+/// The forward run at a model's posterior mean against the record, channel by channel.
+Report forward_run(const SidProblem& problem, const Posterior& posterior, int m) {
+  const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
+  const dynamics::Misfit& misfit = problem.misfits[static_cast<std::size_t>(m)];
+  const std::vector<double> theta = posterior_mean(problem, posterior, m);
+  const auto samples = static_cast<std::size_t>(misfit.samples());
+  const auto responses = problem.sid_case.responses();
+  std::vector<double> residuals(responses.size() * samples);
+  Report rows = Report::array();
+  if (!misfit.residuals(theta, residuals)) return rows;
+  for (std::size_t c = 0; c < responses.size(); ++c) {
+    const std::span<const double> r(residuals.data() + c * samples, samples);
+    const std::vector<double> y = observed(problem, c, theta);
+    const double n = static_cast<double>(samples);
+    const double mean = std::accumulate(y.begin(), y.end(), 0.0) / n;
+    double squares = 0.0, total = 0.0;
+    for (std::size_t i = 0; i < samples; ++i) {
+      squares += r[i] * r[i];
+      total += (y[i] - mean) * (y[i] - mean);
+    }
+    const int order =
+        model.autocorrelations.empty() ? 0 : static_cast<int>(model.autocorrelations[c].size());
+    const auto white = innovations(
+        r, order > 0 ? model.autocorrelations[c] : std::vector<dynamics::Coefficient>{}, theta);
+    const int lags = std::clamp(static_cast<int>(white.size()) / 5, 2, 20) + order;
+    Report whiteness;
+    if (static_cast<int>(white.size()) > lags + 1) {
+      const auto test = dynamics::ljung_box(white, lags, order);
+      whiteness = {{"test", "Ljung-Box"},
+                   {"of", order > 0 ? "innovations" : "residuals"},
+                   {"lags", lags},
+                   {"statistic", test.statistic},
+                   {"degrees_of_freedom", test.degrees_of_freedom},
+                   {"p_value", test.p_value},
+                   {"lag_1_autocorrelation", dynamics::autocorrelation(white, 1)[0]},
+                   {"white", test.p_value >= kWhite}};
+    }
+    rows.push_back({{"channel", channel_name(*responses[c])},
+                    {"mass", responses[c]->mass},
+                    {"mse", squares / n},
+                    {"rmse", std::sqrt(squares / n)},
+                    {"nrmse", total > 0.0 ? Report(std::sqrt(squares / total)) : Report()},
+                    {"r2", total > 0.0 ? Report(1.0 - squares / total) : Report()},
+                    {"noise_sd", model.noise[c].at(theta)},
+                    {"whiteness", whiteness}});
+  }
+  return rows;
+}
+
+/// What the forward runs of the models that matter say about the data.
+void judge_fits(const SidProblem& problem, const Report& models, const Report& fits,
+                std::vector<std::string>& warnings) {
+  const double n = static_cast<double>(problem.misfits.front().samples());
+  for (int m = 0; m < problem.problem.space.size(); ++m) {
+    const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
+    if (probability(models, m) < kWorthTelling || !fits.contains(model.name)) continue;
+    std::string coloured, off;
+    for (std::size_t c = 0; c < fits[model.name].size(); ++c) {
+      const Report& row = fits[model.name][c];
+      const auto name = row["channel"].get<std::string>();
+      if (row["whiteness"].is_object() && !row["whiteness"]["white"].get<bool>()) {
+        coloured += (coloured.empty() ? "" : ", ") + std::string("\"") + name + "\" (lag-1 " +
+                    fixed(row["whiteness"]["lag_1_autocorrelation"], 2) + ", p " +
+                    significant(row["whiteness"]["p_value"], 1) + ")";
+      }
+      const double ratio = row["mse"].get<double>() / std::pow(row["noise_sd"].get<double>(), 2);
+      if (model.noise[c].is_constant() && std::abs(ratio - 1.0) > 6.0 * std::sqrt(2.0 / n)) {
+        off += (off.empty() ? "" : ", ") + std::string("\"") + name + "\" by a factor of " +
+               significant(std::sqrt(ratio), 3);
+      }
+    }
+    if (!off.empty()) {
+      warnings.push_back("Under \"" + model.name +
+                         "\" the residuals differ from the stated noise: " + off +
+                         ". Either the noise is not what the case says (make it a parameter), or "
+                         "no model here explains the record.");
+    }
+    if (!coloured.empty()) {
+      warnings.push_back(
+          "Under \"" + model.name + "\" the residuals are not white: " + coloured +
+          ". The likelihood takes them for independent, so its probabilities and intervals are "
+          "too sure; add \"residuals\": {\"ar\": 2} to the case, or a model that explains more.");
+    }
+  }
+}
+
+/// Posteriors that lean on an end of their prior.
+void judge_bounds(const SidProblem& problem, const Posterior& posterior, const Report& models,
+                  std::vector<std::string>& warnings) {
+  const auto& space = problem.problem.space;
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  for (int m = 0; m < space.size(); ++m) {
+    if (probability(models, m) < kWorthTelling) continue;
+    for (int p = 0; p < space[m].dimension; ++p) {
+      long above = 0, below = 0, all = 0;
+      const inference::Prior& prior = space.prior(m, p);
+      const double high = prior.from_standard_normal(2.326),
+                   low = prior.from_standard_normal(-2.326);
+      for (const auto& chain : posterior.chains) {
+        for (std::size_t i = 0; i < chain.model.size(); ++i) {
+          if (chain.model[i] != m) continue;
+          const double x = chain.theta[i * width + static_cast<std::size_t>(p)];
+          ++all, above += x > high ? 1 : 0, below += x < low ? 1 : 0;
+        }
+      }
+      const bool leans_up = above > all / 4 && std::isfinite(prior.upper());
+      const bool leans_down = below > all / 4 && std::isfinite(prior.lower()) && prior.lower() != 0;
+      if (leans_up || leans_down) {
+        warnings.push_back("Under \"" + space[m].name + "\" the parameter " +
+                           space.parameter_name(m, p) + " leans on the " +
+                           (leans_up ? "upper" : "lower") + " end of its prior, " +
+                           prior.describe() + ": widen it unless that end is certain.");
+      }
+    }
+  }
+}
+
+/// ln of the Bayes factor of each model against the first, from the chains' odds.
+Report bayes_factors(const inference::ModelSpace& space, const Report& models) {
+  Report rows = Report::array();
+  const double p0 = models[0]["probability"], se0 = models[0]["mcse"];
+  for (int m = 1; m < space.size(); ++m) {
+    const Report& row = models[static_cast<std::size_t>(m)];
+    const double p = row["probability"], se = row["mcse"];
+    const bool known = p > 0.0 && p0 > 0.0;
+    const double log_factor =
+        std::log(p) - std::log(p0) - (space[m].log_prior - space[0].log_prior);
+    rows.push_back({{"model", space[m].name},
+                    {"against", space[0].name},
+                    {"log_bayes_factor", known ? Report(log_factor) : Report()},
+                    {"mcse", known ? Report(std::hypot(se / p, se0 / p0)) : Report()},
+                    {"never_visited", p > 0.0    ? Report()
+                                      : p0 > 0.0 ? Report(space[m].name)
+                                                 : Report("both")}});
+    if (p > 0.0 && !(p0 > 0.0)) rows.back()["never_visited"] = space[0].name;
+  }
+  return rows;
+}
+
+Report evidence_report(const inference::ModelSpace& space, const Report& models,
+                       const std::vector<SidEvidence>& list, std::vector<std::string>& warnings) {
+  Report out = Report::object();
+  std::vector<double> sampled, errors;
+  for (const Report& row : models) {
+    sampled.push_back(row["probability"]);
+    errors.push_back(row["mcse"]);
+  }
+  for (const SidEvidence& by : list) {
+    const auto implied = inference::implied_probabilities(space, by.evidences);
+    Report rows = Report::array();
+    for (int m = 0; m < space.size(); ++m) {
+      const auto i = static_cast<std::size_t>(m);
+      const auto number = [](double x) { return std::isfinite(x) ? Report(x) : Report(); };
+      const inference::Evidence& e = by.evidences[i];
+      rows.push_back({{"model", space[m].name},
+                      {"log_evidence", number(e.log_evidence)},
+                      {"standard_error", number(e.standard_error)},
+                      {"log_bayes_factor", number(e.log_evidence - by.evidences[0].log_evidence)},
+                      {"probability", number(implied.mean[i])},
+                      {"probability_error", number(implied.standard_error[i])},
+                      {"likelihood_evaluations", e.likelihood_evaluations},
+                      {"warnings", e.warnings}});
+    }
+    out[by.method] = rows;
+    for (const std::string& line : inference::disagreements(space, sampled, errors, implied)) {
+      warnings.push_back(by.method + ": " + line);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> observed(const SidProblem& problem, std::size_t response,
+                             std::span<const double> theta) {
+  const SidChannel& channel = *problem.sid_case.responses()[response];
+  const double scale = channel.signal.scale.at(theta), offset = channel.signal.offset.at(theta);
+  std::vector<double> y;
+  for (std::size_t n = static_cast<std::size_t>(problem.sid_case.lead_in);
+       n < channel.signal.samples.size(); ++n) {
+    y.push_back(scale * channel.signal.samples[n] + offset);
+  }
+  return y;
+}
+
+std::vector<double> posterior_mean(const SidProblem& problem, const Posterior& posterior,
+                                   int model) {
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  std::vector<double> mean(static_cast<std::size_t>(problem.problem.space[model].dimension));
+  double draws = 0.0;
+  for (const auto& chain : posterior.chains) {
+    for (std::size_t i = 0; i < chain.model.size(); ++i) {
+      if (chain.model[i] != model) continue;
+      ++draws;
+      for (std::size_t p = 0; p < mean.size(); ++p) mean[p] += chain.theta[i * width + p];
+    }
+  }
+  for (double& x : mean) x /= std::max(draws, 1.0);
+  return problem.theta(model, mean);
+}
+
+SidPredictive predict(const SidProblem& problem, const Posterior& posterior, int draws) {
+  const std::size_t length = problem.sid_case.responses().size() *
+                             static_cast<std::size_t>(problem.misfits.front().samples());
+  const std::size_t chains = posterior.chains.size();
+  const auto affordable = static_cast<int>(kMaxPredicted / std::max<std::size_t>(length, 1));
+  const auto wanted = static_cast<std::size_t>(std::max(kFewestDraws, std::min(draws, affordable)));
+  const std::size_t each = std::max<std::size_t>(1, wanted / chains);
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  SidPredictive out;
+  std::vector<double> residuals(length);
+  for (std::size_t c = 0; c < chains; ++c) {
+    const auto& chain = posterior.chains[c];
+    for (std::size_t j = 0; j < each; ++j) {
+      const std::size_t i = (2 * j + 1) * chain.model.size() / (2 * each);
+      const int m = chain.model[i];
+      const auto theta = problem.theta(m, {chain.theta.data() + i * width, width});
+      if (!problem.misfits[static_cast<std::size_t>(m)].residuals(theta, residuals)) continue;
+      SidPredictive::Draw draw{.chain = c, .draw = i, .residuals = {}, .noise = {}};
+      draw.residuals.assign(residuals.begin(), residuals.end());
+      for (const auto& sd : problem.sid_case.models[static_cast<std::size_t>(m)].noise) {
+        draw.noise.push_back(sd.at(theta));
+      }
+      out.draws.push_back(std::move(draw));
+    }
+  }
+  return out;
+}
+
+namespace {
+
+/// Share of the samples that lie within the central band of the predictive mixture
+/// 1/D Σ_d N(prediction_d, σ_d²): their probability integral transform lies within the level.
+Report coverage(const SidProblem& problem, const SidPredictive& predictive) {
+  const auto responses = problem.sid_case.responses();
+  const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
+  const double tail = 0.5 * (1.0 - problem.sid_case.band);
+  Report rows = Report::array();
+  for (std::size_t c = 0; c < responses.size(); ++c) {
+    long inside = 0;
+    for (std::size_t n = 0; n < samples; ++n) {
+      double p = 0.0;
+      for (const auto& draw : predictive.draws) {
+        p += 0.5 * std::erfc(-draw.residuals[c * samples + n] / (draw.noise[c] * M_SQRT2));
+      }
+      p /= static_cast<double>(predictive.draws.size());
+      inside += p >= tail && p <= 1.0 - tail ? 1 : 0;
+    }
+    rows.push_back({{"channel", channel_name(*responses[c])},
+                    {"coverage", static_cast<double>(inside) / static_cast<double>(samples)}});
+  }
+  return {{"level", problem.sid_case.band}, {"draws", predictive.draws.size()}, {"channels", rows}};
+}
+
+Report prior_list(const SidCase& sid_case) {
+  Report out = Report::object();
+  for (const auto& parameter : sid_case.parameters) {
+    out[parameter.name] = parameter.prior.describe();
+  }
+  return out;
+}
+
+std::vector<Watched> watched_quantities(const Posterior& posterior, const Report& models) {
+  const auto& space = *posterior.space;
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  constexpr std::size_t kLeast = 100;
+  std::vector<Watched> list;
+  for (int m = 0; m < space.size(); ++m) {
+    if (probability(models, m) < kWorthTelling) continue;
+    if (space.size() > 1) {
+      list.push_back(
+          {"P(" + space[m].name + ")",
+           all_draws(posterior,
+                     [&](auto c, auto i) { return posterior.chains[c].model[i] == m ? 1.0 : 0.0; }),
+           true});
+    }
+    for (int p = 0; p < space[m].dimension; ++p) {
+      const auto chains = draws_in_model(posterior, m, [&](std::size_t c, std::size_t i) {
+        return posterior.chains[c].theta[i * width + static_cast<std::size_t>(p)];
+      });
+      std::size_t n = std::numeric_limits<std::size_t>::max();
+      for (const auto& chain : chains) n = std::min(n, chain.size());
+      if (n < kLeast) continue;
+      inference::ChainsOf equal;
+      for (const auto& chain : chains) {
+        equal.emplace_back(n);
+        for (std::size_t i = 0; i < n; ++i) equal.back()[i] = chain[i * chain.size() / n];
+      }
+      list.push_back({space[m].name + "/" + space.parameter_name(m, p), std::move(equal)});
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
+                     const SidPredictive& predictive, const std::vector<SidEvidence>& evidence,
+                     const RunInfo& info) {
+  const SidCase& sid_case = problem.sid_case;
+  const auto& space = problem.problem.space;
+  const double ess_model = ess_of_model(posterior);
+  const Report models = model_table(posterior, ess_model);
+  const Report parameters = parameter_tables(posterior);
+
+  std::vector<std::string> warnings = sid_case.warnings;
+  Report fits = Report::object();
+  for (int m = 0; m < space.size(); ++m) {
+    if (probability(models, m) > 0.0) {
+      fits[space[m].name] = forward_run(problem, posterior, m);
+    }
+  }
+  judge_fits(problem, models, fits, warnings);
+  judge_bounds(problem, posterior, models, warnings);
+  const Report compared = evidence_report(space, models, evidence, warnings);
+
+  Report channels = Report::array();
+  for (const SidChannel* channel : sid_case.responses()) {
+    channels.push_back({{"channel", channel_name(*channel)}, {"mass", channel->mass}});
+  }
+  Report substeps = Report::object();
+  for (int m = 0; m < space.size(); ++m) {
+    if (probability(models, m) == 0.0) continue;
+    substeps[space[m].name] = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(
+        posterior_mean(problem, posterior, m));
+  }
+  Report summary = {{"wheeltap",
+                     {{"version", WHEELTAP_VERSION},
+                      {"command", "sid"},
+                      {"command_line", info.command_line},
+                      {"seed", info.seed},
+                      {"case_file", sid_case.file.path.string()},
+                      {"case", sid_case.file.json}}},
+                    {"title", sid_case.title},
+                    {"notes", sid_case.notes},
+                    {"models", models},
+                    {"log_bayes_factors", bayes_factors(space, models)},
+                    {"parameters", parameters},
+                    {"priors", prior_list(sid_case)},
+                    {"fit", fits},
+                    {"predictive", coverage(problem, predictive)},
+                    {"data",
+                     {{"origin", sid_case.origin},
+                      {"simulated", sid_case.simulated},
+                      {"sample_rate", sid_case.sample_rate_hz},
+                      {"samples", {sid_case.begin, sid_case.end}},
+                      {"lead_in", sid_case.lead_in},
+                      {"responses", channels}}},
+                    {"integration",
+                     {{"upsampled", sid_case.stride},
+                      {"substeps_at_posterior_mean", substeps},
+                      {"step_limit", sid_case.integration.step_limit},
+                      {"seconds_a_likelihood", problem.seconds_a_likelihood}}},
+                    {"diagnostics", diagnostics(posterior, watched_quantities(posterior, models),
+                                                ess_model, info.seed, warnings)},
+                    {"cost", cost(posterior)}};
+  if (!evidence.empty()) summary["evidence"] = compared;
+  if (sid_case.truth && sid_case.simulated) {
+    summary["data"]["truth"] = sid_case.file.json["truth"];
+  }
+  return summary;
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,44 @@
+// What a system-identification run found: which model, with what parameters, and how well it
+// explains the record.
+#pragma once
+
+#include "apps/sid_problem.hpp"
+#include "apps/summary.hpp"
+#include "inference/evidence/comparison.hpp"
+
+namespace wheeltap::apps {
+
+/// Residuals [SI] of draws spread evenly over the run, for predictive checks.
+struct SidPredictive {
+  struct Draw {
+    std::size_t chain = 0, draw = 0;
+    std::vector<float> residuals;  ///< channel by channel, scored samples only
+    std::vector<double> noise;     ///< sd, one a channel
+  };
+  std::vector<Draw> draws;
+};
+
+/// At most `draws` of them, fewer for long records.
+[[nodiscard]] SidPredictive predict(const SidProblem& problem,
+                                    const inference::Posterior& posterior, int draws = 200);
+
+/// The scored samples of a response channel in SI units, under these parameters of the case.
+[[nodiscard]] std::vector<double> observed(const SidProblem& problem, std::size_t response,
+                                           std::span<const double> theta);
+
+/// Parameters of the case at the posterior mean of a visited model.
+[[nodiscard]] std::vector<double> posterior_mean(const SidProblem& problem,
+                                                 const inference::Posterior& posterior, int model);
+
+/// Evidences by one method, one a model.
+struct SidEvidence {
+  std::string method;
+  std::vector<inference::Evidence> evidences;
+};
+
+/// The whole of summary.json. `posterior` must have at least 4 draws a chain, all chains the same.
+[[nodiscard]] Report summarise_sid(const SidProblem& problem, const inference::Posterior& posterior,
+                                   const SidPredictive& predictive,
+                                   const std::vector<SidEvidence>& evidence, const RunInfo& info);
+
+}  // namespace wheeltap::apps
