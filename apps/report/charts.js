@@ -339,6 +339,105 @@ const charts = (() => {
     }];
   }
 
+  function responses(run) {
+    return (run.draws.responses || []).flatMap((r) => {
+      const label = `${r.name}${r.unit ? ` [${r.unit}]` : ''}`;
+      const values = r.history.map(([t, y, a, m, b]) => ({ t, y, a, m, b }));
+      const span = [values[0].t, values[values.length - 1].t];
+      const y = [Math.min(...values.map((v) => Math.min(v.y, v.a))), Math.max(...values.map((v) => Math.max(v.y, v.b)))];
+      const line = (field, color, width, dash) => ({ type: 'line', clip: true, from: { data: 'd' }, encode: { update: { x: { scale: 'x', field: 't' }, y: { scale: 'y', field },
+        stroke: { value: color }, strokeWidth: { value: width }, strokeDash: { value: dash || [] } } } });
+      const bound = 1.96 / Math.sqrt(r.samples);
+      const rho = r.autocorrelation.map((v, i) => ({ lag: i + 1, v }));
+      const deep = Math.min(-bound, ...r.autocorrelation) * 1.1, high = Math.max(bound, ...r.autocorrelation) * 1.1;
+      const positive = r.spectrum.flatMap((s) => s.slice(1)).filter((v) => v > 0);
+      return [
+        {
+          id: 'response-' + slug(r.name), section: 'fit', wide: true, zoom: span, title: `Measured and predicted: ${label}`,
+          caption: `Dark line: measured; colour: median and 95 % band of what the models found would measure, noise included. Drag to zoom, double-click for the whole record, or use the buttons.${r.bucket > 1 ? ` Each point stands for up to ${r.bucket} samples and keeps their extremes.` : ''}`,
+          table: () => ({ head: ['time [s]', 'measured', '2.5 %', '50 %', '97.5 %'], rows: r.history }),
+          spec: (width, theme) => frame(width, 220, theme, {
+            signals: [
+              { name: 'shown', value: span, on: [
+                { events: 'window:mouseup', update: "drag && abs(drag[1] - drag[0]) > 4 ? [invert('x', min(drag[0], drag[1])), invert('x', max(drag[0], drag[1]))] : shown" },
+                { events: 'dblclick', update: JSON.stringify(span) }] },
+              { name: 'drag', value: null, on: [
+                { events: 'mousedown', update: '[x(), x()]' },
+                { events: '[mousedown, window:mouseup] > window:mousemove!', update: '[drag[0], clamp(x(), 0, width)]' },
+                { events: { signal: 'shown' }, update: 'null' }] },
+            ],
+            data: [{ name: 'd', values }],
+            scales: [linear('x', { signal: 'shown' }, 'width'), linear('y', y, 'height'),
+              { name: 'who', type: 'ordinal', domain: ['measured', 'predicted'], range: [theme.ink, theme.other] }],
+            axes: [axisX('time [s]'), axisY(label)],
+            legends: [{ stroke: 'who', symbolType: 'stroke', symbolStrokeWidth: 3 }],
+            marks: [
+              { type: 'area', clip: true, from: { data: 'd' }, encode: { update: { x: { scale: 'x', field: 't' }, y: { scale: 'y', field: 'a' }, y2: { scale: 'y', field: 'b' }, fill: { value: theme.other }, fillOpacity: { value: 0.3 } } } },
+              line('m', theme.other, 1.5), line('y', theme.ink, 0.9),
+              { type: 'rect', encode: { update: { x: { signal: 'drag ? min(drag[0], drag[1]) : 0' }, x2: { signal: 'drag ? max(drag[0], drag[1]) : 0' }, y: { value: 0 }, y2: { signal: 'height' }, fill: { value: theme.main }, fillOpacity: { value: 0.2 } } } },
+            ],
+          }),
+        },
+        {
+          id: 'spectrum-' + slug(r.name), section: 'fit', title: `Spectrum: ${r.name}`, caption: 'Power spectral density of the data, of the predicted median and of what is left.',
+          table: () => ({ head: ['frequency [Hz]', 'data', 'predicted', 'residual'], rows: r.spectrum }),
+          spec: (width, theme) => frame(width, 170, theme, {
+            data: [{ name: 'd', values: ['data', 'predicted', 'residual'].flatMap((who, k) => r.spectrum.filter((s) => s[k + 1] > 0).map((s) => ({ f: s[0], v: s[k + 1], who }))) }],
+            scales: [linear('x', [0, r.spectrum[r.spectrum.length - 1][0]], 'width'), { name: 'y', type: 'log', domain: [Math.max(Math.min(...positive), Math.max(...positive) * 1e-9), Math.max(...positive) * 2], range: 'height', clamp: true },
+              { name: 'who', type: 'ordinal', domain: ['data', 'predicted', 'residual'], range: [theme.ink, theme.other, theme.main] }],
+            axes: [axisX('frequency [Hz]'), axisY(r.unit ? `[(${r.unit})²/Hz]` : null, { format: '.0e' })],
+            legends: [{ stroke: 'who', symbolType: 'stroke', symbolStrokeWidth: 3, columns: 3 }],
+            marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'who' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.2 } } } }] }],
+          }),
+        },
+        {
+          id: 'autocorrelation-' + slug(r.name), section: 'fit', title: `Autocorrelation of the residuals: ${r.name}`, caption: 'Outside the shaded band, white residuals would lie one time in twenty. Many outside mean that the model misses something, and that its intervals are too narrow.',
+          table: () => ({ head: ['lag', 'autocorrelation'], rows: rho.map((v) => [v.lag, v.v]) }),
+          spec: (width, theme) => frame(width, 170, theme, {
+            data: [{ name: 'd', values: rho }],
+            scales: [linear('x', [0, rho.length + 1], 'width'), linear('y', [deep, high], 'height')],
+            axes: [axisX('lag [samples]', { domain: false }), axisY(null)],
+            marks: [
+              { type: 'rect', encode: { enter: { x: { value: 0 }, x2: { signal: 'width' }, y: { scale: 'y', value: -bound }, y2: { scale: 'y', value: bound }, fill: { value: theme.other }, fillOpacity: { value: 0.18 } } } },
+              { type: 'rule', from: { data: 'd' }, encode: { enter: { x: { scale: 'x', field: 'lag' }, y: { scale: 'y', value: 0 }, y2: { scale: 'y', field: 'v' }, stroke: { value: theme.main }, strokeWidth: { value: Math.max(1.5, Math.min(5, width / 100)) } } } },
+            ],
+          }),
+        },
+      ];
+    });
+  }
+
+  // What each way of computing the models' probabilities found, side by side.
+  function evidence(run) {
+    const methods = Object.entries(run.summary.evidence || {}).filter(([, rows]) => Array.isArray(rows) && rows.some((r) => typeof r.probability === 'number'));
+    if (!methods.length) return [];
+    const models = run.summary.models;
+    const values = [['chains', models.map((m) => ({ model: m.name, p: m.probability, se: m.mcse }))],
+      ...methods.map(([method, rows]) => [method, rows.map((r) => ({ model: r.model, p: r.probability, se: r.probability_error }))])]
+      .flatMap(([method, rows]) => rows.filter((r) => typeof r.p === 'number').map((r) => ({ ...r, method, i: models.findIndex((m) => m.name === r.model),
+        low: Math.max(0, r.p - 2 * (r.se || 0)), high: Math.min(1, r.p + 2 * (r.se || 0)) })));
+    const all = ['chains', ...methods.map(([m]) => m)];
+    return [{
+      id: 'evidence', section: 'models', wide: true, title: 'The same probabilities from evidences computed apart',
+      caption: 'The chains beside methods that compute the evidence of each model on its own; whiskers: twice the standard error. They should agree.',
+      table: () => ({ head: ['method', 'model', 'ln evidence', 'standard error', 'ln Bayes factor', 'probability', 'error of the probability', 'likelihood evaluations'],
+        rows: methods.flatMap(([method, rows]) => rows.map((r) => [method, r.model, r.log_evidence, r.standard_error, r.log_bayes_factor, r.probability, r.probability_error, r.likelihood_evaluations])) }),
+      spec: (width, theme) => frame(width, (14 * all.length + 12) * models.length, theme, {
+        data: [{ name: 'v', values }],
+        scales: [linear('x', [0, 1], [0, { signal: 'width - 12' }]), { name: 'y', type: 'band', domain: models.map((_, i) => i), range: 'height', padding: 0.2 },
+          { name: 'names', type: 'ordinal', domain: models.map((_, i) => i), range: models.map((m) => short(m.name, 60)) },
+          { name: 'sub', type: 'point', domain: all, range: [0, { signal: "bandwidth('y')" }], padding: 0.5 }, { name: 'm', type: 'ordinal', domain: all, range: theme.series }],
+        axes: [axisX(null, { format: '%', grid: true, tickCount: width < 480 ? 3 : 5, labelFlush: false }),
+          { orient: 'left', scale: 'y', domain: false, ticks: false, labelLimit: Math.max(80, width * 0.36), labelColor: theme.ink, encode: { labels: { update: { text: { signal: "scale('names', datum.value)" } } } } }],
+        legends: [{ fill: 'm', symbolType: 'circle' }],
+        marks: [
+          { type: 'rule', from: { data: 'v' }, encode: { enter: { x: { scale: 'x', field: 'low' }, x2: { scale: 'x', field: 'high' }, y: { scale: 'y', field: 'i', offset: { scale: 'sub', field: 'method' } }, stroke: { scale: 'm', field: 'method' }, strokeWidth: { value: 2 } } } },
+          { type: 'symbol', from: { data: 'v' }, encode: { enter: { x: { scale: 'x', field: 'p' }, y: { scale: 'y', field: 'i', offset: { scale: 'sub', field: 'method' } }, fill: { scale: 'm', field: 'method' }, size: { value: 55 } } } },
+        ],
+      }),
+    }];
+  }
+
   function emulator(run) {
     const counts = run.summary.emulator?.counts;
     if (!counts) return [];
@@ -378,7 +477,8 @@ const charts = (() => {
     } else {
       out.push(...chain(run));
     }
-    out.push(...residuals(run));
+    out.push(...evidence(run));
+    out.push(...residuals(run), ...responses(run));
     for (const [model, list] of Object.entries(draws.parameters)) {
       for (const p of list) out.push(marginal(model, p));
       for (const p of draws.pairs[model] || []) out.push(pair(model, p));

@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "apps/case_file.hpp"
+#include "dynamics/residuals.hpp"
+#include "dynamics/signals.hpp"
 #include "emulator/file_error.hpp"
 
 namespace wheeltap::apps {
@@ -18,9 +20,10 @@ using emulator::FileError;
 constexpr double kShown = 0.005;  // models with less probability have no charts of their own
 constexpr std::size_t kHistogramBins = 100;
 constexpr std::size_t kPairBins = 40;
-constexpr std::size_t kHistory = 400;  // points a chain in the histories
-constexpr std::size_t kMostPairs = 6;  // parameters that are paired
-constexpr std::size_t kCurve = 161;    // points of a prior's density
+constexpr std::size_t kHistory = 400;      // points a chain in the histories
+constexpr std::size_t kMostPairs = 6;      // parameters that are paired
+constexpr std::size_t kTimePoints = 8000;  // of all channels together
+constexpr std::size_t kCurve = 161;        // points of a prior's density
 
 // Five digits are more than a chart shows, and shorter to store.
 double compact(double x) {
@@ -104,6 +107,16 @@ class NetcdfReader {
     if (nc_inq_attlen(file_, NC_GLOBAL, attribute, &length) != NC_NOERR) return {};
     std::string value(length, '\0');
     return nc_get_att_text(file_, NC_GLOBAL, attribute, value.data()) == NC_NOERR ? value : "";
+  }
+  [[nodiscard]] std::string text(int group, const std::string& name, const char* attribute) const {
+    int id = 0;
+    std::size_t length = 0;
+    if (nc_inq_varid(group, name.c_str(), &id) != NC_NOERR ||
+        nc_inq_attlen(group, id, attribute, &length) != NC_NOERR) {
+      return {};
+    }
+    std::string value(length, '\0');
+    return nc_get_att_text(group, id, attribute, value.data()) == NC_NOERR ? value : "";
   }
   [[noreturn]] void foreign(const std::string& why) const {
     throw FileError(FileError::Kind::foreign, path_, why + ": not a posterior of wheeltap");
@@ -250,7 +263,10 @@ class Posterior {
   }
   // The draws behind a label of summary.json's parameters, e.g. "support location[2]".
   [[nodiscard]] std::optional<Slot> slot(const std::string& label) const {
-    Slot out{label, label, 0, 0, find(label)};
+    std::string stored = label;  // a NetCDF name holds no "/"
+    std::ranges::replace(stored, '/', '_');
+    while (stored.ends_with(' ')) stored.pop_back();
+    Slot out{label, label, 0, 0, find(stored)};
     if (out.variable != nullptr) return out;
     const std::size_t bracket = label.rfind('[');
     if (bracket == std::string::npos || !label.ends_with(']')) return {};
@@ -523,6 +539,99 @@ Report predictive(const NetcdfReader& file) {
   return out;
 }
 
+// ---- time histories ------------------------------------------------------------------------
+
+// Each response channel of a record: data, predictive median and 95 % band over time; spectra of
+// data, median and residual; autocorrelation of the residual. Long records are cut into buckets
+// that keep the extremes.
+Report responses(const NetcdfReader& file) {
+  Report out = Report::array();
+  const auto group = file.group("posterior_predictive");
+  const auto data = file.group("observed_data");
+  if (!group || !data) return out;
+  const auto observed_names = file.variables(*data);
+  if (std::ranges::find(observed_names, "time") == observed_names.end()) return out;
+  const std::vector<double> time = file.read(*data, "time").values;
+  std::vector<std::string> names;
+  for (const std::string& name : file.variables(*group)) {
+    if (name != "time" && name != "sample" &&
+        std::ranges::find(observed_names, name) != observed_names.end()) {
+      names.push_back(name);
+    }
+  }
+  const std::size_t samples = time.size();
+  if (names.empty() || samples < 4) return out;
+  const std::size_t points = std::min(samples, kTimePoints / names.size());
+  for (const std::string& name : names) {
+    const std::vector<double> y = file.read(*data, name).values;
+    Report json = {{"name", name}, {"unit", file.text(*group, name, "units")}};
+    std::vector<double> low(samples), median(samples), high(samples);
+    {
+      const Variable replicated = file.read(*group, name);
+      if (replicated.shape.size() != 3 || replicated.inner() != samples || y.size() != samples) {
+        continue;
+      }
+      std::vector<double> column(replicated.shape[0] * replicated.shape[1]);
+      for (std::size_t n = 0; n < samples; ++n) {
+        for (std::size_t d = 0; d < column.size(); ++d) {
+          column[d] = replicated.values[d * samples + n];
+        }
+        std::ranges::sort(column);
+        low[n] = quantile(column, 0.025);
+        median[n] = quantile(column, 0.5);
+        high[n] = quantile(column, 0.975);
+      }
+    }
+    Report rows = Report::array();
+    for (std::size_t b = 0; b < points; ++b) {
+      const std::size_t from = b * samples / points, to = (b + 1) * samples / points;
+      const auto lowest = [&](const std::vector<double>& x) {
+        return *std::min_element(x.begin() + static_cast<long>(from),
+                                 x.begin() + static_cast<long>(to));
+      };
+      const auto highest = [&](const std::vector<double>& x) {
+        return *std::max_element(x.begin() + static_cast<long>(from),
+                                 x.begin() + static_cast<long>(to));
+      };
+      if (to - from == 1) {
+        rows.push_back({time[from], compact(y[from]), compact(low[from]), compact(median[from]),
+                        compact(high[from])});
+      } else {
+        // Lowest, then highest of the bucket: a line through both fills what it spans.
+        const double half = 0.5 * (time[to - 1] - time[from]);
+        rows.push_back({time[from], compact(lowest(y)), compact(lowest(low)),
+                        compact(lowest(median)), compact(highest(high))});
+        rows.push_back({time[from] + half, compact(highest(y)), compact(lowest(low)),
+                        compact(highest(median)), compact(highest(high))});
+      }
+    }
+    json["bucket"] = (samples + points - 1) / points;
+    json["history"] = std::move(rows);
+    std::vector<double> residual(samples);
+    for (std::size_t n = 0; n < samples; ++n) residual[n] = y[n] - median[n];
+    const double rate = static_cast<double>(samples - 1) / (time.back() - time.front());
+    const int segment = static_cast<int>(std::clamp<std::size_t>(samples / 4, 4, 1024));
+    const auto s_y = dynamics::welch(y, rate, {.segment = segment});
+    const auto s_m = dynamics::welch(median, rate, {.segment = segment});
+    const auto s_r = dynamics::welch(residual, rate, {.segment = segment});
+    Report spectrum = Report::array();
+    for (std::size_t f = 1; f < s_y.frequencies_hz.size(); ++f) {
+      spectrum.push_back({compact(s_y.frequencies_hz[f]), compact(s_y.density[f]),
+                          compact(s_m.density[f]), compact(s_r.density[f])});
+    }
+    json["spectrum"] = std::move(spectrum);
+    const int lags = static_cast<int>(std::min<std::size_t>(50, samples / 4));
+    Report correlation = Report::array();
+    for (const double rho : dynamics::autocorrelation(residual, lags)) {
+      correlation.push_back(compact(rho));
+    }
+    json["autocorrelation"] = std::move(correlation);
+    json["samples"] = samples;
+    out.push_back(std::move(json));
+  }
+  return out;
+}
+
 }  // namespace
 
 Report digest(const std::filesystem::path& posterior_file, const Report& summary) {
@@ -551,6 +660,7 @@ Report digest(const std::filesystem::path& posterior_file, const Report& summary
     out["log_posterior"] = chains;
   }
   out["predictive"] = predictive(file);
+  out["responses"] = responses(file);
   out["created_at"] = file.text("created_at");
   return out;
 }

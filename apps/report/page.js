@@ -90,9 +90,22 @@
       button.addEventListener('click', () => copy(tabSeparated(data), button));
       numbers.append(scrolled({ ...data, caption: figure.title }), button);
     });
+    const zoom = [];
+    if (figure.zoom) {
+      const [first, last] = figure.zoom;
+      const go = (change) => () => {
+        let [a, b] = change(...one.view.signal('shown'));
+        const span = Math.min(b - a, last - first);
+        a = Math.max(first, Math.min(a, last - span));
+        one.view.signal('shown', [a, a + span]).run();
+      };
+      for (const [label, change] of [['Zoom in', (a, b) => [a + (b - a) / 4, b - (b - a) / 4]], ['Zoom out', (a, b) => [a - (b - a) / 2, b + (b - a) / 2]],
+        ['Earlier', (a, b) => [a - (b - a) / 2, b - (b - a) / 2]], ['Later', (a, b) => [a + (b - a) / 2, b + (b - a) / 2]], ['All', () => [first, last]]])
+        zoom.push(element('button', { type: 'button', onclick: go(change) }, label));
+    }
     return element('figure', { class: figure.wide ? 'wide' : '', 'data-figure': figure.id },
       element('h' + level, { dir: 'auto' }, figure.title), figure.caption ? element('figcaption', { dir: 'auto' }, figure.caption) : null,
-      place, element('div', { class: 'tools' }, saveButton, numbers));
+      place, element('div', { class: 'tools' }, ...zoom, saveButton, numbers));
   }
   const grid = (list, level = 3) => element('div', { class: 'figures' }, ...list.map((f) => figureElement(f, level)));
   const of = (section, group) => all.filter((f) => f.section === section && (group === undefined || f.group === group));
@@ -136,6 +149,12 @@
   section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${number(p, 3)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
     of('fit').length ? grid(of('fit')) : null);
 
+  const fits = Object.entries(summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
+  if (fits.length) {
+    document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
+      head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],
+      rows: fits.flatMap(([model, rows]) => rows.map((r) => [model, r.channel, r.rmse, r.nrmse, r.r2, r.noise_sd, r.whiteness?.p_value])), caption: 'Fit of each model' }));
+  }
   const perModel = Object.keys(summary.parameters).flatMap((model) => {
     const probability = summary.models.find((m) => m.name === model)?.probability;
     const out = [element('h3', { dir: 'auto' }, `${model} (P = ${percent(probability)})`)];
