@@ -149,6 +149,9 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     const auto chosen = app.get_subcommands();
     std::string what = error.what();
+    if (chosen.empty() && argc > 1 && argv[1][0] != '-') {
+      what = std::string("there is no command \"") + argv[1] + "\"";
+    }
     std::ranges::replace(what, '\n', ' ');
     return report(Exit::usage, what + " (see wheeltap " +
                                    (chosen.empty() ? "" : chosen[0]->get_name() + " ") + "--help)");

@@ -31,8 +31,7 @@ class Workspace {
   [[nodiscard]] std::filesystem::path operator/(const std::string& name) const {
     return path_ / name;
   }
-  [[nodiscard]] std::filesystem::path write(const std::string& name,
-                                            const std::string& text) const {
+  std::filesystem::path write(const std::string& name, const std::string& text) const {
     std::ofstream(path_ / name, std::ios::binary) << text;
     return path_ / name;
   }

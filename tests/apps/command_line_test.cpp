@@ -1,0 +1,295 @@
+// The program as its users meet it: exit codes, one line an error, nothing half-written.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "program.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kShort = " --quiet --chains 2 --warmup 3000 --draws 1000 ";
+
+json table_case() {
+  json c = small_case();
+  c["damage"]["location"] = {{"uniform", {0.1, 0.9}}};
+  c["damage"]["count"]["max"] = 1;
+  c["predictor"] = json::parse(R"({"sites": [2, 5, 9], "multipliers": [0.4, 1.0], "holdout": 20})");
+  return c;
+}
+
+void expect_refusal(const Workspace& where, const std::string& arguments, int code,
+                    std::initializer_list<std::string> words) {
+  const Outcome outcome = wheeltap(where, arguments);
+  EXPECT_EQ(outcome.exit_code, code) << arguments << "\n" << outcome.err;
+  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  for (const std::string& word : words) EXPECT_THAT(outcome.err, HasSubstr(word));
+}
+
+TEST(CommandLine, BadCommandLinesEndWith64) {
+  const Workspace where;
+  const std::string c = where.write_json("c.json", small_case()).string();
+  expect_refusal(where, "", 64, {"subcommand"});
+  expect_refusal(where, "dammage " + c, 64, {"dammage"});
+  expect_refusal(where, "damage " + c, 64, {"--output"});
+  expect_refusal(where, "damage -o x", 64, {"CASE"});
+  expect_refusal(where, "damage " + c + " -o x --chains 0", 64, {"--chains"});
+  expect_refusal(where, "damage " + c + " -o x --chains two", 64, {"--chains"});
+  expect_refusal(where, "damage " + c + " -o x --nonsense", 64, {"--nonsense"});
+  expect_refusal(where, "damage " + c + " -o x --set beam.length", 64, {"path.to.key=VALUE"});
+  expect_refusal(where, "schema nothing", 64, {"nothing", "damage"});
+}
+
+TEST(CommandLine, HelpAndVersionEndWell) {
+  const Workspace where;
+  EXPECT_EQ(wheeltap(where, "--help").exit_code, 0);
+  EXPECT_THAT(wheeltap(where, "--version").out, HasSubstr(WHEELTAP_VERSION));
+  for (const char* command : {"modes", "table", "damage", "simulate", "schema"}) {
+    const Outcome outcome = wheeltap(where, std::string(command) + " --help");
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_THAT(outcome.out, HasSubstr(command == std::string("schema") ? "NAME" : "CASE"));
+  }
+}
+
+TEST(CommandLine, BadCasesEndWith65AndNameThePlace) {
+  const Workspace where;
+  const std::string good = where.write_json("c.json", small_case()).string();
+  const auto with = [&](const std::string& set) {
+    return "damage " + good + " -o " + (where / "out").string() + kShort + "--set '" + set + "'";
+  };
+  expect_refusal(where, with("beam.lenght=1"), 65, {"c.json", "/beam/lenght", "length"});
+  expect_refusal(where, with("beam.length=-1"), 65, {"/beam/length", "-1", "> 0"});
+  expect_refusal(where, with("beam.material.poisson=0.5"), 65, {"/beam/material/poisson", "< 0.5"});
+  expect_refusal(where, with("damage.reduction={\"uniform\":[0,1]}"), 65,
+                 {"/damage/reduction", "[0, 1)"});
+  expect_refusal(where, with("damage.location={\"uniform\":[0,1.2]}"), 65,
+                 {"/damage/location", "1.2"});
+  expect_refusal(where, with("damage.truth=[{\"location\":1.2,\"reduction\":0.2}]"), 65,
+                 {"/damage/truth/0/location", "1.2"});
+  expect_refusal(where, with("beam.elements=1"), 65, {"3 modes", "at most 2"});
+  expect_refusal(where, with("data.frequencies=[13.8,\"NaN\"]"), 65, {"/data/frequencies/1"});
+  expect_refusal(where, with("data.frequencies=[13.8,NaN]"), 65, {"/data/frequencies"});
+  expect_refusal(where, with("predictor={\"sites\":[2,9],\"multipliers\":[0.4,1]}"), 65,
+                 {"/damage/location", "emulator's box", "uniform [0, 1]"});
+  EXPECT_FALSE(std::filesystem::exists(where / "out/summary.json"));
+  const auto broken =
+      where.write("broken.json", "{\"kind\": \"damage\",\n  \"beam\": {\"length\": NaN}}");
+  expect_refusal(where, "damage " + broken.string() + " -o x", 65, {"broken.json:2:22"});
+  const auto csv = where.write("f.csv", "mode,frequency\n1,13.8\n2,nan\n");
+  expect_refusal(where, with("data={\"file\":\"f.csv\",\"cov\":0.01}"), 65, {"f.csv:3:2"});
+  expect_refusal(where, "modes " + good + " --modes 1000", 65, {"/beam", "1000"});
+}
+
+TEST(CommandLine, MissingFilesEndWith66) {
+  const Workspace where;
+  expect_refusal(where, "damage /no/such/case.json -o x", 66, {"/no/such/case.json"});
+  const std::string good = where.write_json("c.json", small_case()).string();
+  expect_refusal(where, "damage " + good + " -o x --set data='{\"file\":\"no.csv\",\"cov\":0.01}'",
+                 66, {"no.csv"});
+  json c = table_case();
+  c["predictor"] = {{"table", "no.nc"}};
+  expect_refusal(
+      where, "damage " + where.write_json("t.json", c).string() + " -o " + (where / "out").string(),
+      66, {"no.nc"});
+}
+
+TEST(CommandLine, UnwritableOutputEndsWith73) {
+  const Workspace where;
+  const std::string good = where.write_json("c.json", small_case()).string();
+  where.write("file", std::string("not a folder"));
+  const std::string below = (where / "file").string() + "/below";
+  expect_refusal(where, "damage " + good + " -o " + below + kShort, 73, {"file/below"});
+  expect_refusal(where,
+                 "table " + where.write_json("t.json", table_case()).string() + " -o " + below, 73,
+                 {"file/below"});
+  json c = small_case();
+  c["damage"]["truth"] = json::array();
+  expect_refusal(where, "simulate " + where.write_json("s.json", c).string() + " -o " + below, 73,
+                 {"file/below"});
+}
+
+TEST(CommandLine, TablesAreComputedUsedAndRefused) {
+  const Workspace where;
+  json c = table_case();
+  const std::string design = where.write_json("t.json", c).string();
+  const std::string table = (where / "t.nc").string();
+  const Outcome made = wheeltap(where, "table " + design + " -o " + table + " --quiet");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("6 FE runs"));
+  EXPECT_THAT(made.out, HasSubstr("cannot predict"));
+  c["predictor"] = {{"table", "t.nc"}};
+  const std::string run = " -o " + (where / "out").string() + kShort;
+  const std::string uses = where.write_json("u.json", c).string();
+  const Outcome used = wheeltap(where, "damage " + uses + run);
+  EXPECT_EQ(used.exit_code, 0) << used.err;
+  expect_refusal(where, "damage " + uses + run + "--set beam.length=1.1", 65, {"t.nc"});
+  expect_refusal(where, "damage " + uses + run + "--set damage.count.max=2", 65,
+                 {"/predictor", "t.nc"});
+  const std::string bytes = read_all(table);
+  where.write("t.nc", bytes.substr(0, bytes.size() / 2));
+  expect_refusal(where, "damage " + uses + run, 65, {"t.nc"});
+  where.write("t.nc", std::string("not a table"));
+  expect_refusal(where, "damage " + uses + run, 65, {"t.nc"});
+}
+
+TEST(CommandLine, ModesAsJson) {
+  const Workspace where;
+  json c = small_case();
+  c["beam"]["elements"] = 100;
+  c["beam"]["supports"] = "free-free";
+  const Outcome outcome =
+      wheeltap(where, "modes " + where.write_json("c.json", c).string() + " --json --modes 5");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json modes = json::parse(outcome.out);
+  ASSERT_EQ(modes["frequencies_hz"].size(), 5U);
+  EXPECT_EQ(modes["frequencies_hz"][0], 0.0);
+  EXPECT_EQ(modes["frequencies_hz"][1], 0.0);
+  EXPECT_GT(modes["frequencies_hz"][2], 1.0);
+}
+
+TEST(CommandLine, ModesOfTheTruthAreLower) {
+  const Workspace where;
+  json c = small_case();
+  c["damage"]["truth"] = {{{"location", 0.35}, {"reduction", 0.5}}};
+  const std::string path = where.write_json("c.json", c).string();
+  const json intact = json::parse(wheeltap(where, "modes " + path + " --json").out);
+  const json damaged = json::parse(wheeltap(where, "modes " + path + " --json --truth").out);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_LT(damaged["frequencies_hz"][i].get<double>(),
+              intact["frequencies_hz"][i].get<double>());
+  }
+}
+
+TEST(CommandLine, SimulatedDataAreReadBack) {
+  const Workspace where;
+  json c = small_case();
+  c["data"] = {{"modes", 4}, {"cov", 0.001}};
+  c["damage"]["truth"] = {{{"location", 0.35}, {"reduction", 0.5}}};
+  const std::string path = where.write_json("c.json", c).string();
+  ASSERT_EQ(wheeltap(where, "simulate " + path + " -o " + (where / "d.csv").string()).exit_code, 0);
+  ASSERT_EQ(wheeltap(where, "simulate " + path + " -o " + (where / "d.json").string()).exit_code,
+            0);
+  const json whole = json::parse(read_all(where / "d.json"));
+  EXPECT_EQ(whole["data"]["frequencies"].size(), 4U);
+  const std::string out = " -o " + (where / "out").string() + kShort;
+  const auto summary = [&](const std::string& arguments) {
+    const Outcome outcome = wheeltap(where, "damage " + arguments + out);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return json::parse(read_all(where / "out/summary.json"));
+  };
+  const json in_memory = summary(path);
+  const json from_csv = summary(path + " --set data='{\"file\":\"d.csv\"}'");
+  EXPECT_EQ(in_memory["models"], from_csv["models"]) << "the same data, the same seed";
+  EXPECT_EQ(json::parse(read_all(where / "out/summary.json"))["data"]["simulated"], false);
+}
+
+TEST(CommandLine, ARunWritesWhatTheContractSays) {
+  const Workspace where;
+  const std::string path = where.write_json("c.json", small_case()).string();
+  const std::string out = (where / "out").string();
+  const Outcome outcome = wheeltap(where, "damage " + path + " -o " + out + kShort + "--seed 3");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, IsEmpty()) << "--quiet";
+  EXPECT_THAT(outcome.out, HasSubstr("How many damages?"));
+  EXPECT_THAT(outcome.out, HasSubstr("out/summary.json"));
+  const json s = json::parse(read_all(where / "out/summary.json"));
+  EXPECT_EQ(s["wheeltap"]["seed"], 3);
+  EXPECT_EQ(s["wheeltap"]["command"], "damage");
+  EXPECT_EQ(s["wheeltap"]["case"], small_case());
+  ASSERT_EQ(s["models"].size(), 3U);
+  double total = 0.0;
+  for (const json& m : s["models"]) total += m["probability"].get<double>();
+  EXPECT_NEAR(total, 1.0, 1e-12);
+  for (const char* key :
+       {"mean", "sd", "q2.5", "q50", "q97.5", "mode", "ess_bulk", "ess_tail", "rhat"}) {
+    EXPECT_TRUE(s["parameters"]["1 damage"]["location[1]"].contains(key)) << key;
+  }
+  const json& inclusion = s["damage"]["inclusion_by_element"];
+  ASSERT_EQ(inclusion["overall"].size(), 10U);
+  double expected = 0.0, sum = 0.0;
+  for (const json& x : inclusion["overall"]) sum += x.get<double>();
+  for (std::size_t k = 0; k < 3; ++k) {
+    expected += static_cast<double>(k) * s["models"][k]["probability"].get<double>();
+  }
+  EXPECT_NEAR(sum, expected, 1e-9) << "all damages are somewhere";
+  for (const char* key :
+       {"converged", "ess_model", "round_trips", "rhat_max", "acceptance", "warnings"}) {
+    EXPECT_TRUE(s["diagnostics"].contains(key)) << key;
+  }
+  EXPECT_GT(s["cost"]["likelihood_evaluations"], 0);
+  EXPECT_GT(s["cost"]["wall_seconds"], 0.0);
+  for (const auto& entry : std::filesystem::directory_iterator(where / "out")) {
+    EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr("tmp")));
+  }
+}
+
+TEST(CommandLine, ThreadsDoNotChangeAResult) {
+  const Workspace where;
+  const std::string path = where.write_json("c.json", small_case()).string();
+  const auto run = [&](const std::string& threads) {
+    const std::string out = (where / ("out" + threads)).string();
+    EXPECT_EQ(wheeltap(where, "damage " + path + " -o " + out + kShort + "--threads " + threads)
+                  .exit_code,
+              0);
+    return json::parse(read_all(out + "/summary.json"));
+  };
+  const json one = run("1"), three = run("3");
+  EXPECT_EQ(one["models"], three["models"]);
+  EXPECT_EQ(one["parameters"], three["parameters"]);
+}
+
+TEST(CommandLine, ResumePrintsAFinishedRunAndRepeatsAnother) {
+  const Workspace where;
+  const std::string path = where.write_json("c.json", small_case()).string();
+  const std::string out = (where / "out").string();
+  const std::string run =
+      "damage " + path + " -o " + out + " --chains 2 --warmup 3000 --draws 1000";
+  ASSERT_EQ(wheeltap(where, run).exit_code, 0);
+  const auto written = std::filesystem::last_write_time(where / "out/summary.json");
+  EXPECT_THAT(wheeltap(where, run + " --resume").err, HasSubstr("nothing is run again"));
+  EXPECT_EQ(std::filesystem::last_write_time(where / "out/summary.json"), written);
+  EXPECT_THAT(wheeltap(where, run + " --resume --seed 2").err, IsEmpty());
+  EXPECT_EQ(json::parse(read_all(where / "out/summary.json"))["wheeltap"]["seed"], 2);
+}
+
+// Criterion: with the likelihood off, the run returns the prior (here through the program, with
+// unequal count weights and several kinds).
+TEST(CommandLine, PriorOnlyReturnsThePrior) {
+  const Workspace where;
+  json c = small_case();
+  c["damage"]["count"] = {{"max", 2}, {"prior", {1, 2, 3}}};
+  c["damage"]["location"] = {{"beta", {2, 5}}};
+  const json support = {{"kind", "support"},
+                        {"count", {{"max", 1}, {"prior", {3, 1}}}},
+                        {"location", {{"uniform", {0.2, 0.6}}}},
+                        {"stiffness", {{"log_uniform", {1e2, 1e6}}}}};
+  c["damage"] = {c["damage"], support};
+  const std::string out = (where / "out").string();
+  const Outcome outcome =
+      wheeltap(where, "damage " + where.write_json("c.json", c).string() + " -o " + out +
+                          " --quiet --prior-only --warmup 6000 --draws 10000");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json s = json::parse(read_all(where / "out/summary.json"));
+  ASSERT_EQ(s["models"].size(), 6U);
+  for (const json& m : s["models"]) {
+    EXPECT_LT(m["mcse"], 0.02);
+    EXPECT_NEAR(m["probability"], m["prior"], 4.5 * m["mcse"].get<double>()) << m["name"];
+  }
+  const json& p = s["parameters"]["1 damage, 1 support"];
+  const auto near = [&](const char* name, double mean, double sd) {
+    const double mcse = sd / std::sqrt(p[name]["ess_bulk"].get<double>());
+    EXPECT_NEAR(p[name]["mean"], mean, 4.5 * mcse) << name;
+    EXPECT_NEAR(p[name]["sd"].get<double>() / sd, 1.0, 0.1) << name;
+  };
+  near("damage location[1]", 2.0 / 7.0, std::sqrt(10.0 / (49.0 * 8.0)));
+  near("reduction[1]", 0.3, 0.6 / std::sqrt(12.0));
+  near("support location[1]", 0.4, 0.4 / std::sqrt(12.0));
+}
+
+}  // namespace
+}  // namespace wheeltap::apps
