@@ -9,6 +9,7 @@
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_summary.hpp"
 #include "apps/posterior_file.hpp"
+#include "apps/report/report.hpp"
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/terminal.hpp"
@@ -61,7 +62,8 @@ std::optional<Report> finished_run(const std::filesystem::path& directory, const
 
 void print_where(const std::filesystem::path& directory) {
   std::cout << "Results: " << (directory / "summary.json").string() << " (numbers), "
-            << (directory / "posterior.nc").string() << " (every draw)\n";
+            << (directory / "posterior.nc").string() << " (every draw), "
+            << (directory / "report.html").string() << " (pictures)\n";
 }
 
 }  // namespace
@@ -228,6 +230,7 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   write_text(summary_file, summary.dump(1) + "\n");
   posterior_file.commit();
   summary_file.commit();
+  write_report(common.output);
   print_damage(std::cout, summary, colour_wanted());
   print_where(common.output);
   if (!summary["diagnostics"]["converged"].get<bool>()) {

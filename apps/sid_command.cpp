@@ -7,6 +7,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "apps/report/report.hpp"
 #include "apps/running.hpp"
 #include "apps/sid_posterior_file.hpp"
 #include "apps/terminal.hpp"
@@ -253,9 +254,11 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options,
   write_text(summary_file, run.summary.dump(1) + "\n");
   posterior_file.commit();
   summary_file.commit();
+  write_report(common.output);
   print_sid(std::cout, run.summary, colour_wanted());
   std::cout << "Results: " << (common.output / "summary.json").string() << " (numbers), "
-            << (common.output / "posterior.nc").string() << " (every draw)\n";
+            << (common.output / "posterior.nc").string() << " (every draw), "
+            << (common.output / "report.html").string() << " (pictures)\n";
   if (!run.summary["diagnostics"]["converged"].get<bool>()) {
     std::cout << "NOT CONVERGED: do not trust these numbers yet.\n";
   }

@@ -47,13 +47,19 @@ std::string percent_of(double fraction) {
   return fixed(100.0 * fraction, 0) + " %";
 }
 
+// Three digits, without an exponent where people would not write one.
+std::string plain(double x) {
+  const double size = std::abs(x);
+  if (size >= 1000.0 && size < 1e6) return fixed(x, 0);
+  return significant(x, 3);
+}
+
 bool usable(const Report& row, const char* key) {
   return row.contains(key) && row[key].is_number();
 }
 
 std::string interval(const Report& row, const std::string& unit) {
-  return significant(row["q2.5"].get<double>(), 3) + " to " +
-         significant(row["q97.5"].get<double>(), 3) + unit;
+  return plain(row["q2.5"].get<double>()) + " to " + plain(row["q97.5"].get<double>()) + unit;
 }
 
 // One component: "near 0.095 m (0.09 to 0.1 m) or its mirror image 0.905 m, with stiffness …".
@@ -82,7 +88,7 @@ std::string place(const Report& table, const std::string& location, const std::s
     text += ", stiffness reduced by " + percent_of(s["q50"]) + " (" +
             fixed(100.0 * s["q2.5"].get<double>(), 0) + " to " + percent_of(s["q97.5"]) + ")";
   } else {
-    text += ", stiffness " + significant(s["q50"].get<double>(), 3) + " (" + interval(s, "") + ")";
+    text += ", stiffness " + plain(s["q50"].get<double>()) + " (" + interval(s, "") + ")";
   }
   return text;
 }
@@ -136,8 +142,8 @@ std::string values(const Report& summary, const std::string& model) {
       parts.push_back("others, tabulated below");
       break;
     }
-    parts.push_back(name + " = " + significant(row["q50"].get<double>(), 4) + " (" +
-                    interval(row, "") + ")");
+    parts.push_back(name + " = " + plain(row["q50"].get<double>()) + " (" + interval(row, "") +
+                    ")");
   }
   if (parts.empty()) return {};
   return "With 95 % intervals: " + in_words(parts, "and") + ".";

@@ -161,7 +161,10 @@ const charts = (() => {
   }
 
   // The chain of masses and links of a system-identification model.
-  const linkWords = (link) => Object.keys(link).filter((k) => k !== 'between').map((k) => k.replace(/_/g, ' ')).join(', ');
+  const linkOrder = ['stiffness', 'damping'];
+  const linkKeys = (link) => Object.keys(link).filter((k) => k !== 'between')
+    .sort((a, b) => (linkOrder.indexOf(a) + 1 || 9) - (linkOrder.indexOf(b) + 1 || 9));
+  const linkWords = (link) => linkKeys(link).map((k) => k.replace(/_/g, ' ') + (typeof link[k] === 'object' ? '' : ' ' + link[k])).join(', ');
   function chain(run) {
     const cased = run.summary.wheeltap.case.models || [];
     const best = [...run.summary.models].sort((a, b) => b.probability - a.probability)[0];
@@ -172,7 +175,7 @@ const charts = (() => {
     return [{
       id: 'chain', section: 'where', wide: true, title: `The chain of the most probable model, “${short(best.name, 60)}”`,
       caption: 'Masses and the links between them, with the laws that each link has. 0 is the ground or the moving base.',
-      table: () => ({ head: ['between', 'laws'], rows: (model.links || []).map((l) => [l.between.join(' and '), linkWords(l) + ' (' + Object.entries(l).filter(([k]) => k !== 'between').map(([k, v]) => `${k}: ${typeof v === 'object' ? JSON.stringify(v) : v}`).join(', ') + ')']) }),
+      table: () => ({ head: ['between', 'laws'], rows: (model.links || []).map((l) => [l.between.join(' and '), linkKeys(l).map((k) => `${k}: ${typeof l[k] === 'object' ? JSON.stringify(l[k]) : l[k]}`).join(', ')]) }),
       spec: (width, theme) => {
         // A row a mass, from the ground up: readable at any width.
         const row = 62, height = row * n + 40;
@@ -341,7 +344,7 @@ const charts = (() => {
 
   function responses(run) {
     return (run.draws.responses || []).flatMap((r) => {
-      const label = `${r.name}${r.unit ? ` [${r.unit}]` : ''}`;
+      const label = `${r.name}${r.unit ? ` [${r.unit.replace('^2', '²')}]` : ''}`;
       const values = r.history.map(([t, y, a, m, b]) => ({ t, y, a, m, b }));
       const span = [values[0].t, values[values.length - 1].t];
       const y = [Math.min(...values.map((v) => Math.min(v.y, v.a))), Math.max(...values.map((v) => Math.max(v.y, v.b)))];
@@ -385,7 +388,7 @@ const charts = (() => {
             data: [{ name: 'd', values: ['data', 'predicted', 'residual'].flatMap((who, k) => r.spectrum.filter((s) => s[k + 1] > 0).map((s) => ({ f: s[0], v: s[k + 1], who }))) }],
             scales: [linear('x', [0, r.spectrum[r.spectrum.length - 1][0]], 'width'), { name: 'y', type: 'log', domain: [Math.max(Math.min(...positive), Math.max(...positive) * 1e-9), Math.max(...positive) * 2], range: 'height', clamp: true },
               { name: 'who', type: 'ordinal', domain: ['data', 'predicted', 'residual'], range: [theme.ink, theme.other, theme.main] }],
-            axes: [axisX('frequency [Hz]'), axisY(r.unit ? `[(${r.unit})²/Hz]` : null, { format: '.0e' })],
+            axes: [axisX('frequency [Hz]'), axisY(r.unit ? (r.unit === 'm' ? 'm²/Hz' : `(${r.unit.replace('^2', '²')})²/Hz`) : null, { format: '.0e' })],
             legends: [{ stroke: 'who', symbolType: 'stroke', symbolStrokeWidth: 3, columns: 3 }],
             marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'who' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.2 } } } }] }],
           }),

@@ -153,7 +153,7 @@
   if (fits.length) {
     document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
       head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],
-      rows: fits.flatMap(([model, rows]) => rows.map((r) => [model, r.channel, r.rmse, r.nrmse, r.r2, r.noise_sd, r.whiteness?.p_value])), caption: 'Fit of each model' }));
+      rows: fits.flatMap(([model, rows]) => rows.map((r) => [model, r.channel, r.rmse, r.nrmse, r.r2, r.noise_sd, r.whiteness?.p_value])), caption: 'Residuals of each response channel' }));
   }
   const perModel = Object.keys(summary.parameters).flatMap((model) => {
     const probability = summary.models.find((m) => m.name === model)?.probability;
