@@ -18,14 +18,20 @@ namespace wheeltap::fem {
 /// S(λ), less the number of supports (Wittrick & Williams 1971; Haynsworth 1968). The count
 /// brackets every root, so no mode is missed or swapped.
 ///
+/// Exact to rounding: nothing is truncated but a Chebyshev series of the modes far above the wanted
+/// ones, at 1e-17. A root takes 2.1 (one damage) to 2.5 (six) evaluations of S on average from a
+/// first-order start, so a warm start from a chain's last state has little to gain; and the answer
+/// would come to depend on what was asked before.
+///
 /// The object is immutable after construction: any number of threads may use one, each with a
 /// workspace of its own.
 class Reanalysis {
  public:
   class Workspace;
 
-  /// Solves the intact beam for all its modes (dense, once). `modes` is how many of the lowest
-  /// frequencies `frequencies` will return, rigid-body ones included.
+  /// Solves the intact beam for all its modes, once (`full_spectrum`). `modes` is how many of the
+  /// lowest frequencies may be asked for, rigid-body ones included. Throws std::invalid_argument
+  /// for an invalid beam or more modes than free degrees of freedom.
   Reanalysis(const Beam& beam, int modes);
   ~Reanalysis();
   Reanalysis(Reanalysis&&) noexcept;
