@@ -38,7 +38,7 @@ struct SensorTerm {
 
 /// The work for one group of parameter vectors, one a lane.
 struct Task {
-  int masses = 0, links = 0, drives = 0, sensors = 0, memories = 0;
+  int masses = 0, links = 0, laws = 0, drives = 0, sensors = 0, memories = 0;
   const LinkTerm* link = nullptr;
   const LawTerm* law = nullptr;
   const DriveTerm* drive = nullptr;
@@ -49,7 +49,8 @@ struct Task {
   std::int64_t samples = 0;
   int stride = 1;
   std::int64_t lead_in = 0;  ///< samples of the response that are not scored
-  int substeps = 1;          ///< exact solution: halvings of the step in its exponential
+  int substeps = 1;
+  int halvings = 0;  ///< of the step, in the exponential of the exact solution
   double bound = 0.0;
   int initial_slot = 0;  ///< displacements, then velocities; masses are slots 0, 1, …
 
@@ -63,20 +64,28 @@ struct Task {
 
 inline constexpr int kMaxMasses = 64;
 inline constexpr int kMaxMemories = 64;
+inline constexpr int kMaxThresholds = 4;  ///< each doubles the number of regimes
 
 /// Vectors of scratch memory that the exact solution needs.
-constexpr int scratch_size(int masses, int drives, int sensors) {
+constexpr int scratch_size(int masses, int inputs, int sensors) {
   const int n = 2 * masses;
-  return 3 * n * n + masses * (n + drives) + 4 * n * drives + sensors * (n + drives) + drives + n;
+  return 3 * n * n + masses * (n + inputs) + 4 * n * inputs + sensors * (n + inputs) + inputs + n;
+}
+
+/// The same for one that switches.
+constexpr int scratch_size(int masses, int inputs, int sensors, int thresholds) {
+  const int n = 2 * masses;
+  return scratch_size(masses, inputs + 1, sensors) + inputs +
+         ((1 << thresholds) + 1) * n * (n + 2 * inputs + 1);
 }
 
 struct Kernel {
   int lanes = 1;
   void (*runge_kutta)(const Task&) = nullptr;
   void (*exact)(const Task&) = nullptr;
+  void (*piecewise)(const Task&) = nullptr;
 };
 
-Kernel scalar_kernel();
 Kernel baseline_kernel();
 #ifdef WHEELTAP_X86_KERNELS
 Kernel avx2_kernel();

@@ -12,11 +12,7 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-#if WHEELTAP_LANES == 1
-using V = double;
-#else
 using V __attribute__((vector_size(8 * WHEELTAP_LANES))) = double;
-#endif
 
 #define WHEELTAP_INLINE [[gnu::always_inline]] inline
 #define WHEELTAP_UNROLL _Pragma("GCC unroll 8")
@@ -29,13 +25,9 @@ WHEELTAP_INLINE V* vectors(double* p) {
 }
 
 WHEELTAP_INLINE bool all(V mask) {
-#if WHEELTAP_LANES == 1
-  return mask != 0.0;
-#else
   for (int lane = 0; lane < WHEELTAP_LANES; ++lane)
     if (mask[lane] == 0.0) return false;
   return true;
-#endif
 }
 
 /// 1 in every lane where x is not within the bound (NaN included), else 0.
@@ -88,24 +80,21 @@ template <int N, bool kSerial, class OnlyLaw>
 class RungeKutta {
  public:
   explicit RungeKutta(const Task& task)
-      : task_(task), c_(vectors(task.coefficients)), masses_(N > 0 ? N : task.masses) {}
+      : task_(task), c_(vectors(task.coefficients)), masses_(N > 0 ? N : task.masses) {
+    const int n = masses();
+    const double h = task_.step / task_.substeps;
+    inverse_mass_[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) {
+      inverse_mass_[i] = 1.0 / c_[i - 1];
+      half_inverse_[i] = 0.5 * h * inverse_mass_[i];
+      full_inverse_[i] = h * inverse_mass_[i];
+      sixth_inverse_[i] = h / 6.0 * inverse_mass_[i];
+    }
+  }
 
   void run() {
     const int n = masses();
-    inverse_mass_[0] = V{};
-    WHEELTAP_UNROLL
-    for (int i = 1; i <= n; ++i) inverse_mass_[i] = 1.0 / c_[i - 1];
-
-    const int steps = task_.substeps;
-    const double h = task_.step / steps, half = 0.5 * h, sixth = h / 6.0, area = h * h / 6.0;
-    const double fraction = 0.5 / steps;
-    V half_inverse[M], full_inverse[M], sixth_inverse[M];
-    WHEELTAP_UNROLL
-    for (int i = 1; i <= n; ++i) {
-      half_inverse[i] = half * inverse_mass_[i];
-      full_inverse[i] = h * inverse_mass_[i];
-      sixth_inverse[i] = sixth * inverse_mass_[i];
-    }
     V y[M], v[M], q[kMaxMemories], drive_now[M], drive_next[M], peak{};
     y[0] = v[0] = V{};
     WHEELTAP_UNROLL
@@ -113,83 +102,18 @@ class RungeKutta {
       y[i] = c_[task_.initial_slot + i - 1];
       v[i] = c_[task_.initial_slot + n + i - 1];
     }
-    for (int m = 0; m < task_.memories; ++m) q[m] = V{};
+    for (int m = 0; m < memories(); ++m) q[m] = V{};
     Output output(task_);
     excite(0, drive_now);
 
     for (std::int64_t sample = 0;; ++sample) {
       const bool last = sample + 1 == task_.samples;
-      V slope[M];
       excite(last ? sample : sample + 1, drive_next);
-      WHEELTAP_UNROLL
-      for (int i = 1; i <= n; ++i) slope[i] = (drive_next[i] - drive_now[i]) * fraction;
-      for (int s = 0; s < steps; ++s) {
-        // 0   |
-        // 1/2 | 1/2
-        // 1/2 | 0   1/2
-        // 1   | 0   0   1
-        //     | 1/6 1/3 1/3 1/6     Those of y are those of v: y gains h v + h²/6 (a1 + a2 + a3).
-        // A stage is a chain of dependent operations: what it knows before its forces, v + h drive
-        // / 2, is added beforehand.
-        V a1[M], a2[M], a3[M], known[M], yi[M], vi[M], vn[M], drive[M], pull[M];
-        V q1[kMaxMemories], q2[kMaxMemories], q3[kMaxMemories], q4[kMaxMemories], qi[kMaxMemories];
-        yi[0] = vi[0] = vn[0] = V{};
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) {
-          drive[i] = drive_now[i] + (2.0 * s) * slope[i];
-          known[i] = v[i] + half * drive[i];
-          yi[i] = y[i] + half * v[i];
-        }
-        forces(y, v, q, pull, q1);
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) {
-          vi[i] = known[i] + half_inverse[i] * pull[i];
-          a1[i] = drive[i] + inverse_mass_[i] * pull[i];
-        }
-        if (s == 0) {
-          if (output.due(sample)) emit(output, sample, y, v, a1);
-          if (last) break;
-        }
-
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) {
-          drive[i] += slope[i];
-          known[i] = v[i] + half * drive[i];
-        }
-        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + half * q1[m];
-        forces(yi, vi, qi, pull, q2);
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) {
-          yi[i] = y[i] + half * vi[i];
-          vn[i] = known[i] + half_inverse[i] * pull[i];
-          a2[i] = drive[i] + inverse_mass_[i] * pull[i];
-        }
-
-        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + half * q2[m];
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) known[i] = v[i] + h * drive[i];
-        forces(yi, vn, qi, pull, q3);
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) {
-          yi[i] = y[i] + h * vn[i];
-          vi[i] = known[i] + full_inverse[i] * pull[i];
-          a3[i] = drive[i] + inverse_mass_[i] * pull[i];
-        }
-
-        for (int m = 0; m < task_.memories; ++m) qi[m] = q[m] + h * q3[m];
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) {
-          drive[i] += slope[i];
-          const V middle = a2[i] + a3[i];
-          known[i] = v[i] + sixth * (a1[i] + drive[i] + 2.0 * middle);
-          y[i] += h * v[i] + area * (a1[i] + middle);
-        }
-        forces(yi, vi, qi, pull, q4);
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) v[i] = known[i] + sixth_inverse[i] * pull[i];
-        for (int m = 0; m < task_.memories; ++m)
-          q[m] += sixth * (q1[m] + q4[m] + 2.0 * (q2[m] + q3[m]));
-      }
+      advance(
+          y, v, q, drive_now, drive_next, [&](const V* a) __attribute__((always_inline)) {
+            if (output.due(sample)) emit(output, sample, y, v, a);
+            return last;
+          });
       if (last) break;
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
@@ -205,9 +129,83 @@ class RungeKutta {
     vectors(task_.failed)[0] = lanes::max(outside(peak, task_.bound), outside(trace, 0.0));
   }
 
- private:
   static constexpr int M = (N > 0 ? N : kMaxMasses) + 1;
-  [[nodiscard]] WHEELTAP_INLINE int masses() const { return N > 0 ? N : masses_; }
+
+  /// From one sample to the next, with drives linear between. `seen` is given the accelerations at
+  /// the first sample, and whether to stop there.
+  template <class Seen>
+  WHEELTAP_INLINE void advance(V* y, V* v, V* q, const V* drive_now, const V* drive_next,
+                               Seen seen) const {
+    const int n = masses(), steps = task_.substeps;
+    const double h = task_.step / steps, half = 0.5 * h, sixth = h / 6.0, area = h * h / 6.0;
+    const double fraction = 0.5 / steps;
+    V slope[M];
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) slope[i] = (drive_next[i] - drive_now[i]) * fraction;
+    for (int s = 0; s < steps; ++s) {
+      // 0   |
+      // 1/2 | 1/2
+      // 1/2 | 0   1/2
+      // 1   | 0   0   1
+      //     | 1/6 1/3 1/3 1/6     Those of y are those of v: y gains h v + h²/6 (a1 + a2 + a3).
+      // A stage is a chain of dependent operations: what it knows before its forces, v + h drive
+      // / 2, is added beforehand.
+      V a1[M], a2[M], a3[M], known[M], yi[M], vi[M], vn[M], drive[M], pull[M];
+      V q1[kMaxMemories], q2[kMaxMemories], q3[kMaxMemories], q4[kMaxMemories], qi[kMaxMemories];
+      yi[0] = vi[0] = vn[0] = V{};
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) {
+        drive[i] = drive_now[i] + (2.0 * s) * slope[i];
+        known[i] = v[i] + half * drive[i];
+        yi[i] = y[i] + half * v[i];
+      }
+      forces(y, v, q, pull, q1);
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) {
+        vi[i] = known[i] + half_inverse_[i] * pull[i];
+        a1[i] = drive[i] + inverse_mass_[i] * pull[i];
+      }
+      if (s == 0 && seen(a1)) return;
+
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) {
+        drive[i] += slope[i];
+        known[i] = v[i] + half * drive[i];
+      }
+      for (int m = 0; m < memories(); ++m) qi[m] = q[m] + half * q1[m];
+      forces(yi, vi, qi, pull, q2);
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) {
+        yi[i] = y[i] + half * vi[i];
+        vn[i] = known[i] + half_inverse_[i] * pull[i];
+        a2[i] = drive[i] + inverse_mass_[i] * pull[i];
+      }
+
+      for (int m = 0; m < memories(); ++m) qi[m] = q[m] + half * q2[m];
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) known[i] = v[i] + h * drive[i];
+      forces(yi, vn, qi, pull, q3);
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) {
+        yi[i] = y[i] + h * vn[i];
+        vi[i] = known[i] + full_inverse_[i] * pull[i];
+        a3[i] = drive[i] + inverse_mass_[i] * pull[i];
+      }
+
+      for (int m = 0; m < memories(); ++m) qi[m] = q[m] + h * q3[m];
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) {
+        drive[i] += slope[i];
+        const V middle = a2[i] + a3[i];
+        known[i] = v[i] + sixth * (a1[i] + drive[i] + 2.0 * middle);
+        y[i] += h * v[i] + area * (a1[i] + middle);
+      }
+      forces(yi, vi, qi, pull, q4);
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= n; ++i) v[i] = known[i] + sixth_inverse_[i] * pull[i];
+      for (int m = 0; m < memories(); ++m) q[m] += sixth * (q1[m] + q4[m] + 2.0 * (q2[m] + q3[m]));
+    }
+  }
 
   /// drive[i] = F_i / m_i - ÿ_base at a sample.
   WHEELTAP_INLINE void excite(std::int64_t sample, V* drive) const {
@@ -225,6 +223,17 @@ class RungeKutta {
     }
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) drive[i] = force[i] * inverse_mass_[i] - base;
+  }
+
+  /// Of laws without memory.
+  WHEELTAP_INLINE void accelerations(std::int64_t sample, const V* y, const V* v, V* a) const {
+    const int n = masses();
+    V pull[M];
+    excite(sample, a);
+    forces(y, v, nullptr, pull, nullptr);
+    a[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) a[i] += inverse_mass_[i] * pull[i];
   }
 
   /// The sum of the tensions on every mass, and the rates of the laws' own states.
@@ -290,10 +299,19 @@ class RungeKutta {
       output.take(sample, i, motion[task_.sensor[i].quantity][task_.sensor[i].mass]);
   }
 
+ private:
+  [[nodiscard]] WHEELTAP_INLINE int masses() const { return N > 0 ? N : masses_; }
+  [[nodiscard]] WHEELTAP_INLINE int memories() const {
+    if constexpr (std::is_same_v<OnlyLaw, AnyLaw>)
+      return task_.memories;
+    else
+      return OnlyLaw::kInfo.memory ? task_.memories : 0;
+  }
+
   const Task& task_;
   const V* c_;
   int masses_;
-  V inverse_mass_[M];
+  V inverse_mass_[M], half_inverse_[M], full_inverse_[M], sixth_inverse_[M];
 };
 
 /// The exact solution of a linear chain. With the state x = (z, h ż) and the inputs u linear over a
@@ -307,18 +325,15 @@ class RungeKutta {
 template <int N>
 class Exact {
  public:
-  explicit Exact(const Task& task)
+  /// With `thresholds` the constant input 1 follows the others, for the forces of springs that
+  /// begin elsewhere than at e = 0.
+  explicit Exact(const Task& task, bool thresholds = false)
       : task_(task),
         c_(vectors(task.coefficients)),
+        free_(vectors(task.scratch)),
         masses_(N > 0 ? N : task.masses),
-        inputs_(task.drives) {
+        inputs_(task.drives + (thresholds ? 1 : 0)) {
     const int n = order(), j = inputs_;
-    V* p = vectors(task.scratch);
-    const auto take = [&p](int size) {
-      V* block = p;
-      p += size;
-      return block;
-    };
     transition_ = take(n * n);
     phi2_ = take(n * n);
     product_ = take(n * n);
@@ -335,18 +350,25 @@ class Exact {
   }
 
   void run() {
-    discretise();
+    discretise(0);
     observe();
     propagate();
   }
 
- private:
+ protected:
   static constexpr int kOrder = N > 0 ? 2 * N : 2 * kMaxMasses;
   [[nodiscard]] WHEELTAP_INLINE int masses() const { return N > 0 ? N : masses_; }
   [[nodiscard]] WHEELTAP_INLINE int order() const { return 2 * masses(); }
 
-  /// The lower half of A and of B, in units of the step.
-  void assemble() {
+  V* take(int size) {
+    V* block = free_;
+    free_ += size;
+    return block;
+  }
+
+  /// The lower half of A and of B, in units of the step, with the laws whose bit is set in
+  /// `regime`: springs T = k e - side · k · threshold.
+  void assemble(unsigned regime) {
     const int m = masses(), n = order();
     const double h = task_.step, h2 = h * h;
     for (int i = 0; i < m * n; ++i) lower_[i] = V{};
@@ -365,11 +387,43 @@ class Exact {
         add(b, a, -k, -c);
       }
     }
+    for (int i = 0; i < m * inputs_; ++i) input_[i] = V{};
+    for_each_threshold([&](int j, const LinkTerm& link, V stiffness, V threshold, V side) {
+      if ((regime >> j & 1U) == 0) return;
+      const int a = link.a - 1, b = link.b - 1, last = inputs_ - 1;
+      const V k = h2 * stiffness, force = side * k * threshold;
+      if (a >= 0) add(a, a, k, V{});
+      if (b >= 0) add(b, b, k, V{});
+      if (a >= 0 && b >= 0) {
+        add(a, b, -k, V{});
+        add(b, a, -k, V{});
+      }
+      if (a >= 0) input_[a * inputs_ + last] -= force;
+      if (b >= 0) input_[b * inputs_ + last] += force;
+    });
     for (int i = 0; i < m; ++i) {
       for (int j = 0; j < n; ++j) lower_[i * n + j] /= c_[i];
-      for (int j = 0; j < inputs_; ++j) {
+      for (int j = 0; j < inputs_; ++j) input_[i * inputs_ + j] /= c_[i];
+      for (int j = 0; j < task_.drives; ++j) {
         const int mass = task_.drive[j].mass;
         input_[i * inputs_ + j] = mass == 0 ? V{} - h2 : mass == i + 1 ? h2 / c_[i] : V{};
+      }
+    }
+  }
+
+  /// visit(law, link, stiffness, threshold, side) for every law that is a spring beyond a
+  /// threshold.
+  template <class Visitor>
+  WHEELTAP_INLINE void for_each_threshold(Visitor visit) const {
+    for (int l = 0; l < task_.links; ++l) {
+      const LinkTerm& link = task_.link[l];
+      for (int j = link.law_begin; j < link.law_end; ++j) {
+        const V* c = c_ + task_.law[j].slot;
+        LawList::visit(task_.law[j].kind, [&](auto law) {
+          using Law = decltype(law);
+          if constexpr (kPiecewiseLinear<Law>)
+            visit(j, link, c[0], Law::threshold(c), c[Law::kInfo.size()]);
+        });
       }
     }
   }
@@ -399,12 +453,12 @@ class Exact {
 
   /// Taylor polynomials at A/2ˢ, whose norm is at most 1/2 (remainder 3e-18), then s doublings:
   /// Φ(2A) = Φ², φ₁(2A) = (Φ + 1) φ₁ / 2, φ₂(2A) = (Φ φ₂ + φ₁ + φ₂) / 4.
-  void discretise() {
-    assemble();
+  void discretise(unsigned regime) {
+    assemble(regime);
     const int m = masses(), n = order(), j = inputs_;
     constexpr int kDegree = 13;
     double factor = 1.0;
-    for (int s = 0; s < task_.substeps; ++s) factor *= 0.5;
+    for (int s = 0; s < task_.halvings; ++s) factor *= 0.5;
     double coefficient = 1.0;  // 1 / (degree + 2)!
     for (int k = 2; k <= kDegree + 2; ++k) coefficient /= k;
     for (int i = 0; i < n * n; ++i) phi2_[i] = V{};
@@ -431,7 +485,7 @@ class Exact {
         gain_[i * j + c] = factor * first;
         gamma1_[i * j + c] = factor * second;
       }
-    for (int s = 0; s < task_.substeps; ++s) {
+    for (int s = 0; s < task_.halvings; ++s) {
       multiply_transition(gamma1_, gamma0_, j);
       multiply_transition(gain_, shifted_, j);
       for (int i = 0; i < n * j; ++i) {
@@ -469,7 +523,7 @@ class Exact {
   }
 
   WHEELTAP_INLINE void excite(std::int64_t sample) {
-    for (int j = 0; j < inputs_; ++j) {
+    for (int j = 0; j < task_.drives; ++j) {
       const DriveTerm& term = task_.drive[j];
       u_[j] = c_[term.slot] * term.samples[sample] + c_[term.slot + 1];
     }
@@ -531,22 +585,206 @@ class Exact {
 
   const Task& task_;
   const V* c_;
+  V* free_;  ///< what is left of the scratch memory
   int masses_, inputs_;
   V *transition_, *phi2_, *product_, *lower_, *input_;
   V *gamma0_, *gamma1_, *gain_, *shifted_, *rows_, *feed_, *u_, *state_;
 };
 
-template <int N>
-void run_runge_kutta(const Task& task) {
-  if (!task.serial) return RungeKutta<N, false, AnyLaw>(task).run();
-  if constexpr (N <= 3) {
-    if (task.only_law >= 0) {
-      LawList::visit(task.only_law,
-                     [&](auto law) { RungeKutta<N, true, decltype(law)>(task).run(); });
-      return;
+/// Chains whose laws are all springs beyond a threshold: linear between the switches. A sample in
+/// which no law switches is stepped by the exact solution of its regime, one with a switch by
+/// Runge-Kutta. A switch shows in the sign of a law's e - threshold at the end, or in its tangents
+/// from both ends crossing zero.
+template <int N, bool kSerial>
+class Piecewise : private Exact<N> {
+ public:
+  explicit Piecewise(const Task& task) : Exact<N>(task, true), steps_(task) {
+    const int n = order(), j = task.drives;
+    for (unsigned r = 0; r <= 1U << task.laws; ++r)
+      tables_[r] = {this->take(n * n), this->take(n * j), this->take(n * j), this->take(n), false};
+    next_u_ = this->take(j);
+    this->for_each_threshold([&](int i, const LinkTerm& link, V, V threshold, V side) {
+      thresholds_[i] = {link.a, link.b, side, threshold};
+    });
+    for (int i = 0; i < task.sensors; ++i) accelerometers_ |= task.sensor[i].quantity == 2;
+  }
+
+  void run() {
+    const int m = this->masses(), n = order(), laws = task().laws, inputs = task().drives;
+    const double h = task().step;
+    V x[kOrder], next[kOrder], peak{};
+    WHEELTAP_UNROLL
+    for (int i = 0; i < n; ++i) x[i] = this->c_[task().initial_slot + i] * (i < m ? 1.0 : h);
+    for (int i = 0; i < laws; ++i)
+      sign_[i] = level(thresholds_[i], x) > 0.0 ? V{} + 1.0 : V{} - 1.0;
+    const Table* table = choose();
+    Output output(task());
+    this->excite(0);
+    for (std::int64_t sample = 0;; ++sample) {
+      if (output.due(sample)) show(output, sample, x);
+      if (sample + 1 == task().samples) break;
+      for (int j = 0; j < inputs; ++j) next_u_[j] = this->u_[j];
+      this->excite(sample + 1);
+      WHEELTAP_UNROLL
+      for (int i = 0; i < n; ++i) {
+        V sum = table->constant[i];
+        for (int j = 0; j < inputs; ++j)
+          sum += table->gamma0[i * inputs + j] * next_u_[j] +
+                 table->gamma1[i * inputs + j] * this->u_[j];
+        WHEELTAP_UNROLL
+        for (int k = 0; k < n; ++k) sum += table->transition[i * n + k] * x[k];
+        next[i] = sum;
+      }
+      V switched{};
+      for (int i = 0; i < laws; ++i) {
+        const Threshold& t = thresholds_[i];
+        const V before = sign_[i] * level(t, x), rise = sign_[i] * rate(t, x);
+        const V after = sign_[i] * level(t, next), fall = sign_[i] * rate(t, next);
+        const V tangents = lanes::max(before + rise, after - fall);
+        switched = after < 0.0 ? V{} + 1.0 : tangents < 0.0 ? V{} + 1.0 : switched;
+      }
+      if (!all(1.0 - switched)) {
+        step(sample, x, switched, next);
+        bool changed = false;
+        for (int i = 0; i < laws; ++i) {
+          const V now = level(thresholds_[i], next) > 0.0 ? V{} + 1.0 : V{} - 1.0;
+          const V sign = switched > 0.0 ? now : sign_[i];
+          changed = changed || !all(sign + sign_[i]);
+          sign_[i] = sign;
+        }
+        if (changed) table = choose();
+      }
+      WHEELTAP_UNROLL
+      for (int i = 0; i < n; ++i) x[i] = next[i];
+      WHEELTAP_UNROLL
+      for (int i = 0; i < m; ++i) peak = lanes::max(lanes::abs(x[i]), peak);
+      if (sample % kSamplesBetweenChecks == 0 && all(outside(peak, task().bound))) break;
+    }
+    V trace{};
+    WHEELTAP_UNROLL
+    for (int i = 0; i < n; ++i) trace += 0.0 * x[i];
+    vectors(task().failed)[0] = lanes::max(outside(peak, task().bound), outside(trace, 0.0));
+  }
+
+ private:
+  using Steps = RungeKutta<N, kSerial, AnyLaw>;
+  static constexpr int kOrder = Exact<N>::kOrder;
+  struct Threshold {
+    int a, b;
+    V side, threshold;
+  };
+  struct Table {
+    V *transition, *gamma0, *gamma1, *constant;
+    bool ready;
+  };
+
+  [[nodiscard]] WHEELTAP_INLINE int order() const { return 2 * this->masses(); }
+  [[nodiscard]] WHEELTAP_INLINE const Task& task() const { return this->task_; }
+
+  /// side · e - threshold, and its growth in a step.
+  WHEELTAP_INLINE V level(const Threshold& t, const V* x) const {
+    return t.side * (end(t.b, x) - end(t.a, x)) - t.threshold;
+  }
+  WHEELTAP_INLINE V rate(const Threshold& t, const V* x) const {
+    return t.side * (end(t.b, x + this->masses()) - end(t.a, x + this->masses()));
+  }
+  WHEELTAP_INLINE static V end(int mass, const V* x) { return mass == 0 ? V{} : x[mass - 1]; }
+
+  /// The table of the regime that `sign_` says; lanes in different regimes have theirs woven
+  /// together.
+  [[gnu::noinline]] const Table* choose() {
+    unsigned regime[WHEELTAP_LANES];
+    bool same = true;
+    for (int lane = 0; lane < WHEELTAP_LANES; ++lane) {
+      regime[lane] = 0;
+      for (int i = 0; i < task().laws; ++i)
+        if (sign_[i][lane] > 0.0) regime[lane] |= 1U << i;
+      same = same && regime[lane] == regime[0];
+      prepare(tables_[regime[lane]], regime[lane]);
+    }
+    if (same) return &tables_[regime[0]];
+    const int n = order(), j = task().drives;
+    Table& mixed = tables_[1U << task().laws];
+    const auto weave = [&](V* Table::*field, int size) {
+      for (int lane = 0; lane < WHEELTAP_LANES; ++lane) {
+        const V* from = tables_[regime[lane]].*field;
+        for (int i = 0; i < size; ++i) (mixed.*field)[i][lane] = from[i][lane];
+      }
+    };
+    weave(&Table::transition, n * n);
+    weave(&Table::gamma0, n * j);
+    weave(&Table::gamma1, n * j);
+    weave(&Table::constant, n);
+    return &mixed;
+  }
+
+  void prepare(Table& table, unsigned regime) {
+    if (table.ready) return;
+    table.ready = true;
+    this->discretise(regime);
+    const int n = order(), j = task().drives;
+    for (int i = 0; i < n * n; ++i) table.transition[i] = this->transition_[i];
+    for (int i = 0; i < n; ++i) {
+      for (int c = 0; c < j; ++c) {
+        table.gamma0[i * j + c] = this->gamma0_[i * (j + 1) + c];
+        table.gamma1[i * j + c] = this->gamma1_[i * (j + 1) + c];
+      }
+      table.constant[i] = this->gamma0_[i * (j + 1) + j] + this->gamma1_[i * (j + 1) + j];
     }
   }
-  RungeKutta<N, true, AnyLaw>(task).run();
+
+  /// Lanes that switch take their next state from Runge-Kutta.
+  [[gnu::noinline]] void step(std::int64_t sample, const V* x, V switched, V* next) const {
+    const int m = this->masses();
+    V y[Steps::M], v[Steps::M], now[Steps::M], then[Steps::M];
+    unpack(x, y, v);
+    steps_.excite(sample, now);
+    steps_.excite(sample + 1, then);
+    steps_.advance(y, v, nullptr, now, then, [](const V*) { return false; });
+    for (int i = 0; i < m; ++i) {
+      next[i] = switched > 0.0 ? y[i + 1] : next[i];
+      next[m + i] = switched > 0.0 ? task().step * v[i + 1] : next[m + i];
+    }
+  }
+
+  WHEELTAP_INLINE void unpack(const V* x, V* y, V* v) const {
+    const int m = this->masses();
+    const double rate = 1.0 / task().step;
+    y[0] = v[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 0; i < m; ++i) {
+      y[i + 1] = x[i];
+      v[i + 1] = rate * x[m + i];
+    }
+  }
+
+  WHEELTAP_INLINE void show(Output& output, std::int64_t sample, const V* x) const {
+    V y[Steps::M], v[Steps::M], a[Steps::M];
+    unpack(x, y, v);
+    if (accelerometers_) {
+      steps_.accelerations(sample, y, v, a);
+    } else {
+      for (int i = 0; i <= this->masses(); ++i) a[i] = V{};
+    }
+    steps_.emit(output, sample, y, v, a);
+  }
+
+  Steps steps_;
+  Threshold thresholds_[kMaxThresholds];
+  V sign_[kMaxThresholds];  ///< 1 where a law acts, -1 where it does not
+  Table tables_[(1U << kMaxThresholds) + 1];
+  V* next_u_;
+  bool accelerometers_ = false;
+};
+
+template <int N>
+void run_runge_kutta(const Task& task) {
+  if (!task.serial)
+    RungeKutta<N, false, AnyLaw>(task).run();
+  else if (task.only_law == LawList::index_of<laws::Cubic>())
+    RungeKutta<N, true, laws::Cubic>(task).run();
+  else
+    RungeKutta<N, true, AnyLaw>(task).run();
 }
 
 inline void runge_kutta(const Task& task) {
@@ -557,8 +795,6 @@ inline void runge_kutta(const Task& task) {
       return run_runge_kutta<2>(task);
     case 3:
       return run_runge_kutta<3>(task);
-    case 4:
-      return run_runge_kutta<4>(task);
     default:
       return RungeKutta<0, false, AnyLaw>(task).run();
   }
@@ -577,6 +813,27 @@ inline void exact(const Task& task) {
   }
 }
 
+template <int N>
+void run_piecewise(const Task& task) {
+  if (task.serial)
+    Piecewise<N, true>(task).run();
+  else
+    Piecewise<N, false>(task).run();
+}
+
+inline void piecewise(const Task& task) {
+  switch (task.masses) {
+    case 1:
+      return run_piecewise<1>(task);
+    case 2:
+      return run_piecewise<2>(task);
+    case 3:
+      return run_piecewise<3>(task);
+    default:
+      return Piecewise<0, false>(task).run();
+  }
+}
+
 }  // namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL
 
 namespace wheeltap::dynamics::kernel {
@@ -585,6 +842,7 @@ namespace wheeltap::dynamics::kernel {
 Kernel WHEELTAP_JOIN(WHEELTAP_KERNEL, _kernel)() {
   return {.lanes = WHEELTAP_LANES,
           .runge_kutta = WHEELTAP_KERNEL::runge_kutta,
-          .exact = WHEELTAP_KERNEL::exact};
+          .exact = WHEELTAP_KERNEL::exact,
+          .piecewise = WHEELTAP_KERNEL::piecewise};
 }
 }  // namespace wheeltap::dynamics::kernel

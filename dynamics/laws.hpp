@@ -5,8 +5,9 @@
 //   tension(c, e, ė)                  the tension [N] for coefficients c[i], over any vector type
 //   V, slopes(c, e_max), feasible(c)     for the choice of the step; coefficients that make no
 //   sense.
-// One with `kInfo.memory` has tension(c, e, ė, ζ) and memory_rate(c, e, ė, ζ) = ζ̇ for its own
-// state.
+// One that is a spring beyond a threshold, T_open = c[0] max(0, e - threshold), may say so by
+// threshold(c). One with `kInfo.memory` has tension(c, e, ė, ζ) and memory_rate(c, e, ė, ζ) = ζ̇ for
+// its own state.
 #pragma once
 
 #include <cstddef>
@@ -46,6 +47,13 @@ struct TypeList {
 
 using LawList = TypeList<laws::Quadratic, laws::Cubic, laws::Bilinear, laws::Contact,
                          laws::QuadraticDamping, laws::Coulomb, laws::BoucWen>;
+
+/// Whether a law is linear on either side of a threshold, so that a chain can be solved exactly
+/// between the switches.
+template <class Law>
+inline constexpr bool kPiecewiseLinear = Law::kInfo.one_sided&& requires(const double* c) {
+  Law::threshold(c);
+};
 
 /// The descriptions of all laws, in the order of Law::kind.
 [[nodiscard]] std::span<const LawInfo> law_infos();

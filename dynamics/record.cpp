@@ -316,16 +316,22 @@ double sample_rate_hz(const Record& record, int time_column, std::optional<doubl
                       ": time is not a finite number");
   const auto steps = static_cast<double>(t.size() - 1);
   const double mean = (t.back() - t.front()) / steps;
+  std::vector<double> sorted;
+  for (std::size_t n = 1; n < t.size(); ++n) sorted.push_back(t[n] - t[n - 1]);
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  const double median = sorted[sorted.size() / 2];
   bool uneven = !(mean > 0.0);
   for (std::size_t n = 1; n < t.size() && !uneven; ++n)
     uneven = std::abs(t[n] - t[n - 1] - mean) > 1e-3 * mean + 1.01 * resolution(column, t[n]);
+  // Where a step is as small as the digits printed, rounding could explain a missing row; but then
+  // not in one step of hundreds only.
+  const auto odd = std::count_if(sorted.begin(), sorted.end(), [&](double step) {
+    return std::abs(step - median) > 0.5 * median;
+  });
+  uneven = uneven || (odd > 0 && 50 * odd < std::ssize(sorted));
   if (uneven) {
     // A gap shifts the mean, not the median: the step farthest from the median is the one to name.
-    std::vector<double> sorted;
-    for (std::size_t n = 1; n < t.size(); ++n) sorted.push_back(t[n] - t[n - 1]);
-    std::nth_element(sorted.begin(),
-                     sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    const double median = sorted[sorted.size() / 2];
     std::size_t worst = 1;
     for (std::size_t n = 1; n < t.size(); ++n)
       if (std::abs(t[n] - t[n - 1] - median) > std::abs(t[worst] - t[worst - 1] - median))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -45,7 +46,6 @@ std::vector<kernel::Kernel> make_kernels(Instructions instructions) {
   add(Instructions::avx512, kernel::avx512_kernel);
 #endif
   if (kernels.empty()) add(Instructions::baseline, kernel::baseline_kernel);
-  if (instructions == Instructions::scalar) kernels.push_back(kernel::scalar_kernel());
   return kernels;
 }
 
@@ -75,11 +75,19 @@ class Scratch {
   std::size_t size_ = 0;
 };
 
+/// What a group of parameter vectors must have in common.
+struct Key {
+  int substeps = 0, halvings = 0;
+  auto operator<=>(const Key&) const = default;
+};
+
+constexpr Key kInfeasible{-1, -1};
+
 /// What one thread needs to evaluate a batch.
 struct ThreadMemory {
   Scratch coefficients, exact, trajectory;
   std::vector<double> values;  ///< [set][slot]
-  std::vector<std::pair<int, int>> order;
+  std::vector<std::pair<Key, int>> order;
 };
 
 ThreadMemory& thread_memory() {
@@ -87,7 +95,18 @@ ThreadMemory& thread_memory() {
   return memory;
 }
 
-constexpr int kInfeasible = -1;
+/// Whether kernel::piecewise can integrate the chain.
+bool is_piecewise_linear(const Chain& chain) {
+  int laws = 0;
+  bool all = true;
+  for (const Link& link : chain.links)
+    for (const Law& law : link.laws) {
+      ++laws;
+      LawList::visit(law.kind, [&](auto l) { all = all && kPiecewiseLinear<decltype(l)>; });
+    }
+  return all && laws > 0 && laws <= kernel::kMaxThresholds;
+}
+
 constexpr int kMaxSubsteps = 4096;
 
 /// The next of 1, 2, 3, 4, 6, 8, 12, …: few different counts, so that parameter vectors share
@@ -97,7 +116,7 @@ int ladder(double steps) {
     if (steps <= power) return power;
     if (power > 1 && steps <= power + power / 2) return power + power / 2;
   }
-  return kInfeasible;
+  return -1;
 }
 
 }  // namespace
@@ -117,7 +136,7 @@ struct Simulator::Impl {
   std::vector<kernel::SensorTerm> terms;
   kernel::Task task;
   std::vector<kernel::Kernel> kernels;
-  bool exact = false;
+  Integrator integrator = Integrator::runge_kutta;
   int samples = 0;  ///< of the excitation
   int parameters = 0;
   int no_offset = 0;  ///< slots (1, 0)
@@ -131,8 +150,7 @@ struct Simulator::Impl {
 
   void check();
   void compile();
-  /// Run-time key of a parameter vector: sub-steps, or halvings for the exact solution.
-  [[nodiscard]] int key(std::span<const double> theta) const;
+  [[nodiscard]] Key key(std::span<const double> theta) const;
   [[nodiscard]] int response_samples() const { return (samples - 1) / options.stride + 1; }
 
   /// Runs the sets in groups of equal key; receive(set, lane, lanes, failed) after each group. With
@@ -163,6 +181,9 @@ void Simulator::Impl::check() {
          std::to_string(chain.links.size()) + ")");
   if (options.integrator == Integrator::exact && !chain.is_linear())
     fail("the exact solution is for chains without nonlinear laws");
+  if (options.integrator == Integrator::piecewise && !is_piecewise_linear(chain))
+    fail("the piecewise exact solution is for chains with 1 to " +
+         std::to_string(kernel::kMaxThresholds) + " laws, all bilinear or contact");
 
   std::size_t length = 0;
   const auto same_length = [&](const Signal& signal, const std::string& name) {
@@ -274,11 +295,16 @@ void Simulator::Impl::compile() {
   }
   for (const Coefficient& c : slots) parameters = std::max(parameters, c.parameter + 1);
 
-  exact = options.integrator == Integrator::exact || (options.integrator == Integrator::automatic &&
-                                                      chain.is_linear() && options.substeps == 0);
+  integrator = options.integrator;
+  if (integrator == Integrator::automatic)
+    integrator = options.substeps > 0         ? Integrator::runge_kutta
+                 : chain.is_linear()          ? Integrator::exact
+                 : is_piecewise_linear(chain) ? Integrator::piecewise
+                                              : Integrator::runge_kutta;
   kernels = make_kernels(options.instructions);
   task.masses = n;
   task.links = static_cast<int>(links.size());
+  task.laws = static_cast<int>(laws.size());
   task.link = links.data();
   task.law = laws.data();
   task.drives = static_cast<int>(drives.size());
@@ -298,7 +324,7 @@ void Simulator::Impl::compile() {
   task.bound = options.displacement_bound;
 }
 
-int Simulator::Impl::key(std::span<const double> theta) const {
+Key Simulator::Impl::key(std::span<const double> theta) const {
   for (const Coefficient& mass : chain.masses)
     if (!(mass.at(theta) > 0.0)) return kInfeasible;
   for (const Link& link : chain.links)
@@ -309,14 +335,20 @@ int Simulator::Impl::key(std::span<const double> theta) const {
       LawList::visit(law.kind, [&](auto l) { feasible = decltype(l)::feasible(c.data()); });
       if (!feasible) return kInfeasible;
     }
-  if (!exact && options.substeps > 0) return options.substeps;
+  const bool exact = integrator == Integrator::exact;
+  if (integrator == Integrator::runge_kutta && options.substeps > 0) return {options.substeps, 0};
   const Rates rates = stiffest_rates(chain, theta, options.extension);
   const double h = task.step, frequency = rates.frequency * h, damping = rates.damping * h;
   if (!std::isfinite(frequency) || !std::isfinite(damping)) return kInfeasible;
-  if (!exact) return ladder(std::max(frequency / options.step_limit, damping));
+  const int substeps = exact ? 0
+                       : options.substeps > 0
+                           ? options.substeps
+                           : ladder(std::max(frequency / options.step_limit, damping));
+  if (substeps < 0) return kInfeasible;
+  if (integrator == Integrator::runge_kutta) return {substeps, 0};
   const double norm = std::max(1.0, frequency * frequency + damping);
   const int halvings = 1 + static_cast<int>(std::ceil(std::log2(norm)));
-  return halvings <= 60 ? halvings : kInfeasible;
+  return halvings <= 60 ? Key{substeps, halvings} : kInfeasible;
 }
 
 template <class Receive>
@@ -349,9 +381,11 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
   double* table = memory.coefficients.take((width + channels) * most);
   double* totals = table + width * most;
   work.coefficients = table;
-  const auto scratch =
-      static_cast<std::size_t>(kernel::scratch_size(work.masses, work.drives, work.sensors));
-  if (exact) work.scratch = memory.exact.take(scratch * most);
+  const auto scratch = static_cast<std::size_t>(
+      integrator == Integrator::piecewise
+          ? kernel::scratch_size(work.masses, work.drives, work.sensors, work.laws)
+          : kernel::scratch_size(work.masses, work.drives, work.sensors));
+  if (integrator != Integrator::runge_kutta) work.scratch = memory.exact.take(scratch * most);
   if (sums)
     work.sums = totals;
   else
@@ -359,7 +393,7 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
         memory.trajectory.take(static_cast<std::size_t>(response_samples()) * channels * most);
 
   for (std::size_t begin = 0; begin < count;) {
-    const int group = memory.order[begin].first;
+    const Key group = memory.order[begin].first;
     std::size_t end = begin;
     while (end < count && end - begin < most && memory.order[end].first == group) ++end;
     // The narrowest kernel that holds the group: a wide vector costs more than a narrow one.
@@ -374,8 +408,11 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
         for (std::size_t slot = 0; slot < width; ++slot)
           table[slot * lanes + lane] = memory.values[set * width + slot];
       }
-      work.substeps = group;
-      (exact ? kernel.exact : kernel.runge_kutta)(work);
+      work.substeps = group.substeps;
+      work.halvings = group.halvings;
+      (integrator == Integrator::exact       ? kernel.exact
+       : integrator == Integrator::piecewise ? kernel.piecewise
+                                             : kernel.runge_kutta)(work);
     }
     for (std::size_t i = begin; i < end; ++i)
       receive(static_cast<std::size_t>(memory.order[i].second), group, i - begin, lanes,
@@ -428,8 +465,7 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 
 int Simulator::substeps(std::span<const double> theta) const {
   require_parameters(theta, 1, impl_->parameters);
-  const int key = impl_->key(theta);
-  return key == kInfeasible ? -1 : impl_->exact ? 0 : key;
+  return impl_->key(theta).substeps;
 }
 
 Response Simulator::simulate(std::span<const double> theta) const {
@@ -442,11 +478,11 @@ std::vector<Response> Simulator::simulate_batch(std::span<const double> thetas, 
   const auto samples = static_cast<Eigen::Index>(this->samples());
   const auto channels = static_cast<Eigen::Index>(impl_->sensors.size());
   impl_->run(thetas, sets, impl_->terms, impl_->slots, 0, false,
-             [&](std::size_t set, int key, std::size_t lane, std::size_t lanes, bool failed,
+             [&](std::size_t set, Key key, std::size_t lane, std::size_t lanes, bool failed,
                  const kernel::Task& task) {
                Response& response = responses[set];
                response.failed = failed;
-               response.substeps = key == kInfeasible || impl_->exact ? 0 : key;
+               response.substeps = std::max(0, key.substeps);
                if (failed) return;
                response.values.resize(samples, channels);
                const double* value = task.trajectory + lane;
@@ -520,7 +556,7 @@ void Misfit::sums_of_squares(std::span<const double> thetas, int sets,
          std::to_string(static_cast<std::size_t>(sets) * channels));
   impl_->simulator.impl_->run(
       thetas, sets, impl_->terms, impl_->slots, impl_->lead_in, true,
-      [&](std::size_t set, int /*key*/, std::size_t lane, std::size_t lanes, bool failed,
+      [&](std::size_t set, Key /*key*/, std::size_t lane, std::size_t lanes, bool failed,
           const kernel::Task& task) {
         for (std::size_t c = 0; c < channels; ++c) {
           const double sum = failed ? 0.0 : task.sums[c * lanes + lane];
@@ -540,7 +576,7 @@ bool Misfit::residuals(std::span<const double> theta, std::span<double> out) con
   bool done = false;
   impl_->simulator.impl_->run(
       theta, 1, impl_->terms, impl_->slots, 0, false,
-      [&](std::size_t, int, std::size_t lane, std::size_t lanes, bool failed,
+      [&](std::size_t, Key, std::size_t lane, std::size_t lanes, bool failed,
           const kernel::Task& task) {
         if (failed) return;
         const auto lead_in = static_cast<std::size_t>(impl_->lead_in);

@@ -59,13 +59,17 @@ struct InitialState {
 };
 
 enum class Integrator {
-  automatic,    ///< exact for linear chains, Runge-Kutta for the others
+  automatic,  ///< exact for linear chains, piecewise where it applies, else (or with a fixed number
+              ///< of substeps) Runge-Kutta
   runge_kutta,  ///< the classical fourth-order scheme
-  exact         ///< the exact discrete solution; only for linear chains
+  exact,        ///< the exact discrete solution; only for linear chains
+  piecewise  ///< for chains whose nonlinear laws, at most four, are bilinear or contact: exact over
+             ///< a sample in which none of them switches, Runge-Kutta with sub-steps over the
+             ///< others
 };
 
 /// The vector instructions to use. Results are the same to the last bit for all of them.
-enum class Instructions { automatic, scalar, baseline, avx2, avx512 };
+enum class Instructions { automatic, baseline, avx2, avx512 };
 
 struct SimulatorOptions {
   Integrator integrator = Integrator::automatic;
@@ -89,7 +93,7 @@ struct SimulatorOptions {
 struct Response {
   Eigen::MatrixXd values;  ///< samples × sensors; empty if failed
   bool failed = false;     ///< blown up, or parameters that make no sense (a mass <= 0, a gap < 0)
-  int substeps = 0;        ///< Runge-Kutta steps a sample; 0 for the exact solution
+  int substeps = 0;        ///< Runge-Kutta steps a sample, where taken; 0 for the exact solution
 };
 
 /// Integrates one chain for many parameter vectors. Forces and base acceleration are linear between

@@ -15,6 +15,10 @@ struct Bilinear {
   static V tension(const V* c, V e, V /*rate*/) {
     return c[0] * (e > 0.0 ? e : V{});
   }
+  template <class V>
+  static V threshold(const V* /*c*/) {
+    return V{};
+  }
   static Slopes slopes(const double* c, double /*e_max*/) { return {.stiffness = std::abs(c[0])}; }
   static bool feasible(const double* /*c*/) { return true; }
 };

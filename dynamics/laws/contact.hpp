@@ -17,6 +17,10 @@ struct Contact {
     const V penetration = e - c[1];
     return c[0] * (penetration > 0.0 ? penetration : V{});
   }
+  template <class V>
+  static V threshold(const V* c) {
+    return c[1];
+  }
   static Slopes slopes(const double* c, double /*e_max*/) { return {.stiffness = std::abs(c[0])}; }
   static bool feasible(const double* c) { return c[1] >= 0.0; }
 };
