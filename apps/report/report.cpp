@@ -31,7 +31,8 @@ Report read_summary(const fs::path& path) {
   for (const char* key : {"wheeltap", "models", "parameters", "diagnostics"}) {
     if (!summary.is_object() || !summary.contains(key)) lacks('"' + std::string(key) + '"');
   }
-  if (!summary["wheeltap"].contains("case")) lacks("\"wheeltap\".\"case\"");
+  if (!summary["wheeltap"].is_object() || !summary["wheeltap"].contains("case"))
+    lacks("\"wheeltap\".\"case\"");
   if (!summary["models"].is_array() || summary["models"].empty()) lacks("models");
   for (const auto& model : summary["models"]) {
     if (!model.is_object() || !model.contains("name") || !model["name"].is_string() ||
