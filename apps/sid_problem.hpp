@@ -13,7 +13,7 @@ struct SidProblem {
   SidCase sid_case;
   std::vector<dynamics::Misfit> misfits;  ///< one a model; parameters as in SidCase::parameters
   inference::Problem problem;
-  double seconds_a_likelihood = 0.0;  ///< measured, under the prior
+  double seconds_a_likelihood = 0.0;  ///< about, on one core
 
   /// The parameters of the case from those of a model (as in inference::Model); 0 for the others.
   [[nodiscard]] std::vector<double> theta(int model, std::span<const double> x) const;
