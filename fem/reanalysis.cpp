@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fem/assembly.hpp"
@@ -147,13 +148,31 @@ struct Reanalysis::Workspace::Impl {
   std::vector<double> columns, inverse_gamma, flexibility, product, pairs;
   std::vector<double> eta, coordinates, strains, point_rows;  // one mode and what is seen of it
   std::vector<double> lambda;                                 // roots
-  detail::SecularScratch scratch;
+  std::vector<Pack> packs;
+  detail::SecularScratch scratch;  // parts of `packs`
   Secular secular;
   int damage_columns = 0, support_columns = 0;
   int rigid = 0;  // rigid-body modes that the defects leave
   double largest_loss = 0.0;
   double added_stiffness =
       0.0;  // Σ k Σ_j c_j²: bounds the rise of any eigenvalue; infinite if rigid
+
+  /// Shares out the memory that `secular` needs.
+  void reserve() {
+    const std::size_t m = index(secular.columns), rows = index(secular.rows());
+    const std::size_t pairs_count = index(secular.chunks()) * detail::kPairChunk;
+    const std::size_t needed = 2 * rows + 2 * pairs_count + 4 * m;
+    if (packs.size() < needed) packs.resize(needed);
+    Pack* next = packs.data();
+    const auto take = [&next](std::size_t count) { return std::exchange(next, next + count); };
+    scratch.weights = take(rows);
+    scratch.slopes = take(rows);
+    scratch.matrix = take(pairs_count);
+    scratch.slope_matrix = take(pairs_count);
+    scratch.forward = take(2 * m);
+    scratch.forces = take(2 * m);
+    if (pairs.size() < pairs_count * rows) pairs.resize(pairs_count * rows);
+  }
 };
 
 Reanalysis::Workspace::Workspace(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -188,6 +207,7 @@ Reanalysis::Workspace Reanalysis::make_workspace() const {
 struct Reanalysis::Solver {
   const Reanalysis::Impl& intact;
   Workspace::Impl& work;
+  const detail::SecularKernel& kernel = detail::secular_kernel();
 
   /// One root being refined in one lane.
   struct Search {
@@ -343,13 +363,11 @@ struct Reanalysis::Solver {
     s.stride = intact.stride;
     s.c = work.columns.data();
     s.inverse_gamma = work.inverse_gamma.data();
-    work.scratch.reserve(s.columns, s.near + s.terms);
-    const std::size_t needed = index(s.chunks()) * index(s.near + s.terms) * detail::kPairChunk;
-    if (work.pairs.size() < needed) work.pairs.resize(needed);
+    work.reserve();
     work.product.resize(intact.stride);
     s.pairs = work.pairs.data();
-    detail::fill_pairs(s, static_cast<int>(intact.stride), window.series.data(),
-                       window.series_end.data(), work.product.data(), work.pairs.data());
+    kernel.fill_pairs(s, static_cast<int>(intact.stride), window.series.data(),
+                      window.series_end.data(), work.product.data(), work.pairs.data());
   }
 
   Search begin(int root) const {
@@ -468,13 +486,13 @@ struct Reanalysis::Solver {
     v2 *= scale;
     const auto m = index(work.secular.columns);
     for (std::size_t a = 0; a < m; ++a)
-      work.eta[a] = at(work.scratch.poles[a]) * v1 + at(work.scratch.poles[m + a]) * v2;
+      work.eta[a] = at(work.scratch.forces[a]) * v1 + at(work.scratch.forces[m + a]) * v2;
     if (!work.need_coordinates) {
       report(root, z);
       return;
     }
-    detail::coordinates(work.secular, static_cast<int>(intact.stride), work.eta.data(), z, pole,
-                        work.coordinates.data());
+    kernel.coordinates(work.secular, static_cast<int>(intact.stride), work.eta.data(), z, pole,
+                       work.coordinates.data());
     work.coordinates[index(pole)] = v1;
     work.coordinates[index(pole) + 1] = v2;
     report(root, z);
@@ -519,8 +537,8 @@ struct Reanalysis::Solver {
         const int e = intact.beam.element_at(work.damages[d].location);
         double strain[2];  // b·φ, a·φ
         if (work.need_coordinates) {
-          detail::project(intact.element_rows.data() + 2 * index(e) * intact.stride, 2,
-                          intact.stride, q, n, strain);
+          kernel.project(intact.element_rows.data() + 2 * index(e) * intact.stride, 2,
+                         intact.stride, q, n, strain);
         } else {  // Cᵀφ = Γ⁻¹ η
           std::size_t a = 0;
           for (auto l = work.lost.begin(); l->first != e; ++l) a += 2;
@@ -533,8 +551,8 @@ struct Reanalysis::Solver {
     if (!results->element_gradients_hz.empty()) {
       const int count = intact.beam.elements;
       work.strains.resize(2 * index(count));
-      detail::project(intact.element_rows.data(), 2 * count, intact.stride, q, n,
-                      work.strains.data());
+      kernel.project(intact.element_rows.data(), 2 * count, intact.stride, q, n,
+                     work.strains.data());
       double* to = results->element_gradients_hz.data() + index(root) * index(count);
       for (std::size_t e = 0; e < index(count); ++e)
         to[e] = gradient(work.strains[2 * e], work.strains[2 * e + 1]);
@@ -543,7 +561,7 @@ struct Reanalysis::Solver {
     if (!results->shapes.empty()) {
       const std::size_t count = results->points.size();
       double* to = results->shapes.data() + index(root) * count;
-      detail::project(work.point_rows.data(), static_cast<int>(count), intact.stride, q, n, to);
+      kernel.project(work.point_rows.data(), static_cast<int>(count), intact.stride, q, n, to);
       const std::span<double> shape(to, count);
       double largest = 0.0;
       for (const double w : shape) largest = std::max(largest, std::abs(w));
@@ -604,7 +622,7 @@ struct Reanalysis::Solver {
         poles[l] = lower_pole(lane.z, lane.root);
         z.lane[l] = lane.z;
       }
-      detail::evaluate(work.secular, z, poles, work.scratch, steps);
+      kernel.evaluate(work.secular, z, poles, work.scratch, steps);
       for (int l = 0; l < kLanes; ++l) {
         Search& lane = lanes[l];
         if (lane.root < 0 || !advance(lane, poles[l], steps, l)) continue;
