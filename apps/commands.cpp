@@ -8,6 +8,7 @@
 
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_summary.hpp"
+#include "apps/evidence.hpp"
 #include "apps/posterior_file.hpp"
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
@@ -40,7 +41,8 @@ Report options_report(const SamplingOptions& options) {
   return {{"chains", options.chains},
           {"warmup", options.warmup},
           {"draws", options.draws},
-          {"prior_only", options.prior_only}};
+          {"prior_only", options.prior_only},
+          {"evidence", options.evidence}};
 }
 
 // The summary of a finished run in `directory`, if it is one of this case with these options.
@@ -181,6 +183,7 @@ void run_table(const CommonOptions& common) {
 }
 
 void run_damage(const CommonOptions& common, const SamplingOptions& options) {
+  static_cast<void>(evidence_methods(options.evidence));  // refuse before anything runs
   const auto log = make_log(common.quiet);
   DamageCase parsed = parse_damage_case(read_case(common.case_path, common.overrides));
   const std::uint64_t seed = common.seed.value_or(1);
@@ -223,8 +226,10 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   const inference::Posterior posterior =
       run_engine(problem->problem, engine, common.case_path, common.quiet);
 
-  Report summary =
-      summarise_damage(*problem, posterior, {.seed = seed, .command_line = common.command_line});
+  const auto evidence =
+      compute_evidence(problem->problem, options.evidence, seed, common.threads, *log);
+  Report summary = summarise_damage(*problem, posterior, evidence,
+                                    {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
   write_posterior_file(posterior_file.temporary(), *problem, posterior, seed);
   write_text(summary_file, summary.dump(1) + "\n");

@@ -34,9 +34,6 @@ struct SamplingOptions {
   int warmup = 0;  ///< 0: chosen by the engine
   int draws = 0;   ///< 0: chosen by the engine
   bool prior_only = false;
-};
-
-struct SidOptions {
   std::string evidence;  ///< "", or methods joined by +: tmcmc, bridge, laplace
 };
 
@@ -54,8 +51,7 @@ void run_simulate(const CommonOptions& common);
 /// Which model explains a record: writes summary.json and posterior.nc into the output folder and
 /// prints what was found. A case with a sweep is run once a value, and sweep.csv takes the place of
 /// posterior.nc.
-void run_sid(const CommonOptions& common, const SamplingOptions& options,
-             const SidOptions& sid_options);
+void run_sid(const CommonOptions& common, const SamplingOptions& options);
 void run_schema(const std::string& name);
 
 }  // namespace wheeltap::apps

@@ -471,7 +471,7 @@ Report emulator_report(const FrequencyEmulator& emulator, const FrequencyData& d
 }
 
 Report summarise_damage(const DamageProblem& problem, const Posterior& posterior,
-                        const RunInfo& info) {
+                        const std::vector<MethodEvidence>& evidence, const RunInfo& info) {
   const DamageCase& damage_case = problem.damage_case;
   const Draws draws(problem, posterior);
   const double ess_model = ess_of_model(posterior);
@@ -533,6 +533,7 @@ Report summarise_damage(const DamageProblem& problem, const Posterior& posterior
     }
   }
 
+  const Report compared = evidence_report(draws.space(), models, evidence, warnings);
   Report diagnosed = diagnostics(posterior, watched, ess_model, info.seed, warnings);
   if (problem.symmetric) diagnosed["symmetry"] = symmetric;
   Report kinds = Report::array();
@@ -572,6 +573,7 @@ Report summarise_damage(const DamageProblem& problem, const Posterior& posterior
       {"cost", cost(posterior)}};
   if (!fitted.empty()) summary["data"].update(fitted);
   if (!emulator.is_null()) summary["emulator"] = emulator;
+  if (!evidence.empty()) summary["evidence"] = compared;
   return summary;
 }
 

@@ -2,13 +2,16 @@
 #pragma once
 
 #include "apps/damage_problem.hpp"
+#include "apps/evidence.hpp"
 #include "apps/summary.hpp"
 
 namespace wheeltap::apps {
 
 /// The whole of summary.json. `posterior` must have at least 4 draws a chain, all chains the same.
 [[nodiscard]] Report summarise_damage(const DamageProblem& problem,
-                                      const inference::Posterior& posterior, const RunInfo& info);
+                                      const inference::Posterior& posterior,
+                                      const std::vector<MethodEvidence>& evidence,
+                                      const RunInfo& info);
 
 /// Errors of an emulator on held-out FE runs, per count and mode, with a warning for every mode it
 /// cannot predict. Noise is the data's sd where known.

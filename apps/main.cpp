@@ -53,7 +53,6 @@ int main(int argc, char** argv) {
   common.command_line = joined(argc, argv);
   apps::ModesOptions modes;
   apps::SamplingOptions sampling;
-  apps::SidOptions sid;
   std::string schema = "damage";
   constexpr int kMany = 1'000'000'000;
 
@@ -89,6 +88,9 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(100, kMany));
     command->add_flag("--prior-only", sampling.prior_only,
                       "leave the data out: must return the prior");
+    command->add_flag("--evidence{tmcmc+bridge}", sampling.evidence,
+                      "also the evidence of each model on its own: --evidence, or "
+                      "--evidence=METHODS of tmcmc, bridge, laplace, joined by +");
   };
 
   CLI::App* modes_command = app.add_subcommand("modes", "natural frequencies of the case's beam");
@@ -122,9 +124,6 @@ int main(int argc, char** argv) {
   add_seed(sid_command, "of the chains (default 1)");
   add_threads(sid_command);
   add_sampling(sid_command);
-  sid_command->add_flag("--evidence{tmcmc+bridge}", sid.evidence,
-                        "also the evidence of each model on its own: --evidence, or "
-                        "--evidence=METHODS of tmcmc, bridge, laplace, joined by +");
 
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");
@@ -161,7 +160,7 @@ int main(int argc, char** argv) {
     if (modes_command->parsed()) apps::run_modes(common, modes);
     if (table_command->parsed()) apps::run_table(common);
     if (damage_command->parsed()) apps::run_damage(common, sampling);
-    if (sid_command->parsed()) apps::run_sid(common, sampling, sid);
+    if (sid_command->parsed()) apps::run_sid(common, sampling);
     if (simulate_command->parsed()) apps::run_simulate(common);
     if (report_command->parsed()) apps::run_report(common.output, drawing);
     if (schema_command->parsed()) apps::run_schema(schema);

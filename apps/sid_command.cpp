@@ -7,13 +7,11 @@
 #include <iostream>
 #include <sstream>
 
+#include "apps/evidence.hpp"
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
 #include "apps/sid_posterior_file.hpp"
 #include "apps/terminal.hpp"
-#include "inference/evidence/bridge_sampling.hpp"
-#include "inference/evidence/laplace.hpp"
-#include "inference/evidence/tmcmc.hpp"
 #include "inference/parallel.hpp"
 
 namespace wheeltap::apps {
@@ -50,42 +48,6 @@ inference::Options engine_options(const CommonOptions& common, const SamplingOpt
   return engine;
 }
 
-std::vector<std::string> methods_of(const std::string& text) {
-  std::vector<std::string> methods;
-  std::istringstream stream(text);
-  for (std::string method; std::getline(stream, method, '+');) {
-    if (method != "tmcmc" && method != "bridge" && method != "laplace") {
-      throw Failure(Exit::usage, "--evidence=" + text + ": methods are tmcmc, bridge and laplace");
-    }
-    methods.push_back(method);
-  }
-  return methods;
-}
-
-std::vector<SidEvidence> evidences(const SidProblem& problem, const std::string& methods,
-                                   const CommonOptions& common, spdlog::logger& log) {
-  const std::uint64_t seed = common.seed.value_or(1);
-  std::vector<SidEvidence> out;
-  for (const std::string& method : methods_of(methods)) {
-    log.info("Evidence of each model by {} ...", method);
-    SidEvidence by{.method = method, .evidences = {}};
-    for (int m = 0; m < problem.problem.space.size(); ++m) {
-      if (method == "tmcmc") {
-        by.evidences.push_back(
-            inference::tmcmc(problem.problem, m, {.seed = seed, .threads = common.threads})
-                .evidence);
-      } else if (method == "bridge") {
-        by.evidences.push_back(inference::bridge_sampling(
-            problem.problem, m, {.seed = seed, .threads = common.threads}));
-      } else {
-        by.evidences.push_back(inference::laplace(problem.problem, m, {.seed = seed}).evidence);
-      }
-    }
-    out.push_back(std::move(by));
-  }
-  return out;
-}
-
 Report options_report(const SamplingOptions& options, const inference::Options& engine) {
   return {{"chains", options.chains},
           {"warmup", engine.warmup},
@@ -102,7 +64,7 @@ struct Run {
 };
 
 Run run_once(SidCase sid_case, const CommonOptions& common, const SamplingOptions& options,
-             const SidOptions& sid_options, spdlog::logger& log) {
+             spdlog::logger& log) {
   Run run{.problem = make_sid_problem(std::move(sid_case)),
           .posterior = {},
           .predictive = {},
@@ -110,7 +72,8 @@ Run run_once(SidCase sid_case, const CommonOptions& common, const SamplingOption
   const inference::Options engine =
       engine_options(common, options, run.problem->seconds_a_likelihood);
   run.posterior = run_engine(run.problem->problem, engine, common.case_path, common.quiet);
-  const auto also = evidences(*run.problem, sid_options.evidence, common, log);
+  const auto also = compute_evidence(run.problem->problem, options.evidence,
+                                     common.seed.value_or(1), common.threads, log);
   run.predictive = predict(*run.problem, run.posterior);
   run.summary = summarise_sid(*run.problem, run.posterior, run.predictive, also,
                               {.seed = engine.seed, .command_line = common.command_line});
@@ -131,7 +94,7 @@ std::string csv_log_factor(const Report& row) {
 }
 
 void run_sweep(const CaseFile& file, const CommonOptions& common, const SamplingOptions& options,
-               const SidOptions& sid_options, spdlog::logger& log) {
+               spdlog::logger& log) {
   const Json sweep = file.json["sweep"];
   Pointer path;
   try {
@@ -157,7 +120,7 @@ void run_sweep(const CaseFile& file, const CommonOptions& common, const Sampling
   std::vector<std::vector<std::string>> printed;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Json value = sweep["values"][i];
-    Run run = run_once(std::move(cases[i]), common, options, sid_options, log);
+    Run run = run_once(std::move(cases[i]), common, options, log);
     const Report& s = run.summary;
     Report row = {{"value", Report::parse(value.dump())},
                   {"models", s["models"]},
@@ -232,15 +195,14 @@ void run_sweep(const CaseFile& file, const CommonOptions& common, const Sampling
 
 }  // namespace
 
-void run_sid(const CommonOptions& common, const SamplingOptions& options,
-             const SidOptions& sid_options) {
-  static_cast<void>(methods_of(sid_options.evidence));
+void run_sid(const CommonOptions& common, const SamplingOptions& options) {
+  static_cast<void>(evidence_methods(options.evidence));
   const auto log = make_log(common.quiet);
   CaseFile file = read_case(common.case_path, common.overrides);
   if (file.json.contains("sweep")) {
     validate_against_schema(file, "sid");
     make_output_folder(common.output);
-    run_sweep(file, common, options, sid_options, *log);
+    run_sweep(file, common, options, *log);
     return;
   }
   SidCase parsed = parse_sid_case(std::move(file));
@@ -248,7 +210,7 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options,
   // Reserve the names first: a run that cannot be kept should not start.
   emulator::AtomicFile posterior_file(common.output / "posterior.nc");
   emulator::AtomicFile summary_file(common.output / "summary.json");
-  const Run run = run_once(std::move(parsed), common, options, sid_options, *log);
+  const Run run = run_once(std::move(parsed), common, options, *log);
   write_sid_posterior_file(posterior_file.temporary(), *run.problem, run.posterior, run.predictive,
                            common.seed.value_or(1));
   write_text(summary_file, run.summary.dump(1) + "\n");

@@ -182,38 +182,6 @@ Report bayes_factors(const inference::ModelSpace& space, const Report& models) {
   return rows;
 }
 
-Report evidence_report(const inference::ModelSpace& space, const Report& models,
-                       const std::vector<SidEvidence>& list, std::vector<std::string>& warnings) {
-  Report out = Report::object();
-  std::vector<double> sampled, errors;
-  for (const Report& row : models) {
-    sampled.push_back(row["probability"]);
-    errors.push_back(row["mcse"]);
-  }
-  for (const SidEvidence& by : list) {
-    const auto implied = inference::implied_probabilities(space, by.evidences);
-    Report rows = Report::array();
-    for (int m = 0; m < space.size(); ++m) {
-      const auto i = static_cast<std::size_t>(m);
-      const auto number = [](double x) { return std::isfinite(x) ? Report(x) : Report(); };
-      const inference::Evidence& e = by.evidences[i];
-      rows.push_back({{"model", space[m].name},
-                      {"log_evidence", number(e.log_evidence)},
-                      {"standard_error", number(e.standard_error)},
-                      {"log_bayes_factor", number(e.log_evidence - by.evidences[0].log_evidence)},
-                      {"probability", number(implied.mean[i])},
-                      {"probability_error", number(implied.standard_error[i])},
-                      {"likelihood_evaluations", e.likelihood_evaluations},
-                      {"warnings", e.warnings}});
-    }
-    out[by.method] = rows;
-    for (const std::string& line : inference::disagreements(space, sampled, errors, implied)) {
-      warnings.push_back(by.method + ": " + line);
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 std::vector<double> observed(const SidProblem& problem, std::size_t response,
@@ -340,7 +308,7 @@ std::vector<Watched> watched_quantities(const Posterior& posterior, const Report
 }  // namespace
 
 Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
-                     const SidPredictive& predictive, const std::vector<SidEvidence>& evidence,
+                     const SidPredictive& predictive, const std::vector<MethodEvidence>& evidence,
                      const RunInfo& info) {
   const SidCase& sid_case = problem.sid_case;
   const auto& space = problem.problem.space;

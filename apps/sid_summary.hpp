@@ -2,9 +2,9 @@
 // explains the record.
 #pragma once
 
+#include "apps/evidence.hpp"
 #include "apps/sid_problem.hpp"
 #include "apps/summary.hpp"
-#include "inference/evidence/comparison.hpp"
 
 namespace wheeltap::apps {
 
@@ -30,15 +30,10 @@ struct SidPredictive {
 [[nodiscard]] std::vector<double> posterior_mean(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 
-/// Evidences by one method, one a model.
-struct SidEvidence {
-  std::string method;
-  std::vector<inference::Evidence> evidences;
-};
-
 /// The whole of summary.json. `posterior` must have at least 4 draws a chain, all chains the same.
 [[nodiscard]] Report summarise_sid(const SidProblem& problem, const inference::Posterior& posterior,
                                    const SidPredictive& predictive,
-                                   const std::vector<SidEvidence>& evidence, const RunInfo& info);
+                                   const std::vector<MethodEvidence>& evidence,
+                                   const RunInfo& info);
 
 }  // namespace wheeltap::apps

@@ -220,6 +220,22 @@ std::string support_glyph(const Report& s) {
   return deflection ? "▲" : "◆";
 }
 
+void print_evidence(std::ostream& out, const Report& summary, const Style& style) {
+  if (!summary.contains("evidence")) return;
+  for (const auto& [method, rows] : summary["evidence"].items()) {
+    out << '\n' << style.bold("Evidence by " + method) << '\n';
+    std::vector<std::vector<std::string>> table = {{"model", "ln Z", "±", "P(model)", "±"}};
+    for (const auto& row : rows) {
+      table.push_back(
+          {row["model"],
+           row["log_evidence"].is_number() ? fixed(row["log_evidence"], 3) : std::string("-"),
+           number(row["standard_error"], 2), number(row["probability"], 4),
+           number(row["probability_error"], 2)});
+    }
+    print_table(out, table, style);
+  }
+}
+
 }  // namespace
 
 bool colour_wanted() {
@@ -322,6 +338,8 @@ void print_damage(std::ostream& out, const Report& summary, bool colour) {
     }
   }
 
+  print_evidence(out, summary, style);
+
   if (summary["data"]["simulated"].get<bool>()) {
     std::string truth;
     for (const auto& kind : summary["kinds"]) {
@@ -370,20 +388,7 @@ void print_sid(std::ostream& out, const Report& summary, bool colour) {
           << b["never_visited"].get<std::string>() << ")\n";
     }
   }
-  if (summary.contains("evidence")) {
-    for (const auto& [method, rows] : summary["evidence"].items()) {
-      out << '\n' << style.bold("Evidence by " + method) << '\n';
-      std::vector<std::vector<std::string>> table = {{"model", "ln Z", "±", "P(model)", "±"}};
-      for (const auto& row : rows) {
-        table.push_back(
-            {row["model"],
-             row["log_evidence"].is_number() ? fixed(row["log_evidence"], 3) : std::string("-"),
-             number(row["standard_error"], 2), number(row["probability"], 4),
-             number(row["probability_error"], 2)});
-      }
-      print_table(out, table, style);
-    }
-  }
+  print_evidence(out, summary, style);
   for (const auto& m : summary["models"]) {
     const std::string name = m["name"];
     const double p = m["probability"];

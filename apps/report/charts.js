@@ -18,6 +18,8 @@ const charts = (() => {
   const number = (x, digits = 4) =>
     typeof x === 'number' && isFinite(x) ? String(+x.toPrecision(digits)) : '–';
   const percent = (p) => (p > 0.999 ? '> 99.9 %' : p >= 0 && p < 0.001 ? '< 0.1 %' : `${+(100 * p).toPrecision(3)} %`);
+  // "P = 75 %", "P > 99.9 %".
+  const probability = (p) => 'P ' + (/^[<>]/.test(percent(p)) ? '' : '= ') + percent(p);
   const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^-|-$/g, '').slice(0, 60) || 'figure';
   // Reductions are fractions; people read percent.
   const isFraction = (name) => /(^|\s)reduction(\[|$)/.test(name);
@@ -144,7 +146,7 @@ const charts = (() => {
       const views = given.length > 1 ? joint.views : given.length ? given : joint.views;
       const fraction = joint.severity === 'reduction';
       for (const view of views) {
-        const of = view.count ? `given ${view.count} ${view.count === 1 ? kind.name : kind.plural} (P = ${percent(view.probability)})` : 'all counts together';
+        const of = view.count ? `given ${view.count} ${view.count === 1 ? kind.name : kind.plural} (${probability(view.probability)})` : 'all counts together';
         const yName = fraction ? 'stiffness reduced by' : joint.severity;
         out.push({
           id: `severity-and-location-${slug(kind.name)}-${view.count || 'all'}`, section: 'where', wide: true,
@@ -502,5 +504,5 @@ const charts = (() => {
     }
     return out;
   }
-  return { figures, themes, number, percent, isFraction };
+  return { figures, themes, number, percent, probability };
 })();

@@ -17,11 +17,9 @@ namespace {
 
 using emulator::FileError;
 
-constexpr double kShown = 0.005;  // models with less probability have no charts of their own
-constexpr std::size_t kHistogramBins = 100;
-constexpr std::size_t kPairBins = 40;
-constexpr std::size_t kHistory = 400;      // points a chain in the histories
-constexpr std::size_t kMostPairs = 6;      // parameters that are paired
+constexpr double kShown = 0.005;       // models with less probability have no charts of their own
+constexpr std::size_t kHistory = 400;  // points a chain in the histories
+constexpr std::size_t kMostPairs = 6;  // parameters that are paired
 constexpr std::size_t kTimePoints = 8000;  // of all channels together
 constexpr std::size_t kCurve = 161;        // points of a prior's density
 
@@ -143,6 +141,13 @@ struct Bins {
     return {{"from", compact(from)}, {"width", width}, {"n", n}};
   }
 };
+
+// As many bins as the draws can fill: in proportion to the cube root of their number, as Freedman &
+// Diaconis's rule (1981) has it, but finer, since posteriors here are often several narrow islands.
+std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest, std::size_t most) {
+  const auto wanted = static_cast<std::size_t>(factor * std::cbrt(static_cast<double>(draws)));
+  return std::clamp(wanted, fewest, most);
+}
 
 // Bins over the draws; all alike where they are one value.
 Bins bins_over(const std::vector<double>& values, std::size_t n) {
@@ -359,7 +364,7 @@ Report one_parameter(const Posterior& posterior, const Slot& slot, std::size_t m
     history.push_back(std::move(one));
   }
   if (all.empty()) return {};
-  const Bins bins = bins_over(all, all.size() < 20000 ? kHistogramBins : 2 * kHistogramBins);
+  const Bins bins = bins_over(all, bins_for(all.size(), 4.0, 20, 200));
   std::vector<std::size_t> counts(bins.n);
   for (const double x : all) ++counts[bins.at(x)];
   Report heights = Report::array();
@@ -435,7 +440,8 @@ void parameters(const Posterior& posterior, const Report& summary, Report& out) 
     for (std::size_t i = 0; i < draws.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         if (draws[i].size() != draws[j].size()) continue;
-        const Bins bx = bins_over(draws[j], kPairBins), by = bins_over(draws[i], kPairBins);
+        const std::size_t bins = bins_for(draws[i].size(), 1.5, 12, 40);
+        const Bins bx = bins_over(draws[j], bins), by = bins_over(draws[i], bins);
         pairs.push_back(
             {{"x", labels[j]},
              {"y", labels[i]},

@@ -157,7 +157,7 @@
   }
   const perModel = Object.keys(summary.parameters).flatMap((model) => {
     const probability = summary.models.find((m) => m.name === model)?.probability;
-    const out = [element('h3', { dir: 'auto' }, `${model} (P = ${percent(probability)})`)];
+    const out = [element('h3', { dir: 'auto' }, `${model} (${charts.probability(probability)})`)];
     if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model]), caption: 'Posterior given this model' }));
     else out.push(element('p', { class: 'lead' }, 'No parameters.'));
     if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));

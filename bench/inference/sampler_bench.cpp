@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "dynamics/simulate.hpp"
 #include "emulator/design.hpp"
 #include "emulator/experiment.hpp"
 #include "emulator/multilinear_interpolant.hpp"
@@ -161,6 +162,52 @@ void beam_by_table(benchmark::State& state) {
     report(state, reversible_jump(problem, {.draws = static_cast<int>(state.range(0))}));
 }
 BENCHMARK(beam_by_table)->Arg(100000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
+
+// Linear against Duffing on 300 samples of displacement, the case of the validation set with other
+// noise.
+void duffing(benchmark::State& state) {
+  namespace dyn = dynamics;
+  constexpr double kNoise = 0.05;
+  constexpr int kSamples = 300;
+  const auto chain = [](bool cubic) {
+    dyn::Link link{.a = 0, .b = 1, .stiffness = dyn::Coefficient::of_parameter(0), .damping = 0.1};
+    if (cubic)
+      link.laws.push_back(dyn::make_law<dyn::laws::Cubic>({dyn::Coefficient::of_parameter(1)}));
+    return dyn::Chain{.masses = {0.5}, .links = {link}};
+  };
+  Random random(3, 0, 0, Purpose::simulation);
+  std::vector<double> force(kSamples);
+  for (double& f : force) f = 10.0 * random.normal();
+  const dyn::Excitation excitation{.sample_rate_hz = 100.0, .forces = {{1, {force}}}};
+  const dyn::SimulatorOptions once{.integrator = dyn::Integrator::runge_kutta, .substeps = 1};
+  const dyn::Simulator linear(chain(false), excitation, {dyn::Sensor{}}, {}, once);
+  const dyn::Simulator cubic(chain(true), excitation, {dyn::Sensor{}}, {}, once);
+  const dyn::Response clean = cubic.simulate(std::vector<double>{50.0, 1000.0});
+  std::vector<double> data(kSamples);
+  for (int i = 0; i < kSamples; ++i) {
+    data[static_cast<std::size_t>(i)] = clean.values(i, 0) + kNoise * random.normal();
+  }
+  const std::vector<dyn::Misfit> misfits{{linear, {{data}}}, {cubic, {{data}}}};
+  class Displacement : public Likelihood {
+   public:
+    explicit Displacement(const std::vector<dyn::Misfit>& misfits) : misfits_(misfits) {}
+    double log_likelihood(int model, std::span<const double> x) override {
+      double sum = 0.0;
+      misfits_[static_cast<std::size_t>(model)].sums_of_squares(x, 1, {&sum, 1});
+      return -0.5 * sum / (kNoise * kNoise);
+    }
+
+   private:
+    const std::vector<dyn::Misfit>& misfits_;
+  };
+  const Problem problem{
+      .space = ModelSpace::of_models({{"k", Uniform{0.0, 100.0}}, {"k3", Uniform{0.0, 1e4}}},
+                                     {{"linear", 1, {"k"}}, {"duffing", 1, {"k", "k3"}}}),
+      .likelihood = [&] { return std::make_unique<Displacement>(misfits); }};
+  for (auto _ : state)
+    report(state, reversible_jump(problem, {.draws = static_cast<int>(state.range(0))}));
+}
+BENCHMARK(duffing)->Arg(100000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
 // Six parameters and a likelihood of a few nanoseconds: what is left is the sampler.
 void overhead_of_six_parameters(benchmark::State& state) {
