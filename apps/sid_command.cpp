@@ -189,6 +189,7 @@ void run_sweep(const CaseFile& file, const CommonOptions& common, const Sampling
   write_text(summary_file, summary.dump(1) + "\n");
   table_file.commit();
   summary_file.commit();
+  write_report(common.output);
   std::cout << "Results: " << (common.output / "sweep.csv").string() << " (the table), "
             << (common.output / "summary.json").string() << " (all numbers)\n";
 }

@@ -149,9 +149,43 @@ std::string values(const Report& summary, const std::string& model) {
   return "With 95 % intervals: " + in_words(parts, "and") + ".";
 }
 
+// A sweep: which model is the most probable, and where along the values that changes.
+Answer answer_of_sweep(const Report& sweep) {
+  Answer out;
+  const Report& rows = sweep["rows"];
+  std::vector<std::string> best;
+  std::size_t failed = 0;
+  for (const Report& row : rows) {
+    const Report* most = nullptr;
+    for (const Report& m : row["models"]) {
+      if (most == nullptr ||
+          m["probability"].get<double>() > (*most)["probability"].get<double>()) {
+        most = &m;
+      }
+    }
+    best.push_back(most == nullptr ? "" : (*most)["name"].get<std::string>());
+    failed += row.value("converged", false) ? 0 : 1;
+  }
+  if (failed > 0) {
+    out.caution = std::to_string(failed) + " of " + std::to_string(rows.size()) +
+                  " runs have not converged: do not trust their numbers yet.";
+  }
+  std::vector<std::string> stretches;
+  for (std::size_t i = 0, j = 0; i < best.size(); i = j) {
+    for (j = i; j < best.size() && best[j] == best[i];) ++j;
+    const std::string from = rows[i]["value"].dump(), to = rows[j - 1]["value"].dump();
+    stretches.push_back(said(best[i], false) +
+                        (j - i == 1 ? " at " + from : " from " + from + " to " + to));
+  }
+  out.headline = "Most probable over " + sweep["path"].get<std::string>() + ": " +
+                 in_words(stretches, "and") + ".";
+  return out;
+}
+
 }  // namespace
 
 Answer answer(const Report& summary) {
+  if (summary.contains("sweep")) return answer_of_sweep(summary["sweep"]);
   Answer out;
   const bool damage = summary["wheeltap"].value("command", "") == "damage";
   const Report& diagnostics = summary["diagnostics"];

@@ -469,7 +469,48 @@ const charts = (() => {
     }];
   }
 
+  function sweep(run) {
+    const { path, rows } = run.summary.sweep;
+    const names = rows[0].models.map((m) => m.name);
+    const numeric = rows.every((r) => typeof r.value === 'number');
+    const at = (r, i) => (numeric ? r.value : i + 1);
+    const many = numeric && rows.length > 2 && Math.min(...rows.map((r) => r.value)) > 0 && Math.max(...rows.map((r) => r.value)) > 30 * Math.min(...rows.map((r) => r.value));
+    const x = { name: 'x', type: many ? 'log' : 'linear', domain: [Math.min(...rows.map(at)), Math.max(...rows.map(at))], range: 'width', padding: 10, zero: false };
+    const lines = (id, title, caption, yTitle, values, group, domain, format, table) => ({
+      id, section: 'sweep', wide: true, title, caption, table,
+      spec: (width, theme) => frame(width, 200, theme, {
+        data: [{ name: 'd', values }],
+        scales: [x, linear('y', domain, 'height'), { name: 'g', type: 'ordinal', domain: group, range: theme.series }],
+        axes: [axisX(path + (numeric ? '' : ' (number of the value)')), axisY(yTitle, { format })],
+        legends: [{ fill: 'g', symbolType: 'circle' }],
+        marks: [
+          { type: 'rule', from: { data: 'd' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { scale: 'y', field: 'low' }, y2: { scale: 'y', field: 'high' }, stroke: { scale: 'g', field: 'g' }, strokeWidth: { value: 2 } } } },
+          { type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'g' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'g', field: 'g' }, strokeWidth: { value: 1.5 } } } }] },
+          { type: 'symbol', from: { data: 'd' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { scale: 'y', field: 'v' }, fill: { scale: 'g', field: 'g' }, size: { value: 45 } } } },
+        ],
+      }),
+    });
+    const out = [lines('sweep-probability', 'Probability of each model', 'Whiskers: twice the Monte Carlo error.', null,
+      rows.flatMap((r, i) => r.models.map((m) => ({ x: at(r, i), v: m.probability, g: m.name, low: Math.max(0, m.probability - 2 * (m.mcse || 0)), high: Math.min(1, m.probability + 2 * (m.mcse || 0)) }))),
+      names, [0, 1], '%', () => ({ head: [path, ...names.flatMap((n) => [`P(${n})`, 'Monte Carlo error'])], rows: rows.map((r) => [shownValue(r.value), ...r.models.flatMap((m) => [m.probability, m.mcse])]) }))];
+    const factors = rows.flatMap((r, i) => (r.log_bayes_factors || []).filter((b) => typeof b.log_bayes_factor === 'number').map((b) => ({ x: at(r, i), v: b.log_bayes_factor, g: `${b.model} against ${b.against}`,
+      low: b.log_bayes_factor - 2 * (b.mcse || 0), high: b.log_bayes_factor + 2 * (b.mcse || 0) })));
+    for (const [i, r] of rows.entries()) {
+      for (const [method, list] of Object.entries(r.evidence || {})) {
+        for (const e of list.slice(1)) if (typeof e.log_bayes_factor === 'number') factors.push({ x: at(r, i), v: e.log_bayes_factor, g: `${e.model} against ${list[0].model}, ${method}`, low: e.log_bayes_factor, high: e.log_bayes_factor });
+      }
+    }
+    if (factors.length) {
+      out.push(lines('sweep-bayes-factor', 'Logarithm of the Bayes factor', 'Above zero the data favour the model named first. Missing points: a model was never visited, so that the chains only bound the factor.', 'ln B',
+        factors, [...new Set(factors.map((f) => f.g))], [Math.min(0, ...factors.map((f) => f.low)), Math.max(0, ...factors.map((f) => f.high))], undefined,
+        () => ({ head: [path, 'models', 'ln Bayes factor', 'low', 'high'], rows: factors.map((f) => [f.x, f.g, f.v, f.low, f.high]) })));
+    }
+    return out;
+  }
+  const shownValue = (v) => (typeof v === 'number' ? v : JSON.stringify(v));
+
   function figures(run) {
+    if (run.summary.sweep) return sweep(run);
     const { summary, draws } = run;
     const out = [modelProbabilities(run)];
     if (summary.damage) {

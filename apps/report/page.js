@@ -1,7 +1,7 @@
 // Builds the page from the run's data. Everything that came from input is put in as text.
 (() => {
   const run = JSON.parse(document.getElementById('run').textContent);
-  const { summary, draws } = run;
+  const { summary, draws = {} } = run;
   const main = document.getElementById('content');
   const { number, percent } = charts;
 
@@ -124,54 +124,66 @@
   };
 
   // ---- sections ---------------------------------------------------------------------------
-  const d = summary.diagnostics;
-  const warnings = [...(d.warnings || [])];
-  const loose = [];
-  for (const [model, list] of Object.entries(draws.parameters)) {
-    for (const p of list) if (p.prior && p.prior.overlap > 0.85) loose.push(`${p.name} under “${model}” (overlap ${percent(p.prior.overlap)})`);
+  function runSections() {
+    const d = summary.diagnostics;
+    const warnings = [...(d.warnings || [])];
+    const loose = [];
+    for (const [model, list] of Object.entries(draws.parameters)) {
+      for (const p of list) if (p.prior && p.prior.overlap > 0.85) loose.push(`${p.name} under “${model}” (overlap ${percent(p.prior.overlap)})`);
+    }
+    if (loose.length) warnings.push(`Nearly the prior: the data say little about ${loose.join(', ')}. Such a posterior repeats what the case assumed; do not report it as a finding.`);
+    const p = summary.data?.posterior_predictive_p;
+    section('warnings', 'What to keep in mind', null,
+      element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
+        `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
+        (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
+        (typeof d.round_trips === 'number' ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
+      warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'),
+      ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, n)), ...(summary.notes || []).map((n) => element('p', { dir: 'auto' }, n)));
+
+    section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')));
+
+    const mirrored = d.symmetry?.statement;
+    section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored || null, of('where').length ? grid(of('where')) : null);
+
+    const folded = summary.damage?.folded;
+    section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${number(p, 3)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
+      of('fit').length ? grid(of('fit')) : null);
+
+    const fits = Object.entries(summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
+    if (fits.length) {
+      document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
+        head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],
+        rows: fits.flatMap(([model, rows]) => rows.map((r) => [model, r.channel, r.rmse, r.nrmse, r.r2, r.noise_sd, r.whiteness?.p_value])), caption: 'Residuals of each response channel' }));
+    }
+    const perModel = Object.keys(summary.parameters).flatMap((model) => {
+      const probability = summary.models.find((m) => m.name === model)?.probability;
+      const out = [element('h3', { dir: 'auto' }, `${model} (${charts.probability(probability)})`)];
+      if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model]), caption: 'Posterior given this model' }));
+      else out.push(element('p', { class: 'lead' }, 'No parameters.'));
+      if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));
+      if (of('parameters', model).length) out.push(grid(of('parameters', model), 4));
+      if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));
+      return [element('section', { class: 'model', 'aria-label': model }, ...out)];
+    });
+    section('parameters', 'Parameters', 'Posterior beside prior. A posterior that repeats its prior is not a finding.', ...perModel);
+
+    const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
+    const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of what means the same in every model' }) : null;
+    section('sampling', 'How the sampler fared', 'Chains that have converged look alike, keep no trend and move often between models.', grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
+
+    section('emulator', 'The emulator', null, of('emulator').length ? grid(of('emulator')) : null);
   }
-  if (loose.length) warnings.push(`Nearly the prior: the data say little about ${loose.join(', ')}. Such a posterior repeats what the case assumed; do not report it as a finding.`);
-  const p = summary.data?.posterior_predictive_p;
-  section('warnings', 'What to keep in mind', null,
-    element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
-      `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
-      (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
-      (typeof d.round_trips === 'number' ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
-    warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'),
-    ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, n)), ...(summary.notes || []).map((n) => element('p', { dir: 'auto' }, n)));
-
-  section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')));
-
-  const mirrored = d.symmetry?.statement;
-  section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored || null, of('where').length ? grid(of('where')) : null);
-
-  const folded = summary.damage?.folded;
-  section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${number(p, 3)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
-    of('fit').length ? grid(of('fit')) : null);
-
-  const fits = Object.entries(summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
-  if (fits.length) {
-    document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
-      head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],
-      rows: fits.flatMap(([model, rows]) => rows.map((r) => [model, r.channel, r.rmse, r.nrmse, r.r2, r.noise_sd, r.whiteness?.p_value])), caption: 'Residuals of each response channel' }));
+  function sweepSections() {
+    const { path, rows } = summary.sweep;
+    const warnings = rows.flatMap((r) => r.warnings.map((w) => `${path} = ${JSON.stringify(r.value)}: ${w}`));
+    section('warnings', 'What to keep in mind', null, warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'));
+    section('sweep', 'The sweep', null, grid(of('sweep')));
+    section('parameters', 'Parameters', null, ...rows.flatMap((r) => [element('h3', { class: 'apart' }, `${path} = ${JSON.stringify(r.value)}`),
+      ...Object.entries(r.parameters).filter(([, list]) => Object.keys(list).length).map(([model, list]) => copyable({ ...parameterRows(list), caption: model }))]));
   }
-  const perModel = Object.keys(summary.parameters).flatMap((model) => {
-    const probability = summary.models.find((m) => m.name === model)?.probability;
-    const out = [element('h3', { dir: 'auto' }, `${model} (${charts.probability(probability)})`)];
-    if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model]), caption: 'Posterior given this model' }));
-    else out.push(element('p', { class: 'lead' }, 'No parameters.'));
-    if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));
-    if (of('parameters', model).length) out.push(grid(of('parameters', model), 4));
-    if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));
-    return [element('section', { class: 'model', 'aria-label': model }, ...out)];
-  });
-  section('parameters', 'Parameters', 'Posterior beside prior. A posterior that repeats its prior is not a finding.', ...perModel);
-
-  const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
-  const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of what means the same in every model' }) : null;
-  section('sampling', 'How the sampler fared', 'Chains that have converged look alike, keep no trend and move often between models.', grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
-
-  section('emulator', 'The emulator', null, of('emulator').length ? grid(of('emulator')) : null);
+  if (summary.sweep) sweepSections();
+  else runSections();
 
   const about = summary.wheeltap;
   const command = about.command_line || `wheeltap ${about.command} ${about.case_file || 'CASE'} --seed ${about.seed}`;

@@ -28,11 +28,14 @@ Report read_summary(const fs::path& path) {
     throw FileError(FileError::Kind::foreign, path,
                     "has no " + what + ": not the summary of a wheeltap run");
   };
-  for (const char* key : {"wheeltap", "models", "parameters", "diagnostics"}) {
-    if (!summary.is_object() || !summary.contains(key)) lacks('"' + std::string(key) + '"');
+  const bool sweep = summary.is_object() && summary.contains("sweep");
+  for (const std::string key : {"wheeltap", "models", "parameters", "diagnostics"}) {
+    if (sweep && key != "wheeltap") break;
+    if (!summary.is_object() || !summary.contains(key)) lacks('"' + key + '"');
   }
   if (!summary["wheeltap"].is_object() || !summary["wheeltap"].contains("case"))
     lacks("\"wheeltap\".\"case\"");
+  if (sweep) return summary;
   if (!summary["models"].is_array() || summary["models"].empty()) lacks("models");
   for (const auto& model : summary["models"]) {
     if (!model.is_object() || !model.contains("name") || !model["name"].is_string() ||
@@ -54,6 +57,7 @@ Report content(const fs::path& directory, const Report& summary, const Answer& s
       {"summary", summary},
       {"answer",
        {{"caution", said.caution}, {"headline", said.headline}, {"detail", said.detail}}}};
+  if (summary.contains("sweep")) return out;  // its runs keep no draws
   try {
     out["draws"] = digest(directory / "posterior.nc", summary);
   } catch (const nlohmann::json::exception& error) {
@@ -94,7 +98,7 @@ std::string fill(std::string_view text,
 }
 
 std::string title_of(const Report& summary) {
-  const std::string title = summary.value("title", "");
+  const std::string title = summary.value("title", summary["wheeltap"]["case"].value("title", ""));
   return title.empty() ? "Untitled run" : title;
 }
 

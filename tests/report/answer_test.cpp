@@ -125,5 +125,23 @@ TEST(Answer, EquationOfMotion) {
   EXPECT_EQ(a.detail, "With 95 % intervals: k = 51.4 (47.6 to 55.2).");
 }
 
+TEST(Answer, SweepSaysWhereTheChoiceChanges) {
+  const auto at = [](double value, double p) {
+    return Report{{"value", value},
+                  {"converged", value < 300},
+                  {"models",
+                   {{{"name", "linear"}, {"probability", 1.0 - p}},
+                    {{"name", "duffing"}, {"probability", p}}}}};
+  };
+  const Report run = {
+      {"sweep",
+       {{"path", "/record/samples/1"}, {"rows", {at(100, 0.3), at(200, 0.4), at(300, 0.8)}}}}};
+  const Answer a = answer(run);
+  EXPECT_EQ(a.headline,
+            "Most probable over /record/samples/1: “linear” from 100.0 to 200.0 and “duffing” at "
+            "300.0.");
+  EXPECT_THAT(a.caution, StartsWith("1 of 3 runs have not converged"));
+}
+
 }  // namespace
 }  // namespace wheeltap::apps
