@@ -11,6 +11,7 @@
 #include <random>
 #include <vector>
 
+#include "../emulator/allocation_count.hpp"
 #include "beams.hpp"
 #include "fem/assembly.hpp"
 #include "fem/modal_analysis.hpp"
@@ -222,6 +223,20 @@ TEST(Reanalysis, OrderAndEarlierCallsDoNotMatter) {
     const std::vector<double> few = reanalysed(reanalysis, used, defects, 7);
     EXPECT_TRUE(std::equal(few.begin(), few.end(), f.begin()));
   }
+}
+
+TEST(Reanalysis, DoesNotAllocateOnceItsWorkspaceHasGrown) {
+  const Reanalysis reanalysis(slender_beam("cantilever"), kModes);
+  Reanalysis::Workspace workspace = reanalysis.make_workspace();
+  const Defects large{.damages = {{0.1, 0.5}, {0.4, 0.2}, {0.8, 0.9}},
+                      .supports = {{.location = 0.6}, {.location = 0.9, .stiffness = 1e3}}};
+  const Defects small{.damages = {{0.3, 0.5}}, .supports = {{.location = 0.7}}};
+  std::vector<double> f(kModes);
+  reanalysis.frequencies_hz(large.damages, large.supports, workspace, f);
+  const long before = test::allocations();
+  for (const Defects* d : {&small, &large})
+    reanalysis.frequencies_hz(d->damages, d->supports, workspace, f);
+  EXPECT_EQ(test::allocations(), before);
 }
 
 TEST(Reanalysis, MirrorImagesAgree) {
