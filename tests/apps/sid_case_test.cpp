@@ -1,0 +1,170 @@
+#include "apps/sid_case.hpp"
+
+#include <gmock/gmock.h>
+
+#include "sid_cases.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// What parsing `c` says, which must be of this exit code.
+std::string refusal(const Workspace& where, const json& c, Exit exit = Exit::bad_input) {
+  try {
+    static_cast<void>(parse_sid(where, c));
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.exit(), exit) << failure.what();
+    return failure.what();
+  }
+  return "not refused";
+}
+
+json with(const char* pointer, const json& value) {
+  json c = small_sid_case();
+  c[json::json_pointer(pointer)] = value;
+  return c;
+}
+
+json from_file(const std::string& name) {
+  json c = small_sid_case();
+  c.erase("truth");
+  c["record"]["file"] = name;
+  return c;
+}
+
+TEST(SidCase, EveryShippedCaseParsesAndSimulates) {
+  int cases = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(WHEELTAP_DATA) / "sid")) {
+    if (entry.path().extension() != ".json") continue;
+    ++cases;
+    const SidCase sid_case = parse_sid_case(read_case(entry.path()));
+    EXPECT_TRUE(sid_case.simulated) << entry.path();
+    EXPECT_GT(sid_case.end, 0) << entry.path();
+    EXPECT_FALSE(sid_case.notes.empty()) << entry.path();
+  }
+  EXPECT_GE(cases, 20);
+}
+
+TEST(SidCase, ParametersBelongToTheModelsThatUseThem) {
+  const Workspace where;
+  const SidCase c = parse_sid(where, small_sid_case());
+  ASSERT_EQ(c.parameters.size(), 2U);
+  EXPECT_EQ(c.models[0].parameters, std::vector<int>{0});
+  EXPECT_EQ(c.models[1].parameters, (std::vector<int>{0, 1}));
+  EXPECT_EQ(c.responses().size(), 1U);
+  EXPECT_DOUBLE_EQ(c.sample_rate_hz, 100.0);
+  EXPECT_EQ(c.end - c.begin, 200);
+}
+
+TEST(SidCase, TheSchemaKnowsEveryLaw) {
+  const json properties = schema("sid")["definitions"]["link"]["properties"];
+  for (const auto& info : dynamics::law_infos()) {
+    EXPECT_TRUE(properties.contains(std::string(info.name))) << info.name;
+  }
+}
+
+TEST(SidCase, NamesThePlaceOfEveryMistake) {
+  const Workspace where;
+  const auto expect = [&](const json& c, std::initializer_list<const char*> words) {
+    const std::string text = refusal(where, c);
+    for (const char* word : words) EXPECT_THAT(text, HasSubstr(word));
+  };
+  expect(with("/models/0/links/0/stiffness", "kk"),
+         {"/models/0/links/0/stiffness", "\"kk\"", "k, k3"});
+  expect(with("/parameters/unused", {{"uniform", {0, 1}}}), {"/parameters/unused", "nowhere"});
+  json negative = with("/parameters/m", {{"normal", {0.5, 0.1}}});
+  negative["models"][0]["masses"][0] = "m";
+  expect(negative, {"/parameters/m", "/models/0/masses/0", "positive"});
+  expect(with("/models/1/masses/0", -1), {"/models/1/masses/0", "-1", "positive"});
+  expect(with("/models/1/noise", 0), {"/models/1/noise", "positive"});
+  expect(with("/models/1/noise", {0.1, 0.1}), {"/models/1/noise", "one value a response channel"});
+  expect(with("/models/1/name", "linear"), {"/models/1/name", "two models"});
+  expect(with("/models/1/links/0/between", {0, 2}),
+         {"/models/1/links/0/between/1", "masses 1 to 1"});
+  expect(with("/models/1/links/0/between", {1, 1}), {"/between", "two different masses"});
+  expect(with("/models/1/links/0/cubbic", 1), {"/models/1/links/0/cubbic", "\"cubic\""});
+  expect(with("/models/1/links/0/contact", {{"stiffness", 1}}), {"/contact/gap", "missing"});
+  expect(with("/models/1/links/0/bilinear", {{"stiffness", 1}}), {"/bilinear/side", "closing"});
+  expect(with("/models/1/links/0/contact", {{"stiffness", 1}, {"gap", -1e-3}, {"side", "closing"}}),
+         {"/contact/gap", "not negative"});
+  expect(with("/record/channels/1/mass", 2), {"/record/channels/1/mass", "masses 1 to 1"});
+  expect(with("/record/channels/0/role", "ignore"), {"/record/channels/0/mass"});
+  expect(with("/record/samples", {0, 201}), {"/record/samples", "[0,201]", "200 samples"});
+  expect(with("/record/samples", {10, 10}), {"/record/samples", "[first, one past the last]"});
+  expect(with("/record/lead_in", 5), {"/record/lead_in", "0 samples"});
+  expect(with("/record/sample_rate", 50), {"100 Hz", "50 Hz"});
+  expect(with("/truth/model", "cubic"), {"/truth/model", "linear, duffing"});
+  expect(with("/truth/parameters/q", 1), {"/truth/parameters/q"});
+  expect(with("/truth/excitation/0/kind", "sine"), {"/truth/excitation/0/amplitude", "missing"});
+  expect(with("/parameters/k", {{"uniform", {5, 1}}}), {"/parameters/k/uniform"});
+}
+
+TEST(SidCase, NamesLineAndColumnOfDamagedRecords) {
+  const Workspace where;
+  const std::string header = "time [s],force [N],displacement [m]\n";
+  const auto rows = [&](int n, const auto& row) {
+    std::string text = header;
+    for (int i = 0; i < n; ++i) text += row(i);
+    where.write("record.csv", text);
+    return refusal(where, from_file("record.csv"));
+  };
+  const auto good = [](int i) { return std::to_string(0.01 * i) + ",1,2\n"; };
+  EXPECT_EQ(rows(150, good), "not refused");
+  EXPECT_THAT(rows(150, [&](int i) { return i == 4 ? "0.04,1\n" : good(i); }),
+              HasSubstr("record.csv, line 6: 2 columns, must be 3"));
+  EXPECT_THAT(rows(150, [&](int i) { return i == 4 ? "nan,1,2\n" : good(i); }),
+              HasSubstr("record.csv, line 6, column 1"));
+  EXPECT_THAT(rows(150, [&](int i) { return i == 4 ? "0.04,,2\n" : good(i); }),
+              HasSubstr("record.csv, line 6, column 2"));
+  EXPECT_THAT(rows(150, [&](int i) { return i == 4 ? std::string() : good(i); }),
+              HasSubstr("record.csv, line 6"));
+  // Printed as coarsely as it is sampled, and one row short.
+  EXPECT_THAT(
+      rows(150, [&](int i) { return i == 4 ? std::string() : good(i).substr(0, 4) + ",1,2\n"; }),
+      HasSubstr("same step everywhere"));
+  EXPECT_THAT(refusal(where, from_file("none.csv"), Exit::no_input), HasSubstr("none.csv"));
+  json c = from_file("record.csv");
+  where.write("record.csv", header + "0,1,2\n0.01,1,2\n0.02,1,2\n0.03,1,2\n");
+  c["record"]["channels"][0]["column"] = "forze";
+  EXPECT_THAT(refusal(where, c),
+              testing::AllOf(HasSubstr("/record/channels/0/column"), HasSubstr("force [N]")));
+}
+
+TEST(SidCase, ASimulatedRecordReadBackIsTheRecordInMemory) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["record"]["channels"][1]["scale"] = 0.001;  // recorded in mm
+  c["record"]["channels"][1]["offset"] = 0.2;
+  const SidCase in_memory = parse_sid(where, c);
+  where.write("record.csv", record_csv(simulate_record(in_memory, 1), "simulated"));
+  c["record"]["file"] = "record.csv";
+  const SidCase from_disk = parse_sid(where, c);
+  EXPECT_FALSE(from_disk.simulated);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto& a = in_memory.channels[i].signal.samples;
+    const auto& b = from_disk.channels[i].signal.samples;
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t n = 0; n < a.size(); ++n) EXPECT_NEAR(a[n], b[n], 1e-9 * std::abs(a[n]));
+  }
+  // Another seed is another record.
+  EXPECT_NE(simulate_record(in_memory, 2).columns[1].values,
+            simulate_record(in_memory, 1).columns[1].values);
+}
+
+TEST(SidCase, WindowsAndLeadInsCutTheRecord) {
+  const Workspace where;
+  const SidCase whole = parse_sid(where, small_sid_case());
+  json c = small_sid_case();
+  c["record"]["samples"] = {50, 120};
+  c["record"]["lead_in"] = 20;
+  const SidCase part = parse_sid(where, c);
+  ASSERT_EQ(part.channels[1].signal.samples.size(), 90U);
+  EXPECT_EQ(part.channels[1].signal.samples[0], whole.channels[1].signal.samples[30]);
+  EXPECT_EQ(part.channels[1].signal.samples[89], whole.channels[1].signal.samples[119]);
+}
+
+}  // namespace
+}  // namespace wheeltap::apps

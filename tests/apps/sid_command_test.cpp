@@ -1,0 +1,62 @@
+// `wheeltap sid` and `wheeltap simulate` as their users meet them.
+#include <gmock/gmock.h>
+
+#include "sid_cases.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr const char* kShort = " --quiet --chains 2 --warmup 3000 --draws 1000 ";
+
+TEST(SidCommand, WritesWhatTheContractPromises) {
+  const Workspace where;
+  const auto c = where.write_json("case.json", small_sid_case());
+  const auto out = where / "out";
+  const Outcome run = wheeltap(where, "sid " + c.string() + " -o " + out.string() + kShort);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("Which model?"));
+  const json s = json::parse(read_all(out / "summary.json"));
+  EXPECT_EQ(s["wheeltap"]["command"], "sid");
+  ASSERT_EQ(s["models"].size(), 2U);
+  EXPECT_EQ(s["models"][1]["name"], "duffing");
+  EXPECT_GT(s["models"][1]["mcse"].get<double>(), 0.0);
+  const json& k = s["parameters"]["duffing"]["k"];
+  EXPECT_LT(k["q2.5"].get<double>(), k["q97.5"].get<double>());
+  const json& fit = s["fit"]["duffing"][0];
+  EXPECT_NEAR(fit["rmse"].get<double>(), 0.05, 0.0125);  // sd of an sd: 5 % of it; five of them
+  EXPECT_NEAR(fit["r2"].get<double>(), 1.0 - std::pow(fit["nrmse"].get<double>(), 2), 1e-9);
+  EXPECT_TRUE(fit["whiteness"].contains("p_value"));
+  // 97 % of 200 samples, five standard deviations of a binomial below.
+  EXPECT_GT(s["predictive"]["channels"][0]["coverage"].get<double>(), 0.91);
+  EXPECT_TRUE(std::filesystem::exists(out / "posterior.nc"));
+}
+
+TEST(SidCommand, SweepsWriteOneTable) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["sweep"] = {{"path", "/truth/parameters/k3"}, {"values", {100, 2000}}};
+  const auto file = where.write_json("case.json", c);
+  const auto out = where / "out";
+  const Outcome run = wheeltap(where, "sid " + file.string() + " -o " + out.string() + kShort);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string table = read_all(out / "sweep.csv");
+  EXPECT_EQ(std::ranges::count(table, '\n'), 4);  // a comment, the header, two rows
+  EXPECT_THAT(table, HasSubstr("ln B(duffing:linear)"));
+  c["sweep"]["path"] = "/truth/parametres/k3";
+  const auto wrong = where.write_json("case.json", c);
+  EXPECT_EQ(wheeltap(where, "sid " + wrong.string() + " -o " + out.string()).exit_code, 65);
+}
+
+TEST(SidCommand, SimulatesWithUnitsInTheHeader) {
+  const Workspace where;
+  const auto c = where.write_json("case.json", small_sid_case());
+  const auto out = where / "record.csv";
+  ASSERT_EQ(wheeltap(where, "simulate " + c.string() + " -o " + out.string()).exit_code, 0);
+  EXPECT_THAT(read_all(out), HasSubstr("time [s],force [N],displacement [m]\n"));
+}
+
+}  // namespace
+}  // namespace wheeltap::apps
