@@ -45,6 +45,11 @@ const charts = (() => {
     };
   }
   const linear = (name, domain, range, more) => ({ name, type: 'linear', domain, range, zero: false, nice: false, ...more });
+  const powersOfTen = (values) => {
+    const [a, b] = [Math.min(...values), Math.max(...values)].map((v) => Math.floor(Math.log10(v)));
+    const step = Math.max(1, Math.ceil((b - a) / 5));
+    return Array.from({ length: Math.floor((b + 1 - a) / step) + 1 }, (_, i) => 10 ** (a + i * step));
+  };
   const axisX = (title, more) => ({ orient: 'bottom', scale: 'x', title, tickCount: { signal: 'max(2, width / 90)' }, ...more });
   const axisY = (title, more) => ({ orient: 'left', scale: 'y', title, grid: true, domain: false, ticks: false, tickCount: 4, ...more });
 
@@ -390,7 +395,7 @@ const charts = (() => {
             data: [{ name: 'd', values: ['data', 'predicted', 'residual'].flatMap((who, k) => r.spectrum.filter((s) => s[k + 1] > 0).map((s) => ({ f: s[0], v: s[k + 1], who }))) }],
             scales: [linear('x', [0, r.spectrum[r.spectrum.length - 1][0]], 'width'), { name: 'y', type: 'log', domain: [Math.max(Math.min(...positive), Math.max(...positive) * 1e-9), Math.max(...positive) * 2], range: 'height', clamp: true },
               { name: 'who', type: 'ordinal', domain: ['data', 'predicted', 'residual'], range: [theme.ink, theme.other, theme.main] }],
-            axes: [axisX('frequency [Hz]'), axisY(r.unit ? (r.unit === 'm' ? 'm²/Hz' : `(${r.unit.replace('^2', '²')})²/Hz`) : null, { format: '.0e' })],
+            axes: [axisX('frequency [Hz]'), axisY(r.unit ? (r.unit === 'm' ? 'm²/Hz' : `(${r.unit.replace('^2', '²')})²/Hz`) : null, { format: '.0e', values: powersOfTen(positive) })],
             legends: [{ stroke: 'who', symbolType: 'stroke', symbolStrokeWidth: 3, columns: 3 }],
             marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'who' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.2 } } } }] }],
           }),
@@ -459,7 +464,7 @@ const charts = (() => {
         scales: [{ name: 'x', type: 'point', domain: [...new Set(values.map((v) => v.mode))], range: 'width', padding: 0.6 },
           { name: 'y', type: 'log', domain: [Math.min(...positive) / 1.5, Math.max(...positive) * 1.5], range: 'height' },
           { name: 'n', type: 'ordinal', domain: [...new Set(values.map((v) => v.n))], range: theme.series }],
-        axes: [{ orient: 'bottom', scale: 'x', title: 'mode', domain: false, ticks: false }, axisY('error [Hz]', { format: '.1~g', tickCount: 5 })],
+        axes: [{ orient: 'bottom', scale: 'x', title: 'mode', domain: false, ticks: false }, axisY('error [Hz]', { format: '~r', values: powersOfTen(positive) })],
         legends: [{ fill: 'n', symbolType: 'circle' }],
         marks: [
           { type: 'rule', from: { data: 'noise' }, encode: { enter: { x: { scale: 'x', field: 'mode', offset: -9 }, x2: { scale: 'x', field: 'mode', offset: 9 }, y: { scale: 'y', field: 'noise' }, stroke: { value: theme.ink }, strokeWidth: { value: 2 } } } },
