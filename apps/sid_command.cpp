@@ -12,7 +12,6 @@
 #include "apps/running.hpp"
 #include "apps/sid_posterior_file.hpp"
 #include "apps/terminal.hpp"
-#include "inference/parallel.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -34,9 +33,9 @@ inference::Options engine_options(const CommonOptions& common, const SamplingOpt
   engine.prior_only = options.prior_only;
   engine.warmup = options.warmup;
   engine.draws = options.draws;
-  const int threads = std::min(inference::thread_count(common.threads), options.chains);
-  // Likelihoods that each chain can have.
-  const double affordable = kAffordableSeconds * threads / options.chains / seconds_a_likelihood;
+  // Likelihoods that each chain can have on two cores, whatever this machine has: threads never
+  // change a result.
+  const double affordable = kAffordableSeconds * 2.0 / options.chains / seconds_a_likelihood;
   if (options.prior_only || kDefaultWarmup + 4.0 * kDefaultDraws <= affordable) return engine;
   engine.thin = 1;
   if (engine.warmup == 0) {
