@@ -9,6 +9,8 @@
 #include <iostream>
 #include <numeric>
 
+#include "apps/report/answer.hpp"
+
 namespace wheeltap::apps {
 namespace {
 
@@ -213,6 +215,15 @@ void print_closing(std::ostream& out, const Report& summary, const std::string& 
       << '\n';
 }
 
+// The answer in two sentences, before any number.
+void print_answer(std::ostream& out, const Report& summary, const Style& style) {
+  const Answer said = answer(summary);
+  out << '\n';
+  if (!said.caution.empty()) print_wrapped(out, said.caution, style.warn("! "), "  ");
+  print_wrapped(out, said.headline, "", "");
+  if (!said.detail.empty()) print_wrapped(out, said.detail, "", "");
+}
+
 std::string support_glyph(const Report& s) {
   const bool deflection = s["deflection"], rotation = s["rotation"];
   if (!s["stiffness"].is_string()) return "≀";
@@ -303,6 +314,7 @@ void print_damage(std::ostream& out, const Report& summary, bool colour) {
   const auto& models = summary["models"];
   out << '\n' << style.bold(summary["title"].get<std::string>()) << '\n';
   out << "Data: " << summary["data"]["origin"].get<std::string>() << '\n';
+  print_answer(out, summary, style);
 
   const bool several = summary["kinds"].size() > 1;
   out << '\n'
@@ -376,6 +388,7 @@ void print_sid(std::ostream& out, const Report& summary, bool colour) {
   const auto& data = summary["data"];
   out << "Data: " << data["origin"].get<std::string>() << "; samples " << data["samples"][0]
       << " to " << data["samples"][1] << " at " << number(data["sample_rate"], 6) << " Hz\n";
+  print_answer(out, summary, style);
   out << '\n' << style.bold("Which model?") << '\n';
   print_models(out, summary["models"]);
   for (const auto& b : summary["log_bayes_factors"]) {
