@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -132,26 +133,42 @@ class Replicate {
     particles_ = std::move(next);
   }
 
+  // Each half of the samples moves by a mixture fitted to the other half: a proposal that knows the
+  // very samples it moves favours leaving them, and that biases ln Z.
   void move(double beta, Random& random) {
-    const int d = posterior_.dimension();
-    Eigen::MatrixXd states(options_.samples, d);
-    for (int i = 0; i < options_.samples; ++i)
-      states.row(i) =
-          Eigen::Map<const Eigen::RowVectorXd>(particles_[static_cast<std::size_t>(i)].z.data(), d);
-    NormalMixture::FitOptions fit;
-    fit.max_components = 8;
-    fit.defensive_weight = 0.05;
-    const NormalMixture mixture = NormalMixture::fit(states, fit, random);
+    const auto middle = static_cast<std::ptrdiff_t>(particles_.size() / 2);
+    const std::span<Particle> first(particles_.begin(), particles_.begin() + middle);
+    const std::span<Particle> second(particles_.begin() + middle, particles_.end());
+    const NormalMixture of_first = fit(first, random), of_second = fit(second, random);
+    move(first, of_second, beta, random);
+    move(second, of_first, beta, random);
+  }
 
+  NormalMixture fit(std::span<const Particle> particles, Random& random) const {
+    const int d = posterior_.dimension();
+    Eigen::MatrixXd states(static_cast<Eigen::Index>(particles.size()), d);
+    for (Eigen::Index i = 0; i < states.rows(); ++i)
+      states.row(i) =
+          Eigen::Map<const Eigen::RowVectorXd>(particles[static_cast<std::size_t>(i)].z.data(), d);
+    NormalMixture::FitOptions options;
+    options.max_components = 8;
+    options.defensive_weight = 0.05;
+    return NormalMixture::fit(states, options, random);
+  }
+
+  void move(std::span<Particle> particles, const NormalMixture& mixture, double beta,
+            Random& random) {
+    const int d = posterior_.dimension();
+    const auto n = static_cast<double>(particles.size());
     Particle to;
     to.z.resize(static_cast<std::size_t>(d));
     std::vector<double> normal(to.z);
     double moved = 0.0;
-    const double least = options_.acceptances * options_.samples;
+    const double least = options_.acceptances * n;
     for (int sweep = 0; moved < least && sweep < kMostSweeps; ++sweep) {
       const bool renew = sweep % 2 == 0;
       double accepted = 0.0;
-      for (Particle& p : particles_) {
+      for (Particle& p : particles) {
         double log_ratio = 0.0;
         if (renew) {
           mixture.sample(random, to.z);
@@ -175,8 +192,7 @@ class Replicate {
         }
       }
       moved += accepted;
-      if (!renew)
-        log_scale_ = std::clamp(log_scale_ + 2.0 * (accepted / options_.samples - 0.3), -6.0, 2.0);
+      if (!renew) log_scale_ = std::clamp(log_scale_ + 2.0 * (accepted / n - 0.3), -6.0, 2.0);
     }
     sluggish_ = sluggish_ || moved < 0.5 * least;
   }

@@ -14,7 +14,7 @@ struct TmcmcOptions {
   int replicates = 8;        ///< independent runs, whose scatter is the standard error; >= 4
   int samples = 500;         ///< a replicate
   double weight_cov = 1.0;   ///< coefficient of variation of the weights that sets each step of β
-  double acceptances = 4.0;  ///< moves accepted a sample and stage, on average, before going on
+  double acceptances = 6.0;  ///< moves accepted a sample and stage, on average, before going on
   int threads = 0;           ///< 0: as many as the machine has. Never changes a result.
 };
 
@@ -33,9 +33,10 @@ struct Tmcmc {
 ///
 /// Beyond the paper: β by bisection on the weights' coefficient of variation; systematic
 /// resampling; prior draws of likelihood zero are a step of their own; half of the moves are
-/// drawn from a normal mixture fitted to the stage's samples and half are steps with the covariance
-/// of one of its components, at a scale adapted from sweep to sweep, so that separate modes stay
-/// balanced; sweeps until each sample has moved several times; everything in log space.
+/// drawn from a normal mixture and half are steps with the covariance of one of its components, at
+/// a scale adapted from sweep to sweep, so that separate modes stay balanced; the mixture that
+/// moves one half of the samples is fitted to the other half; sweeps until each sample has moved
+/// several times; everything in log space.
 ///
 /// ln Z is the log of the replicates' mean Z. Its standard error is from their scatter, times
 /// √((R-1)/(R-3)) for knowing the scatter from R replicates only (the sd of Student's t).
