@@ -220,7 +220,10 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
     add_move<RandomWalk>(*kernels, 0.1, "random walk", pilot.scales);
     add_move<DifferentialEvolution>(*kernels, 0.05, "differential evolution", pilot.archive);
   }
-  add_component_moves(*kernels, problem, options, atlases, 0.3);
+  // Without an atlas only blind births and the pilots change the count: give them more of the
+  // steps.
+  const bool blind = std::none_of(atlases.begin(), atlases.end(), [](const auto& a) { return a; });
+  add_component_moves(*kernels, problem, options, atlases, blind && !is_list(space) ? 0.6 : 0.3);
   if (options.moves.independence) {
     if (space.size() > 1) {
       add_move<MixtureJump>(*kernels, 0.4, "mixture jump", pilot.fit, true);
