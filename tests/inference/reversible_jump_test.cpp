@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "inference/diagnostics.hpp"
+#include "inference/moves/birth_death.hpp"
 #include "tests/inference/statistics.hpp"
 #include "tests/inference/toy_problems.hpp"
 
@@ -135,6 +136,28 @@ INSTANTIATE_TEST_SUITE_P(MoveSets, PriorRecovery,
                                                   .relocation = false,
                                                   .reflection = false}}),
                          [](const auto& set) { return set.param.name; });
+
+// The control: one move that forgets its ratio, among all the right ones, and the prior does not
+// come back.
+TEST(PriorRecoveryControl, NoticesAForgottenRatio) {
+  class Forgetful : public BirthDeath {
+   public:
+    using BirthDeath::BirthDeath;
+    std::optional<double> propose(const State& from, const Step& step, State& to) override {
+      if (!BirthDeath::propose(from, step, to)) return std::nullopt;
+      return 0.0;
+    }
+  };
+  Problem problem = toy::bump_problem(std::vector<double>(toy::kSensors, 1.0), {3, 1, 4, 2});
+  problem.moves.push_back(
+      {"forgetful birth",
+       [] { return std::make_unique<Forgetful>(0, std::make_unique<PriorProposal>()); }});
+  Options options = small();
+  options.prior_only = true;
+  const Posterior posterior = reversible_jump(problem, options);
+  const double error = mcse_mean(indicator(posterior, 0));
+  EXPECT_GT(std::abs(probability(posterior, 0) - 0.3), kSigmas * error);
+}
 
 // A flat likelihood with a Poisson prior returns that Poisson, k = 0 included.
 TEST(ReversibleJump, FlatLikelihoodReturnsThePoissonPrior) {
