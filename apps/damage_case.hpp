@@ -43,6 +43,10 @@ struct DefectKind {
   [[nodiscard]] std::string severity_name() const {
     return type == Type::reduction ? "reduction" : "stiffness";
   }
+  /// "" for a reduction.
+  [[nodiscard]] std::string severity_unit() const {
+    return type == Type::reduction ? "" : (rotation ? "N m/rad" : "N/m");
+  }
 };
 
 /// What was measured: the lowest elastic natural frequencies.

@@ -264,11 +264,24 @@ void unidentified(const Draws& draws, const Report& models, const Report& parame
     const auto& model = draws.space()[m];
     const double p = models[static_cast<std::size_t>(m)]["probability"];
     if (p < kWorthTelling || model.dimension < data || data == 0) continue;
-    std::string text = std::to_string(data) + (data == 1 ? " frequency" : " frequencies") +
-                       " cannot exclude " + model.name + " (" + probability_is(p) + "): with " +
-                       std::to_string(model.dimension) +
-                       " unknowns it has as many as there are data, or more, and fits them however "
-                       "they fall";
+    bool simpler = false;
+    for (int o = 0; o < draws.space().size(); ++o) {
+      simpler = simpler || (draws.space()[o].dimension < model.dimension &&
+                            models[static_cast<std::size_t>(o)]["probability"] >= kWorthTelling);
+    }
+    const std::string measured = std::to_string(data) + (data == 1 ? " frequency" : " frequencies");
+    const std::string unknowns =
+        std::to_string(model.dimension) + (model.dimension == 1 ? " unknown" : " unknowns");
+    if (!simpler) {
+      warnings.push_back(
+          "The " + unknowns + " of " + model.name + " are fitted to " + measured +
+          ", not tested by them: how bad the fit of a wrong model would be cannot "
+          "be seen, and the intervals lean on the priors. Measure more frequencies.");
+      continue;
+    }
+    std::string text =
+        measured + " cannot exclude " + model.name + " (" + probability_is(p) + "): with " +
+        unknowns + " it has as many as there are data, or more, and fits them however they fall";
     for (std::size_t k = 0; k < model.counts.size(); ++k) {
       const DefectKind& kind = problem.damage_case.kinds[k];
       const int smaller = draws.space().neighbour(m, static_cast<int>(k), -1);
@@ -547,6 +560,7 @@ Report summarise_damage(const DamageProblem& problem, const Posterior& posterior
     kinds.push_back({{"name", kind.name},
                      {"plural", kind.plural},
                      {"severity", kind.severity_prior() ? Report(kind.severity_name()) : Report()},
+                     {"unit", kind.severity_unit()},
                      {"truth", truth}});
   }
   Report summary = {

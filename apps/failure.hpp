@@ -6,7 +6,7 @@
 
 namespace wheeltap::apps {
 
-/// The program's exit codes (those of sysexits.h).
+/// The program's exit codes: those of sysexits.h, and the shell's for an interrupt.
 enum class Exit : int {
   done = 0,
   usage = 64,          ///< bad command line
@@ -14,6 +14,7 @@ enum class Exit : int {
   no_input = 66,       ///< a file is missing or unreadable
   internal = 70,       ///< a fault of ours
   cannot_create = 73,  ///< output cannot be written
+  interrupted = 130,   ///< Ctrl-C before there was anything to keep
 };
 
 /// One readable line that names the place, the value and what is allowed, and the exit code.

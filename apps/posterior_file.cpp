@@ -122,7 +122,7 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
         const int id = file.put(group, prefix + name, {chain, draw, slot}, values);
         if (p == 0) file.text(group, id, "units", "m");
         if (p == 1 && kind.type == DefectKind::Type::support) {
-          file.text(group, id, "units", kind.rotation ? "N m/rad" : "N/m");
+          file.text(group, id, "units", kind.severity_unit());
         }
       }
     }

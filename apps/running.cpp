@@ -77,7 +77,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
     bar.clear();
     cut_to_shortest(posterior);
     if (posterior.draws < 100) {
-      throw Failure(Exit::internal,
+      throw Failure(Exit::interrupted,
                     "stopped before there were 100 draws a chain: nothing to report");
     }
     return posterior;

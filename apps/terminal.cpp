@@ -110,8 +110,10 @@ std::string metres(double x) {
   return fixed(x, 3);
 }
 
-std::string severity_text(const std::string& name, double x) {
-  return name == "reduction" ? fixed(100.0 * x, 0) + " %" : significant(x, 3);
+// A severity with its unit, from the kind's own report.
+std::string severity_text(const Report& kind, double x) {
+  if (kind["severity"] == "reduction") return fixed(100.0 * x, 0) + " %";
+  return significant(x, 3) + " " + kind["unit"].get<std::string>();
 }
 
 // "location[1]" → {"location", "1"}, prefix of the kind kept.
@@ -154,10 +156,12 @@ void print_defects(std::ostream& out, const Report& summary, const Report& table
       for (const std::string& key :
            {prefix + severity + "[" + slot.index + "]", severity + "[" + slot.index + "]"}) {
         if (!table.contains(key)) continue;
-        const auto text = [&](double x) { return severity_text(severity, x); };
+        const auto text = [&](double x) { return severity_text(*kind, x); };
         row.push_back(text(table[key]["q50"]));
         row.push_back(interval(table[key], text));
-        severity_heading = severity;
+        const std::string heading = severity == "reduction" ? "stiffness lost" : severity;
+        severity_heading =
+            severity_heading.empty() || severity_heading == heading ? heading : "severity";
         break;
       }
     }
@@ -168,7 +172,7 @@ void print_defects(std::ostream& out, const Report& summary, const Report& table
   if (folded) header.emplace_back("or its mirror");
   header.emplace_back("95 % interval");
   if (!severity_heading.empty()) {
-    header.push_back(severity_heading == "reduction" ? "stiffness lost" : "stiffness [N/m]");
+    header.push_back(severity_heading);
     header.emplace_back("95 % interval");
   }
   rows.insert(rows.begin(), header);
@@ -204,8 +208,9 @@ void print_closing(std::ostream& out, const Report& summary, const std::string& 
 
   const auto& cost = summary["cost"];
   out << '\n'
-      << cost["chains"] << " chains of " << cost["draws_a_chain"] << " draws in "
-      << significant(cost["wall_seconds"], 2) << " s; effective sample size of the " << what << ' '
+      << cost["chains"] << (cost["chains"] == 1 ? " chain of " : " chains of ")
+      << cost["draws_a_chain"] << " draws in " << significant(cost["wall_seconds"], 2)
+      << " s; effective sample size of the " << what << ' '
       << (diagnosed["ess_model"].is_number() ? rounded_count(diagnosed["ess_model"]) : "-")
       << ", largest R-hat "
       << (diagnosed["rhat_max"].is_number() ? fixed(diagnosed["rhat_max"], 4) : "-") << ".\n";
@@ -358,7 +363,7 @@ void print_damage(std::ostream& out, const Report& summary, bool colour) {
       for (const auto& t : kind["truth"]) {
         truth += (truth.empty() ? "" : "; ") + kind["name"].get<std::string>() + " at " +
                  metres(t["location"]) + " m";
-        if (t.contains("reduction")) truth += ", " + severity_text("reduction", t["reduction"]);
+        if (t.contains("reduction")) truth += ", " + severity_text(kind, t["reduction"]);
       }
     }
     out << "\nTruth that the data were simulated from: " << (truth.empty() ? "nothing" : truth)
