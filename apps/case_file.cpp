@@ -303,7 +303,12 @@ void CaseFile::refuse(const Pointer& where, const std::string& message) const {
 }
 
 std::filesystem::path CaseFile::resolve(const std::string& name) const {
-  return path.parent_path() / name;
+  std::filesystem::path beside = path.parent_path() / name;
+  std::error_code ignored;
+  if (!std::filesystem::exists(beside, ignored) && std::filesystem::exists(name, ignored)) {
+    return name;
+  }
+  return beside;
 }
 
 CaseFile read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides) {

@@ -24,7 +24,8 @@ struct CaseFile {
   /// Throws Failure (65): "FILE: /pointer: VALUE: message", the value being what stands there.
   [[noreturn]] void refuse(const Pointer& where, const std::string& message) const;
 
-  /// A file that the case names, relative to the case's own folder.
+  /// A file that the case names: in the case's own folder or, where it is not there, in the current
+  /// one.
   [[nodiscard]] std::filesystem::path resolve(const std::string& name) const;
 };
 
