@@ -208,7 +208,7 @@ Report symmetry(const Draws& draws, const ChainsOf& difference,
   std::string statement =
       "The intact beam is symmetric, so its frequencies cannot tell a place x from its mirror "
       "image "
-      "L - x: each location below stands for both.";
+      "L - x: each location named here stands for both.";
   if (problem.emulator) {
     statement =
         "The intact beam is symmetric, so its frequencies cannot tell a place x from its mirror "
