@@ -6,28 +6,52 @@
 
 namespace wheeltap::inference {
 
-double log_target_ratio(const Target& target, double beta, const State& from, const State& to) {
+namespace {
+
+double log_ratio(const Target& target, double beta, const State& from, const State& to,
+                 double State::*log_likelihood) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   // A state without finite likelihood is impossible at every temperature, beta = 0 included.
-  if (to.log_likelihood == -kInfinity) return -kInfinity;
-  if (from.log_likelihood == -kInfinity) return kInfinity;
-  return beta * (to.log_likelihood - from.log_likelihood)  // likelihood ratio
-         + target.log_prior(to) - target.log_prior(from);  // prior ratio
+  if (to.*log_likelihood == -kInfinity) return -kInfinity;
+  if (from.*log_likelihood == -kInfinity) return kInfinity;
+  return beta * (to.*log_likelihood - from.*log_likelihood)  // likelihood ratio
+         + target.log_prior(to) - target.log_prior(from);    // prior ratio
+}
+
+}  // namespace
+
+double log_target_ratio(const Target& target, double beta, const State& from, const State& to) {
+  return log_ratio(target, beta, from, to, &State::log_likelihood);
+}
+
+double log_screen_ratio(const Target& target, double beta, const State& from, const State& to) {
+  return log_ratio(target, beta, from, to, &State::log_screen);
 }
 
 Kernel::Outcome MetropolisHastings::step(State& state, const Step& step) {
   proposal_ = state;
-  proposal_.evaluated = false;
+  proposal_.screened = proposal_.evaluated = false;
   const std::optional<double> log_hastings = move_->propose(state, step, proposal_);
   if (!log_hastings) return {};
-  if (!proposal_.evaluated) step.target.evaluate(proposal_);
-  const double log_ratio =
-      log_target_ratio(step.target, step.beta, state, proposal_) + *log_hastings;
+  if (!proposal_.screened) step.target.screen(proposal_);
+  const double log_first =
+      log_screen_ratio(step.target, step.beta, state, proposal_) + *log_hastings;
   Outcome outcome{.proposed = true, .accepted = false, .to_model = proposal_.model};
   // Strictly less, so that a ratio of zero (or NaN from ∞ - ∞) is never accepted.
-  outcome.accepted = std::log(step.random.uniform()) < log_ratio;
+  outcome.accepted = std::log(step.random.uniform()) < log_first;
+  double log_second = 0.0;
+  if (outcome.accepted && step.target.has_screen()) {
+    step.target.complete(proposal_);
+    log_second = step.beta * (proposal_.log_likelihood - proposal_.log_screen -
+                              state.log_likelihood + state.log_screen);
+    // A beta of 0 must not make an impossible state possible.
+    if (!std::isfinite(proposal_.log_likelihood)) log_second = proposal_.log_likelihood;
+    outcome.accepted = std::log(step.random.uniform()) < log_second;
+  }
   if (outcome.accepted) std::swap(state, proposal_);
-  if (step.adapting) move_->adapt(std::exp(std::min(0.0, log_ratio)), state);
+  if (step.adapting) {
+    move_->adapt(std::exp(std::min(0.0, log_first) + std::min(0.0, log_second)), state);
+  }
   return outcome;
 }
 

@@ -51,7 +51,7 @@ class Move {
   ///   ln [ q(to → from) / q(from → to) · |J| ]     with respect to dz,
   ///
   /// or nothing where no proposal is possible: the chain then repeats its state. A move whose
-  /// reverse density depends on the likelihood's residuals evaluates `to` itself.
+  /// reverse density depends on the likelihood's residuals screens `to` itself.
   virtual std::optional<double> propose(const State& from, const Step& step, State& to) = 0;
 
   /// Called after each of its proposals during warm-up.
@@ -61,6 +61,15 @@ class Move {
 /// Accepts a move with probability
 ///
 ///   min{1, likelihood ratio^beta · prior ratio · proposal ratio · |J|}       (Green 1995, eq. 7).
+///
+/// Where the problem has a stand-in ℓ* for the log likelihood ℓ, delayed acceptance (Christen & Fox
+/// 2005, Markov chain Monte Carlo using an approximation, section 2): the ratio above with ℓ*
+/// decides whether ℓ is computed at all, and the proposal is then accepted with probability
+///
+///   min{1, exp(beta [ℓ(y) - ℓ*(y) - ℓ(x) + ℓ*(x)])}.
+///
+/// The first stage is a kernel that leaves prior × exp(beta ℓ*) invariant, so its own ratio is that
+/// density's, and the second stage corrects it, whatever the move and the models.
 class MetropolisHastings : public Kernel {
  public:
   MetropolisHastings(std::string name, std::unique_ptr<Move> move)
@@ -75,6 +84,9 @@ class MetropolisHastings : public Kernel {
 /// ln of the ratio of tempered target densities, to over from; -∞ where `to` is impossible, +∞
 /// where only `from` is.
 [[nodiscard]] double log_target_ratio(const Target& target, double beta, const State& from,
+                                      const State& to);
+/// The same with the stand-in's log likelihood.
+[[nodiscard]] double log_screen_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 
 /// A fixed mixture of kernels: each step picks one with probability proportional to its weight,

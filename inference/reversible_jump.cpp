@@ -115,6 +115,8 @@ class Engine {
     if (!reporter_.stopped()) sample();
 
     posterior_.likelihood_evaluations = evaluations() + shared_evaluations_;
+    for (const Runner& runner : runners_)
+      posterior_.full_evaluations += runner.target->full_evaluations();
     posterior_.stopped_early = reporter_.stopped();
     posterior_.wall_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

@@ -81,6 +81,9 @@ struct Posterior {
   int predictions = 0;  ///< row length of Chain::prediction
   long warmup_evaluations = 0;
   long likelihood_evaluations = 0;  ///< all of them, warm-up included
+  /// Of the likelihood proper where the problem has a stand-in, warm-up included; those above are
+  /// then the stand-in's.
+  long full_evaluations = 0;
   double wall_seconds = 0.0;
   bool stopped_early = false;
   bool tempered_draws = false;  ///< the draws were made with parallel tempering

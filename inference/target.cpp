@@ -23,7 +23,9 @@ std::string describe(const ModelSpace& space, const State& state) {
 }  // namespace
 
 Target::Target(const Problem& problem, bool prior_only)
-    : problem_(&problem), likelihood_(prior_only ? nullptr : problem.likelihood()) {
+    : problem_(&problem),
+      likelihood_(prior_only ? nullptr : problem.likelihood()),
+      screen_(prior_only || !problem.screen ? nullptr : problem.screen()) {
   for (const Model& model : problem.space.models()) {
     double constant = model.log_prior - 0.5 * model.dimension * std::log(2.0 * std::numbers::pi);
     for (const int k : model.counts) constant += std::lgamma(k + 1.0);
@@ -31,11 +33,21 @@ Target::Target(const Problem& problem, bool prior_only)
   }
 }
 
-void Target::evaluate(State& state) {
+double Target::call(Likelihood& likelihood, const State& state) const {
+  const double value = likelihood.log_likelihood(state.model, state.x);
+  if (std::isnan(value) || value == kInfinity) {
+    throw LikelihoodError("the log likelihood is " + std::to_string(value) + " for " +
+                          describe(space(), state));
+  }
+  return value;
+}
+
+void Target::screen(State& state) {
   const std::size_t d = state.z.size();
   state.x.resize(d);
-  state.evaluated = true;
-  state.log_likelihood = -kInfinity;
+  state.screened = true;
+  state.evaluated = !screen_;
+  state.log_likelihood = state.log_screen = -kInfinity;
   state.log_prior_factor = 0.0;
   for (std::size_t i = 0; i < d; ++i) {
     if (!std::isfinite(state.z[i])) return;
@@ -49,20 +61,34 @@ void Target::evaluate(State& state) {
     if (state.log_prior_factor == -kInfinity) return;
   }
   if (!likelihood_) {
-    state.log_likelihood = 0.0;
+    state.log_likelihood = state.log_screen = 0.0;
     return;
   }
   ++evaluations_;
-  state.log_likelihood = likelihood_->log_likelihood(state.model, state.x);
-  if (std::isnan(state.log_likelihood) || state.log_likelihood == kInfinity) {
-    throw LikelihoodError("the log likelihood is " + std::to_string(state.log_likelihood) +
-                          " for " + describe(space(), state));
-  }
+  Likelihood& cheapest = screen_ ? *screen_ : *likelihood_;
+  state.log_screen = call(cheapest, state);
+  const auto residuals = cheapest.residuals();
+  state.residuals.assign(residuals.begin(), residuals.end());
+  state.noise_scale = cheapest.noise_scale();
+  if (screen_) return;
+  state.log_likelihood = state.log_screen;
   const auto prediction = likelihood_->prediction();
   state.prediction.assign(prediction.begin(), prediction.end());
-  const auto residuals = likelihood_->residuals();
-  state.residuals.assign(residuals.begin(), residuals.end());
-  state.noise_scale = likelihood_->noise_scale();
+}
+
+void Target::complete(State& state) {
+  if (state.evaluated) return;
+  state.evaluated = true;
+  if (state.log_screen == -kInfinity) return;
+  ++full_evaluations_;
+  state.log_likelihood = call(*likelihood_, state);
+  const auto prediction = likelihood_->prediction();
+  state.prediction.assign(prediction.begin(), prediction.end());
+}
+
+void Target::evaluate(State& state) {
+  screen(state);
+  complete(state);
 }
 
 double Target::log_prior(const State& state) const {
@@ -95,7 +121,7 @@ void Target::draw_prior(int model, Random& random, State& state) const {
   state.model = model;
   state.z.resize(static_cast<std::size_t>(space()[model].dimension));
   for (double& z : state.z) z = random.normal();
-  state.evaluated = false;
+  state.screened = state.evaluated = false;
   sort_components(state);
 }
 

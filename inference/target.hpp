@@ -68,6 +68,9 @@ struct Problem {
   LogPriorFactor log_prior_factor = nullptr;  ///< optional
   std::vector<Reflection> reflections{};      ///< optional: symmetries worth proposing
   std::vector<NamedMove> moves{};             ///< optional: added to the engine's own
+  /// Optional: a cheap stand-in for `likelihood`, finite wherever that is. Proposals must pass it
+  /// first (delayed acceptance, Christen & Fox 2005); the posterior remains that of `likelihood`.
+  LikelihoodFactory screen = nullptr;
 };
 
 /// One state of the chain: a model and its parameters in standard normal coordinates, with what the
@@ -77,11 +80,13 @@ struct State {
   std::vector<double> z;  ///< standard normal coordinates, laid out as in Model
   std::vector<double> x;  ///< the physical parameters of z
   double log_likelihood = -std::numeric_limits<double>::infinity();
+  double log_screen = -std::numeric_limits<double>::infinity();  ///< of the stand-in, or the same
   double log_prior_factor = 0.0;
   std::vector<double> prediction;
   std::vector<double> residuals;
   double noise_scale = 1.0;
-  bool evaluated = false;
+  bool screened = false;   ///< x, log_screen and residuals are those of z
+  bool evaluated = false;  ///< log_likelihood and prediction, too
 };
 
 /// Thrown where a model's likelihood is never finite under its prior, or is NaN: names the model
@@ -100,8 +105,16 @@ class Target {
   Target(const Problem& problem, bool prior_only);
 
   /// Fills in everything of `state` that follows from model and z. An infinite z is impossible: -∞.
-  /// Throws LikelihoodError where the likelihood is NaN.
+  /// Throws LikelihoodError where the likelihood is NaN. The residuals are those of the stand-in
+  /// where the problem has one.
   void evaluate(State& state);
+
+  /// Fills in what a move may look at: everything but the likelihood proper and its prediction
+  /// where the problem has a stand-in, everything where it has none.
+  void screen(State& state);
+  /// The rest, of a screened state.
+  void complete(State& state);
+  [[nodiscard]] bool has_screen() const { return screen_ != nullptr; }
 
   /// Everything but the likelihood, with respect to dz. Needs an evaluated state.
   [[nodiscard]] double log_prior(const State& state) const;
@@ -120,13 +133,20 @@ class Target {
 
   [[nodiscard]] const Problem& problem() const { return *problem_; }
   [[nodiscard]] const ModelSpace& space() const { return problem_->space; }
+  /// Of the likelihood, or of its stand-in where there is one.
   [[nodiscard]] long evaluations() const { return evaluations_; }
+  /// Of the likelihood proper where there is a stand-in; 0 where there is none.
+  [[nodiscard]] long full_evaluations() const { return full_evaluations_; }
 
  private:
+  double call(Likelihood& likelihood, const State& state) const;
+
   const Problem* problem_;
   std::unique_ptr<Likelihood> likelihood_;
+  std::unique_ptr<Likelihood> screen_;
   std::vector<double> log_model_;  ///< ln P(m) + Σ ln k! - (d/2) ln 2π
   long evaluations_ = 0;
+  long full_evaluations_ = 0;
 };
 
 }  // namespace wheeltap::inference

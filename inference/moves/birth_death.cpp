@@ -61,7 +61,7 @@ std::optional<double> BirthDeath::propose(const State& from, const Step& step, S
                                       from.z.begin() + at + static_cast<std::ptrdiff_t>(width));
   to.z.erase(to.z.begin() + at, to.z.begin() + at + static_cast<std::ptrdiff_t>(width));
   // The reverse birth starts from the smaller set, whose residual has to be known.
-  step.target.evaluate(to);
+  step.target.screen(to);
   proposal_->condition(to, kind_, -1, step.beta);
   return -log_birth_ratio(k, component);
 }
@@ -87,7 +87,7 @@ std::optional<double> Relocation::propose(const State& from, const Step& step, S
 
   std::copy(component.begin(), component.end(), to.z.begin() + old_at);
   step.target.sort_components(to);
-  step.target.evaluate(to);
+  step.target.screen(to);
   int slot = 0;
   while (!std::equal(component.begin(), component.end(),
                      to.z.begin() + static_cast<std::ptrdiff_t>(offset) +

@@ -63,9 +63,9 @@ std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind) {
   State reference;
   reference.model = none;
   reference.z.assign(static_cast<std::size_t>(space[none].dimension), 0.0);
-  target.evaluate(reference);
+  target.screen(reference);
   if (reference.residuals.empty() || reference.residuals.size() > kMaxResiduals ||
-      !std::isfinite(reference.log_likelihood)) {
+      !std::isfinite(reference.log_screen)) {
     return nullptr;
   }
 
@@ -88,9 +88,8 @@ std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind) {
     }
     one.z = reference.z;
     one.z.insert(one.z.begin() + static_cast<std::ptrdiff_t>(offset), centre.begin(), centre.end());
-    target.evaluate(one);
-    if (!std::isfinite(one.log_likelihood))
-      continue;  // no effect known: the defensive part covers it
+    target.screen(one);
+    if (!std::isfinite(one.log_screen)) continue;  // no effect known: the defensive part covers it
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto at = static_cast<std::size_t>(i);
       atlas->effects(c, i) = static_cast<float>(one.residuals[at] - reference.residuals[at]);
@@ -110,7 +109,7 @@ InformedProposal::InformedProposal(std::shared_ptr<const EffectAtlas> atlas,
 
 void InformedProposal::condition(const State& context, int kind, int skip, double beta) {
   flat_ = context.residuals.size() != static_cast<std::size_t>(residual_.size()) ||
-          !std::isfinite(context.log_likelihood) || beta <= 0.0;
+          !std::isfinite(context.log_screen) || beta <= 0.0;
   if (flat_) return;
   // Residuals in the atlas's noise; the inverse temperature counts in the state's own.
   const double scale = context.noise_scale / atlas_->noise_scale;

@@ -79,9 +79,11 @@ struct Sample {
   std::vector<std::vector<double>> values;  // [functional][replicate]
 };
 
+using ProblemFactory = Problem (*)(std::vector<double> data, const std::vector<double>& weights);
+
 // (model, parameters) of kReplicates joint draws, after `steps` steps of the kernel.
 Sample joint_draws(const std::vector<double>& weights, const KernelFactory& make, int steps,
-                   int stream, double beta) {
+                   int stream, double beta, ProblemFactory make_problem) {
   Sample sample{.models = std::vector<double>(weights.size(), 0.0), .values = {}};
   for (int n = 0; n < kReplicates; ++n) {
     Random random(7, static_cast<std::uint64_t>(stream), static_cast<std::uint64_t>(n),
@@ -95,7 +97,7 @@ Sample joint_draws(const std::vector<double>& weights, const KernelFactory& make
     std::vector<double> data(toy::kSensors);
     toy::predict(state.x, data);
     for (double& y : data) y += toy::kNoise / std::sqrt(beta) * random.normal();
-    const Problem problem = toy::bump_problem(data, weights);
+    const Problem problem = make_problem(data, weights);
     Target target(problem, false);
     target.evaluate(state);
     const auto kernel = make();
@@ -110,9 +112,9 @@ Sample joint_draws(const std::vector<double>& weights, const KernelFactory& make
 
 // The smallest p-value over the functionals, times their number (Bonferroni).
 double kernel_p_value(const KernelFactory& make, const std::vector<double>& weights = {1, 2, 2, 1},
-                      double beta = 1.0) {
-  const Sample before = joint_draws(weights, make, 0, 1, beta);
-  const Sample after = joint_draws(weights, make, kSteps, 2, beta);
+                      double beta = 1.0, ProblemFactory make_problem = toy::bump_problem) {
+  const Sample before = joint_draws(weights, make, 0, 1, beta, make_problem);
+  const Sample after = joint_draws(weights, make, kSteps, 2, beta, make_problem);
   double smallest = same_counts_p_value(before.models, after.models);
   for (std::size_t f = 0; f < before.values.size(); ++f) {
     smallest = std::min(smallest, two_sample_p_value(before.values[f], after.values[f]));
@@ -256,6 +258,76 @@ TEST(Invariance, SplitAndMerge) {
   const MoveFactory make = [] { return std::make_unique<SplitMerge>(0, 0.15); };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
   EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+}
+
+// Delayed acceptance, with moves that look at residuals and moves that do not, hot and cold.
+TEST(Invariance, DelayedAcceptance) {
+  const std::vector<double> weights = {1, 2, 2, 1};
+  const auto p_value = [&](const KernelFactory& make, double beta) {
+    return kernel_p_value(make, weights, beta, toy::screened_bump_problem);
+  };
+  const MoveFactory walk = [] {
+    return std::make_unique<RandomWalk>(RandomWalk::initial_scales(toy::bump_space({1, 2, 2, 1})));
+  };
+  for (const double beta : {1.0, 0.3}) {
+    EXPECT_GT(p_value(accepted_or_rejected(informed<BirthDeath>()), beta), kFalseAlarm);
+    EXPECT_GT(p_value(accepted_or_rejected(informed<Relocation>()), beta), kFalseAlarm);
+    EXPECT_GT(p_value(accepted_or_rejected(walk), beta), kFalseAlarm);
+  }
+  // The control believes the stand-in.
+  class ScreenOnly : public Kernel {
+   public:
+    explicit ScreenOnly(std::unique_ptr<Move> move)
+        : Kernel("screen only"), move_(std::move(move)) {}
+    Outcome step(State& state, const Step& s) override {
+      State to = state;
+      const auto log_hastings = move_->propose(state, s, to);
+      if (!log_hastings) return {};
+      s.target.evaluate(to);
+      const double ratio = log_screen_ratio(s.target, s.beta, state, to) + *log_hastings;
+      if (std::log(s.random.uniform()) < ratio) state = to;
+      return {.proposed = true, .accepted = true, .to_model = state.model};
+    }
+
+   private:
+    std::unique_ptr<Move> move_;
+  };
+  const auto control = [](const MoveFactory& make) -> KernelFactory {
+    return [make] { return std::make_unique<ScreenOnly>(make()); };
+  };
+  EXPECT_LT(p_value(control(informed<BirthDeath>()), 1.0), kFalseAlarm);
+  EXPECT_LT(p_value(control(walk), 1.0), kFalseAlarm);
+}
+
+TEST(DelayedAcceptance, ComputesTheLikelihoodOfProposalsThatPassTheScreenOnly) {
+  const std::vector<double> data = {0.4, 0.3, -0.1, 0.2, 0.5, 0.0};
+  const Problem problem = toy::screened_bump_problem(data, {1, 2, 2, 1});
+  Target target(problem, false);
+  Random random(1, 0, 0, Purpose::test);
+  State state;
+  target.draw_prior(3, random, state);
+  target.screen(state);
+  EXPECT_EQ(target.full_evaluations(), 0);
+  EXPECT_EQ(state.log_likelihood, -std::numeric_limits<double>::infinity()) << "not known yet";
+  target.complete(state);
+  EXPECT_EQ(target.full_evaluations(), 1);
+  EXPECT_EQ(state.log_likelihood, toy::BumpLikelihood(data).log_likelihood(state.model, state.x));
+  EXPECT_EQ(state.log_screen, toy::BumpLikelihood(data, 0.7).log_likelihood(state.model, state.x));
+  MetropolisHastings kernel("births", birth_from_prior()());
+  const long before = target.full_evaluations();
+  long passed = 0, accepted = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const long full = target.full_evaluations();
+    const State from = state;
+    const auto outcome = kernel.step(state, {target, random, 1.0, false});
+    passed += target.full_evaluations() - full;
+    accepted += outcome.accepted ? 1 : 0;
+    if (!outcome.accepted) {
+      EXPECT_EQ(state.z, from.z);
+    }
+  }
+  EXPECT_GT(passed, accepted);
+  EXPECT_LT(target.full_evaluations() - before, 700) << "most proposals fail the screen";
 }
 
 TEST(Invariance, Slice) {

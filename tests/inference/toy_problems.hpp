@@ -27,13 +27,15 @@ inline void predict(std::span<const double> components, std::span<double> y) {
 
 class BumpLikelihood : public Likelihood {
  public:
-  explicit BumpLikelihood(std::vector<double> data)
-      : data_(std::move(data)), y_(data_.size()), r_(y_) {}
+  /// `gain` multiplies the predictions: 1 but in a stand-in that is wrong on purpose.
+  explicit BumpLikelihood(std::vector<double> data, double gain = 1.0)
+      : data_(std::move(data)), gain_(gain), y_(data_.size()), r_(y_) {}
 
   double log_likelihood(int, std::span<const double> x) override {
     predict(x, y_);
     double sum = 0.0;
     for (std::size_t i = 0; i < y_.size(); ++i) {
+      y_[i] *= gain_;
       r_[i] = (data_[i] - y_[i]) / kNoise;
       sum -= 0.5 * r_[i] * r_[i] + std::log(kNoise) + 0.91893853320467274178;
     }
@@ -43,7 +45,9 @@ class BumpLikelihood : public Likelihood {
   [[nodiscard]] std::span<const double> residuals() const override { return r_; }
 
  private:
-  std::vector<double> data_, y_, r_;
+  std::vector<double> data_;
+  double gain_;
+  std::vector<double> y_, r_;
 };
 
 /// 0 to k_max bumps, x ~ Beta(2, 3) (not uniform, so that a forgotten Jacobian shows), a ~ Gamma(2,
@@ -60,6 +64,13 @@ inline Problem bump_problem(std::vector<double> data, const std::vector<double>&
   return {.space = bump_space(weights),
           .likelihood = [data] { return std::make_unique<BumpLikelihood>(data); },
           .reflections = {{.kind = 0, .parameter = 0, .center = 0.5}}};
+}
+
+/// The same, its proposals screened by a stand-in that takes every bump for a smaller one.
+inline Problem screened_bump_problem(std::vector<double> data, const std::vector<double>& weights) {
+  Problem problem = bump_problem(data, weights);
+  problem.screen = [data] { return std::make_unique<BumpLikelihood>(data, 0.7); };
+  return problem;
 }
 
 }  // namespace wheeltap::inference::toy
