@@ -25,9 +25,11 @@ bool is_list(const ModelSpace& space) {
   return space.kinds().empty();
 }
 
-// The kernels that both stages share, scaled by `share`; random walks are the caller's.
+// The kernels that both stages share, scaled by `share`; random walks are the caller's. `pilot` may
+// be null.
 void add_component_moves(KernelMixture& kernels, const Problem& problem, const Options& options,
-                         const Atlases& atlases, double share) {
+                         const Atlases& atlases, double share,
+                         const std::shared_ptr<const PilotFit>& pilot) {
   const ModelSpace& space = problem.space;
   const auto kinds = static_cast<double>(std::max<std::size_t>(space.kinds().size(), 1));
   for (std::size_t j = 0; j < space.kinds().size(); ++j) {
@@ -36,7 +38,7 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
       // Without an atlas the plain birth does the informed one's work as well, and blind
       // relocations are rarely accepted.
       add_move<BirthDeath>(kernels, share * (atlases[j] ? 0.3 : 0.9) / kinds, "birth and death",
-                           kind, std::make_unique<PriorProposal>());
+                           kind, std::make_unique<PriorProposal>(), pilot);
     }
     if (atlases[j] && options.moves.informed_birth) {
       add_move<BirthDeath>(kernels, share * 0.4 / kinds, "informed birth and death", kind,
@@ -80,7 +82,7 @@ std::unique_ptr<KernelMixture> exploration_kernels(const Problem& problem, const
   if (options.moves.random_walk) {
     add_move<RandomWalk>(*kernels, 0.5, "random walk", RandomWalk::initial_scales(problem.space));
   }
-  add_component_moves(*kernels, problem, options, atlases, 0.5);
+  add_component_moves(*kernels, problem, options, atlases, 0.5, nullptr);
   return kernels;
 }
 
@@ -175,14 +177,19 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
   pilot.scales = RandomWalk::initial_scales(space);
   fit->density.resize(models);
 
+  // A share of the cold visits, and never so small that the model is not looked at again.
   const PilotSamples& cold = by_rung.back();
+  double visits = 0.0;
+  for (std::size_t m = 0; m < models; ++m) {
+    const double bias = options.bias.empty() ? 0.0 : options.bias[m];
+    fit->weight.push_back((static_cast<double>(cold.visits(static_cast<int>(m))) + 1.0) *
+                          std::exp(-bias));
+    visits += fit->weight.back();
+  }
   double total = 0.0;
-  for (int m = 0; m < space.size(); ++m) {
-    // A share of the cold visits, and never so small that the model is not looked at again.
-    const double share = (static_cast<double>(cold.visits(m)) + 1.0) /
-                         (static_cast<double>(cold.total()) + space.size());
-    fit->weight.push_back(std::max(share, 0.01 / space.size()));
-    total += fit->weight.back();
+  for (double& weight : fit->weight) {
+    weight = std::max(weight / visits, 0.01 / space.size());
+    total += weight;
   }
   for (double& weight : fit->weight) weight /= total;
 
@@ -212,6 +219,13 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
   return pilot;
 }
 
+std::vector<double> equal_visits_bias(const PilotFit& fit) {
+  constexpr double kLeast = 0.01;
+  std::vector<double> bias;
+  for (const double weight : fit.weight) bias.push_back(-std::log(std::max(weight, kLeast)));
+  return bias;
+}
+
 std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Options& options,
                                                 const Atlases& atlases, const Pilot& pilot) {
   const ModelSpace& space = problem.space;
@@ -223,7 +237,8 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
   // Without an atlas only blind births and the pilots change the count: give them more of the
   // steps.
   const bool blind = std::none_of(atlases.begin(), atlases.end(), [](const auto& a) { return a; });
-  add_component_moves(*kernels, problem, options, atlases, blind && !is_list(space) ? 0.6 : 0.3);
+  add_component_moves(*kernels, problem, options, atlases, blind && !is_list(space) ? 0.6 : 0.3,
+                      options.moves.independence ? pilot.fit : nullptr);
   if (options.moves.independence) {
     if (space.size() > 1) {
       add_move<MixtureJump>(*kernels, 0.4, "mixture jump", pilot.fit, true);
@@ -236,7 +251,8 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
       const auto propose = [&] {
         return std::make_unique<ConditionalProposal>(pilot.conditionals[j], space, kind);
       };
-      add_move<BirthDeath>(*kernels, 0.2 * share, "pilot birth and death", kind, propose());
+      add_move<BirthDeath>(*kernels, 0.2 * share, "pilot birth and death", kind, propose(),
+                           pilot.fit);
       add_move<Relocation>(*kernels, 0.05 * share, "pilot relocation", kind, propose());
     }
   }

@@ -66,9 +66,15 @@ struct PilotOptions {
   int round = 0;
   int threads = 0;
   Eigen::Index most_samples = 8000;  ///< that a mixture is fitted to
+  std::vector<double> bias{};        ///< of the coldest samples (Target::set_model_bias); {}: none
 };
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
                               const PilotOptions& options);
+
+/// The bias under which all models that the pilot gives at least 1 % are visited about equally
+/// often, and the others no more than that makes them: a proposal for a model can only be as good
+/// as its samples.
+[[nodiscard]] std::vector<double> equal_visits_bias(const PilotFit& fit);
 
 /// All the kernels, the pilot's among them.
 [[nodiscard]] std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem,

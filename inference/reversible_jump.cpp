@@ -22,6 +22,11 @@ constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
 constexpr int kFirstScans = 20;
 constexpr int kStepsAScan = 3;
 constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit
+// The last round of tuning is one of this length more where its effective draws of the model index
+// were fewer than kEnoughModelDraws: the run is to have some 15 000 of them (a probability of ½
+// known to 0.004), and mixtures fitted to few are slow to give them.
+constexpr int kLongTuning = 80000;
+constexpr double kEnoughModelDraws = 4000.0;
 constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
@@ -86,6 +91,7 @@ struct Runner {
   State state;
   long iteration = 0;
   std::vector<PilotSamples> by_rung;
+  std::vector<int> models;  ///< visited in the last round of tuning
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> proposed, accepted;
 };
@@ -198,15 +204,17 @@ class Engine {
       for (const Runner& runner : runners_) pooled.back().append(runner.by_rung.back());
     }
     // The last fit is the one that is used; the first two only have to lead there.
-    const bool last = round == static_cast<int>(kTuning.size());
+    const bool last = round >= static_cast<int>(kTuning.size());
     pilot_ = fit_pilot(problem_.space, pooled,
                        {.seed = options_.seed,
                         .round = round,
                         .threads = options_.threads,
-                        .most_samples = last ? 12000 : 3000});
+                        .most_samples = last ? 12000 : 3000,
+                        .bias = tempered ? std::vector<double>{} : bias_});
   }
 
   // At the target itself, with all the moves, adapting; each round ends in a fit to better samples.
+  // The models are visited about equally, so that each has its share of those.
   void tune() {
     int total = 0;
     for (const int steps : kTuning) total += steps;
@@ -217,22 +225,59 @@ class Engine {
           options_.warmup > 0
               ? static_cast<int>(static_cast<double>(options_.warmup) / 2 * kTuning[round] / total)
               : kTuning[round];
-      each_chain([&](int c, Runner& runner) {
-        runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
-        runner.by_rung.assign(1, PilotSamples(problem_.space));
-        for (int i = 0; i < steps; ++i) {
-          Random random(options_.seed, static_cast<std::uint64_t>(c),
-                        static_cast<std::uint64_t>(done + i), Purpose::adaptation);
-          Kernel::Outcome outcome;
-          runner.kernels->step(runner.state, {*runner.target, random, 1.0, true}, outcome);
-          runner.by_rung[0].add(runner.state);
-          if (i % 64 == 63 && !reporter_.advance(64.0)) return;
-        }
-      });
-      done += steps;
+      done += tune_once(done, steps);
       if (!reporter_.stopped()) fit(static_cast<int>(round) + 1, false);
     }
+    if (!reporter_.stopped() && options_.warmup == 0) {
+      const int thin = posterior_.thin;
+      const int longest =
+          options_.draws > 0 ? std::min(kLongTuning / thin, options_.draws) * thin : kLongTuning;
+      if (longest > kTuning.back() && tuned_model_draws() < kEnoughModelDraws) {
+        reporter_.begin("tuning on", static_cast<double>(longest) * options_.chains);
+        done += tune_once(done, longest);
+        if (!reporter_.stopped()) fit(static_cast<int>(kTuning.size()) + 1, false);
+      }
+    }
+    const std::vector<double> none(static_cast<std::size_t>(problem_.space.size()), 0.0);
+    for (Runner& runner : runners_) runner.target->set_model_bias(none);
     posterior_.warmup += done;
+  }
+
+  int tune_once(int done, int steps) {
+    bias_ = equal_visits_bias(*pilot_.fit);
+    each_chain([&](int c, Runner& runner) {
+      runner.target->set_model_bias(bias_);
+      runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
+      runner.by_rung.assign(1, PilotSamples(problem_.space));
+      runner.models.clear();
+      for (int i = 0; i < steps; ++i) {
+        Random random(options_.seed, static_cast<std::uint64_t>(c),
+                      static_cast<std::uint64_t>(done + i), Purpose::adaptation);
+        Kernel::Outcome outcome;
+        runner.kernels->step(runner.state, {*runner.target, random, 1.0, true}, outcome);
+        runner.by_rung[0].add(runner.state);
+        runner.models.push_back(runner.state.model);
+        if (i % 64 == 63 && !reporter_.advance(64.0)) return;
+      }
+    });
+    return steps;
+  }
+
+  // Effective draws of the least certain model's indicator in the last round of tuning; infinite
+  // where one model has all the probability.
+  [[nodiscard]] double tuned_model_draws() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (int m = 0; m < problem_.space.size(); ++m) {
+      const double p = pilot_.fit->weight[static_cast<std::size_t>(m)];
+      if (p < 0.02 || p > 0.98) continue;
+      ChainsOf chains;
+      for (const Runner& runner : runners_) {
+        std::vector<double>& values = chains.emplace_back();
+        for (const int model : runner.models) values.push_back(model == m ? 1.0 : 0.0);
+      }
+      least = std::min(least, ess_mean(chains));
+    }
+    return least;
   }
 
   void sample() {
@@ -453,6 +498,7 @@ class Engine {
   std::vector<Runner> runners_;
   std::vector<PilotSamples> hot_;
   Pilot pilot_;
+  std::vector<double> bias_;  ///< of the last round of tuning
   Posterior posterior_;
   long shared_evaluations_ = 0;  ///< of no chain in particular
 };

@@ -31,6 +31,12 @@ Target::Target(const Problem& problem, bool prior_only)
     for (const int k : model.counts) constant += std::lgamma(k + 1.0);
     log_model_.push_back(constant);
   }
+  bias_.assign(log_model_.size(), 0.0);
+}
+
+void Target::set_model_bias(const std::vector<double>& bias) {
+  for (std::size_t m = 0; m < bias_.size(); ++m) log_model_[m] += bias[m] - bias_[m];
+  bias_ = bias;
 }
 
 double Target::call(Likelihood& likelihood, const State& state) const {

@@ -131,6 +131,10 @@ class Target {
   bool sort_components(State& state) const;
   [[nodiscard]] bool is_sorted(const State& state) const;
 
+  /// Adds a constant to each model's log prior, in place of the one before: warm-up may visit
+  /// models otherwise than the posterior does. log_prior_physical leaves it out.
+  void set_model_bias(const std::vector<double>& bias);
+
   [[nodiscard]] const Problem& problem() const { return *problem_; }
   [[nodiscard]] const ModelSpace& space() const { return problem_->space; }
   /// Of the likelihood, or of its stand-in where there is one.
@@ -144,7 +148,8 @@ class Target {
   const Problem* problem_;
   std::unique_ptr<Likelihood> likelihood_;
   std::unique_ptr<Likelihood> screen_;
-  std::vector<double> log_model_;  ///< ln P(m) + Σ ln k! - (d/2) ln 2π
+  std::vector<double> bias_;
+  std::vector<double> log_model_;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
   long evaluations_ = 0;
   long full_evaluations_ = 0;
 };

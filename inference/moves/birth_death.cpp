@@ -30,9 +30,35 @@ int slot_of(const State& state, const Model& model, int kind, std::size_t width,
 
 }  // namespace
 
-double BirthDeath::log_birth_ratio(int k_larger, std::span<const double> component) const {
-  return -std::log(static_cast<double>(k_larger))  // death: one of the k + 1
-         - log_standard_normal(component) - proposal_->log_density_ratio(component);
+void BirthDeath::choose_deaths(const ModelSpace& space, int larger, const std::vector<double>& z) {
+  const auto j = static_cast<std::size_t>(kind_);
+  const auto k = static_cast<std::size_t>(space[larger].counts[j]);
+  probability_.assign(k, 1.0 / static_cast<double>(k));
+  if (!pilot_ || k == 1) return;
+  const std::size_t width = space.kinds()[j].parameters.size();
+  const auto offset = static_cast<std::size_t>(space[larger].offsets[j]);
+  const int smaller = space.neighbour(larger, kind_, -1);
+  double top = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < k; ++i) {
+    // The set without i, from the set without i - 1.
+    if (i == 0) {
+      rest_ = z;
+      rest_.erase(rest_.begin() + static_cast<std::ptrdiff_t>(offset),
+                  rest_.begin() + static_cast<std::ptrdiff_t>(offset + width));
+    } else {
+      const std::size_t at = offset + (i - 1) * width;
+      std::copy_n(z.begin() + static_cast<std::ptrdiff_t>(at), width,
+                  rest_.begin() + static_cast<std::ptrdiff_t>(at));
+    }
+    probability_[i] = pilot_->log_density(smaller, rest_);
+    top = std::max(top, probability_[i]);
+  }
+  const double uniform = 1.0 / static_cast<double>(k);
+  double sum = 0.0;
+  for (double& p : probability_) sum += p = std::exp(p - top);
+  for (double& p : probability_) {
+    p = sum > 0.0 ? kDefensive * uniform + (1.0 - kDefensive) * p / sum : uniform;
+  }
 }
 
 std::optional<double> BirthDeath::propose(const State& from, const Step& step, State& to) {
@@ -44,26 +70,38 @@ std::optional<double> BirthDeath::propose(const State& from, const Step& step, S
   if (model < 0) return std::nullopt;
   to.model = model;
   const auto offset = static_cast<std::size_t>(space[from.model].offsets[j]);
+  component_.resize(width);
+  // ln [death's choice of c] - ln q(c), of the birth that leads to the larger set.
+  const auto log_birth_ratio = [&](std::size_t slot) {
+    return std::log(probability_[slot]) - log_standard_normal(component_) -
+           proposal_->log_density_ratio(component_);
+  };
 
   if (birth) {
-    std::vector<double> component(width);
     proposal_->condition(from, kind_, -1, step.beta);
-    proposal_->draw(step.random, component);
-    const int slot = slot_of(from, space[from.model], kind_, width, component[0]);
-    const auto at = static_cast<std::ptrdiff_t>(offset + static_cast<std::size_t>(slot) * width);
-    to.z.insert(to.z.begin() + at, component.begin(), component.end());
-    return log_birth_ratio(space[model].counts[j], component);
+    proposal_->draw(step.random, component_);
+    const auto slot =
+        static_cast<std::size_t>(slot_of(from, space[from.model], kind_, width, component_[0]));
+    to.z.insert(to.z.begin() + static_cast<std::ptrdiff_t>(offset + slot * width),
+                component_.begin(), component_.end());
+    choose_deaths(space, model, to.z);
+    return log_birth_ratio(slot);
   }
-  const int k = space[from.model].counts[j];
-  const auto at =
-      static_cast<std::ptrdiff_t>(offset + static_cast<std::size_t>(step.random.index(k)) * width);
-  const std::vector<double> component(from.z.begin() + at,
-                                      from.z.begin() + at + static_cast<std::ptrdiff_t>(width));
-  to.z.erase(to.z.begin() + at, to.z.begin() + at + static_cast<std::ptrdiff_t>(width));
+  choose_deaths(space, from.model, from.z);
+  double u = step.random.uniform();
+  std::size_t slot = 0;
+  for (; slot + 1 < probability_.size(); ++slot) {
+    u -= probability_[slot];
+    if (u < 0.0) break;
+  }
+  const auto at = from.z.begin() + static_cast<std::ptrdiff_t>(offset + slot * width);
+  std::copy_n(at, width, component_.begin());
+  const auto gap = to.z.begin() + static_cast<std::ptrdiff_t>(offset + slot * width);
+  to.z.erase(gap, gap + static_cast<std::ptrdiff_t>(width));
   // The reverse birth starts from the smaller set, whose residual has to be known.
   step.target.screen(to);
   proposal_->condition(to, kind_, -1, step.beta);
-  return -log_birth_ratio(k, component);
+  return -log_birth_ratio(slot);
 }
 
 std::optional<double> Relocation::propose(const State& from, const Step& step, State& to) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "inference/move.hpp"
 #include "inference/moves/component_proposal.hpp"
+#include "inference/moves/mixture_jump.hpp"
 
 namespace wheeltap::inference {
 
@@ -12,20 +14,33 @@ namespace wheeltap::inference {
 /// not exist (k = 0, k_max) the chain repeats its state, so the two probabilities are equal at the
 /// ends too.
 ///
-/// Birth draws c from q(· | set) and puts it in order; death removes one of the k + 1 uniformly:
+/// Birth draws c from q(· | set) and puts it in order; death removes component i of the k + 1 with
+/// probability p_i:
 ///
-///   ln ratio(birth) = ln [ 1/(k+1) ] - ln q(c | set without c)         |J| = 1.
+///   ln ratio(birth) = ln p_c(set with c) - ln q(c | set without c)         |J| = 1.
+///
+/// Without pilots p_i = 1/(k+1). With them, q_k being the density fitted to the smaller model,
+///
+///   p_i = ε/(k+1) + (1 - ε) q_k(set without i) / Σ_j q_k(set without j):
+///
+/// what goes is what the smaller model can do without.
 class BirthDeath : public Move {
  public:
-  BirthDeath(int kind, std::unique_ptr<ComponentProposal> proposal)
-      : kind_(kind), proposal_(std::move(proposal)) {}
+  BirthDeath(int kind, std::unique_ptr<ComponentProposal> proposal,
+             std::shared_ptr<const PilotFit> pilot = nullptr)
+      : kind_(kind), proposal_(std::move(proposal)), pilot_(std::move(pilot)) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
  private:
-  [[nodiscard]] double log_birth_ratio(int k_larger, std::span<const double> component) const;
+  static constexpr double kDefensive = 0.1;  ///< ε
+
+  /// p_i of the larger set, into probability_.
+  void choose_deaths(const ModelSpace& space, int larger, const std::vector<double>& z);
 
   int kind_;
   std::unique_ptr<ComponentProposal> proposal_;
+  std::shared_ptr<const PilotFit> pilot_;
+  std::vector<double> component_, rest_, probability_;
 };
 
 /// One component, chosen uniformly, is taken out and put back elsewhere:

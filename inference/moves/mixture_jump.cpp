@@ -22,11 +22,6 @@ int propose_model(const PilotFit& fit, int from, Random& random, double& log_rat
   return chosen;
 }
 
-double MixtureJump::log_density(int model, const std::vector<double>& z) const {
-  const auto& density = fit_->density[static_cast<std::size_t>(model)];
-  return density ? density->log_density(z) : 0.0;
-}
-
 std::optional<double> MixtureJump::propose(const State& from, const Step& step, State& to) {
   const ModelSpace& space = step.target.space();
   double log_ratio = 0.0;
@@ -42,7 +37,7 @@ std::optional<double> MixtureJump::propose(const State& from, const Step& step, 
   } else if (to.model == from.model) {
     return std::nullopt;  // no parameters: nothing to renew
   }
-  return log_ratio + log_density(from.model, from.z) - log_density(to.model, to.z);
+  return log_ratio + fit_->log_density(from.model, from.z) - fit_->log_density(to.model, to.z);
 }
 
 }  // namespace wheeltap::inference

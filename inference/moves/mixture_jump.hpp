@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "inference/move.hpp"
@@ -14,6 +15,12 @@ namespace wheeltap::inference {
 struct PilotFit {
   std::vector<std::unique_ptr<NormalMixture>> density;  ///< null for a model without parameters
   std::vector<double> weight;
+
+  /// ln q_m(z); 0 for a model without parameters.
+  [[nodiscard]] double log_density(int model, std::span<const double> z) const {
+    const auto& q = density[static_cast<std::size_t>(model)];
+    return q ? q->log_density(z) : 0.0;
+  }
 };
 
 /// Draws m' ≠ m with probability ω_m' / (1 - ω_m), and adds the choice's part of the ratio,
@@ -34,8 +41,6 @@ class MixtureJump : public Move {
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
  private:
-  [[nodiscard]] double log_density(int model, const std::vector<double>& z) const;
-
   std::shared_ptr<const PilotFit> fit_;
   bool between_;
 };
