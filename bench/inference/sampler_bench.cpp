@@ -15,6 +15,7 @@
 #include "fem/section.hpp"
 #include "inference/diagnostics.hpp"
 #include "inference/reversible_jump.hpp"
+#include "tests/inference/published_problems.hpp"
 
 namespace wheeltap {
 namespace {
@@ -208,6 +209,20 @@ void duffing(benchmark::State& state) {
     report(state, reversible_jump(problem, {.draws = static_cast<int>(state.range(0))}));
 }
 BENCHMARK(duffing)->Arg(100000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
+
+// Change points in the coal-mining disasters (Green 1995), the data beside the checkout: components
+// without residuals, so that only the prior and the pilots propose them.
+void coal(benchmark::State& state) {
+  const std::vector<double> days = coal_days();
+  if (days.empty()) {
+    state.SkipWithError("the validation set 'coal' is not beside this checkout");
+    return;
+  }
+  const Problem problem = coal_problem(days, kCoalDays, 1, 6);
+  for (auto _ : state)
+    report(state, reversible_jump(problem, {.draws = static_cast<int>(state.range(0))}));
+}
+BENCHMARK(coal)->Arg(100000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
 // Six parameters and a likelihood of a few nanoseconds: what is left is the sampler.
 void overhead_of_six_parameters(benchmark::State& state) {

@@ -22,6 +22,8 @@ inline const std::filesystem::path kShared = WHEELTAP_SHARED_DIR;
   if (!std::filesystem::exists(kShared / "validation" / (folder))) \
   GTEST_SKIP() << "the validation set '" << (folder) << "' is not beside this checkout"
 
+inline constexpr double kCoalDays = 40907.0;  ///< length of the record
+
 inline std::vector<double> coal_days() {
   std::ifstream file(kShared / "validation" / "coal" / "disaster_days.csv");
   std::string line;
