@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "inference/moves/birth_death.hpp"
+#include "inference/moves/conditional_proposal.hpp"
 #include "inference/moves/delayed_rejection.hpp"
 #include "inference/moves/differential_evolution.hpp"
 #include "inference/moves/mirror.hpp"
@@ -19,6 +20,7 @@
 #include "inference/moves/random_walk.hpp"
 #include "inference/moves/slice.hpp"
 #include "inference/moves/split_merge.hpp"
+#include "inference/moves/transformation.hpp"
 #include "tests/inference/statistics.hpp"
 #include "tests/inference/toy_problems.hpp"
 
@@ -258,6 +260,81 @@ TEST(Invariance, SplitAndMerge) {
   const MoveFactory make = [] { return std::make_unique<SplitMerge>(0, 0.15); };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
   EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+}
+
+// Births from the mixture of the larger model, deaths by that of the smaller one.
+TEST(Invariance, PilotBirthAndDeath) {
+  static const ModelSpace space = toy::bump_space({1, 2, 2, 1});
+  const auto fit = rough_fit(space);
+  const auto mixtures = std::make_shared<const ConditionalMixtures>(space, *fit, 0);
+  const auto birth = [=](std::unique_ptr<ComponentProposal> proposal) {
+    return std::make_unique<BirthDeath>(0, std::move(proposal), fit);
+  };
+  const MoveFactory from_pilot = [=] {
+    return birth(std::make_unique<ConditionalProposal>(mixtures, space, 0));
+  };
+  const MoveFactory from_prior = [=] { return birth(std::make_unique<PriorProposal>()); };
+  for (const MoveFactory& make : {from_pilot, from_prior}) {
+    EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+    EXPECT_GT(invariance_p_value(make, {1, 2, 2, 1}, 0.3), kFalseAlarm);
+    EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+  }
+}
+
+TEST(Invariance, PilotRelocation) {
+  static const ModelSpace space = toy::bump_space({1, 2, 2, 1});
+  const auto mixtures = std::make_shared<const ConditionalMixtures>(space, *rough_fit(space), 0);
+  const MoveFactory make = [=] {
+    return std::make_unique<Relocation>(0,
+                                        std::make_unique<ConditionalProposal>(mixtures, space, 0));
+  };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
+}
+
+// One bump (x, a) ↔ two bumps (x u, a w), (x, a (1 - w)); an auxiliary v ↔ v² on the way, so that
+// both sides have one:
+//
+//   ln |J| = ln x + ln a + ln 2v.
+//
+// The broken copy forgets it in both directions, which no round trip notices.
+TEST(Invariance, Transformation) {
+  const auto make = [](bool forgets_jacobian) -> MoveFactory {
+    const double counts = forgets_jacobian ? 0.0 : 1.0;
+    return [counts] {
+      return std::make_unique<Transformation>(
+          toy::bump_space({1, 2, 2, 1}),
+          Transformation::Definition{
+              .lower = 1,
+              .upper = 2,
+              .lower_auxiliaries = {Beta{2.0, 2.0}, Beta{2.0, 3.0}, Uniform{0.0, 1.0}},
+              .upper_auxiliaries = {Beta{2.0, 3.0}},
+              .forward =
+                  [counts](std::span<const double> from, std::span<double> to) {
+                    const double x = from[0], a = from[1], u = from[2], w = from[3], v = from[4];
+                    to[0] = x * u;
+                    to[1] = a * w;
+                    to[2] = x;
+                    to[3] = a * (1.0 - w);
+                    to[4] = v * v;
+                    return counts * std::log(2.0 * x * a * v);
+                  },
+              .inverse =
+                  [counts](std::span<const double> from, std::span<double> to) {
+                    const double x = from[2], a = from[1] + from[3], v = std::sqrt(from[4]);
+                    to[0] = x;
+                    to[1] = a;
+                    to[2] = from[0] / x;
+                    to[3] = from[1] / a;
+                    to[4] = v;
+                    return -counts * std::log(2.0 * x * a * v);
+                  }});
+    };
+  };
+  EXPECT_GT(invariance_p_value(make(false)), kFalseAlarm);
+  EXPECT_GT(invariance_p_value(make(false), {1, 2, 2, 1}, 0.3), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(make(true)), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make(false))), kFalseAlarm);
 }
 
 // Delayed acceptance, with moves that look at residuals and moves that do not, hot and cold.
