@@ -24,6 +24,10 @@ class RecordLikelihood final : public inference::Likelihood {
   explicit RecordLikelihood(const SidProblem& problem) : problem_(problem) {}
 
   double log_likelihood(int m, std::span<const double> x) override {
+    return log_likelihood_above(kImpossible, m, x);
+  }
+
+  double log_likelihood_above(double floor, int m, std::span<const double> x) override {
     const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
     const Misfit& misfit = problem_.misfits[static_cast<std::size_t>(m)];
     scatter(problem_.sid_case, m, x, theta_);
@@ -32,7 +36,15 @@ class RecordLikelihood final : public inference::Likelihood {
     double sum = log_scales(misfit);
     if (model.autocorrelations.empty()) {
       sums_.resize(channels);
-      misfit.sums_of_squares(theta_, 1, sums_);
+      weights_.clear();
+      double best = sum;  // of a perfect fit
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double sigma = model.noise[c].at(theta_);
+        weights_.push_back(0.5 / (sigma * sigma));
+        best += dynamics::gaussian_log_likelihood(0.0, misfit.samples(), sigma);
+      }
+      if (!std::isfinite(best) || best < floor) return kImpossible;
+      if (!misfit.sums_of_squares_within(theta_, weights_, best - floor, sums_)) return kImpossible;
       for (std::size_t c = 0; c < channels; ++c) {
         sum += dynamics::gaussian_log_likelihood(sums_[c], misfit.samples(),
                                                  model.noise[c].at(theta_));
@@ -62,7 +74,7 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
   const SidProblem& problem_;
-  std::vector<double> theta_, sums_, residuals_, pacf_;
+  std::vector<double> theta_, weights_, sums_, residuals_, pacf_;
 };
 
 /// The largest extension of each link as far as displacements were measured, with which the steps

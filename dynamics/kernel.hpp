@@ -56,8 +56,12 @@ struct Task {
 
   /// coefficients[slot · W + lane], 64-byte aligned like everything below.
   const double* coefficients = nullptr;
-  double* scratch = nullptr;     ///< scratch_size(…) · W doubles
-  double* sums = nullptr;        ///< [sensor][lane]; or null: then the trajectory is stored
+  double* scratch = nullptr;  ///< scratch_size(…) · W doubles
+  double* sums = nullptr;     ///< [sensor][lane]; or null: then the trajectory is stored
+  /// Of each sensor, or null. A group whose weighted sums all exceed the limit is given up: its
+  /// lanes fail.
+  const double* weights = nullptr;
+  double limit = 0.0;
   double* trajectory = nullptr;  ///< [sample of the response][sensor][lane]
   double* failed = nullptr;      ///< [lane]: 0 or 1
 };

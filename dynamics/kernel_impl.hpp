@@ -35,7 +35,7 @@ WHEELTAP_INLINE V outside(V x, double bound) {
   return x <= bound ? V{} : V{} + 1.0;
 }
 
-constexpr std::int64_t kSamplesBetweenChecks = 256;
+constexpr std::int64_t kSamplesBetweenChecks = 64;
 
 /// What both loops do with a sample: score it or store it.
 class Output {
@@ -63,6 +63,14 @@ class Output {
     } else {
       vectors(task_.trajectory)[sample_ * task_.sensors + i] = motion;
     }
+  }
+
+  /// Whether there is no use in going on: sums of squares only grow.
+  WHEELTAP_INLINE bool hopeless() const {
+    if (task_.weights == nullptr) return false;
+    V total{};
+    for (int i = 0; i < task_.sensors; ++i) total += task_.weights[i] * vectors(task_.sums)[i];
+    return all(outside(total, task_.limit));
   }
 
  private:
@@ -120,7 +128,13 @@ class RungeKutta {
         drive_now[i] = drive_next[i];
         peak = lanes::max(lanes::abs(y[i]), peak);
       }
-      if (sample % kSamplesBetweenChecks == 0 && all(outside(peak, task_.bound))) break;
+      if (sample % kSamplesBetweenChecks == 0) {
+        if (all(outside(peak, task_.bound))) break;
+        if (output.hopeless()) {
+          peak = V{} + 2.0 * task_.bound;
+          break;
+        }
+      }
     }
     // A NaN stays in the state, where 0 · x shows it.
     V trace{};
@@ -574,7 +588,13 @@ class Exact {
       for (int i = 0; i < n; ++i) w[i] = next[i];
       WHEELTAP_UNROLL
       for (int i = 0; i < m; ++i) peak = lanes::max(lanes::abs(w[i]), peak);
-      if (sample % kSamplesBetweenChecks == 0 && all(outside(peak, task_.bound))) break;
+      if (sample % kSamplesBetweenChecks == 0) {
+        if (all(outside(peak, task_.bound))) break;
+        if (output.hopeless()) {
+          peak = V{} + 2.0 * task_.bound;
+          break;
+        }
+      }
       excite(sample + 1);
     }
     V trace{};
@@ -658,7 +678,13 @@ class Piecewise : private Exact<N> {
       for (int i = 0; i < n; ++i) x[i] = next[i];
       WHEELTAP_UNROLL
       for (int i = 0; i < m; ++i) peak = lanes::max(lanes::abs(x[i]), peak);
-      if (sample % kSamplesBetweenChecks == 0 && all(outside(peak, task().bound))) break;
+      if (sample % kSamplesBetweenChecks == 0) {
+        if (all(outside(peak, task().bound))) break;
+        if (output.hopeless()) {
+          peak = V{} + 2.0 * task().bound;
+          break;
+        }
+      }
     }
     V trace{};
     WHEELTAP_UNROLL

@@ -158,7 +158,8 @@ struct Simulator::Impl {
   template <class Receive>
   void run(std::span<const double> thetas, int sets,
            const std::vector<kernel::SensorTerm>& sensor_terms,
-           std::span<const Coefficient> all_slots, int lead_in, bool sums, Receive receive) const;
+           std::span<const Coefficient> all_slots, int lead_in, bool sums, Receive receive,
+           std::span<const double> weights = {}, double limit = 0.0) const;
 };
 
 void Simulator::Impl::check() {
@@ -355,7 +356,7 @@ template <class Receive>
 void Simulator::Impl::run(std::span<const double> thetas, int sets,
                           const std::vector<kernel::SensorTerm>& sensor_terms,
                           std::span<const Coefficient> all_slots, int lead_in, bool sums,
-                          Receive receive) const {
+                          Receive receive, std::span<const double> weights, double limit) const {
   ThreadMemory& memory = thread_memory();
   const auto count = static_cast<std::size_t>(sets);
   const std::size_t dimension = count == 0 ? 0 : thetas.size() / count;
@@ -377,6 +378,10 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
   work.sensors = static_cast<int>(sensor_terms.size());
   work.lead_in = lead_in;
   work.failed = failed.data();
+  if (!weights.empty()) {
+    work.weights = weights.data();
+    work.limit = limit;
+  }
   const std::size_t channels = sensor_terms.size();
   double* table = memory.coefficients.take((width + channels) * most);
   double* totals = table + width * most;
@@ -564,6 +569,30 @@ void Misfit::sums_of_squares(std::span<const double> thetas, int sets,
               failed || !std::isfinite(sum) ? std::numeric_limits<double>::infinity() : sum;
         }
       });
+}
+
+bool Misfit::sums_of_squares_within(std::span<const double> theta, std::span<const double> weights,
+                                    double limit, std::span<double> out) const {
+  require_parameters(theta, 1, impl_->parameters);
+  const std::size_t channels = impl_->observed.size();
+  if (out.size() != channels || weights.size() != channels)
+    fail("room for " + std::to_string(out.size()) + " sums and " + std::to_string(weights.size()) +
+         " weights, must be " + std::to_string(channels));
+  bool within = false;
+  impl_->simulator.impl_->run(
+      theta, 1, impl_->terms, impl_->slots, impl_->lead_in, true,
+      [&](std::size_t, Key, std::size_t lane, std::size_t lanes, bool failed,
+          const kernel::Task& task) {
+        if (failed) return;
+        double total = 0.0;
+        for (std::size_t c = 0; c < channels; ++c) {
+          out[c] = task.sums[c * lanes + lane];
+          total += weights[c] * out[c];
+        }
+        within = total <= limit;
+      },
+      weights, limit);
+  return within;
 }
 
 bool Misfit::residuals(std::span<const double> theta, std::span<double> out) const {

@@ -8,6 +8,8 @@ namespace wheeltap::inference {
 
 namespace {
 
+constexpr double kSmallestLogAlpha = -7.0;  ///< what adaptation takes for zero: 1e-3
+
 double log_ratio(const Target& target, double beta, const State& from, const State& to,
                  double State::*log_likelihood) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -33,12 +35,19 @@ Kernel::Outcome MetropolisHastings::step(State& state, const Step& step) {
   proposal_.screened = proposal_.evaluated = false;
   const std::optional<double> log_hastings = move_->propose(state, step, proposal_);
   if (!log_hastings) return {};
-  if (!proposal_.screened) step.target.screen(proposal_);
+  const double log_u = std::log(step.random.uniform());
+  if (!proposal_.screened) {
+    // Below this level the proposal is rejected, whatever its likelihood.
+    const double level = (step.adapting ? std::min(log_u, kSmallestLogAlpha) : log_u) -
+                         *log_hastings + step.beta * state.log_screen +
+                         step.target.log_prior(state);
+    step.target.screen_above(level, step.beta, proposal_);
+  }
   const double log_first =
       log_screen_ratio(step.target, step.beta, state, proposal_) + *log_hastings;
   Outcome outcome{.proposed = true, .accepted = false, .to_model = proposal_.model};
   // Strictly less, so that a ratio of zero (or NaN from ∞ - ∞) is never accepted.
-  outcome.accepted = std::log(step.random.uniform()) < log_first;
+  outcome.accepted = log_u < log_first;
   double log_second = 0.0;
   if (outcome.accepted && step.target.has_screen()) {
     step.target.complete(proposal_);

@@ -39,8 +39,10 @@ void Target::set_model_bias(const std::vector<double>& bias) {
   bias_ = bias;
 }
 
-double Target::call(Likelihood& likelihood, const State& state) const {
-  const double value = likelihood.log_likelihood(state.model, state.x);
+double Target::call(Likelihood& likelihood, const State& state, double floor) const {
+  const double value = floor == -kInfinity
+                           ? likelihood.log_likelihood(state.model, state.x)
+                           : likelihood.log_likelihood_above(floor, state.model, state.x);
   if (std::isnan(value) || value == kInfinity) {
     throw LikelihoodError("the log likelihood is " + std::to_string(value) + " for " +
                           describe(space(), state));
@@ -49,6 +51,10 @@ double Target::call(Likelihood& likelihood, const State& state) const {
 }
 
 void Target::screen(State& state) {
+  screen_above(-kInfinity, 1.0, state);
+}
+
+void Target::screen_above(double level, double beta, State& state) {
   const std::size_t d = state.z.size();
   state.x.resize(d);
   state.screened = true;
@@ -72,7 +78,9 @@ void Target::screen(State& state) {
   }
   ++evaluations_;
   Likelihood& cheapest = screen_ ? *screen_ : *likelihood_;
-  state.log_screen = call(cheapest, state);
+  // The margin is far above the rounding of a log likelihood.
+  const double floor = beta > 0.0 ? (level - log_prior(state)) / beta - 1e-6 : -kInfinity;
+  state.log_screen = call(cheapest, state, std::isnan(floor) ? -kInfinity : floor);
   const auto residuals = cheapest.residuals();
   state.residuals.assign(residuals.begin(), residuals.end());
   state.noise_scale = cheapest.noise_scale();
@@ -87,7 +95,7 @@ void Target::complete(State& state) {
   state.evaluated = true;
   if (state.log_screen == -kInfinity) return;
   ++full_evaluations_;
-  state.log_likelihood = call(*likelihood_, state);
+  state.log_likelihood = call(*likelihood_, state, -kInfinity);
   const auto prediction = likelihood_->prediction();
   state.prediction.assign(prediction.begin(), prediction.end());
 }

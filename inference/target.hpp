@@ -22,6 +22,12 @@ class Likelihood {
   /// and the sampler reports it with the model and the parameters. x is laid out as in Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
 
+  /// The same where only values of at least `floor` matter: below it, -∞ may be returned instead,
+  /// as soon as that is known (early rejection: Solonen et al. 2012, section 2).
+  virtual double log_likelihood_above(double /*floor*/, int model, std::span<const double> x) {
+    return log_likelihood(model, x);
+  }
+
   /// The predicted observables of the last call to log_likelihood, or empty: recorded for posterior
   /// predictive checks and convergence of the responses.
   [[nodiscard]] virtual std::span<const double> prediction() const { return {}; }
@@ -112,6 +118,9 @@ class Target {
   /// Fills in what a move may look at: everything but the likelihood proper and its prediction
   /// where the problem has a stand-in, everything where it has none.
   void screen(State& state);
+  /// The same where only states with beta · log_screen + log_prior of at least `level` matter:
+  /// those below may have a log_screen of -∞.
+  void screen_above(double level, double beta, State& state);
   /// The rest, of a screened state.
   void complete(State& state);
   [[nodiscard]] bool has_screen() const { return screen_ != nullptr; }
@@ -143,7 +152,7 @@ class Target {
   [[nodiscard]] long full_evaluations() const { return full_evaluations_; }
 
  private:
-  double call(Likelihood& likelihood, const State& state) const;
+  double call(Likelihood& likelihood, const State& state, double floor) const;
 
   const Problem* problem_;
   std::unique_ptr<Likelihood> likelihood_;

@@ -504,6 +504,25 @@ TEST(Misfit, IsTheSumOfSquaredResidualsOfTheStoredResponse) {
   }
 }
 
+TEST(Misfit, GivesUpWhereTheSumsExceedTheLimit) {
+  const std::vector<double> force = noise(5000, 41, 20.0);
+  const Excitation drive{.sample_rate_hz = 50.0, .forces = {{.mass = 1, .signal = {force}}}};
+  const std::vector<std::vector<Law>> kinds{
+      {}, {make_law<laws::Bilinear>({30.0}, Side::opening)}, {make_law<laws::Cubic>({10.0})}};
+  for (const std::vector<Law>& laws : kinds) {
+    const Chain chain{.masses = {2.0},
+                      .links = {{.stiffness = 50.0, .damping = 1.0, .laws = laws}}};
+    const Misfit misfit(Simulator(chain, drive, {{.mass = 1}}), {{noise(5000, 43)}});
+    std::vector<double> sums(1), within(1);
+    const std::vector<double> none, weight{0.5};
+    misfit.sums_of_squares(none, 1, sums);
+    ASSERT_TRUE(misfit.sums_of_squares_within(none, weight, 0.5 * sums[0] * (1 + 1e-14), within));
+    EXPECT_EQ(within[0], sums[0]);
+    EXPECT_FALSE(misfit.sums_of_squares_within(none, weight, 0.5 * sums[0] * (1 - 1e-14), within));
+    EXPECT_FALSE(misfit.sums_of_squares_within(none, weight, 0.01 * sums[0], within));
+  }
+}
+
 TEST(Simulator, ATrajectoryThatBlowsUpFails) {
   const Coefficient k3 = Coefficient::of_parameter(0);
   const Chain chain{.masses = {1.0},
