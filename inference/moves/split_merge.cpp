@@ -1,5 +1,6 @@
 #include "inference/moves/split_merge.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -19,37 +20,50 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
   const auto at = static_cast<std::ptrdiff_t>(space[from.model].offsets[j]) +
                   chosen * static_cast<std::ptrdiff_t>(width);
 
-  // One component and the two it splits into, in physical units: one[i], first[i], second[i].
+  // One component and the two it splits into: one[i], first[i], second[i]; first in the quantity
+  // that adds up, later in physical units.
+  const auto to_sum = [&](std::size_t i, double a) {
+    return compounds_ && i > 0 ? -std::log1p(-a) : a;
+  };
+  const auto from_sum = [&](std::size_t i, double s) {
+    return compounds_ && i > 0 ? -std::expm1(-s) : s;
+  };
   std::vector<double> one(width), first(width), second(width);
   double w = 0.0;
   if (split) {
     const HalfNormal g{width_};
     w = Prior(g).from_standard_normal(step.random.normal());
     for (std::size_t i = 0; i < width; ++i) {
-      one[i] = from.x[static_cast<std::size_t>(at) + i];
+      one[i] = to_sum(i, from.x[static_cast<std::size_t>(at) + i]);
       const double share = i == 0 ? 0.0 : step.random.uniform();
       first[i] = i == 0 ? one[i] - w : share * one[i];
       second[i] = i == 0 ? one[i] + w : (1.0 - share) * one[i];
     }
   } else {
     for (std::size_t i = 0; i < width; ++i) {
-      first[i] = from.x[static_cast<std::size_t>(at) + i];
-      second[i] = from.x[static_cast<std::size_t>(at) + width + i];
+      first[i] = to_sum(i, from.x[static_cast<std::size_t>(at) + i]);
+      second[i] = to_sum(i, from.x[static_cast<std::size_t>(at) + width + i]);
       one[i] = i == 0 ? 0.5 * (first[i] + second[i]) : first[i] + second[i];
       // No share of the sum is outside (0, 1) on the way there.
       if (i > 0 && !(first[i] * second[i] > 0.0)) return std::nullopt;
     }
     w = 0.5 * (second[0] - first[0]);
   }
+  if (!std::ranges::all_of(one, [](double v) { return std::isfinite(v); })) return std::nullopt;
 
   double log_split = -Prior(HalfNormal{width_}).log_density(w) + std::log(2.0);
   std::vector<double> z;
   for (std::size_t i = 0; i < width; ++i) {
     if (i > 0) log_split += std::log(std::abs(one[i]));
     const Prior& prior = parameters[i].prior;
+    for (std::vector<double>* component : {&one, &first, &second}) {
+      (*component)[i] = from_sum(i, (*component)[i]);
+    }
+    // ln |dz/ds|, s being what adds up.
     const auto log_dz_dx = [&](double x) {
       const double value = prior.to_standard_normal(x);
-      return prior.log_density(x) + 0.5 * value * value + 0.91893853320467274178;
+      return prior.log_density(x) + 0.5 * value * value + 0.91893853320467274178 +
+             (compounds_ && i > 0 ? std::log1p(-x) : 0.0);
     };
     log_split += log_dz_dx(first[i]) + log_dz_dx(second[i]) - log_dz_dx(one[i]);
   }

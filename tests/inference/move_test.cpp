@@ -257,9 +257,11 @@ TEST(Invariance, MixtureTransport) {
 }
 
 TEST(Invariance, SplitAndMerge) {
-  const MoveFactory make = [] { return std::make_unique<SplitMerge>(0, 0.15); };
-  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+  for (const auto keeps : {SplitMerge::Keeps::sum, SplitMerge::Keeps::product_of_complements}) {
+    const MoveFactory make = [keeps] { return std::make_unique<SplitMerge>(0, 0.15, keeps); };
+    EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+    EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+  }
 }
 
 // Births from the mixture of the larger model, deaths by that of the smaller one.
