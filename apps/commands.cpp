@@ -123,8 +123,41 @@ void run_modes(const CommonOptions& common, const ModesOptions& options) {
                     : "\nNot certified: a mode may be missing.\n");
 }
 
-void run_table(const CommonOptions& common) {
+namespace {
+
+// "2/5": the second of five, 0-based.
+std::pair<int, int> parse_part(const std::string& text) {
+  int part = 0, parts = 0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%c", &part, &parts, &rest) != 2 || part < 1 || parts < part) {
+    throw Failure(Exit::usage, "--part " + text + ": must be I/N with 1 <= I <= N, e.g. 1/4");
+  }
+  return {part - 1, parts};
+}
+
+emulator::TableFile read_parts(const std::vector<std::filesystem::path>& paths,
+                               const DamageCase& damage_case) {
+  std::vector<emulator::TableFile> parts;
+  for (const auto& path : paths) {
+    parts.push_back(emulator::read_table_file(
+        path,
+        {.expected_fingerprint = beam_fingerprint(damage_case.beam), .allow_incomplete = true}));
+  }
+  try {
+    return emulator::merge(parts);
+  } catch (const std::invalid_argument& error) {
+    throw Failure(Exit::bad_input, paths[0].string() + " and others: " + error.what());
+  }
+}
+
+}  // namespace
+
+void run_table(const CommonOptions& common, const TableOptions& options) {
   const auto log = make_log(common.quiet);
+  if (!options.part.empty() && !options.merge.empty()) {
+    throw Failure(Exit::usage,
+                  "--part and --merge: a part is computed or parts are joined, not both");
+  }
   const DamageCase damage_case =
       parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
   const Pointer predictor("/predictor");
@@ -132,15 +165,24 @@ void run_table(const CommonOptions& common) {
     damage_case.file.refuse(
         predictor, "must describe a table to compute: {\"sites\": [...], \"multipliers\": [...]}");
   }
-  const int max_count = damage_case.kinds[0].max_count;
-  if (max_count < 1) {
-    damage_case.file.refuse(damage_case.kinds[0].where / "count" / "max",
+  const EmulatorSpec& spec = *damage_case.emulator;
+  const DefectKind& kind = damage_case.kinds[0];
+  if (kind.max_count < 1) {
+    damage_case.file.refuse(kind.where / "count" / "max",
                             "must be at least 1: a table needs a damage");
   }
-  if (damage_case.modes() == 0) {
+  const int modes = damage_case.modes();
+  if (modes == 0) {
     damage_case.file.refuse(
         Pointer("/data"), "says nothing of the number of modes: give \"frequencies\" or \"modes\"");
   }
+  if (spec.runs == EmulatorSpec::Runs::csv && !(options.part.empty() && options.merge.empty())) {
+    damage_case.file.refuse(predictor / "runs_csv",
+                            "are made already: there are no parts to compute");
+  }
+  const auto part = options.part.empty() ? std::pair(0, 1) : parse_part(options.part);
+  std::optional<emulator::TableFile> made;
+  if (!options.merge.empty()) made = read_parts(options.merge, damage_case);
   // Reserve the name first: a table that cannot be written should not be computed.
   { const emulator::AtomicFile writable(common.output); }
   const std::string stem = common.output.string() + ".runs";
@@ -148,35 +190,62 @@ void run_table(const CommonOptions& common) {
     return std::filesystem::path(stem + ".count_" + std::to_string(count));
   };
   std::error_code ignored;
-  if (!common.resume) {
-    for (int count = 1; count <= max_count; ++count)
+  const auto forget = [&] {
+    for (int count = 1; count <= kind.max_count; ++count)
       std::filesystem::remove(journal(count), ignored);
-  }
-  const fem::Reanalysis reanalysis(damage_case.beam,
-                                   damage_case.modes() + damage_case.rigid_body_modes);
+  };
+  if (!common.resume) forget();
+  const fem::Reanalysis reanalysis(damage_case.beam, modes + damage_case.rigid_body_modes);
   ProgressBar bar(common.quiet);
+  std::map<int, Eigen::Index> remembered;
+  const FrequencyEmulator::TrainOptions train = {
+      .threads = inference::thread_count(common.threads),
+      .seed = common.seed.value_or(1),
+      .journal_stem = made ? std::string() : stem,
+      .progress =
+          [&](int count, Eigen::Index done, Eigen::Index total) {
+            remembered.try_emplace(count, done - 1);
+            bar.show("table", static_cast<double>(done) / static_cast<double>(total),
+                     std::to_string(done) + " of " + std::to_string(total) + " FE runs, " +
+                         std::to_string(count) + (count == 1 ? " damage" : " damages"));
+          },
+      .runs = made ? &*made : nullptr};
+  const std::map<std::string, std::string> attributes = {{"case", damage_case.file.json.dump()},
+                                                         {"wheeltap_version", WHEELTAP_VERSION},
+                                                         {"command", common.command_line}};
   std::optional<FrequencyEmulator> trained;
   try {
-    trained = FrequencyEmulator::train(
-        reanalysis, *damage_case.emulator, max_count, damage_case.modes(),
-        {.threads = inference::thread_count(common.threads),
-         .seed = common.seed.value_or(1),
-         .journal_stem = stem,
-         .progress = [&](int count, Eigen::Index done, Eigen::Index total) {
-           bar.show("table", static_cast<double>(done) / static_cast<double>(total),
-                    std::to_string(done) + " of " + std::to_string(total) + " FE runs, " +
-                        std::to_string(count) + (count == 1 ? " damage" : " damages"));
-         }});
+    if (options.part.empty()) {
+      trained = FrequencyEmulator::train(reanalysis, spec, kind, modes, train);
+      bar.clear();
+      trained->save(common.output, attributes);
+    } else {
+      emulator::TableFile file = FrequencyEmulator::run_part(reanalysis, spec, kind, modes,
+                                                             part.first, part.second, train);
+      bar.clear();
+      file.attributes.insert(attributes.begin(), attributes.end());
+      emulator::write_table_file(common.output, file);
+    }
   } catch (const std::invalid_argument& error) {
     bar.clear();
     damage_case.file.refuse(predictor, error.what());
   }
-  bar.clear();
-  trained->save(common.output, {{"case", damage_case.file.json.dump()},
-                                {"wheeltap_version", WHEELTAP_VERSION},
-                                {"command", common.command_line}});
-  for (int count = 1; count <= max_count; ++count) std::filesystem::remove(journal(count), ignored);
-  print_emulator(std::cout, emulator_report(*trained, damage_case.data), colour_wanted(), true);
+  forget();
+  for (const auto& [count, runs] : remembered) {
+    if (runs > 0) {
+      std::cout << "Resumed: " << runs << " FE runs with " << count
+                << (count == 1 ? " damage" : " damages") << " were not repeated.\n";
+    }
+  }
+  if (!trained) {
+    std::cout << "Part " << options.part << ": " << common.output.string()
+              << "  (join the parts with wheeltap table CASE -o TABLE.nc --merge PART...)\n";
+    return;
+  }
+  const auto intact = reanalysis.intact_frequencies_hz().subspan(
+      static_cast<std::size_t>(damage_case.rigid_body_modes));
+  print_emulator(std::cout, emulator_report(*trained, measurement_noise(damage_case, intact)),
+                 colour_wanted(), true);
   std::cout << "\nTable: " << common.output.string()
             << "  (use it with \"predictor\": {\"table\": \"" << common.output.filename().string()
             << "\"})\n";
@@ -212,7 +281,7 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
                           }});
   bar.clear();
   if (problem->emulator && !common.quiet) {
-    print_emulator(std::cout, emulator_report(*problem->emulator, problem->damage_case.data),
+    print_emulator(std::cout, emulator_report(*problem->emulator, problem->damage_case.data.sd_hz),
                    colour_wanted(), false);
   }
 

@@ -29,6 +29,11 @@ struct ModesOptions {
   bool shapes = false;  ///< with json: add the shapes
 };
 
+struct TableOptions {
+  std::string part;                          ///< "I/N": this part of the runs only
+  std::vector<std::filesystem::path> merge;  ///< parts to join, whose runs are not repeated
+};
+
 struct SamplingOptions {
   int chains = 4;
   int warmup = 0;  ///< 0: chosen by the engine
@@ -40,7 +45,7 @@ struct SamplingOptions {
 void run_modes(const CommonOptions& common, const ModesOptions& options);
 /// Runs the design of the case's predictor, measures the emulator on fresh runs, writes the table.
 /// Finished runs are remembered beside the output until it is written; `resume` starts from them.
-void run_table(const CommonOptions& common);
+void run_table(const CommonOptions& common, const TableOptions& options);
 /// Writes summary.json and posterior.nc into the output folder and prints what was found. With
 /// `resume`, a folder that holds a finished run of the same case and options is printed again
 /// instead.

@@ -256,31 +256,9 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   return kind;
 }
 
-EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
-  const Pointer where = at("/predictor");
-  const Json& p = file.json.at("predictor");
-  if (out.kinds.size() != 1 || out.kinds[0].type != DefectKind::Type::reduction) {
-    file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
-  }
-  EmulatorSpec spec;
-  spec.emulator_error = p.value("emulator_error", true);
-  spec.holdout = p.value("holdout", spec.holdout);
-  if (p.contains("table")) {
-    for (const char* key : {"sites", "multipliers", "interpolation", "coordinate", "holdout"}) {
-      if (p.contains(key))
-        file.refuse(where / key, "is the table's own: it does not go with \"table\"");
-    }
-    spec.table = file.resolve(p["table"].get<std::string>());
-    return spec;
-  }
-  for (const char* key : {"sites", "multipliers"}) {
-    if (!p.contains(key)) {
-      file.refuse(where / key,
-                  "is missing: an emulator has a \"table\", or \"sites\" and \"multipliers\"");
-    }
-  }
-  const int elements = out.beam.elements;
-  const auto parse_sites = [&](const Pointer& list_at) {
+std::vector<std::vector<int>> parse_sites(const CaseFile& file, int elements) {
+  const Pointer where = at("/predictor/sites");
+  const auto parse_list = [&](const Pointer& list_at) {
     std::vector<int> sites;
     const Json& list = file.json.at(list_at);
     for (std::size_t i = 0; i < list.size(); ++i) {
@@ -296,26 +274,125 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
     if (sites.size() < 2) file.refuse(list_at, "at least two sites are needed to interpolate");
     return sites;
   };
-  const Json& sites = p["sites"];
+  const Json& sites = file.json.at(where);
+  std::vector<std::vector<int>> lists;
   if (sites.is_string()) {
-    spec.sites.emplace_back(static_cast<std::size_t>(elements));
-    std::iota(spec.sites[0].begin(), spec.sites[0].end(), 0);
+    if (elements < 2) file.refuse(where, "a beam of one element has nothing to interpolate");
+    lists.emplace_back(static_cast<std::size_t>(elements));
+    std::iota(lists[0].begin(), lists[0].end(), 0);
   } else if (sites[0].is_array()) {
-    for (std::size_t i = 0; i < sites.size(); ++i) {
-      spec.sites.push_back(parse_sites(where / "sites" / i));
-    }
+    for (std::size_t i = 0; i < sites.size(); ++i) lists.push_back(parse_list(where / i));
   } else {
-    spec.sites.push_back(parse_sites(where / "sites"));
+    lists.push_back(parse_list(where));
   }
-  for (const double multiplier : p["multipliers"]) {
-    spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // 0.6, not 1 - 0.4
+  return lists;
+}
+
+// A scattered design, or the user's own runs.
+void parse_runs(const CaseFile& file, EmulatorSpec& spec) {
+  const Pointer where = at("/predictor");
+  const Json& p = file.json.at(where);
+  if (p.contains("design")) {
+    const Json& d = p["design"];
+    spec.runs =
+        d["kind"] == "sobol" ? EmulatorSpec::Runs::sobol : EmulatorSpec::Runs::latin_hypercube;
+    spec.design_runs = d["runs"].is_array() ? d["runs"].get<std::vector<int>>()
+                                            : std::vector<int>{d["runs"].get<int>()};
+    spec.design_seed = d.value("seed", std::uint64_t{1});
   }
-  std::ranges::sort(spec.reductions);
-  if (std::ranges::adjacent_find(spec.reductions) != spec.reductions.end()) {
-    file.refuse(where / "multipliers", "no multiplier may stand twice");
+  if (p.contains("runs_csv")) {
+    spec.runs = EmulatorSpec::Runs::csv;
+    const Json& names = p["runs_csv"];
+    for (const Json& name : names.is_array() ? names : Json::array({names})) {
+      spec.csv.push_back(file.resolve(name.get<std::string>()));
+    }
   }
-  spec.cubic = p.value("interpolation", std::string()) == "cubic";
+}
+
+EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
+  const Pointer where = at("/predictor");
+  const Json& p = file.json.at("predictor");
+  if (out.kinds.size() != 1 || out.kinds[0].type != DefectKind::Type::reduction) {
+    file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
+  }
+  EmulatorSpec spec;
+  spec.emulator_error = p.value("emulator_error", true);
+  spec.exact = p.value("exact", false);
+  spec.holdout = p.value("holdout", spec.holdout);
+  if (p.contains("table")) {
+    for (const char* key : {"sites", "multipliers", "interpolation", "coordinate", "expansion",
+                            "additive", "design", "runs_csv", "symmetrise", "holdout"}) {
+      if (p.contains(key))
+        file.refuse(where / key, "is the table's own: it does not go with \"table\"");
+    }
+    spec.table = file.resolve(p["table"].get<std::string>());
+    return spec;
+  }
+  const int sources = (p.contains("sites") ? 1 : 0) + (p.contains("design") ? 1 : 0) +
+                      (p.contains("runs_csv") ? 1 : 0);
+  if (sources != 1) {
+    file.refuse(where,
+                "an emulator has one of \"table\", \"sites\" (with \"multipliers\"), "
+                "\"design\" and \"runs_csv\"");
+  }
+  parse_runs(file, spec);
+  const bool grid = p.contains("sites");
+  const bool own = p.contains("runs_csv");
+  if (grid && !p.contains("multipliers")) {
+    file.refuse(where / "multipliers", "is missing: \"sites\" go with \"multipliers\"");
+  }
+  if (own && p.contains("multipliers")) {
+    file.refuse(where / "multipliers", "the levels of \"runs_csv\" are in the file");
+  }
+  spec.rule = rule_named(
+      p.value("interpolation", std::string(grid || own ? "multilinear" : "gaussian-process")));
+  const bool scattered_rule = spec.rule == EmulatorSpec::Rule::gaussian_process ||
+                              spec.rule == EmulatorSpec::Rule::delaunay;
+  if (grid && scattered_rule) {
+    file.refuse(where / "interpolation",
+                "is for scattered runs (\"design\", \"runs_csv\"); a grid of sites has "
+                "\"multilinear\", \"cubic\" and \"monotone-cubic\"");
+  }
+  if (p.contains("design") && !scattered_rule) {
+    file.refuse(where / "interpolation",
+                "is for grids; a scattered design has \"gaussian-process\" and \"delaunay\"");
+  }
+  if (grid) spec.sites = parse_sites(file, out.beam.elements);
+  if (p.contains("multipliers")) {
+    for (const double multiplier : p["multipliers"]) {
+      spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // 0.6, not 1 - 0.4
+    }
+    std::ranges::sort(spec.reductions);
+    if (std::ranges::adjacent_find(spec.reductions) != spec.reductions.end()) {
+      file.refuse(where / "multipliers", "no multiplier may stand twice");
+    }
+  } else if (p.contains("design")) {
+    const inference::Prior& prior = *out.kinds[0].severity_prior();
+    if (!(prior.upper() <= 0.999 && prior.upper() > prior.lower())) {
+      file.refuse(where / "multipliers",
+                  "is missing: the reduction prior does not bound the design");
+    }
+  }
   spec.compliance = p.value("coordinate", std::string()) == "compliance";
+  if (p.value("expansion", std::string("none")) == "anova") {
+    spec.anova = emulator::additive_named(p.value("additive", std::string("inverse-square")));
+    if (spec.sites.size() > 1) {
+      file.refuse(where / "sites",
+                  "\"anova\" asks one table for any of the damages: give one list of sites");
+    }
+  } else if (p.contains("additive")) {
+    file.refuse(where / "additive", "goes with \"expansion\": \"anova\" only");
+  }
+  const int counts = spec.anova ? std::min(2, out.kinds[0].max_count) : out.kinds[0].max_count;
+  if (spec.rule == EmulatorSpec::Rule::delaunay && counts > 2) {
+    file.refuse(where / "interpolation",
+                "\"delaunay\" takes up to two damages; add \"expansion\": \"anova\" for more");
+  }
+  const bool symmetric = fem::is_mirror_symmetric(out.beam);
+  spec.symmetrise = p.value("symmetrise", symmetric && spec.emulator_error);
+  if (spec.symmetrise && !symmetric) {
+    file.refuse(where / "symmetrise", "this beam is not its own mirror image");
+  }
   return spec;
 }
 
@@ -374,6 +451,7 @@ FrequencyData parse_data(const CaseFile& file) {
           bounded_prior(file, where / "cov", 0.0, kInfinity, "a coefficient of variation is > 0");
     }
   }
+  if (d.contains("discrepancy")) data.discrepancy_cov = d["discrepancy"]["cov"];
   if (d.contains("sd")) {
     const Json& sd = d["sd"];
     if (!data.frequencies_hz.empty() && sd.size() != data.frequencies_hz.size()) {
@@ -392,6 +470,31 @@ FrequencyData parse_data(const CaseFile& file) {
 }
 
 }  // namespace
+
+std::string rule_name(EmulatorSpec::Rule rule) {
+  switch (rule) {
+    case EmulatorSpec::Rule::multilinear:
+      return "multilinear";
+    case EmulatorSpec::Rule::cubic:
+      return "cubic";
+    case EmulatorSpec::Rule::monotone_cubic:
+      return "monotone-cubic";
+    case EmulatorSpec::Rule::gaussian_process:
+      return "gaussian-process";
+    case EmulatorSpec::Rule::delaunay:
+      return "delaunay";
+  }
+  throw std::invalid_argument("unknown interpolation");
+}
+
+EmulatorSpec::Rule rule_named(const std::string& text) {
+  using Rule = EmulatorSpec::Rule;
+  for (const Rule rule : {Rule::multilinear, Rule::cubic, Rule::monotone_cubic,
+                          Rule::gaussian_process, Rule::delaunay}) {
+    if (rule_name(rule) == text) return rule;
+  }
+  throw std::invalid_argument("interpolation \"" + text + "\" is not known");
+}
 
 int FrequencyData::measured() const {
   return static_cast<int>(
@@ -488,9 +591,11 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
     const auto sd = out.data.sd_hz;
     const auto cov = out.data.cov;
     const auto cov_prior = out.data.cov_prior;
+    const double discrepancy = out.data.discrepancy_cov;
     out.data = simulate(out, out.simulation->seed);
     out.data.cov = cov;
     out.data.cov_prior = cov_prior;
+    out.data.discrepancy_cov = discrepancy;
     if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
       f.refuse(at("/data/sd"), "must have one value a mode: " + std::to_string(out.data.modes()));
     }

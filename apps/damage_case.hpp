@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/case_file.hpp"
+#include "emulator/anova.hpp"
 #include "fem/beam.hpp"
 #include "fem/defect.hpp"
 #include "inference/prior.hpp"
@@ -55,8 +56,9 @@ struct FrequencyData {
   std::vector<double> sd_hz;           ///< empty where `cov` is inferred
   std::optional<double> cov;           ///< where the case gives a number
   std::optional<inference::Prior> cov_prior;
-  bool simulated = false;  ///< made from the case's truth
-  std::string origin;      ///< in words, for the summary
+  double discrepancy_cov = 0.0;  ///< of what the beam model itself leaves out, beside the noise
+  bool simulated = false;        ///< made from the case's truth
+  std::string origin;            ///< in words, for the summary
 
   [[nodiscard]] int modes() const { return static_cast<int>(frequencies_hz.size()); }
   [[nodiscard]] int measured() const;
@@ -71,15 +73,31 @@ struct Simulation {
 
 /// The design of an emulator, or the file that holds one.
 struct EmulatorSpec {
+  enum class Runs { grid, latin_hypercube, sobol, csv };
+  enum class Rule { multilinear, cubic, monotone_cubic, gaussian_process, delaunay };
+
   std::optional<std::filesystem::path> table;  ///< a file; the rest then comes from it
+  Runs runs = Runs::grid;
+  Rule rule = Rule::multilinear;
   std::vector<std::vector<int>>
       sites;  ///< 0-based elements; list i serves damage i, the last one all further ones
-  std::vector<double> reductions;  ///< levels, increasing
-  bool cubic = false;              ///< else multilinear
+  std::vector<double> reductions;  ///< levels, increasing; of scattered runs the range, or empty
   bool compliance = false;         ///< interpolate in 1/(1-r), else in r
-  bool emulator_error = true;      ///< add its measured error to the noise
-  int holdout = 200;               ///< fresh FE runs that measure it, a count
+  std::optional<emulator::Additive>
+      anova;  ///< in which more than two damages are summed from pairs; none: a table each
+  std::vector<int> design_runs;   ///< scattered: entry i for i + 1 damages, the last beyond
+  std::uint64_t design_seed = 1;  ///< of scattered designs
+  std::vector<std::filesystem::path> csv;  ///< the user's own runs: file i has i + 1 damages
+  bool symmetrise = false;     ///< answer with the mean over damages and their mirror images
+  bool emulator_error = true;  ///< add its measured error to the noise
+  bool exact = false;          ///< screen proposals only: the posterior is the FE solution's
+  int holdout = 1000;          ///< fresh FE runs that measure it, a count
 };
+
+/// "multilinear", "cubic", "monotone-cubic", "gaussian-process", "delaunay".
+[[nodiscard]] std::string rule_name(EmulatorSpec::Rule rule);
+/// Inverse of `rule_name`. Throws std::invalid_argument for another text.
+[[nodiscard]] EmulatorSpec::Rule rule_named(const std::string& text);
 
 struct DamageCase {
   CaseFile file;

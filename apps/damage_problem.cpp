@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "inference/moves/split_merge.hpp"
+
 namespace wheeltap::apps {
 namespace {
 
@@ -13,27 +15,29 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class FrequencyLikelihood final : public inference::Likelihood {
  public:
-  explicit FrequencyLikelihood(const DamageProblem& problem)
+  /// `emulated`: predicted by the problem's emulator where there are damages.
+  FrequencyLikelihood(const DamageProblem& problem, bool emulated)
       : problem_(problem),
+        emulated_(emulated),
         data_(problem.damage_case.data),
-        workspace_(problem.reanalysis->make_workspace()),
-        rigid_(static_cast<std::size_t>(problem.reanalysis->rigid_body_modes())),
+        predictor_(problem),
         prediction_(data_.frequencies_hz.size()),
-        all_(prediction_.size() + rigid_) {}
+        variance_(prediction_.size()) {}
 
   double log_likelihood(int model, std::span<const double> x) override {
-    const auto& data = data_;
-    const double cov = data.cov_prior ? x[0] : 0.0;
-    noise_scale_ = data.cov_prior ? cov : 1.0;
-    predict(model, x);
+    const double cov = data_.cov_prior ? x[0] : 0.0;
+    noise_scale_ = data_.cov_prior ? cov : 1.0;
+    if (emulated_) {
+      predictor_.emulate(model, x, prediction_, variance_);
+    } else {
+      predictor_.solve(model, x, prediction_);
+    }
     residuals_.clear();
     double sum = 0.0;
     for (std::size_t i = 0; i < prediction_.size(); ++i) {
-      const double observed = data.frequencies_hz[i];
+      const double observed = data_.frequencies_hz[i];
       if (std::isnan(observed)) continue;
-      const double measured = data.cov_prior ? cov * observed : data.sd_hz[i];
-      const double sd =
-          emulator_error_ ? std::hypot(measured, (*emulator_error_)[i].rmse) : measured;
+      const double sd = problem_.total_sd(i, cov, emulated_ ? variance_[i] : 0.0);
       const double residual = (observed - prediction_[i]) / sd;
       residuals_.push_back(residual);
       sum -= 0.5 * residual * residual + std::log(sd * kSqrtTwoPi);
@@ -47,51 +51,11 @@ class FrequencyLikelihood final : public inference::Likelihood {
  private:
   static constexpr double kSqrtTwoPi = 2.5066282746310002;  // √(2π)
 
-  void predict(int model, std::span<const double> x) {
-    damages_.clear();
-    supports_.clear();
-    const inference::Model& m = problem_.problem.space[model];
-    for (std::size_t k = 0; k < problem_.damage_case.kinds.size(); ++k) {
-      const DefectKind& kind = problem_.damage_case.kinds[k];
-      const std::size_t width = kind.severity_prior() ? 2 : 1;
-      for (int c = 0; c < m.counts[k]; ++c) {
-        const auto at =
-            static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
-        if (kind.type == DefectKind::Type::reduction) {
-          damages_.push_back({x[at], x[at + 1]});
-        } else if (width == 2) {
-          supports_.push_back({x[at], x[at + 1], kind.rotation});
-        } else {
-          const double* known = std::get_if<double>(&kind.severity);
-          supports_.push_back({x[at], known ? *known : kInfinity, kind.rotation});
-        }
-      }
-    }
-    emulator_error_ = nullptr;
-    if (problem_.emulator && !damages_.empty()) {
-      std::ranges::sort(damages_, {}, &fem::Damage::location);
-      problem_.emulator->evaluate(damages_, prediction_);
-      if (problem_.damage_case.emulator->emulator_error) {
-        emulator_error_ = &problem_.emulator->holdout(static_cast<int>(damages_.size()));
-      }
-      return;
-    }
-    problem_.reanalysis->frequencies_hz(damages_, supports_, workspace_, all_);
-    // Supports hold rigid-body motions, so there may be fewer of those than without them.
-    std::size_t first = 0;
-    while (first < rigid_ && all_[first] <= 1e-6 * all_[rigid_]) ++first;
-    std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first), prediction_.size(),
-                prediction_.begin());
-  }
-
   const DamageProblem& problem_;
+  bool emulated_;
   const FrequencyData& data_;
-  fem::Reanalysis::Workspace workspace_;
-  std::size_t rigid_;
-  std::vector<double> prediction_, all_, residuals_;
-  std::vector<fem::Damage> damages_;
-  std::vector<fem::SpringSupport> supports_;
-  const std::vector<emulator::HoldoutError>* emulator_error_ = nullptr;
+  FrequencyPredictor predictor_;
+  std::vector<double> prediction_, variance_, residuals_;
   double noise_scale_ = 1.0;
 };
 
@@ -126,6 +90,73 @@ std::vector<inference::ModelSpace::Counts> combinations(const std::vector<Defect
 }
 
 }  // namespace
+
+FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
+    : problem_(problem),
+      workspace_(problem.reanalysis->make_workspace()),
+      rigid_(static_cast<std::size_t>(problem.reanalysis->rigid_body_modes())),
+      all_(static_cast<std::size_t>(problem.damage_case.modes()) + rigid_) {}
+
+void FrequencyPredictor::place(int model, std::span<const double> x) {
+  damages_.clear();
+  supports_.clear();
+  const inference::Model& m = problem_.problem.space[model];
+  for (std::size_t k = 0; k < problem_.damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = problem_.damage_case.kinds[k];
+    const std::size_t width = kind.severity_prior() ? 2 : 1;
+    for (int c = 0; c < m.counts[k]; ++c) {
+      const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
+      if (kind.type == DefectKind::Type::reduction) {
+        damages_.push_back({x[at], x[at + 1]});
+      } else if (width == 2) {
+        supports_.push_back({x[at], x[at + 1], kind.rotation});
+      } else {
+        const double* known = std::get_if<double>(&kind.severity);
+        supports_.push_back({x[at], known ? *known : kInfinity, kind.rotation});
+      }
+    }
+  }
+}
+
+void FrequencyPredictor::solve_placed(std::span<double> out) {
+  problem_.reanalysis->frequencies_hz(damages_, supports_, workspace_, all_);
+  // Supports hold rigid-body motions, so there may be fewer of those than without them.
+  std::size_t first = 0;
+  while (first < rigid_ && all_[first] <= 1e-6 * all_[rigid_]) ++first;
+  std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());
+}
+
+void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<double> out) {
+  place(model, x);
+  solve_placed(out);
+}
+
+void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span<double> out,
+                                 std::span<double> variance) {
+  place(model, x);
+  if (!damages_.empty()) {
+    std::ranges::sort(damages_, {}, &fem::Damage::location);
+    const bool wanted = problem_.damage_case.emulator->emulator_error;
+    if (wanted) {
+      problem_.emulator->evaluate(damages_, out, variance);
+    } else {
+      problem_.emulator->evaluate(damages_, out);
+      std::ranges::fill(variance, 0.0);
+    }
+    if (std::ranges::none_of(out, [](double f) { return std::isnan(f); })) return;
+  }
+  // No damage needs no emulator; nor does a sum of ANOVA that is no frequency have one.
+  solve_placed(out);
+  std::ranges::fill(variance, 0.0);
+}
+
+double DamageProblem::total_sd(std::size_t mode, double cov, double emulator_variance) const {
+  const FrequencyData& data = damage_case.data;
+  const double observed = data.frequencies_hz[mode];
+  const double measured = data.cov_prior ? cov * observed : data.sd_hz[mode];
+  const double discrepancy = data.discrepancy_cov * observed;
+  return std::sqrt(measured * measured + emulator_variance + discrepancy * discrepancy);
+}
 
 std::vector<DamageProblem::Component> DamageProblem::components(int model,
                                                                 std::span<const double> x) const {
@@ -166,6 +197,7 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
                     .problem = {.space = inference::ModelSpace::of_components(
                                     common, kinds, combinations(damage_case.kinds)),
                                 .likelihood = {}},
+                    .fe_likelihood = nullptr,
                     .symmetric = fem::is_mirror_symmetric(damage_case.beam),
                     .common = static_cast<int>(common.size())});
   for (const DefectKind& kind : damage_case.kinds) {
@@ -177,16 +209,28 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
     }
   }
 
+  // Two damages in one element are hard to tell from one that compounds them, but far from it.
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    if (kind.type != DefectKind::Type::reduction || kind.max_count < 2) continue;
+    out->problem.moves.push_back(
+        {"split and merge",
+         [kind_index = static_cast<int>(k), h = damage_case.beam.element_length()] {
+           return std::make_unique<inference::SplitMerge>(
+               kind_index, h, inference::SplitMerge::Keeps::product_of_complements);
+         }});
+  }
+
   if (damage_case.emulator) {
     const EmulatorSpec& spec = *damage_case.emulator;
-    const int max_count = damage_case.kinds[0].max_count;
+    const DefectKind& kind = damage_case.kinds[0];
     const Pointer where("/predictor");
     try {
       out->emulator = std::make_shared<const FrequencyEmulator>(
-          spec.table ? FrequencyEmulator::load(*spec.table, damage_case.beam, max_count,
+          spec.table ? FrequencyEmulator::load(*spec.table, damage_case.beam, kind.max_count,
                                                damage_case.modes())
                      : FrequencyEmulator::train(
-                           *out->reanalysis, spec, max_count, damage_case.modes(),
+                           *out->reanalysis, spec, kind, damage_case.modes(),
                            {.threads = options.threads, .progress = options.table_progress}));
     } catch (const std::invalid_argument& error) {
       file.refuse(where, error.what());
@@ -195,9 +239,14 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
       file.refuse(damage_case.kinds[0].where / outside->prior, outside->message);
     }
   }
-  out->problem.likelihood = [problem = out.get()] {
-    return std::make_unique<FrequencyLikelihood>(*problem);
+  const auto likelihood = [problem = out.get()](bool emulated) {
+    return
+        [problem, emulated] { return std::make_unique<FrequencyLikelihood>(*problem, emulated); };
   };
+  const bool emulated = out->emulator && !out->exact();
+  out->fe_likelihood = likelihood(false);
+  out->problem.likelihood = likelihood(emulated);
+  if (out->exact()) out->problem.screen = likelihood(true);
   return out;
 }
 

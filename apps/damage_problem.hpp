@@ -18,6 +18,7 @@ struct DamageProblem {
   std::shared_ptr<const FrequencyEmulator>
       emulator;  ///< null where the FE solution itself predicts
   inference::Problem problem;
+  inference::LikelihoodFactory fe_likelihood;  ///< of the FE solution, whatever predicts
   bool symmetric = false;  ///< the intact beam and the location priors equal their mirror images
   int common = 0;          ///< parameters that all models have: 1 where cov is inferred
 
@@ -28,6 +29,35 @@ struct DamageProblem {
     double severity;  ///< reduction, or stiffness (∞: rigid)
   };
   [[nodiscard]] std::vector<Component> components(int model, std::span<const double> x) const;
+
+  /// The emulator screens proposals only.
+  [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
+  /// √(σ²_measured + σ²_emulator + σ²_discrepancy) [Hz] of a measured mode (0-based); `cov` where
+  /// it is inferred.
+  [[nodiscard]] double total_sd(std::size_t mode, double cov, double emulator_variance) const;
+};
+
+/// Frequencies [Hz] of a state, for one thread.
+class FrequencyPredictor {
+ public:
+  explicit FrequencyPredictor(const DamageProblem& problem);
+  /// By the FE solution; the `out.size()` lowest elastic ones.
+  void solve(int model, std::span<const double> x, std::span<double> out);
+  /// By the problem's emulator, with the variances [Hz²] of its error (0 where the case switches
+  /// them off). Without damages, and where ANOVA's sum is no frequency, by the FE solution.
+  void emulate(int model, std::span<const double> x, std::span<double> out,
+               std::span<double> variance);
+
+ private:
+  void place(int model, std::span<const double> x);
+  void solve_placed(std::span<double> out);
+
+  const DamageProblem& problem_;
+  fem::Reanalysis::Workspace workspace_;
+  std::size_t rigid_;
+  std::vector<double> all_;
+  std::vector<fem::Damage> damages_;
+  std::vector<fem::SpringSupport> supports_;
 };
 
 struct DamageProblemOptions {
@@ -38,9 +68,11 @@ struct DamageProblemOptions {
 /// Trains or reads the emulator where the case asks for one. The log likelihood is
 ///
 ///   Σ over measured modes of  -½ ((f_obs - f) / sd)² - ln(sd √2π),
-///   sd² = (cov f_obs)² + (emulator's RMSE on held-out runs)²,
+///   sd² = (cov f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
 ///
-/// the second term where an emulator predicts and its error is not switched off. Throws Failure.
+/// the second term where an emulator predicts and its error is not switched off. Where the emulator
+/// screens only ("exact"), this likelihood with it is the problem's `screen`, and its `likelihood`
+/// is that of the FE solution. Throws Failure.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);
 

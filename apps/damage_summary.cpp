@@ -1,5 +1,7 @@
 #include "apps/damage_summary.hpp"
 
+#include "apps/emulator_check.hpp"
+
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
@@ -209,13 +211,12 @@ Report symmetry(const Draws& draws, const ChainsOf& difference,
       "The intact beam is symmetric, so its frequencies cannot tell a place x from its mirror "
       "image "
       "L - x: each location named here stands for both.";
-  if (problem.emulator) {
+  if (problem.emulator && !problem.exact()) {
     statement =
         "The intact beam is symmetric, so its frequencies cannot tell a place x from its mirror "
         "image "
         "L - x. Where the posterior prefers a side all the same, that comes from the emulator, "
-        "whose "
-        "sites are not symmetric, not from the data.";
+        "not from the data.";
   }
   if (expected > kWorthTelling) {
     warnings.push_back(
@@ -332,25 +333,25 @@ Report fit(const Draws& draws, std::vector<std::string>& warnings) {
   const auto prediction = [&](std::size_t c, std::size_t i, std::size_t mode) {
     return static_cast<double>(posterior.chains[c].prediction[i * modes + mode]);
   };
-  const auto sd = [&](std::size_t c, std::size_t i, std::size_t mode) {
-    const double measured = data.cov_prior
-                                ? posterior.chains[c].theta[i * width] * data.frequencies_hz[mode]
-                                : data.sd_hz[mode];
-    const auto damages = draws.at(c, i).size();
-    const bool emulated =
-        problem.emulator && damages > 0 && problem.damage_case.emulator->emulator_error;
-    return emulated ? std::hypot(measured,
-                                 problem.emulator->holdout(static_cast<int>(damages))[mode].rmse)
-                    : measured;
-  };
+  FrequencyPredictor predictor(problem);
+  const bool emulated = problem.emulator && !problem.exact();
+  std::vector<double> emulator_variance(modes, 0.0), ignored(modes);
+  const long stride = emulated && problem.emulator->is_slow() ? 50 : 1;
+  long visited = 0;
   double mean_p = 0.0;
   long draws_seen = 0;
   std::vector<double> mean_residual(modes);
   draws.for_each([&](std::size_t c, std::size_t i) {
+    if (visited++ % stride != 0) return;
+    const auto& chain = posterior.chains[c];
+    const std::span<const double> x(chain.theta.data() + i * width, width);
+    if (emulated) predictor.emulate(chain.model[i], x, ignored, emulator_variance);
     double squares = 0.0;
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
-      const double r = (data.frequencies_hz[mode] - prediction(c, i, mode)) / sd(c, i, mode);
+      const double sd =
+          problem.total_sd(mode, data.cov_prior ? x[0] : 0.0, emulator_variance[mode]);
+      const double r = (data.frequencies_hz[mode] - prediction(c, i, mode)) / sd;
       squares += r * r;
       mean_residual[mode] += r;
     }
@@ -452,21 +453,48 @@ std::string name_modes(const std::vector<int>& modes) {
   return (modes.size() == 1 ? "mode " : "modes ") + in_words(parts);
 }
 
-Report emulator_report(const FrequencyEmulator& emulator, const FrequencyData& data) {
+std::vector<double> measurement_noise(const DamageCase& damage_case,
+                                      std::span<const double> intact) {
+  if (!damage_case.data.sd_hz.empty()) return damage_case.data.sd_hz;
+  std::optional<double> cov = damage_case.data.cov;
+  if (!cov && damage_case.simulation && damage_case.simulation->cov > 0.0) {
+    cov = damage_case.simulation->cov;
+  }
+  std::vector<double> noise;
+  if (cov && !damage_case.data.cov_prior) {
+    for (const double f : intact) noise.push_back(*cov * f);
+  }
+  return noise;
+}
+
+Report emulator_report(const FrequencyEmulator& emulator, const std::vector<double>& noise) {
   Report counts = Report::object();
   for (int count = 1; count <= emulator.max_count(); ++count) {
+    const EmulatorError& of = emulator.error(count);
     Report rows = Report::array();
     std::vector<int> blind;
+    double worst = 0.0, worst_single = 0.0;
+    int worst_mode = 0;
     for (int mode = 0; mode < emulator.modes(); ++mode) {
-      const auto& error = emulator.holdout(count)[static_cast<std::size_t>(mode)];
       const auto at = static_cast<std::size_t>(mode);
-      const double noise = at < data.sd_hz.size() ? data.sd_hz[at] : std::nan("");
-      rows.push_back({{"mode", mode + 1},
-                      {"rmse", error.rmse},
-                      {"max_error", error.max_error},
-                      {"q2", std::isfinite(error.q2) ? Report(error.q2) : Report()},
-                      {"relative_rmse", error.relative_rmse()},
-                      {"noise", std::isnan(noise) ? Report() : Report(noise)}});
+      const auto& error = of.holdout[at];
+      const double sd = at < noise.size() ? noise[at] : std::nan("");
+      Report row = {{"mode", mode + 1},
+                    {"rmse", error.rmse},
+                    {"max_error", error.max_error},
+                    {"q2", std::isfinite(error.q2) ? Report(error.q2) : Report()},
+                    {"relative_rmse", error.relative_rmse()},
+                    {"noise", std::isnan(sd) ? Report() : Report(sd)}};
+      if (!of.leave_one_out.empty()) row["leave_one_out"] = of.leave_one_out[at];
+      if (!of.standardised.empty()) {
+        const auto& s = of.standardised[at];
+        row["standardised"] = {{"mean", s.mean},
+                               {"rms", std::isfinite(s.rms) ? Report(s.rms) : Report()},
+                               {"beyond_two", s.beyond_two}};
+      }
+      rows.push_back(std::move(row));
+      if (error.rmse / sd > worst) worst = error.rmse / sd, worst_mode = mode + 1;
+      worst_single = std::max(worst_single, error.max_error / sd);
       if (error.cannot_be_predicted()) blind.push_back(mode + 1);
     }
     Report warning;
@@ -474,11 +502,17 @@ Report emulator_report(const FrequencyEmulator& emulator, const FrequencyData& d
       warning = "With " + std::to_string(count) + (count == 1 ? " damage" : " damages") +
                 " the emulator cannot predict " + name_modes(blind) +
                 ": its error there is of the size of the damage effect itself (Q2 < 0.9). Use more "
-                "sites (\"sites\": \"every\"), \"coordinate\": \"compliance\", or \"predictor\": "
-                "\"fe\".";
+                "sites (\"sites\": \"every-element\"), \"coordinate\": \"compliance\", or "
+                "\"predictor\": \"fe\".";
     }
-    counts[std::to_string(count)] = {
-        {"runs", emulator.runs(count)}, {"modes", rows}, {"warning", warning}};
+    Report& entry = counts[std::to_string(count)] = {{"kind", emulator.describe(count)},
+                                                     {"runs", emulator.runs(count)},
+                                                     {"modes", rows},
+                                                     {"warning", warning}};
+    if (worst_mode > 0) {
+      entry["worst"] = {
+          {"mode", worst_mode}, {"rmse_to_noise", worst}, {"largest_to_noise", worst_single}};
+    }
   }
   return {{"counts", counts}};
 }
@@ -535,9 +569,16 @@ Report summarise_damage(const DamageProblem& problem, const Posterior& posterior
   bounds(draws, models, warnings);
   Report emulator;
   if (problem.emulator) {
-    emulator = emulator_report(*problem.emulator, damage_case.data);
+    emulator = emulator_report(*problem.emulator, damage_case.data.sd_hz);
+    emulator["exact"] = problem.exact();
     emulator["error_in_likelihood"] = damage_case.emulator->emulator_error;
-    for (int m = 0; m < draws.space().size(); ++m) {
+    const Report check = check_emulator(problem, posterior, warnings);
+    emulator["full_model_calls"] = {{"training", problem.emulator->trained_runs()},
+                                    {"validation", problem.emulator->fresh_runs()},
+                                    {"likelihood", posterior.full_evaluations},
+                                    {"check", check.is_null() ? 0 : check["draws"].get<long>()}};
+    if (!check.is_null()) emulator["check"] = check;
+    for (int m = 0; m < draws.space().size() && !problem.exact(); ++m) {
       const std::string count = std::to_string(draws.space()[m].counts[0]);
       const double p = models[static_cast<std::size_t>(m)]["probability"];
       if (p < kWorthTelling || !emulator["counts"].contains(count)) continue;
@@ -585,6 +626,14 @@ Report summarise_damage(const DamageProblem& problem, const Posterior& posterior
       {"kinds", kinds},
       {"diagnostics", diagnosed},
       {"cost", cost(posterior)}};
+  if (problem.emulator) {
+    long calls = 0;
+    for (const auto& [what, n] : emulator["full_model_calls"].items()) calls += n.get<long>();
+    summary["cost"]["full_model_calls"] = calls;
+  }
+  if (damage_case.data.discrepancy_cov > 0.0) {
+    summary["data"]["discrepancy_cov"] = damage_case.data.discrepancy_cov;
+  }
   if (!fitted.empty()) summary["data"].update(fitted);
   if (!emulator.is_null()) summary["emulator"] = emulator;
   if (!evidence.empty()) summary["evidence"] = compared;

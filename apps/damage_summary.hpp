@@ -14,8 +14,13 @@ namespace wheeltap::apps {
                                       const RunInfo& info);
 
 /// Errors of an emulator on held-out FE runs, per count and mode, with a warning for every mode it
-/// cannot predict. Noise is the data's sd where known.
-[[nodiscard]] Report emulator_report(const FrequencyEmulator& emulator, const FrequencyData& data);
+/// cannot predict. `noise` [Hz] is the measurement's sd of each mode, empty where not known.
+[[nodiscard]] Report emulator_report(const FrequencyEmulator& emulator,
+                                     const std::vector<double>& noise);
+/// The measurement's sd [Hz] of each mode: the data's, or cov times `intact` where there are none
+/// yet; empty where neither is known.
+[[nodiscard]] std::vector<double> measurement_noise(const DamageCase& damage_case,
+                                                    std::span<const double> intact);
 
 /// "modes 5 to 20", "modes 3, 7 and 9".
 [[nodiscard]] std::string name_modes(const std::vector<int>& modes);

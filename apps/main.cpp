@@ -108,6 +108,10 @@ int main(int argc, char** argv) {
   add_seed(table_command, "of the fresh FE runs that measure the error (default 1)");
   add_threads(table_command);
   table_command->add_flag("--resume", common.resume, "go on where an interrupted table stopped");
+  apps::TableOptions tabling;
+  table_command->add_option("--part", tabling.part, "I/N: make this part of the FE runs only");
+  table_command->add_option("--merge", tabling.merge,
+                            "the parts to join: their FE runs are not repeated");
 
   CLI::App* damage_command = app.add_subcommand("damage", "how many damages, where, how bad");
   add_case(damage_command);
@@ -158,7 +162,7 @@ int main(int argc, char** argv) {
 
   try {
     if (modes_command->parsed()) apps::run_modes(common, modes);
-    if (table_command->parsed()) apps::run_table(common);
+    if (table_command->parsed()) apps::run_table(common, tabling);
     if (damage_command->parsed()) apps::run_damage(common, sampling);
     if (sid_command->parsed()) apps::run_sid(common, sampling);
     if (simulate_command->parsed()) apps::run_simulate(common);

@@ -279,6 +279,8 @@ Report diagnostics(const Posterior& posterior, const std::vector<Watched>& watch
 
 Report cost(const Posterior& posterior) {
   return {{"likelihood_evaluations", posterior.likelihood_evaluations},
+          {"full_model_calls", posterior.full_evaluations > 0 ? posterior.full_evaluations
+                                                              : posterior.likelihood_evaluations},
           {"warmup_evaluations", posterior.warmup_evaluations},
           {"wall_seconds", posterior.wall_seconds},
           {"chains", posterior.chains.size()},

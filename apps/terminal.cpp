@@ -296,22 +296,86 @@ std::string draw_beam(const Report& beam, const std::vector<double>& inclusion, 
   return text + labels + "\n";
 }
 
-void print_emulator(std::ostream& out, const Report& emulator, bool colour, bool with_warnings) {
+void print_emulator(std::ostream& out, const Report& emulator, bool colour, bool in_full) {
   const Style style{colour};
   for (const auto& [count, table] : emulator["counts"].items()) {
-    out << "\nEmulator for " << count << (count == "1" ? " damage" : " damages") << " ("
-        << table["runs"] << " FE runs), error on fresh FE runs:\n";
-    std::vector<std::vector<std::string>> rows = {
-        {"mode", "RMSE [Hz]", "largest [Hz]", "RMSE / effect", "Q2", "noise sd [Hz]"}};
+    const std::string damages = count + (count == "1" ? " damage" : " damages");
+    std::string worst;
+    if (table.contains("worst")) {
+      const auto& w = table["worst"];
+      worst = "RMSE up to " + number(w["rmse_to_noise"], 2) + " of the noise (mode " +
+              w["mode"].dump() + "), single errors up to " + number(w["largest_to_noise"], 2);
+    }
+    if (!in_full) {
+      print_wrapped(out,
+                    "Emulator for " + damages + ": " + table["kind"].get<std::string>() + " (" +
+                        table["runs"].dump() + " FE runs)" + (worst.empty() ? "" : "; " + worst) +
+                        ".",
+                    "", "  ");
+      continue;
+    }
+    out << "\nEmulator for " << damages << " (" << table["runs"] << " FE runs), "
+        << table["kind"].get<std::string>() << "; error on fresh FE runs:\n";
+    const bool one_out = table["modes"][0].contains("leave_one_out");
+    std::vector<std::vector<std::string>> rows = {{"mode", "RMSE [Hz]", "largest [Hz]",
+                                                   "RMSE / effect", "Q2", "noise sd [Hz]",
+                                                   "RMSE / noise", "z rms"}};
+    if (one_out) rows[0].emplace_back("left one out [Hz]");
     for (const auto& m : table["modes"]) {
-      rows.push_back({m["mode"].dump(), number(m["rmse"], 3), number(m["max_error"], 3),
-                      number(m["relative_rmse"], 2), number(m["q2"], 3), number(m["noise"], 3)});
+      const bool noisy = m["noise"].is_number();
+      rows.push_back(
+          {m["mode"].dump(), number(m["rmse"], 3), number(m["max_error"], 3),
+           number(m["relative_rmse"], 2), number(m["q2"], 3), number(m["noise"], 3),
+           noisy ? significant(m["rmse"].get<double>() / m["noise"].get<double>(), 2)
+                 : std::string("-"),
+           m.contains("standardised") ? number(m["standardised"]["rms"], 2) : std::string("-")});
+      if (one_out) rows.back().push_back(number(m["leave_one_out"], 3));
     }
     print_table(out, rows, style);
-    if (with_warnings && table["warning"].is_string()) {
+    if (!worst.empty()) out << "  " << worst << ".\n";
+    if (table["warning"].is_string()) {
       print_wrapped(out, table["warning"].get<std::string>(), style.warn("! "), "  ");
     }
   }
+}
+
+// What predicted, and how far that can be trusted.
+void print_predictor(std::ostream& out, const Report& summary, const Style& style) {
+  if (!summary.contains("emulator")) return;
+  const auto& e = summary["emulator"];
+  out << '\n' << style.bold("Predictor") << '\n';
+  print_emulator(out, e, false, false);
+  const auto& calls = e["full_model_calls"];
+  if (e["exact"].get<bool>()) {
+    print_wrapped(out,
+                  "It screened proposals only: the posterior is the FE solution's. The FE was "
+                  "called " +
+                      rounded_count(calls["likelihood"]) + " times, the emulator " +
+                      rounded_count(summary["cost"]["likelihood_evaluations"]) + " times.",
+                  "", "  ");
+    return;
+  }
+  print_wrapped(
+      out,
+      std::string("Its error is ") +
+          (e["error_in_likelihood"].get<bool>() ? "part of" : "NOT part of") + " the likelihood" +
+          (summary["data"].contains("discrepancy_cov")
+               ? ", and so is a discrepancy of " +
+                     significant(100.0 * summary["data"]["discrepancy_cov"].get<double>(), 3) + " %"
+               : std::string()) +
+          ".",
+      "", "  ");
+  if (!e.contains("check")) return;
+  const auto& check = e["check"];
+  const auto& at = check["error_to_noise"][check["worst_mode"].get<std::size_t>() - 1];
+  print_wrapped(out,
+                "Check of " + check["draws"].dump() + " draws with the FE solution: error up to " +
+                    number(at["rms"], 2) + " of the noise (mode " + check["worst_mode"].dump() +
+                    "), weights as good as " + percent(check["effective_share"]) +
+                    " of the draws. " +
+                    (check["moved"].get<bool>() ? "The emulator moved the answer: see below."
+                                                : "The emulator did not move the answer."),
+                "", "  ");
 }
 
 void print_damage(std::ostream& out, const Report& summary, bool colour) {
@@ -356,6 +420,7 @@ void print_damage(std::ostream& out, const Report& summary, bool colour) {
   }
 
   print_evidence(out, summary, style);
+  print_predictor(out, summary, style);
 
   if (summary["data"]["simulated"].get<bool>()) {
     std::string truth;

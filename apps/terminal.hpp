@@ -16,8 +16,8 @@ void print_damage(std::ostream& out, const Report& summary, bool colour);
 /// The text of a finished system-identification run, from its summary.
 void print_sid(std::ostream& out, const Report& summary, bool colour);
 
-/// An emulator's errors per mode, from `emulator_report`.
-void print_emulator(std::ostream& out, const Report& emulator, bool colour, bool with_warnings);
+/// An emulator's errors from `emulator_report`: per mode and with its warnings, or a line a count.
+void print_emulator(std::ostream& out, const Report& emulator, bool colour, bool in_full);
 
 /// The beam as text, `width` characters long: damage along it, the beam, its supports.
 [[nodiscard]] std::string draw_beam(const Report& beam, const std::vector<double>& inclusion,

@@ -1,9 +1,13 @@
 // The program as its users meet it: exit codes, one line an error, nothing half-written.
 #include <gmock/gmock.h>
+#include <sched.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 
+#include "emulator/table_file.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {
@@ -135,6 +139,177 @@ TEST(CommandLine, TablesAreComputedUsedAndRefused) {
   expect_refusal(where, "damage " + uses + run, 65, {"t.nc"});
   where.write("t.nc", std::string("not a table"));
   expect_refusal(where, "damage " + uses + run, 65, {"t.nc"});
+}
+
+// Killed whenever: what was computed is not computed again, and the table is the undisturbed one.
+TEST(CommandLine, ATableKilledAtAnyMomentResumes) {
+  const Workspace where;
+  json c = table_case();
+  c["beam"]["elements"] = 60;
+  c["damage"]["count"]["max"] = 2;
+  c["damage"]["location"] = {{"uniform", {0.0, 1.0}}};
+  c["predictor"] =
+      json::parse(R"({"sites": "every-element", "multipliers": [0.4, 0.7, 1.0], "holdout": 20})");
+  const std::string design = where.write_json("t.json", c).string();
+  const std::string whole = (where / "whole.nc").string(), cut = (where / "cut.nc").string();
+  ASSERT_EQ(wheeltap(where, "table " + design + " -o " + whole + " --quiet").exit_code, 0);
+  const std::filesystem::path journal = cut + ".runs.count_2";
+  std::error_code none;
+  // The moments: when the journal has so many bytes. The last kill may come too late to matter.
+  bool killed = false;
+  for (const std::uintmax_t bytes : {1U, 3000U, 200000U}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      std::freopen("/dev/null", "w", stdout);
+      execl(WHEELTAP_PROGRAM, "wheeltap", "table", design.c_str(), "-o", cut.c_str(), "--quiet",
+            "--resume", static_cast<char*>(nullptr));
+      _exit(127);
+    }
+    ASSERT_GT(child, 0);
+    int status = 0;
+    pid_t ended = 0;
+    while ((ended = waitpid(child, &status, WNOHANG)) == 0) {
+      const auto size = std::filesystem::file_size(journal, none);
+      if (!none && size >= bytes) break;
+      sched_yield();
+    }
+    if (ended == 0) {
+      kill(child, SIGKILL);
+      waitpid(child, &status, 0);
+    }
+    killed = killed || WIFSIGNALED(status);
+    EXPECT_FALSE(std::filesystem::exists(cut) && WIFSIGNALED(status)) << "nothing half-written";
+  }
+  ASSERT_TRUE(killed);
+  const Outcome resumed = wheeltap(where, "table " + design + " -o " + cut + " --quiet --resume");
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_THAT(resumed.out, HasSubstr("Resumed: "));
+  EXPECT_FALSE(std::filesystem::exists(journal));
+  const auto a = emulator::read_table_file(whole), b = emulator::read_table_file(cut);
+  for (const auto& [name, table] : a.tables) {
+    EXPECT_EQ(table.values, b.tables.at(name).values) << name;
+    EXPECT_EQ(table.parameters, b.tables.at(name).parameters) << name;
+  }
+  // A journal of another design is not taken.
+  where.write("other.nc.runs.count_1", "wheeltap-journal 1 0123456789abcdef 3\n");
+  expect_refusal(where, "table " + design + " -o " + (where / "other.nc").string() + " --resume",
+                 65, {"another experiment"});
+}
+
+TEST(CommandLine, TwoHalfTablesMakeTheWhole) {
+  const Workspace where;
+  const std::string design = where.write_json("t.json", table_case()).string();
+  const auto path = [&](const char* name) { return (where / name).string(); };
+  ASSERT_EQ(wheeltap(where, "table " + design + " -o " + path("whole.nc") + " --quiet").exit_code,
+            0);
+  for (const char* part : {"1", "2"}) {
+    const Outcome half = wheeltap(where, "table " + design + " --part " + part + "/2 -o " +
+                                             path("half") + part + ".nc --quiet");
+    ASSERT_EQ(half.exit_code, 0) << half.err;
+  }
+  const std::string halves = " --merge " + path("half1.nc") + " " + path("half2.nc");
+  const Outcome merged =
+      wheeltap(where, "table " + design + " -o " + path("merged.nc") + " --quiet" + halves);
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  const auto a = emulator::read_table_file(path("whole.nc"));
+  const auto b = emulator::read_table_file(path("merged.nc"));
+  EXPECT_EQ(a.tables.at("count_1").values, b.tables.at("count_1").values);
+  EXPECT_EQ(a.tables.at("count_1").holdout, b.tables.at("count_1").holdout);
+  EXPECT_EQ(a.tables.at("count_1").parameters, b.tables.at("count_1").parameters);
+
+  const auto refuse = [&](const std::string& rest, int code,
+                          std::initializer_list<std::string> words) {
+    expect_refusal(where, "table " + design + " -o " + path("x.nc") + " " + rest, code, words);
+    EXPECT_FALSE(std::filesystem::exists(path("x.nc")));
+  };
+  refuse("--merge " + path("half1.nc"), 65, {"/predictor", "lack", "1 damage"});
+  refuse("--merge " + path("none.nc"), 66, {"none.nc"});
+  refuse(halves + " --set beam.length=1.1", 65, {"half1.nc"});
+  refuse(halves + " --set predictor.sites=[2,6,9]", 65, {"/predictor", "lack"});
+  refuse("--part 3/2", 64, {"--part 3/2"});
+  refuse("--part 1", 64, {"--part 1"});
+  refuse("--part 1/2" + halves, 64, {"--part and --merge"});
+  refuse("--part 100/100", 65, {"/predictor", "empty"});
+  json uses = table_case();
+  uses["predictor"] = {{"table", "half1.nc"}};
+  expect_refusal(
+      where, "damage " + where.write_json("u.json", uses).string() + " -o " + path("out") + kShort,
+      65, {"half1.nc", "part 1/2"});
+}
+
+TEST(CommandLine, BadEmulatorsEndWith65) {
+  const Workspace where;
+  const std::string design = where.write_json("t.json", table_case()).string();
+  where.write("short.csv", "location[1] [m],reduction[1],f1 [Hz],f2 [Hz],f3 [Hz]\n0.1,0.2,1,2\n");
+  where.write("empty.csv", "location[1] [m],reduction[1],f1 [Hz],f2 [Hz],f3 [Hz]\n");
+  where.write(
+      "off.csv",
+      "location[1] [m],reduction[1],f1 [Hz],f2 [Hz],f3 [Hz]\n0.1,0.2,1,2,3\n1.4,0.1,1,2,3\n");
+  const auto refuse = [&](const std::string& predictor, std::initializer_list<std::string> words) {
+    expect_refusal(where,
+                   "table " + design + " -o " + (where / "x.nc").string() +
+                       " --set 'predictor=" + predictor + "'",
+                   65, words);
+    EXPECT_FALSE(std::filesystem::exists(where / "x.nc"));
+  };
+  refuse(R"({"sites":[2,2,9],"multipliers":[0.4,1]})", {"/predictor/sites/1", "twice"});
+  refuse(R"({"sites":[2,11],"multipliers":[0.4,1]})", {"/predictor/sites/1", "10 elements"});
+  refuse(R"({"sites":[],"multipliers":[0.4,1]})", {"/predictor"});
+  refuse(R"({"sites":[2,9],"multipliers":[0.4,1.2]})", {"/predictor/multipliers/1", "1.2"});
+  refuse(R"({"sites":[2,9],"multipliers":[0.4,0.4]})", {"/predictor/multipliers", "twice"});
+  refuse(R"({"sites":[2,9]})", {"/predictor/multipliers", "missing"});
+  refuse(R"({"sites":[2,9],"multipliers":[0.4,1],"interpolation":"delaunay"})",
+         {"/predictor/interpolation"});
+  refuse(R"({"sites":[[2,9],[1,8]],"multipliers":[0.4,1],"expansion":"anova"})",
+         {"/predictor/sites"});
+  refuse(R"({"design":{"kind":"sobol","runs":4}})", {"/predictor/design/runs", "4"});
+  refuse(R"({"design":{"kind":"sobol","runs":40},"interpolation":"cubic"})",
+         {"/predictor/interpolation"});
+  refuse(R"({"runs_csv":"short.csv"})", {"short.csv", "2"});
+  refuse(R"({"runs_csv":"empty.csv"})", {"empty.csv"});
+  refuse(R"({"runs_csv":"off.csv","interpolation":"gaussian-process"})", {"off.csv", "1.4"});
+  expect_refusal(where,
+                 "table " + design + " -o x.nc --set 'predictor={\"runs_csv\":\"none.csv\"}'", 66,
+                 {"none.csv"});
+}
+
+TEST(CommandLine, AnExactRunCountsItsFullModelCalls) {
+  const Workspace where;
+  json c = small_case();
+  c["data"]["cov"] = 0.002;
+  const std::string out = " -o " + (where / "out").string() + kShort;
+  const auto summary = [&](const char* predictor) {
+    c["predictor"] = json::parse(predictor);
+    const Outcome outcome =
+        wheeltap(where, "damage " + where.write_json("c.json", c).string() + out);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    json s = json::parse(read_all(where / "out/summary.json"));
+    s["said"] = outcome.out;
+    return s;
+  };
+  const json fe = summary(R"("fe")");
+  EXPECT_EQ(fe["cost"]["full_model_calls"], fe["cost"]["likelihood_evaluations"]);
+  const json blind = summary(R"({"sites": [1, 10], "multipliers": [0.4, 1.0], "holdout": 50})");
+  EXPECT_EQ(blind["emulator"]["full_model_calls"]["training"], 4 + 16);
+  EXPECT_EQ(blind["emulator"]["full_model_calls"]["validation"], 2 * 50);
+  EXPECT_EQ(blind["emulator"]["check"]["draws"], 2000);
+  EXPECT_TRUE(blind["emulator"]["check"]["moved"]);
+  EXPECT_THAT(blind["said"].get<std::string>(), HasSubstr("The emulator moved the answer"));
+  const json exact =
+      summary(R"({"sites": [1, 10], "multipliers": [0.4, 1.0], "holdout": 50, "exact": true})");
+  const long full = exact["emulator"]["full_model_calls"]["likelihood"];
+  EXPECT_GT(full, 0);
+  EXPECT_LT(full, exact["cost"]["likelihood_evaluations"].get<long>());
+  EXPECT_THAT(exact["said"].get<std::string>(), HasSubstr("the posterior is the FE solution's"));
+  for (std::size_t m = 0; m < 3; ++m) {
+    const double error =
+        std::hypot(fe["models"][m]["mcse"].get<double>(), exact["models"][m]["mcse"].get<double>());
+    EXPECT_NEAR(exact["models"][m]["probability"], fe["models"][m]["probability"], 4.5 * error);
+  }
+  const json good = summary(R"({"sites": "every-element", "multipliers": [0.4, 0.6, 0.8, 1.0],
+    "interpolation": "monotone-cubic", "coordinate": "compliance", "holdout": 50})");
+  EXPECT_FALSE(good["emulator"]["check"]["moved"]);
+  EXPECT_THAT(good["said"].get<std::string>(), HasSubstr("Check of 2000 draws"));
 }
 
 TEST(CommandLine, ModesAsJson) {

@@ -147,6 +147,7 @@ TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
   const std::vector<double> theta = {0.5, 0.3};
   const auto honest = problem(json);
   json["predictor"]["emulator_error"] = false;
+  json["predictor"]["symmetrise"] = true;  // what it is by default where the error counts
   const auto blind = problem(json);
   const auto with = honest->problem.likelihood(), without = blind->problem.likelihood();
   (void)with->log_likelihood(1, theta);
@@ -154,14 +155,53 @@ TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
   double sum = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     const double f = without->prediction()[i], observed = json["data"]["frequencies"][i];
-    const double rmse = honest->emulator->holdout(1)[i].rmse;
-    EXPECT_GT(rmse, 0.0);
+    // Grown with the compliance that the damage adds, 0.3 / 0.7 of an element's (and 0.001).
+    const double variance = honest->emulator->error(1).scale[i] * (0.3 / 0.7 + 1e-3);
+    EXPECT_GT(variance, 0.0);
     sum += log_normal_density(observed, f, 0.01 * observed);
-    expected += log_normal_density(observed, f, std::hypot(0.01 * observed, rmse));
+    expected += log_normal_density(observed, f, std::hypot(0.01 * observed, std::sqrt(variance)));
   }
   EXPECT_NEAR(naive, sum, 1e-9);
   EXPECT_NEAR(with->log_likelihood(1, theta), expected, 1e-9);
   EXPECT_EQ(with->log_likelihood(0, {}), without->log_likelihood(0, {})) << "intact is exact";
+}
+
+TEST(DamageProblem, DiscrepancyIsAddedToTheNoise) {
+  Json json = small_case();
+  json["data"]["discrepancy"] = {{"cov", 0.02}};
+  const std::vector<double> observed = json["data"]["frequencies"];
+  const auto expected = [&](const std::vector<double>& f, double cov) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      sum += log_normal_density(observed[i], f[i], std::hypot(cov, 0.02) * observed[i]);
+    }
+    return sum;
+  };
+  const auto p = problem(json);
+  const auto f = elastic_frequencies(p->damage_case.beam, {}, 3);
+  EXPECT_NEAR(p->problem.likelihood()->log_likelihood(0, {}), expected(f, 0.01), 1e-5);
+  json["data"]["cov"] = {{"log_uniform", {1e-3, 1e-1}}};
+  const auto inferred = problem(json);
+  EXPECT_NEAR(inferred->problem.likelihood()->log_likelihood(0, std::vector<double>{0.03}),
+              expected(f, 0.03), 1e-5);
+}
+
+TEST(DamageProblem, AnExactEmulatorScreensAndTheFiniteElementsDecide) {
+  Json json = small_case();
+  const auto fe = problem(json);
+  json["predictor"] = Json::parse(R"({"sites": [1, 4, 7, 10], "multipliers": [0.4, 1.0]})");
+  const auto emulated = problem(json);
+  json["predictor"]["exact"] = true;
+  const auto exact = problem(json);
+  ASSERT_TRUE(exact->problem.screen);
+  EXPECT_FALSE(emulated->problem.screen);
+  const std::vector<double> theta = {0.23, 0.2, 0.55, 0.3};
+  EXPECT_EQ(exact->problem.likelihood()->log_likelihood(2, theta),
+            fe->problem.likelihood()->log_likelihood(2, theta));
+  EXPECT_EQ(exact->problem.screen()->log_likelihood(2, theta),
+            emulated->problem.likelihood()->log_likelihood(2, theta));
+  EXPECT_NE(exact->problem.screen()->log_likelihood(2, theta),
+            exact->problem.likelihood()->log_likelihood(2, theta));
 }
 
 TEST(DamageProblem, RefusesAPriorOutsideTheEmulatorsBox) {
