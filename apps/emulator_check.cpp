@@ -36,10 +36,10 @@ Means means(const std::vector<Checked>& draws, const Value& value) {
   return m;
 }
 
-constexpr double kWorthTelling = 0.05;   // probability of a model whose parameters are compared
+constexpr double kWorthTelling = 0.05;  // probability of a model whose parameters are compared
 constexpr double kMovedProbability = 0.02;
-constexpr double kMovedMean = 0.25;      // in sd
-constexpr double kSure = 3.0;            // standard errors
+constexpr double kMovedMean = 0.25;  // in sd
+constexpr double kSure = 3.0;        // standard errors
 
 }  // namespace
 
@@ -66,8 +66,8 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
     ++compared;
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
-      const double error = static_cast<double>(chain.prediction[i * modes + mode]) -
-                           likelihood->prediction()[mode];
+      const double error =
+          static_cast<double>(chain.prediction[i * modes + mode]) - likelihood->prediction()[mode];
       const double noise = problem.total_sd(mode, data.cov_prior ? x[0] : 0.0, 0.0);
       squares[mode] += error * error / (noise * noise);
       largest[mode] = std::max(largest[mode], std::abs(error) / noise);
@@ -95,14 +95,11 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
   for (int m = 0; m < problem.problem.space.size(); ++m) {
     const Means p = means(draws, [&](const Checked& d) { return d.model == m ? 1.0 : 0.0; });
     const std::string& name = problem.problem.space[m].name;
-    models.push_back({{"name", name},
-                      {"emulator", p.plain},
-                      {"fe", p.weighted},
-                      {"standard_error", p.error}});
+    models.push_back(
+        {{"name", name}, {"emulator", p.plain}, {"fe", p.weighted}, {"standard_error", p.error}});
     const double shift = std::abs(p.weighted - p.plain);
     if (shift > kMovedProbability && shift > kSure * p.error) {
-      moved.push_back("P(" + name + ") is " + percent(p.weighted) + " and not " +
-                      percent(p.plain));
+      moved.push_back("P(" + name + ") is " + percent(p.weighted) + " and not " + percent(p.plain));
     }
   }
   Report parameters = Report::object();
@@ -120,24 +117,24 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
     for (int p = 0; p < problem.problem.space[m].dimension; ++p) {
       const auto at = static_cast<std::size_t>(p);
       const Means value = means(within, [&](const Checked& d) { return d.theta[at]; });
-      const Means squared = means(within, [&](const Checked& d) { return d.theta[at] * d.theta[at]; });
+      const Means squared =
+          means(within, [&](const Checked& d) { return d.theta[at] * d.theta[at]; });
       const double sd = std::sqrt(std::max(0.0, squared.plain - value.plain * value.plain));
       const std::string label = parameter_label(problem.problem.space, m, p);
-      table[label] = {{"emulator", value.plain},
-                      {"fe", value.weighted},
-                      {"standard_error", value.error}};
+      table[label] = {
+          {"emulator", value.plain}, {"fe", value.weighted}, {"standard_error", value.error}};
       const double shift = std::abs(value.weighted - value.plain);
       if (shift > kMovedMean * sd && shift > kSure * value.error) {
         moved.push_back("the mean of " + label + " with " + problem.problem.space[m].name + " is " +
-                        significant(value.weighted, 3) + " and not " +
-                        significant(value.plain, 3));
+                        significant(value.weighted, 3) + " and not " + significant(value.plain, 3));
       }
     }
   }
   Report by_mode = Report::array();
   std::size_t worst = 0;
   for (std::size_t mode = 0; mode < modes; ++mode) {
-    const double rms = compared > 0 ? std::sqrt(squares[mode] / static_cast<double>(compared)) : 0.0;
+    const double rms =
+        compared > 0 ? std::sqrt(squares[mode] / static_cast<double>(compared)) : 0.0;
     by_mode.push_back({{"mode", mode + 1}, {"rms", rms}, {"largest", largest[mode]}});
     if (squares[mode] > squares[worst]) worst = mode;
   }
@@ -146,13 +143,15 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
       "At these draws its error is " + significant(at_worst["rms"].get<double>(), 2) +
       " times the noise in mode " + std::to_string(worst + 1) + ", its worst";
   const std::string remedy =
-      ". Use \"predictor\": \"fe\", add \"exact\": true, or choose a better emulator (docs/emulators.md).";
+      ". Use \"predictor\": \"fe\", add \"exact\": true, or choose a better emulator "
+      "(docs/emulators.md).";
   if (!telling) {
-    warnings.push_back("The emulator moved the answer, by more than its draws can tell: of " +
-                       std::to_string(draws.size()) +
-                       " draws checked with the FE solution, the FE's likelihood puts its weight on "
-                       "some " +
-                       rounded_count(std::max(1.0, share * n)) + ". " + error_there + remedy);
+    warnings.push_back(
+        "The emulator moved the answer, by more than its draws can tell: of " +
+        std::to_string(draws.size()) +
+        " draws checked with the FE solution, the FE's likelihood puts its weight on "
+        "some " +
+        rounded_count(std::max(1.0, share * n)) + ". " + error_there + remedy);
   } else if (!moved.empty()) {
     std::string text;
     for (std::size_t i = 0; i < moved.size() && i < 4; ++i) text += (i ? "; " : "") + moved[i];
