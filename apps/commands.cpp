@@ -180,6 +180,10 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     damage_case.file.refuse(predictor / "runs_csv",
                             "are made already: there are no parts to compute");
   }
+  if (spec.accuracy && !(options.part.empty() && options.merge.empty())) {
+    damage_case.file.refuse(predictor / "accuracy",
+                            "decides on runs by the runs before: they have no parts");
+  }
   const auto part = options.part.empty() ? std::pair(0, 1) : parse_part(options.part);
   std::optional<emulator::TableFile> made;
   if (!options.merge.empty()) made = read_parts(options.merge, damage_case);

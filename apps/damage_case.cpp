@@ -320,8 +320,9 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
   spec.exact = p.value("exact", false);
   spec.holdout = p.value("holdout", spec.holdout);
   if (p.contains("table")) {
-    for (const char* key : {"sites", "multipliers", "interpolation", "coordinate", "expansion",
-                            "additive", "design", "runs_csv", "symmetrise", "holdout"}) {
+    for (const char* key :
+         {"sites", "multipliers", "interpolation", "coordinate", "expansion", "additive", "design",
+          "runs_csv", "symmetrise", "holdout", "accuracy"}) {
       if (p.contains(key))
         file.refuse(where / key, "is the table's own: it does not go with \"table\"");
     }
@@ -358,6 +359,10 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
                 "is for grids; a scattered design has \"gaussian-process\" and \"delaunay\"");
   }
   if (grid) spec.sites = parse_sites(file, out.beam.elements);
+  if (p.contains("accuracy")) {
+    if (!grid) file.refuse(where / "accuracy", "goes with \"sites\" and \"multipliers\" only");
+    spec.accuracy = p["accuracy"].get<double>();
+  }
   if (p.contains("multipliers")) {
     for (const double multiplier : p["multipliers"]) {
       spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // 0.6, not 1 - 0.4

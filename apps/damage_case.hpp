@@ -83,6 +83,8 @@ struct EmulatorSpec {
       sites;  ///< 0-based elements; list i serves damage i, the last one all further ones
   std::vector<double> reductions;  ///< levels, increasing; of scattered runs the range, or empty
   bool compliance = false;         ///< interpolate in 1/(1-r), else in r
+  std::optional<double>
+      accuracy;  ///< grids gain sites and levels until errors are below so much of the frequencies
   std::optional<emulator::Additive>
       anova;  ///< in which more than two damages are summed from pairs; none: a table each
   std::vector<int> design_runs;   ///< scattered: entry i for i + 1 damages, the last beyond

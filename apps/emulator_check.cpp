@@ -45,7 +45,8 @@ constexpr double kSure = 3.0;        // standard errors
 
 Report check_emulator(const DamageProblem& problem, const inference::Posterior& posterior,
                       std::vector<std::string>& warnings, int most) {
-  if (!problem.emulator || problem.exact()) return {};
+  // Without the likelihood there is nothing that an emulator could move.
+  if (!problem.emulator || problem.exact() || posterior.likelihood_evaluations == 0) return {};
   const FrequencyData& data = problem.damage_case.data;
   const auto width = static_cast<std::size_t>(posterior.dimension);
   const auto modes = static_cast<std::size_t>(data.modes());
@@ -54,6 +55,8 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
   const auto likelihood = problem.fe_likelihood();
   std::vector<Checked> draws;
   std::vector<double> log_weights, squares(modes, 0.0), largest(modes, 0.0);
+  FrequencyPredictor predictor(problem);
+  std::vector<double> emulated(modes), ignored(modes);
   long compared = 0;
   for (std::size_t n = 0; n < all; n += stride) {
     const auto& chain = posterior.chains[n / static_cast<std::size_t>(posterior.draws)];
@@ -64,10 +67,10 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
     log_weights.push_back(log_fe - chain.log_likelihood[i]);
     if (problem.problem.space[chain.model[i]].counts[0] == 0) continue;
     ++compared;
+    predictor.emulate(chain.model[i], x, emulated, ignored);
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
-      const double error =
-          static_cast<double>(chain.prediction[i * modes + mode]) - likelihood->prediction()[mode];
+      const double error = emulated[mode] - likelihood->prediction()[mode];
       const double noise = problem.total_sd(mode, data.cov_prior ? x[0] : 0.0, 0.0);
       squares[mode] += error * error / (noise * noise);
       largest[mode] = std::max(largest[mode], std::abs(error) / noise);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apps/summary.hpp"
+#include "emulator/grid_refinement.hpp"
 #include "emulator/runs_csv.hpp"
 
 namespace wheeltap::apps {
@@ -326,6 +327,62 @@ std::string beam_fingerprint(const fem::Beam& beam) {
   return emulator::fingerprint(identity.dump());
 }
 
+namespace {
+
+std::vector<emulator::AxisRule> axis_rules(Rule rule, std::size_t factors) {
+  std::vector<emulator::AxisRule> rules;
+  for (std::size_t i = 0; i < factors; ++i) {
+    rules.push_back(rule == Rule::multilinear           ? emulator::AxisRule::linear
+                    : i % 2 == 0 && rule == Rule::cubic ? emulator::AxisRule::cubic
+                                                        : emulator::AxisRule::monotone_cubic);
+  }
+  return rules;
+}
+
+// The table of the grid that `spec` starts from, with the sites and levels that its accuracy needs.
+Table refined(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, const DefectKind& kind,
+              int modes, int count, const FrequencyEmulator::TrainOptions& options,
+              long& model_runs) {
+  const fem::Beam& beam = reanalysis.beam();
+  const auto start = design_of(beam, spec, kind, count).factors;
+  emulator::RefinementOptions refinement{.tolerance = {},
+                                         .rules = axis_rules(spec.rule, start.size()),
+                                         .candidates = {},
+                                         .most_runs = 1'000'000,
+                                         .seed = options.seed,
+                                         .experiment = {.threads = options.threads}};
+  const auto rigid = static_cast<std::size_t>(reanalysis.rigid_body_modes());
+  for (int mode = 0; mode < modes; ++mode) {
+    refinement.tolerance.push_back(
+        *spec.accuracy *
+        reanalysis.intact_frequencies_hz()[rigid + static_cast<std::size_t>(mode)]);
+  }
+  std::vector<double> midpoints;
+  for (int e = 0; e < beam.elements; ++e) midpoints.push_back(beam.element_midpoint(e));
+  for (int i = 0; i < count; ++i) {
+    refinement.candidates.push_back(midpoints);
+    refinement.candidates.emplace_back();
+  }
+  auto grid = emulator::refine_grid(start, modes, fe_model(reanalysis), refinement);
+  model_runs += grid.model_runs;
+  if (!grid.reached) {
+    throw std::invalid_argument("an accuracy of " + number(*spec.accuracy) + " with " +
+                                std::to_string(count) + (count == 1 ? " damage" : " damages") +
+                                " needs more than a million runs, or more sites than there are "
+                                "elements: ask for less, or use \"coordinate\": \"compliance\"");
+  }
+  return {.factors = std::move(grid.factors),
+          .points = {},
+          .response_name = "frequency",
+          .response_unit = "Hz",
+          .values = std::move(grid.values),
+          .holdout = {},
+          .attributes = {},
+          .parameters = {}};
+}
+
+}  // namespace
+
 void FrequencyEmulator::add(Table table, int threads) {
   modes_ = static_cast<int>(table.values.cols());
   const Rule rule = rule_of(table);
@@ -353,13 +410,8 @@ void FrequencyEmulator::add(Table table, int threads) {
     made = std::make_shared<const Interpolant>(
         emulator::MultilinearInterpolant(table.factors, table.values));
   } else {
-    std::vector<emulator::AxisRule> rules;
-    for (std::size_t i = 0; i < table.factors.size(); ++i) {
-      rules.push_back(i % 2 == 0 && rule == Rule::cubic ? emulator::AxisRule::cubic
-                                                        : emulator::AxisRule::monotone_cubic);
-    }
-    made = std::make_shared<const Interpolant>(
-        emulator::CubicInterpolant(table.factors, table.values, rules));
+    made = std::make_shared<const Interpolant>(emulator::CubicInterpolant(
+        table.factors, table.values, axis_rules(rule, table.factors.size())));
   }
   interpolants_.push_back(std::move(made));
   tables_.push_back(std::move(table));
@@ -429,6 +481,8 @@ FrequencyEmulator FrequencyEmulator::train(const fem::Reanalysis& reanalysis,
                                     " modes, the data have " + std::to_string(modes));
       }
       table.values = RowMatrix(table.values.leftCols(modes));
+    } else if (spec.accuracy) {
+      table = refined(reanalysis, spec, kind, modes, count, options, trained.trained_runs_);
     } else {
       const Design design = design_of(beam, spec, kind, count);
       table = {.factors = design.factors,

@@ -273,6 +273,16 @@ TEST(CommandLine, BadEmulatorsEndWith65) {
                  {"none.csv"});
 }
 
+TEST(CommandLine, PriorOnlyRunsOnAnEmulatorCheckNothing) {
+  const Workspace where;
+  const std::string path = where.write_json("t.json", table_case()).string();
+  const Outcome outcome = wheeltap(
+      where, "damage " + path + " -o " + (where / "out").string() + kShort + "--prior-only");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json s = json::parse(read_all(where / "out/summary.json"));
+  EXPECT_FALSE(s["emulator"].contains("check"));
+}
+
 TEST(CommandLine, AnExactRunCountsItsFullModelCalls) {
   const Workspace where;
   json c = small_case();

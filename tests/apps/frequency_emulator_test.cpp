@@ -197,6 +197,24 @@ TEST(FrequencyEmulator, AnovaServesAnyCountFromTwoTables) {
   EXPECT_THROW((void)FrequencyEmulator::load(where / "t.nc", c.beam, 5, 4), std::invalid_argument);
 }
 
+TEST(FrequencyEmulator, GrowsUntilItIsAccurate) {
+  const Workspace where;
+  for (const double accuracy : {1e-2, 1e-4}) {
+    const DamageCase c = case_of(R"({"sites": [1, 10, 20], "multipliers": [0.4, 1.0], "coordinate":
+      "compliance", "interpolation": "cubic", "accuracy": )" +
+                                     std::to_string(accuracy) + "}",
+                                 1, where);
+    const fem::Reanalysis reanalysis(c.beam, 4);
+    const auto made = FrequencyEmulator::train(reanalysis, *c.emulator, c.kinds[0], 4, {});
+    const auto intact = reanalysis.intact_frequencies_hz();
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_LT(made.holdout(1)[i].rmse, accuracy * intact[i]);
+      EXPECT_LT(made.holdout(1)[i].max_error, 2.0 * accuracy * intact[i]);
+    }
+    EXPECT_EQ(made.runs(1) > 40, accuracy < 1e-3) << "and no more runs than that takes";
+  }
+}
+
 class ScatteredEmulator : public testing::TestWithParam<std::string> {};
 
 TEST_P(ScatteredEmulator, IsTrainedStoredAndReadBack) {
