@@ -1,5 +1,6 @@
 #include "inference/reversible_jump.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -9,6 +10,7 @@
 #include <mutex>
 
 #include "inference/diagnostics.hpp"
+#include "inference/evidence/laplace.hpp"
 #include "inference/parallel.hpp"
 #include "inference/pilot.hpp"
 
@@ -27,6 +29,10 @@ constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each r
 // known to 0.004), and mixtures fitted to few are slow to give them.
 constexpr int kLongTuning = 80000;
 constexpr double kEnoughModelDraws = 4000.0;
+// Chains whose mean log posterior differs by more after exploration have not found the same place.
+constexpr double kDisagreement = 10.0;
+constexpr double kWorseMode = 20.0;  // ln: a mode this much below the best one is left
+constexpr int kDrawsAMode = 500;     // for the first pilot
 constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
@@ -92,6 +98,7 @@ struct Runner {
   long iteration = 0;
   std::vector<PilotSamples> by_rung;
   std::vector<int> models;  ///< visited in the last round of tuning
+  double explored = 0.0;  ///< mean log posterior at β = 1 in the last round of exploration
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> proposed, accepted;
 };
@@ -160,12 +167,15 @@ class Engine {
         const int n = std::min(round, scans - done);
         runner.by_rung.assign(static_cast<std::size_t>(runner.tempered->rungs()),
                               PilotSamples(problem_.space));
+        runner.explored = 0.0;
         for (int i = 0; i < n; ++i) {
           const long before = runner.target->evaluations();
           runner.tempered->scan(kStepsAScan, true, Purpose::exploration);
           for (int r = 0; r < runner.tempered->rungs(); ++r) {
             runner.by_rung[static_cast<std::size_t>(r)].add(runner.tempered->state(r));
           }
+          const State& cold = runner.tempered->cold();
+          runner.explored += (runner.target->log_prior(cold) + cold.log_likelihood) / n;
           reporter_.evaluated(runner.target->evaluations() - before);
           if (!reporter_.advance(1.0)) return;
         }
@@ -181,7 +191,96 @@ class Engine {
       runner.state = runner.tempered->cold();
     });
     if (reporter_.stopped()) return;
+    if (!explored_alike()) start_at_modes();
     fit(0, true);
+  }
+
+  [[nodiscard]] bool explored_alike() const {
+    const auto [low, high] = std::ranges::minmax_element(runners_, {}, &Runner::explored);
+    return high->explored - low->explored < kDisagreement;
+  }
+
+  // A posterior that is thousands of times narrower than its prior (a long record) has a ridge that
+  // tempering from the prior does not follow to its end. Each chain then searches for the mode of
+  // each model by itself, and the normal about it takes the place of its coldest samples.
+  void start_at_modes() {
+    const ModelSpace& space = problem_.space;
+    if (!space.kinds().empty() || options_.prior_only) return;  // births find components
+    reporter_.begin("searching", static_cast<double>(space.size()) * options_.chains);
+    std::vector<std::vector<Laplace>> modes(runners_.size());
+    each_chain([&](int c, Runner&) {
+      for (int m = 0; m < space.size(); ++m) {
+        Laplace& mode = modes[static_cast<std::size_t>(c)].emplace_back();
+        mode.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
+        if (!reporter_.advance(0.0)) continue;
+        try {
+          mode = laplace(problem_, m,
+                         {.seed = options_.seed + 7919 * static_cast<std::uint64_t>(c + 1),
+                          .restarts = 1,
+                          .tolerance = 1.0,
+                          .check = false});
+        } catch (const LikelihoodError&) {  // no place for this model: others will do
+        }
+        reporter_.evaluated(mode.evidence.likelihood_evaluations);
+        reporter_.advance(1.0);
+      }
+    });
+    if (reporter_.stopped()) return;
+    std::vector<const Laplace*> best(static_cast<std::size_t>(space.size()), nullptr);
+    for (const auto& of_chain : modes) {
+      for (std::size_t m = 0; m < best.size(); ++m) {
+        const Laplace& mode = of_chain[m];
+        shared_evaluations_ += mode.evidence.likelihood_evaluations;
+        if (std::isfinite(mode.evidence.log_evidence) &&
+            (best[m] == nullptr ||
+             mode.evidence.log_evidence > best[m]->evidence.log_evidence)) {
+          best[m] = &mode;
+        }
+      }
+    }
+    int start = -1;
+    const auto worth = [&](int m) {
+      return best[static_cast<std::size_t>(m)]->evidence.log_evidence + space[m].log_prior;
+    };
+    for (int m = 0; m < space.size(); ++m) {
+      if (best[static_cast<std::size_t>(m)] == nullptr) return;
+      if (start < 0 || worth(m) > worth(start)) start = m;
+    }
+    each_chain([&](int c, Runner& runner) {
+      Random random(options_.seed, static_cast<std::uint64_t>(c), 0, Purpose::adaptation);
+      PilotSamples& cold = runner.by_rung.back();
+      cold = PilotSamples(space);
+      for (int m = 0; m < space.size(); ++m) {
+        const auto at = static_cast<std::size_t>(m);
+        const Laplace* mode = &modes[static_cast<std::size_t>(c)][at];
+        if (!(mode->evidence.log_evidence > best[at]->evidence.log_evidence - kWorseMode)) {
+          mode = best[at];
+        }
+        const Eigen::MatrixXd factor = Eigen::LLT<Eigen::MatrixXd>(mode->covariance).matrixL();
+        State state;
+        state.model = m;
+        state.z = mode->z;
+        Eigen::VectorXd u(factor.rows());
+        for (int i = 0; i < kDrawsAMode; ++i) {
+          for (double& value : u) value = random.normal();
+          const Eigen::VectorXd step = factor * u;
+          for (std::size_t j = 0; j < state.z.size(); ++j) {
+            state.z[j] = mode->z[j] + step[static_cast<Eigen::Index>(j)];
+          }
+          cold.add(state);
+        }
+        if (m != start) continue;
+        runner.target->evaluate(state);
+        if (!std::isfinite(state.log_likelihood)) {
+          state.z = mode->z;
+          runner.target->evaluate(state);
+        }
+        runner.state = state;
+      }
+    });
+    posterior_.notes.push_back(
+        "After tempering from the prior the chains were in different places, so each of them was "
+        "restarted near a mode that differential evolution had found for it.");
   }
 
   // Pools what the chains have seen and freezes the proposals that follow from it.

@@ -119,7 +119,7 @@ Optimum search(const Objective& objective, int dimension, const ModeOptions& opt
         {.seed = options.seed + static_cast<std::uint64_t>(r) * 0x9e3779b97f4a7c15ULL,
          .generations = options.generations,
          .bound = kBound,
-         .tolerance = 1e-3});
+         .tolerance = options.tolerance});
     evaluations += found.evaluations;
     if (r == 0 || found.value > best.value) best = std::move(found);
   }
@@ -197,7 +197,7 @@ Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
       const Eigen::MatrixXd factor = llt.matrixL();
       result.evidence.log_evidence +=
           static_cast<double>(d) * kLogSqrt2Pi - factor.diagonal().array().log().sum();
-      check_shape(problem, model, options.seed, z, result);
+      if (options.check) check_shape(problem, model, options.seed, z, result);
     } else {
       result.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
       result.covariance = Eigen::MatrixXd::Constant(d, d, std::numeric_limits<double>::quiet_NaN());
