@@ -243,15 +243,17 @@ class Engine {
       return best[static_cast<std::size_t>(m)]->evidence.log_evidence + space[m].log_prior;
     };
     for (int m = 0; m < space.size(); ++m) {
-      if (best[static_cast<std::size_t>(m)] == nullptr) return;
+      if (best[static_cast<std::size_t>(m)] == nullptr) continue;
       if (start < 0 || worth(m) > worth(start)) start = m;
     }
+    if (start < 0) return;
     each_chain([&](int c, Runner& runner) {
       Random random(options_.seed, static_cast<std::uint64_t>(c), 0, Purpose::adaptation);
       PilotSamples& cold = runner.by_rung.back();
       cold = PilotSamples(space);
       for (int m = 0; m < space.size(); ++m) {
         const auto at = static_cast<std::size_t>(m);
+        if (best[at] == nullptr) continue;
         const Laplace* mode = &modes[static_cast<std::size_t>(c)][at];
         if (!(mode->evidence.log_evidence > best[at]->evidence.log_evidence - kWorseMode)) {
           mode = best[at];

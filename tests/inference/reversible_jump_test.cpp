@@ -2,6 +2,8 @@
 // when it is on, and what should not matter does not.
 #include "inference/reversible_jump.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -403,6 +405,71 @@ TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {
                 chain.model.size() * static_cast<std::size_t>(posterior.dimension));
     }
   }
+}
+
+// y = A x + e with noise 1e-4 of the parameters' and columns that nearly lie in a plane: a posterior
+// some 10^4 times narrower than its prior, on a ridge, where chains that temper from the prior come
+// to rest in different places. ln p(y) = ln N(y | 0, A Aᵀ + s² I) gives the odds exactly.
+TEST(ReversibleJump, FindsAPosteriorThatIsVeryMuchNarrowerThanItsPrior) {
+  constexpr Eigen::Index kData = 12, kParameters = 7;
+  static constexpr double kNoiseSd = 1e-4;
+  Eigen::MatrixXd design(kData, kParameters);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(kData);
+  Random random(1, 0, 0, Purpose::test);
+  for (Eigen::Index i = 0; i < kData; ++i) {
+    for (Eigen::Index j = 0; j < kParameters; ++j) {
+      design(i, j) = j < 3 ? random.normal() : design(i, j - 3) + 0.03 * random.normal();
+      y[i] += j + 1 < kParameters ? 0.5 * design(i, j) : 0.0;
+    }
+    y[i] += kNoiseSd * random.normal();
+  }
+  const auto log_evidence = [&](Eigen::Index columns) {
+    const Eigen::MatrixXd a = design.leftCols(columns);
+    const Eigen::MatrixXd c =
+        a * a.transpose() + kNoiseSd * kNoiseSd * Eigen::MatrixXd::Identity(kData, kData);
+    const Eigen::LLT<Eigen::MatrixXd> llt(c);
+    const Eigen::VectorXd white = llt.matrixL().solve(y);
+    const Eigen::MatrixXd l = llt.matrixL();
+    return -0.5 * white.squaredNorm() - l.diagonal().array().log().sum();
+  };
+  class Line : public Likelihood {
+   public:
+    Line(Eigen::MatrixXd a, Eigen::VectorXd y) : a_(std::move(a)), y_(std::move(y)) {}
+    double log_likelihood(int, std::span<const double> x) override {
+      const auto n = static_cast<Eigen::Index>(x.size());
+      const Eigen::VectorXd r =
+          y_ - a_.leftCols(n) * Eigen::Map<const Eigen::VectorXd>(x.data(), n);
+      return -0.5 * r.squaredNorm() / (kNoiseSd * kNoiseSd);
+    }
+
+   private:
+    Eigen::MatrixXd a_;
+    Eigen::VectorXd y_;
+  };
+  std::vector<Parameter> parameters;
+  std::vector<std::string> names;
+  for (Eigen::Index j = 0; j < kParameters; ++j) {
+    names.push_back("x" + std::to_string(j));
+    parameters.push_back({names.back(), Normal{0.0, 1.0}});
+  }
+  const std::vector<std::string> fewer(names.begin(), names.end() - 1);
+  // Prior weights such that the posterior is 30 : 70.
+  const double odds = std::exp(log_evidence(kParameters) - log_evidence(kParameters - 1));
+  const Problem problem{
+      .space = ModelSpace::of_models(parameters, {{"without", 0.3, fewer}, {"with", 0.7 / odds, names}}),
+      .likelihood = [&] { return std::make_unique<Line>(design, y); }};
+  const Posterior posterior = reversible_jump(problem, {.warmup = 6000, .draws = 4000});
+  EXPECT_LT(rhat(indicator(posterior, 1)), 1.05);
+  expect_probability(posterior, 1, 0.7);
+  const double p = ks_of_draws(posterior, 1, 0, [&](double x) {
+    const Eigen::MatrixXd precision = design.transpose() * design / (kNoiseSd * kNoiseSd) +
+                                      Eigen::MatrixXd::Identity(kParameters, kParameters);
+    const Eigen::VectorXd at = design.transpose() * y / (kNoiseSd * kNoiseSd);
+    const double mean = precision.llt().solve(at)[0];
+    const double sd = std::sqrt(precision.inverse()(0, 0));
+    return 0.5 * std::erfc(-(x - mean) / (sd * std::numbers::sqrt2));
+  });
+  EXPECT_GT(p, 1e-6);
 }
 
 }  // namespace
