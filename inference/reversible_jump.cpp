@@ -98,7 +98,7 @@ struct Runner {
   long iteration = 0;
   std::vector<PilotSamples> by_rung;
   std::vector<int> models;  ///< visited in the last round of tuning
-  double explored = 0.0;  ///< mean log posterior at β = 1 in the last round of exploration
+  double explored = 0.0;    ///< mean log posterior at β = 1 in the last round of exploration
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> proposed, accepted;
 };
@@ -232,8 +232,7 @@ class Engine {
         const Laplace& mode = of_chain[m];
         shared_evaluations_ += mode.evidence.likelihood_evaluations;
         if (std::isfinite(mode.evidence.log_evidence) &&
-            (best[m] == nullptr ||
-             mode.evidence.log_evidence > best[m]->evidence.log_evidence)) {
+            (best[m] == nullptr || mode.evidence.log_evidence > best[m]->evidence.log_evidence)) {
           best[m] = &mode;
         }
       }

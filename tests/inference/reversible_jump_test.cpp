@@ -2,9 +2,9 @@
 // when it is on, and what should not matter does not.
 #include "inference/reversible_jump.hpp"
 
+#include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
@@ -407,9 +407,10 @@ TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {
   }
 }
 
-// y = A x + e with noise 1e-4 of the parameters' and columns that nearly lie in a plane: a posterior
-// some 10^4 times narrower than its prior, on a ridge, where chains that temper from the prior come
-// to rest in different places. ln p(y) = ln N(y | 0, A Aᵀ + s² I) gives the odds exactly.
+// y = A x + e with noise 1e-4 of the parameters' and columns that nearly lie in a plane: a
+// posterior some 10^4 times narrower than its prior, on a ridge, where chains that temper from the
+// prior come to rest in different places. ln p(y) = ln N(y | 0, A Aᵀ + s² I) gives the odds
+// exactly.
 TEST(ReversibleJump, FindsAPosteriorThatIsVeryMuchNarrowerThanItsPrior) {
   constexpr Eigen::Index kData = 12, kParameters = 7;
   static constexpr double kNoiseSd = 1e-4;
@@ -455,9 +456,9 @@ TEST(ReversibleJump, FindsAPosteriorThatIsVeryMuchNarrowerThanItsPrior) {
   const std::vector<std::string> fewer(names.begin(), names.end() - 1);
   // Prior weights such that the posterior is 30 : 70.
   const double odds = std::exp(log_evidence(kParameters) - log_evidence(kParameters - 1));
-  const Problem problem{
-      .space = ModelSpace::of_models(parameters, {{"without", 0.3, fewer}, {"with", 0.7 / odds, names}}),
-      .likelihood = [&] { return std::make_unique<Line>(design, y); }};
+  const Problem problem{.space = ModelSpace::of_models(
+                            parameters, {{"without", 0.3, fewer}, {"with", 0.7 / odds, names}}),
+                        .likelihood = [&] { return std::make_unique<Line>(design, y); }};
   const Posterior posterior = reversible_jump(problem, {.warmup = 6000, .draws = 4000});
   EXPECT_LT(rhat(indicator(posterior, 1)), 1.05);
   expect_probability(posterior, 1, 0.7);
