@@ -6,9 +6,9 @@ import sys
 import tempfile
 
 
-def summary(program, case, *options):
+def summary(program, case, *options, command="damage"):
     with tempfile.TemporaryDirectory() as out:
-        subprocess.run([program, "damage", case, "-o", out, "--quiet", *options], check=True,
+        subprocess.run([program, command, case, "-o", out, "--quiet", *options], check=True,
                        stdout=subprocess.DEVNULL)
         with open(os.path.join(out, "summary.json")) as f:
             return json.load(f)
