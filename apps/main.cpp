@@ -6,6 +6,7 @@
 #include "apps/failure.hpp"
 #include "apps/report/report.hpp"
 #include "emulator/file_error.hpp"
+#include "inference/target.hpp"
 
 namespace {
 
@@ -86,11 +87,13 @@ int main(int argc, char** argv) {
         ->add_option("--draws", sampling.draws,
                      "draws a chain, after warm-up (default: until converged)")
         ->check(CLI::Range(100, kMany));
-    command->add_flag("--prior-only", sampling.prior_only,
-                      "leave the data out: must return the prior");
-    command->add_flag("--evidence{tmcmc+bridge}", sampling.evidence,
-                      "also the evidence of each model on its own: --evidence, or "
-                      "--evidence=METHODS of tmcmc, bridge, laplace, joined by +");
+    CLI::Option* prior_only = command->add_flag("--prior-only", sampling.prior_only,
+                                                "leave the data out: must return the prior");
+    command
+        ->add_flag("--evidence{tmcmc+bridge}", sampling.evidence,
+                   "also the evidence of each model on its own: --evidence, or "
+                   "--evidence=METHODS of tmcmc, bridge, laplace, joined by +")
+        ->excludes(prior_only);
   };
 
   CLI::App* modes_command = app.add_subcommand("modes", "natural frequencies of the case's beam");
@@ -175,6 +178,8 @@ int main(int argc, char** argv) {
     return report(failure.exit(), failure.what());
   } catch (const emulator::FileError& error) {
     return report(exit_of(error.kind()), error.what());
+  } catch (const inference::LikelihoodError& error) {
+    return report(Exit::bad_input, common.case_path.string() + ": " + error.what());
   } catch (const std::exception& error) {
     return report(Exit::internal, std::string("internal fault: ") + error.what());
   }

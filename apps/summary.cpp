@@ -272,6 +272,10 @@ Report diagnostics(const Posterior& posterior, const std::vector<Watched>& watch
             {"stationary_mean", stationary.mean},
             {"stationary_sd", stationary.sd},
             {"effective_draws", finite(stationary.effective_draws)}}},
+          {"ladder",
+           {{"while_drawing", posterior.tempered_draws},
+            {"round_trips",
+             posterior.tempered_draws ? Report(posterior.ladder_round_trips) : Report()}}},
           {"stopped_early", posterior.stopped_early},
           {"notes", posterior.notes},
           {"warnings", warnings}};

@@ -541,18 +541,54 @@ class Engine {
     return chains;
   }
 
-  // Good enough to stop: every undecided model probability known to 0.004 and mixed, the log
-  // posterior too.
+  // Good enough to stop: every undecided model probability known to 0.004 and mixed; the log
+  // posterior too; and where one model has all the probability, its parameters.
   [[nodiscard]] bool converged() const {
     for (int m = 0; m < problem_.space.size(); ++m) {
       const double p = share(m);
-      if (p < 0.001 || p > 0.999) continue;
-      const ChainsOf chains = indicator(m);
-      if (mcse_mean(chains) > 0.004 || ess_mean(chains) < 400.0 || rhat(chains) > 1.01)
-        return false;
+      if (p < 0.001) continue;
+      if (p > 0.999 ? !parameters_converged(m) : !probability_converged(m)) return false;
     }
-    const ChainsOf log_density = log_posterior();
-    return rhat(log_density) < 1.01 && ess_bulk(log_density) > 400.0;
+    const Convergence of = convergence(log_posterior());
+    return of.rhat < 1.01 && of.ess_bulk > 400.0 && of.ess_tail > 400.0;
+  }
+  [[nodiscard]] bool probability_converged(int model) const {
+    const ChainsOf chains = indicator(model);
+    return mcse_mean(chains) <= 0.004 && ess_mean(chains) >= 400.0 && rhat(chains) <= 1.01;
+  }
+  // A component's slot is a label only: of components, their sums.
+  [[nodiscard]] bool parameters_converged(int model) const {
+    const Model& m = problem_.space[model];
+    const auto width = static_cast<std::size_t>(posterior_.dimension);
+    const auto own = static_cast<int>(m.parameters.size());
+    const auto mixed = [&](auto&& value) {
+      ChainsOf chains;
+      std::size_t least = std::numeric_limits<std::size_t>::max();
+      for (const Chain& chain : posterior_.chains) {
+        std::vector<double>& values = chains.emplace_back();
+        for (std::size_t i = 0; i < chain.model.size(); ++i) {
+          if (chain.model[i] == model) values.push_back(value(&chain.theta[i * width]));
+        }
+        least = std::min(least, values.size());
+      }
+      for (auto& values : chains) values.resize(least);
+      return rhat(chains) < 1.01 && ess_bulk(chains) > 400.0;
+    };
+    for (int i = 0; i < own; ++i) {
+      if (!mixed([i](const double* x) { return x[i]; })) return false;
+    }
+    for (std::size_t j = 0; j < m.counts.size(); ++j) {
+      const auto size = static_cast<int>(problem_.space.kinds()[j].parameters.size());
+      for (int i = 0; m.counts[j] > 0 && i < size; ++i) {
+        const auto sum = [&, i](const double* x) {
+          double total = 0.0;
+          for (int c = 0; c < m.counts[j]; ++c) total += x[m.offsets[j] + c * size + i];
+          return total;
+        };
+        if (!mixed(sum)) return false;
+      }
+    }
+    return true;
   }
 
   // Whether longer chains would do: an R-hat far from 1 says that they are in different places.
@@ -610,8 +646,13 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
     throw std::invalid_argument("chains = " + std::to_string(options.chains) +
                                 " must be at least 1");
   }
-  if (options.draws < 0 || options.warmup < 0 || options.thin < 0) {
-    throw std::invalid_argument("draws, warmup and thin must be at least 0");
+  for (const auto& [name, value] :
+       {std::pair{"draws", options.draws}, std::pair{"warmup", options.warmup},
+        std::pair{"thin", options.thin}, std::pair{"threads", options.threads}}) {
+    if (value < 0) {
+      throw std::invalid_argument(std::string(name) + " = " + std::to_string(value) +
+                                  " must be at least 0 (0: the engine chooses)");
+    }
   }
   return Engine(problem, options).run();
 }

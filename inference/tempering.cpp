@@ -47,9 +47,14 @@ void check_models(Target& target, std::uint64_t seed) {
       if (state.z.empty()) break;
     }
     if (!finite) {
+      std::string parameters;
+      for (int i = 0; i < target.space()[m].dimension; ++i) {
+        parameters += (i == 0 ? ": " : ", ") + target.space().parameter_name(m, i) + " ~ " +
+                      target.space().prior(m, i).describe();
+      }
       throw LikelihoodError("the likelihood of model '" + target.space()[m].name +
                             "' is zero at every point drawn from its prior (" +
-                            std::to_string(kTries) + " tried)");
+                            std::to_string(kTries) + " tried)" + parameters);
     }
   }
 }

@@ -32,7 +32,7 @@ class BirthDeath : public Move {
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
  private:
-  static constexpr double kDefensive = 0.1;  ///< ε
+  static constexpr double kDefensive = 0.4;  ///< ε: a pilot of few samples may misjudge
 
   /// p_i of the larger set, into probability_.
   void choose_deaths(const ModelSpace& space, int larger, const std::vector<double>& z);

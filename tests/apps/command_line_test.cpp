@@ -46,6 +46,13 @@ TEST(CommandLine, BadCommandLinesEndWith64) {
   expect_refusal(where, "damage " + c + " -o x --chains two", 64, {"--chains"});
   expect_refusal(where, "damage " + c + " -o x --nonsense", 64, {"--nonsense"});
   expect_refusal(where, "damage " + c + " -o x --set beam.length", 64, {"path.to.key=VALUE"});
+  for (const char* option : {"--draws 5", "--draws -100", "--warmup -1", "--threads -1"}) {
+    expect_refusal(where, "damage " + c + " -o x " + option, 64,
+                   {std::string(option).substr(0, 6)});
+  }
+  expect_refusal(where, "damage " + c + " -o x --evidence=tmcm", 64, {"tmcm", "tmcmc, bridge"});
+  expect_refusal(where, "damage " + c + " -o x --prior-only --evidence", 64,
+                 {"--prior-only", "--evidence"});
   expect_refusal(where, "schema nothing", 64, {"nothing", "damage"});
 }
 
@@ -71,6 +78,12 @@ TEST(CommandLine, BadCasesEndWith65AndNameThePlace) {
   expect_refusal(where, with("beam.material.poisson=0.5"), 65, {"/beam/material/poisson", "< 0.5"});
   expect_refusal(where, with("damage.reduction={\"uniform\":[0,1]}"), 65,
                  {"/damage/reduction", "[0, 1)"});
+  for (const char* prior :
+       {R"({"uniform":[0.5,0.2]})", R"({"uniform":[0.3,0.3]})", R"({"normal":[0.2,-0.1]})",
+        R"({"beta":[0,1]})", R"({"flat":[0,1]})", R"({"log_uniform":[0,0.5]})"}) {
+    expect_refusal(where, with(std::string("damage.reduction=") + prior), 65,
+                   {"/damage/reduction"});
+  }
   expect_refusal(where, with("damage.location={\"uniform\":[0,1.2]}"), 65,
                  {"/damage/location", "1.2"});
   expect_refusal(where, with("damage.truth=[{\"location\":1.2,\"reduction\":0.2}]"), 65,

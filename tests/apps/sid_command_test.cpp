@@ -34,6 +34,26 @@ TEST(SidCommand, WritesWhatTheContractPromises) {
   EXPECT_TRUE(std::filesystem::exists(out / "posterior.nc"));
 }
 
+// A softening spring this strong diverges wherever its prior puts it.
+TEST(SidCommand, NamesAModelThatItsPriorMakesImpossible) {
+  const Workspace where;
+  json c = small_sid_case();
+  const auto good = where.write_json("good.json", c);
+  const auto record = where / "record.csv";
+  ASSERT_EQ(wheeltap(where, "simulate " + good.string() + " -o " + record.string()).exit_code, 0);
+  c.erase("truth");
+  c["record"]["file"] = record.string();
+  c["parameters"]["k3"] = {{"uniform", {-2e9, -1e9}}};
+  const auto out = where / "out";
+  const Outcome run = wheeltap(
+      where, "sid " + where.write_json("c.json", c).string() + " -o " + out.string() + kShort);
+  EXPECT_EQ(run.exit_code, 65);
+  EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("'duffing'"));
+  EXPECT_THAT(run.err, HasSubstr("k3 ~ uniform"));
+  EXPECT_TRUE(!std::filesystem::exists(out) || std::filesystem::is_empty(out));
+}
+
 TEST(SidCommand, SweepsWriteOneTable) {
   const Workspace where;
   json c = small_sid_case();

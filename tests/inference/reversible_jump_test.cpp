@@ -241,6 +241,50 @@ TEST(ReversibleJump, OrderOfModelsDoesNotMatter) {
   EXPECT_NEAR(probability(forward, 1), probability(backward, 0), kSigmas * error);
 }
 
+// Parameters exchange names and places, the likelihood reads them where they are.
+TEST(ReversibleJump, OrderOfParametersDoesNotMatter) {
+  class Plane : public Likelihood {
+   public:
+    explicit Plane(bool swapped) : swapped_(swapped) {}
+    double log_likelihood(int model, std::span<const double> x) override {
+      const double a = x[swapped_ && model == 1 ? 1 : 0];
+      const double b = model == 0 ? 0.0 : x[swapped_ ? 0 : 1];
+      return -0.5 * 20.0 * (0.5 - a - b) * (0.5 - a - b) - 2.0 * (b - 0.4) * (b - 0.4);
+    }
+
+   private:
+    bool swapped_;
+  };
+  const auto run = [](bool swapped) {
+    const Parameter a{"a", Normal{0.0, 1.0}}, b{"b", Uniform{-1.0, 3.0}};
+    const std::vector<std::string> both =
+        swapped ? std::vector<std::string>{"b", "a"} : std::vector<std::string>{"a", "b"};
+    static std::vector<std::unique_ptr<Problem>> kept;
+    kept.push_back(std::make_unique<Problem>(
+        Problem{.space = ModelSpace::of_models(
+                    swapped ? std::vector<Parameter>{b, a} : std::vector<Parameter>{a, b},
+                    {{"one", 1, {"a"}}, {"two", 1, both}}),
+                .likelihood = [swapped] { return std::make_unique<Plane>(swapped); }}));
+    return reversible_jump(*kept.back(), {.warmup = 3000, .draws = 10000});
+  };
+  const Posterior plain = run(false), swapped = run(true);
+  const double error = std::hypot(mcse_mean(indicator(plain, 1)), mcse_mean(indicator(swapped, 1)));
+  EXPECT_NEAR(probability(plain, 1), probability(swapped, 1), kSigmas * error);
+  EXPECT_GT(probability(plain, 1), 0.01);
+  EXPECT_LT(probability(plain, 1), 0.99);
+}
+
+// Numbers judged over all chains are the same whichever comes first.
+TEST(ReversibleJump, OrderOfChainsDoesNotMatter) {
+  const Problem problem = nested_means(1.0);
+  ChainsOf chains = indicator(reversible_jump(problem, small()), 1);
+  const double before[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean_of(chains)};
+  std::swap(chains[0], chains[3]);
+  std::swap(chains[1], chains[3]);
+  const double after[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean_of(chains)};
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(before[i], after[i], 1e-9 * std::abs(before[i]));
+}
+
 Problem bumps() {
   std::vector<double> data(toy::kSensors);
   toy::predict(std::vector<double>{0.3, 1.2}, data);
@@ -390,6 +434,40 @@ TEST(ReversibleJump, ReportsALikelihoodThatIsNeverFinite) {
   Problem problem = nested_means(1.0);
   problem.likelihood = [] { return std::make_unique<Impossible>(); };
   EXPECT_THROW((void)reversible_jump(problem, small()), LikelihoodError);
+}
+
+// One model of two, so that the other cannot hide it.
+TEST(ReversibleJump, NamesTheModelAndThePriorThatMakeItImpossible) {
+  class Half : public Likelihood {
+   public:
+    double log_likelihood(int model, std::span<const double>) override {
+      return model == 0 ? 0.0 : -std::numeric_limits<double>::infinity();
+    }
+  };
+  Problem problem = nested_means(1.0);
+  problem.likelihood = [] { return std::make_unique<Half>(); };
+  try {
+    (void)reversible_jump(problem, small());
+    FAIL() << "no error";
+  } catch (const LikelihoodError& error) {
+    EXPECT_NE(std::string(error.what()).find("'free'"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("mu ~ normal"), std::string::npos) << error.what();
+  }
+}
+
+TEST(ReversibleJump, RefusesOptionsThatMakeNoSense) {
+  const Problem problem = nested_means(1.0);
+  EXPECT_THROW((void)reversible_jump(problem, {.chains = 0}), std::invalid_argument);
+  EXPECT_THROW((void)reversible_jump(problem, {.threads = -1}), std::invalid_argument);
+  EXPECT_THROW((void)reversible_jump(problem, {.warmup = -1}), std::invalid_argument);
+  EXPECT_THROW((void)reversible_jump(problem, {.draws = -1}), std::invalid_argument);
+  EXPECT_THROW((void)reversible_jump(problem, {.thin = -1}), std::invalid_argument);
+}
+
+TEST(ReversibleJump, TheLeastWarmupAndDrawsStillRun) {
+  const Problem problem = nested_means(1.0);
+  const Posterior posterior = reversible_jump(problem, {.warmup = 1, .draws = 1});
+  EXPECT_EQ(posterior.draws, 1);
 }
 
 TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {

@@ -34,6 +34,41 @@ TEST(PublishedEvidences, CoalMiningDisasters) {
   }
 }
 
+// How often ± 1, 2, 3 stated standard errors hold the exact value, and how the real spread of ln Z
+// compares with the error stated, over seeds. The error is a Student t's with 7 degrees of freedom
+// scaled by √(7/5), so that it covers 0.731, 0.951, 0.991 where a normal's would 0.683, 0.954,
+// 0.997.
+TEST(PublishedEvidences, StandardErrorsAreHonest) {
+  SKIP_WITHOUT_SHARED("coal");
+  const auto exact =
+      nlohmann::json::parse(std::ifstream(kShared / "validation" / "coal" / "exact.json"));
+  const Problem problem = coal_problem(coal_days(), exact["length_days"], 0, 6);
+  const bool full = std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
+  const int seeds = full ? 50 : 5;
+  for (int k = 1; k <= (full ? 3 : 1); ++k) {
+    const double known = exact["log_evidence_given_k_0_to_8"][static_cast<std::size_t>(k)];
+    int within[3] = {0, 0, 0};
+    double sum = 0.0, squares = 0.0, stated = 0.0;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      const Evidence e =
+          tmcmc(problem, k, {.seed = static_cast<std::uint64_t>(100 + seed)}).evidence;
+      const double miss = e.log_evidence - known;
+      for (int n = 0; n < 3; ++n) within[n] += std::fabs(miss) < (n + 1) * e.standard_error;
+      sum += miss / seeds;
+      squares += miss * miss / seeds;
+      stated += e.standard_error / seeds;
+    }
+    std::printf(
+        "    k = %d: within 1, 2, 3 standard errors: %d, %d, %d of %d; bias %+.3f, real error / "
+        "stated %.2f\n",
+        k, within[0], within[1], within[2], seeds, sum, std::sqrt(squares) / stated);
+    // Fewer have a probability below 1e-4 each: binomials of 0.73, 0.95 and 0.99.
+    EXPECT_GE(within[0], full ? 24 : 0);
+    EXPECT_GE(within[1], full ? 40 : 2);
+    EXPECT_GE(within[2], full ? 45 : 3);
+  }
+}
+
 TEST(PublishedEvidences, HaldRegressions) {
   SKIP_WITHOUT_SHARED("hald");
   const auto exact =

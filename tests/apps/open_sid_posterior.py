@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""Opens a sid run's posterior.nc with xarray and holds it against summary.json:
+open_sid_posterior.py PROGRAM CASE"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import xarray as xr
+
+program, case = sys.argv[1:3]
+with tempfile.TemporaryDirectory() as out:
+    subprocess.run([program, "sid", case, "-o", out, "--chains", "3", "--warmup", "6000", "--draws", "500",
+                    "--set", "record.samples=[0,300]", "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    with open(os.path.join(out, "summary.json")) as f:
+        summary = json.load(f)
+    path = os.path.join(out, "posterior.nc")
+    posterior = xr.load_dataset(path, group="posterior")
+    stats = xr.load_dataset(path, group="sample_stats")
+    for group in ("posterior_predictive", "observed_data"):
+        xr.load_dataset(path, group=group)
+
+for data in (posterior, stats):
+    for name, variable in data.data_vars.items():
+        assert variable.dims[:2] == ("chain", "draw"), (name, variable.dims)
+        assert variable.shape[:2] == (3, 500), (name, variable.shape)
+
+model = posterior["model"].values
+names = posterior["model"].attrs["names"].split(";")
+assert names == [m["name"] for m in summary["models"]]
+assert np.array_equal(stats["k"].values, model), "the model's index is the indicator that jumps"
+for i, row in enumerate(summary["models"]):
+    assert abs((model == i).mean() - row["probability"]) < 1e-12
+moves = stats["move"].attrs["names"].split(";")
+assert stats["move"].min() >= 0 and stats["move"].max() < len(moves)
+assert set(np.unique(stats["accepted"])) <= {0, 1}
+assert np.all(np.isfinite(stats["lp"])) and np.all(np.isfinite(stats["log_likelihood"]))
+
+# A parameter that the draw's model does not have is NaN, one that it has is not.
+for name in {p for table in summary["parameters"].values() for p in table}:
+    values = posterior[name].values
+    for i, m in enumerate(names):
+        if m not in summary["parameters"]:
+            continue
+        mine = values[model == i]
+        assert np.all(np.isnan(mine) != (name in summary["parameters"][m])), (name, m)
+        if name in summary["parameters"][m]:
+            assert abs(mine.mean() - summary["parameters"][m][name]["mean"]) < 1e-9 * abs(mine.mean())
+ladder = summary["diagnostics"]["ladder"]
+assert ladder["while_drawing"] or ladder["round_trips"] is None
+print("posterior.nc holds what summary.json says")
