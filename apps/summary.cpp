@@ -299,6 +299,22 @@ std::string significant(double x, int digits) {
   return text;
 }
 
+std::string resolved(double x, double width) {
+  if (x == 0.0 || !std::isfinite(x)) return significant(x, 3);
+  int digits = 3;
+  if (width > 0.0) {
+    digits = std::clamp(
+        static_cast<int>(std::floor(std::log10(std::abs(x))) - std::floor(std::log10(width))) + 2,
+        3, 10);
+  }
+  // No exponent where people would not write one.
+  const double size = std::abs(x);
+  if (size >= 1000.0 && size < 1e7) {
+    return fixed(x, std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(size)))));
+  }
+  return significant(x, digits);
+}
+
 std::string fixed(double x, int decimals) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, x);

@@ -88,6 +88,9 @@ struct Watched {
 
 /// A number for people: `digits` significant ones, no trailing zeros.
 [[nodiscard]] std::string significant(double x, int digits);
+/// The same with as many digits as an interval of this width needs to be told from a point: two of
+/// the width, at least three of the number, at most ten.
+[[nodiscard]] std::string resolved(double x, double width);
 /// A number for people: `decimals` after the point.
 [[nodiscard]] std::string fixed(double x, int decimals);
 /// A count for people, to three digits: "80500".

@@ -479,8 +479,9 @@ void print_sid(std::ostream& out, const Report& summary, bool colour) {
     out << '\n' << style.bold("If " + name) << " (" << percent(p) << ")\n";
     std::vector<std::vector<std::string>> rows = {{"parameter", "mean", "sd", "95 % interval"}};
     for (const auto& [label, s] : summary["parameters"][name].items()) {
-      rows.push_back({label, number(s["mean"], 5), number(s["sd"], 2),
-                      interval(s, [](double x) { return significant(x, 4); })});
+      const double width = s["q97.5"].get<double>() - s["q2.5"].get<double>();
+      rows.push_back({label, resolved(s["mean"], width), number(s["sd"], 2),
+                      interval(s, [&](double x) { return resolved(x, width); })});
     }
     if (rows.size() > 1) print_table(out, rows, style);
     rows = {{"response", "MSE", "NRMSE", "R2", "white?"}};

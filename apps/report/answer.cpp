@@ -47,19 +47,17 @@ std::string percent_of(double fraction) {
   return fixed(100.0 * fraction, 0) + " %";
 }
 
-// Three digits, without an exponent where people would not write one.
-std::string plain(double x) {
-  const double size = std::abs(x);
-  if (size >= 1000.0 && size < 1e6) return fixed(x, 0);
-  return significant(x, 3);
-}
-
 bool usable(const Report& row, const char* key) {
   return row.contains(key) && row[key].is_number();
 }
 
+std::string median(const Report& row) {
+  return resolved(row["q50"], row["q97.5"].get<double>() - row["q2.5"].get<double>());
+}
+
 std::string interval(const Report& row, const std::string& unit) {
-  return plain(row["q2.5"].get<double>()) + " to " + plain(row["q97.5"].get<double>()) + unit;
+  const double low = row["q2.5"], high = row["q97.5"];
+  return resolved(low, high - low) + " to " + resolved(high, high - low) + unit;
 }
 
 // One component: "near 0.095 m (0.09 to 0.1 m) or its mirror image 0.905 m, with stiffness …".
@@ -88,7 +86,7 @@ std::string place(const Report& table, const std::string& location, const std::s
     text += ", stiffness reduced by " + percent_of(s["q50"]) + " (" +
             fixed(100.0 * s["q2.5"].get<double>(), 0) + " to " + percent_of(s["q97.5"]) + ")";
   } else {
-    text += ", stiffness " + plain(s["q50"].get<double>()) + " (" + interval(s, "") + ")";
+    text += ", stiffness " + median(s) + " (" + interval(s, "") + ")";
   }
   return text;
 }
@@ -142,8 +140,7 @@ std::string values(const Report& summary, const std::string& model) {
       parts.push_back("others, tabulated below");
       break;
     }
-    parts.push_back(name + " = " + plain(row["q50"].get<double>()) + " (" + interval(row, "") +
-                    ")");
+    parts.push_back(name + " = " + median(row) + " (" + interval(row, "") + ")");
   }
   if (parts.empty()) return {};
   return "With 95 % intervals: " + in_words(parts, "and") + ".";
