@@ -62,6 +62,33 @@ class RecordLikelihood final : public inference::Likelihood {
     return std::isnan(sum) ? kImpossible : sum;
   }
 
+  void log_likelihoods(int m, std::span<const double> xs, std::span<double> out) override {
+    const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
+    if (!model.autocorrelations.empty()) {
+      Likelihood::log_likelihoods(m, xs, out);
+      return;
+    }
+    // Parameter vectors advance together in SIMD lanes.
+    const Misfit& misfit = problem_.misfits[static_cast<std::size_t>(m)];
+    const auto channels = static_cast<std::size_t>(misfit.channels());
+    const std::size_t d = xs.size() / out.size();
+    thetas_.clear();
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      scatter(problem_.sid_case, m, xs.subspan(i * d, d), theta_);
+      thetas_.insert(thetas_.end(), theta_.begin(), theta_.end());
+    }
+    sums_.resize(out.size() * channels);
+    misfit.sums_of_squares(thetas_, static_cast<int>(out.size()), sums_);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      scatter(problem_.sid_case, m, xs.subspan(i * d, d), theta_);
+      out[i] = log_scales(misfit);
+      for (std::size_t c = 0; c < channels; ++c) {
+        out[i] += dynamics::gaussian_log_likelihood(sums_[i * channels + c], misfit.samples(),
+                                                    model.noise[c].at(theta_));
+      }
+    }
+  }
+
  private:
   double log_scales(const Misfit& misfit) const {
     double sum = 0.0;
@@ -74,7 +101,7 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
   const SidProblem& problem_;
-  std::vector<double> theta_, weights_, sums_, residuals_, pacf_;
+  std::vector<double> theta_, thetas_, weights_, sums_, residuals_, pacf_;
 };
 
 /// The largest extension of each link as far as displacements were measured, with which the steps
@@ -112,6 +139,19 @@ std::vector<double> measured_extensions(const SidCase& sid_case, const dynamics:
     extensions.push_back(most);
   }
   return extensions;
+}
+
+/// The case of the first scored samples alone.
+SidCase shortened(SidCase sid_case, int first) {
+  const auto samples = static_cast<std::size_t>(sid_case.lead_in + first);
+  for (SidChannel& channel : sid_case.channels) {
+    const std::size_t kept = channel.is_excitation()
+                                 ? (samples - 1) * static_cast<std::size_t>(sid_case.stride) + 1
+                                 : samples;
+    if (channel.signal.samples.size() > kept) channel.signal.samples.resize(kept);
+  }
+  sid_case.end = sid_case.begin + first;
+  return sid_case;
 }
 
 /// Nanoseconds that a mass costs, about, in a Runge-Kutta step and in a step of the exact solution.
@@ -187,6 +227,12 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
   }
   out->problem.likelihood = [problem = out.get()] {
     return std::make_unique<RecordLikelihood>(*problem);
+  };
+  out->problem.samples = out->misfits.front().samples();
+  out->problem.shortened = [problem = out.get()](long first) {
+    const std::shared_ptr<const SidProblem> part =
+        make_sid_problem(shortened(problem->sid_case, static_cast<int>(first)));
+    return std::shared_ptr<const inference::Problem>(part, &part->problem);
   };
   out->seconds_a_likelihood = estimate_cost(*out);
   return out;

@@ -68,6 +68,8 @@ Optimum maximise_by_differential_evolution(const Objective& objective, int dimen
   std::vector<double> values(n);
   for (std::size_t i = 0; i < n; ++i) {
     for (double& z : members[i]) z = inside(options.start_sd * random.normal());
+    if (i < options.start.size())
+      std::ranges::transform(options.start[i], members[i].begin(), inside);
     values[i] = evaluate(members[i]);
   }
   Learning learning;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "inference/optimum.hpp"
 
@@ -13,7 +14,8 @@ struct SadeOptions {
   std::uint64_t seed = 1;
   int population = 0;  ///< 0: 10 a dimension, at least 30
   int generations = 1000;
-  double start_sd = 1.0;  ///< the first population is N(0, start_sd² I)
+  double start_sd = 1.0;                        ///< the first population is N(0, start_sd² I)
+  std::vector<std::vector<double>> start = {};  ///< its first members, where not empty
   double bound = std::numeric_limits<double>::infinity();  ///< |z_i| <= bound, by reflection
   /// Stops when best and worst of the population differ by less than this.
   double tolerance = 1e-9;

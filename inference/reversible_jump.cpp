@@ -191,7 +191,12 @@ class Engine {
       runner.state = runner.tempered->cold();
     });
     if (reporter_.stopped()) return;
-    if (!explored_alike()) start_at_modes();
+    if (!explored_alike()) {
+      start_at_modes(options_.chains);
+    } else if (problem_.shortened) {
+      start_at_modes(1);  // if they are higher than what all chains have found
+    }
+    if (reporter_.stopped()) return;
     fit(0, true);
   }
 
@@ -200,15 +205,28 @@ class Engine {
     return high->explored - low->explored < kDisagreement;
   }
 
+  [[nodiscard]] bool missed(int model, const Laplace& mode) {
+    Runner& runner = runners_.front();
+    State state;
+    state.model = model;
+    state.z = mode.z;
+    runner.target->evaluate(state);
+    double explored = -std::numeric_limits<double>::infinity();
+    for (const Runner& one : runners_) explored = std::max(explored, one.explored);
+    return runner.target->log_prior(state) + state.log_likelihood >
+           explored + kDisagreement + static_cast<double>(state.z.size());
+  }
+
   // A posterior that is thousands of times narrower than its prior (a long record) has a ridge that
   // tempering from the prior does not follow to its end. Each chain then searches for the mode of
   // each model by itself, and the normal about it takes the place of its coldest samples.
-  void start_at_modes() {
+  // With one searcher, only a mode that the chains have all missed is used.
+  void start_at_modes(int searchers) {
     const ModelSpace& space = problem_.space;
     if (!space.kinds().empty() || options_.prior_only) return;  // births find components
-    reporter_.begin("searching", static_cast<double>(space.size()) * options_.chains);
-    std::vector<std::vector<Laplace>> modes(runners_.size());
-    each_chain([&](int c, Runner&) {
+    reporter_.begin("searching", static_cast<double>(space.size()) * searchers);
+    std::vector<std::vector<Laplace>> modes(static_cast<std::size_t>(searchers));
+    parallel_for(searchers, options_.threads, [&](int c) {
       for (int m = 0; m < space.size(); ++m) {
         Laplace& mode = modes[static_cast<std::size_t>(c)].emplace_back();
         mode.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
@@ -217,7 +235,7 @@ class Engine {
           mode = laplace(problem_, m,
                          {.seed = options_.seed + 7919 * static_cast<std::uint64_t>(c + 1),
                           .restarts = 1,
-                          .tolerance = 1.0,
+                          .tolerance = 0.1,
                           .check = false});
         } catch (const LikelihoodError&) {  // no place for this model: others will do
         }
@@ -245,7 +263,8 @@ class Engine {
       if (best[static_cast<std::size_t>(m)] == nullptr) continue;
       if (start < 0 || worth(m) > worth(start)) start = m;
     }
-    if (start < 0) return;
+    if (start < 0 || (searchers == 1 && !missed(start, *best[static_cast<std::size_t>(start)])))
+      return;
     each_chain([&](int c, Runner& runner) {
       Random random(options_.seed, static_cast<std::uint64_t>(c), 0, Purpose::adaptation);
       PilotSamples& cold = runner.by_rung.back();
@@ -253,7 +272,7 @@ class Engine {
       for (int m = 0; m < space.size(); ++m) {
         const auto at = static_cast<std::size_t>(m);
         if (best[at] == nullptr) continue;
-        const Laplace* mode = &modes[static_cast<std::size_t>(c)][at];
+        const Laplace* mode = &modes[static_cast<std::size_t>(c % searchers)][at];
         if (!(mode->evidence.log_evidence > best[at]->evidence.log_evidence - kWorseMode)) {
           mode = best[at];
         }
@@ -271,17 +290,26 @@ class Engine {
           cold.add(state);
         }
         if (m != start) continue;
+        // The last draw, unless the posterior is no normal and has it in a valley.
+        State at_mode = state;
+        at_mode.z = mode->z;
         runner.target->evaluate(state);
-        if (!std::isfinite(state.log_likelihood)) {
-          state.z = mode->z;
-          runner.target->evaluate(state);
-        }
+        runner.target->evaluate(at_mode);
+        const auto value = [&](const State& s) {
+          return runner.target->log_prior(s) + s.log_likelihood;
+        };
+        const auto usual = 5.0 + 2.0 * static_cast<double>(state.z.size());
+        if (!(value(state) > value(at_mode) - usual)) state = at_mode;
         runner.state = state;
       }
     });
     posterior_.notes.push_back(
-        "After tempering from the prior the chains were in different places, so each of them was "
-        "restarted near a mode that differential evolution had found for it.");
+        searchers > 1
+            ? "After tempering from the prior the chains were in different places, so each of them "
+              "was restarted near a mode that differential evolution had found for it."
+            : "Tempering from the prior missed a mode that a search on growing records found, so "
+              "the "
+              "chains were restarted there.");
   }
 
   // Pools what the chains have seen and freezes the proposals that follow from it.
@@ -409,6 +437,7 @@ class Engine {
     posterior_.warmup += posterior_.draws * posterior_.thin;
     posterior_.warmup_evaluations = evaluations() + shared_evaluations_;
     posterior_.draws = 0;
+    if (options_.thin == 0) posterior_.thin = 1;  // a scan is a step of every rung already
     for (Chain& chain : posterior_.chains) chain = Chain{};
     prepare_sampling();
     reporter_.begin("sampling with tempering",

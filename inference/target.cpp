@@ -43,6 +43,10 @@ double Target::call(Likelihood& likelihood, const State& state, double floor) co
   const double value = floor == -kInfinity
                            ? likelihood.log_likelihood(state.model, state.x)
                            : likelihood.log_likelihood_above(floor, state.model, state.x);
+  return checked(value, state);
+}
+
+double Target::checked(double value, const State& state) const {
   if (std::isnan(value) || value == kInfinity) {
     throw LikelihoodError("the log likelihood is " + std::to_string(value) + " for " +
                           describe(space(), state));
@@ -50,11 +54,7 @@ double Target::call(Likelihood& likelihood, const State& state, double floor) co
   return value;
 }
 
-void Target::screen(State& state) {
-  screen_above(-kInfinity, 1.0, state);
-}
-
-void Target::screen_above(double level, double beta, State& state) {
+bool Target::locate(State& state) const {
   const std::size_t d = state.z.size();
   state.x.resize(d);
   state.screened = true;
@@ -62,7 +62,7 @@ void Target::screen_above(double level, double beta, State& state) {
   state.log_likelihood = state.log_screen = -kInfinity;
   state.log_prior_factor = 0.0;
   for (std::size_t i = 0; i < d; ++i) {
-    if (!std::isfinite(state.z[i])) return;
+    if (!std::isfinite(state.z[i])) return false;
     state.x[i] = space().prior(state.model, static_cast<int>(i)).from_standard_normal(state.z[i]);
   }
   if (problem_->log_prior_factor) {
@@ -70,8 +70,17 @@ void Target::screen_above(double level, double beta, State& state) {
     if (std::isnan(state.log_prior_factor)) {
       throw LikelihoodError("the prior factor is NaN for " + describe(space(), state));
     }
-    if (state.log_prior_factor == -kInfinity) return;
+    if (state.log_prior_factor == -kInfinity) return false;
   }
+  return true;
+}
+
+void Target::screen(State& state) {
+  screen_above(-kInfinity, 1.0, state);
+}
+
+void Target::screen_above(double level, double beta, State& state) {
+  if (!locate(state)) return;
   if (!likelihood_) {
     state.log_likelihood = state.log_screen = 0.0;
     return;
@@ -103,6 +112,31 @@ void Target::complete(State& state) {
 void Target::evaluate(State& state) {
   screen(state);
   complete(state);
+}
+
+void Target::evaluate(std::span<State> states) {
+  if (screen_ || !likelihood_) {
+    for (State& state : states) evaluate(state);
+    return;
+  }
+  batch_x_.clear();
+  std::size_t possible = 0;
+  for (State& state : states) {
+    state.evaluated = true;
+    if (!locate(state)) continue;
+    batch_x_.insert(batch_x_.end(), state.x.begin(), state.x.end());
+    state.log_likelihood = 0.0;
+    ++possible;
+  }
+  if (possible == 0) return;
+  batch_values_.resize(possible);
+  likelihood_->log_likelihoods(states.front().model, batch_x_, batch_values_);
+  evaluations_ += static_cast<long>(possible);
+  std::size_t next = 0;
+  for (State& state : states) {
+    if (state.log_likelihood == -kInfinity) continue;
+    state.log_likelihood = state.log_screen = checked(batch_values_[next++], state);
+  }
 }
 
 double Target::log_prior(const State& state) const {

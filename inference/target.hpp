@@ -28,6 +28,14 @@ class Likelihood {
     return log_likelihood(model, x);
   }
 
+  /// Several parameter vectors of one model, one after the other in `xs`: for likelihoods that can
+  /// share work between them. Neither prediction nor residuals follow from it.
+  virtual void log_likelihoods(int model, std::span<const double> xs, std::span<double> out) {
+    const std::size_t d = xs.size() / out.size();
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = log_likelihood(model, xs.subspan(i * d, d));
+  }
+
   /// The predicted observables of the last call to log_likelihood, or empty: recorded for posterior
   /// predictive checks and convergence of the responses.
   [[nodiscard]] virtual std::span<const double> prediction() const { return {}; }
@@ -77,6 +85,11 @@ struct Problem {
   /// Optional: a cheap stand-in for `likelihood`, finite wherever that is. Proposals must pass it
   /// first (delayed acceptance, Christen & Fox 2005); the posterior remains that of `likelihood`.
   LikelihoodFactory screen = nullptr;
+  /// Optional, for long records: the number of samples, and the problem posed by the first few of
+  /// them alone. Modes are then searched for on growing records, each about the mode of the one
+  /// before: a whole record can have more local modes than a search can visit.
+  long samples = 0;
+  std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
 };
 
 /// One state of the chain: a model and its parameters in standard normal coordinates, with what the
@@ -115,6 +128,9 @@ class Target {
   /// where the problem has one.
   void evaluate(State& state);
 
+  /// Several states of one model, without predictions and residuals.
+  void evaluate(std::span<State> states);
+
   /// Fills in what a move may look at: everything but the likelihood proper and its prediction
   /// where the problem has a stand-in, everything where it has none.
   void screen(State& state);
@@ -152,7 +168,10 @@ class Target {
   [[nodiscard]] long full_evaluations() const { return full_evaluations_; }
 
  private:
+  /// x and the prior's factor; false where the prior makes the state impossible.
+  bool locate(State& state) const;
   double call(Likelihood& likelihood, const State& state, double floor) const;
+  double checked(double log_likelihood, const State& state) const;
 
   const Problem* problem_;
   std::unique_ptr<Likelihood> likelihood_;
@@ -161,6 +180,7 @@ class Target {
   std::vector<double> log_model_;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
   long evaluations_ = 0;
   long full_evaluations_ = 0;
+  std::vector<double> batch_x_, batch_values_;
 };
 
 }  // namespace wheeltap::inference

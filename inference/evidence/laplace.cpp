@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBound = 8.0;
+constexpr long kFirstSamples = 50;  // of a growing record
 
 std::span<const double> view(const Eigen::VectorXd& z) {
   return {z.data(), static_cast<std::size_t>(z.size())};
@@ -106,7 +107,7 @@ void polish(const Function& f, Eigen::VectorXd& z, double& value) {
 
 // Differential evolution from several seeds, the best polished.
 Optimum search(const Objective& objective, int dimension, const ModeOptions& options,
-               const std::string& name) {
+               const std::string& name, const std::vector<std::vector<double>>& start = {}) {
   if (options.restarts < 1)
     throw std::invalid_argument("mode: restarts = " + std::to_string(options.restarts) +
                                 ", must be >= 1");
@@ -118,6 +119,7 @@ Optimum search(const Objective& objective, int dimension, const ModeOptions& opt
         objective, dimension,
         {.seed = options.seed + static_cast<std::uint64_t>(r) * 0x9e3779b97f4a7c15ULL,
          .generations = options.generations,
+         .start = start,
          .bound = kBound,
          .tolerance = options.tolerance});
     evaluations += found.evaluations;
@@ -160,6 +162,56 @@ void check_shape(const Problem& problem, int model, std::uint64_t seed, const Ei
         std::to_string(difference));
 }
 
+// A population about the mode of a shorter record, several of its standard deviations wide.
+std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
+                                            const ModeOptions& options,
+                                            const std::vector<std::vector<double>>& start,
+                                            long& evaluations) {
+  constexpr double kWidth = 2.0;
+  ModelPosterior posterior(problem, model);
+  const int d = posterior.dimension();
+  ModeOptions once = options;
+  once.restarts = 1;
+  once.generations = 60;  // the next search begins wider than what this one leaves
+  once.tolerance = 1.0;
+  const auto log_posterior = [&](std::span<const double> z) {
+    return posterior(z).log_posterior();
+  };
+  const Optimum mode = search(log_posterior, d, once, posterior.name(), start);
+  const Function f = [&](const Eigen::VectorXd& z) { return log_posterior(view(z)); };
+  const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(mode.z.data(), d);
+  const Eigen::MatrixXd h = -derivatives(f, z, mode.value, steps(f, z, mode.value, 0.5)).hessian;
+  evaluations += posterior.evaluations();
+  if (!h.allFinite()) return start;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
+  // No direction is wider than the prior.
+  const Eigen::VectorXd sd =
+      eigen.eigenvalues().cwiseAbs().cwiseMax(1.0).cwiseSqrt().cwiseInverse();
+  Random random(options.seed, static_cast<std::uint64_t>(problem.samples),
+                static_cast<std::uint64_t>(model), Purpose::start);
+  std::vector<std::vector<double>> population{mode.z};
+  for (int i = 1; i < std::max(30, 10 * d); ++i) {
+    Eigen::VectorXd u(d);
+    for (double& v : u) v = kWidth * random.normal();
+    const Eigen::VectorXd member = z + eigen.eigenvectors() * sd.cwiseProduct(u);
+    population.emplace_back(member.begin(), member.end());
+  }
+  return population;
+}
+
+// Whether a record has grown by so little that the population still holds its best: the samples
+// that came on cost about what those before did. A chaotic response forgets its parameters all at
+// once.
+bool holds(const Problem& problem, int model, const std::vector<std::vector<double>>& population,
+           double per_sample, double before, long& evaluations) {
+  ModelPosterior posterior(problem, model);
+  double top = -kInfinity;
+  for (const auto& z : population) top = std::max(top, posterior(z).log_likelihood);
+  evaluations += posterior.evaluations();
+  const double more = static_cast<double>(problem.samples) - before;
+  return top > per_sample * (before + more) - 10.0 - 3.0 * std::sqrt(more);
+}
+
 Optimum nothing_to_search(ModelPosterior& posterior) {
   return {{}, posterior({}).log_posterior(), posterior.evaluations(), true};
 }
@@ -169,8 +221,27 @@ Optimum nothing_to_search(ModelPosterior& posterior) {
 Optimum maximum_a_posteriori(const Problem& problem, int model, const ModeOptions& options) {
   ModelPosterior posterior(problem, model);
   if (posterior.dimension() == 0) return nothing_to_search(posterior);
-  return search([&](std::span<const double> z) { return posterior(z).log_posterior(); },
-                posterior.dimension(), options, posterior.name());
+  long before = 0;
+  std::vector<std::vector<double>> start;
+  if (problem.shortened) {
+    std::shared_ptr<const Problem> part =
+        problem.shortened(std::min(kFirstSamples, problem.samples));
+    for (long n = kFirstSamples, step = n; n < problem.samples; n += step) {
+      start = about_mode(*part, model, options, start, before);
+      const auto had = static_cast<double>(n);
+      const double per_sample = ModelPosterior(*part, model)(start.front()).log_likelihood / had;
+      step = std::min({2 * step, std::max(n / 5, 1L), problem.samples - n});
+      for (part = problem.shortened(n + step);
+           step > n / 20 && !holds(*part, model, start, per_sample, had, before);
+           part = problem.shortened(n + step)) {
+        step = std::max(step / 2, 1L);
+      }
+    }
+  }
+  Optimum found = search([&](std::span<const double> z) { return posterior(z).log_posterior(); },
+                         posterior.dimension(), options, posterior.name(), start);
+  found.evaluations += before;
+  return found;
 }
 
 Optimum maximum_likelihood(const Problem& problem, int model, const ModeOptions& options) {

@@ -17,8 +17,10 @@ struct ModeOptions {
   bool check = true;        ///< Laplace only: warn of a posterior that does not look normal
 };
 
-/// Mode of ln π(z), by self-adaptive differential evolution and Newton steps on finite differences.
-/// Throws LikelihoodError where no point of the search has a finite likelihood.
+/// Mode of ln π(z), by self-adaptive differential evolution and Newton steps on finite differences;
+/// where the problem can be shortened, on its first 50 samples, then on twice as many about the
+/// mode of those, and so on to the whole record. Throws LikelihoodError where no point of the
+/// search has a finite likelihood.
 [[nodiscard]] Optimum maximum_a_posteriori(const Problem& problem, int model,
                                            const ModeOptions& options);
 /// The same for the likelihood alone, within |z| <= 8: the prior's support but for a share of

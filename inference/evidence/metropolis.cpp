@@ -44,6 +44,8 @@ class Walker {
   [[nodiscard]] const ModelPosterior::Value& value() const { return value_; }
 
  private:
+  static constexpr double kSmallestLogRate = -7.0;  // what adaptation takes for zero: 1e-3
+
   void start() {
     constexpr int kGood = 50, kTries = 2000;
     Eigen::VectorXd z(d_);
@@ -81,9 +83,11 @@ class Walker {
     const Eigen::MatrixXd& factor =
         pilot_ != nullptr ? (*pilot_)[pilot_->sample_component(random_)].factor : factor_;
     const Eigen::VectorXd to = z_ + std::exp(log_scale_) * (factor * u);
-    const ModelPosterior::Value value = posterior_(view(to));
+    const double log_u = std::log(random_.uniform());
+    const ModelPosterior::Value value =
+        posterior_.above(value_.log_posterior() + std::min(log_u, kSmallestLogRate), 1.0, view(to));
     const double ratio = value.log_posterior() - value_.log_posterior();
-    const bool accepted = std::log(random_.uniform()) < ratio;
+    const bool accepted = log_u < ratio;
     if (iteration >= 0) adapt(iteration, std::min(1.0, std::exp(ratio)), u);
     if (accepted) accept(to, value);
     return accepted;
@@ -109,10 +113,12 @@ class Walker {
   bool renew() {
     Eigen::VectorXd to(d_);
     pilot_->sample(random_, view(to));
-    const ModelPosterior::Value value = posterior_(view(to));
-    const double ratio = value.log_posterior() - value_.log_posterior() +
-                         pilot_->log_density(view(z_)) - pilot_->log_density(view(to));
-    const bool accepted = std::log(random_.uniform()) < ratio;
+    const double log_u = std::log(random_.uniform());
+    const double proposals = pilot_->log_density(view(z_)) - pilot_->log_density(view(to));
+    const ModelPosterior::Value value =
+        posterior_.above(value_.log_posterior() + log_u - proposals, 1.0, view(to));
+    const double ratio = value.log_posterior() - value_.log_posterior() + proposals;
+    const bool accepted = log_u < ratio;
     if (accepted) accept(to, value);
     return accepted;
   }

@@ -22,16 +22,48 @@ ModelPosterior::ModelPosterior(const Problem& problem, int model) : target_(prob
 }
 
 ModelPosterior::Value ModelPosterior::operator()(std::span<const double> z) {
+  return above(-std::numeric_limits<double>::infinity(), 1.0, z);
+}
+
+ModelPosterior::Value ModelPosterior::above(double level, double beta, std::span<const double> z) {
   constexpr double kNever = -std::numeric_limits<double>::infinity();
   constexpr Value kImpossible{kNever, kNever, kNever, kNever};
   std::ranges::copy(z, state_.z.begin());
   double square = 0.0;
   for (const double v : z) square += v * v;
   if (!std::isfinite(square) || !target_.is_sorted(state_)) return kImpossible;
-  target_.evaluate(state_);
   const double base = constant_ - 0.5 * square;
+  // A factor of the prior is tempered here and not by the target: then nothing is cut short.
+  target_.screen_above(
+      target_.problem().log_prior_factor ? kNever : level - base + target_.log_prior(state_), beta,
+      state_);
+  target_.complete(state_);
+  if (state_.log_likelihood == kNever) return kImpossible;
   return {base + state_.log_prior_factor, base, state_.log_likelihood,
           state_.log_prior_factor + state_.log_likelihood};
+}
+
+void ModelPosterior::evaluate(std::span<const double> zs, std::span<Value> out) {
+  constexpr double kNever = -std::numeric_limits<double>::infinity();
+  const std::size_t d = state_.z.size();
+  states_.clear();
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = {kNever, kNever, kNever, kNever};
+    std::ranges::copy(zs.subspan(i * d, d), state_.z.begin());
+    const auto finite = [](double v) { return std::isfinite(v); };
+    if (!std::ranges::all_of(state_.z, finite) || !target_.is_sorted(state_)) continue;
+    states_.push_back(state_);
+    places.push_back(i);
+  }
+  target_.evaluate(states_);
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const State& state = states_[i];
+    double base = constant_;
+    for (const double v : state.z) base -= 0.5 * v * v;
+    out[places[i]] = {base + state.log_prior_factor, base, state.log_likelihood,
+                      state.log_prior_factor + state.log_likelihood};
+  }
 }
 
 void ModelPosterior::draw_prior(Random& random, std::span<double> z) {

@@ -43,7 +43,12 @@ class ModelPosterior {
 
   /// Everything is -∞ where z is out of order or not finite. Throws LikelihoodError for a NaN.
   Value operator()(std::span<const double> z);
-  /// The physical parameters of the last z in order.
+  /// The same where only values with log_base + beta · log_gain of at least `level` matter: others
+  /// may be impossible.
+  Value above(double level, double beta, std::span<const double> z);
+  /// Several z, one after the other: one value each.
+  void evaluate(std::span<const double> zs, std::span<Value> out);
+  /// The physical parameters of the last single z in order.
   [[nodiscard]] std::span<const double> x() const { return state_.x; }
 
   /// From p₀.
@@ -56,6 +61,7 @@ class ModelPosterior {
  private:
   Target target_;
   State state_;
+  std::vector<State> states_;  ///< of several
   double constant_ = 0.0;
 };
 

@@ -89,6 +89,7 @@ class Replicate {
 
  private:
   static constexpr int kMostStages = 1000, kMostSweeps = 60;
+  static constexpr std::size_t kBatch = 32;  // likelihoods at a time: a few vectors full
 
   [[nodiscard]] Random stream(std::uint64_t stage) const {
     // Kept apart from the other users of this purpose by the high bit.
@@ -160,35 +161,49 @@ class Replicate {
             Random& random) {
     const int d = posterior_.dimension();
     const auto n = static_cast<double>(particles.size());
-    Particle to;
-    to.z.resize(static_cast<std::size_t>(d));
-    std::vector<double> normal(to.z);
+    std::vector<double> normal(static_cast<std::size_t>(d));
+    std::vector<double> proposals(kBatch * static_cast<std::size_t>(d));
+    std::vector<double> levels(kBatch);  // what log_base + beta log_gain must exceed
+    std::vector<ModelPosterior::Value> values(kBatch);
     double moved = 0.0;
     const double least = options_.acceptances * n;
     for (int sweep = 0; moved < least && sweep < kMostSweeps; ++sweep) {
       const bool renew = sweep % 2 == 0;
       double accepted = 0.0;
-      for (Particle& p : particles) {
-        double log_ratio = 0.0;
-        if (renew) {
-          mixture.sample(random, to.z);
-          log_ratio = mixture.log_density(p.z) - mixture.log_density(to.z);
-        } else {
-          const NormalMixture::Component& c = mixture[mixture.sample_component(random)];
-          for (double& v : normal) v = random.normal();
-          for (int i = 0; i < d; ++i) {
-            double e = 0.0;
-            for (int j = 0; j <= i; ++j) e += c.factor(i, j) * normal[static_cast<std::size_t>(j)];
-            to.z[static_cast<std::size_t>(i)] =
-                p.z[static_cast<std::size_t>(i)] + std::exp(log_scale_) * e;
+      for (std::size_t begin = 0; begin < particles.size(); begin += kBatch) {
+        const auto batch = particles.subspan(begin, std::min(kBatch, particles.size() - begin));
+        for (std::size_t k = 0; k < batch.size(); ++k) {
+          const Particle& p = batch[k];
+          const std::span<double> to(proposals.data() + k * normal.size(), normal.size());
+          double log_ratio = 0.0;
+          if (renew) {
+            mixture.sample(random, to);
+            log_ratio = mixture.log_density(p.z) - mixture.log_density(to);
+          } else {
+            const NormalMixture::Component& c = mixture[mixture.sample_component(random)];
+            for (double& v : normal) v = random.normal();
+            for (int i = 0; i < d; ++i) {
+              double e = 0.0;
+              for (int j = 0; j <= i; ++j)
+                e += c.factor(i, j) * normal[static_cast<std::size_t>(j)];
+              to[static_cast<std::size_t>(i)] =
+                  p.z[static_cast<std::size_t>(i)] + std::exp(log_scale_) * e;
+            }
           }
+          levels[k] = std::log(random.uniform()) - log_ratio + p.log_base + beta * p.log_gain;
         }
-        evaluate(to);
-        if (to.log_gain == -kInfinity) continue;
-        log_ratio += to.log_base - p.log_base + beta * (to.log_gain - p.log_gain);
-        if (std::log(random.uniform()) < log_ratio) {
-          p = to;
-          accepted += 1.0;
+        const std::span<ModelPosterior::Value> found(values.data(), batch.size());
+        posterior_.evaluate({proposals.data(), batch.size() * normal.size()}, found);
+        for (std::size_t k = 0; k < batch.size(); ++k) {
+          if (found[k].log_gain == -kInfinity) continue;
+          if (found[k].log_base + beta * found[k].log_gain > levels[k]) {
+            Particle& p = batch[k];
+            std::copy_n(proposals.begin() + static_cast<std::ptrdiff_t>(k * normal.size()), d,
+                        p.z.begin());
+            p.log_base = found[k].log_base;
+            p.log_gain = found[k].log_gain;
+            accepted += 1.0;
+          }
         }
       }
       moved += accepted;
