@@ -6,7 +6,6 @@
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <sstream>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -15,6 +14,7 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include "apps/nearest.hpp"
 #include "apps/schema_texts.hpp"
 
 namespace wheeltap::apps {
@@ -124,30 +124,15 @@ struct Complaint {
   std::string message;
 };
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row.back();
-}
-
 std::string unknown_key(const std::string& key, const Json& properties) {
-  std::string nearest, list;
-  std::size_t best = key.size() / 3 + 2;
+  std::vector<std::string> names;
+  std::string list;
   for (const auto& [name, ignored] : properties.items()) {
-    const std::size_t distance = edit_distance(key, name);
-    if (distance < best) best = distance, nearest = name;
+    names.push_back(name);
     list += (list.empty() ? "" : ", ") + name;
   }
-  return "unknown key" + (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") +
+  const std::string meant = nearest(key, names);
+  return "unknown key" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
          " (allowed here: " + list + ")";
 }
 

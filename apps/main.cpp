@@ -4,6 +4,8 @@
 
 #include "apps/commands.hpp"
 #include "apps/failure.hpp"
+#include "apps/init.hpp"
+#include "apps/nearest.hpp"
 #include "apps/report/report.hpp"
 #include "emulator/file_error.hpp"
 #include "inference/target.hpp"
@@ -145,6 +147,13 @@ int main(int argc, char** argv) {
   report_command->add_flag("--figures", drawing.figures,
                            "write the figures as SVG files too (needs Node.js)");
 
+  std::string starting;
+  std::filesystem::path start_in = ".";
+  CLI::App* init_command =
+      app.add_subcommand("init", "a case to start from, every key explained beside it");
+  init_command->add_option("KIND", starting, "damage or sid")->required();
+  init_command->add_option("-o,--output", start_in, "the folder to write into (default: this one)");
+
   CLI::App* schema_command = app.add_subcommand("schema", "the JSON Schema of a case");
   schema_command->add_option("NAME", schema, "which kind of case (default: damage)");
 
@@ -156,7 +165,11 @@ int main(int argc, char** argv) {
     const auto chosen = app.get_subcommands();
     std::string what = error.what();
     if (chosen.empty() && argc > 1 && argv[1][0] != '-') {
-      what = std::string("there is no command \"") + argv[1] + "\"";
+      std::vector<std::string> names;
+      for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+      const std::string meant = apps::nearest(argv[1], names);
+      what = std::string("there is no command \"") + argv[1] + "\"" +
+             (meant.empty() ? "" : "; did you mean \"" + meant + "\"?");
     }
     std::ranges::replace(what, '\n', ' ');
     return report(Exit::usage, what + " (see wheeltap " +
@@ -170,6 +183,7 @@ int main(int argc, char** argv) {
     if (sid_command->parsed()) apps::run_sid(common, sampling);
     if (simulate_command->parsed()) apps::run_simulate(common);
     if (report_command->parsed()) apps::run_report(common.output, drawing);
+    if (init_command->parsed()) apps::run_init(starting, start_in);
     if (schema_command->parsed()) apps::run_schema(schema);
     std::cout.flush();
     if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");

@@ -1,0 +1,194 @@
+#include "apps/init.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <set>
+
+#include "apps/case_file.hpp"
+#include "apps/failure.hpp"
+#include "apps/nearest.hpp"
+#include "apps/running.hpp"
+#include "apps/schema_texts.hpp"
+#include "apps/sid_case.hpp"
+#include "apps/starter_texts.hpp"
+#include "apps/summary.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string starter(const std::string& name) {
+  for (const auto& [file, text] : kStarterTexts) {
+    if (file == name) return std::string(text);
+  }
+  return {};
+}
+
+// The kinds that have a starter: the names of its cases.
+std::vector<std::string> starter_kinds() {
+  std::vector<std::string> kinds;
+  for (const auto& [file, text] : kStarterTexts) {
+    const std::string name(file.substr(0, file.find('.')));
+    if (file == name + ".json") kinds.push_back(name);
+  }
+  return kinds;
+}
+
+std::string bounds(const Report& rule) {
+  std::string text;
+  const auto add = [&](const char* key, const char* sign) {
+    if (rule.contains(key)) text += (text.empty() ? "" : ", ") + (sign + rule[key].dump());
+  };
+  add("minimum", "≥ ");
+  add("exclusiveMinimum", "> ");
+  add("maximum", "≤ ");
+  add("exclusiveMaximum", "< ");
+  return text;
+}
+
+std::string in_words(const Report& rule) {
+  std::string text = rule.value("description", std::string());
+  if (rule.contains("enum")) {
+    std::string list;
+    for (const Report& one : rule["enum"]) list += (list.empty() ? "" : ", ") + one.dump();
+    // Where the words name the choices already, they are not repeated.
+    if (text.find(rule["enum"][0].dump()) == std::string::npos) {
+      text += (text.empty() ? "" : ": ") + list;
+    }
+  }
+  if (text.empty()) {
+    const Report type = rule.value("type", Report("anything"));
+    for (const Report& one : type.is_array() ? type : Report::array({type})) {
+      text += (text.empty() ? "" : " or ") + one.get<std::string>();
+    }
+  }
+  const std::string limits = bounds(rule);
+  return limits.empty() ? text : text + " (" + limits + ")";
+}
+
+std::string cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) {
+    text.replace(at, 1, "\\|");
+  }
+  return text;
+}
+
+class KeyTable {
+ public:
+  explicit KeyTable(Report root) : root_(std::move(root)) { walk(root_, ""); }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  [[nodiscard]] const Report& resolve(const Report& rule) const {
+    if (!rule.contains("$ref")) return rule;
+    return resolve(root_.at(Report::json_pointer(rule["$ref"].get<std::string>().substr(1))));
+  }
+  [[nodiscard]] bool is_prior(const Report& rule) const {
+    return &rule == &root_.at("definitions").at("prior");
+  }
+  void row(const std::string& path, bool required, const Report& rule) {
+    // Where a list of objects may stand for one object, its keys are told once.
+    std::string bare = path;
+    for (std::size_t at = 0; (at = bare.find("[]")) != std::string::npos;) bare.erase(at, 2);
+    if (!seen_.insert(bare).second) return;
+    const std::string words = is_prior(rule) ? "a prior" : in_words(rule);
+    text_ += "| `" + path + "` | " + (required ? "yes" : "") + " | " + cell(words) + " |\n";
+  }
+  void walk(const Report& reference, const std::string& path) {
+    const Report& rule = resolve(reference);
+    // Priors are explained once, above the table.
+    if (is_prior(rule)) return;
+    for (const Report& one : rule.value("anyOf", Report::array())) walk(one, path);
+    if (rule.contains("items")) walk(rule["items"], path + "[]");
+    const Report required = rule.value("required", Report::array());
+    const std::string stem = path.empty() ? "" : path + ".";
+    if (rule.contains("properties")) {
+      for (const auto& [key, value] : rule["properties"].items()) {
+        row(stem + key, std::ranges::find(required, Report(key)) != required.end(), resolve(value));
+        walk(value, stem + key);
+      }
+    }
+    if (rule.contains("additionalProperties") && rule["additionalProperties"].is_object()) {
+      row(stem + "NAME", false, resolve(rule["additionalProperties"]));
+    }
+  }
+
+  Report root_;
+  std::set<std::string> seen_;
+  std::string text_;
+};
+
+// A schema with its keys in the order in which it was written.
+Report ordered_schema(const std::string& kind) {
+  static_cast<void>(schema(kind));  // refuses other names
+  Report found, common;
+  for (const auto& [name, text] : kSchemaTexts) {
+    if (name == kind) found = Report::parse(text);
+    if (name == "common") common = Report::parse(text);
+  }
+  found["definitions"].update(common["definitions"]);
+  return found;
+}
+
+}  // namespace
+
+std::string describe_keys(const std::string& kind) {
+  const Report rules = ordered_schema(kind);
+  return "## Every key\n\n`[]` stands for each element of a list. A key that is needed is needed where "
+         "the object that holds it is given. A prior is " +
+         rules["definitions"]["prior"]["description"].get<std::string>().substr(9) +
+         ".\n\n| key | needed | what it is |\n|---|---|---|\n" + KeyTable(rules).text() +
+         "\n`wheeltap schema " + kind + "` prints the same for programs (JSON Schema).\n";
+}
+
+void run_init(const std::string& kind, const fs::path& folder) {
+  const auto kinds = starter_kinds();
+  if (std::ranges::find(kinds, kind) == kinds.end()) {
+    std::string list;
+    for (const auto& name : kinds) list += (list.empty() ? "" : ", ") + name;
+    const std::string meant = nearest(kind, kinds);
+    throw Failure(Exit::usage, "no starter case of the name \"" + kind + "\"" +
+                                   (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
+                                   " (there are: " + list + ")");
+  }
+  struct File {
+    fs::path path;
+    std::string text;
+  };
+  const std::string text = starter(kind + ".json");
+  std::vector<File> files = {
+      {(folder / (kind + ".json")).lexically_normal(), text},
+      {(folder / (kind + ".md")).lexically_normal(), starter(kind + ".md") + "\n" + describe_keys(kind)}};
+  if (const std::string truth = starter(kind + ".truth.json"); !truth.empty()) {
+    // The record that the case names, simulated from the case with this truth in its place.
+    CaseFile file{.path = folder / (kind + ".json"), .json = Json::parse(text)};
+    const std::string record = file.json["record"]["file"];
+    file.json["truth"] = Json::parse(truth);
+    file.json["record"].erase("file");
+    std::erase_if(file.json["record"]["channels"].get_ref<Json::array_t&>(),
+                  [](const Json& channel) { return channel["role"] == "time"; });
+    const SidCase sid_case = parse_sid_case(std::move(file), SidNeeds::models);
+    files.push_back(
+        {(folder / record).lexically_normal(),
+         record_csv(simulate_record(sid_case, sid_case.truth->seed),
+                    "simulated by wheeltap init " + kind + ": put your own record here")});
+  }
+  for (const File& file : files) {
+    std::error_code ignored;
+    if (fs::exists(file.path, ignored)) {
+      throw Failure(Exit::cannot_create,
+                    file.path.string() +
+                        ": exists already, and init overwrites nothing (-o names another folder)");
+    }
+  }
+  make_output_folder(folder);
+  for (const File& file : files) write_text(file.path, file.text);
+  std::cout << "Written:\n";
+  for (const File& file : files) std::cout << "  " << file.path.string() << '\n';
+  std::cout << "It runs as it is:\n  wheeltap " << kind << ' ' << files[0].path.string() << " -o "
+            << (folder / "results").lexically_normal().string() << "\nThen make it yours: " << files[1].path.string()
+            << " explains every key.\n";
+}
+
+}  // namespace wheeltap::apps

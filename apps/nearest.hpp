@@ -1,0 +1,17 @@
+// "Did you mean …?"
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace wheeltap::apps {
+
+/// Levenshtein's (1966): the fewest insertions, deletions and substitutions between two words.
+[[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
+
+/// The candidate nearest to `word`; empty where none is nearer than a third of the word and one.
+[[nodiscard]] std::string nearest(std::string_view word,
+                                  const std::vector<std::string>& candidates);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,104 @@
+// `wheeltap init`: what it writes runs as it is, explains every key, and takes the place of nothing.
+#include "apps/init.hpp"
+
+#include <gmock/gmock.h>
+
+#include "apps/case_file.hpp"
+#include "apps/nearest.hpp"
+#include "program.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kShort = " --quiet --chains 2 --warmup 2000 --draws 1000";
+
+// Every key of a case, as describe_keys writes it; the names of parameters are the user's own.
+void expect_told(const json& value, const std::string& path, const std::string& told) {
+  if (value.is_array()) {
+    for (const json& one : value) expect_told(one, path + "[]", told);
+  }
+  if (!value.is_object() || path.ends_with(".location") || path.ends_with(".reduction")) return;
+  for (const auto& [key, inner] : value.items()) {
+    const std::string here = path == "parameters" ? "parameters.NAME"
+                                                  : (path.empty() ? "" : path + ".") + key;
+    EXPECT_THAT(told, HasSubstr("| `" + here + "` |"));
+    if (path != "parameters") expect_told(inner, here, told);
+  }
+}
+
+class Init : public testing::TestWithParam<std::string> {};
+
+TEST_P(Init, WritesACaseThatRunsAndExplainsEveryKeyInIt) {
+  const Workspace where;
+  const std::string kind = GetParam(), folder = (where / "new").string();
+  ASSERT_EQ(wheeltap(where, "init " + kind + " -o " + folder).exit_code, 0);
+  const json written = json::parse(read_all(folder + "/" + kind + ".json"));
+  expect_told(written, "", read_all(folder + "/" + kind + ".md"));
+  const Outcome ran = wheeltap(where, kind + " " + folder + "/" + kind + ".json -o " + folder +
+                                          "/results" + kShort);
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  const json summary = json::parse(read_all(folder + "/results/summary.json"));
+  // Its notes tell what it was simulated from: one damage; a hardening spring.
+  EXPECT_GT(summary["models"][1]["probability"].get<double>(), 0.5);
+}
+
+TEST_P(Init, OverwritesNothing) {
+  const Workspace where;
+  const std::string kind = GetParam(), folder = (where / "new").string();
+  std::filesystem::create_directories(folder);
+  where.write("new/" + kind + ".md", "mine");
+  const Outcome outcome = wheeltap(where, "init " + kind + " -o " + folder);
+  EXPECT_EQ(outcome.exit_code, 73);
+  EXPECT_THAT(outcome.err, HasSubstr(kind + ".md: exists already"));
+  EXPECT_EQ(read_all(folder + "/" + kind + ".md"), "mine");
+  EXPECT_FALSE(std::filesystem::exists(folder + "/" + kind + ".json"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, Init, testing::Values("damage", "sid"),
+                         [](const auto& kind) { return kind.param; });
+
+TEST(InitCommand, OtherKindsEndWith64AndNameTheNearest) {
+  const Workspace where;
+  const Outcome outcome = wheeltap(where, "init damge -o " + (where / "new").string());
+  EXPECT_EQ(outcome.exit_code, 64);
+  EXPECT_THAT(outcome.err, HasSubstr("did you mean \"damage\"?"));
+  EXPECT_FALSE(std::filesystem::exists(where / "new"));
+}
+
+TEST(InitCommand, UnwritableFolderEndsWith73) {
+  const Workspace where;
+  where.write("file", "");
+  EXPECT_EQ(wheeltap(where, "init damage -o " + (where / "file/new").string()).exit_code, 73);
+}
+
+TEST(DescribeKeys, TellsEachKeyOnceInWords) {
+  for (const std::string& kind : schema_names()) {
+    const std::string told = describe_keys(kind);
+    std::istringstream lines(told);
+    std::vector<std::string> keys;
+    for (std::string line; std::getline(lines, line);) {
+      if (!line.starts_with("| `")) continue;
+      keys.push_back(line.substr(3, line.find('`', 3) - 3));
+      const std::string words = line.substr(0, line.size() - 2);
+      for (const char* bare : {"| string", "| integer", "| number", "| array", "| object"}) {
+        EXPECT_FALSE(words.ends_with(bare)) << line << ": give it a description in the schema";
+      }
+    }
+    EXPECT_GT(keys.size(), 30U);
+    std::ranges::sort(keys);
+    EXPECT_EQ(std::ranges::adjacent_find(keys), keys.end());
+  }
+}
+
+TEST(Nearest, IsTheSmallestEditDistanceIfSmallEnough) {
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
+  EXPECT_EQ(nearest("lenght", {"width", "length", "height"}), "length");
+  EXPECT_EQ(nearest("xyz", {"width", "length", "height"}), "");
+}
+
+}  // namespace
+}  // namespace wheeltap::apps
