@@ -605,13 +605,7 @@ Report summarise_damage(const DamageProblem& problem, const Posterior& posterior
                      {"truth", truth}});
   }
   Report summary = {
-      {"wheeltap",
-       {{"version", WHEELTAP_VERSION},
-        {"command", "damage"},
-        {"command_line", info.command_line},
-        {"seed", info.seed},
-        {"case_file", damage_case.file.path.string()},
-        {"case", damage_case.file.json}}},
+      {"wheeltap", about("damage", info, damage_case.file)},
       {"title", damage_case.title},
       {"notes", damage_case.notes},
       {"models", models},

@@ -135,7 +135,8 @@ Report ordered_schema(const std::string& kind) {
 
 std::string describe_keys(const std::string& kind) {
   const Report rules = ordered_schema(kind);
-  return "## Every key\n\n`[]` stands for each element of a list. A key that is needed is needed where "
+  return "## Every key\n\n`[]` stands for each element of a list. A key that is needed is needed "
+         "where "
          "the object that holds it is given. A prior is " +
          rules["definitions"]["prior"]["description"].get<std::string>().substr(9) +
          ".\n\n| key | needed | what it is |\n|---|---|---|\n" + KeyTable(rules).text() +
@@ -157,9 +158,9 @@ void run_init(const std::string& kind, const fs::path& folder) {
     std::string text;
   };
   const std::string text = starter(kind + ".json");
-  std::vector<File> files = {
-      {(folder / (kind + ".json")).lexically_normal(), text},
-      {(folder / (kind + ".md")).lexically_normal(), starter(kind + ".md") + "\n" + describe_keys(kind)}};
+  std::vector<File> files = {{(folder / (kind + ".json")).lexically_normal(), text},
+                             {(folder / (kind + ".md")).lexically_normal(),
+                              starter(kind + ".md") + "\n" + describe_keys(kind)}};
   if (const std::string truth = starter(kind + ".truth.json"); !truth.empty()) {
     // The record that the case names, simulated from the case with this truth in its place.
     CaseFile file{.path = folder / (kind + ".json"), .json = Json::parse(text)};
@@ -187,8 +188,8 @@ void run_init(const std::string& kind, const fs::path& folder) {
   std::cout << "Written:\n";
   for (const File& file : files) std::cout << "  " << file.path.string() << '\n';
   std::cout << "It runs as it is:\n  wheeltap " << kind << ' ' << files[0].path.string() << " -o "
-            << (folder / "results").lexically_normal().string() << "\nThen make it yours: " << files[1].path.string()
-            << " explains every key.\n";
+            << (folder / "results").lexically_normal().string()
+            << "\nThen make it yours: " << files[1].path.string() << " explains every key.\n";
 }
 
 }  // namespace wheeltap::apps

@@ -176,14 +176,10 @@ void run_sweep(const CaseFile& file, const CommonOptions& common, const Sampling
     std::cout << line(cells) << std::flush;
     rows.push_back(std::move(row));
   }
-  const Report summary = {{"wheeltap",
-                           {{"version", WHEELTAP_VERSION},
-                            {"command", "sid"},
-                            {"command_line", common.command_line},
-                            {"seed", common.seed.value_or(1)},
-                            {"case_file", file.path.string()},
-                            {"case", Report::parse(file.json.dump())}}},
-                          {"sweep", {{"path", sweep["path"].get<std::string>()}, {"rows", rows}}}};
+  const Report summary = {
+      {"wheeltap",
+       about("sid", {.seed = common.seed.value_or(1), .command_line = common.command_line}, file)},
+      {"sweep", {{"path", sweep["path"].get<std::string>()}, {"rows", rows}}}};
   write_text(table_file, table);
   write_text(summary_file, summary.dump(1) + "\n");
   table_file.commit();

@@ -15,16 +15,20 @@ std::string netcdf_name(std::string name) {
   return name;
 }
 
-/// Channel names without their unit, made unique by their mass.
+/// A channel's name without its unit, unlike the `others`.
+std::string variable_name(const SidChannel& channel, const std::vector<std::string>& others) {
+  std::string name = netcdf_name(channel.column.substr(0, channel.column.find(" [")));
+  if (name.find_first_not_of("0123456789") == std::string::npos) name = "column_" + name;
+  if (std::ranges::find(others, name) != others.end()) {
+    name += "_" + std::to_string(others.size() + 1);
+  }
+  return name;
+}
+
 std::vector<std::string> variable_names(const SidCase& sid_case) {
   std::vector<std::string> names;
   for (const SidChannel* channel : sid_case.responses()) {
-    std::string name = netcdf_name(channel->column.substr(0, channel->column.find(" [")));
-    if (name.find_first_not_of("0123456789") == std::string::npos) name = "column_" + name;
-    if (std::ranges::find(names, name) != names.end()) {
-      name += "_" + std::to_string(names.size() + 1);
-    }
-    names.push_back(name);
+    names.push_back(variable_name(*channel, names));
   }
   return names;
 }
@@ -37,6 +41,33 @@ const char* unit(dynamics::Quantity quantity) {
       return "m/s";
     default:
       return "m/s^2";
+  }
+}
+
+/// What drove the chain, in SI units at the samples scored: ArviZ's group for what is given.
+void write_excitation(const NetcdfWriter& file, const SidCase& sid_case, std::size_t samples,
+                      std::span<const double> theta) {
+  const int group = file.group("constant_data");
+  const int sample = file.dimension(group, "sample", samples, sid_case.begin);
+  std::vector<std::string> names;
+  for (const SidChannel& channel : sid_case.channels) {
+    if (!channel.is_excitation()) continue;
+    const auto stride = static_cast<std::size_t>(sid_case.stride);
+    const double scale = channel.signal.scale.at(theta), offset = channel.signal.offset.at(theta);
+    std::vector<double> values;
+    for (std::size_t n = 0; n < samples; ++n) {
+      const std::size_t at = (static_cast<std::size_t>(sid_case.lead_in) + n) * stride;
+      values.push_back(scale * channel.signal.samples[at] + offset);
+    }
+    names.push_back(variable_name(channel, names));
+    const int id = file.put(group, names.back(), {sample}, values);
+    const bool force = channel.role == SidChannel::Role::force;
+    const bool displacement = channel.role == SidChannel::Role::base_displacement;
+    file.text(group, id, "units", force ? "N" : displacement ? "m" : "m/s^2");
+    file.text(group, id, "role",
+              force          ? "force on mass " + std::to_string(channel.mass)
+              : displacement ? "base displacement"
+                             : "base acceleration");
   }
 }
 
@@ -139,6 +170,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidProble
       const int id = file.put(group, names[c], {sample}, observed(problem, c, theta));
       file.text(group, id, "units", unit(responses[c]->quantity));
     }
+    write_excitation(file, sid_case, samples, theta);
   }
   file.close();
 }

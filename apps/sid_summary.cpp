@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "apps/sid_links.hpp"
 #include "dynamics/residuals.hpp"
 
 namespace wheeltap::apps {
@@ -337,13 +338,7 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
     substeps[space[m].name] = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(
         posterior_mean(problem, posterior, m));
   }
-  Report summary = {{"wheeltap",
-                     {{"version", WHEELTAP_VERSION},
-                      {"command", "sid"},
-                      {"command_line", info.command_line},
-                      {"seed", info.seed},
-                      {"case_file", sid_case.file.path.string()},
-                      {"case", sid_case.file.json}}},
+  Report summary = {{"wheeltap", about("sid", info, sid_case.file)},
                     {"title", sid_case.title},
                     {"notes", sid_case.notes},
                     {"models", models},
@@ -351,6 +346,7 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
                     {"parameters", parameters},
                     {"priors", prior_list(sid_case)},
                     {"fit", fits},
+                    {"links", link_laws(problem, posterior, models)},
                     {"predictive", coverage(problem, predictive)},
                     {"data",
                      {{"origin", sid_case.origin},

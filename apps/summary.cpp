@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <numeric>
+
+#include "inference/parallel.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -279,6 +282,29 @@ Report diagnostics(const Posterior& posterior, const std::vector<Watched>& watch
           {"stopped_early", posterior.stopped_early},
           {"notes", posterior.notes},
           {"warnings", warnings}};
+}
+
+std::string machine() {
+  std::string processor = "unknown processor";
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  for (std::string line; std::getline(cpuinfo, line);) {
+    const std::size_t colon = line.find(": ");
+    if (!line.starts_with("model name") || colon == std::string::npos) continue;
+    processor = line.substr(colon + 2);
+    break;
+  }
+  const int cores = inference::thread_count(0);
+  return processor + ", " + std::to_string(cores) + (cores == 1 ? " core" : " cores");
+}
+
+Report about(const std::string& command, const RunInfo& info, const CaseFile& file) {
+  return {{"version", WHEELTAP_VERSION},
+          {"command", command},
+          {"command_line", info.command_line},
+          {"seed", info.seed},
+          {"machine", machine()},
+          {"case_file", file.path.string()},
+          {"case", Report::parse(file.json.dump())}};
 }
 
 Report cost(const Posterior& posterior) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/case_file.hpp"
 #include "inference/diagnostics.hpp"
 #include "inference/reversible_jump.hpp"
 
@@ -82,6 +83,13 @@ struct Watched {
 [[nodiscard]] Report diagnostics(const inference::Posterior& posterior,
                                  const std::vector<Watched>& watched, double ess_model,
                                  std::uint64_t seed, std::vector<std::string> warnings);
+
+/// What repeats the run: version, command, seed, machine and case.
+[[nodiscard]] Report about(const std::string& command, const RunInfo& info, const CaseFile& file);
+
+/// Processor and number of cores, in words; nothing that tells one machine of its kind from
+/// another.
+[[nodiscard]] std::string machine();
 
 /// What the run cost.
 [[nodiscard]] Report cost(const inference::Posterior& posterior);

@@ -214,6 +214,11 @@ void print_closing(std::ostream& out, const Report& summary, const std::string& 
       << (diagnosed["ess_model"].is_number() ? rounded_count(diagnosed["ess_model"]) : "-")
       << ", largest R-hat "
       << (diagnosed["rhat_max"].is_number() ? fixed(diagnosed["rhat_max"], 4) : "-") << ".\n";
+  const Report ladder = diagnosed.value("ladder", Report::object());
+  if (ladder.value("while_drawing", false)) {
+    out << "The draws were tempered: " << ladder["round_trips"]
+        << " round trips between prior and posterior.\n";
+  }
   out << (diagnosed["converged"].get<bool>()
               ? "Converged."
               : style.warn("NOT CONVERGED: see the first point above."))

@@ -133,7 +133,7 @@ const charts = (() => {
       scales: [linear('x', xDomain || [x.from, x.from + x.n * x.width], 'width'), linear('y', yDomain || [y.from, y.from + y.n * y.width], 'height'),
         { name: 'heat', type: root ? 'sqrt' : 'linear', domain: [0, top], range: theme.heat, interpolate: 'lab', zero: true }],
       axes: [axisX(xTitle, { format: xFormat, grid: true }), axisY(yTitle, { format: yFormat })],
-      legends: legend ? [{ fill: 'heat', type: 'gradient', title: legend, gradientLength: Math.min(220, width * 0.5), tickCount: 3, format: '.2~r' }] : [],
+      legends: legend ? [{ fill: 'heat', type: 'gradient', title: legend, gradientLength: Math.min(220, width * 0.5), values: [0, top / (root ? 4 : 2), top], format: '.2~r' }] : [],
       marks: [{ type: 'rect', from: { data: 'c' }, encode: { enter: { x: { scale: 'x', field: 'x0' }, x2: { signal: "scale('x', datum.x1) + 0.4" },
         y: { scale: 'y', field: 'y1' }, y2: { signal: "scale('y', datum.y0) + 0.4" }, fill: { scale: 'heat', field: 'd' } } } }],
     });
@@ -171,17 +171,25 @@ const charts = (() => {
   const linkOrder = ['stiffness', 'damping'];
   const linkKeys = (link) => Object.keys(link).filter((k) => k !== 'between')
     .sort((a, b) => (linkOrder.indexOf(a) + 1 || 9) - (linkOrder.indexOf(b) + 1 || 9));
-  const linkWords = (link) => linkKeys(link).map((k) => k.replace(/_/g, ' ') + (typeof link[k] === 'object' ? '' : ' ' + link[k])).join(', ');
+  // A coefficient that was found stands with its posterior median.
+  const linkWords = (link, found) => linkKeys(link).map((k) => k.replace(/_/g, ' ') + (typeof link[k] === 'object' ? '' : ' ' + link[k])
+    + (found[link[k]] ? ' = ' + number(found[link[k]].q50, 3) : '')).join(', ');
+  // A spring from (x, y0) up to (x, y1).
+  const springPath = (x, y0, y1) => {
+    const turns = 6, lead = 6, step = (y0 - y1 - 2 * lead) / turns;
+    const zigzag = Array.from({ length: turns }, (_, i) => `L${x + (i % 2 ? -5 : 5)},${y0 - lead - (i + 0.5) * step}`).join('');
+    return `M${x},${y0}L${x},${y0 - lead}${zigzag}L${x},${y1 + lead}L${x},${y1}`;
+  };
   function chain(run) {
     const cased = run.summary.wheeltap.case.models || [];
     const best = [...run.summary.models].sort((a, b) => b.probability - a.probability)[0];
     const model = cased.find((m) => m.name === best.name);
     if (!model || !Array.isArray(model.masses)) return [];
     const n = model.masses.length;
-    const links = (model.links || []).map((l, i) => ({ i, a: Math.min(...l.between), b: Math.max(...l.between), words: linkWords(l), between: l.between }));
+    const links = (model.links || []).map((l, i) => ({ i, a: Math.min(...l.between), b: Math.max(...l.between), words: linkWords(l, run.summary.parameters[best.name] || {}), between: l.between }));
     return [{
       id: 'chain', section: 'where', wide: true, title: `The chain of the most probable model, “${short(best.name, 60)}”`,
-      caption: 'Masses and the links between them, with the laws that each link has. 0 is the ground or the moving base.',
+      caption: 'Masses and the links between them, with the laws that each link has; what was found stands with its median. 0 is the ground or the moving base.',
       table: () => ({ head: ['between', 'laws'], rows: (model.links || []).map((l) => [l.between.join(' and '), linkKeys(l).map((k) => `${k}: ${typeof l[k] === 'object' ? JSON.stringify(l[k]) : l[k]}`).join(', ')]) }),
       spec: (width, theme) => {
         // A row a mass, from the ground up: readable at any width.
@@ -190,11 +198,13 @@ const charts = (() => {
         return frame(width, height, theme, {
           data: [{ name: 'm', values: model.masses.map((m, i) => ({ y: yOf(i + 1), text: `mass ${i + 1}: ${m}${typeof m === 'number' ? ' kg' : ''}` })) },
             { name: 'l', values: links.map((l) => ({ x: 70 + 14 * (l.b - l.a > 1 ? 4 : 0), y0: yOf(l.a) - (l.a ? 15 : 0), y1: yOf(l.b) + 15,
-              text: short(`${l.between[0]} – ${l.between[1]}: ${l.words}`, Math.floor(width / 7)) })) }],
+              spring: springPath(70 + 14 * (l.b - l.a > 1 ? 4 : 0), yOf(l.a) - (l.a ? 15 : 0), yOf(l.b) + 15),
+              // On a phone a line for each law.
+              text: (width < 480 ? [l.between.join(' – '), ...l.words.split(', ')].slice(0, 4) : [`${l.between.join(' – ')}: ${l.words}`]).map((t) => short(t, Math.floor(width / 7))) })) }],
           marks: [
             { type: 'rect', encode: { enter: { x: { value: 0 }, x2: { value: 140 }, y: { value: height - 16 }, y2: { value: height - 6 }, fill: { value: theme.soft } } } },
-            { type: 'rule', from: { data: 'l' }, encode: { enter: { x: { field: 'x' }, y: { field: 'y0' }, y2: { field: 'y1' }, stroke: { value: theme.main }, strokeWidth: { value: 3 }, strokeDash: { value: [5, 2] } } } },
-            { type: 'text', from: { data: 'l' }, encode: { enter: { x: { field: 'x', offset: 12 }, y: { signal: '(datum.y0 + datum.y1) / 2' }, baseline: { value: 'middle' }, text: { field: 'text' }, limit: { value: width - 90 } } } },
+            { type: 'path', from: { data: 'l' }, encode: { enter: { path: { field: 'spring' }, stroke: { value: theme.main }, strokeWidth: { value: 2 }, strokeJoin: { value: 'round' } } } },
+            { type: 'text', from: { data: 'l' }, encode: { enter: { x: { field: 'x', offset: 12 }, y: { signal: '(datum.y0 + datum.y1) / 2 - 6 * (length(datum.text) - 1)' }, baseline: { value: 'middle' }, text: { field: 'text' }, lineHeight: { value: 12 }, limit: { value: width - 90 } } } },
             { type: 'rect', from: { data: 'm' }, encode: { enter: { x: { value: 10 }, x2: { value: 130 }, y: { field: 'y', offset: -15 }, y2: { field: 'y', offset: 15 }, fill: { value: theme.paper }, stroke: { value: theme.ink }, cornerRadius: { value: 3 } } } },
             { type: 'text', from: { data: 'm' }, encode: { enter: { x: { value: 70 }, y: { field: 'y' }, align: { value: 'center' }, baseline: { value: 'middle' }, text: { field: 'text' }, limit: { value: 112 }, fontSize: { value: 12 } } } },
           ],
@@ -349,6 +359,59 @@ const charts = (() => {
     }];
   }
 
+  // |H1| of data and model over the coherence of the data, one frequency axis.
+  function transfer(r, t) {
+    const positive = t.rows.flatMap((row) => [row[1], row[2]]).filter((v) => v > 0);
+    const top = Math.max(...positive) * 2, low = Math.max(Math.min(...positive), Math.max(...positive) * 1e-6);
+    const unit = t.unit.replace(/\^2/g, '²');
+    return {
+      id: `frequency-response-${slug(r.name)}-${slug(t.name)}`, section: 'fit', title: `Frequency response: ${r.name} to ${t.name}`,
+      caption: `H1 to the ${t.role}, of the data and of the predicted median (${t.segments} averages), over the coherence of the data.`,
+      table: () => ({ head: ['frequency [Hz]', `|H1| data [${unit}]`, `|H1| model [${unit}]`, 'phase data [rad]', 'phase model [rad]', 'coherence'], rows: t.rows }),
+      spec: (width, theme) => frame(width, 230, theme, {
+        data: [{ name: 'h', values: ['data', 'predicted'].flatMap((who, k) => t.rows.filter((row) => row[k + 1] > 0).map((row) => ({ f: row[0], v: row[k + 1], who }))) },
+          { name: 'c', values: t.rows.map((row) => ({ f: row[0], v: row[5] })) }],
+        scales: [linear('x', [t.rows[0][0] < 0.2 * t.rows[t.rows.length - 1][0] ? 0 : t.rows[0][0], t.rows[t.rows.length - 1][0]], 'width'),
+          { name: 'y', type: 'log', domain: [low, top], range: [150, 0], clamp: true }, linear('c', [0, 1], [230, 178]),
+          { name: 'who', type: 'ordinal', domain: ['data', 'predicted'], range: [theme.ink, theme.other] }],
+        axes: [axisX('frequency [Hz]'), axisY(unit, { format: '.0e', values: powersOfTen(positive), titleAnchor: 'end', titleAlign: 'right' }),
+          axisY('coherence', { scale: 'c', values: [0, 0.5, 1], titleAnchor: 'start', titleAlign: 'left' })],
+        legends: [{ stroke: 'who', symbolType: 'stroke', symbolStrokeWidth: 3 }],
+        marks: [
+          { type: 'group', from: { facet: { name: 'one', data: 'h', groupby: 'who' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.4 } } } }] },
+          { type: 'area', from: { data: 'c' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'c', field: 'v' }, y2: { scale: 'c', value: 0 }, fill: { value: theme.main }, fillOpacity: { value: 0.5 } } } },
+        ],
+      }),
+    };
+  }
+  // The laws that the links were found to have, one chart a link, one band a model.
+  function laws(run) {
+    const found = Object.entries(run.summary.links || {});
+    const keys = [...new Set(found.flatMap(([, links]) => links.map((l) => l.between.join(' – '))))];
+    return keys.map((key) => {
+      const lines = found.flatMap(([model, links]) => links.filter((l) => l.between.join(' – ') === key).map((l) => ({ model, ...l })));
+      const values = lines.flatMap((l) => l.extension.map((e, i) => ({ model: l.model, e, a: l.tension['q2.5'][i], m: l.tension.q50[i], b: l.tension['q97.5'][i] })));
+      const span = (pick) => [Math.min(...values.map(pick[0])), Math.max(...values.map(pick[1]))];
+      const [low, high] = span([(v) => v.a, (v) => v.b]);
+      const models = [...new Set(lines.map((l) => l.model))];
+      return {
+        id: 'law-' + slug(key), section: 'where', title: `Law of link ${key}`,
+        caption: '',
+        table: () => ({ head: ['model', 'extension [m]', '2.5 % [N]', '50 % [N]', '97.5 % [N]'], rows: values.map((v) => [v.model, v.e, v.a, v.m, v.b]) }),
+        spec: (width, theme) => frame(width, 170, theme, {
+          data: [{ name: 'd', values }],
+          scales: [linear('x', span([(v) => v.e, (v) => v.e]), 'width'), linear('y', low < high ? [low, high] : [low - 1, high + 1], 'height'),
+            { name: 'm', type: 'ordinal', domain: models, range: theme.series }],
+          axes: [axisX('extension [m]'), axisY('tension [N]')],
+          legends: [{ stroke: 'm', symbolType: 'stroke', symbolStrokeWidth: 3 }],
+          marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'model' } }, marks: [
+            { type: 'area', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'e' }, y: { scale: 'y', field: 'a' }, y2: { scale: 'y', field: 'b' }, fill: { scale: 'm', field: 'model' }, fillOpacity: { value: 0.3 } } } },
+            { type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'e' }, y: { scale: 'y', field: 'm' }, stroke: { scale: 'm', field: 'model' }, strokeWidth: { value: 1.8 } } } }] }],
+        }),
+      };
+    });
+  }
+
   function responses(run) {
     return (run.draws.responses || []).flatMap((r) => {
       const label = `${r.name}${r.unit ? ` [${r.unit.replace('^2', '²')}]` : ''}`;
@@ -400,6 +463,7 @@ const charts = (() => {
             marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'who' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.2 } } } }] }],
           }),
         },
+        ...(r.transfer || []).filter((t) => t.rows.some((row) => row[1] > 0)).map((t) => transfer(r, t)),
         {
           id: 'autocorrelation-' + slug(r.name), section: 'fit', title: `Autocorrelation of the residuals: ${r.name}`, caption: 'Outside the shaded band, white residuals would lie one time in twenty. Many outside mean that the model misses something, and that its intervals are too narrow.',
           table: () => ({ head: ['lag', 'autocorrelation'], rows: rho.map((v) => [v.lag, v.v]) }),
@@ -438,7 +502,7 @@ const charts = (() => {
           { name: 'names', type: 'ordinal', domain: models.map((_, i) => i), range: models.map((m) => short(m.name, 60)) },
           { name: 'sub', type: 'point', domain: all, range: [0, { signal: "bandwidth('y')" }], padding: 0.5 }, { name: 'm', type: 'ordinal', domain: all, range: theme.series }],
         axes: [axisX(null, { format: '%', grid: true, tickCount: width < 480 ? 3 : 5, labelFlush: false }),
-          { orient: 'left', scale: 'y', domain: false, ticks: false, labelLimit: Math.max(80, width * 0.36), labelColor: theme.ink, encode: { labels: { update: { text: { signal: "scale('names', datum.value)" } } } } }],
+          { orient: 'left', scale: 'y', domain: false, ticks: false, labelLimit: Math.max(80, width * 0.36), labelFontSize: 12, labelColor: theme.ink, labelPadding: 9, encode: { labels: { update: { text: { signal: "scale('names', datum.value)" } } } } }],
         legends: [{ fill: 'm', symbolType: 'circle' }],
         marks: [
           { type: 'rule', from: { data: 'v' }, encode: { enter: { x: { scale: 'x', field: 'low' }, x2: { scale: 'x', field: 'high' }, y: { scale: 'y', field: 'i', offset: { scale: 'sub', field: 'method' } }, stroke: { scale: 'm', field: 'method' }, strokeWidth: { value: 2 } } } },
@@ -526,7 +590,7 @@ const charts = (() => {
       }
       out.push(...jointFigures(run));
     } else {
-      out.push(...chain(run));
+      out.push(...chain(run), ...laws(run));
     }
     out.push(...evidence(run));
     out.push(...residuals(run), ...responses(run));

@@ -21,6 +21,8 @@ constexpr double kShown = 0.005;       // models with less probability have no c
 constexpr std::size_t kHistory = 400;  // points a chain in the histories
 constexpr std::size_t kMostPairs = 6;  // parameters that are paired
 constexpr std::size_t kTimePoints = 8000;  // of all channels together
+constexpr std::size_t kMostDrivers = 2;    // excitations with frequency responses
+constexpr double kExcited = 1e-4;          // of its peak: a spectrum below has no response to show
 constexpr std::size_t kCurve = 161;        // points of a prior's density
 
 // Five digits are more than a chart shows, and shorter to store.
@@ -547,6 +549,56 @@ Report predictive(const NetcdfReader& file) {
 
 // ---- time histories ------------------------------------------------------------------------
 
+// What drove the chain, as the run kept it.
+struct Driver {
+  std::string name, role, unit;
+  std::vector<double> values;
+};
+
+std::vector<Driver> drivers(const NetcdfReader& file, std::size_t samples) {
+  std::vector<Driver> out;
+  const auto group = file.group("constant_data");
+  if (!group) return out;
+  for (const std::string& name : file.variables(*group)) {
+    if (name == "sample") continue;
+    Driver one{name, file.text(*group, name, "role"), file.text(*group, name, "units"),
+               file.read(*group, name).values};
+    const auto [low, high] = std::ranges::minmax(one.values);
+    if (one.values.size() == samples && high > low) out.push_back(std::move(one));
+  }
+  // A base displacement beside the base's acceleration is the same motion.
+  if (std::ranges::any_of(out, [](const Driver& d) { return d.role == "base acceleration"; })) {
+    std::erase_if(out, [](const Driver& d) { return d.role == "base displacement"; });
+  }
+  return out;
+}
+
+// Frequency responses H1 of the data and of the predicted median to one excitation, estimated with
+// the same windows: frequency, |H1| and phase of both, coherence of the data; frequencies that
+// nothing excited are left out.
+Report transfer(const Driver& driver, const std::vector<double>& y,
+                const std::vector<double>& median, double rate, const std::string& unit) {
+  // At least fifteen half-overlapping segments: the coherence of few is near 1 whatever the data.
+  const int segment = static_cast<int>(std::clamp<std::size_t>(y.size() / 8, 8, 1024));
+  const auto data = dynamics::frequency_response(driver.values, y, rate, {.segment = segment});
+  const auto model =
+      dynamics::frequency_response(driver.values, median, rate, {.segment = segment});
+  const auto excited = dynamics::welch(driver.values, rate, {.segment = segment});
+  const double enough = kExcited * std::ranges::max(excited.density);
+  Report rows = Report::array();
+  for (std::size_t f = 1; f < data.frequencies_hz.size(); ++f) {
+    if (excited.density[f] < enough) continue;
+    rows.push_back({compact(data.frequencies_hz[f]), compact(std::abs(data.h1[f])),
+                    compact(std::abs(model.h1[f])), compact(std::arg(data.h1[f])),
+                    compact(std::arg(model.h1[f])), compact(data.coherence[f])});
+  }
+  return {{"name", driver.name},
+          {"role", driver.role},
+          {"unit", unit + " / " + driver.unit},
+          {"segments", data.segments},
+          {"rows", rows}};
+}
+
 // Each response channel of a record: data, predictive median and 95 % band over time; spectra of
 // data, median and residual; autocorrelation of the residual. Long records are cut into buckets
 // that keep the extremes.
@@ -568,6 +620,7 @@ Report responses(const NetcdfReader& file) {
   const std::size_t samples = time.size();
   if (names.empty() || samples < 4) return out;
   const std::size_t points = std::min(samples, kTimePoints / names.size());
+  const std::vector<Driver> driven = drivers(file, samples);
   for (const std::string& name : names) {
     const std::vector<double> y = file.read(*data, name).values;
     Report json = {{"name", name}, {"unit", file.text(*group, name, "units")}};
@@ -626,6 +679,12 @@ Report responses(const NetcdfReader& file) {
                           compact(s_m.density[f]), compact(s_r.density[f])});
     }
     json["spectrum"] = std::move(spectrum);
+    json["transfer"] = Report::array();
+    for (const Driver& driver : driven) {
+      if (json["transfer"].size() == kMostDrivers) break;
+      json["transfer"].push_back(
+          transfer(driver, y, median, rate, json["unit"].get<std::string>()));
+    }
     const int lags = static_cast<int>(std::min<std::size_t>(50, samples / 4));
     Report correlation = Report::array();
     for (const double rho : dynamics::autocorrelation(residual, lags)) {

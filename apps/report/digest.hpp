@@ -15,8 +15,8 @@ namespace wheeltap::apps {
 ///   pairs        joint histograms of up to six parameters per such model
 ///   joint        location × severity per kind of defect, all counts together and for each
 ///   predictive   quantiles of the replicated frequencies
-///   responses    per channel of a record: data and replicated band over time, spectra,
-///                autocorrelation of the residuals
+///   responses    per channel of a record: data and replicated band over time, spectra, frequency
+///                responses to what drove it, autocorrelation of the residuals
 /// Priors are those of the case; the i-th of n exchangeable locations has the i-th order
 /// statistic's. Throws emulator::FileError (missing, corrupt, foreign).
 [[nodiscard]] Report digest(const std::filesystem::path& posterior_file, const Report& summary);

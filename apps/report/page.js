@@ -15,20 +15,28 @@
     node.append(...children.filter((c) => c !== null && c !== undefined));
     return node;
   }
-  const shown = (x) => (typeof x === 'number' ? number(x, 5) : x === null || x === undefined ? '–' : String(x));
+  // A cell is a text, a number, or a number with the text that shows it: { value, text }.
+  const plain = (cell) => (cell && typeof cell === 'object' && 'value' in cell ? cell.value : cell);
+  const shown = (x) => (x && typeof x === 'object' && 'text' in x ? x.text : typeof x === 'number' ? (Number.isInteger(x) ? String(x) : number(x, 4)) : x === null || x === undefined ? '–' : String(x));
 
   // Values keep all their digits in data-value and in what is copied.
   function table({ head, rows, caption }) {
+    // Columns that hold words somewhere start at the left.
+    const words = head.map((_, i) => rows.some((row) => typeof plain(row[i]) === 'string'));
     const body = rows.map((row) => element('tr', {}, ...row.map((cell, i) => {
-      const node = element(i === 0 && typeof cell !== 'number' ? 'th' : 'td', i === 0 && typeof cell !== 'number' ? { scope: 'row', dir: 'auto' } : {}, shown(cell));
-      if (typeof cell === 'number') node.dataset.value = cell;
-      else if (String(cell).length > 24) node.classList.add('long');
+      const name = i === 0 && typeof plain(cell) !== 'number';
+      const node = element(name ? 'th' : 'td', name ? { scope: 'row', dir: 'auto' } : {}, shown(cell));
+      if (typeof plain(cell) === 'number') node.dataset.value = plain(cell);
+      else {
+        if (words[i]) node.classList.add('words');
+        if (String(cell).length > 24) node.classList.add('long');
+      }
       return node;
     })));
-    return element('table', {}, caption ? element('caption', {}, caption) : null,
-      element('thead', {}, element('tr', {}, ...head.map((h) => element('th', { scope: 'col' }, h)))), element('tbody', {}, ...body));
+    return element('table', {}, caption ? element('caption', {}, element('span', {}, caption)) : null,
+      element('thead', {}, element('tr', {}, ...head.map((h, i) => element('th', words[i] ? { scope: 'col', class: 'words' } : { scope: 'col' }, h)))), element('tbody', {}, ...body));
   }
-  const tabSeparated = ({ head, rows }) => [head, ...rows].map((row) => row.map((c) => (c === null || c === undefined ? '' : String(c))).join('\t')).join('\n');
+  const tabSeparated = ({ head, rows }) => [head, ...rows].map((row) => row.map(plain).map((c) => (c === null || c === undefined ? '' : String(c))).join('\t')).join('\n');
   async function copy(text, button) {
     const label = button.textContent;
     try {
@@ -117,13 +125,51 @@
     document.getElementById('contents').append(element('a', { href: '#' + id }, title));
   }
 
+  // As many digits as tell the ends of the interval apart; a copied table keeps all of them.
+  const digits = (row, key) => {
+    const x = row[key];
+    if (key.startsWith('ess')) return String(Math.round(x));
+    if (key === 'rhat') return x.toFixed(4);
+    const width = row['q97.5'] - row['q2.5'];
+    if (key === 'sd' || !(width > 0)) return number(x, 3);
+    const magnitude = Math.max(...['q2.5', 'q50', 'q97.5'].map((k) => Math.abs(row[k])));
+    return number(x, Math.min(10, Math.max(3, Math.ceil(Math.log10(magnitude / width)) + 3)));
+  };
   const parameterRows = (rows) => {
     const keys = [...new Set(Object.values(rows).flatMap((r) => Object.keys(r)))].filter((k) => Object.values(rows).every((r) => typeof r[k] !== 'object' || r[k] === null));
     return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat' })[k] || k)],
-      rows: Object.entries(rows).map(([name, r]) => [name, ...keys.map((k) => r[k])]) };
+      rows: Object.entries(rows).map(([name, r]) => [name, ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k]))]) };
   };
 
   // ---- sections ---------------------------------------------------------------------------
+  function caseNotes() {
+    const notes = [summary.notes || []].flat();
+    return notes.length ? [element('h3', { class: 'apart' }, 'Notes in the case'), ...notes.map((n) => element('p', { dir: 'auto' }, n))] : [];
+  }
+  function bayesFactors() {
+    const rows = summary.log_bayes_factors || [];
+    if (!rows.length) return [];
+    const said = (r) => (typeof r.log_bayes_factor === 'number' ? { value: r.log_bayes_factor, text: r.log_bayes_factor.toFixed(2) } : 'beyond these chains');
+    return [element('h3', { class: 'apart' }, 'Bayes factors from the chains'),
+      copyable({ head: ['model', 'against', 'ln Bayes factor', 'Monte Carlo error', 'never visited'], caption: 'Above zero the data favour the model named first',
+        rows: rows.map((r) => [r.model, r.against, said(r), typeof r.mcse === 'number' ? { value: r.mcse, text: number(r.mcse, 2) } : null, r.never_visited]) })];
+  }
+  function evidenceTable() {
+    const rows = Object.entries(summary.evidence || {}).flatMap(([method, list]) => (Array.isArray(list) ? list : []).map((r) => [method, r.model,
+      ...[[r.log_evidence, 6], [r.standard_error, 2], [r.log_bayes_factor, 5], [r.probability, 4], [r.probability_error, 2], [r.likelihood_evaluations, 8]].map(([x, n]) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null)),
+      (r.warnings || []).join(' ') || 'none']));
+    if (!rows.length) return [];
+    return [element('h3', { class: 'apart' }, 'Evidence of each model on its own'),
+      copyable({ head: ['method', 'model', 'ln evidence', '±', 'ln Bayes factor', 'P(model)', '±', 'likelihood evaluations', 'warnings'], rows, caption: 'ln Bayes factors are against the first model; of the errors, ± is one standard error' })];
+  }
+  // How the tempered replicas fared, where the run has them.
+  function ladder(d) {
+    if (!d.ladder) return [];
+    const trips = d.ladder.round_trips;
+    return [element('p', {}, d.ladder.while_drawing
+      ? `The draws were made with parallel tempering: replicas went ${trips} times from the prior to the posterior and back. Few round trips, say below ten, would mean that chains explore places of their own.`
+      : 'Tempering was needed in warm-up only: the draws are of one chain each, at the posterior itself.')];
+  }
   function runSections() {
     const d = summary.diagnostics;
     const warnings = [...(d.warnings || [])];
@@ -137,14 +183,15 @@
       element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
         `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
         (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
-        (typeof d.round_trips === 'number' ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
+        (d.round_trips > 0 ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
       warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'),
-      ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, n)), ...(summary.notes || []).map((n) => element('p', { dir: 'auto' }, n)));
+      ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, n)), ...caseNotes());
 
-    section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')));
+    section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')), ...bayesFactors(), ...evidenceTable());
 
     const mirrored = d.symmetry?.statement;
-    section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored || null, of('where').length ? grid(of('where')) : null);
+    const drawn = Object.keys(summary.links || {}).length ? 'The chain, and the law found for each link: tension at rest against extension (opening: positive) over the extensions that the record went through, median and 95 % band.' : null;
+    section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored || drawn, of('where').length ? grid(of('where')) : null);
 
     const folded = summary.damage?.folded;
     section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${number(p, 3)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
@@ -170,7 +217,7 @@
 
     const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
     const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of what means the same in every model' }) : null;
-    section('sampling', 'How the sampler fared', 'Chains that have converged look alike, keep no trend and move often between models.', grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
+    section('sampling', 'How the sampler fared', 'Chains that have converged look alike, keep no trend and move often between models.', ...ladder(d), grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
 
     section('emulator', 'The emulator', null, of('emulator').length ? grid(of('emulator')) : null);
   }

@@ -1,4 +1,5 @@
-// `wheeltap init`: what it writes runs as it is, explains every key, and takes the place of nothing.
+// `wheeltap init`: what it writes runs as it is, explains every key, and takes the place of
+// nothing.
 #include "apps/init.hpp"
 
 #include <gmock/gmock.h>
@@ -23,8 +24,8 @@ void expect_told(const json& value, const std::string& path, const std::string& 
   }
   if (!value.is_object() || path.ends_with(".location") || path.ends_with(".reduction")) return;
   for (const auto& [key, inner] : value.items()) {
-    const std::string here = path == "parameters" ? "parameters.NAME"
-                                                  : (path.empty() ? "" : path + ".") + key;
+    const std::string here =
+        path == "parameters" ? "parameters.NAME" : (path.empty() ? "" : path + ".") + key;
     EXPECT_THAT(told, HasSubstr("| `" + here + "` |"));
     if (path != "parameters") expect_told(inner, here, told);
   }
@@ -38,8 +39,8 @@ TEST_P(Init, WritesACaseThatRunsAndExplainsEveryKeyInIt) {
   ASSERT_EQ(wheeltap(where, "init " + kind + " -o " + folder).exit_code, 0);
   const json written = json::parse(read_all(folder + "/" + kind + ".json"));
   expect_told(written, "", read_all(folder + "/" + kind + ".md"));
-  const Outcome ran = wheeltap(where, kind + " " + folder + "/" + kind + ".json -o " + folder +
-                                          "/results" + kShort);
+  const Outcome ran = wheeltap(
+      where, kind + " " + folder + "/" + kind + ".json -o " + folder + "/results" + kShort);
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   const json summary = json::parse(read_all(folder + "/results/summary.json"));
   // Its notes tell what it was simulated from: one damage; a hardening spring.

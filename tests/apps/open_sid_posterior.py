@@ -21,6 +21,7 @@ with tempfile.TemporaryDirectory() as out:
     stats = xr.load_dataset(path, group="sample_stats")
     for group in ("posterior_predictive", "observed_data"):
         xr.load_dataset(path, group=group)
+    given = xr.load_dataset(path, group="constant_data")
 
 for data in (posterior, stats):
     for name, variable in data.data_vars.items():
@@ -48,6 +49,22 @@ for name in {p for table in summary["parameters"].values() for p in table}:
         assert np.all(np.isnan(mine) != (name in summary["parameters"][m])), (name, m)
         if name in summary["parameters"][m]:
             assert abs(mine.mean() - summary["parameters"][m][name]["mean"]) < 1e-9 * abs(mine.mean())
+# What drove the record: white with variance 100, 300 samples (its standard error is 8 %).
+force = given["force"]
+assert force.dims == ("sample",) and force.size == 300 and force.attrs["units"] == "N"
+assert 60 < force.values.var() < 140, force.values.var()
+
+# The law of the link is that of the draws: k e + k3 e^3.
+[law] = summary["links"]["duffing"]
+assert law["between"] == [0, 1]
+e = np.array(law["extension"])
+low, middle, high = (np.array(law["tension"][q]) for q in ("q2.5", "q50", "q97.5"))
+assert np.all(low <= middle) and np.all(middle <= high) and e.min() < 0 < e.max()
+mine = model == names.index("duffing")
+tension = np.outer(posterior["k"].values[mine], e) + np.outer(posterior["k3"].values[mine], e**3)
+# 400 of them are summarised: their median misses by 1.25 / sqrt(400) sd, six of which are allowed.
+assert np.all(np.abs(np.median(tension, axis=0) - middle) <= 6 * 1.25 / 20 * tension.std(axis=0) + 1e-12)
+
 ladder = summary["diagnostics"]["ladder"]
 assert ladder["while_drawing"] or ladder["round_trips"] is None
 print("posterior.nc holds what summary.json says")
