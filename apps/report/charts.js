@@ -193,14 +193,15 @@ const charts = (() => {
       table: () => ({ head: ['between', 'laws'], rows: (model.links || []).map((l) => [l.between.join(' and '), linkKeys(l).map((k) => `${k}: ${typeof l[k] === 'object' ? JSON.stringify(l[k]) : l[k]}`).join(', ')]) }),
       spec: (width, theme) => {
         // A row a mass, from the ground up: readable at any width.
-        const row = 62, height = row * n + 40;
+        // On a phone a line for each law.
+        const lines = (l) => (width < 480 ? [l.between.join(' – '), ...l.words.split(', ')] : [`${l.between.join(' – ')}: ${l.words}`]).map((t) => short(t, Math.floor(width / 7)));
+        const row = Math.max(62, 38 + 12 * Math.max(...links.map((l) => lines(l).length))), height = row * n + 40;
         const yOf = (k) => height - 16 - k * row;
         return frame(width, height, theme, {
           data: [{ name: 'm', values: model.masses.map((m, i) => ({ y: yOf(i + 1), text: `mass ${i + 1}: ${m}${typeof m === 'number' ? ' kg' : ''}` })) },
             { name: 'l', values: links.map((l) => ({ x: 70 + 14 * (l.b - l.a > 1 ? 4 : 0), y0: yOf(l.a) - (l.a ? 15 : 0), y1: yOf(l.b) + 15,
               spring: springPath(70 + 14 * (l.b - l.a > 1 ? 4 : 0), yOf(l.a) - (l.a ? 15 : 0), yOf(l.b) + 15),
-              // On a phone a line for each law.
-              text: (width < 480 ? [l.between.join(' – '), ...l.words.split(', ')].slice(0, 4) : [`${l.between.join(' – ')}: ${l.words}`]).map((t) => short(t, Math.floor(width / 7))) })) }],
+              text: lines(l) })) }],
           marks: [
             { type: 'rect', encode: { enter: { x: { value: 0 }, x2: { value: 140 }, y: { value: height - 16 }, y2: { value: height - 6 }, fill: { value: theme.soft } } } },
             { type: 'path', from: { data: 'l' }, encode: { enter: { path: { field: 'spring' }, stroke: { value: theme.main }, strokeWidth: { value: 2 }, strokeJoin: { value: 'round' } } } },
