@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <fstream>
 
@@ -62,10 +63,17 @@ std::shared_ptr<spdlog::logger> make_log(bool quiet) {
 inference::Posterior run_engine(const inference::Problem& problem, inference::Options options,
                                 const std::filesystem::path& case_path, bool quiet) {
   ProgressBar bar(quiet);
+  const auto began = std::chrono::steady_clock::now();
   options.progress = [&](const inference::Options::Progress& progress) {
-    std::string detail;
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    // Likelihoods a second, over the run so far.
+    std::string detail =
+        seconds > 1.0
+            ? rounded_count(static_cast<double>(progress.likelihood_evaluations) / seconds) + "/s"
+            : std::string();
     for (std::size_t m = 0; m < progress.model_probabilities.size(); ++m) {
-      if (m == 0) detail = "P =";
+      if (m == 0) detail += (detail.empty() ? "P =" : "  P =");
       if (m < 8) detail += " " + fixed(progress.model_probabilities[m], 2);
     }
     bar.show(progress.stage, progress.fraction, detail);

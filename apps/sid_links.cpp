@@ -81,7 +81,8 @@ Report link_laws(const SidProblem& problem, const inference::Posterior& posterio
     if (z.rows() == 0) continue;
     const auto draws = draws_of(problem, posterior, m);
     const auto mass = [&](int i) -> Eigen::VectorXd {
-      return i == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(z.rows())) : Eigen::VectorXd(z.col(i - 1));
+      return i == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(z.rows()))
+                    : Eigen::VectorXd(z.col(i - 1));
     };
     Report links = Report::array();
     for (const auto& link : problem.sid_case.models[static_cast<std::size_t>(m)].chain.links) {

@@ -1,5 +1,6 @@
 #include "apps/terminal.hpp"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -514,6 +515,31 @@ void print_sid(std::ostream& out, const Report& summary, bool colour) {
   print_closing(out, summary, "model", style);
 }
 
+namespace {
+
+// The first `width` characters of UTF-8 text.
+std::string cut(const std::string& text, std::size_t width) {
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool starts = (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80;
+    if (starts && used++ == width) return text.substr(0, i);
+  }
+  return text;
+}
+
+std::string duration(double seconds) {
+  if (seconds < 100.0) return fixed(seconds, 0) + " s";
+  return seconds < 6000.0 ? fixed(seconds / 60.0, 0) + " min" : fixed(seconds / 3600.0, 1) + " h";
+}
+
+// Columns of the terminal on standard error; a line that is longer could not be overwritten.
+std::size_t terminal_width() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+}  // namespace
+
 ProgressBar::ProgressBar(bool quiet) : visible_(!quiet && isatty(STDERR_FILENO) != 0) {}
 
 void ProgressBar::show(const std::string& stage, double fraction, const std::string& detail) {
@@ -524,13 +550,13 @@ void ProgressBar::show(const std::string& stage, double fraction, const std::str
   last_ = now;
   const double seconds = std::chrono::duration<double>(now - began_).count();
   std::string left;
-  if (fraction > 0.05 && seconds > 1.0) {
-    left = "  " + fixed(seconds * (1.0 - fraction) / fraction, 0) + " s left";
+  if (fraction > 0.005 && seconds > 1.0) {
+    left = "  " + duration(seconds * (1.0 - fraction) / fraction) + " left";
   }
-  const std::string line = pad_right(stage, 12) + " " + pad_right(bar(fraction, 24), 24) + " " +
+  const std::string line = pad_right(stage, 12) + " " + pad_right(bar(fraction, 20), 20) + " " +
                            pad_left(fixed(100.0 * fraction, 0), 3) + " %" + left +
                            (detail.empty() ? "" : "  " + detail);
-  std::fprintf(stderr, "\r\x1b[K%s", line.c_str());
+  std::fprintf(stderr, "\r\x1b[K%s", cut(line, terminal_width() - 1).c_str());
   std::fflush(stderr);
   drawn_ = true;
 }

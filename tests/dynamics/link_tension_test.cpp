@@ -27,7 +27,8 @@ TEST(LinkTension, IsTheIntegratorsForALinkAtRest) {
       {.stiffness = k, .laws = {make_law<laws::Cubic>({k3}), make_law<laws::Quadratic>({-7.0})}},
       {.laws = {make_law<laws::Bilinear>({k3}), make_law<laws::Bilinear>({k}, Side::closing)}},
       {.laws = {make_law<laws::Contact>({k3, gap}, Side::closing)}},
-      {.stiffness = k, .laws = {make_law<laws::Coulomb>({2.0}), make_law<laws::QuadraticDamping>({2.0})}}};
+      {.stiffness = k,
+       .laws = {make_law<laws::Coulomb>({2.0}), make_law<laws::QuadraticDamping>({2.0})}}};
   for (const Link& link : links) {
     for (const double e : {-0.7, -0.1, 0.0, 0.1, 0.9}) {
       const double want = integrated(link, theta, e);
