@@ -29,14 +29,25 @@ Report read_summary(const fs::path& path) {
                     "has no " + what + ": not the summary of a wheeltap run");
   };
   const bool sweep = summary.is_object() && summary.contains("sweep");
-  for (const std::string key : {"wheeltap", "models", "parameters", "diagnostics"}) {
-    if (sweep && key != "wheeltap") break;
+  const auto need = [&](const std::string& key, Report::value_t type) {
     if (!summary.is_object() || !summary.contains(key)) lacks('"' + key + '"');
+    if (summary[key].type() != type || summary[key].empty()) lacks("usable \"" + key + '"');
+  };
+  using enum Report::value_t;
+  need("wheeltap", object);
+  if (!summary["wheeltap"].contains("case")) lacks("\"wheeltap\".\"case\"");
+  if (sweep) {
+    need("sweep", object);
+    return summary;
   }
-  if (!summary["wheeltap"].is_object() || !summary["wheeltap"].contains("case"))
-    lacks("\"wheeltap\".\"case\"");
-  if (sweep) return summary;
-  if (!summary["models"].is_array() || summary["models"].empty()) lacks("models");
+  need("models", array);
+  need("diagnostics", object);
+  if (!summary.contains("parameters") || !summary["parameters"].is_object()) {
+    lacks("usable \"parameters\"");
+  }
+  for (const auto& [model, table] : summary["parameters"].items()) {
+    if (!table.is_object()) lacks("table of parameters of \"" + model + '"');
+  }
   for (const auto& model : summary["models"]) {
     if (!model.is_object() || !model.contains("name") || !model["name"].is_string() ||
         !model.contains("probability") || !model["probability"].is_number()) {
@@ -44,9 +55,9 @@ Report read_summary(const fs::path& path) {
     }
   }
   if (summary["wheeltap"].value("command", "") == "damage") {
-    for (const char* key : {"beam", "damage", "kinds"}) {
-      if (!summary.contains(key)) lacks('"' + std::string(key) + '"');
-    }
+    need("beam", object);
+    need("damage", object);
+    need("kinds", array);
   }
   return summary;
 }

@@ -74,7 +74,7 @@ def main(program, root, document):
         if line.split("#")[0].strip() in EXCEPTIONS:
             continue
         # A command may go on in the next line.
-        if not (script[-1].endswith("\\")):
+        if not (script[-1].endswith("\\") or line.startswith("#")):
             script.append(f"echo {shlex.quote('+ ' + line)} >&2")
         script.append(line)
     with tempfile.TemporaryDirectory() as clone:

@@ -32,8 +32,15 @@ async function open(name, width, colorScheme) {
 }
 
 assert.ok(runs.length > 0, 'no runs to open');
+// What every report of a kind draws; names of channels and links follow.
+const charts = {
+  damage: ['model-probabilities', 'where', 'frequency-residuals', 'marginal-', 'model-visits', 'running-probability', 'log-posterior', 'acceptance'],
+  sid: ['model-probabilities', 'chain', 'law-', 'response-', 'spectrum-', 'frequency-response-', 'autocorrelation-', 'marginal-', 'model-visits', 'running-probability', 'log-posterior', 'acceptance'],
+  sweep: ['sweep-probability'],
+};
+test.describe('reports', { concurrency: 2 }, () => {
 for (const name of runs) {
-  const { sweep } = JSON.parse(fs.readFileSync(path.join(root, name, 'summary.json'), 'utf8'));
+  const { sweep, wheeltap } = JSON.parse(fs.readFileSync(path.join(root, name, 'summary.json'), 'utf8'));
   // Both widths and both schemes everywhere; every combination where names are hostile.
   const looks = [[360, 'dark'], [1400, 'light']];
   if (['hostile', 'three-masses'].includes(name)) looks.push([360, 'light'], [1400, 'dark']);
@@ -42,15 +49,17 @@ for (const name of runs) {
       const { page, context, complaints, requests } = await open(name, width, scheme);
       assert.deepEqual(complaints, []);
       assert.equal(requests.length, 1, 'requests other than the page itself: ' + requests.join(' '));
-      const charts = await page.$$eval('.chart', (places) => places.map((place) => {
+      const drawn = await page.$$eval('.chart', (places) => places.map((place) => {
         // Axes have no fill and few marks: data are paths, rules and rects of the marks' groups.
         const marks = [...place.querySelectorAll('svg .mark-rect:not(.background) path, svg .mark-symbol path, svg .mark-line path, svg .mark-area path, svg .mark-rule line')]
           .filter((node) => !node.closest('.role-axis, .role-legend') && !/axis|legend/.test(node.parentNode.getAttribute('class')));
-        const drawn = marks.filter((node) => node.tagName === 'line' || (node.getAttribute('d') || '').length > 4);
-        return { id: place.id, drawn: drawn.length, bad: /NaN|undefined|Infinity/.test(place.innerHTML), wide: place.scrollWidth > place.clientWidth + 1 };
+        const data = marks.filter((node) => node.tagName === 'line' || (node.getAttribute('d') || '').length > 4);
+        return { id: place.id, drawn: data.length, bad: /NaN|undefined|Infinity/.test(place.innerHTML), wide: place.scrollWidth > place.clientWidth + 1 };
       }));
-      assert.ok(charts.length >= (sweep ? 1 : 5), `only ${charts.length} charts`);
-      for (const chart of charts) {
+      for (const wanted of charts[sweep ? 'sweep' : wheeltap.command]) {
+        assert.ok(drawn.some((chart) => chart.id.startsWith('figure-' + wanted)), `no chart ${wanted}`);
+      }
+      for (const chart of drawn) {
         assert.ok(chart.drawn > 0, `${chart.id} is empty`);
         assert.ok(!chart.bad, `${chart.id} draws NaN`);
         assert.ok(!chart.wide, `${chart.id} is wider than its place`);
@@ -119,10 +128,13 @@ for (const name of runs) {
   });
 }
 
+});
+
 test('hostile names are text', { skip: !runs.includes('hostile') }, async () => {
   const { page, context, complaints } = await open('hostile', 360, 'light');
   assert.deepEqual(complaints, []);
   assert.match(await page.textContent('h1'), /<script>.*<\/script>/);
+  assert.match(await page.textContent('#about'), /<script>window.hacked = 2<!-- "quotes" 'ticks' ضرر 🏗️ x{120}/u);
   assert.equal(await page.evaluate(() => window.hacked), undefined);
   assert.equal(await page.$$eval('main img, h1 *', (nodes) => nodes.length), 0);
   await context.close();
