@@ -86,7 +86,7 @@ TEST_F(Directory, SummaryOfAnotherShape) {
   expect(FileError::Kind::foreign, "not the summary of a wheeltap run");
   write("summary.json", R"({"wheeltap": {"command": "sid", "case": {}}, "diagnostics": [],
     "models": [{"name": "m", "probability": 1.0}], "parameters": {}})");
-  expect(FileError::Kind::foreign, "what a run writes");
+  expect(FileError::Kind::foreign, "no usable \"diagnostics\"");
 }
 
 TEST_F(Directory, NoPosterior) {
