@@ -545,13 +545,16 @@ const charts = (() => {
     const numeric = rows.every((r) => typeof r.value === 'number');
     const at = (r, i) => (numeric ? r.value : i + 1);
     const many = numeric && rows.length > 2 && Math.min(...rows.map((r) => r.value)) > 0 && Math.max(...rows.map((r) => r.value)) > 30 * Math.min(...rows.map((r) => r.value));
-    const x = { name: 'x', type: many ? 'log' : 'linear', domain: [Math.min(...rows.map(at)), Math.max(...rows.map(at))], range: 'width', padding: 10, zero: false };
+    // Values over decades that begin at zero: linear up to the smallest, then logarithmic.
+    const smallest = Math.min(...rows.map((r) => r.value).filter((v) => v > 0));
+    const fromZero = numeric && Math.min(...rows.map((r) => r.value)) === 0 && Math.max(...rows.map((r) => r.value)) > 30 * smallest;
+    const x = { name: 'x', type: many ? 'log' : fromZero ? 'symlog' : 'linear', ...(fromZero ? { constant: smallest } : {}), domain: [Math.min(...rows.map(at)), Math.max(...rows.map(at))], range: 'width', padding: 10, zero: false };
     const lines = (id, title, caption, yTitle, values, group, domain, format, table) => ({
       id, section: 'sweep', wide: true, title, caption, table,
       spec: (width, theme) => frame(width, 200, theme, {
         data: [{ name: 'd', values }],
         scales: [x, linear('y', domain, 'height'), { name: 'g', type: 'ordinal', domain: group, range: theme.series }],
-        axes: [axisX(path + (numeric ? '' : ' (number of the value)')), axisY(yTitle, { format })],
+        axes: [axisX(path + (numeric ? '' : ' (number of the value)'), fromZero ? { values: rows.map((r) => r.value), tickCount: undefined } : {}), axisY(yTitle, { format })],
         legends: [{ fill: 'g', symbolType: 'circle' }],
         marks: [
           { type: 'rule', from: { data: 'd' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { scale: 'y', field: 'low' }, y2: { scale: 'y', field: 'high' }, stroke: { scale: 'g', field: 'g' }, strokeWidth: { value: 2 } } } },

@@ -81,6 +81,11 @@ Report content(const fs::path& directory, const Report& summary, const Answer& s
 // Prose as HTML, numbers and their units kept on one line.
 std::string prose(const std::string& text) {
   std::string out = html_text(text);
+  for (const std::string sign : {"&lt; ", "&gt; "}) {
+    for (std::size_t at = 0; (at = out.find(sign, at)) != std::string::npos; at += sign.size()) {
+      out.replace(at + sign.size() - 1, 1, "&nbsp;");
+    }
+  }
   for (const std::string unit : {" %", " m "}) {
     for (std::size_t at = 0; (at = out.find(unit, at)) != std::string::npos; at += 6) {
       out.replace(at, 1, "&nbsp;");

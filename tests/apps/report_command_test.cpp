@@ -1,4 +1,5 @@
-// `wheeltap report`: draws a finished run again, and ends with the contract's codes where it cannot.
+// `wheeltap report`: draws a finished run again, and ends with the contract's codes where it
+// cannot.
 #include <gmock/gmock.h>
 
 #include "program.hpp"
@@ -74,7 +75,8 @@ TEST_F(ReportCommand, ForeignPosteriorEndsWith65) {
 // Any part of a summary may be of another shape: refused in one line, never a fault of ours.
 TEST_F(ReportCommand, SummaryWithPartsOfAnotherShapeEndsWith65) {
   const json whole = json::parse(read_all(run_ / "summary.json"));
-  for (const char* key : {"wheeltap", "models", "parameters", "damage", "beam", "kinds", "diagnostics"}) {
+  for (const char* key :
+       {"wheeltap", "models", "parameters", "damage", "beam", "kinds", "diagnostics"}) {
     for (const json& wrong : {json(3), json(nullptr), json("text"), json::array({1, 2})}) {
       json changed = whole;
       changed[key] = wrong;
