@@ -44,11 +44,26 @@ std::string channel_name(const SidChannel& channel) {
              : channel.column;
 }
 
-/// The forward run at a model's posterior mean against the record, channel by channel.
-Report forward_run(const SidProblem& problem, const Posterior& posterior, int m) {
+/// The mean of a model's draws.
+std::vector<double> mean_draw(const SidProblem& problem, const Posterior& posterior, int model) {
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  std::vector<double> mean(static_cast<std::size_t>(problem.problem.space[model].dimension));
+  double draws = 0.0;
+  for (const auto& chain : posterior.chains) {
+    for (std::size_t i = 0; i < chain.model.size(); ++i) {
+      if (chain.model[i] != model) continue;
+      ++draws;
+      for (std::size_t p = 0; p < mean.size(); ++p) mean[p] += chain.theta[i * width + p];
+    }
+  }
+  for (double& x : mean) x /= std::max(draws, 1.0);
+  return mean;
+}
+
+/// A forward run of a model against the record, channel by channel.
+Report forward_run(const SidProblem& problem, int m, std::span<const double> theta) {
   const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
   const dynamics::Misfit& misfit = problem.misfits[static_cast<std::size_t>(m)];
-  const std::vector<double> theta = posterior_mean(problem, posterior, m);
   const auto samples = static_cast<std::size_t>(misfit.samples());
   const auto responses = problem.sid_case.responses();
   std::vector<double> residuals(responses.size() * samples);
@@ -91,6 +106,51 @@ Report forward_run(const SidProblem& problem, const Posterior& posterior, int m)
                     {"whiteness", whiteness}});
   }
   return rows;
+}
+
+/// The draw of a visited model that has the highest posterior density.
+std::span<const double> best_draw(const SidProblem& problem, const Posterior& posterior,
+                                  int model) {
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  std::span<const double> best;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const auto& chain : posterior.chains) {
+    for (std::size_t i = 0; i < chain.model.size(); ++i) {
+      const double density = chain.log_prior[i] + chain.log_likelihood[i];
+      if (chain.model[i] != model || !(density > most)) continue;
+      most = density;
+      best = {&chain.theta[i * width],
+              static_cast<std::size_t>(problem.problem.space[model].dimension)};
+    }
+  }
+  return best;
+}
+
+/// Where the mean of the parameters is itself no good set of parameters: it lies in a valley of a
+/// posterior that has several peaks, or on the inside of a bend.
+void judge_means(const SidProblem& problem, const Posterior& posterior, const Report& models,
+                 const Report& at_mean, const Report& at_best, std::vector<std::string>& warnings) {
+  const auto likelihood = problem.problem.likelihood();
+  for (int m = 0; m < problem.problem.space.size(); ++m) {
+    const std::string& name = problem.problem.space[m].name;
+    if (probability(models, m) < kWorthTelling || !at_mean.contains(name)) continue;
+    const std::span<const double> best = best_draw(problem, posterior, m);
+    const double lost = likelihood->log_likelihood(m, best) -
+                        likelihood->log_likelihood(m, mean_draw(problem, posterior, m));
+    if (lost < 10.0 + 3.0 * static_cast<double>(best.size())) continue;  // of a normal: about d / 2
+    std::string errors;
+    for (std::size_t c = 0; c < at_mean[name].size(); ++c) {
+      const Report &mean = at_mean[name][c], &draw = at_best[name][c];
+      if (!mean["nrmse"].is_number() || !draw["nrmse"].is_number()) continue;
+      errors += (errors.empty() ? "" : ", ") + mean["channel"].get<std::string>() + " " +
+                significant(100.0 * mean["nrmse"].get<double>(), 3) + " % against " +
+                significant(100.0 * draw["nrmse"].get<double>(), 3) + " %";
+    }
+    warnings.push_back("Under \"" + name +
+                       "\" the means of the parameters do not go together: a forward run with them "
+                       "misses the record by more than the best draw does (" +
+                       errors + "). Use draws, or \"best_draw\" in summary.json, not the means.");
+  }
 }
 
 /// What the forward runs of the models that matter say about the data.
@@ -199,18 +259,7 @@ std::vector<double> observed(const SidProblem& problem, std::size_t response,
 
 std::vector<double> posterior_mean(const SidProblem& problem, const Posterior& posterior,
                                    int model) {
-  const auto width = static_cast<std::size_t>(posterior.dimension);
-  std::vector<double> mean(static_cast<std::size_t>(problem.problem.space[model].dimension));
-  double draws = 0.0;
-  for (const auto& chain : posterior.chains) {
-    for (std::size_t i = 0; i < chain.model.size(); ++i) {
-      if (chain.model[i] != model) continue;
-      ++draws;
-      for (std::size_t p = 0; p < mean.size(); ++p) mean[p] += chain.theta[i * width + p];
-    }
-  }
-  for (double& x : mean) x /= std::max(draws, 1.0);
-  return problem.theta(model, mean);
+  return problem.theta(model, mean_draw(problem, posterior, model));
 }
 
 SidPredictive predict(const SidProblem& problem, const Posterior& posterior, int draws) {
@@ -318,13 +367,19 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
   const Report parameters = parameter_tables(posterior);
 
   std::vector<std::string> warnings = sid_case.warnings;
-  Report fits = Report::object();
+  Report fits = Report::object(), best_fits = Report::object(), best_draws = Report::object();
   for (int m = 0; m < space.size(); ++m) {
-    if (probability(models, m) > 0.0) {
-      fits[space[m].name] = forward_run(problem, posterior, m);
-    }
+    if (!(probability(models, m) > 0.0)) continue;
+    const std::string& name = space[m].name;
+    const std::span<const double> best = best_draw(problem, posterior, m);
+    fits[name] = forward_run(problem, m, posterior_mean(problem, posterior, m));
+    best_fits[name] = forward_run(problem, m, problem.theta(m, best));
+    best_draws[name] = Report::object();
+    for (int p = 0; p < space[m].dimension; ++p)
+      best_draws[name][space.parameter_name(m, p)] = best[static_cast<std::size_t>(p)];
   }
-  judge_fits(problem, models, fits, warnings);
+  judge_means(problem, posterior, models, fits, best_fits, warnings);
+  judge_fits(problem, models, best_fits, warnings);
   judge_bounds(problem, posterior, models, warnings);
   const Report compared = evidence_report(space, models, evidence, warnings);
 
@@ -347,6 +402,8 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
                     {"priors", prior_list(sid_case)},
                     {"fit", fits},
                     {"links", link_laws(problem, posterior, models)},
+                    {"best_draw", best_draws},
+                    {"fit_at_best_draw", best_fits},
                     {"predictive", coverage(problem, predictive)},
                     {"data",
                      {{"origin", sid_case.origin},

@@ -11,6 +11,7 @@
 
 #include "inference/diagnostics.hpp"
 #include "inference/evidence/laplace.hpp"
+#include "inference/evidence/tmcmc.hpp"
 #include "inference/parallel.hpp"
 #include "inference/pilot.hpp"
 
@@ -33,6 +34,7 @@ constexpr double kEnoughModelDraws = 4000.0;
 constexpr double kDisagreement = 10.0;
 constexpr double kWorseMode = 20.0;  // ln: a mode this much below the best one is left
 constexpr int kDrawsAMode = 500;     // for the first pilot
+constexpr int kPopulations = 4;      // of 500 samples, for the same
 constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
@@ -191,9 +193,10 @@ class Engine {
       runner.state = runner.tempered->cold();
     });
     if (reporter_.stopped()) return;
-    if (!explored_alike()) {
+    if (!explored_alike() && !problem_.shortened) {
       start_at_modes(options_.chains);
     } else if (problem_.shortened) {
+      if (!explored_alike()) start_at_populations();
       start_at_modes(1);  // if they are higher than what all chains have found
     }
     if (reporter_.stopped()) return;
@@ -215,6 +218,58 @@ class Engine {
     for (const Runner& one : runners_) explored = std::max(explored, one.explored);
     return runner.target->log_prior(state) + state.log_likelihood >
            explored + kDisagreement + static_cast<double>(state.z.size());
+  }
+
+  // A long record's posterior may be many narrow peaks along a ridge that tempering from the prior
+  // does not find. Samples that see the record grow do (tmcmc.hpp): they take the place of the
+  // coldest ones, a share of them each chain's.
+  void start_at_populations() {
+    const ModelSpace& space = problem_.space;
+    if (!space.kinds().empty() || options_.prior_only) return;  // births find components
+    reporter_.begin("searching", static_cast<double>(space.size()));
+    std::vector<Eigen::MatrixXd> found(static_cast<std::size_t>(space.size()));
+    int start = -1;
+    double most = -std::numeric_limits<double>::infinity();
+    for (int m = 0; m < space.size() && reporter_.advance(0.0); ++m) {
+      try {
+        Tmcmc samples =
+            tmcmc(problem_, m,
+                  {.seed = options_.seed, .replicates = kPopulations, .threads = options_.threads});
+        shared_evaluations_ += samples.evidence.likelihood_evaluations;
+        reporter_.evaluated(samples.evidence.likelihood_evaluations);
+        const double worth = samples.evidence.log_evidence + space[m].log_prior;
+        if (worth > most) {
+          most = worth;
+          start = m;
+        }
+        found[static_cast<std::size_t>(m)] = std::move(samples.z);
+      } catch (const LikelihoodError&) {  // no place for this model: others will do
+      }
+      reporter_.advance(1.0);
+    }
+    if (reporter_.stopped() || start < 0) return;
+    each_chain([&](int c, Runner& runner) {
+      PilotSamples& cold = runner.by_rung.back();
+      cold = PilotSamples(space);
+      for (int m = 0; m < space.size(); ++m) {
+        const Eigen::MatrixXd& z = found[static_cast<std::size_t>(m)];
+        State state;
+        state.model = m;
+        // Of every replicate some: their rows come one after the other.
+        for (Eigen::Index i = c; i < z.rows(); i += options_.chains) {
+          state.z.assign(z.row(i).begin(), z.row(i).end());
+          cold.add(state);
+        }
+        if (m != start) continue;
+        runner.target->evaluate(state);
+        runner.state = state;
+        runner.explored = runner.target->log_prior(state) + state.log_likelihood;
+      }
+    });
+    posterior_.notes.push_back(
+        "After tempering from the prior the chains were in different places, so they were "
+        "restarted "
+        "from samples that had seen the record grow.");
   }
 
   // A posterior that is thousands of times narrower than its prior (a long record) has a ridge that

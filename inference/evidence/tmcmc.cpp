@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -13,11 +14,13 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr long kFirstSamples = 50;  // of a growing record
 
 struct Particle {
   std::vector<double> z;
   double log_base = 0.0;  // ln p₀
   double log_gain = 0.0;  // ln factor + ln likelihood
+  [[nodiscard]] bool possible() const { return log_gain > -kInfinity; }
 };
 
 struct Weights {
@@ -43,64 +46,129 @@ Weights weights(const std::vector<Particle>& particles, double step) {
 
 class Replicate {
  public:
-  Replicate(const Problem& problem, int model, const TmcmcOptions& options, int index)
-      : posterior_(problem, model),
+  Replicate(const Problem& problem, int model, const TmcmcOptions& options, int index, bool growing)
+      : problem_(problem),
+        model_(model),
         options_(options),
-        model_(static_cast<std::uint64_t>(model)),
-        index_(static_cast<std::uint64_t>(index)) {}
+        index_(static_cast<std::uint64_t>(index)),
+        to_(open(growing ? kFirstSamples : problem.samples)) {}
 
   // ln Z
   double run() {
     Random random = stream(0);
     particles_.resize(static_cast<std::size_t>(options_.samples));
-    bool possible = true, any = false;
     for (Particle& p : particles_) {
-      p.z.resize(static_cast<std::size_t>(posterior_.dimension()));
-      posterior_.draw_prior(random, p.z);
-      evaluate(p);
-      possible = possible && p.log_gain > -kInfinity;
-      any = any || p.log_gain > -kInfinity;
+      p.z.resize(static_cast<std::size_t>(to_->posterior.dimension()));
+      to_->posterior.draw_prior(random, p.z);
     }
-    if (!any)
-      throw LikelihoodError("model '" + posterior_.name() +
+    evaluate();
+    if (std::ranges::none_of(particles_, &Particle::possible))
+      throw LikelihoodError("model '" + to_->posterior.name() +
                             "': the likelihood is zero at every one of " +
                             std::to_string(options_.samples) + " draws from the prior");
-    double log_evidence = 0.0, beta = 0.0;
-    for (stages_ = 1;; ++stages_) {
-      const double step = possible ? next_step(1.0 - beta) : 0.0;
-      possible = true;
-      log_evidence += weights(particles_, step).log_mean;
-      beta = beta + step >= 1.0 - 1e-12 ? 1.0 : beta + step;
-      Random stage = stream(static_cast<std::uint64_t>(stages_));
-      resample(step, stage);
-      move(beta, stage);
-      if (beta == 1.0) return log_evidence;
-      if (stages_ == kMostStages)
-        throw LikelihoodError("model '" + posterior_.name() + "': TMCMC is still at exponent " +
-                              std::to_string(beta) + " after " + std::to_string(kMostStages) +
-                              " stages");
+    double log_evidence = anneal();
+    while (to_->samples() < problem_.samples) {
+      lengthen();
+      log_evidence += anneal();
     }
+    return log_evidence;
   }
 
   [[nodiscard]] const std::vector<Particle>& particles() const { return particles_; }
   [[nodiscard]] int stages() const { return stages_; }
-  [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
+  [[nodiscard]] long evaluations() const {
+    return before_ + to_->posterior.evaluations() + (from_ ? from_->posterior.evaluations() : 0);
+  }
   [[nodiscard]] bool sluggish() const { return sluggish_; }
 
  private:
   static constexpr int kMostStages = 1000, kMostSweeps = 60;
+  static constexpr long kLeastGrowth = 10;
   static constexpr std::size_t kBatch = 32;  // likelihoods at a time: a few vectors full
 
   [[nodiscard]] Random stream(std::uint64_t stage) const {
     // Kept apart from the other users of this purpose by the high bit.
-    return {options_.seed, index_ | (std::uint64_t{1} << 63U), stage << 32U | model_,
-            Purpose::evidence};
+    return {options_.seed, index_ | (std::uint64_t{1} << 63U),
+            stage << 32U | static_cast<std::uint64_t>(model_), Purpose::evidence};
   }
 
-  void evaluate(Particle& p) {
-    const ModelPosterior::Value value = posterior_(p.z);
-    p.log_base = value.log_base;
-    p.log_gain = value.log_gain;
+  // The posterior given the first samples of a record.
+  struct Record {
+    Record(std::shared_ptr<const Problem> own, const Problem& problem, int model)
+        : kept(std::move(own)), posterior(problem, model), length(problem.samples) {}
+    [[nodiscard]] long samples() const { return length; }
+
+    std::shared_ptr<const Problem> kept;  // null: the caller's
+    ModelPosterior posterior;
+    long length;
+  };
+
+  [[nodiscard]] std::unique_ptr<Record> open(long samples) const {
+    if (samples == problem_.samples)
+      return std::make_unique<Record>(std::shared_ptr<const Problem>(), problem_, model_);
+    std::shared_ptr<const Problem> part = problem_.shortened(samples);
+    const Problem& problem = *part;
+    return std::make_unique<Record>(std::move(part), problem, model_);
+  }
+
+  // From the posterior of the record so far, to twice as many samples, or fewer where those say
+  // much: a response that forgets its parameters makes the posterior ragged all at once.
+  void lengthen() {
+    if (from_) before_ += from_->posterior.evaluations();
+    from_ = std::move(to_);
+    const long n = from_->samples();
+    for (long step = std::min(n, problem_.samples - n);; step /= 2) {
+      to_ = open(n + step);
+      evaluate();
+      if (step <= n / kLeastGrowth + 1 || weights(particles_, 1.0).cov <= options_.weight_cov)
+        return;
+      before_ += to_->posterior.evaluations();
+    }
+  }
+
+  // From β = 0, `from_` or the prior, to β = 1, `to_`: the log of the ratio of their evidences.
+  double anneal() {
+    bool possible = std::ranges::all_of(particles_, &Particle::possible);
+    double log_ratio = 0.0;
+    for (double beta = 0.0; beta < 1.0;) {
+      if (++stages_ > kMostStages)
+        throw LikelihoodError("model '" + to_->posterior.name() + "': TMCMC is still at exponent " +
+                              std::to_string(beta) + " after " + std::to_string(kMostStages) +
+                              " stages");
+      const double step = possible ? next_step(1.0 - beta) : 0.0;
+      possible = true;
+      log_ratio += weights(particles_, step).log_mean;
+      beta = beta + step >= 1.0 - 1e-12 ? 1.0 : beta + step;
+      Random stage = stream(static_cast<std::uint64_t>(stages_));
+      resample(step, stage);
+      move(beta, stage);
+    }
+    return log_ratio;
+  }
+
+  void evaluate() {
+    std::vector<double> zs;
+    for (const Particle& p : particles_) zs.insert(zs.end(), p.z.begin(), p.z.end());
+    std::vector<ModelPosterior::Value> values(particles_.size());
+    evaluate(zs, values);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      particles_[i].log_base = values[i].log_base;
+      particles_[i].log_gain = values[i].log_gain;
+    }
+  }
+
+  // log_base is of what the samples come from, log_gain is what they are to gain.
+  void evaluate(std::span<const double> zs, std::span<ModelPosterior::Value> out) {
+    to_->posterior.evaluate(zs, out);
+    if (!from_) return;
+    shorter_.resize(out.size());
+    from_->posterior.evaluate(zs, shorter_);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      if (out[i].log_gain == -kInfinity) continue;
+      const double before = shorter_[i].log_gain;
+      out[i].log_gain = before == -kInfinity ? -kInfinity : out[i].log_gain - before;
+      out[i].log_base += before;
+    }
   }
 
   // The step whose weights have the wanted coefficient of variation, by bisection.
@@ -146,7 +214,7 @@ class Replicate {
   }
 
   NormalMixture fit(std::span<const Particle> particles, Random& random) const {
-    const int d = posterior_.dimension();
+    const int d = to_->posterior.dimension();
     Eigen::MatrixXd states(static_cast<Eigen::Index>(particles.size()), d);
     for (Eigen::Index i = 0; i < states.rows(); ++i)
       states.row(i) =
@@ -159,7 +227,7 @@ class Replicate {
 
   void move(std::span<Particle> particles, const NormalMixture& mixture, double beta,
             Random& random) {
-    const int d = posterior_.dimension();
+    const int d = to_->posterior.dimension();
     const auto n = static_cast<double>(particles.size());
     std::vector<double> normal(static_cast<std::size_t>(d));
     std::vector<double> proposals(kBatch * static_cast<std::size_t>(d));
@@ -193,7 +261,7 @@ class Replicate {
           levels[k] = std::log(random.uniform()) - log_ratio + p.log_base + beta * p.log_gain;
         }
         const std::span<ModelPosterior::Value> found(values.data(), batch.size());
-        posterior_.evaluate({proposals.data(), batch.size() * normal.size()}, found);
+        evaluate({proposals.data(), batch.size() * normal.size()}, found);
         for (std::size_t k = 0; k < batch.size(); ++k) {
           if (found[k].log_gain == -kInfinity) continue;
           if (found[k].log_base + beta * found[k].log_gain > levels[k]) {
@@ -212,14 +280,41 @@ class Replicate {
     sluggish_ = sluggish_ || moved < 0.5 * least;
   }
 
-  ModelPosterior posterior_;
+  const Problem& problem_;
+  int model_;
   const TmcmcOptions& options_;
-  std::uint64_t model_, index_;
+  std::uint64_t index_;
+  std::unique_ptr<Record> from_;  // null: the prior
+  std::unique_ptr<Record> to_;
+  long before_ = 0;  // evaluations of records that are closed
+  std::vector<ModelPosterior::Value> shorter_;
   std::vector<Particle> particles_;
   double log_scale_ = 0.0;
   int stages_ = 0;
   bool sluggish_ = false;
 };
+
+// Whether the data had better come in parts: a model that cannot explain them may fit the first
+// samples best far from where it fits them all, and then the samples are left behind.
+bool better_growing(const Problem& problem, int model, const TmcmcOptions& options,
+                    long& evaluations) {
+  constexpr int kPilots = 2;  // of each kind
+  constexpr double kClearly = 3.0;
+  if (!problem.shortened || problem.samples <= 2 * kFirstSamples) return false;
+  TmcmcOptions pilot = options;
+  pilot.samples = std::min(options.samples, 200);
+  pilot.acceptances = std::min(options.acceptances, 3.0);
+  std::vector<double> log_evidence(2 * kPilots);
+  std::vector<long> cost(2 * kPilots);
+  parallel_for(2 * kPilots, options.threads, [&](int i) {
+    Replicate replicate(problem, model, pilot, options.replicates + i, i < kPilots);
+    log_evidence[static_cast<std::size_t>(i)] = replicate.run();
+    cost[static_cast<std::size_t>(i)] = replicate.evaluations();
+  });
+  for (const long c : cost) evaluations += c;
+  return std::max(log_evidence[0], log_evidence[1]) >
+         std::max(log_evidence[2], log_evidence[3]) - kClearly;
+}
 
 }  // namespace
 
@@ -246,10 +341,12 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   std::vector<long> evaluations(r);
   std::vector<int> stages(r);
   std::vector<char> sluggish(r);
+  const bool growing =
+      better_growing(problem, model, options, result.evidence.likelihood_evaluations);
   result.z.resize(static_cast<Eigen::Index>(r) * options.samples, posterior.dimension());
   parallel_for(options.replicates, options.threads, [&](int index) {
     const auto i = static_cast<std::size_t>(index);
-    Replicate replicate(problem, model, options, index);
+    Replicate replicate(problem, model, options, index, growing);
     log_evidence[i] = replicate.run();
     evaluations[i] = replicate.evaluations();
     stages[i] = replicate.stages();

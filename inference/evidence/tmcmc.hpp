@@ -31,7 +31,13 @@ struct Tmcmc {
 /// by weighting with the power of the step, resampling, and Metropolis moves, and
 /// Z = ∏_j mean of the weights of step j.
 ///
-/// Beyond the paper: β by bisection on the weights' coefficient of variation; systematic
+/// Where the problem can be shortened, the data may come in parts (Chopin 2002, Biometrika 89:539):
+/// from the prior to the posterior of the first 50 samples, from there to that of up to twice as
+/// many, and so on; β is then the exponent of what the new samples say. A long record's posterior
+/// lies at the end of a ridge that narrows by and by with the record, but all at once with the
+/// exponent. A few small runs of either kind decide, and are not used otherwise.
+///
+/// Beyond the papers: β by bisection on the weights' coefficient of variation; systematic
 /// resampling; prior draws of likelihood zero are a step of their own; half of the moves are
 /// drawn from a normal mixture and half are steps with the covariance of one of its components, at
 /// a scale adapted from sweep to sweep, so that separate modes stay balanced; the mixture that

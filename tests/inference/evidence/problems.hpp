@@ -125,4 +125,32 @@ inline Problem never() {
   });
 }
 
+/// The frequency of a sine in noise: over n samples the peak is about 1/n wide, with side lobes all
+// over the prior.
+class Tone final : public Likelihood {
+ public:
+  explicit Tone(long samples) : samples_(samples) {}
+  double log_likelihood(int, std::span<const double> x) override {
+    double sum = 0.0;
+    for (long n = 0; n < samples_; ++n) {
+      const double t = static_cast<double>(n);
+      const double r = std::sin(kFrequency * t) - std::sin(x[0] * t);
+      sum -= 0.5 * r * r / (kSigma * kSigma);
+    }
+    return sum;
+  }
+  static constexpr double kFrequency = 1.2345678, kSigma = 0.3;
+
+ private:
+  long samples_;
+};
+
+inline Problem tone(long samples) {
+  return {
+      .space = ModelSpace::of_models({{"omega", Uniform{0.1, 3.0}}}, {{"tone", 1.0, {"omega"}}}),
+      .likelihood = [samples] { return std::make_unique<Tone>(samples); },
+      .samples = samples,
+      .shortened = [](long first) { return std::make_shared<const Problem>(tone(first)); }};
+}
+
 }  // namespace wheeltap::inference

@@ -74,6 +74,28 @@ TEST(Tmcmc, StandardErrorCovers) {
   }
 }
 
+TEST(Tmcmc, SeesARecordGrow) {
+  constexpr long kSamples = 3000;
+  Problem problem = tone(kSamples);
+  // The peak is some hundred sds wide; outside it the likelihood is e^-1000 and less.
+  const double sd = Tone::kSigma * std::sqrt(6.0 / std::pow(kSamples, 3.0));
+  Tone likelihood(kSamples);
+  double sum = 0.0;
+  for (int i = -100; i <= 100; ++i) {
+    const double x = Tone::kFrequency + 0.1 * sd * i;
+    sum += std::exp(likelihood.log_likelihood(0, {&x, 1}));
+  }
+  const double known = std::log(sum * 0.1 * sd / 2.9);
+  const Evidence growing = tmcmc(problem, 0, {.seed = 1, .samples = 100}).evidence;
+  EXPECT_NEAR(growing.log_evidence, known, kErrors * growing.standard_error);
+  EXPECT_LT(growing.standard_error, 0.5);
+
+  // The control: of the record all at once a few samples meet the peak, or none does.
+  problem.shortened = nullptr;
+  const Evidence at_once = tmcmc(problem, 0, {.seed = 1, .replicates = 4, .samples = 100}).evidence;
+  EXPECT_GT(std::fabs(at_once.log_evidence - known), 5.0);
+}
+
 TEST(Tmcmc, ThreadsDoNotMatterAndSeedsDo) {
   const Known known = linear_gaussian(2);
   const double one =
