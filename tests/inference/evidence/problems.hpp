@@ -125,32 +125,35 @@ inline Problem never() {
   });
 }
 
-/// The frequency of a sine in noise: over n samples the peak is about 1/n wide, with side lobes all
-// over the prior.
-class Tone final : public Likelihood {
+/// The parameter r of the logistic map y → r y (1 - y), every tenth sample a step of it: what is
+/// known of r grows exponentially with the record, and all but a needle at the truth is rugged.
+class LogisticMap final : public Likelihood {
  public:
-  explicit Tone(long samples) : samples_(samples) {}
+  explicit LogisticMap(long samples) : samples_(samples) {}
   double log_likelihood(int, std::span<const double> x) override {
-    double sum = 0.0;
+    double sum = 0.0, truth = 0.3, y = 0.3;
     for (long n = 0; n < samples_; ++n) {
-      const double t = static_cast<double>(n);
-      const double r = std::sin(kFrequency * t) - std::sin(x[0] * t);
-      sum -= 0.5 * r * r / (kSigma * kSigma);
+      if (n % 10 == 0) {
+        truth = kTruth * truth * (1.0 - truth);
+        y = x[0] * y * (1.0 - y);
+      }
+      sum -= 0.5 * (truth - y) * (truth - y) / (kSigma * kSigma);
     }
     return sum;
   }
-  static constexpr double kFrequency = 1.2345678, kSigma = 0.3;
+  static constexpr double kTruth = 3.8765, kSigma = 0.1, kLow = 3.6, kHigh = 4.0;
 
  private:
   long samples_;
 };
 
-inline Problem tone(long samples) {
+inline Problem logistic_map(long samples) {
   return {
-      .space = ModelSpace::of_models({{"omega", Uniform{0.1, 3.0}}}, {{"tone", 1.0, {"omega"}}}),
-      .likelihood = [samples] { return std::make_unique<Tone>(samples); },
+      .space = ModelSpace::of_models({{"r", Uniform{LogisticMap::kLow, LogisticMap::kHigh}}},
+                                     {{"map", 1.0, {"r"}}}),
+      .likelihood = [samples] { return std::make_unique<LogisticMap>(samples); },
       .samples = samples,
-      .shortened = [](long first) { return std::make_shared<const Problem>(tone(first)); }};
+      .shortened = [](long first) { return std::make_shared<const Problem>(logistic_map(first)); }};
 }
 
 }  // namespace wheeltap::inference
