@@ -46,7 +46,7 @@ struct LawCoefficient {
 
 /// A law's own description. Coefficients are listed in the order in which the law reads them.
 struct LawInfo {
-  std::string_view name;  ///< the contract's key
+  std::string_view name;  ///< its key in a case file
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
   bool one_sided =
       false;  ///< takes a side; written for opening, closing is T(e, ė) = -T_open(-e, -ė)

@@ -24,7 +24,7 @@ std::vector<double> excitation(std::size_t samples, double amplitude) {
   return x;
 }
 
-/// C2 of science.md section 4: 2000 samples, displacements of all three masses.
+/// Tiboaca 2016, section 5.2: 2000 samples, displacements of all three masses.
 Misfit three_masses(bool cubic, Integrator integrator, Instructions instructions) {
   const Coefficient k = Coefficient::of_parameter(0), c = Coefficient::of_parameter(1);
   Chain chain{.masses = {5.0, 5.0, 5.0}};
@@ -41,7 +41,7 @@ Misfit three_masses(bool cubic, Integrator integrator, Instructions instructions
                 observed);
 }
 
-/// C6: the rig's full record under white base motion; accelerations of two floors. `substeps` 0:
+/// Tiboaca 2016, section 6.3: the rig's full record under white base motion; accelerations of two floors. `substeps` 0:
 /// the exact solution, piecewise with contact.
 Simulator rig(bool contact, int substeps, double rms, std::vector<Sensor> sensors) {
   Chain chain{.masses = {6.6450, 6.7713},

@@ -7,7 +7,7 @@
 namespace wheeltap::dynamics::laws {
 
 /// T = k max(0, e - g), opening: a stop at distance g >= 0. Closing: k min(0, e + g), the bumper of
-/// science.md section 3. The force is continuous at the stop.
+/// Tiboaca 2016 (section 6.3), its sign mended. The force is continuous at the stop.
 struct Contact {
   static constexpr LawInfo kInfo{
       .name = "contact", .coefficients = {{{"stiffness", "N/m"}, {"gap", "m"}}}, .one_sided = true};

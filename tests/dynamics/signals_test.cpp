@@ -93,7 +93,7 @@ TEST(CompareWindow, TellsAPeculiarWindow) {
   EXPECT_THROW((void)compare_window(x, 0, 20001, 100.0), std::invalid_argument);
 }
 
-// science.md section 5.4: at 610 Hz linear interpolation keeps 0.96 at 68 Hz and 0.69 at 200 Hz.
+// At 610 Hz linear interpolation keeps 0.96 at 68 Hz and 0.69 at 200 Hz.
 TEST(LinearInterpolationLoss, IsSincSquared) {
   for (const auto& [f, kept] : {std::pair{68.0, 0.96}, {200.0, 0.69}}) {
     const Spectrum s = welch(sine(16384, 610.35, 1.0, f), 610.35);

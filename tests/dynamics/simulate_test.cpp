@@ -27,7 +27,7 @@ std::vector<double> noise(std::size_t samples, unsigned seed, double amplitude =
   return x;
 }
 
-/// Masses 5 kg in series, k = 50, c = 0.1: C2 of science.md section 4.
+/// Masses 5 kg in series, k = 50, c = 0.1: Tiboaca 2016, section 5.2.
 Chain uniform_chain(int masses) {
   Chain chain;
   for (int i = 0; i < masses; ++i) {
@@ -84,7 +84,7 @@ double frequency(const Response& response, double rate) {
          (crossings.back() - crossings.front());
 }
 
-// ẍ + x + x³ = 0 released at A: the frequencies of science.md section 5.7, printed to 1e-8.
+// ẍ + x + x³ = 0 released at A: its frequencies by elliptic integrals, to 1e-8.
 TEST(RungeKutta, DuffingFreeVibration) {
   struct Case {
     double amplitude, omega;
@@ -174,7 +174,7 @@ TEST(Piecewise, BilinearFrequency) {
   }
 }
 
-// The rig of science.md section 4, C6, driven hard: what the integrators say of contact must agree
+// The rig of Tiboaca 2016, section 6.3, driven hard: what the integrators say of contact must agree
 // better the finer the steps, at every sample. Against 64 steps a sample.
 TEST(Piecewise, AgreesWithRungeKutta) {
   Chain chain{.masses = {6.6450, 6.7713},

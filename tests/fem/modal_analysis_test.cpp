@@ -36,7 +36,7 @@ double exact_simply_supported(const Beam& b, int n) {
 TEST(ModalAnalysis, SlenderSimplySupportedBeam) {
   const Beam beam = slender_beam();
   const Eigen::VectorXd f = frequencies(beam, 20);
-  // The values printed in science.md, section 5.5.
+  // The closed form, evaluated by hand.
   EXPECT_NEAR(exact_simply_supported(beam, 1), 13.852289, 5e-7);
   EXPECT_NEAR(exact_simply_supported(beam, 5), 345.809086, 5e-7);
   EXPECT_NEAR(exact_simply_supported(beam, 20), 5413.701909, 5e-7);
@@ -45,7 +45,7 @@ TEST(ModalAnalysis, SlenderSimplySupportedBeam) {
   EXPECT_NEAR(f[19] / exact_simply_supported(beam, 20) - 1.0, 6.6e-4, 1e-5);
 }
 
-/// Ω = ω L² √(ρA/EI), ν 0.3, κ 5/6 (science.md, section 5.6).
+/// Ω = ω L² √(ρA/EI), ν 0.3, κ 5/6 (roots of the frequency equations).
 struct ThickCase {
   std::string_view supports;
   double height;

@@ -13,7 +13,7 @@ TEST(Section, RectangleAndCircle) {
   const Section r = section(Rectangle{.width = 0.025, .height = 0.006}, 0.3);
   EXPECT_NEAR(r.area, 1.5e-4, 1e-18);
   EXPECT_NEAR(r.second_moment, 4.5e-10, 1e-23);
-  EXPECT_NEAR(r.shear_coefficient, 0.849673, 5e-7);  // as printed in science.md
+  EXPECT_NEAR(r.shear_coefficient, 0.849673, 5e-7);
   const Section c = section(Circle{.diameter = 2.0}, 0.3);
   EXPECT_DOUBLE_EQ(c.area, std::numbers::pi);
   EXPECT_DOUBLE_EQ(c.second_moment, std::numbers::pi / 4.0);
