@@ -41,8 +41,8 @@ Misfit three_masses(bool cubic, Integrator integrator, Instructions instructions
                 observed);
 }
 
-/// Tiboaca 2016, section 6.3: the rig's full record under white base motion; accelerations of two floors. `substeps` 0:
-/// the exact solution, piecewise with contact.
+/// Tiboaca 2016, section 6.3: the rig's full record under white base motion; accelerations of two
+/// floors. `substeps` 0: the exact solution, piecewise with contact.
 Simulator rig(bool contact, int substeps, double rms, std::vector<Sensor> sensors) {
   Chain chain{.masses = {6.6450, 6.7713},
               .links = {{.a = 0,
