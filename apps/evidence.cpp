@@ -1,6 +1,7 @@
 #include "apps/evidence.hpp"
 
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "apps/failure.hpp"
@@ -26,16 +27,20 @@ std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
                                              const std::string& methods, std::uint64_t seed,
                                              int threads, spdlog::logger& log) {
   std::vector<MethodEvidence> out;
+  std::vector<std::optional<inference::Tmcmc>> tempered(
+      static_cast<std::size_t>(problem.space.size()));
   for (const std::string& method : evidence_methods(methods)) {
     log.info("Evidence of each model by {} ...", method);
     MethodEvidence by{.method = method, .evidences = {}};
     for (int m = 0; m < problem.space.size(); ++m) {
+      auto& pilot = tempered[static_cast<std::size_t>(m)];
       if (method == "tmcmc") {
-        by.evidences.push_back(
-            inference::tmcmc(problem, m, {.seed = seed, .threads = threads}).evidence);
+        pilot = inference::tmcmc(problem, m, {.seed = seed, .threads = threads});
+        by.evidences.push_back(pilot->evidence);
       } else if (method == "bridge") {
-        by.evidences.push_back(
-            inference::bridge_sampling(problem, m, {.seed = seed, .threads = threads}));
+        const inference::BridgeOptions options{.seed = seed, .threads = threads};
+        by.evidences.push_back(pilot ? inference::bridge_sampling(problem, m, *pilot, options)
+                                     : inference::bridge_sampling(problem, m, options));
       } else {
         by.evidences.push_back(inference::laplace(problem, m, {.seed = seed}).evidence);
       }

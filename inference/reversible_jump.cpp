@@ -34,7 +34,10 @@ constexpr double kEnoughModelDraws = 4000.0;
 constexpr double kDisagreement = 10.0;
 constexpr double kWorseMode = 20.0;  // ln: a mode this much below the best one is left
 constexpr int kDrawsAMode = 500;     // for the first pilot
-constexpr int kPopulations = 4;      // of 500 samples, for the same
+constexpr int kPopulations = 4;      // for the same, of
+constexpr int kPopulation = 500;     // samples each
+constexpr long kLongRecord = 20000;  // samples; of which a search for modes begins with
+constexpr long kGlance = 5000;
 constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
@@ -124,7 +127,12 @@ class Engine {
     posterior_.thin = options_.thin > 0 ? options_.thin : 4;
     posterior_.dimension = problem_.space.max_dimension();
 
-    explore();
+    if (problem_.samples >= kLongRecord && problem_.shortened && problem_.space.kinds().empty() &&
+        !options_.prior_only && !options_.tempered_draws) {
+      explore_growing();
+    } else {
+      explore();
+    }
     if (!reporter_.stopped()) tune();
     posterior_.warmup_evaluations = evaluations() + shared_evaluations_;
     if (!reporter_.stopped()) sample();
@@ -193,13 +201,38 @@ class Engine {
       runner.state = runner.tempered->cold();
     });
     if (reporter_.stopped()) return;
-    if (!explored_alike() && !problem_.shortened) {
-      start_at_modes(options_.chains);
+    if (explored_alike()) {
+      if (problem_.shortened && start_at_modes(search_modes(1), true))
+        posterior_.notes.push_back(
+            "Tempering from the prior missed a mode that a search on growing records found, so the "
+            "chains were restarted there.");
     } else if (problem_.shortened) {
-      if (!explored_alike()) start_at_populations();
-      start_at_modes(1);  // if they are higher than what all chains have found
+      if (start_at_populations())
+        posterior_.notes.push_back(
+            "After tempering from the prior the chains were in different places, so they were "
+            "restarted from samples that had seen the record grow.");
+    } else if (start_at_modes(search_modes(options_.chains), false)) {
+      posterior_.notes.push_back(
+          "After tempering from the prior the chains were in different places, so each of them was "
+          "restarted near a mode that differential evolution had found for it.");
     }
     if (reporter_.stopped()) return;
+    fit(0, true);
+  }
+
+  // Where a long record makes exploring from the prior cost more than it finds.
+  void explore_growing() {
+    each_chain([&](int, Runner& runner) {
+      runner.target = std::make_unique<Target>(problem_, options_.prior_only);
+      runner.by_rung.assign(1, PilotSamples(problem_.space));
+    });
+    const bool started = start_at_modes(climb_with_record(), false);
+    if (reporter_.stopped()) return;
+    if (!started)
+      throw LikelihoodError("no model has a mode that a search on growing records finds");
+    posterior_.notes.push_back(
+        "The record is long, so the chains were started near modes that were found on its first "
+        "samples and followed as it grew.");
     fit(0, true);
   }
 
@@ -222,19 +255,21 @@ class Engine {
 
   // A long record's posterior may be many narrow peaks along a ridge that tempering from the prior
   // does not find. Samples that see the record grow do (tmcmc.hpp): they take the place of the
-  // coldest ones, a share of them each chain's.
-  void start_at_populations() {
+  // coldest ones, a share of them each chain's. False where none were found.
+  bool start_at_populations() {
     const ModelSpace& space = problem_.space;
-    if (!space.kinds().empty() || options_.prior_only) return;  // births find components
+    if (!space.kinds().empty() || options_.prior_only) return false;  // births find components
     reporter_.begin("searching", static_cast<double>(space.size()));
     std::vector<Eigen::MatrixXd> found(static_cast<std::size_t>(space.size()));
     int start = -1;
     double most = -std::numeric_limits<double>::infinity();
     for (int m = 0; m < space.size() && reporter_.advance(0.0); ++m) {
       try {
-        Tmcmc samples =
-            tmcmc(problem_, m,
-                  {.seed = options_.seed, .replicates = kPopulations, .threads = options_.threads});
+        Tmcmc samples = tmcmc(problem_, m,
+                              {.seed = options_.seed,
+                               .replicates = kPopulations,
+                               .threads = options_.threads,
+                               .progress = [&](double share) { return reporter_.advance(share); }});
         shared_evaluations_ += samples.evidence.likelihood_evaluations;
         reporter_.evaluated(samples.evidence.likelihood_evaluations);
         const double worth = samples.evidence.log_evidence + space[m].log_prior;
@@ -245,9 +280,8 @@ class Engine {
         found[static_cast<std::size_t>(m)] = std::move(samples.z);
       } catch (const LikelihoodError&) {  // no place for this model: others will do
       }
-      reporter_.advance(1.0);
     }
-    if (reporter_.stopped() || start < 0) return;
+    if (reporter_.stopped() || start < 0) return false;
     each_chain([&](int c, Runner& runner) {
       PilotSamples& cold = runner.by_rung.back();
       cold = PilotSamples(space);
@@ -263,42 +297,98 @@ class Engine {
         if (m != start) continue;
         runner.target->evaluate(state);
         runner.state = state;
-        runner.explored = runner.target->log_prior(state) + state.log_likelihood;
       }
     });
-    posterior_.notes.push_back(
-        "After tempering from the prior the chains were in different places, so they were "
-        "restarted "
-        "from samples that had seen the record grow.");
+    return true;
   }
 
+  /// Searchers × models; evidence NaN where there is none.
+  using Modes = std::vector<std::vector<Laplace>>;
+
   // A posterior that is thousands of times narrower than its prior (a long record) has a ridge that
-  // tempering from the prior does not follow to its end. Each chain then searches for the mode of
-  // each model by itself, and the normal about it takes the place of its coldest samples.
-  // With one searcher, only a mode that the chains have all missed is used.
-  void start_at_modes(int searchers) {
+  // tempering from the prior does not follow to its end. Each searcher looks for the mode of each
+  // model by itself.
+  [[nodiscard]] Modes search_modes(int searchers) {
     const ModelSpace& space = problem_.space;
-    if (!space.kinds().empty() || options_.prior_only) return;  // births find components
+    if (!space.kinds().empty() || options_.prior_only) return {};  // births find components
     reporter_.begin("searching", static_cast<double>(space.size()) * searchers);
-    std::vector<std::vector<Laplace>> modes(static_cast<std::size_t>(searchers));
+    Modes modes(static_cast<std::size_t>(searchers));
     parallel_for(searchers, options_.threads, [&](int c) {
       for (int m = 0; m < space.size(); ++m) {
-        Laplace& mode = modes[static_cast<std::size_t>(c)].emplace_back();
-        mode.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
-        if (!reporter_.advance(0.0)) continue;
-        try {
-          mode = laplace(problem_, m,
+        modes[static_cast<std::size_t>(c)].push_back(find_mode([&] {
+          return laplace(problem_, m,
                          {.seed = options_.seed + 7919 * static_cast<std::uint64_t>(c + 1),
                           .restarts = 1,
                           .tolerance = 0.1,
                           .check = false});
-        } catch (const LikelihoodError&) {  // no place for this model: others will do
-        }
-        reporter_.evaluated(mode.evidence.likelihood_evaluations);
-        reporter_.advance(1.0);
+        }));
       }
     });
-    if (reporter_.stopped()) return;
+    return modes;
+  }
+
+  // Samples of the posterior given the first few thousand samples, and Newton steps from the best
+  // of them as the record grows to its whole length.
+  [[nodiscard]] Modes climb_with_record() {
+    const ModelSpace& space = problem_.space;
+    reporter_.begin("searching", static_cast<double>(space.size()));
+    const std::shared_ptr<const Problem> glance = problem_.shortened(kGlance);
+    Modes modes(1);
+    modes.front().resize(static_cast<std::size_t>(space.size()));
+    parallel_for(space.size(), options_.threads, [&](int m) {
+      modes.front()[static_cast<std::size_t>(m)] = find_mode([&] {
+        const Tmcmc samples = tmcmc(*glance, m,
+                                    {.seed = options_.seed,
+                                     .replicates = kPopulations,
+                                     .samples = kPopulation / 5,
+                                     .path = TmcmcPath::growing,
+                                     .threads = 1,
+                                     .progress = [&](double) { return reporter_.advance(0.0); }});
+        long evaluations = samples.evidence.likelihood_evaluations;
+        ModeOptions options{.check = false};
+        double top = -std::numeric_limits<double>::infinity();
+        ModelPosterior posterior(*glance, m);
+        for (Eigen::Index i = 0; i < samples.z.rows(); ++i) {
+          const std::vector<double> z(samples.z.row(i).begin(), samples.z.row(i).end());
+          const double value = posterior(z).log_posterior();
+          if (value > top) options.start = z, top = value;
+        }
+        for (long n = kGlance; n < problem_.samples && !options.start.empty(); n *= 4) {
+          const Optimum mode = maximum_a_posteriori(*problem_.shortened(n), m, options);
+          options.start = mode.z;
+          evaluations += mode.evaluations;
+        }
+        Laplace mode = laplace(problem_, m, options);
+        mode.evidence.likelihood_evaluations += evaluations + posterior.evaluations();
+        return mode;
+      });
+    });
+    return modes;
+  }
+
+  // One mode of one model, or none: other models will do.
+  template <typename Search>
+  [[nodiscard]] Laplace find_mode(Search&& search) {
+    Laplace mode;
+    mode.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
+    if (!reporter_.advance(0.0)) return mode;
+    try {
+      mode = search();
+    } catch (const LikelihoodError&) {
+      return mode;
+    }
+    reporter_.evaluated(mode.evidence.likelihood_evaluations);
+    reporter_.advance(1.0);
+    return mode;
+  }
+
+  // The normals about modes take the place of the chains' coldest samples, each searcher's that of
+  // its own chains. False where there are none, or where chains have been higher already and
+  // `only_missed` is set.
+  bool start_at_modes(const Modes& modes, bool only_missed) {
+    if (modes.empty() || reporter_.stopped()) return false;
+    const ModelSpace& space = problem_.space;
+    const int searchers = static_cast<int>(modes.size());
     std::vector<const Laplace*> best(static_cast<std::size_t>(space.size()), nullptr);
     for (const auto& of_chain : modes) {
       for (std::size_t m = 0; m < best.size(); ++m) {
@@ -318,8 +408,8 @@ class Engine {
       if (best[static_cast<std::size_t>(m)] == nullptr) continue;
       if (start < 0 || worth(m) > worth(start)) start = m;
     }
-    if (start < 0 || (searchers == 1 && !missed(start, *best[static_cast<std::size_t>(start)])))
-      return;
+    if (start < 0 || (only_missed && !missed(start, *best[static_cast<std::size_t>(start)])))
+      return false;
     each_chain([&](int c, Runner& runner) {
       Random random(options_.seed, static_cast<std::uint64_t>(c), 0, Purpose::adaptation);
       PilotSamples& cold = runner.by_rung.back();
@@ -358,13 +448,7 @@ class Engine {
         runner.state = state;
       }
     });
-    posterior_.notes.push_back(
-        searchers > 1
-            ? "After tempering from the prior the chains were in different places, so each of them "
-              "was restarted near a mode that differential evolution had found for it."
-            : "Tempering from the prior missed a mode that a search on growing records found, so "
-              "the "
-              "chains were restarted there.");
+    return true;
   }
 
   // Pools what the chains have seen and freezes the proposals that follow from it.
@@ -471,7 +555,8 @@ class Engine {
     draw(first);
     if (options_.draws == 0) {
       while (!reporter_.stopped() && posterior_.draws < kMaxDraws && !converged()) {
-        if (!posterior_.tempered_draws && options_.moves.tempering && !chains_agree()) {
+        if (!posterior_.tempered_draws && runners_.front().tempered && options_.moves.tempering &&
+            !chains_agree()) {
           restart_tempered();
           continue;
         }

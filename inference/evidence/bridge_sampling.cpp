@@ -121,13 +121,20 @@ Evidence bridge_sampling(const Problem& problem, int model, const ModelSamples& 
 Evidence bridge_sampling(const Problem& problem, int model, const BridgeOptions& options) {
   const Tmcmc first =
       tmcmc(problem, model, {.seed = options.seed, .replicates = 4, .threads = options.threads});
+  Evidence evidence = bridge_sampling(problem, model, first, options);
+  if (first.z.cols() > 0) evidence.likelihood_evaluations += first.evidence.likelihood_evaluations;
+  return evidence;
+}
+
+Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& first,
+                         const BridgeOptions& options) {
   if (first.z.cols() == 0) return first.evidence;  // no parameters: exact
   Random random(options.seed, 1, static_cast<std::uint64_t>(model), Purpose::fit);
   const NormalMixture pilot = NormalMixture::fit(first.z, options.fit, random);
   // Longer chains while anything is left to complain of: each starts afresh, so that none is picked
   // for its answer.
   Evidence evidence;
-  long spent = first.evidence.likelihood_evaluations;
+  long spent = 0;
   for (int draws = 5000; draws <= kMostDraws; draws *= 4) {
     const ModelSamples samples =
         metropolis(problem, model, pilot,

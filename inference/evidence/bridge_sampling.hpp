@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "inference/evidence/metropolis.hpp"
+#include "inference/evidence/tmcmc.hpp"
 
 namespace wheeltap::inference {
 
@@ -32,6 +33,10 @@ struct BridgeOptions {
 /// The chains are of 5000 draws; where that leaves a warning they are drawn anew, four and sixteen
 /// times as long.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
+                                       const BridgeOptions& options);
+
+/// The same with a pilot that has been run already.
+[[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& pilot,
                                        const BridgeOptions& options);
 
 }  // namespace wheeltap::inference

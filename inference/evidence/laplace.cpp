@@ -105,6 +105,22 @@ void polish(const Function& f, Eigen::VectorXd& z, double& value) {
   }
 }
 
+// Newton steps from `best` on.
+void climb(const Objective& objective, const std::string& name, Optimum& best) {
+  if (best.value == -kInfinity)
+    throw LikelihoodError("model '" + name + "': no point of the search has a finite likelihood");
+  Eigen::VectorXd z =
+      Eigen::Map<const Eigen::VectorXd>(best.z.data(), static_cast<Eigen::Index>(best.z.size()));
+  polish(
+      [&](const Eigen::VectorXd& at) {
+        if (at.cwiseAbs().maxCoeff() > kBound) return -kInfinity;
+        ++best.evaluations;
+        return objective(view(at));
+      },
+      z, best.value);
+  best.z.assign(z.begin(), z.end());
+}
+
 // Differential evolution from several seeds, the best polished.
 Optimum search(const Objective& objective, int dimension, const ModeOptions& options,
                const std::string& name, const std::vector<std::vector<double>>& start = {}) {
@@ -125,18 +141,8 @@ Optimum search(const Objective& objective, int dimension, const ModeOptions& opt
     evaluations += found.evaluations;
     if (r == 0 || found.value > best.value) best = std::move(found);
   }
-  if (best.value == -kInfinity)
-    throw LikelihoodError("model '" + name + "': no point of the search has a finite likelihood");
-  Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(best.z.data(), dimension);
-  polish(
-      [&](const Eigen::VectorXd& at) {
-        if (at.cwiseAbs().maxCoeff() > kBound) return -kInfinity;
-        ++evaluations;
-        return objective(view(at));
-      },
-      z, best.value);
-  best.z.assign(z.begin(), z.end());
   best.evaluations = evaluations;
+  climb(objective, name, best);
   return best;
 }
 
@@ -221,6 +227,14 @@ Optimum nothing_to_search(ModelPosterior& posterior) {
 Optimum maximum_a_posteriori(const Problem& problem, int model, const ModeOptions& options) {
   ModelPosterior posterior(problem, model);
   if (posterior.dimension() == 0) return nothing_to_search(posterior);
+  const Objective log_posterior = [&](std::span<const double> z) {
+    return posterior(z).log_posterior();
+  };
+  if (!options.start.empty()) {
+    Optimum found{options.start, log_posterior(options.start), 1, true};
+    climb(log_posterior, posterior.name(), found);
+    return found;
+  }
   long before = 0;
   std::vector<std::vector<double>> start;
   if (problem.shortened) {
@@ -238,8 +252,7 @@ Optimum maximum_a_posteriori(const Problem& problem, int model, const ModeOption
       }
     }
   }
-  Optimum found = search([&](std::span<const double> z) { return posterior(z).log_posterior(); },
-                         posterior.dimension(), options, posterior.name(), start);
+  Optimum found = search(log_posterior, posterior.dimension(), options, posterior.name(), start);
   found.evaluations += before;
   return found;
 }

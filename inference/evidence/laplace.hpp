@@ -13,8 +13,9 @@ struct ModeOptions {
   std::uint64_t seed = 1;
   int restarts = 3;  ///< of differential evolution; the best is polished
   int generations = 300;
-  double tolerance = 1e-3;  ///< in ln π, of differential evolution; the polish goes further
-  bool check = true;        ///< Laplace only: warn of a posterior that does not look normal
+  double tolerance = 1e-3;      ///< in ln π, of differential evolution; the polish goes further
+  std::vector<double> start{};  ///< z to climb from by Newton steps alone; empty: search
+  bool check = true;            ///< Laplace only: warn of a posterior that does not look normal
 };
 
 /// Mode of ln π(z), by self-adaptive differential evolution and Newton steps on finite differences;

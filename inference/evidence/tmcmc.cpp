@@ -67,11 +67,11 @@ class Replicate {
                             "': the likelihood is zero at every one of " +
                             std::to_string(options_.samples) + " draws from the prior");
     double log_evidence = anneal();
-    while (to_->samples() < problem_.samples) {
+    while (to_->samples() < problem_.samples && !stopped_) {
       lengthen();
       log_evidence += anneal();
     }
-    return log_evidence;
+    return stopped_ ? std::numeric_limits<double>::quiet_NaN() : log_evidence;
   }
 
   [[nodiscard]] const std::vector<Particle>& particles() const { return particles_; }
@@ -82,7 +82,7 @@ class Replicate {
   [[nodiscard]] bool sluggish() const { return sluggish_; }
 
  private:
-  static constexpr int kMostStages = 1000, kMostSweeps = 60;
+  static constexpr int kMostStages = 1000, kMostSweeps = 30;
   static constexpr long kLeastGrowth = 10;
   static constexpr std::size_t kBatch = 32;  // likelihoods at a time: a few vectors full
 
@@ -130,7 +130,7 @@ class Replicate {
   double anneal() {
     bool possible = std::ranges::all_of(particles_, &Particle::possible);
     double log_ratio = 0.0;
-    for (double beta = 0.0; beta < 1.0;) {
+    for (double beta = 0.0; beta < 1.0 && !stopped_;) {
       if (++stages_ > kMostStages)
         throw LikelihoodError("model '" + to_->posterior.name() + "': TMCMC is still at exponent " +
                               std::to_string(beta) + " after " + std::to_string(kMostStages) +
@@ -142,8 +142,20 @@ class Replicate {
       Random stage = stream(static_cast<std::uint64_t>(stages_));
       resample(step, stage);
       move(beta, stage);
+      report(beta);
     }
     return log_ratio;
+  }
+
+  // The share of the path that is behind: of the samples, where they come in parts.
+  void report(double beta) {
+    if (!options_.progress) return;
+    const double whole = std::max(1.0, static_cast<double>(problem_.samples));
+    const double from = from_ ? static_cast<double>(from_->samples()) : 0.0;
+    const double to = std::max(1.0, static_cast<double>(to_->samples()));
+    const double done = (from + beta * (to - from)) / whole;
+    stopped_ = !options_.progress((done - reported_) / options_.replicates);
+    reported_ = done;
   }
 
   void evaluate() {
@@ -292,6 +304,8 @@ class Replicate {
   double log_scale_ = 0.0;
   int stages_ = 0;
   bool sluggish_ = false;
+  double reported_ = 0.0;
+  bool stopped_ = false;
 };
 
 // Whether the data had better come in parts: a model that cannot explain them may fit the first
@@ -301,9 +315,11 @@ bool better_growing(const Problem& problem, int model, const TmcmcOptions& optio
   constexpr int kPilots = 2;  // of each kind
   constexpr double kClearly = 3.0;
   if (!problem.shortened || problem.samples <= 2 * kFirstSamples) return false;
+  if (options.path != TmcmcPath::better) return options.path == TmcmcPath::growing;
   TmcmcOptions pilot = options;
   pilot.samples = std::min(options.samples, 200);
-  pilot.acceptances = std::min(options.acceptances, 3.0);
+  pilot.acceptances = std::min(options.acceptances, 1.5);
+  if (options.progress) pilot.progress = [&](double) { return options.progress(0.0); };
   std::vector<double> log_evidence(2 * kPilots);
   std::vector<long> cost(2 * kPilots);
   parallel_for(2 * kPilots, options.threads, [&](int i) {

@@ -3,19 +3,27 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/normal_mixture.hpp"
 
 namespace wheeltap::inference {
 
+/// How the data come in, where the problem can be shortened.
+enum class TmcmcPath { at_once, growing, better };
+
 struct TmcmcOptions {
   std::uint64_t seed = 1;
   int replicates = 8;        ///< independent runs, whose scatter is the standard error; >= 4
   int samples = 500;         ///< a replicate
   double weight_cov = 1.0;   ///< coefficient of variation of the weights that sets each step of β
-  double acceptances = 6.0;  ///< moves accepted a sample and stage, on average, before going on
-  int threads = 0;           ///< 0: as many as the machine has. Never changes a result.
+  double acceptances = 3.0;  ///< moves accepted a sample and stage, on average, before going on
+  TmcmcPath path = TmcmcPath::better;
+  int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
+  /// Called, from any thread, with the share of the whole that was done since the call before.
+  /// Returning false ends the run: ln Z is then NaN.
+  std::function<bool(double share)> progress = nullptr;
 };
 
 struct Tmcmc {
