@@ -17,6 +17,8 @@ using Role = SidChannel::Role;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Share of an excitation's amplitude that may be lost by holding it to first order.
+constexpr int kComparable = 128;   // samples of a window whose spectrum is worth comparing
+constexpr double kPeculiar = 3.0;  // differences of spectra, in terms of their scatter
 constexpr double kUpsampledLoss = 3e-3;
 constexpr double kWorthWarning = 0.05;
 /// So many steps from data of a simulation that its error stays far below any noise.
@@ -614,10 +616,16 @@ class Parser {
     channel.unit = source.unit;
     const int begin = out_.begin - out_.lead_in;
     channel.signal.samples = dynamics::window(record, column, begin, out_.end);
+    const bool whole =
+        std::ranges::all_of(source.values, [](double x) { return std::isfinite(x); });
+    const bool part = out_.begin > 0 || out_.end < record.samples();
+    if (whole && part && !out_.simulated && out_.end - out_.begin >= kComparable) {
+      channel.window = dynamics::compare_window(source.values, out_.begin, out_.end,
+                                                out_.sample_rate_hz, {.segment = kComparable / 2});
+      warn_of_window(channel);
+    }
     if (!channel.is_excitation()) return;
     if (band_limited) {
-      const bool whole =
-          std::ranges::all_of(source.values, [](double x) { return std::isfinite(x); });
       channel.signal.samples =
           whole ? dynamics::upsample(source.values, begin, out_.end, out_.stride)
                 : dynamics::upsample(channel.signal.samples, 0, out_.end - begin, out_.stride);
@@ -639,6 +647,16 @@ class Parser {
 
   void finish_parameters() {
     for (SidModel& model : out_.models) model.parameters = parameters_of(model);
+  }
+
+  void warn_of_window(const SidChannel& channel) {
+    if (channel.window->difference_db < kPeculiar * channel.window->expected_db) return;
+    const auto decibel = [](double x) { return std::to_string(std::lround(x)) + " dB"; };
+    out_.warnings.push_back("The window is not like the rest of the record: the spectrum of \"" +
+                            channel.column + "\" differs by " +
+                            decibel(channel.window->difference_db) + " (scatter alone gives " +
+                            decibel(channel.window->expected_db) +
+                            "). What is found holds for the window; try another, or a longer one.");
   }
 
   void warn_of_interpolation() {

@@ -7,6 +7,7 @@
 
 #include "apps/case_file.hpp"
 #include "dynamics/record.hpp"
+#include "dynamics/signals.hpp"
 #include "dynamics/simulate.hpp"
 #include "inference/model_space.hpp"
 
@@ -25,6 +26,8 @@ struct SidChannel {
   /// Raw samples from the start of the lead-in; an excitation's are upsampled by SidCase::stride.
   dynamics::Signal signal = {};
   std::string unit = {};  ///< as the file's header has it
+  /// Where the window is a part of the record: how their spectra compare.
+  std::optional<dynamics::SpectrumComparison> window = {};
   Pointer where = Pointer();
 
   [[nodiscard]] bool is_excitation() const {

@@ -387,6 +387,14 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
   for (const SidChannel* channel : sid_case.responses()) {
     channels.push_back({{"channel", channel_name(*channel)}, {"mass", channel->mass}});
   }
+  Report window = Report::array();
+  for (const SidChannel& channel : sid_case.channels) {
+    if (!channel.window) continue;
+    window.push_back({{"channel", channel_name(channel)},
+                      {"power_ratio", channel.window->power_ratio},
+                      {"spectrum_difference_db", channel.window->difference_db},
+                      {"scatter_db", channel.window->expected_db}});
+  }
   Report substeps = Report::object();
   for (int m = 0; m < space.size(); ++m) {
     if (probability(models, m) == 0.0) continue;
@@ -411,7 +419,8 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
                       {"sample_rate", sid_case.sample_rate_hz},
                       {"samples", {sid_case.begin, sid_case.end}},
                       {"lead_in", sid_case.lead_in},
-                      {"responses", channels}}},
+                      {"responses", channels},
+                      {"window_against_record", window}}},
                     {"integration",
                      {{"upsampled", sid_case.stride},
                       {"substeps_at_posterior_mean", substeps},

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "dynamics/generate.hpp"
 #include "sid_cases.hpp"
 
 namespace wheeltap::apps {
@@ -164,6 +165,36 @@ TEST(SidCase, WindowsAndLeadInsCutTheRecord) {
   ASSERT_EQ(part.channels[1].signal.samples.size(), 90U);
   EXPECT_EQ(part.channels[1].signal.samples[0], whole.channels[1].signal.samples[30]);
   EXPECT_EQ(part.channels[1].signal.samples[89], whole.channels[1].signal.samples[119]);
+}
+
+// The source's check: a short window must have the spectrum of the full record.
+TEST(SidCase, ComparesTheWindowWithTheRecord) {
+  const Workspace where;
+  dynamics::Noise noise(5);
+  std::vector<double> x = dynamics::white_noise(4000, 1.0, noise);
+  for (std::size_t n = 3000; n < x.size(); ++n) x[n] *= 0.1;
+  std::string text = "time [s],force [N],displacement [m]\n";
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    const std::string value = std::to_string(x[n]);
+    text += std::to_string(0.01 * static_cast<double>(n)) + ',' + value + ',' + value + '\n';
+  }
+  static_cast<void>(where.write("record.csv", text));
+  const auto told = [](const SidCase& c) {
+    return std::ranges::any_of(c.warnings, [](const std::string& w) {
+      return w.find("not like the rest") != std::string::npos;
+    });
+  };
+  json c = from_file("record.csv");
+  c["record"]["samples"] = {1000, 2000};
+  const SidCase typical = parse_sid(where, c);
+  ASSERT_TRUE(typical.channels[0].window.has_value());
+  EXPECT_FALSE(told(typical));
+  c["record"]["samples"] = {3000, 4000};
+  const SidCase quiet = parse_sid(where, c);
+  EXPECT_LT(quiet.channels[0].window->power_ratio, 0.05);
+  EXPECT_TRUE(told(quiet));
+  c["record"].erase("samples");
+  EXPECT_FALSE(parse_sid(where, c).channels[0].window.has_value());
 }
 
 }  // namespace
