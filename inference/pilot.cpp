@@ -197,16 +197,20 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
     const auto at = static_cast<std::size_t>(m);
     const Eigen::Index d = space[m].dimension;
     if (d == 0) return;
-    const Eigen::MatrixXd& states = (*archive)[at] =
-        coldest_states(by_rung, m, d, options.most_samples);
+    Eigen::MatrixXd& states = (*archive)[at] = coldest_states(by_rung, m, d, options.most_samples);
+    if (at < options.besides.size() && options.besides[at].cols() > 0) {
+      const Eigen::Index met = states.cols();
+      states.conservativeResize(d, met + options.besides[at].cols());
+      states.rightCols(options.besides[at].cols()) = options.besides[at];
+    }
     if (states.cols() < 4 * (d + 1)) {
       fit->density[at] =
           std::make_unique<NormalMixture>(NormalMixture::standard(static_cast<int>(d)));
       return;
     }
     Random random(options.seed, at, static_cast<std::uint64_t>(options.round), Purpose::fit);
-    fit->density[at] =
-        std::make_unique<NormalMixture>(NormalMixture::fit(states.transpose(), random));
+    fit->density[at] = std::make_unique<NormalMixture>(NormalMixture::fit(
+        states.transpose(), {.max_components = options.most_components}, random));
     fit_scales(states, pilot.scales[at]);
   });
 

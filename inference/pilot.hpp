@@ -66,7 +66,10 @@ struct PilotOptions {
   int round = 0;
   int threads = 0;
   Eigen::Index most_samples = 8000;  ///< that a mixture is fitted to
-  std::vector<double> bias{};        ///< of the coldest samples (Target::set_model_bias); {}: none
+  int most_components = 20;          ///< of a mixture
+  /// Samples of each model's posterior that the chains may not have met since; {}: none.
+  std::vector<Eigen::MatrixXd> besides{};
+  std::vector<double> bias{};  ///< of the coldest samples (Target::set_model_bias); {}: none
 };
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
                               const PilotOptions& options);

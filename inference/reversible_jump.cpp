@@ -35,6 +35,7 @@ constexpr double kDisagreement = 10.0;
 constexpr double kWorseMode = 20.0;  // ln: a mode this much below the best one is left
 constexpr int kDrawsAMode = 500;     // for the first pilot
 constexpr int kPopulations = 4;      // for the same, of
+constexpr int kManyPeaks = 80;       // components of the mixtures that such samples are fitted by
 constexpr int kPopulation = 500;     // samples each
 constexpr long kLongRecord = 20000;  // samples; of which a search for modes begins with
 constexpr long kGlance = 5000;
@@ -282,6 +283,7 @@ class Engine {
       }
     }
     if (reporter_.stopped() || start < 0) return false;
+    for (const Eigen::MatrixXd& z : found) population_.emplace_back(z.transpose());
     each_chain([&](int c, Runner& runner) {
       PilotSamples& cold = runner.by_rung.back();
       cold = PilotSamples(space);
@@ -477,6 +479,8 @@ class Engine {
                         .round = round,
                         .threads = options_.threads,
                         .most_samples = last ? 12000 : 3000,
+                        .most_components = population_.empty() ? 20 : kManyPeaks,
+                        .besides = population_,
                         .bias = tempered ? std::vector<double>{} : bias_});
   }
 
@@ -802,6 +806,7 @@ class Engine {
   Atlases atlases_;
   std::vector<Runner> runners_;
   std::vector<PilotSamples> hot_;
+  std::vector<Eigen::MatrixXd> population_;  ///< of each model, dimension × n; or none
   Pilot pilot_;
   std::vector<double> bias_;  ///< of the last round of tuning
   Posterior posterior_;
