@@ -246,7 +246,7 @@ class Replicate {
     std::vector<double> levels(kBatch);  // what log_base + beta log_gain must exceed
     std::vector<ModelPosterior::Value> values(kBatch);
     double moved = 0.0;
-    const double least = options_.acceptances * n;
+    const double least = (from_ ? 0.5 : 1.0) * options_.acceptances * n;
     for (int sweep = 0; moved < least && sweep < kMostSweeps; ++sweep) {
       const bool renew = sweep % 2 == 0;
       double accepted = 0.0;
@@ -318,7 +318,7 @@ bool better_growing(const Problem& problem, int model, const TmcmcOptions& optio
   if (options.path != TmcmcPath::better) return options.path == TmcmcPath::growing;
   TmcmcOptions pilot = options;
   pilot.samples = std::min(options.samples, 200);
-  pilot.acceptances = std::min(options.acceptances, 1.5);
+  pilot.acceptances = 0.25 * options.acceptances;
   if (options.progress) pilot.progress = [&](double) { return options.progress(0.0); };
   std::vector<double> log_evidence(2 * kPilots);
   std::vector<long> cost(2 * kPilots);

@@ -18,7 +18,8 @@ struct TmcmcOptions {
   int replicates = 8;        ///< independent runs, whose scatter is the standard error; >= 4
   int samples = 500;         ///< a replicate
   double weight_cov = 1.0;   ///< coefficient of variation of the weights that sets each step of β
-  double acceptances = 3.0;  ///< moves accepted a sample and stage, on average, before going on
+  double acceptances = 6.0;  ///< moves accepted a sample and stage, on average, before going on
+                             ///< (half of that as a record grows: there are many stages)
   TmcmcPath path = TmcmcPath::better;
   int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
   /// Called, from any thread, with the share of the whole that was done since the call before.
