@@ -23,7 +23,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLeastNugget = 1e-12;
+/// The squared exponential's eigenvalues fall so fast that less leaves weights of the runs that
+/// cancel.
+double least_nugget(Kernel kernel) {
+  return kernel == Kernel::squared_exponential ? 1e-8 : 1e-12;
+}
 constexpr double kLargestNugget = 1e3;
 constexpr double kLadder[] = {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // lengths tried first
 constexpr double kShortest = 0.005, kLongest = 50.0;  // lengths, in units of the factor's range
@@ -230,7 +234,7 @@ struct GaussianProcess::Impl {
             .factor = {},
             .fit = {}};
     double& nugget = g.correlation.nugget;
-    for (nugget = std::max(nugget, kLeastNugget);; nugget *= 10.0) {
+    for (nugget = std::max(nugget, least_nugget(g.correlation.kernel));; nugget *= 10.0) {
       g.factor.compute(correlation_matrix(unit_points, g.correlation));
       if (g.factor.info() == Eigen::Success) break;
       if (nugget > kLargestNugget)
@@ -257,7 +261,7 @@ class Search {
     low_ = VectorXd::Constant(unknowns_, std::log(kShortest));
     high_ = VectorXd::Constant(unknowns_, std::log(kLongest));
     if (options.infer_nugget) {
-      low_(d) = std::log(kLeastNugget);
+      low_(d) = std::log(least_nugget(options.kernel));
       high_(d) = std::log(kLargestNugget);
     }
   }
@@ -374,7 +378,7 @@ class Search {
   const GaussianProcessOptions& options_;
   Index unknowns_;
   VectorXd low_, high_;
-  double nugget_ = kLeastNugget;
+  double nugget_ = least_nugget(options_.kernel);
 };
 
 /// The rows of m that a fit looks at.
@@ -417,7 +421,7 @@ GaussianProcess::GaussianProcess(std::vector<Factor> factors, const RowMatrix& p
           if (impl->values(rows, k).squaredNorm() > 0.0) varying.push_back(k);
         Correlation correlation{.kernel = options.kernel,
                                 .lengths = VectorXd::Ones(points.cols()),
-                                .nugget = kLeastNugget};
+                                .nugget = least_nugget(options.kernel)};
         if (!varying.empty()) {
           const RowMatrix fitted_values = impl->values(rows, varying);
           correlation = Search(fitted_points, fitted_values, options).run();

@@ -67,8 +67,9 @@ struct LeaveOneOut {
 /// Ordinary Kriging with constant mean β, for each response
 ///   f(x) | y ~ N(β + rᵀR⁻¹(y - β),  σ² [1 - rᵀR⁻¹r + (1 - 1ᵀR⁻¹r)² / 1ᵀR⁻¹1]),  r = k(X, x)
 /// (the last term is what not knowing β adds; Rasmussen & Williams 2006, section 2.7). R is kept
-/// positive definite by a nugget of at least 1e-12, raised tenfold as often as its factorisation
-/// needs it. Evaluations may run in several threads at once.
+/// positive definite by a nugget of at least 1e-12 (Matérn; 1e-8 with the squared exponential),
+/// raised tenfold as often as its factorisation needs it. Evaluations may run in several threads at
+/// once.
 class GaussianProcess {
  public:
   /// Fits lengths (and nugget) to runs by maximum marginal likelihood: the best of a ladder of
