@@ -207,7 +207,7 @@ class Engine {
         posterior_.notes.push_back(
             "Tempering from the prior missed a mode that a search on growing records found, so the "
             "chains were restarted there.");
-    } else if (problem_.shortened) {
+    } else if (problem_.shortened && options_.warmup == 0) {
       if (start_at_populations())
         posterior_.notes.push_back(
             "After tempering from the prior the chains were in different places, so they were "
