@@ -30,6 +30,12 @@ WHEELTAP_INLINE bool all(V mask) {
   return true;
 }
 
+WHEELTAP_INLINE bool any(V mask) {
+  for (int lane = 0; lane < WHEELTAP_LANES; ++lane)
+    if (mask[lane] != 0.0) return true;
+  return false;
+}
+
 /// 1 in every lane where x is not within the bound (NaN included), else 0.
 WHEELTAP_INLINE V outside(V x, double bound) {
   return x <= bound ? V{} : V{} + 1.0;
@@ -612,9 +618,13 @@ class Exact {
 };
 
 /// Chains whose laws are all springs beyond a threshold: linear between the switches. A sample in
-/// which no law switches is stepped by the exact solution of its regime, one with a switch by
-/// Runge-Kutta. A switch shows in the sign of a law's e - threshold at the end, or in its tangents
-/// from both ends crossing zero.
+/// which no law switches is stepped by the exact solution of its regime. One with a switch is gone
+/// through in pieces, each a Taylor series in time that ends where the first law reaches its
+/// threshold: a step across a switch would be wrong by the square of its length, and by more or
+/// less of it as the switch moves within the step, so that a likelihood is rugged where it is not.
+/// A switch shows in the sign of a law's e - threshold at the end, or in its tangents from both
+/// ends crossing zero; where the sample is long beside the stiffest period all samples are taken in
+/// pieces.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:
@@ -623,9 +633,11 @@ class Piecewise : private Exact<N> {
     for (unsigned r = 0; r <= 1U << task.laws; ++r)
       tables_[r] = {this->take(n * n), this->take(n * j), this->take(n * j), this->take(n), false};
     next_u_ = this->take(j);
-    this->for_each_threshold([&](int i, const LinkTerm& link, V, V threshold, V side) {
-      thresholds_[i] = {link.a, link.b, side, threshold};
+    this->for_each_threshold([&](int i, const LinkTerm& link, V stiffness, V threshold, V side) {
+      thresholds_[i] = {link.a, link.b, side, threshold, stiffness};
     });
+    for (int i = 0; i < this->masses(); ++i)
+      scaled_inverse_[i + 1] = task.step * task.step / this->c_[i];
     for (int i = 0; i < task.sensors; ++i) accelerometers_ |= task.sensor[i].quantity == 2;
   }
 
@@ -655,7 +667,7 @@ class Piecewise : private Exact<N> {
         for (int k = 0; k < n; ++k) sum += table->transition[i * n + k] * x[k];
         next[i] = sum;
       }
-      V switched{};
+      V switched = V{} + (task().substeps > kFewPieces ? 1.0 : 0.0);
       for (int i = 0; i < laws; ++i) {
         const Threshold& t = thresholds_[i];
         const V before = sign_[i] * level(t, x), rise = sign_[i] * rate(t, x);
@@ -663,17 +675,7 @@ class Piecewise : private Exact<N> {
         const V tangents = lanes::max(before + rise, after - fall);
         switched = after < 0.0 ? V{} + 1.0 : tangents < 0.0 ? V{} + 1.0 : switched;
       }
-      if (!all(1.0 - switched)) {
-        step(sample, x, switched, next);
-        bool changed = false;
-        for (int i = 0; i < laws; ++i) {
-          const V now = level(thresholds_[i], next) > 0.0 ? V{} + 1.0 : V{} - 1.0;
-          const V sign = switched > 0.0 ? now : sign_[i];
-          changed = changed || !all(sign + sign_[i]);
-          sign_[i] = sign;
-        }
-        if (changed) table = choose();
-      }
+      if (any(switched) && step(sample, x, switched, next)) table = choose();
       WHEELTAP_UNROLL
       for (int i = 0; i < n; ++i) x[i] = next[i];
       WHEELTAP_UNROLL
@@ -695,9 +697,15 @@ class Piecewise : private Exact<N> {
  private:
   using Steps = RungeKutta<N, kSerial, AnyLaw>;
   static constexpr int kOrder = Exact<N>::kOrder;
+  static constexpr int M = Steps::M;
+  /// Of the series. A piece is at most 0.7 / ω long: the velocity loses 0.7¹²/12! = 3e-11 at most.
+  static constexpr int kDegree = 12;
+  static constexpr int kFewPieces = 2;
+  /// Switches in one sample; a law that chatters about its threshold ends there.
+  static constexpr int kMostSwitches = 32;
   struct Threshold {
     int a, b;
-    V side, threshold;
+    V side, threshold, stiffness;
   };
   struct Table {
     V *transition, *gamma0, *gamma1, *constant;
@@ -759,18 +767,181 @@ class Piecewise : private Exact<N> {
     }
   }
 
-  /// Lanes that switch take their next state from Runge-Kutta.
-  [[gnu::noinline]] void step(std::int64_t sample, const V* x, V switched, V* next) const {
-    const int m = this->masses();
-    V y[Steps::M], v[Steps::M], now[Steps::M], then[Steps::M];
-    unpack(x, y, v);
+  /// Lanes of `switched` take their next state from series. Returns whether a regime is another at
+  /// the end.
+  [[gnu::noinline]] bool step(std::int64_t sample, const V* x, V switched, V* next) {
+    const int m = this->masses(), laws = task().laws;
+    const V piece = V{} + 1.0 / task().substeps;
+    V y[M], v[M], now[M], then[M], terms[kDegree + 1][M];
+    V before[kMaxThresholds], fresh[kMaxThresholds], root[kMaxThresholds];
+    y[0] = v[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 0; i < m; ++i) {
+      y[i + 1] = x[i];
+      v[i + 1] = x[m + i];
+    }
+    for (int i = 0; i < laws; ++i) {
+      before[i] = sign_[i];
+      fresh[i] = V{};
+    }
     steps_.excite(sample, now);
     steps_.excite(sample + 1, then);
-    steps_.advance(y, v, nullptr, now, then, [](const V*) { return false; });
+    V left = switched;  // of the sample
+    for (int pieces = 0; any(left); ++pieces) {
+      const bool watching = pieces < task().substeps + kMostSwitches;
+      const V length = left > 1.000001 * piece ? piece : left;
+      expand(y, v, now, then, left, terms);
+      V until = length;
+      for (int i = 0; i < laws; ++i) {
+        root[i] =
+            watching ? first_root(thresholds_[i], sign_[i], fresh[i], terms, length) : V{} + 2.0;
+        until = root[i] < until ? root[i] : until;
+      }
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= m; ++i) {
+        V position = terms[kDegree][i], growth = kDegree * terms[kDegree][i];
+        for (int k = kDegree - 1; k >= 0; --k) {
+          position = terms[k][i] + until * position;
+          if (k > 0) growth = k * terms[k][i] + until * growth;
+        }
+        y[i] = left > 0.0 ? position : y[i];
+        v[i] = left > 0.0 ? growth : v[i];
+      }
+      for (int i = 0; i < laws; ++i) {
+        // Found at `until`, or not at all; once there is nothing left no lane switches any more.
+        const V crossed = left > 0.0 ? (root[i] <= until ? V{} + 1.0 : V{}) : V{};
+        sign_[i] = crossed > 0.0 ? -sign_[i] : sign_[i];
+        fresh[i] = crossed > 0.0 ? V{} + 1.0 : until > 0.0 ? V{} : fresh[i];
+      }
+      left = left > 0.0 ? left - until : left;
+      if (!watching) {
+        for (int i = 0; i < laws; ++i) {
+          const V level = reach(thresholds_[i], y);
+          const V sign = level > 0.0 ? V{} + 1.0 : V{} - 1.0;
+          sign_[i] = switched > 0.0 ? sign : sign_[i];
+        }
+      }
+    }
+    bool changed = false;
+    for (int i = 0; i < laws; ++i) changed = changed || !all(before[i] + sign_[i]);
     for (int i = 0; i < m; ++i) {
       next[i] = switched > 0.0 ? y[i + 1] : next[i];
-      next[m + i] = switched > 0.0 ? task().step * v[i + 1] : next[m + i];
+      next[m + i] = switched > 0.0 ? v[i + 1] : next[m + i];
     }
+    return changed;
+  }
+
+  /// y_i(τ) = Σ terms[k][i] τᵏ, τ in samples from the time when `left` of this one is to come, by
+  /// the equation of motion of the regime that `sign_` says:
+  ///   (k + 1)(k + 2) y_{k+2} = h² (drive_k + M⁻¹ [-K y_k - C (k + 1) y_{k+1} / h + …]_k).
+  WHEELTAP_INLINE void expand(const V* y, const V* v, const V* now, const V* then, V left,
+                              V terms[][M]) const {
+    const int m = this->masses(), links = kSerial && N > 0 ? N : task().links;
+    const double h2 = task().step * task().step, per_step = 1.0 / task().step;
+    terms[0][0] = terms[1][0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= m; ++i) {
+      terms[0][i] = y[i];
+      terms[1][i] = v[i];
+    }
+    for (int k = 0; k + 2 <= kDegree; ++k) {
+      V pull[M];
+      WHEELTAP_UNROLL
+      for (int i = 0; i <= m; ++i) pull[i] = V{};
+      WHEELTAP_UNROLL
+      for (int l = 0; l < links; ++l) {
+        const LinkTerm& link = task().link[l];
+        const int from = kSerial ? l : link.a, to = kSerial ? l + 1 : link.b;
+        const V e = terms[k][to] - terms[k][from], rate = terms[k + 1][to] - terms[k + 1][from];
+        const V tension =
+            this->c_[link.slot] * e + ((k + 1) * per_step) * this->c_[link.slot + 1] * rate;
+        pull[from] += tension;
+        pull[to] -= tension;
+      }
+      for (int i = 0; i < task().laws; ++i) {
+        const Threshold& t = thresholds_[i];
+        V e = terms[k][t.b] - terms[k][t.a];
+        if (k == 0) e -= t.side * t.threshold;
+        const V tension = sign_[i] > 0.0 ? t.stiffness * e : V{};
+        pull[t.a] += tension;
+        pull[t.b] -= tension;
+      }
+      const double share = 1.0 / ((k + 1) * (k + 2));
+      terms[k + 2][0] = V{};
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= m; ++i) {
+        V sum = scaled_inverse_[i] * pull[i];
+        if (k == 0) sum += h2 * (then[i] + left * (now[i] - then[i]));
+        if (k == 1) sum += h2 * (then[i] - now[i]);
+        terms[k + 2][i] = share * sum;
+      }
+    }
+  }
+
+  /// side · e - threshold.
+  WHEELTAP_INLINE static V reach(const Threshold& t, const V* y) {
+    return t.side * (y[t.b] - y[t.a]) - t.threshold;
+  }
+
+  /// The first time in [0, length] at which a law that keeps its state while sign · (side · e -
+  /// threshold) > 0 has to change it; 2 where there is none. One that has just changed begins at
+  /// its threshold, which is taken out of the polynomial.
+  WHEELTAP_INLINE static V first_root(const Threshold& t, V sign, V fresh, const V terms[][M],
+                                      V length) {
+    V g[kDegree + 2], rates[kDegree + 1];
+    for (int k = 0; k <= kDegree; ++k) {
+      g[k] = terms[k][t.b] - terms[k][t.a];
+      g[k] = sign * (t.side * g[k] - (k == 0 ? t.threshold : V{}));
+    }
+    g[kDegree + 1] = V{};
+    for (int k = 0; k <= kDegree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
+    for (int k = 0; k < kDegree; ++k) rates[k] = -(k + 1) * g[k + 1];
+    const V end = horner<kDegree>(g, length), fall = -horner<kDegree - 1>(rates, length);
+    V high = length, low = end, found = end < 0.0 ? V{} + 1.0 : V{};
+    const V tangents = lanes::max(g[0] + length * g[1], end - length * fall);
+    const V dips = found > 0.0 ? V{} : tangents < 0.0 ? V{} + 1.0 : V{};
+    if (any(dips)) {
+      const V bottom = turn<kDegree - 1>(rates, length, -fall, dips);
+      const V depth = horner<kDegree>(g, bottom);
+      const V reached = depth < 0.0 ? dips : V{};
+      high = reached > 0.0 ? bottom : high;
+      low = reached > 0.0 ? depth : low;
+      found = reached > 0.0 ? reached : found;
+    }
+    if (!any(found)) return V{} + 2.0;
+    const V root = turn<kDegree>(g, high, low, found);
+    return found > 0.0 ? root : V{} + 2.0;
+  }
+
+  template <int kTerms>
+  WHEELTAP_INLINE static V horner(const V* g, V x) {
+    V sum = g[kTerms];
+    for (int k = kTerms - 1; k >= 0; --k) sum = g[k] + x * sum;
+    return sum;
+  }
+
+  /// Where g turns negative in [0, high], g(high) = at_high < 0, in the lanes that are wanted:
+  /// Newton's method, kept between the ends by halving. The last step is at most 1e-4 of a sample
+  /// and leaves about its square; since a tension is continuous at its threshold, the state that
+  /// follows is wrong by the square of that.
+  template <int kTerms>
+  static V turn(const V* g, V high, V at_high, V wanted) {
+    V low{}, x = g[0] > 0.0 ? high * g[0] / (g[0] - at_high) : 0.5 * high, open = wanted;
+    for (int i = 0; i < 60 && any(open); ++i) {
+      V value = g[kTerms], slope{};
+      for (int k = kTerms - 1; k >= 0; --k) {
+        slope = value + x * slope;
+        value = g[k] + x * value;
+      }
+      low = value >= 0.0 ? x : low;
+      high = value >= 0.0 ? high : x;
+      const V newton = x - value / slope, middle = 0.5 * (low + high);
+      const V inside = newton > low ? (newton < high ? newton : middle) : middle;  // NaN: outside
+      const V moved = lanes::abs(inside - x);
+      x = open > 0.0 ? inside : x;
+      open = moved > 1e-4 ? open : V{};
+    }
+    return x;
   }
 
   WHEELTAP_INLINE void unpack(const V* x, V* y, V* v) const {
@@ -798,6 +969,7 @@ class Piecewise : private Exact<N> {
   Steps steps_;
   Threshold thresholds_[kMaxThresholds];
   V sign_[kMaxThresholds];  ///< 1 where a law acts, -1 where it does not
+  V scaled_inverse_[M];     ///< h² / m
   Table tables_[(1U << kMaxThresholds) + 1];
   V* next_u_;
   bool accelerometers_ = false;

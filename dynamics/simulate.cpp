@@ -108,6 +108,7 @@ bool is_piecewise_linear(const Chain& chain) {
 }
 
 constexpr int kMaxSubsteps = 4096;
+constexpr double kSeriesLimit = 0.7;  // ω times the length of a piece (kernel_impl.hpp, Piecewise)
 
 /// The next of 1, 2, 3, 4, 6, 8, 12, …: few different counts, so that parameter vectors share
 /// lanes.
@@ -341,9 +342,10 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
   const Rates rates = stiffest_rates(chain, theta, options.extension);
   const double h = task.step, frequency = rates.frequency * h, damping = rates.damping * h;
   if (!std::isfinite(frequency) || !std::isfinite(damping)) return kInfeasible;
-  const int substeps = exact ? 0
-                       : options.substeps > 0
-                           ? options.substeps
+  const int substeps = exact                  ? 0
+                       : options.substeps > 0 ? options.substeps
+                       : integrator == Integrator::piecewise
+                           ? ladder(std::max(frequency, damping) / kSeriesLimit)
                            : ladder(std::max(frequency / options.step_limit, damping));
   if (substeps < 0) return kInfeasible;
   if (integrator == Integrator::runge_kutta) return {substeps, 0};

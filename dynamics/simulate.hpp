@@ -64,8 +64,8 @@ enum class Integrator {
   runge_kutta,  ///< the classical fourth-order scheme
   exact,        ///< the exact discrete solution; only for linear chains
   piecewise  ///< for chains whose nonlinear laws, at most four, are bilinear or contact: exact over
-             ///< a sample in which none of them switches, Runge-Kutta with sub-steps over the
-             ///< others
+             ///< a sample in which none of them switches; over the others Taylor series of degree
+             ///< 14 from switch to switch, whose times are found by Newton's method
 };
 
 /// The vector instructions to use. Results are the same to the last bit for all of them.
@@ -75,7 +75,8 @@ struct SimulatorOptions {
   Integrator integrator = Integrator::automatic;
   /// Runge-Kutta steps between two samples of the excitation; 0: chosen for every parameter vector,
   /// as the next of 1, 2, 3, 4, 6, 8, 12, … 4096 that keeps ω h <= step_limit and γ h <= 1 for the
-  /// bounds of stiffest_rates. A vector that would need more fails.
+  /// bounds of stiffest_rates. A vector that would need more fails. For `piecewise` these are the
+  /// pieces of a sample with a switch, with ω h <= 0.7 and γ h <= 0.7.
   int substeps = 0;
   /// One step of length h shifts a frequency ω by the factor 1 - (ω h)⁴/120 and adds a damping
   /// ratio (ω h)⁵/144: 1.3e-5 and 2.2e-6 at 0.2.
@@ -93,7 +94,7 @@ struct SimulatorOptions {
 struct Response {
   Eigen::MatrixXd values;  ///< samples × sensors; empty if failed
   bool failed = false;     ///< blown up, or parameters that make no sense (a mass <= 0, a gap < 0)
-  int substeps = 0;        ///< Runge-Kutta steps a sample, where taken; 0 for the exact solution
+  int substeps = 0;        ///< steps a sample, where taken; 0 for the exact solution
 };
 
 /// Integrates one chain for many parameter vectors. Forces and base acceleration are linear between
@@ -113,7 +114,7 @@ class Simulator {
   [[nodiscard]] const std::vector<Sensor>& sensors() const;
   [[nodiscard]] int samples() const;     ///< of the response
   [[nodiscard]] int parameters() const;  ///< entries a parameter vector must have at least
-  /// Runge-Kutta steps a sample for these parameters; 0 for the exact solution, -1 for infeasible
+  /// Steps a sample (or pieces) for these parameters; 0 for the exact solution, -1 for infeasible
   /// ones.
   [[nodiscard]] int substeps(std::span<const double> theta) const;
 
