@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <numeric>
 #include <sstream>
 
 #include "apps/evidence.hpp"
@@ -23,6 +24,10 @@ constexpr double kDefaultDraws = 25'000;   ///< a chain, four iterations each
 constexpr double kAffordableSeconds = 60.0;
 constexpr double kFewestDraws = 3'000;
 constexpr double kFewestWarmup = 6'000;
+
+/// What repeated runs aim at (step_error), and how many there may be.
+constexpr double kWantedStepError = 0.1;
+constexpr int kMostRepeats = 2;
 
 inference::Options engine_options(const CommonOptions& common, const SamplingOptions& options,
                                   double seconds_a_likelihood) {
@@ -62,15 +67,50 @@ struct Run {
   Report summary;
 };
 
+/// The step limit under which the steps would be short enough for the noise, or 0 where they are.
+/// The error of a Runge-Kutta step goes with its fourth power.
+double better_step_limit(const SidProblem& problem, const inference::Posterior& posterior) {
+  double worst = 0.0;
+  std::vector<long> visits(static_cast<std::size_t>(problem.problem.space.size()));
+  for (const auto& chain : posterior.chains) {
+    for (const int m : chain.model) ++visits[static_cast<std::size_t>(m)];
+  }
+  const long all = std::accumulate(visits.begin(), visits.end(), 0L);
+  for (int m = 0; m < problem.problem.space.size(); ++m) {
+    if (20 * visits[static_cast<std::size_t>(m)] < all) continue;
+    worst = std::max(worst, step_error(problem, posterior, m).value_or(0.0));
+  }
+  if (worst <= kLargestStepError) return 0.0;
+  return problem.sid_case.integration.step_limit *
+         std::max(0.1, std::pow(kWantedStepError / worst, 0.25));
+}
+
 Run run_once(SidCase sid_case, const CommonOptions& common, const SamplingOptions& options,
              spdlog::logger& log) {
+  const bool steps_given = sid_case.file.json.contains("integration");
   Run run{.problem = make_sid_problem(std::move(sid_case)),
           .posterior = {},
           .predictive = {},
           .summary = {}};
-  const inference::Options engine =
-      engine_options(common, options, run.problem->seconds_a_likelihood);
-  run.posterior = run_engine(run.problem->problem, engine, common.case_path, common.quiet);
+  inference::Options engine;
+  std::string note;
+  for (int repeats = 0;; ++repeats) {
+    engine = engine_options(common, options, run.problem->seconds_a_likelihood);
+    run.posterior = run_engine(run.problem->problem, engine, common.case_path, common.quiet);
+    if (!note.empty()) run.posterior.notes.push_back(note);
+    const double limit = steps_given || options.prior_only || run.posterior.stopped_early
+                             ? 0.0
+                             : better_step_limit(*run.problem, run.posterior);
+    if (limit == 0.0 || repeats == kMostRepeats) break;
+    note =
+        "The integrator's steps were too long for the noise of this record, so the run was "
+        "repeated with a step limit of " +
+        significant(limit, 2) + ".";
+    log.info(note);
+    SidCase finer = run.problem->sid_case;
+    finer.integration.step_limit = limit;
+    run.problem = make_sid_problem(std::move(finer));
+  }
   const auto also = compute_evidence(run.problem->problem, options.evidence,
                                      common.seed.value_or(1), common.threads, log);
   run.predictive = predict(*run.problem, run.posterior);

@@ -126,6 +126,24 @@ std::span<const double> best_draw(const SidProblem& problem, const Posterior& po
   return best;
 }
 
+/// Steps so long that they move the posterior.
+void judge_integration(const Report& models, const Report& errors,
+                       std::vector<std::string>& warnings) {
+  for (const auto& row : models) {
+    const auto name = row["name"].get<std::string>();
+    if (row["probability"].get<double>() < kWorthTelling || !errors[name].is_number()) continue;
+    const double error = errors[name];
+    if (error <= kLargestStepError) continue;
+    warnings.push_back(
+        "Under \"" + name + "\" steps a quarter as long change the best draw's response by " +
+        significant(error, 2) +
+        " of the noise (root of the sum of squares): parameters may be off by up to " +
+        significant(error, 2) +
+        " standard deviations for the steps alone. Lower \"step_limit\" (or raise "
+        "\"substeps\") in the case's \"integration\".");
+  }
+}
+
 /// Where the mean of the parameters is itself no good set of parameters: it lies in a valley of a
 /// posterior that has several peaks, or on the inside of a bend.
 void judge_means(const SidProblem& problem, const Posterior& posterior, const Report& models,
@@ -244,6 +262,34 @@ Report bayes_factors(const inference::ModelSpace& space, const Report& models) {
 }
 
 }  // namespace
+
+std::optional<double> step_error(const SidProblem& problem, const Posterior& posterior, int m) {
+  constexpr int kFiner = 4;
+  const auto theta = problem.theta(m, best_draw(problem, posterior, m));
+  const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
+  const dynamics::Misfit& misfit = problem.misfits[static_cast<std::size_t>(m)];
+  if (misfit.simulator().substeps(theta) <= 0) return {};  // exact
+  const dynamics::Misfit finer = misfit.refined(kFiner);
+  const auto samples = static_cast<std::size_t>(misfit.samples());
+  const auto channels = static_cast<std::size_t>(misfit.channels());
+  std::vector<double> residuals(channels * samples), better(channels * samples);
+  if (!misfit.residuals(theta, residuals) || !finer.residuals(theta, better)) return {};
+  for (std::size_t i = 0; i < better.size(); ++i) better[i] -= residuals[i];
+  double sum = 0.0;
+  for (std::size_t c = 0; c < channels; ++c) {
+    double variance = std::pow(model.noise[c].at(theta), 2);
+    if (!model.autocorrelations.empty()) {
+      for (const auto& pi : model.autocorrelations[c]) variance *= 1.0 - std::pow(pi.at(theta), 2);
+    }
+    const auto change =
+        innovations({better.data() + c * samples, samples},
+                    model.autocorrelations.empty() ? std::vector<dynamics::Coefficient>{}
+                                                   : model.autocorrelations[c],
+                    theta);
+    for (const double value : change) sum += value * value / variance;
+  }
+  return std::sqrt(sum);
+}
 
 std::vector<double> observed(const SidProblem& problem, std::size_t response,
                              std::span<const double> theta) {
@@ -368,12 +414,15 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
 
   std::vector<std::string> warnings = sid_case.warnings;
   Report fits = Report::object(), best_fits = Report::object(), best_draws = Report::object();
+  Report step_errors = Report::object();
   for (int m = 0; m < space.size(); ++m) {
     if (!(probability(models, m) > 0.0)) continue;
     const std::string& name = space[m].name;
     const std::span<const double> best = best_draw(problem, posterior, m);
     fits[name] = forward_run(problem, m, posterior_mean(problem, posterior, m));
     best_fits[name] = forward_run(problem, m, problem.theta(m, best));
+    const std::optional<double> error = step_error(problem, posterior, m);
+    step_errors[name] = error ? Report(*error) : Report();
     best_draws[name] = Report::object();
     for (int p = 0; p < space[m].dimension; ++p)
       best_draws[name][space.parameter_name(m, p)] = best[static_cast<std::size_t>(p)];
@@ -381,6 +430,7 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
   judge_means(problem, posterior, models, fits, best_fits, warnings);
   judge_fits(problem, models, best_fits, warnings);
   judge_bounds(problem, posterior, models, warnings);
+  judge_integration(models, step_errors, warnings);
   const Report compared = evidence_report(space, models, evidence, warnings);
 
   Report channels = Report::array();
@@ -425,6 +475,7 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
                      {{"upsampled", sid_case.stride},
                       {"substeps_at_posterior_mean", substeps},
                       {"step_limit", sid_case.integration.step_limit},
+                      {"error_of_steps", step_errors},
                       {"seconds_a_likelihood", problem.seconds_a_likelihood}}},
                     {"diagnostics", diagnostics(posterior, watched_quantities(posterior, models),
                                                 ess_model, info.seed, warnings)},

@@ -108,7 +108,8 @@ bool is_piecewise_linear(const Chain& chain) {
 }
 
 constexpr int kMaxSubsteps = 4096;
-constexpr double kSeriesLimit = 0.7;  // ω times the length of a piece (kernel_impl.hpp, Piecewise)
+// ω times the length of a piece (kernel_impl.hpp, Piecewise), beside a step limit of 0.2 or more.
+constexpr double kSeriesLimit = 0.7;
 
 /// The next of 1, 2, 3, 4, 6, 8, 12, …: few different counts, so that parameter vectors share
 /// lanes.
@@ -345,7 +346,8 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
   const int substeps = exact                  ? 0
                        : options.substeps > 0 ? options.substeps
                        : integrator == Integrator::piecewise
-                           ? ladder(std::max(frequency, damping) / kSeriesLimit)
+                           ? ladder(std::max(frequency, damping) /
+                                    (kSeriesLimit * std::min(1.0, options.step_limit / 0.2)))
                            : ladder(std::max(frequency / options.step_limit, damping));
   if (substeps < 0) return kInfeasible;
   if (integrator == Integrator::runge_kutta) return {substeps, 0};
@@ -439,6 +441,14 @@ Simulator::Simulator(Chain chain, Excitation excitation, std::vector<Sensor> sen
   impl->check();
   impl->compile();
   impl_ = std::move(impl);
+}
+
+Simulator Simulator::refined(int factor) const {
+  if (factor < 1) fail("factor = " + std::to_string(factor) + ", must be at least 1");
+  SimulatorOptions options = impl_->options;
+  options.step_limit /= factor;
+  if (options.substeps > 0) options.substeps = std::min(options.substeps * factor, kMaxSubsteps);
+  return {impl_->chain, impl_->excitation, impl_->sensors, impl_->initial, options};
 }
 
 const Chain& Simulator::chain() const {
@@ -539,6 +549,10 @@ Misfit::Misfit(Simulator simulator, std::vector<Signal> observed, int lead_in) {
   for (const Coefficient& c : impl->slots)
     impl->parameters = std::max(impl->parameters, c.parameter + 1);
   impl_ = std::move(impl);
+}
+
+Misfit Misfit::refined(int factor) const {
+  return {impl_->simulator.refined(factor), impl_->observed, impl_->lead_in};
 }
 
 const Simulator& Misfit::simulator() const {

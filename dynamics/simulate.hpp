@@ -76,7 +76,7 @@ struct SimulatorOptions {
   /// Runge-Kutta steps between two samples of the excitation; 0: chosen for every parameter vector,
   /// as the next of 1, 2, 3, 4, 6, 8, 12, … 4096 that keeps ω h <= step_limit and γ h <= 1 for the
   /// bounds of stiffest_rates. A vector that would need more fails. For `piecewise` these are the
-  /// pieces of a sample with a switch, with ω h <= 0.7 and γ h <= 0.7.
+  /// pieces of a sample with a switch, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
   /// One step of length h shifts a frequency ω by the factor 1 - (ω h)⁴/120 and adds a damping
   /// ratio (ω h)⁵/144: 1.3e-5 and 2.2e-6 at 0.2.
@@ -118,6 +118,9 @@ class Simulator {
   /// ones.
   [[nodiscard]] int substeps(std::span<const double> theta) const;
 
+  /// The same with steps a `factor`-th as long, to see what their length does to a response.
+  [[nodiscard]] Simulator refined(int factor) const;
+
   [[nodiscard]] Response simulate(std::span<const double> theta) const;
   /// Several parameter vectors at once, one after the other in `thetas`.
   [[nodiscard]] std::vector<Response> simulate_batch(std::span<const double> thetas,
@@ -138,6 +141,8 @@ class Misfit {
   Misfit(Simulator simulator, std::vector<Signal> observed, int lead_in = 0);
 
   [[nodiscard]] const Simulator& simulator() const;
+  /// The same for the refined simulator (Simulator::refined).
+  [[nodiscard]] Misfit refined(int factor) const;
   [[nodiscard]] int channels() const;
   [[nodiscard]] int samples() const;     ///< scored, of each channel
   [[nodiscard]] int parameters() const;  ///< entries a parameter vector must have at least
