@@ -199,6 +199,9 @@ class Parser {
   void parse_integration() {
     const Json& i = json_["integration"];
     out_.integration.substeps = i.value("substeps", out_.integration.substeps);
+    const std::string method = i.value("method", "automatic");
+    out_.integration.prefer_series = method == "series";
+    if (method == "runge-kutta") out_.integration.integrator = dynamics::Integrator::runge_kutta;
     out_.integration.step_limit = i.value("step_limit", out_.integration.step_limit);
   }
 

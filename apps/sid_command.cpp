@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 #include <numeric>
+#include <optional>
 #include <sstream>
 
 #include "apps/evidence.hpp"
@@ -67,22 +68,33 @@ struct Run {
   Report summary;
 };
 
-/// The step limit under which the steps would be short enough for the noise, or 0 where they are.
-/// The error of a Runge-Kutta step goes with its fourth power.
-double better_step_limit(const SidProblem& problem, const inference::Posterior& posterior) {
-  double worst = 0.0;
+/// How to integrate where the steps were too long for the noise, or none where they were not: by
+/// series where a chain's laws let them, else by shorter steps, whose error goes with their fourth
+/// power.
+std::optional<dynamics::SimulatorOptions> better_integration(
+    const SidProblem& problem, const inference::Posterior& posterior) {
   std::vector<long> visits(static_cast<std::size_t>(problem.problem.space.size()));
   for (const auto& chain : posterior.chains) {
     for (const int m : chain.model) ++visits[static_cast<std::size_t>(m)];
   }
   const long all = std::accumulate(visits.begin(), visits.end(), 0L);
+  dynamics::SimulatorOptions better = problem.sid_case.integration;
+  bool needed = false;
   for (int m = 0; m < problem.problem.space.size(); ++m) {
     if (20 * visits[static_cast<std::size_t>(m)] < all) continue;
-    worst = std::max(worst, step_error(problem, posterior, m).value_or(0.0));
+    const double error = step_error(problem, posterior, m).value_or(0.0);
+    if (error <= kLargestStepError) continue;
+    needed = true;
+    const auto& chain = problem.misfits[static_cast<std::size_t>(m)].simulator().chain();
+    if (dynamics::has_series(chain) && !problem.sid_case.integration.prefer_series) {
+      better.prefer_series = true;
+    } else {
+      better.step_limit =
+          std::min(better.step_limit, problem.sid_case.integration.step_limit *
+                                          std::max(0.1, std::pow(kWantedStepError / error, 0.25)));
+    }
   }
-  if (worst <= kLargestStepError) return 0.0;
-  return problem.sid_case.integration.step_limit *
-         std::max(0.1, std::pow(kWantedStepError / worst, 0.25));
+  return needed ? std::optional(better) : std::nullopt;
 }
 
 Run run_once(SidCase sid_case, const CommonOptions& common, const SamplingOptions& options,
@@ -98,17 +110,18 @@ Run run_once(SidCase sid_case, const CommonOptions& common, const SamplingOption
     engine = engine_options(common, options, run.problem->seconds_a_likelihood);
     run.posterior = run_engine(run.problem->problem, engine, common.case_path, common.quiet);
     if (!note.empty()) run.posterior.notes.push_back(note);
-    const double limit = steps_given || options.prior_only || run.posterior.stopped_early
-                             ? 0.0
-                             : better_step_limit(*run.problem, run.posterior);
-    if (limit == 0.0 || repeats == kMostRepeats) break;
+    if (steps_given || options.prior_only || run.posterior.stopped_early) break;
+    const auto better = better_integration(*run.problem, run.posterior);
+    if (!better || repeats == kMostRepeats) break;
     note =
         "The integrator's steps were too long for the noise of this record, so the run was "
-        "repeated with a step limit of " +
-        significant(limit, 2) + ".";
+        "repeated with " +
+        (better->prefer_series && !run.problem->sid_case.integration.prefer_series
+             ? "Taylor series."
+             : "a step limit of " + significant(better->step_limit, 2) + ".");
     log.info(note);
     SidCase finer = run.problem->sid_case;
-    finer.integration.step_limit = limit;
+    finer.integration = *better;
     run.problem = make_sid_problem(std::move(finer));
   }
   const auto also = compute_evidence(run.problem->problem, options.evidence,

@@ -154,8 +154,10 @@ SidCase shortened(SidCase sid_case, int first) {
   return sid_case;
 }
 
-/// Nanoseconds that a mass costs, about, in a Runge-Kutta step and in a step of the exact solution.
+/// Nanoseconds that a mass costs, about, in a Runge-Kutta step, a piece of a series and a step of
+/// the exact solution.
 constexpr double kRungeKuttaNanoseconds = 12.0;
+constexpr double kSeriesNanoseconds = 40.0;
 constexpr double kExactNanoseconds = 3.0;
 
 /// Mean over the models, at the medians of their priors. Counted, not timed: the effort that is
@@ -172,7 +174,10 @@ double estimate_cost(const SidProblem& problem) {
     const int substeps = std::abs(simulator.substeps(problem.theta(m, x)));
     nanoseconds += static_cast<double>(simulator.samples()) * sid_case.stride *
                    simulator.chain().size() *
-                   (substeps > 0 ? substeps * kRungeKuttaNanoseconds : kExactNanoseconds);
+                   (substeps == 0 ? kExactNanoseconds
+                    : simulator.integrator() == dynamics::Integrator::series
+                        ? substeps * kSeriesNanoseconds
+                        : substeps * kRungeKuttaNanoseconds);
   }
   return 1e-9 * nanoseconds / problem.problem.space.size();
 }

@@ -139,8 +139,8 @@ void judge_integration(const Report& models, const Report& errors,
         significant(error, 2) +
         " of the noise (root of the sum of squares): parameters may be off by up to " +
         significant(error, 2) +
-        " standard deviations for the steps alone. Lower \"step_limit\" (or raise "
-        "\"substeps\") in the case's \"integration\".");
+        " standard deviations for the steps alone. Leave \"integration\" out of the case, and the "
+        "run is repeated with better ones; or lower its \"step_limit\".");
   }
 }
 

@@ -50,6 +50,7 @@ struct Task {
   int stride = 1;
   std::int64_t lead_in = 0;  ///< samples of the response that are not scored
   int substeps = 1;
+  int degree = 0;    ///< of the Taylor series, 2 … kMaxDegree
   int halvings = 0;  ///< of the step, in the exponential of the exact solution
   double bound = 0.0;
   int initial_slot = 0;  ///< displacements, then velocities; masses are slots 0, 1, …
@@ -68,7 +69,9 @@ struct Task {
 
 inline constexpr int kMaxMasses = 64;
 inline constexpr int kMaxMemories = 64;
-inline constexpr int kMaxThresholds = 4;  ///< each doubles the number of regimes
+inline constexpr int kMaxThresholds = 4;   ///< each doubles the number of regimes
+inline constexpr int kMaxPolynomials = 8;  ///< links with such laws that series can have
+inline constexpr int kMaxDegree = 12;
 
 /// Vectors of scratch memory that the exact solution needs.
 constexpr int scratch_size(int masses, int inputs, int sensors) {
@@ -88,6 +91,7 @@ struct Kernel {
   void (*runge_kutta)(const Task&) = nullptr;
   void (*exact)(const Task&) = nullptr;
   void (*piecewise)(const Task&) = nullptr;
+  void (*series)(const Task&) = nullptr;
 };
 
 Kernel baseline_kernel();

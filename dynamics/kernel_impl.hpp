@@ -86,6 +86,24 @@ class Output {
   std::int64_t sample_ = -1;
 };
 
+/// visit(i, link, stiffness, threshold, side) for every law that is a spring beyond a threshold,
+/// the i-th of them.
+template <class Visitor>
+WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
+  int i = 0;
+  for (int l = 0; l < task.links; ++l) {
+    const LinkTerm& link = task.link[l];
+    for (int j = link.law_begin; j < link.law_end; ++j) {
+      const V* c = vectors(task.coefficients) + task.law[j].slot;
+      LawList::visit(task.law[j].kind, [&](auto law) {
+        using Law = decltype(law);
+        if constexpr (kPiecewiseLinear<Law>)
+          visit(i++, link, c[0], Law::threshold(c), c[Law::kInfo.size()]);
+      });
+    }
+  }
+}
+
 struct AnyLaw {};
 
 /// N > 0: number of masses; 0: task.masses. kSerial: link i joins masses i and i + 1. OnlyLaw: the
@@ -408,7 +426,7 @@ class Exact {
       }
     }
     for (int i = 0; i < m * inputs_; ++i) input_[i] = V{};
-    for_each_threshold([&](int j, const LinkTerm& link, V stiffness, V threshold, V side) {
+    for_each_threshold(task_, [&](int j, const LinkTerm& link, V stiffness, V threshold, V side) {
       if ((regime >> j & 1U) == 0) return;
       const int a = link.a - 1, b = link.b - 1, last = inputs_ - 1;
       const V k = h2 * stiffness, force = side * k * threshold;
@@ -427,23 +445,6 @@ class Exact {
       for (int j = 0; j < task_.drives; ++j) {
         const int mass = task_.drive[j].mass;
         input_[i * inputs_ + j] = mass == 0 ? V{} - h2 : mass == i + 1 ? h2 / c_[i] : V{};
-      }
-    }
-  }
-
-  /// visit(law, link, stiffness, threshold, side) for every law that is a spring beyond a
-  /// threshold.
-  template <class Visitor>
-  WHEELTAP_INLINE void for_each_threshold(Visitor visit) const {
-    for (int l = 0; l < task_.links; ++l) {
-      const LinkTerm& link = task_.link[l];
-      for (int j = link.law_begin; j < link.law_end; ++j) {
-        const V* c = c_ + task_.law[j].slot;
-        LawList::visit(task_.law[j].kind, [&](auto law) {
-          using Law = decltype(law);
-          if constexpr (kPiecewiseLinear<Law>)
-            visit(j, link, c[0], Law::threshold(c), c[Law::kInfo.size()]);
-        });
       }
     }
   }
@@ -617,28 +618,323 @@ class Exact {
   V *gamma0_, *gamma1_, *gain_, *shifted_, *rows_, *feed_, *u_, *state_;
 };
 
+/// Springs that are polynomials, or linear beyond a threshold, by Taylor series in time: the
+/// solution between two samples is analytic but for the times at which a law switches. A sample is
+/// gone through in pieces, each a series that ends at its length or where the first law reaches its
+/// threshold. (A step across a switch would be wrong by the square of its length, and by more or
+/// less of it as the switch moves within the step: a likelihood is then rugged where it is not.)
+template <int N, bool kSerial>
+class Series {
+ public:
+  using Steps = RungeKutta<N, kSerial, AnyLaw>;
+  static constexpr int M = Steps::M;
+
+  explicit Series(const Task& task)
+      : task_(task),
+        c_(vectors(task.coefficients)),
+        steps_(task),
+        masses_(N > 0 ? N : task.masses) {
+    for_each_threshold(task, [&](int i, const LinkTerm& link, V stiffness, V threshold, V side) {
+      thresholds_[i] = {link.a, link.b, side, threshold, stiffness};
+      switches_ = i + 1;
+    });
+    for (int l = 0; l < task.links; ++l) {
+      const LinkTerm& link = task.link[l];
+      V powers[kMaxPower + 1] = {};
+      bool any_power = false;
+      for (int j = link.law_begin; j < link.law_end; ++j) {
+        LawList::visit(task.law[j].kind, [&](auto law) {
+          using Law = decltype(law);
+          if constexpr (kPolynomial<Law>) {
+            powers[Law::kPower] += c_[task.law[j].slot];
+            any_power = true;
+            cubes_ |= Law::kPower == 3;
+          }
+        });
+      }
+      if (any_power) polynomials_[polynomial_count_++] = {link.a, link.b, powers[2], powers[3]};
+    }
+    for (int i = 1; i <= masses(); ++i) scaled_inverse_[i] = task.step * task.step / c_[i - 1];
+    for (int i = 0; i < task.sensors; ++i) accelerometers_ |= task.sensor[i].quantity == 2;
+  }
+
+  void run() {
+    const int m = masses();
+    V y[M], v[M], now[M], then[M], peak{};
+    y[0] = v[0] = now[0] = then[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= m; ++i) {
+      y[i] = c_[task_.initial_slot + i - 1];
+      v[i] = task_.step * c_[task_.initial_slot + m + i - 1];
+    }
+    start(y);
+    Output output(task_);
+    steps_.excite(0, now);
+    for (std::int64_t sample = 0;; ++sample) {
+      if (output.due(sample)) show(output, sample, y, v);
+      if (sample + 1 == task_.samples) break;
+      steps_.excite(sample + 1, then);
+      advance(y, v, now, then, V{} + 1.0);
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= m; ++i) {
+        now[i] = then[i];
+        peak = lanes::max(lanes::abs(y[i]), peak);
+      }
+      if (sample % kSamplesBetweenChecks == 0) {
+        if (all(outside(peak, task_.bound))) break;
+        if (output.hopeless()) {
+          peak = V{} + 2.0 * task_.bound;
+          break;
+        }
+      }
+    }
+    V trace{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= m; ++i) trace += 0.0 * y[i] + 0.0 * v[i];
+    vectors(task_.failed)[0] = lanes::max(outside(peak, task_.bound), outside(trace, 0.0));
+  }
+
+  struct Threshold {
+    int a, b;
+    V side, threshold, stiffness;
+  };
+  [[nodiscard]] WHEELTAP_INLINE int switches() const { return switches_; }
+  [[nodiscard]] WHEELTAP_INLINE const Threshold& threshold(int i) const { return thresholds_[i]; }
+  /// 1 in the lanes in which a law acts, -1 where it does not.
+  [[nodiscard]] WHEELTAP_INLINE V sign(int i) const { return sign_[i]; }
+
+  /// The regime at y.
+  WHEELTAP_INLINE void start(const V* y) {
+    for (int i = 0; i < switches_; ++i)
+      sign_[i] = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
+  }
+
+  /// y and v (in units of a sample's time) one sample on, in the lanes that move; `now` and `then`
+  /// are the drives at its ends.
+  WHEELTAP_INLINE void advance(V* y, V* v, const V* now, const V* then, V moving) {
+    const int m = masses(), degree = task_.degree;
+    const V piece = V{} + 1.0 / task_.substeps;
+    V terms[kMaxDegree + 1][M], fresh[kMaxThresholds], root[kMaxThresholds];
+    for (int i = 0; i < switches_; ++i) fresh[i] = V{};
+    V left = moving;  // of the sample
+    for (int pieces = 0; any(left); ++pieces) {
+      const bool watching = pieces < task_.substeps + kMostSwitches;
+      const V length = left > 1.000001 * piece ? piece : left;
+      expand(y, v, now, then, left, terms);
+      V until = length;
+      for (int i = 0; i < switches_; ++i) {
+        root[i] = watching ? first_root(i, fresh[i], terms, length) : V{} + 2.0;
+        until = root[i] < until ? root[i] : until;
+      }
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= m; ++i) {
+        V position = terms[degree][i], growth = degree * terms[degree][i];
+        for (int k = degree - 1; k > 0; --k) {
+          position = terms[k][i] + until * position;
+          growth = k * terms[k][i] + until * growth;
+        }
+        position = terms[0][i] + until * position;
+        y[i] = left > 0.0 ? position : y[i];
+        v[i] = left > 0.0 ? growth : v[i];
+      }
+      for (int i = 0; i < switches_; ++i) {
+        const V crossed = left > 0.0 ? (root[i] <= until ? V{} + 1.0 : V{}) : V{};
+        sign_[i] = crossed > 0.0 ? -sign_[i] : sign_[i];
+        fresh[i] = crossed > 0.0 ? V{} + 1.0 : until > 0.0 ? V{} : fresh[i];
+      }
+      left = left > 0.0 ? left - until : left;
+      for (int i = 0; i < switches_ && !watching; ++i) {
+        const V now_acts = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
+        sign_[i] = moving > 0.0 ? now_acts : sign_[i];
+      }
+    }
+  }
+
+  /// `v` in units of a sample's time.
+  WHEELTAP_INLINE void show(Output& output, std::int64_t sample, const V* y, const V* v) const {
+    const double rate = 1.0 / task_.step;
+    V speed[M], a[M];
+    const int m = masses();
+    speed[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= m; ++i) speed[i] = rate * v[i];
+    if (accelerometers_) {
+      steps_.accelerations(sample, y, speed, a);
+    } else {
+      for (int i = 0; i <= m; ++i) a[i] = V{};
+    }
+    steps_.emit(output, sample, y, speed, a);
+  }
+
+  WHEELTAP_INLINE void excite(std::int64_t sample, V* drive) const { steps_.excite(sample, drive); }
+
+ private:
+  /// Switches in one sample; a law that chatters about its threshold ends there.
+  static constexpr int kMostSwitches = 32;
+  static constexpr int kMaxPower = 3;
+  struct Polynomial {
+    int a, b;
+    V square, cube;  ///< T = square e² + cube e³
+  };
+
+  [[nodiscard]] WHEELTAP_INLINE int masses() const { return N > 0 ? N : masses_; }
+
+  /// side · e - threshold.
+  WHEELTAP_INLINE static V reach(const Threshold& t, const V* y) {
+    return t.side * (y[t.b] - y[t.a]) - t.threshold;
+  }
+
+  /// y_i(τ) = Σ terms[k][i] τᵏ, τ in samples from the time when `left` of this one is to come, by
+  /// the equation of motion of the regime that `sign_` says:
+  ///   (k + 1)(k + 2) y_{k+2} = h² (drive_k + M⁻¹ [-K y_k - C (k + 1) y_{k+1} / h - T(e)_k]),
+  /// the powers of e by Cauchy products.
+  WHEELTAP_INLINE void expand(const V* y, const V* v, const V* now, const V* then, V left,
+                              V terms[][M]) const {
+    const int m = masses(), links = kSerial && N > 0 ? N : task_.links, degree = task_.degree;
+    const double h2 = task_.step * task_.step, per_step = 1.0 / task_.step;
+    V stretch[kMaxPolynomials][kMaxDegree], square[kMaxPolynomials][kMaxDegree];
+    terms[0][0] = terms[1][0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= m; ++i) {
+      terms[0][i] = y[i];
+      terms[1][i] = v[i];
+    }
+    for (int k = 0; k + 2 <= degree; ++k) {
+      V pull[M];
+      WHEELTAP_UNROLL
+      for (int i = 0; i <= m; ++i) pull[i] = V{};
+      WHEELTAP_UNROLL
+      for (int l = 0; l < links; ++l) {
+        const LinkTerm& link = task_.link[l];
+        const int from = kSerial ? l : link.a, to = kSerial ? l + 1 : link.b;
+        const V e = terms[k][to] - terms[k][from], rate = terms[k + 1][to] - terms[k + 1][from];
+        const V tension = c_[link.slot] * e + ((k + 1) * per_step) * c_[link.slot + 1] * rate;
+        pull[from] += tension;
+        pull[to] -= tension;
+      }
+      for (int i = 0; i < switches_; ++i) {
+        const Threshold& t = thresholds_[i];
+        V e = terms[k][t.b] - terms[k][t.a];
+        if (k == 0) e -= t.side * t.threshold;
+        const V tension = sign_[i] > 0.0 ? t.stiffness * e : V{};
+        pull[t.a] += tension;
+        pull[t.b] -= tension;
+      }
+      for (int p = 0; p < polynomial_count_; ++p) {
+        const Polynomial& law = polynomials_[p];
+        V *e = stretch[p], *q = square[p];
+        e[k] = terms[k][law.b] - terms[k][law.a];
+        V twice{};
+        for (int j = 0; 2 * j < k; ++j) twice += e[j] * e[k - j];
+        q[k] = 2.0 * twice;
+        if (k % 2 == 0) q[k] += e[k / 2] * e[k / 2];
+        V tension = law.square * q[k];
+        if (cubes_) {
+          V third{};
+          for (int j = 0; j <= k; ++j) third += e[j] * q[k - j];
+          tension += law.cube * third;
+        }
+        pull[law.a] += tension;
+        pull[law.b] -= tension;
+      }
+      const double share = 1.0 / ((k + 1) * (k + 2));
+      terms[k + 2][0] = V{};
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= m; ++i) {
+        V sum = scaled_inverse_[i] * pull[i];
+        if (k == 0) sum += h2 * (then[i] + left * (now[i] - then[i]));
+        if (k == 1) sum += h2 * (then[i] - now[i]);
+        terms[k + 2][i] = share * sum;
+      }
+    }
+  }
+
+  /// The first time in [0, length] at which law i, which keeps its state while sign · (side · e -
+  /// threshold) > 0, has to change it; 2 where there is none. One that has just changed begins at
+  /// its threshold, which is taken out of the polynomial.
+  WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
+    const Threshold& t = thresholds_[i];
+    const int degree = task_.degree;
+    V g[kMaxDegree + 2], falls[kMaxDegree + 1];
+    for (int k = 0; k <= degree; ++k) {
+      g[k] = terms[k][t.b] - terms[k][t.a];
+      g[k] = sign_[i] * (t.side * g[k] - (k == 0 ? t.threshold : V{}));
+    }
+    g[degree + 1] = V{};
+    for (int k = 0; k <= degree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
+    for (int k = 0; k < degree; ++k) falls[k] = -(k + 1) * g[k + 1];
+    const V end = horner(g, degree, length), fall = horner(falls, degree - 1, length);
+    V high = length, at_high = end, found = end < 0.0 ? V{} + 1.0 : V{};
+    // Between ends that are both above, where the tangents at both go below.
+    const V tangents = lanes::max(g[0] + length * g[1], end + length * fall);
+    const V dips = found > 0.0 ? V{} : tangents < 0.0 ? V{} + 1.0 : V{};
+    if (any(dips)) {
+      const V bottom = turn(falls, degree - 1, length, fall, dips);
+      const V depth = horner(g, degree, bottom);
+      const V reached = depth < 0.0 ? dips : V{};
+      high = reached > 0.0 ? bottom : high;
+      at_high = reached > 0.0 ? depth : at_high;
+      found = reached > 0.0 ? reached : found;
+    }
+    if (!any(found)) return V{} + 2.0;
+    const V root = turn(g, degree, high, at_high, found);
+    return found > 0.0 ? root : V{} + 2.0;
+  }
+
+  WHEELTAP_INLINE static V horner(const V* g, int degree, V x) {
+    V sum = g[degree];
+    for (int k = degree - 1; k >= 0; --k) sum = g[k] + x * sum;
+    return sum;
+  }
+
+  /// Where g turns negative in [0, high], g(high) = at_high < 0, in the lanes that are wanted:
+  /// Newton's method, kept between the ends by halving. The last step is at most 1e-4 of a sample
+  /// and leaves about its square; since a tension is continuous at its threshold, the state that
+  /// follows is wrong by the square of that.
+  static V turn(const V* g, int degree, V high, V at_high, V wanted) {
+    V low{}, x = g[0] > 0.0 ? high * g[0] / (g[0] - at_high) : 0.5 * high, open = wanted;
+    for (int i = 0; i < 60 && any(open); ++i) {
+      V value = g[degree], slope{};
+      for (int k = degree - 1; k >= 0; --k) {
+        slope = value + x * slope;
+        value = g[k] + x * value;
+      }
+      low = value >= 0.0 ? x : low;
+      high = value >= 0.0 ? high : x;
+      const V newton = x - value / slope, middle = 0.5 * (low + high);
+      const V inside = newton > low ? (newton < high ? newton : middle) : middle;  // NaN: outside
+      const V moved = lanes::abs(inside - x);
+      x = open > 0.0 ? inside : x;
+      open = moved > 1e-4 ? open : V{};
+    }
+    return x;
+  }
+
+  const Task& task_;
+  const V* c_;
+  Steps steps_;
+  int masses_;
+  V scaled_inverse_[M];  ///< h² / m
+  int switches_ = 0, polynomial_count_ = 0;
+  bool cubes_ = false, accelerometers_ = false;
+  Threshold thresholds_[kMaxThresholds];
+  V sign_[kMaxThresholds];
+  Polynomial polynomials_[kMaxPolynomials];
+};
+
 /// Chains whose laws are all springs beyond a threshold: linear between the switches. A sample in
-/// which no law switches is stepped by the exact solution of its regime. One with a switch is gone
-/// through in pieces, each a Taylor series in time that ends where the first law reaches its
-/// threshold: a step across a switch would be wrong by the square of its length, and by more or
-/// less of it as the switch moves within the step, so that a likelihood is rugged where it is not.
-/// A switch shows in the sign of a law's e - threshold at the end, or in its tangents from both
-/// ends crossing zero; where the sample is long beside the stiffest period all samples are taken in
-/// pieces.
+/// which no law switches is stepped by the exact solution of its regime, one with a switch by
+/// series. A switch shows in the sign of a law's e - threshold at the end, or in its tangents from
+/// both ends crossing zero; where the sample is long beside the stiffest period all samples are
+/// taken by series.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:
-  explicit Piecewise(const Task& task) : Exact<N>(task, true), steps_(task) {
+  explicit Piecewise(const Task& task) : Exact<N>(task, true), series_(task) {
     const int n = order(), j = task.drives;
     for (unsigned r = 0; r <= 1U << task.laws; ++r)
       tables_[r] = {this->take(n * n), this->take(n * j), this->take(n * j), this->take(n), false};
     next_u_ = this->take(j);
-    this->for_each_threshold([&](int i, const LinkTerm& link, V stiffness, V threshold, V side) {
-      thresholds_[i] = {link.a, link.b, side, threshold, stiffness};
-    });
-    for (int i = 0; i < this->masses(); ++i)
-      scaled_inverse_[i + 1] = task.step * task.step / this->c_[i];
-    for (int i = 0; i < task.sensors; ++i) accelerometers_ |= task.sensor[i].quantity == 2;
   }
 
   void run() {
@@ -647,8 +943,7 @@ class Piecewise : private Exact<N> {
     V x[kOrder], next[kOrder], peak{};
     WHEELTAP_UNROLL
     for (int i = 0; i < n; ++i) x[i] = this->c_[task().initial_slot + i] * (i < m ? 1.0 : h);
-    for (int i = 0; i < laws; ++i)
-      sign_[i] = level(thresholds_[i], x) > 0.0 ? V{} + 1.0 : V{} - 1.0;
+    start(x);
     const Table* table = choose();
     Output output(task());
     this->excite(0);
@@ -669,9 +964,10 @@ class Piecewise : private Exact<N> {
       }
       V switched = V{} + (task().substeps > kFewPieces ? 1.0 : 0.0);
       for (int i = 0; i < laws; ++i) {
-        const Threshold& t = thresholds_[i];
-        const V before = sign_[i] * level(t, x), rise = sign_[i] * rate(t, x);
-        const V after = sign_[i] * level(t, next), fall = sign_[i] * rate(t, next);
+        const Threshold& t = series_.threshold(i);
+        const V sign = series_.sign(i);
+        const V before = sign * level(t, x), rise = sign * rate(t, x);
+        const V after = sign * level(t, next), fall = sign * rate(t, next);
         const V tangents = lanes::max(before + rise, after - fall);
         switched = after < 0.0 ? V{} + 1.0 : tangents < 0.0 ? V{} + 1.0 : switched;
       }
@@ -695,18 +991,10 @@ class Piecewise : private Exact<N> {
   }
 
  private:
-  using Steps = RungeKutta<N, kSerial, AnyLaw>;
+  using Threshold = Series<N, kSerial>::Threshold;
   static constexpr int kOrder = Exact<N>::kOrder;
-  static constexpr int M = Steps::M;
-  /// Of the series. A piece is at most 0.7 / ω long: the velocity loses 0.7¹²/12! = 3e-11 at most.
-  static constexpr int kDegree = 12;
+  static constexpr int M = Series<N, kSerial>::M;
   static constexpr int kFewPieces = 2;
-  /// Switches in one sample; a law that chatters about its threshold ends there.
-  static constexpr int kMostSwitches = 32;
-  struct Threshold {
-    int a, b;
-    V side, threshold, stiffness;
-  };
   struct Table {
     V *transition, *gamma0, *gamma1, *constant;
     bool ready;
@@ -724,7 +1012,7 @@ class Piecewise : private Exact<N> {
   }
   WHEELTAP_INLINE static V end(int mass, const V* x) { return mass == 0 ? V{} : x[mass - 1]; }
 
-  /// The table of the regime that `sign_` says; lanes in different regimes have theirs woven
+  /// The table of the regime that `series_` is in; lanes in different regimes have theirs woven
   /// together.
   [[gnu::noinline]] const Table* choose() {
     unsigned regime[WHEELTAP_LANES];
@@ -732,7 +1020,7 @@ class Piecewise : private Exact<N> {
     for (int lane = 0; lane < WHEELTAP_LANES; ++lane) {
       regime[lane] = 0;
       for (int i = 0; i < task().laws; ++i)
-        if (sign_[i][lane] > 0.0) regime[lane] |= 1U << i;
+        if (series_.sign(i)[lane] > 0.0) regime[lane] |= 1U << i;
       same = same && regime[lane] == regime[0];
       prepare(tables_[regime[lane]], regime[lane]);
     }
@@ -767,63 +1055,24 @@ class Piecewise : private Exact<N> {
     }
   }
 
+  void start(const V* x) {
+    V y[M], v[M];
+    unpack(x, y, v);
+    series_.start(y);
+  }
+
   /// Lanes of `switched` take their next state from series. Returns whether a regime is another at
   /// the end.
   [[gnu::noinline]] bool step(std::int64_t sample, const V* x, V switched, V* next) {
     const int m = this->masses(), laws = task().laws;
-    const V piece = V{} + 1.0 / task().substeps;
-    V y[M], v[M], now[M], then[M], terms[kDegree + 1][M];
-    V before[kMaxThresholds], fresh[kMaxThresholds], root[kMaxThresholds];
-    y[0] = v[0] = V{};
-    WHEELTAP_UNROLL
-    for (int i = 0; i < m; ++i) {
-      y[i + 1] = x[i];
-      v[i + 1] = x[m + i];
-    }
-    for (int i = 0; i < laws; ++i) {
-      before[i] = sign_[i];
-      fresh[i] = V{};
-    }
-    steps_.excite(sample, now);
-    steps_.excite(sample + 1, then);
-    V left = switched;  // of the sample
-    for (int pieces = 0; any(left); ++pieces) {
-      const bool watching = pieces < task().substeps + kMostSwitches;
-      const V length = left > 1.000001 * piece ? piece : left;
-      expand(y, v, now, then, left, terms);
-      V until = length;
-      for (int i = 0; i < laws; ++i) {
-        root[i] =
-            watching ? first_root(thresholds_[i], sign_[i], fresh[i], terms, length) : V{} + 2.0;
-        until = root[i] < until ? root[i] : until;
-      }
-      WHEELTAP_UNROLL
-      for (int i = 1; i <= m; ++i) {
-        V position = terms[kDegree][i], growth = kDegree * terms[kDegree][i];
-        for (int k = kDegree - 1; k >= 0; --k) {
-          position = terms[k][i] + until * position;
-          if (k > 0) growth = k * terms[k][i] + until * growth;
-        }
-        y[i] = left > 0.0 ? position : y[i];
-        v[i] = left > 0.0 ? growth : v[i];
-      }
-      for (int i = 0; i < laws; ++i) {
-        // Found at `until`, or not at all; once there is nothing left no lane switches any more.
-        const V crossed = left > 0.0 ? (root[i] <= until ? V{} + 1.0 : V{}) : V{};
-        sign_[i] = crossed > 0.0 ? -sign_[i] : sign_[i];
-        fresh[i] = crossed > 0.0 ? V{} + 1.0 : until > 0.0 ? V{} : fresh[i];
-      }
-      left = left > 0.0 ? left - until : left;
-      if (!watching) {
-        for (int i = 0; i < laws; ++i) {
-          const V level = reach(thresholds_[i], y);
-          const V sign = level > 0.0 ? V{} + 1.0 : V{} - 1.0;
-          sign_[i] = switched > 0.0 ? sign : sign_[i];
-        }
-      }
-    }
+    V y[M], v[M], now[M], then[M], before[kMaxThresholds];
+    unpack(x, y, v);
+    for (int i = 0; i < laws; ++i) before[i] = series_.sign(i);
+    series_.excite(sample, now);
+    series_.excite(sample + 1, then);
+    series_.advance(y, v, now, then, switched);
     bool changed = false;
-    for (int i = 0; i < laws; ++i) changed = changed || !all(before[i] + sign_[i]);
+    for (int i = 0; i < laws; ++i) changed = changed || !all(before[i] + series_.sign(i));
     for (int i = 0; i < m; ++i) {
       next[i] = switched > 0.0 ? y[i + 1] : next[i];
       next[m + i] = switched > 0.0 ? v[i + 1] : next[m + i];
@@ -831,148 +1080,25 @@ class Piecewise : private Exact<N> {
     return changed;
   }
 
-  /// y_i(τ) = Σ terms[k][i] τᵏ, τ in samples from the time when `left` of this one is to come, by
-  /// the equation of motion of the regime that `sign_` says:
-  ///   (k + 1)(k + 2) y_{k+2} = h² (drive_k + M⁻¹ [-K y_k - C (k + 1) y_{k+1} / h + …]_k).
-  WHEELTAP_INLINE void expand(const V* y, const V* v, const V* now, const V* then, V left,
-                              V terms[][M]) const {
-    const int m = this->masses(), links = kSerial && N > 0 ? N : task().links;
-    const double h2 = task().step * task().step, per_step = 1.0 / task().step;
-    terms[0][0] = terms[1][0] = V{};
-    WHEELTAP_UNROLL
-    for (int i = 1; i <= m; ++i) {
-      terms[0][i] = y[i];
-      terms[1][i] = v[i];
-    }
-    for (int k = 0; k + 2 <= kDegree; ++k) {
-      V pull[M];
-      WHEELTAP_UNROLL
-      for (int i = 0; i <= m; ++i) pull[i] = V{};
-      WHEELTAP_UNROLL
-      for (int l = 0; l < links; ++l) {
-        const LinkTerm& link = task().link[l];
-        const int from = kSerial ? l : link.a, to = kSerial ? l + 1 : link.b;
-        const V e = terms[k][to] - terms[k][from], rate = terms[k + 1][to] - terms[k + 1][from];
-        const V tension =
-            this->c_[link.slot] * e + ((k + 1) * per_step) * this->c_[link.slot + 1] * rate;
-        pull[from] += tension;
-        pull[to] -= tension;
-      }
-      for (int i = 0; i < task().laws; ++i) {
-        const Threshold& t = thresholds_[i];
-        V e = terms[k][t.b] - terms[k][t.a];
-        if (k == 0) e -= t.side * t.threshold;
-        const V tension = sign_[i] > 0.0 ? t.stiffness * e : V{};
-        pull[t.a] += tension;
-        pull[t.b] -= tension;
-      }
-      const double share = 1.0 / ((k + 1) * (k + 2));
-      terms[k + 2][0] = V{};
-      WHEELTAP_UNROLL
-      for (int i = 1; i <= m; ++i) {
-        V sum = scaled_inverse_[i] * pull[i];
-        if (k == 0) sum += h2 * (then[i] + left * (now[i] - then[i]));
-        if (k == 1) sum += h2 * (then[i] - now[i]);
-        terms[k + 2][i] = share * sum;
-      }
-    }
-  }
-
-  /// side · e - threshold.
-  WHEELTAP_INLINE static V reach(const Threshold& t, const V* y) {
-    return t.side * (y[t.b] - y[t.a]) - t.threshold;
-  }
-
-  /// The first time in [0, length] at which a law that keeps its state while sign · (side · e -
-  /// threshold) > 0 has to change it; 2 where there is none. One that has just changed begins at
-  /// its threshold, which is taken out of the polynomial.
-  WHEELTAP_INLINE static V first_root(const Threshold& t, V sign, V fresh, const V terms[][M],
-                                      V length) {
-    V g[kDegree + 2], rates[kDegree + 1];
-    for (int k = 0; k <= kDegree; ++k) {
-      g[k] = terms[k][t.b] - terms[k][t.a];
-      g[k] = sign * (t.side * g[k] - (k == 0 ? t.threshold : V{}));
-    }
-    g[kDegree + 1] = V{};
-    for (int k = 0; k <= kDegree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
-    for (int k = 0; k < kDegree; ++k) rates[k] = -(k + 1) * g[k + 1];
-    const V end = horner<kDegree>(g, length), fall = -horner<kDegree - 1>(rates, length);
-    V high = length, low = end, found = end < 0.0 ? V{} + 1.0 : V{};
-    const V tangents = lanes::max(g[0] + length * g[1], end - length * fall);
-    const V dips = found > 0.0 ? V{} : tangents < 0.0 ? V{} + 1.0 : V{};
-    if (any(dips)) {
-      const V bottom = turn<kDegree - 1>(rates, length, -fall, dips);
-      const V depth = horner<kDegree>(g, bottom);
-      const V reached = depth < 0.0 ? dips : V{};
-      high = reached > 0.0 ? bottom : high;
-      low = reached > 0.0 ? depth : low;
-      found = reached > 0.0 ? reached : found;
-    }
-    if (!any(found)) return V{} + 2.0;
-    const V root = turn<kDegree>(g, high, low, found);
-    return found > 0.0 ? root : V{} + 2.0;
-  }
-
-  template <int kTerms>
-  WHEELTAP_INLINE static V horner(const V* g, V x) {
-    V sum = g[kTerms];
-    for (int k = kTerms - 1; k >= 0; --k) sum = g[k] + x * sum;
-    return sum;
-  }
-
-  /// Where g turns negative in [0, high], g(high) = at_high < 0, in the lanes that are wanted:
-  /// Newton's method, kept between the ends by halving. The last step is at most 1e-4 of a sample
-  /// and leaves about its square; since a tension is continuous at its threshold, the state that
-  /// follows is wrong by the square of that.
-  template <int kTerms>
-  static V turn(const V* g, V high, V at_high, V wanted) {
-    V low{}, x = g[0] > 0.0 ? high * g[0] / (g[0] - at_high) : 0.5 * high, open = wanted;
-    for (int i = 0; i < 60 && any(open); ++i) {
-      V value = g[kTerms], slope{};
-      for (int k = kTerms - 1; k >= 0; --k) {
-        slope = value + x * slope;
-        value = g[k] + x * value;
-      }
-      low = value >= 0.0 ? x : low;
-      high = value >= 0.0 ? high : x;
-      const V newton = x - value / slope, middle = 0.5 * (low + high);
-      const V inside = newton > low ? (newton < high ? newton : middle) : middle;  // NaN: outside
-      const V moved = lanes::abs(inside - x);
-      x = open > 0.0 ? inside : x;
-      open = moved > 1e-4 ? open : V{};
-    }
-    return x;
-  }
-
   WHEELTAP_INLINE void unpack(const V* x, V* y, V* v) const {
     const int m = this->masses();
-    const double rate = 1.0 / task().step;
     y[0] = v[0] = V{};
     WHEELTAP_UNROLL
     for (int i = 0; i < m; ++i) {
       y[i + 1] = x[i];
-      v[i + 1] = rate * x[m + i];
+      v[i + 1] = x[m + i];
     }
   }
 
   WHEELTAP_INLINE void show(Output& output, std::int64_t sample, const V* x) const {
-    V y[Steps::M], v[Steps::M], a[Steps::M];
+    V y[M], v[M];
     unpack(x, y, v);
-    if (accelerometers_) {
-      steps_.accelerations(sample, y, v, a);
-    } else {
-      for (int i = 0; i <= this->masses(); ++i) a[i] = V{};
-    }
-    steps_.emit(output, sample, y, v, a);
+    series_.show(output, sample, y, v);
   }
 
-  Steps steps_;
-  Threshold thresholds_[kMaxThresholds];
-  V sign_[kMaxThresholds];  ///< 1 where a law acts, -1 where it does not
-  V scaled_inverse_[M];     ///< h² / m
+  Series<N, kSerial> series_;
   Table tables_[(1U << kMaxThresholds) + 1];
   V* next_u_;
-  bool accelerometers_ = false;
 };
 
 template <int N>
@@ -1019,6 +1145,27 @@ void run_piecewise(const Task& task) {
     Piecewise<N, false>(task).run();
 }
 
+template <int N>
+void run_series(const Task& task) {
+  if (task.serial)
+    Series<N, true>(task).run();
+  else
+    Series<N, false>(task).run();
+}
+
+inline void series(const Task& task) {
+  switch (task.masses) {
+    case 1:
+      return run_series<1>(task);
+    case 2:
+      return run_series<2>(task);
+    case 3:
+      return run_series<3>(task);
+    default:
+      return Series<0, false>(task).run();
+  }
+}
+
 inline void piecewise(const Task& task) {
   switch (task.masses) {
     case 1:
@@ -1041,6 +1188,7 @@ Kernel WHEELTAP_JOIN(WHEELTAP_KERNEL, _kernel)() {
   return {.lanes = WHEELTAP_LANES,
           .runge_kutta = WHEELTAP_KERNEL::runge_kutta,
           .exact = WHEELTAP_KERNEL::exact,
-          .piecewise = WHEELTAP_KERNEL::piecewise};
+          .piecewise = WHEELTAP_KERNEL::piecewise,
+          .series = WHEELTAP_KERNEL::series};
 }
 }  // namespace wheeltap::dynamics::kernel

@@ -5,9 +5,9 @@
 //   tension(c, e, ė)                  the tension [N] for coefficients c[i], over any vector type
 //   V, slopes(c, e_max), feasible(c)     for the choice of the step; coefficients that make no
 //   sense.
-// One that is a spring beyond a threshold, T_open = c[0] max(0, e - threshold), may say so by
-// threshold(c). One with `kInfo.memory` has tension(c, e, ė, ζ) and memory_rate(c, e, ė, ζ) = ζ̇ for
-// its own state.
+// One that is a power of the extension, T = c[0] e², c[0] e³, may say so by kPower, and one that is
+// a spring beyond a threshold, T_open = c[0] max(0, e - threshold), may say so by threshold(c). One
+// with `kInfo.memory` has tension(c, e, ė, ζ) and memory_rate(c, e, ė, ζ) = ζ̇ for its own state.
 #pragma once
 
 #include <cstddef>
@@ -53,6 +53,12 @@ using LawList = TypeList<laws::Quadratic, laws::Cubic, laws::Bilinear, laws::Con
 template <class Law>
 inline constexpr bool kPiecewiseLinear = Law::kInfo.one_sided&& requires(const double* c) {
   Law::threshold(c);
+};
+
+/// Whether a law is a power of the extension.
+template <class Law>
+inline constexpr bool kPolynomial = requires {
+  Law::kPower;
 };
 
 /// The descriptions of all laws, in the order of Law::kind.

@@ -77,11 +77,11 @@ class Scratch {
 
 /// What a group of parameter vectors must have in common.
 struct Key {
-  int substeps = 0, halvings = 0;
+  int substeps = 0, halvings = 0, degree = 0;
   auto operator<=>(const Key&) const = default;
 };
 
-constexpr Key kInfeasible{-1, -1};
+constexpr Key kInfeasible{-1, -1, -1};
 
 /// What one thread needs to evaluate a batch.
 struct ThreadMemory {
@@ -95,21 +95,31 @@ ThreadMemory& thread_memory() {
   return memory;
 }
 
+int count_thresholds(const Chain& chain) {
+  int count = 0;
+  for (const Link& link : chain.links)
+    for (const Law& law : link.laws)
+      LawList::visit(law.kind, [&](auto l) { count += kPiecewiseLinear<decltype(l)> ? 1 : 0; });
+  return count;
+}
+
 /// Whether kernel::piecewise can integrate the chain.
 bool is_piecewise_linear(const Chain& chain) {
   int laws = 0;
-  bool all = true;
-  for (const Link& link : chain.links)
-    for (const Law& law : link.laws) {
-      ++laws;
-      LawList::visit(law.kind, [&](auto l) { all = all && kPiecewiseLinear<decltype(l)>; });
-    }
-  return all && laws > 0 && laws <= kernel::kMaxThresholds;
+  for (const Link& link : chain.links) laws += static_cast<int>(link.laws.size());
+  return laws > 0 && laws <= kernel::kMaxThresholds && laws == count_thresholds(chain);
 }
 
 constexpr int kMaxSubsteps = 4096;
-// ω times the length of a piece (kernel_impl.hpp, Piecewise), beside a step limit of 0.2 or more.
-constexpr double kSeriesLimit = 0.7;
+
+/// The longest piece of a series [1/ω], at a step limit of 0.2 or more.
+constexpr double kLongestPiece = 0.7;
+
+/// Of a series whose piece is x/ω long, so that of a velocity at most xᴰ/D! = 3e-10 is lost in a
+/// piece; a cubic spring alone has its nearest pole at 3.2/ω, which costs about (x/3.2)ᴰ⁺¹.
+int degree_of_series(double x) {
+  return x <= 0.15 ? 7 : x <= 0.35 ? 9 : kernel::kMaxDegree;
+}
 
 /// The next of 1, 2, 3, 4, 6, 8, 12, …: few different counts, so that parameter vectors share
 /// lanes.
@@ -119,6 +129,13 @@ int ladder(double steps) {
     if (power > 1 && steps <= power + power / 2) return power + power / 2;
   }
   return -1;
+}
+
+/// `frequency` and `damping` in a sample.
+Key with_halvings(Key key, double frequency, double damping) {
+  const double norm = std::max(1.0, frequency * frequency + damping);
+  key.halvings = 1 + static_cast<int>(std::ceil(std::log2(norm)));
+  return key.halvings <= 60 ? key : kInfeasible;
 }
 
 }  // namespace
@@ -164,6 +181,22 @@ struct Simulator::Impl {
            std::span<const double> weights = {}, double limit = 0.0) const;
 };
 
+bool has_series(const Chain& chain) {
+  int polynomials = 0;
+  bool all = true;
+  for (const Link& link : chain.links) {
+    bool polynomial = false;
+    for (const Law& law : link.laws)
+      LawList::visit(law.kind, [&](auto l) {
+        all = all && (kPiecewiseLinear<decltype(l)> || kPolynomial<decltype(l)>);
+        polynomial = polynomial || kPolynomial<decltype(l)>;
+      });
+    polynomials += polynomial ? 1 : 0;
+  }
+  return all && count_thresholds(chain) <= kernel::kMaxThresholds &&
+         polynomials <= kernel::kMaxPolynomials;
+}
+
 void Simulator::Impl::check() {
   validate(chain);
   const int n = chain.size();
@@ -184,6 +217,10 @@ void Simulator::Impl::check() {
          std::to_string(chain.links.size()) + ")");
   if (options.integrator == Integrator::exact && !chain.is_linear())
     fail("the exact solution is for chains without nonlinear laws");
+  if (options.integrator == Integrator::series && !has_series(chain))
+    fail("series are for chains whose laws are powers of the extension (on at most " +
+         std::to_string(kernel::kMaxPolynomials) + " links), bilinear or contact (at most " +
+         std::to_string(kernel::kMaxThresholds) + ")");
   if (options.integrator == Integrator::piecewise && !is_piecewise_linear(chain))
     fail("the piecewise exact solution is for chains with 1 to " +
          std::to_string(kernel::kMaxThresholds) + " laws, all bilinear or contact");
@@ -303,7 +340,9 @@ void Simulator::Impl::compile() {
     integrator = options.substeps > 0         ? Integrator::runge_kutta
                  : chain.is_linear()          ? Integrator::exact
                  : is_piecewise_linear(chain) ? Integrator::piecewise
-                                              : Integrator::runge_kutta;
+                 : has_series(chain) && (options.prefer_series || count_thresholds(chain) > 0)
+                     ? Integrator::series
+                     : Integrator::runge_kutta;
   kernels = make_kernels(options.instructions);
   task.masses = n;
   task.links = static_cast<int>(links.size());
@@ -339,21 +378,22 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
       if (!feasible) return kInfeasible;
     }
   const bool exact = integrator == Integrator::exact;
-  if (integrator == Integrator::runge_kutta && options.substeps > 0) return {options.substeps, 0};
+  if (integrator == Integrator::runge_kutta && options.substeps > 0)
+    return {.substeps = options.substeps};
   const Rates rates = stiffest_rates(chain, theta, options.extension);
   const double h = task.step, frequency = rates.frequency * h, damping = rates.damping * h;
   if (!std::isfinite(frequency) || !std::isfinite(damping)) return kInfeasible;
-  const int substeps = exact                  ? 0
-                       : options.substeps > 0 ? options.substeps
-                       : integrator == Integrator::piecewise
-                           ? ladder(std::max(frequency, damping) /
-                                    (kSeriesLimit * std::min(1.0, options.step_limit / 0.2)))
-                           : ladder(std::max(frequency / options.step_limit, damping));
-  if (substeps < 0) return kInfeasible;
-  if (integrator == Integrator::runge_kutta) return {substeps, 0};
-  const double norm = std::max(1.0, frequency * frequency + damping);
-  const int halvings = 1 + static_cast<int>(std::ceil(std::log2(norm)));
-  return halvings <= 60 ? Key{substeps, halvings} : kInfeasible;
+  if (exact) return with_halvings({}, frequency, damping);
+  const double fastest = std::max(frequency, damping);
+  if (integrator == Integrator::runge_kutta) {
+    const int substeps = ladder(std::max(frequency / options.step_limit, damping));
+    return substeps > 0 ? Key{.substeps = substeps} : kInfeasible;
+  }
+  const double longest = kLongestPiece * std::min(1.0, options.step_limit / 0.2);
+  const int pieces = options.substeps > 0 ? options.substeps : ladder(fastest / longest);
+  if (pieces < 0) return kInfeasible;
+  const Key key{.substeps = pieces, .degree = degree_of_series(fastest / pieces)};
+  return integrator == Integrator::series ? key : with_halvings(key, frequency, damping);
 }
 
 template <class Receive>
@@ -394,7 +434,8 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
       integrator == Integrator::piecewise
           ? kernel::scratch_size(work.masses, work.drives, work.sensors, work.laws)
           : kernel::scratch_size(work.masses, work.drives, work.sensors));
-  if (integrator != Integrator::runge_kutta) work.scratch = memory.exact.take(scratch * most);
+  if (integrator == Integrator::exact || integrator == Integrator::piecewise)
+    work.scratch = memory.exact.take(scratch * most);
   if (sums)
     work.sums = totals;
   else
@@ -418,9 +459,11 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
           table[slot * lanes + lane] = memory.values[set * width + slot];
       }
       work.substeps = group.substeps;
+      work.degree = group.degree;
       work.halvings = group.halvings;
       (integrator == Integrator::exact       ? kernel.exact
        : integrator == Integrator::piecewise ? kernel.piecewise
+       : integrator == Integrator::series    ? kernel.series
                                              : kernel.runge_kutta)(work);
     }
     for (std::size_t i = begin; i < end; ++i)
@@ -456,6 +499,9 @@ const Chain& Simulator::chain() const {
 }
 const SimulatorOptions& Simulator::options() const {
   return impl_->options;
+}
+Integrator Simulator::integrator() const {
+  return impl_->integrator;
 }
 const std::vector<Sensor>& Simulator::sensors() const {
   return impl_->sensors;

@@ -37,6 +37,7 @@ constexpr int kDrawsAMode = 500;     // for the first pilot
 constexpr int kPopulations = 4;      // for the same, of
 constexpr int kManyPeaks = 80;       // components of the mixtures that such samples are fitted by
 constexpr int kPopulation = 500;     // samples each
+constexpr int kLongWarmup = 20000;   // iterations: long enough beside what such samples cost
 constexpr long kLongRecord = 20000;  // samples; of which a search for modes begins with
 constexpr long kGlance = 5000;
 constexpr int kDefaultDraws = 25000;
@@ -207,7 +208,7 @@ class Engine {
         posterior_.notes.push_back(
             "Tempering from the prior missed a mode that a search on growing records found, so the "
             "chains were restarted there.");
-    } else if (problem_.shortened && options_.warmup == 0) {
+    } else if (problem_.shortened && (options_.warmup == 0 || options_.warmup >= kLongWarmup)) {
       if (start_at_populations())
         posterior_.notes.push_back(
             "After tempering from the prior the chains were in different places, so they were "

@@ -10,6 +10,7 @@ namespace wheeltap::dynamics::laws {
 /// the link has two wells at e = ±√(-k/k₃).
 struct Cubic {
   static constexpr LawInfo kInfo{.name = "cubic", .coefficients = {{{"stiffness", "N/m^3"}}}};
+  static constexpr int kPower = 3;
 
   template <class V>
   static V tension(const V* c, V e, V /*rate*/) {

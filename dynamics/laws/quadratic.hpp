@@ -9,6 +9,7 @@ namespace wheeltap::dynamics::laws {
 /// T = k₂ e²: the even part of an asymmetric spring (two wells of unequal depth).
 struct Quadratic {
   static constexpr LawInfo kInfo{.name = "quadratic", .coefficients = {{{"stiffness", "N/m^2"}}}};
+  static constexpr int kPower = 2;
 
   template <class V>
   static V tension(const V* c, V e, V /*rate*/) {
