@@ -8,6 +8,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kShort = " --quiet --chains 2 --warmup 3000 --draws 1000 ";
 
@@ -32,6 +33,32 @@ TEST(SidCommand, WritesWhatTheContractPromises) {
   // 97 % of 200 samples, five standard deviations of a binomial below.
   EXPECT_GT(s["predictive"]["channels"][0]["coverage"].get<double>(), 0.91);
   EXPECT_TRUE(std::filesystem::exists(out / "posterior.nc"));
+}
+
+// At a noise of a hundred-thousandth of the response Runge-Kutta's own steps are too long.
+TEST(SidCommand, RepeatsARunWhoseStepsWereTooLong) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["truth"]["noise"] = 2e-6;
+  for (json& model : c["models"]) model["noise"] = 2e-6;
+  c["parameters"]["k"] = {{"normal", {50.0, 0.01}}};
+  c["parameters"]["k3"] = {{"normal", {1000.0, 0.5}}};
+  const auto run = [&](const std::string& name) {
+    const auto out = where / name;
+    const Outcome done = wheeltap(where, "sid " + where.write_json(name + ".json", c).string() +
+                                             " -o " + out.string() + kShort);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return json::parse(read_all(out / "summary.json"));
+  };
+  const json s = run("automatic");
+  EXPECT_LT(s["integration"]["error_of_steps"]["duffing"].get<double>(), 0.3);
+  EXPECT_THAT(s["diagnostics"]["notes"].dump(), HasSubstr("repeated with Taylor series"));
+  EXPECT_THAT(s["diagnostics"]["warnings"].dump(), Not(HasSubstr("steps a quarter")));
+  c["integration"] = {{"method", "runge-kutta"}};
+  const json fixed = run("fixed");
+  EXPECT_GT(fixed["integration"]["error_of_steps"]["duffing"].get<double>(), 0.3);
+  EXPECT_THAT(fixed["diagnostics"]["warnings"].dump(), HasSubstr("steps a quarter"));
+  EXPECT_GT(s["best_draw"]["duffing"]["k3"].get<double>(), 0.0);
 }
 
 // A softening spring this strong diverges wherever its prior puts it.

@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -265,6 +266,53 @@ TEST(Piecewise, IsSmoothInTheGap) {
   EXPECT_GT(std::abs(ratio(Integrator::runge_kutta) - 16.0), 3.0);
 }
 
+// Twenty periods of the Duffing oscillator, sampled coarsely, against its frequency by the
+// arithmetic-geometric mean; Runge-Kutta's own choice of steps is a hundred times worse.
+TEST(Series, DuffingFreeVibration) {
+  const double amplitude = 2.0;
+  double a = 1.0,
+         b = std::sqrt(1.0 - amplitude * amplitude / (2.0 * (1.0 + amplitude * amplitude)));
+  for (int i = 0; i < 20; ++i) std::tie(a, b) = std::pair(0.5 * (a + b), std::sqrt(a * b));
+  const double period = 2.0 * kPi / (std::sqrt(1.0 + amplitude * amplitude) * a);
+  const Link spring{.stiffness = 1.0, .laws = {make_law<laws::Cubic>({1.0})}};
+  const auto error = [&](SimulatorOptions options) {
+    options.extension = {amplitude};
+    const auto simulator = released(spring, amplitude, 64.0 / period, 1281, options);
+    return std::abs(simulator.simulate({}).values(1280, 0) - amplitude) +
+           std::abs(simulator.simulate({}).values(1280 - 16, 0));  // a quarter before: 0
+  };
+  EXPECT_LT(error({.prefer_series = true}), 1e-8);
+  EXPECT_GT(error({}), 1e-6);
+}
+
+// Quadratic, cubic, bilinear and contact springs on one chain: against Runge-Kutta with steps so
+// fine that even those that straddle a stop are good.
+TEST(Series, AgreesWithRungeKutta) {
+  Chain chain{.masses = {1.0, 2.0, 1.5}};
+  for (int i = 0; i < 3; ++i)
+    chain.links.push_back({.a = i, .b = i + 1, .stiffness = 40.0, .damping = 0.2});
+  chain.links.push_back({.a = 0, .b = 3, .stiffness = 10.0});
+  chain.links[0].laws = {make_law<laws::Quadratic>({20.0}), make_law<laws::Cubic>({300.0}),
+                         make_law<laws::Bilinear>({15.0}, Side::closing)};
+  chain.links[1].laws = {make_law<laws::Contact>({500.0, 0.03}, Side::closing)};
+  chain.links[3].laws = {make_law<laws::Cubic>({200.0})};
+  const Excitation drive{.sample_rate_hz = 25.0,
+                         .forces = {{.mass = 2, .signal = {noise(400, 3, 60.0)}}}};
+  const auto run = [&](SimulatorOptions options) {
+    return Simulator(chain, drive, displacements(3), {}, std::move(options)).simulate({}).values;
+  };
+  const Eigen::MatrixXd series = run({});
+  const auto error = [&](const Eigen::MatrixXd& values) {
+    return (values - series).norm() / series.norm();
+  };
+  const double coarse = error(run({.substeps = 64})), fine = error(run({.substeps = 1024}));
+  EXPECT_LT(fine, 1e-5);
+  EXPECT_GT(coarse / fine, 64.0);
+  EXPECT_LT(error(run({.step_limit = 0.05})), 1e-7);
+  chain.links[1].laws.clear();
+  EXPECT_GT(error(run({})), 0.05);  // it has touched
+}
+
 /// Mode by mode, each with the closed solution of q̈ + 2ζω q̇ + ω² q = p₀ + p′ t over a step.
 Eigen::MatrixXd modal_superposition(const Chain& chain, const Eigen::MatrixXd& force, double h,
                                     const Eigen::VectorXd& y0, const Eigen::VectorXd& v0) {
@@ -468,8 +516,8 @@ struct Everything {
 };
 
 TEST(Lanes, EveryWidthAndCompanyGivesTheSameBits) {
-  enum class Kind { everything, cubic, stops, linear };
-  for (Kind kind : {Kind::everything, Kind::cubic, Kind::stops, Kind::linear})
+  enum class Kind { everything, cubic, stops, springs, linear };
+  for (Kind kind : {Kind::everything, Kind::cubic, Kind::stops, Kind::springs, Kind::linear})
     for (bool serial : {true, false}) {
       Everything everything(serial);
       for (Link& link : everything.chain.links) {
@@ -479,7 +527,8 @@ TEST(Lanes, EveryWidthAndCompanyGivesTheSameBits) {
           const std::string_view name = law_infos()[static_cast<std::size_t>(law.kind)].name;
           const bool stop = name == "bilinear" || name == "contact";
           if (kind == Kind::everything || (kind == Kind::cubic && name == "cubic") ||
-              (kind == Kind::stops && stop))
+              (kind == Kind::stops && stop) ||
+              (kind == Kind::springs && (stop || name == "cubic" || name == "quadratic")))
             link.laws.push_back(law);
         }
       }
@@ -750,6 +799,9 @@ TEST(Simulator, RefusesMisuse) {
   refuses(cubic, drive, sensor, {}, {.integrator = Integrator::exact});
   refuses(cubic, drive, sensor, {}, {.integrator = Integrator::piecewise});
   refuses(chain, drive, sensor, {}, {.integrator = Integrator::piecewise});
+  Chain rubbing = chain;
+  rubbing.links.front().laws = {make_law<laws::Coulomb>({1.0, 0.01})};
+  refuses(rubbing, drive, sensor, {}, {.integrator = Integrator::series});
   Chain wrong = chain;
   wrong.links[0].b = 3;
   refuses(wrong, drive, sensor);
