@@ -16,9 +16,9 @@ using Role = SidChannel::Role;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Share of an excitation's amplitude that may be lost by holding it to first order.
 constexpr int kComparable = 128;   // samples of a window whose spectrum is worth comparing
 constexpr double kPeculiar = 3.0;  // differences of spectra, in terms of their scatter
+/// Share of an excitation's amplitude that may be lost by holding it to first order.
 constexpr double kUpsampledLoss = 3e-3;
 constexpr double kWorthWarning = 0.05;
 /// So many steps from data of a simulation that its error stays far below any noise.

@@ -3,17 +3,15 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <mutex>
 
 #include "inference/diagnostics.hpp"
-#include "inference/evidence/laplace.hpp"
-#include "inference/evidence/tmcmc.hpp"
 #include "inference/parallel.hpp"
 #include "inference/pilot.hpp"
+#include "inference/reporter.hpp"
+#include "inference/starting_points.hpp"
 
 namespace wheeltap::inference {
 
@@ -34,67 +32,12 @@ constexpr double kEnoughModelDraws = 4000.0;
 constexpr double kDisagreement = 10.0;
 constexpr double kWorseMode = 20.0;  // ln: a mode this much below the best one is left
 constexpr int kDrawsAMode = 500;     // for the first pilot
-constexpr int kPopulations = 4;      // for the same, of
 constexpr int kManyPeaks = 80;       // components of the mixtures that such samples are fitted by
-constexpr int kPopulation = 500;     // samples each
 constexpr int kLongWarmup = 20000;   // iterations: long enough beside what such samples cost
-constexpr long kLongRecord = 20000;  // samples; of which a search for modes begins with
-constexpr long kGlance = 5000;
+constexpr long kLongRecord = 20000;  // samples: exploring from the prior costs more than it finds
 constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
-
-// Shares the caller's progress function between threads, and carries its wish to stop.
-class Reporter {
- public:
-  Reporter(const Options& options, int models)
-      : options_(options), visits_(static_cast<std::size_t>(models)) {}
-
-  void begin(const char* stage, double total) {
-    stage_ = stage;
-    total_ = total;
-    done_ = 0.0;
-    last_ = {};  // the first report of a stage comes at once
-  }
-  void evaluated(long n) { evaluations_ += n; }
-  void visited(const std::vector<long>& visits) {
-    const std::scoped_lock lock(mutex_);
-    for (std::size_t m = 0; m < visits.size(); ++m) visits_[m] += visits[m];
-  }
-  /// False where the caller wants to stop.
-  bool advance(double work) {
-    const std::scoped_lock lock(mutex_);
-    done_ += work;
-    const auto now = std::chrono::steady_clock::now();
-    if (!options_.progress || now - last_ < std::chrono::milliseconds(100)) return !stop_;
-    last_ = now;
-    Options::Progress progress{.stage = stage_,
-                               .fraction = std::min(1.0, done_ / total_),
-                               .likelihood_evaluations = evaluations_,
-                               .model_probabilities = {}};
-    long sum = 0;
-    for (const long n : visits_) sum += n;
-    if (sum > 0) {
-      for (const long n : visits_) {
-        progress.model_probabilities.push_back(static_cast<double>(n) / static_cast<double>(sum));
-      }
-    }
-    if (!options_.progress(progress)) stop_ = true;
-    return !stop_;
-  }
-  [[nodiscard]] bool stopped() const { return stop_; }
-
- private:
-  const Options& options_;
-  const char* stage_ = "";
-  double total_ = 1.0;
-  double done_ = 0.0;
-  std::atomic<long> evaluations_{0};
-  std::vector<long> visits_;
-  std::chrono::steady_clock::time_point last_{};
-  std::mutex mutex_;
-  std::atomic<bool> stop_{false};
-};
 
 // One chain through all the stages.
 struct Runner {
@@ -204,16 +147,16 @@ class Engine {
     });
     if (reporter_.stopped()) return;
     if (explored_alike()) {
-      if (problem_.shortened && start_at_modes(search_modes(1), true))
+      if (problem_.shortened && start_at(search_modes(problem_, options_, reporter_, 1), true))
         posterior_.notes.push_back(
             "Tempering from the prior missed a mode that a search on growing records found, so the "
             "chains were restarted there.");
     } else if (problem_.shortened && (options_.warmup == 0 || options_.warmup >= kLongWarmup)) {
-      if (start_at_populations())
+      if (start_at(growing_populations(problem_, options_, reporter_)))
         posterior_.notes.push_back(
             "After tempering from the prior the chains were in different places, so they were "
             "restarted from samples that had seen the record grow.");
-    } else if (start_at_modes(search_modes(options_.chains), false)) {
+    } else if (start_at(search_modes(problem_, options_, reporter_, options_.chains), false)) {
       posterior_.notes.push_back(
           "After tempering from the prior the chains were in different places, so each of them was "
           "restarted near a mode that differential evolution had found for it.");
@@ -228,7 +171,7 @@ class Engine {
       runner.target = std::make_unique<Target>(problem_, options_.prior_only);
       runner.by_rung.assign(1, PilotSamples(problem_.space));
     });
-    const bool started = start_at_modes(climb_with_record(), false);
+    const bool started = start_at(climb_with_record(problem_, options_, reporter_), false);
     if (reporter_.stopped()) return;
     if (!started)
       throw LikelihoodError("no model has a mode that a search on growing records finds");
@@ -255,41 +198,18 @@ class Engine {
            explored + kDisagreement + static_cast<double>(state.z.size());
   }
 
-  // A long record's posterior may be many narrow peaks along a ridge that tempering from the prior
-  // does not find. Samples that see the record grow do (tmcmc.hpp): they take the place of the
-  // coldest ones, a share of them each chain's. False where none were found.
-  bool start_at_populations() {
+  // The samples take the place of the coldest ones, a share of them each chain's. False where there
+  // are none.
+  bool start_at(Populations found) {
+    shared_evaluations_ += found.likelihood_evaluations;
+    if (reporter_.stopped() || found.best < 0) return false;
     const ModelSpace& space = problem_.space;
-    if (!space.kinds().empty() || options_.prior_only) return false;  // births find components
-    reporter_.begin("searching", static_cast<double>(space.size()));
-    std::vector<Eigen::MatrixXd> found(static_cast<std::size_t>(space.size()));
-    int start = -1;
-    double most = -std::numeric_limits<double>::infinity();
-    for (int m = 0; m < space.size() && reporter_.advance(0.0); ++m) {
-      try {
-        Tmcmc samples = tmcmc(problem_, m,
-                              {.seed = options_.seed,
-                               .replicates = kPopulations,
-                               .threads = options_.threads,
-                               .progress = [&](double share) { return reporter_.advance(share); }});
-        shared_evaluations_ += samples.evidence.likelihood_evaluations;
-        reporter_.evaluated(samples.evidence.likelihood_evaluations);
-        const double worth = samples.evidence.log_evidence + space[m].log_prior;
-        if (worth > most) {
-          most = worth;
-          start = m;
-        }
-        found[static_cast<std::size_t>(m)] = std::move(samples.z);
-      } catch (const LikelihoodError&) {  // no place for this model: others will do
-      }
-    }
-    if (reporter_.stopped() || start < 0) return false;
-    for (const Eigen::MatrixXd& z : found) population_.emplace_back(z.transpose());
+    for (const Eigen::MatrixXd& z : found.z) population_.emplace_back(z.transpose());
     each_chain([&](int c, Runner& runner) {
       PilotSamples& cold = runner.by_rung.back();
       cold = PilotSamples(space);
       for (int m = 0; m < space.size(); ++m) {
-        const Eigen::MatrixXd& z = found[static_cast<std::size_t>(m)];
+        const Eigen::MatrixXd& z = found.z[static_cast<std::size_t>(m)];
         State state;
         state.model = m;
         // Of every replicate some: their rows come one after the other.
@@ -297,7 +217,7 @@ class Engine {
           state.z.assign(z.row(i).begin(), z.row(i).end());
           cold.add(state);
         }
-        if (m != start) continue;
+        if (m != found.best) continue;
         runner.target->evaluate(state);
         runner.state = state;
       }
@@ -305,90 +225,10 @@ class Engine {
     return true;
   }
 
-  /// Searchers × models; evidence NaN where there is none.
-  using Modes = std::vector<std::vector<Laplace>>;
-
-  // A posterior that is thousands of times narrower than its prior (a long record) has a ridge that
-  // tempering from the prior does not follow to its end. Each searcher looks for the mode of each
-  // model by itself.
-  [[nodiscard]] Modes search_modes(int searchers) {
-    const ModelSpace& space = problem_.space;
-    if (!space.kinds().empty() || options_.prior_only) return {};  // births find components
-    reporter_.begin("searching", static_cast<double>(space.size()) * searchers);
-    Modes modes(static_cast<std::size_t>(searchers));
-    parallel_for(searchers, options_.threads, [&](int c) {
-      for (int m = 0; m < space.size(); ++m) {
-        modes[static_cast<std::size_t>(c)].push_back(find_mode([&] {
-          return laplace(problem_, m,
-                         {.seed = options_.seed + 7919 * static_cast<std::uint64_t>(c + 1),
-                          .restarts = 1,
-                          .tolerance = 0.1,
-                          .check = false});
-        }));
-      }
-    });
-    return modes;
-  }
-
-  // Samples of the posterior given the first few thousand samples, and Newton steps from the best
-  // of them as the record grows to its whole length.
-  [[nodiscard]] Modes climb_with_record() {
-    const ModelSpace& space = problem_.space;
-    reporter_.begin("searching", static_cast<double>(space.size()));
-    const std::shared_ptr<const Problem> glance = problem_.shortened(kGlance);
-    Modes modes(1);
-    modes.front().resize(static_cast<std::size_t>(space.size()));
-    parallel_for(space.size(), options_.threads, [&](int m) {
-      modes.front()[static_cast<std::size_t>(m)] = find_mode([&] {
-        const Tmcmc samples = tmcmc(*glance, m,
-                                    {.seed = options_.seed,
-                                     .replicates = kPopulations,
-                                     .samples = kPopulation / 5,
-                                     .path = TmcmcPath::growing,
-                                     .threads = 1,
-                                     .progress = [&](double) { return reporter_.advance(0.0); }});
-        long evaluations = samples.evidence.likelihood_evaluations;
-        ModeOptions options{.check = false};
-        double top = -std::numeric_limits<double>::infinity();
-        ModelPosterior posterior(*glance, m);
-        for (Eigen::Index i = 0; i < samples.z.rows(); ++i) {
-          const std::vector<double> z(samples.z.row(i).begin(), samples.z.row(i).end());
-          const double value = posterior(z).log_posterior();
-          if (value > top) options.start = z, top = value;
-        }
-        for (long n = kGlance; n < problem_.samples && !options.start.empty(); n *= 4) {
-          const Optimum mode = maximum_a_posteriori(*problem_.shortened(n), m, options);
-          options.start = mode.z;
-          evaluations += mode.evaluations;
-        }
-        Laplace mode = laplace(problem_, m, options);
-        mode.evidence.likelihood_evaluations += evaluations + posterior.evaluations();
-        return mode;
-      });
-    });
-    return modes;
-  }
-
-  // One mode of one model, or none: other models will do.
-  template <typename Search>
-  [[nodiscard]] Laplace find_mode(Search&& search) {
-    Laplace mode;
-    mode.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
-    if (!reporter_.advance(0.0)) return mode;
-    try {
-      mode = search();
-    } catch (const LikelihoodError&) {
-      return mode;
-    }
-    reporter_.evaluated(mode.evidence.likelihood_evaluations);
-    reporter_.advance(1.0);
-    return mode;
-  }
-
   // The normals about modes take the place of the chains' coldest samples, each searcher's that of
   // its own chains. False where there are none, or where chains have been higher already and
   // `only_missed` is set.
-  bool start_at_modes(const Modes& modes, bool only_missed) {
+  bool start_at(const Modes& modes, bool only_missed) {
     if (modes.empty() || reporter_.stopped()) return false;
     const ModelSpace& space = problem_.space;
     const int searchers = static_cast<int>(modes.size());

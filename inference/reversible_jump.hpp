@@ -16,9 +16,8 @@ struct Options {
   std::uint64_t seed = 1;
   int chains = 4;
   int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
-  int warmup =
-      0;          ///< iterations a chain; 0: chosen by the engine, with what it takes to start well
-  int draws = 0;  ///< kept a chain, after warm-up; 0: 50 000, extended until the run has converged
+  int warmup = 0;   ///< iterations a chain; 0: chosen by the engine, with what a good start takes
+  int draws = 0;  ///< kept a chain, after warm-up; 0: 25 000, extended until the run has converged
   int thin = 0;   ///< iterations a draw; 0: chosen by the engine
   bool prior_only = false;  ///< switch the likelihood off: the run must return the prior
 

@@ -1,0 +1,66 @@
+// What a run tells its caller while it runs.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <vector>
+
+#include "inference/reversible_jump.hpp"
+
+namespace wheeltap::inference {
+
+/// Shares the caller's progress function between threads, and carries its wish to stop.
+class Reporter {
+ public:
+  Reporter(const Options& options, int models)
+      : options_(options), visits_(static_cast<std::size_t>(models)) {}
+
+  void begin(const char* stage, double total) {
+    stage_ = stage;
+    total_ = total;
+    done_ = 0.0;
+    last_ = {};  // the first report of a stage comes at once
+  }
+  void evaluated(long n) { evaluations_ += n; }
+  void visited(const std::vector<long>& visits) {
+    const std::scoped_lock lock(mutex_);
+    for (std::size_t m = 0; m < visits.size(); ++m) visits_[m] += visits[m];
+  }
+  /// False where the caller wants to stop.
+  bool advance(double work) {
+    const std::scoped_lock lock(mutex_);
+    done_ += work;
+    const auto now = std::chrono::steady_clock::now();
+    if (!options_.progress || now - last_ < std::chrono::milliseconds(100)) return !stop_;
+    last_ = now;
+    Options::Progress progress{.stage = stage_,
+                               .fraction = std::min(1.0, done_ / total_),
+                               .likelihood_evaluations = evaluations_,
+                               .model_probabilities = {}};
+    long sum = 0;
+    for (const long n : visits_) sum += n;
+    if (sum > 0) {
+      for (const long n : visits_) {
+        progress.model_probabilities.push_back(static_cast<double>(n) / static_cast<double>(sum));
+      }
+    }
+    if (!options_.progress(progress)) stop_ = true;
+    return !stop_;
+  }
+  [[nodiscard]] bool stopped() const { return stop_; }
+
+ private:
+  const Options& options_;
+  const char* stage_ = "";
+  double total_ = 1.0;
+  double done_ = 0.0;
+  std::atomic<long> evaluations_{0};
+  std::vector<long> visits_;
+  std::chrono::steady_clock::time_point last_{};
+  std::mutex mutex_;
+  std::atomic<bool> stop_{false};
+};
+
+}  // namespace wheeltap::inference
