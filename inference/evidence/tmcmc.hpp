@@ -17,7 +17,7 @@ struct TmcmcOptions {
   std::uint64_t seed = 1;
   int replicates = 8;        ///< independent runs, whose scatter is the standard error; >= 4
   int samples = 500;         ///< a replicate
-  double weight_cov = 1.0;   ///< coefficient of variation of the weights that sets each step of β
+  double weight_cov = 0.5;   ///< coefficient of variation of the weights that sets each step of β
   double acceptances = 6.0;  ///< moves accepted a sample and stage, on average, before going on
                              ///< (half of that as a record grows: there are many stages)
   TmcmcPath path = TmcmcPath::better;
@@ -46,12 +46,13 @@ struct Tmcmc {
 /// lies at the end of a ridge that narrows by and by with the record, but all at once with the
 /// exponent. A few small runs of either kind decide, and are not used otherwise.
 ///
-/// Beyond the papers: β by bisection on the weights' coefficient of variation; systematic
-/// resampling; prior draws of likelihood zero are a step of their own; half of the moves are
-/// drawn from a normal mixture and half are steps with the covariance of one of its components, at
-/// a scale adapted from sweep to sweep, so that separate modes stay balanced; the mixture that
-/// moves one half of the samples is fitted to the other half; sweeps until each sample has moved
-/// several times; everything in log space.
+/// Beyond the papers: β by bisection on the weights' coefficient of variation, half of which is
+/// enough where a posterior bends from step to step (1, as in the paper, lost two nats on a chain
+/// with a stop); systematic resampling; prior draws of likelihood zero are a step of their own;
+/// half of the moves are drawn from a normal mixture and half are steps with the covariance of one
+/// of its components, at a scale adapted from sweep to sweep, so that separate modes stay balanced;
+/// the mixture that moves one half of the samples is fitted to the other half; sweeps until each
+/// sample has moved several times; everything in log space.
 ///
 /// ln Z is the log of the replicates' mean Z. Its standard error is from their scatter, times
 /// √((R-1)/(R-3)) for knowing the scatter from R replicates only (the sd of Student's t).
