@@ -86,6 +86,32 @@ class Output {
   std::int64_t sample_ = -1;
 };
 
+/// Whether trajectories go on, and which of them failed.
+class Watch {
+ public:
+  explicit Watch(const Task& task) : task_(task) {}
+
+  WHEELTAP_INLINE void saw(V displacement) { peak_ = lanes::max(lanes::abs(displacement), peak_); }
+
+  /// Now and then: whether every lane has blown up, or is not worth going on with.
+  WHEELTAP_INLINE bool over(std::int64_t sample, const Output& output) {
+    if (sample % kSamplesBetweenChecks != 0) return false;
+    if (all(outside(peak_, task_.bound))) return true;
+    if (!output.hopeless()) return false;
+    peak_ = V{} + 2.0 * task_.bound;
+    return true;
+  }
+
+  /// `trace` is 0 times the sum of the state: a NaN stays in the state, and shows there.
+  WHEELTAP_INLINE void finish(V trace) const {
+    vectors(task_.failed)[0] = lanes::max(outside(peak_, task_.bound), outside(trace, 0.0));
+  }
+
+ private:
+  const Task& task_;
+  V peak_{};
+};
+
 /// visit(i, link, stiffness, threshold, side) for every law that is a spring beyond a threshold,
 /// the i-th of them.
 template <class Visitor>
@@ -127,7 +153,7 @@ class RungeKutta {
 
   void run() {
     const int n = masses();
-    V y[M], v[M], q[kMaxMemories], drive_now[M], drive_next[M], peak{};
+    V y[M], v[M], q[kMaxMemories], drive_now[M], drive_next[M];
     y[0] = v[0] = V{};
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) {
@@ -136,6 +162,7 @@ class RungeKutta {
     }
     for (int m = 0; m < memories(); ++m) q[m] = V{};
     Output output(task_);
+    Watch watch(task_);
     excite(0, drive_now);
 
     for (std::int64_t sample = 0;; ++sample) {
@@ -150,21 +177,14 @@ class RungeKutta {
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         drive_now[i] = drive_next[i];
-        peak = lanes::max(lanes::abs(y[i]), peak);
+        watch.saw(y[i]);
       }
-      if (sample % kSamplesBetweenChecks == 0) {
-        if (all(outside(peak, task_.bound))) break;
-        if (output.hopeless()) {
-          peak = V{} + 2.0 * task_.bound;
-          break;
-        }
-      }
+      if (watch.over(sample, output)) break;
     }
-    // A NaN stays in the state, where 0 · x shows it.
     V trace{};
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) trace += 0.0 * y[i] + 0.0 * v[i];
-    vectors(task_.failed)[0] = lanes::max(outside(peak, task_.bound), outside(trace, 0.0));
+    watch.finish(trace);
   }
 
   static constexpr int M = (N > 0 ? N : kMaxMasses) + 1;
@@ -568,7 +588,7 @@ class Exact {
 
   void propagate() {
     const int m = masses(), n = order();
-    V w[kOrder], next[kOrder], peak{};
+    V w[kOrder], next[kOrder];
     excite(0);
     WHEELTAP_UNROLL
     for (int i = 0; i < n; ++i) {
@@ -576,6 +596,7 @@ class Exact {
       for (int j = 0; j < inputs_; ++j) w[i] -= gamma1_[i * inputs_ + j] * u_[j];
     }
     Output output(task_);
+    Watch watch(task_);
     for (std::int64_t sample = 0;; ++sample) {
       if (output.due(sample)) {
         WHEELTAP_UNROLL
@@ -594,20 +615,14 @@ class Exact {
       WHEELTAP_UNROLL
       for (int i = 0; i < n; ++i) w[i] = next[i];
       WHEELTAP_UNROLL
-      for (int i = 0; i < m; ++i) peak = lanes::max(lanes::abs(w[i]), peak);
-      if (sample % kSamplesBetweenChecks == 0) {
-        if (all(outside(peak, task_.bound))) break;
-        if (output.hopeless()) {
-          peak = V{} + 2.0 * task_.bound;
-          break;
-        }
-      }
+      for (int i = 0; i < m; ++i) watch.saw(w[i]);
+      if (watch.over(sample, output)) break;
       excite(sample + 1);
     }
     V trace{};
     WHEELTAP_UNROLL
     for (int i = 0; i < n; ++i) trace += 0.0 * w[i];
-    vectors(task_.failed)[0] = lanes::max(outside(peak, task_.bound), outside(trace, 0.0));
+    watch.finish(trace);
   }
 
   const Task& task_;
@@ -660,7 +675,7 @@ class Series {
 
   void run() {
     const int m = masses();
-    V y[M], v[M], now[M], then[M], peak{};
+    V y[M], v[M], now[M], then[M];
     y[0] = v[0] = now[0] = then[0] = V{};
     WHEELTAP_UNROLL
     for (int i = 1; i <= m; ++i) {
@@ -669,6 +684,7 @@ class Series {
     }
     start(y);
     Output output(task_);
+    Watch watch(task_);
     steps_.excite(0, now);
     for (std::int64_t sample = 0;; ++sample) {
       if (output.due(sample)) show(output, sample, y, v);
@@ -678,20 +694,14 @@ class Series {
       WHEELTAP_UNROLL
       for (int i = 1; i <= m; ++i) {
         now[i] = then[i];
-        peak = lanes::max(lanes::abs(y[i]), peak);
+        watch.saw(y[i]);
       }
-      if (sample % kSamplesBetweenChecks == 0) {
-        if (all(outside(peak, task_.bound))) break;
-        if (output.hopeless()) {
-          peak = V{} + 2.0 * task_.bound;
-          break;
-        }
-      }
+      if (watch.over(sample, output)) break;
     }
     V trace{};
     WHEELTAP_UNROLL
     for (int i = 1; i <= m; ++i) trace += 0.0 * y[i] + 0.0 * v[i];
-    vectors(task_.failed)[0] = lanes::max(outside(peak, task_.bound), outside(trace, 0.0));
+    watch.finish(trace);
   }
 
   struct Threshold {
@@ -940,12 +950,13 @@ class Piecewise : private Exact<N> {
   void run() {
     const int m = this->masses(), n = order(), laws = task().laws, inputs = task().drives;
     const double h = task().step;
-    V x[kOrder], next[kOrder], peak{};
+    V x[kOrder], next[kOrder];
     WHEELTAP_UNROLL
     for (int i = 0; i < n; ++i) x[i] = this->c_[task().initial_slot + i] * (i < m ? 1.0 : h);
     start(x);
     const Table* table = choose();
     Output output(task());
+    Watch watch(task());
     this->excite(0);
     for (std::int64_t sample = 0;; ++sample) {
       if (output.due(sample)) show(output, sample, x);
@@ -975,19 +986,13 @@ class Piecewise : private Exact<N> {
       WHEELTAP_UNROLL
       for (int i = 0; i < n; ++i) x[i] = next[i];
       WHEELTAP_UNROLL
-      for (int i = 0; i < m; ++i) peak = lanes::max(lanes::abs(x[i]), peak);
-      if (sample % kSamplesBetweenChecks == 0) {
-        if (all(outside(peak, task().bound))) break;
-        if (output.hopeless()) {
-          peak = V{} + 2.0 * task().bound;
-          break;
-        }
-      }
+      for (int i = 0; i < m; ++i) watch.saw(x[i]);
+      if (watch.over(sample, output)) break;
     }
     V trace{};
     WHEELTAP_UNROLL
     for (int i = 0; i < n; ++i) trace += 0.0 * x[i];
-    vectors(task().failed)[0] = lanes::max(outside(peak, task().bound), outside(trace, 0.0));
+    watch.finish(trace);
   }
 
  private:
