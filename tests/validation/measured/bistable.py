@@ -7,16 +7,15 @@ the stiffness is positive, and the quadratic term has opposite signs: it softens
 import math
 import sys
 
-from measured import Checks, means, nrmse, probabilities, read_case, run, winner
+from measured import Checks, means, nrmse, probabilities, read_case, run, short, winner
 
 program = sys.argv[1]
 check = Checks()
-options = ["--warmup", "3000", "--draws", "1500"]
 
 
 def fit(name):
     case = read_case(name)
-    s = run(program, case, *options)
+    s = run(program, case, *short(3000, 1500))
     best = winner(s)
     e, = nrmse(s, best)
     print(f"     {case['title']}: {best}, NRMSE {100 * e:.1f} %, R-hat {s['diagnostics']['rhat_max']:.3f}")

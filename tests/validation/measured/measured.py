@@ -8,7 +8,13 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from runs import Checks, probabilities, summary  # noqa: F401,E402
 
 SKIPPED = 77  # ctest's SKIP_RETURN_CODE
-SHORT = ["--warmup", "6000", "--draws", "2000"]
+
+
+def short(warmup=6000, draws=2000):
+    """The length of a run; what the program chooses in the long tests (`scripts/test --long`)."""
+    if os.environ.get("WHEELTAP_LONG_TESTS"):
+        return []
+    return ["--warmup", str(warmup), "--draws", str(draws)]
 
 
 def read_case(name):

@@ -7,12 +7,12 @@ simulation error below 1 % on a part of the record that was not fitted.
 import math
 import sys
 
-from measured import SHORT, Checks, elsewhere, means, nrmse, probabilities, read_case, run, winner
+from measured import Checks, elsewhere, means, nrmse, probabilities, read_case, run, short, winner
 
 program = sys.argv[1]
 case = read_case("silverbox.json")
 check = Checks()
-s = run(program, case, *SHORT)
+s = run(program, case, *short())
 check.that(s["diagnostics"]["converged"], f"R-hat {s['diagnostics']['rhat_max']:.3f}: the run has converged")
 check.that(probabilities(s)["linear"] < 1e-3, f"P(linear) = {probabilities(s)['linear']:.4f}")
 best = winner(s)
@@ -29,7 +29,7 @@ check.that(e < 0.01, f"simulation error on samples 20000 to 24000: NRMSE {100 * 
 
 # White residuals: the same place, narrower intervals.
 white = {key: v for key, v in case.items() if key != "residuals"}
-w = run(program, white, *SHORT)
+w = run(program, white, *short())
 ratio = s["parameters"][best]["k3"]["sd"] / w["parameters"][winner(w)]["k3"]["sd"]
 check.that(winner(w) == best and ratio > 1.1,
            f"taking the residuals for white makes the sd of k3 smaller by {ratio:.2f}")
