@@ -53,6 +53,7 @@ Populations growing_populations(const Problem& problem, const Options& options,
       Tmcmc samples = tmcmc(problem, m,
                             {.seed = options.seed,
                              .replicates = kReplicates,
+                             .weight_cov = 1.0,  // for a start; an evidence asks for less
                              .threads = options.threads,
                              .progress = [&](double share) { return reporter.advance(share); }});
       found.likelihood_evaluations += samples.evidence.likelihood_evaluations;
