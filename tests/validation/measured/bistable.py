@@ -7,7 +7,7 @@ the stiffness is positive, and the quadratic term has opposite signs: it softens
 import math
 import sys
 
-from measured import Checks, means, nrmse, probabilities, read_case, run, short, winner
+from measured import Checks, means, nrmse, probabilities, read_case, run, winner
 
 program = sys.argv[1]
 check = Checks()
@@ -15,7 +15,7 @@ check = Checks()
 
 def fit(name):
     case = read_case(name)
-    s = run(program, case, *short(3000, 1500))
+    s = run(program, case)
     best = winner(s)
     e, = nrmse(s, best)
     print(f"     {case['title']}: {best}, NRMSE {100 * e:.1f} %, R-hat {s['diagnostics']['rhat_max']:.3f}")

@@ -7,7 +7,7 @@ against the linear one, and it softens.
 import math
 import sys
 
-from measured import Checks, means, nrmse, probabilities, read_case, run, short
+from measured import Checks, means, nrmse, probabilities, read_case, run
 
 
 def first_mode(k):
@@ -26,7 +26,7 @@ def first_mode(k):
 program = sys.argv[1]
 check = Checks()
 case = read_case("frame_low.json")
-s = run(program, case, *short())
+s = run(program, case)
 p = means(s, "linear")
 f1 = first_mode([p["k1"], p["k2"], p["k3"]])
 check.that(s["diagnostics"]["converged"], f"low level: R-hat {s['diagnostics']['rhat_max']:.3f}, converged")
@@ -34,7 +34,7 @@ check.that(abs(f1 / 1.39 - 1) < 0.03, f"first mode {f1:.3f} Hz, stiffnesses per 
            + ", ".join(f"{p[k]:.0f}" for k in ("k1", "k2", "k3")))
 check.that(max(nrmse(s, "linear")) < 0.15, "NRMSE " + ", ".join(f"{100 * e:.1f} %" for e in nrmse(s, "linear")))
 
-high = run(program, read_case("frame_high.json"), *short())
+high = run(program, read_case("frame_high.json"))
 check.that(probabilities(high)["linear"] < 1e-3, f"high level: P(linear) = {probabilities(high)['linear']:.4f}")
 b = high["parameters"]["cubic"]["b"]
 check.that(b["q97.5"] < 0, f"cubic coefficient {b['mean']:.0f} (N/m^3)/kg, 95 % from {b['q2.5']:.0f} to {b['q97.5']:.0f}")

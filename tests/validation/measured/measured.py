@@ -10,11 +10,11 @@ from runs import Checks, probabilities, summary  # noqa: F401,E402
 SKIPPED = 77  # ctest's SKIP_RETURN_CODE
 
 
-def short(warmup=6000, draws=2000):
+def short():
     """The length of a run; what the program chooses in the long tests (`scripts/test --long`)."""
     if os.environ.get("WHEELTAP_LONG_TESTS"):
         return []
-    return ["--warmup", str(warmup), "--draws", str(draws)]
+    return ["--warmup", "6000", "--draws", "2000"]
 
 
 def read_case(name):
