@@ -29,6 +29,7 @@ constexpr double kFewestWarmup = 6'000;
 /// What repeated runs aim at (step_error), and how many there may be.
 constexpr double kWantedStepError = 0.1;
 constexpr int kMostRepeats = 2;
+constexpr int kMostRefinement = 16;  // of the step limit, in one of them
 
 inference::Options engine_options(const CommonOptions& common, const SamplingOptions& options,
                                   double seconds_a_likelihood) {
@@ -85,14 +86,20 @@ std::optional<dynamics::SimulatorOptions> better_integration(
     const double error = step_error(problem, posterior, m).value_or(0.0);
     if (error <= kLargestStepError) continue;
     needed = true;
-    const auto& chain = problem.misfits[static_cast<std::size_t>(m)].simulator().chain();
-    if (dynamics::has_series(chain) && !problem.sid_case.integration.prefer_series) {
+    const dynamics::Misfit& misfit = problem.misfits[static_cast<std::size_t>(m)];
+    const dynamics::Simulator& simulator = misfit.simulator();
+    const dynamics::SimulatorOptions& now = problem.sid_case.integration;
+    if (dynamics::has_series(simulator.chain()) && !now.prefer_series) {
       better.prefer_series = true;
-    } else {
-      better.step_limit =
-          std::min(better.step_limit, problem.sid_case.integration.step_limit *
-                                          std::max(0.1, std::pow(kWantedStepError / error, 0.25)));
+      continue;
     }
+    // Steps come in few different numbers: halve the limit until there are enough of them.
+    const auto theta = posterior_mean(problem, posterior, m);
+    const double enough = simulator.substeps(theta) * std::pow(error / kWantedStepError, 0.25);
+    int factor = 2;
+    while (factor < kMostRefinement && simulator.refined(factor).substeps(theta) < enough)
+      factor *= 2;
+    better.step_limit = std::min(better.step_limit, now.step_limit / factor);
   }
   return needed ? std::optional(better) : std::nullopt;
 }

@@ -268,7 +268,9 @@ std::optional<double> step_error(const SidProblem& problem, const Posterior& pos
   const auto theta = problem.theta(m, best_draw(problem, posterior, m));
   const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
   const dynamics::Misfit& misfit = problem.misfits[static_cast<std::size_t>(m)];
-  if (misfit.simulator().substeps(theta) <= 0) return {};  // exact
+  const dynamics::Simulator& simulator = misfit.simulator();
+  if (simulator.substeps(theta) <= 0) return {};  // exact
+  if (simulator.options().substeps > dynamics::kMaxSubsteps / kFiner) return {};
   const dynamics::Misfit finer = misfit.refined(kFiner);
   const auto samples = static_cast<std::size_t>(misfit.samples());
   const auto channels = static_cast<std::size_t>(misfit.channels());

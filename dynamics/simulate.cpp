@@ -110,8 +110,6 @@ bool is_piecewise_linear(const Chain& chain) {
   return laws > 0 && laws <= kernel::kMaxThresholds && laws == count_thresholds(chain);
 }
 
-constexpr int kMaxSubsteps = 4096;
-
 /// The longest piece of a series [1/ω], at a step limit of 0.2 or more.
 constexpr double kLongestPiece = 0.7;
 
@@ -490,7 +488,7 @@ Simulator Simulator::refined(int factor) const {
   if (factor < 1) fail("factor = " + std::to_string(factor) + ", must be at least 1");
   SimulatorOptions options = impl_->options;
   options.step_limit /= factor;
-  if (options.substeps > 0) options.substeps = std::min(options.substeps * factor, kMaxSubsteps);
+  options.substeps *= factor;
   return {impl_->chain, impl_->excitation, impl_->sensors, impl_->initial, options};
 }
 

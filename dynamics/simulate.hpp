@@ -73,6 +73,8 @@ enum class Integrator {
 /// The vector instructions to use. Results are the same to the last bit for all of them.
 enum class Instructions { automatic, baseline, avx2, avx512 };
 
+inline constexpr int kMaxSubsteps = 4096;
+
 struct SimulatorOptions {
   Integrator integrator = Integrator::automatic;
   /// For `automatic`: series rather than Runge-Kutta. They lose 1e-9 instead of 1e-5 in a period,
@@ -129,7 +131,8 @@ class Simulator {
   /// ones.
   [[nodiscard]] int substeps(std::span<const double> theta) const;
 
-  /// The same with steps a `factor`-th as long, to see what their length does to a response.
+  /// The same with steps a `factor`-th as long, to see what their length does to a response. Throws
+  /// std::invalid_argument where fixed sub-steps would become more than kMaxSubsteps.
   [[nodiscard]] Simulator refined(int factor) const;
 
   [[nodiscard]] Response simulate(std::span<const double> theta) const;
