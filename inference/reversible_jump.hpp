@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "inference/evidence/model_posterior.hpp"
 #include "inference/target.hpp"
 
 namespace wheeltap::inference {
@@ -36,6 +37,15 @@ struct Options {
   /// Parallel tempering while the draws are made, too, on the ladder that warm-up set. The engine
   /// turns to it by itself where the chains do not agree without it and `draws` is 0.
   bool tempered_draws = false;
+
+  /// Climbs to modes of each model, from as many draws of its prior; 0: chosen by the engine, as
+  /// many as a share of the run's likelihood calls pays for. A mode whose basin holds a share p of
+  /// the prior is missed by all n with probability (1 - p)^n: `Verdict::resolution`.
+  int searches = 0;
+
+  /// Draw from models weighted to be about equally probable, and reweight (Posterior::log_weight):
+  /// probabilities far from one half are then known as well as those near it.
+  bool balance = false;
 
   struct Progress {
     const char* stage;  ///< "exploring", "sampling" …
@@ -67,10 +77,32 @@ struct MoveStatistics {
   long accepted = 0;
 };
 
+/// A mode of one model that a search found.
+struct FoundMode {
+  std::vector<double> x;       ///< physical parameters
+  double log_posterior = 0.0;  ///< in standard normal coordinates
+  long climbs = 0;             ///< that ended there
+  double share = 0.0;          ///< of its model's probability, by importance sampling
+  std::vector<double> drawn;   ///< its share of each chain's draws of the model; NaN where none
+};
+
+/// What is known of one model beside the draws: searches and evidence.
+struct ModelFindings {
+  long climbs = 0;               ///< to modes, each from a draw of the prior
+  std::vector<FoundMode> modes;  ///< separate ones that matter, the weightiest first
+  Evidence annealed;  ///< by sequential Monte Carlo or the ladder, from the prior; NaN: not run
+  Evidence sampled;   ///< by importance sampling from the final mixture
+  Evidence bridged;   ///< by bridge sampling between its draws and that mixture; NaN: too few draws
+};
+
 /// What a run returns.
 struct Posterior {
   const ModelSpace* space = nullptr;  ///< the caller's problem must outlive this
   std::vector<Chain> chains;
+  std::vector<ModelFindings> found;  ///< one a model
+  /// ln of what a draw of each model counts, one a model; empty: all count the same. Not empty
+  /// where `Options::balance` drew models more evenly than they are probable.
+  std::vector<double> log_weight;
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> jumps_proposed;  ///< models × models, after warm-up
   std::vector<std::vector<long>> jumps_accepted;
@@ -87,7 +119,9 @@ struct Posterior {
   double wall_seconds = 0.0;
   bool stopped_early = false;
   bool tempered_draws = false;  ///< the draws were made with parallel tempering
-  long ladder_round_trips = 0;  ///< between β = 0 and β = 1 and back, over all chains; 0 without it
+  long ladder_round_trips = 0;  ///< between β = 0 and β = 1 and back, while drawing, over all chains
+  double barrier = 0.0;  ///< Λ of the ladder (Syed et al. 2022), the largest of any chain; 0: none
+  long impossible = 0;   ///< likelihoods that were NaN or +∞ and counted as -∞
   std::vector<std::string> notes;  ///< what the engine chose, in words
 };
 
