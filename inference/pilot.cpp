@@ -9,6 +9,7 @@
 #include "inference/moves/mixture_transport.hpp"
 #include "inference/moves/model_switch.hpp"
 #include "inference/parallel.hpp"
+#include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
 
@@ -158,12 +159,41 @@ void fit_scales(const Eigen::MatrixXd& states, std::vector<RandomWalk::Block>& b
     const Eigen::MatrixXd centred = part.colwise() - part.rowwise().mean();
     Eigen::MatrixXd covariance =
         centred * centred.transpose() / static_cast<double>(states.cols() - 1);
-    covariance.diagonal().array() += 1e-12;
+    // Keeps a parameter that did not move at all from having no width.
+    covariance.diagonal() *= 1.0 + 1e-10;
+    covariance.diagonal().array() += 1e-30;
     const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
     if (llt.info() != Eigen::Success) continue;
     block.factor =
         2.38 / std::sqrt(static_cast<double>(part.rows())) * Eigen::MatrixXd(llt.matrixL());
   }
+}
+
+// Adds the modes at whose tops the mixture is far thinner than their own normals would have it.
+void cover(const std::vector<NormalMixture::Component>& modes, NormalMixture& mixture) {
+  constexpr double kThin = 5.0;    // ln
+  constexpr double kShare = 0.05;  // of the mixture, for all of them together
+  std::vector<NormalMixture::Component> missing;
+  double weight = 0.0;
+  for (const NormalMixture::Component& mode : modes) {
+    const double own = std::log(mode.weight) - mode.factor.diagonal().array().log().sum() -
+                       kLogSqrt2Pi * static_cast<double>(mode.mean.size());
+    const std::span<const double> top(mode.mean.data(), static_cast<std::size_t>(mode.mean.size()));
+    if (mixture.log_density(top) > own - kThin) continue;
+    missing.push_back(mode);
+    weight += mode.weight;
+  }
+  if (missing.empty()) return;
+  std::vector<NormalMixture::Component> all;
+  for (int k = 0; k < mixture.size(); ++k) {
+    all.push_back(mixture[k]);
+    all.back().weight *= 1.0 - kShare;
+  }
+  for (NormalMixture::Component& mode : missing) {
+    mode.weight *= kShare / weight;
+    all.push_back(std::move(mode));
+  }
+  mixture = NormalMixture(std::move(all));
 }
 
 }  // namespace
@@ -181,9 +211,9 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
   const PilotSamples& cold = by_rung.back();
   double visits = 0.0;
   for (std::size_t m = 0; m < models; ++m) {
-    const double bias = options.bias.empty() ? 0.0 : options.bias[m];
-    fit->weight.push_back((static_cast<double>(cold.visits(static_cast<int>(m))) + 1.0) *
-                          std::exp(-bias));
+    fit->weight.push_back(options.probability.empty()
+                              ? static_cast<double>(cold.visits(static_cast<int>(m))) + 1.0
+                              : options.probability[m]);
     visits += fit->weight.back();
   }
   double total = 0.0;
@@ -206,11 +236,13 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
     if (states.cols() < 4 * (d + 1)) {
       fit->density[at] =
           std::make_unique<NormalMixture>(NormalMixture::standard(static_cast<int>(d)));
+      if (at < options.modes.size()) cover(options.modes[at], *fit->density[at]);
       return;
     }
     Random random(options.seed, at, static_cast<std::uint64_t>(options.round), Purpose::fit);
     fit->density[at] = std::make_unique<NormalMixture>(NormalMixture::fit(
         states.transpose(), {.max_components = options.most_components}, random));
+    if (at < options.modes.size()) cover(options.modes[at], *fit->density[at]);
     fit_scales(states, pilot.scales[at]);
   });
 
@@ -223,10 +255,9 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
   return pilot;
 }
 
-std::vector<double> equal_visits_bias(const PilotFit& fit) {
-  constexpr double kLeast = 0.01;
+std::vector<double> equal_visits_bias(const std::vector<double>& probability, double least) {
   std::vector<double> bias;
-  for (const double weight : fit.weight) bias.push_back(-std::log(std::max(weight, kLeast)));
+  for (const double p : probability) bias.push_back(-std::log(std::max(p, least)));
   return bias;
 }
 

@@ -69,15 +69,20 @@ struct PilotOptions {
   int most_components = 20;          ///< of a mixture
   /// Samples of each model's posterior that the chains may not have met since; {}: none.
   std::vector<Eigen::MatrixXd> besides{};
-  std::vector<double> bias{};  ///< of the coldest samples (Target::set_model_bias); {}: none
+  /// P of each model as far as it is known, one a model; {}: the share of the coldest visits.
+  std::vector<double> probability{};
+  /// Each model's modes as the searches found them; one that the mixture does not cover is added
+  /// to it.
+  std::vector<std::vector<NormalMixture::Component>> modes{};
 };
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
                               const PilotOptions& options);
 
-/// The bias under which all models that the pilot gives at least 1 % are visited about equally
-/// often, and the others no more than that makes them: a proposal for a model can only be as good
-/// as its samples.
-[[nodiscard]] std::vector<double> equal_visits_bias(const PilotFit& fit);
+/// The bias under which all models of at least this probability are visited about equally often,
+/// and the others no more than that makes them: a proposal for a model can only be as good as its
+/// samples.
+[[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
+                                                    double least);
 
 /// All the kernels, the pilot's among them.
 [[nodiscard]] std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem,

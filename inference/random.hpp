@@ -22,7 +22,9 @@ enum class Purpose : std::uint32_t {
   prediction,
   evidence,
   simulation,
-  test
+  test,
+  search,
+  settling
 };
 
 /// A stream of Philox 4x64-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").

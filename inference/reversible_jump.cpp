@@ -6,20 +6,31 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "inference/diagnostics.hpp"
+#include "inference/evidence/bridge_sampling.hpp"
+#include "inference/evidence/comparison.hpp"
+#include "inference/evidence/importance_sampling.hpp"
+#include "inference/kept_draws.hpp"
+#include "inference/model_exploration.hpp"
 #include "inference/parallel.hpp"
 #include "inference/pilot.hpp"
 #include "inference/reporter.hpp"
+#include "inference/standard_normal.hpp"
 #include "inference/starting_points.hpp"
 
 namespace wheeltap::inference {
 
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
 constexpr int kExplorationRungs = 10;
 constexpr int kMaxRungs = 30;
 constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
+constexpr int kLadderScans = 620;        // where the proposals have been fitted before
 constexpr int kFirstScans = 20;
 constexpr int kStepsAScan = 3;
 constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit
@@ -28,16 +39,24 @@ constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each r
 // known to 0.004), and mixtures fitted to few are slow to give them.
 constexpr int kLongTuning = 80000;
 constexpr double kEnoughModelDraws = 4000.0;
-// Chains whose mean log posterior differs by more after exploration have not found the same place.
-constexpr double kDisagreement = 10.0;
-constexpr double kWorseMode = 20.0;  // ln: a mode this much below the best one is left
-constexpr int kDrawsAMode = 500;     // for the first pilot
-constexpr int kManyPeaks = 80;       // components of the mixtures that such samples are fitted by
-constexpr int kLongWarmup = 20000;   // iterations: long enough beside what such samples cost
+constexpr int kSettling = 500;  // iterations at the posterior itself, after the last bias is gone
+constexpr int kManyPeaks = 80;  // components of the mixtures of posteriors with many modes
 constexpr long kLongRecord = 20000;  // samples: exploring from the prior costs more than it finds
 constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
+
+constexpr int kFewModels = 24;       // each of them is explored by itself
+constexpr int kBalancedModels = 64;  // tempered with weights that are learnt
+constexpr int kReachedModels = 12;   // of many: those explored by themselves when they are reached
+constexpr double kReached = 0.01;    // share of the visits
+constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all models together
+constexpr long kLeastBudget = 3000;     // a model's
+constexpr int kEvidenceDraws = 4000;    // of each model's mixture
+constexpr double kLive = 30.0;          // ln: chains start in models this far below the best
+// Models below this probability are visited less than the others while tuning: none of their visits
+// is to be expected among the draws.
+constexpr double kLeastTuned = 1e-4;
 
 // One chain through all the stages.
 struct Runner {
@@ -48,7 +67,7 @@ struct Runner {
   long iteration = 0;
   std::vector<PilotSamples> by_rung;
   std::vector<int> models;  ///< visited in the last round of tuning
-  double explored = 0.0;    ///< mean log posterior at β = 1 in the last round of exploration
+  std::unique_ptr<KeptDraws> kept;
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> proposed, accepted;
 };
@@ -71,13 +90,12 @@ class Engine {
     posterior_.chains.resize(runners_.size());
     posterior_.thin = options_.thin > 0 ? options_.thin : 4;
     posterior_.dimension = problem_.space.max_dimension();
+    each_chain([&](int, Runner& runner) {
+      runner.target = std::make_unique<Target>(problem_, options_.prior_only);
+      runner.by_rung.assign(1, PilotSamples(problem_.space));
+    });
 
-    if (problem_.samples >= kLongRecord && problem_.shortened && problem_.space.kinds().empty() &&
-        !options_.prior_only && !options_.tempered_draws) {
-      explore_growing();
-    } else {
-      explore();
-    }
+    explore();
     if (!reporter_.stopped()) tune();
     posterior_.warmup_evaluations = evaluations() + shared_evaluations_;
     if (!reporter_.stopped()) sample();
@@ -92,6 +110,9 @@ class Engine {
   }
 
  private:
+  [[nodiscard]] std::size_t models() const {
+    return static_cast<std::size_t>(problem_.space.size());
+  }
   [[nodiscard]] long evaluations() const {
     long sum = 0;
     for (const Runner& runner : runners_) sum += runner.target->evaluations();
@@ -104,38 +125,78 @@ class Engine {
                  [&](int c) { job(c, runners_[static_cast<std::size_t>(c)]); });
   }
 
-  // Tempering from the prior, every chain on its own.
+  // ---- exploring ----
+
+  // Where the posterior is, model by model: what tuning starts from.
   void explore() {
+    explorations_.resize(models());
+    log_probability_.assign(models(), kNaN);
+    const bool list = problem_.space.kinds().empty();
+    if (options_.prior_only) {
+      temper(kExplorationScans, false);
+      if (reporter_.stopped()) return;
+      pool();
+      for (std::size_t m = 0; m < models(); ++m)
+        log_probability_[m] = std::max(-700.0, problem_.space[static_cast<int>(m)].log_prior);
+      normalise_probabilities();
+      return fit(0);
+    }
+    if (list && problem_.samples >= kLongRecord && problem_.shortened) {
+      explore_growing();
+    } else if (list && problem_.space.size() <= kFewModels) {
+      std::vector<int> all(models());
+      std::iota(all.begin(), all.end(), 0);
+      explore_each(all, true);
+    } else {
+      temper(kExplorationScans, problem_.space.size() <= kBalancedModels);
+      if (reporter_.stopped()) return;
+      pool();
+      explore_each(reached(), false);
+    }
+    if (reporter_.stopped()) return;
+    estimate_probabilities();
+    start_chains();
+    fit(0);
+  }
+
+  // Parallel tempering over all models, every chain on its own: from the prior, or, once proposals
+  // have been fitted, as a ladder to draw with.
+  void temper(int full_scans, bool balanced, bool fitted = false) {
     const int scans = options_.warmup > 0
                           ? std::max(60, options_.warmup / (2 * kExplorationRungs * kStepsAScan))
-                          : kExplorationScans;
-    reporter_.begin("exploring", static_cast<double>(scans) * options_.chains);
+                          : full_scans;
+    reporter_.begin(fitted ? "setting up the ladder" : "exploring",
+                    static_cast<double>(scans) * options_.chains);
+    std::vector<double> barriers(runners_.size(), 0.0);
     each_chain([&](int c, Runner& runner) {
-      runner.target = std::make_unique<Target>(problem_, options_.prior_only);
       const int rungs = options_.moves.tempering ? kExplorationRungs : 1;
       runner.tempered = std::make_unique<TemperedChain>(
           *runner.target, rungs > 1 ? geometric_ladder(rungs) : std::vector<double>{1.0},
-          [&] { return exploration_kernels(problem_, options_, atlases_); }, options_.seed, c);
+          [&] {
+            return fitted ? sampling_kernels(problem_, options_, atlases_, pilot_)
+                          : exploration_kernels(problem_, options_, atlases_);
+          },
+          options_.seed, c);
       runner.tempered->start();
+      if (fitted) runner.tempered->set_cold(runner.state);
+      if (balanced) runner.tempered->balance_models();
       int done = 0;
       for (int round = kFirstScans; done < scans; round *= 2) {
         const int n = std::min(round, scans - done);
         runner.by_rung.assign(static_cast<std::size_t>(runner.tempered->rungs()),
                               PilotSamples(problem_.space));
-        runner.explored = 0.0;
         for (int i = 0; i < n; ++i) {
           const long before = runner.target->evaluations();
           runner.tempered->scan(kStepsAScan, true, Purpose::exploration);
           for (int r = 0; r < runner.tempered->rungs(); ++r) {
             runner.by_rung[static_cast<std::size_t>(r)].add(runner.tempered->state(r));
           }
-          const State& cold = runner.tempered->cold();
-          runner.explored += (runner.target->log_prior(cold) + cold.log_likelihood) / n;
           reporter_.evaluated(runner.target->evaluations() - before);
           if (!reporter_.advance(1.0)) return;
         }
         done += n;
         if (c == 0) posterior_.warmup += n * kStepsAScan;
+        barriers[static_cast<std::size_t>(c)] = runner.tempered->barrier();
         // Two neighbours a unit of the barrier (Syed et al. 2022, section 4.3), while there is time
         // left.
         if (runner.tempered->rungs() > 1 && done < scans) {
@@ -144,186 +205,252 @@ class Engine {
         }
       }
       runner.state = runner.tempered->cold();
+      runner.target->set_model_bias(std::vector<double>(models(), 0.0));
     });
-    if (reporter_.stopped()) return;
-    if (explored_alike()) {
-      if (problem_.shortened && start_at(search_modes(problem_, options_, reporter_, 1), true))
-        posterior_.notes.push_back(
-            "Tempering from the prior missed a mode that a search on growing records found, so the "
-            "chains were restarted there.");
-    } else if (problem_.shortened && (options_.warmup == 0 || options_.warmup >= kLongWarmup)) {
-      if (start_at(growing_populations(problem_, options_, reporter_)))
-        posterior_.notes.push_back(
-            "After tempering from the prior the chains were in different places, so they were "
-            "restarted from samples that had seen the record grow.");
-    } else if (start_at(search_modes(problem_, options_, reporter_, options_.chains), false)) {
-      posterior_.notes.push_back(
-          "After tempering from the prior the chains were in different places, so each of them was "
-          "restarted near a mode that differential evolution had found for it.");
+    posterior_.barrier = *std::ranges::max_element(barriers);
+  }
+
+  // Ladders differ between chains: their samples are pooled by rank from the cold end.
+  void pool() {
+    std::size_t rungs = 0;
+    for (const Runner& runner : runners_) rungs = std::max(rungs, runner.by_rung.size());
+    hot_.assign(rungs, PilotSamples(problem_.space));
+    for (const Runner& runner : runners_) {
+      for (std::size_t r = 0; r < runner.by_rung.size(); ++r) {
+        hot_[rungs - 1 - r].append(runner.by_rung[runner.by_rung.size() - 1 - r]);
+      }
     }
-    if (reporter_.stopped()) return;
-    fit(0, true);
+  }
+
+  // Of many models, those that matter as far as tempering can tell.
+  [[nodiscard]] std::vector<int> reached() const {
+    std::vector<int> list(models());
+    std::iota(list.begin(), list.end(), 0);
+    if (problem_.space.size() <= kFewModels) return list;
+    const PilotSamples& cold = hot_.back();
+    std::ranges::stable_sort(list, std::ranges::greater{}, [&](int m) { return cold.visits(m); });
+    std::erase_if(list, [&](int m) {
+      return static_cast<double>(cold.visits(m)) < kReached * static_cast<double>(cold.total());
+    });
+    if (list.size() > kReachedModels) list.resize(kReachedModels);
+    return list;
+  }
+
+  // Each model by itself.
+  void explore_each(const std::vector<int>& list, bool anneal) {
+    const auto with_parameters =
+        std::ranges::count_if(list, [&](int m) { return problem_.space[m].dimension > 0; });
+    if (with_parameters == 0 && !anneal) return;
+    const double brief =
+        options_.warmup > 0 ? std::min(1.0, static_cast<double>(options_.warmup) / 20000.0) : 1.0;
+    const long budget = std::max(
+        kLeastBudget, static_cast<long>(brief * static_cast<double>(kSearchBudget) /
+                                        static_cast<double>(std::max<long>(1, with_parameters))));
+    reporter_.begin("searching", static_cast<double>(std::max<long>(1, with_parameters)));
+    for (const int m : list) {
+      if (!std::isfinite(problem_.space[m].log_prior)) continue;
+      ExplorationOptions how{.seed = options_.seed,
+                             .climbs = options_.searches,
+                             .budget = problem_.space.size() > kFewModels ? kLeastBudget : budget,
+                             .anneal = anneal,
+                             .particles = std::max(400, static_cast<int>(1200.0 * brief)),
+                             .threads = options_.threads,
+                             .progress = [&](double share) { return reporter_.advance(share); }};
+      if (!hot_.empty()) how.draws = hot_.back().states(m).transpose();
+      ModelExploration& found = explorations_[static_cast<std::size_t>(m)] =
+          explore_model(problem_, m, how);
+      shared_evaluations_ += found.likelihood_evaluations;
+      reporter_.evaluated(found.likelihood_evaluations);
+      if (reporter_.stopped()) return;
+    }
   }
 
   // Where a long record makes exploring from the prior cost more than it finds.
   void explore_growing() {
-    each_chain([&](int, Runner& runner) {
-      runner.target = std::make_unique<Target>(problem_, options_.prior_only);
-      runner.by_rung.assign(1, PilotSamples(problem_.space));
-    });
-    const bool started = start_at(climb_with_record(problem_, options_, reporter_), false);
+    const Modes modes = climb_with_record(problem_, options_, reporter_);
     if (reporter_.stopped()) return;
-    if (!started)
-      throw LikelihoodError("no model has a mode that a search on growing records finds");
+    bool any = false;
+    for (std::size_t m = 0; m < models(); ++m) {
+      const Laplace& mode = modes.front()[m];
+      shared_evaluations_ += mode.evidence.likelihood_evaluations;
+      if (!std::isfinite(mode.evidence.log_evidence)) continue;
+      any = true;
+      ModelExploration& found = explorations_[m];
+      if (problem_.space[static_cast<int>(m)].dimension == 0) {
+        found.sampled = mode.evidence;
+        found.effective_draws = kInfinity;
+        continue;
+      }
+      found.annealed.log_evidence = found.sampled.log_evidence = kNaN;
+      found.modes.push_back({.z = mode.z,
+                             .log_posterior = kNaN,
+                             .covariance = mode.covariance,
+                             .log_mass = mode.evidence.log_evidence,
+                             .climbs = 1});
+      found.shares = {1.0};
+      found.climbs = 1;
+      const Eigen::MatrixXd factor = Eigen::LLT<Eigen::MatrixXd>(mode.covariance).matrixL();
+      Random random(options_.seed, m, 0, Purpose::search);
+      constexpr Eigen::Index kDraws = 2000;
+      found.population.resize(factor.rows(), kDraws);
+      Eigen::VectorXd u(factor.rows());
+      for (Eigen::Index i = 0; i < kDraws; ++i) {
+        // Half of them at the mode: an actual point of it, where the posterior is no normal.
+        for (double& v : u) v = random.normal();
+        found.population.col(i) =
+            Eigen::Map<const Eigen::VectorXd>(mode.z.data(), factor.rows()) + factor * u;
+      }
+    }
+    if (!any) throw LikelihoodError("no model has a mode that a search on growing records finds");
     posterior_.notes.push_back(
         "The record is long, so the chains were started near modes that were found on its first "
         "samples and followed as it grew.");
-    fit(0, true);
   }
 
-  [[nodiscard]] bool explored_alike() const {
-    const auto [low, high] = std::ranges::minmax_element(runners_, {}, &Runner::explored);
-    return high->explored - low->explored < kDisagreement;
-  }
-
-  [[nodiscard]] bool missed(int model, const Laplace& mode) {
-    Runner& runner = runners_.front();
-    State state;
-    state.model = model;
-    state.z = mode.z;
-    runner.target->evaluate(state);
-    double explored = -std::numeric_limits<double>::infinity();
-    for (const Runner& one : runners_) explored = std::max(explored, one.explored);
-    return runner.target->log_prior(state) + state.log_likelihood >
-           explored + kDisagreement + static_cast<double>(state.z.size());
-  }
-
-  // The samples take the place of the coldest ones, a share of them each chain's. False where there
-  // are none.
-  bool start_at(Populations found) {
-    shared_evaluations_ += found.likelihood_evaluations;
-    if (reporter_.stopped() || found.best < 0) return false;
-    const ModelSpace& space = problem_.space;
-    for (const Eigen::MatrixXd& z : found.z) population_.emplace_back(z.transpose());
-    each_chain([&](int c, Runner& runner) {
-      PilotSamples& cold = runner.by_rung.back();
-      cold = PilotSamples(space);
-      for (int m = 0; m < space.size(); ++m) {
-        const Eigen::MatrixXd& z = found.z[static_cast<std::size_t>(m)];
-        State state;
-        state.model = m;
-        // Of every replicate some: their rows come one after the other.
-        for (Eigen::Index i = c; i < z.rows(); i += options_.chains) {
-          state.z.assign(z.row(i).begin(), z.row(i).end());
-          cold.add(state);
+  // ln P of each model, as well as the explorations know it.
+  void estimate_probabilities() {
+    std::vector<double> by_ladder(models(), kNaN), by_evidence(models(), kNaN);
+    for (std::size_t m = 0; m < models(); ++m) {
+      const double evidence = explorations_[m].log_evidence();
+      if (std::isfinite(evidence))
+        by_evidence[m] = problem_.space[static_cast<int>(m)].log_prior + evidence;
+    }
+    if (!hot_.empty()) {
+      // Visits over what the learnt weights made of them.
+      for (std::size_t m = 0; m < models(); ++m) {
+        double sum = -kInfinity;
+        for (const Runner& runner : runners_) {
+          const auto visits =
+              static_cast<double>(runner.by_rung.back().visits(static_cast<int>(m)));
+          if (visits > 0.0)
+            sum = log_sum_exp(sum, std::log(visits) - runner.tempered->cold_weights()[m]);
         }
-        if (m != found.best) continue;
-        runner.target->evaluate(state);
-        runner.state = state;
-      }
-    });
-    return true;
-  }
-
-  // The normals about modes take the place of the chains' coldest samples, each searcher's that of
-  // its own chains. False where there are none, or where chains have been higher already and
-  // `only_missed` is set.
-  bool start_at(const Modes& modes, bool only_missed) {
-    if (modes.empty() || reporter_.stopped()) return false;
-    const ModelSpace& space = problem_.space;
-    const int searchers = static_cast<int>(modes.size());
-    std::vector<const Laplace*> best(static_cast<std::size_t>(space.size()), nullptr);
-    for (const auto& of_chain : modes) {
-      for (std::size_t m = 0; m < best.size(); ++m) {
-        const Laplace& mode = of_chain[m];
-        shared_evaluations_ += mode.evidence.likelihood_evaluations;
-        if (std::isfinite(mode.evidence.log_evidence) &&
-            (best[m] == nullptr || mode.evidence.log_evidence > best[m]->evidence.log_evidence)) {
-          best[m] = &mode;
-        }
+        by_ladder[m] = sum;
       }
     }
-    int start = -1;
-    const auto worth = [&](int m) {
-      return best[static_cast<std::size_t>(m)]->evidence.log_evidence + space[m].log_prior;
-    };
-    for (int m = 0; m < space.size(); ++m) {
-      if (best[static_cast<std::size_t>(m)] == nullptr) continue;
-      if (start < 0 || worth(m) > worth(start)) start = m;
+    // The two are brought to one scale by the models that both know.
+    double shift = 0.0, known = 0.0;
+    for (std::size_t m = 0; m < models(); ++m) {
+      if (!std::isfinite(by_ladder[m]) || !std::isfinite(by_evidence[m])) continue;
+      shift += by_evidence[m] - by_ladder[m];
+      known += 1.0;
     }
-    if (start < 0 || (only_missed && !missed(start, *best[static_cast<std::size_t>(start)])))
-      return false;
+    if (known > 0.0) shift /= known;
+    double top = -kInfinity;
+    for (std::size_t m = 0; m < models(); ++m) {
+      double& p = log_probability_[m] =
+          std::isfinite(by_evidence[m]) ? by_evidence[m] : by_ladder[m] + shift;
+      if (std::isnan(p)) p = -kInfinity;
+      top = std::max(top, p);
+    }
+    for (double& p : log_probability_) p = std::max(p - top, -700.0);
+    normalise_probabilities();
+  }
+
+  void normalise_probabilities() {
+    probability_.assign(models(), 0.0);
+    double sum = 0.0;
+    for (std::size_t m = 0; m < models(); ++m)
+      sum += probability_[m] = std::exp(log_probability_[m]);
+    for (double& p : probability_) p /= sum;
+  }
+
+  // Chains start in different models where several are possible, at draws of the populations.
+  void start_chains() {
+    std::vector<int> live;
+    double best = -kInfinity;
+    for (const double p : log_probability_) best = std::max(best, p);
+    for (std::size_t m = 0; m < models(); ++m)
+      if (log_probability_[m] > best - kLive) live.push_back(static_cast<int>(m));
     each_chain([&](int c, Runner& runner) {
-      Random random(options_.seed, static_cast<std::uint64_t>(c), 0, Purpose::adaptation);
-      PilotSamples& cold = runner.by_rung.back();
-      cold = PilotSamples(space);
-      for (int m = 0; m < space.size(); ++m) {
-        const auto at = static_cast<std::size_t>(m);
-        if (best[at] == nullptr) continue;
-        const Laplace* mode = &modes[static_cast<std::size_t>(c % searchers)][at];
-        if (!(mode->evidence.log_evidence > best[at]->evidence.log_evidence - kWorseMode)) {
-          mode = best[at];
-        }
-        const Eigen::MatrixXd factor = Eigen::LLT<Eigen::MatrixXd>(mode->covariance).matrixL();
+      Random random(options_.seed, static_cast<std::uint64_t>(c), 1, Purpose::start);
+      for (std::size_t attempt = 0; attempt < 20 * live.size(); ++attempt) {
         State state;
-        state.model = m;
-        state.z = mode->z;
-        Eigen::VectorXd u(factor.rows());
-        for (int i = 0; i < kDrawsAMode; ++i) {
-          for (double& value : u) value = random.normal();
-          const Eigen::VectorXd step = factor * u;
-          for (std::size_t j = 0; j < state.z.size(); ++j) {
-            state.z[j] = mode->z[j] + step[static_cast<Eigen::Index>(j)];
+        state.model = live[(static_cast<std::size_t>(c) + attempt) % live.size()];
+        const auto m = static_cast<std::size_t>(state.model);
+        const Eigen::MatrixXd& population = explorations_[m].population;
+        if (problem_.space[state.model].dimension > 0) {
+          if (population.cols() > 0) {
+            const auto column = population.col(random.index(static_cast<int>(population.cols())));
+            state.z.assign(column.begin(), column.end());
+          } else if (!hot_.empty() && hot_.back().visits(state.model) > 0) {
+            const Eigen::MatrixXd states = hot_.back().states(state.model);
+            const auto column = states.col(random.index(static_cast<int>(states.cols())));
+            state.z.assign(column.begin(), column.end());
+          } else {
+            continue;
           }
-          cold.add(state);
         }
-        if (m != start) continue;
-        // The last draw, unless the posterior is no normal and has it in a valley.
-        State at_mode = state;
-        at_mode.z = mode->z;
+        runner.target->sort_components(state);
         runner.target->evaluate(state);
-        runner.target->evaluate(at_mode);
-        const auto value = [&](const State& s) {
-          return runner.target->log_prior(s) + s.log_likelihood;
-        };
-        const auto usual = 5.0 + 2.0 * static_cast<double>(state.z.size());
-        if (!(value(state) > value(at_mode) - usual)) state = at_mode;
-        runner.state = state;
+        if (!std::isfinite(state.log_likelihood)) continue;
+        runner.state = std::move(state);
+        return;
       }
+      runner.state = start_from_prior(*runner.target, random);
     });
-    return true;
   }
 
   // Pools what the chains have seen and freezes the proposals that follow from it.
-  void fit(int round, bool tempered) {
-    std::vector<PilotSamples> pooled;
-    if (tempered) {
-      // Ladders differ between chains: pool by rank from the cold end.
-      std::size_t rungs = 0;
-      for (const Runner& runner : runners_) rungs = std::max(rungs, runner.by_rung.size());
-      pooled.assign(rungs, PilotSamples(problem_.space));
-      for (const Runner& runner : runners_) {
-        for (std::size_t r = 0; r < runner.by_rung.size(); ++r) {
-          pooled[rungs - 1 - r].append(runner.by_rung[runner.by_rung.size() - 1 - r]);
-        }
-      }
-      hot_ = pooled;
-    } else {
-      pooled = hot_;
+  void fit(int round) {
+    std::vector<PilotSamples> pooled = hot_;
+    if (round > 0 || pooled.empty()) {
       pooled.emplace_back(problem_.space);
-      for (const Runner& runner : runners_) pooled.back().append(runner.by_rung.back());
+      if (round > 0)
+        for (const Runner& runner : runners_) pooled.back().append(runner.by_rung.back());
     }
+    if (round > 0) learn_probabilities(pooled.back());
     // The last fit is the one that is used; the first two only have to lead there.
     const bool last = round >= static_cast<int>(kTuning.size());
-    pilot_ = fit_pilot(problem_.space, pooled,
-                       {.seed = options_.seed,
-                        .round = round,
-                        .threads = options_.threads,
-                        .most_samples = last ? 12000 : 3000,
-                        .most_components = population_.empty() ? 20 : kManyPeaks,
-                        .besides = population_,
-                        .bias = tempered ? std::vector<double>{} : bias_});
+    PilotOptions how{.seed = options_.seed,
+                     .round = round,
+                     .threads = options_.threads,
+                     .most_samples = last ? 12000 : 3000,
+                     .most_components = 20,
+                     .besides = {},
+                     .probability = probability_,
+                     .modes = {}};
+    if (!explorations_.empty()) {
+      for (const ModelExploration& found : explorations_) {
+        how.besides.push_back(found.population);
+        how.modes.emplace_back();
+        for (std::size_t k = 0; k < found.modes.size() && k < 40; ++k) {
+          const Mode& mode = found.modes[k];
+          how.modes.back().push_back({std::max(found.shares[k], 1e-3),
+                                      Eigen::Map<const Eigen::VectorXd>(
+                                          mode.z.data(), static_cast<Eigen::Index>(mode.z.size())),
+                                      Eigen::LLT<Eigen::MatrixXd>(mode.covariance).matrixL()});
+        }
+        if (found.modes.size() > 10) how.most_components = kManyPeaks;
+      }
+    }
+    pilot_ = fit_pilot(problem_.space, pooled, how);
   }
+
+  // From the last round's visits, of the models that had enough of them; the others keep their
+  // place beside those.
+  void learn_probabilities(const PilotSamples& cold) {
+    constexpr long kEnough = 30;
+    if (bias_.empty()) return;
+    double visited = -kInfinity, before = -kInfinity;
+    std::vector<double> by_visits(models(), kNaN);
+    for (std::size_t m = 0; m < models(); ++m) {
+      const long visits = cold.visits(static_cast<int>(m));
+      if (visits < kEnough) continue;
+      by_visits[m] = std::log(static_cast<double>(visits)) - bias_[m];
+      visited = log_sum_exp(visited, by_visits[m]);
+      before = log_sum_exp(before, log_probability_[m]);
+    }
+    if (!std::isfinite(before)) before = visited;
+    for (std::size_t m = 0; m < models(); ++m)
+      log_probability_[m] =
+          std::isfinite(by_visits[m]) ? by_visits[m] - visited : log_probability_[m] - before;
+    const double top = *std::ranges::max_element(log_probability_);
+    for (double& p : log_probability_) p = std::isfinite(p) ? std::max(p - top, -700.0) : -700.0;
+    normalise_probabilities();
+  }
+
+  // ---- tuning ----
 
   // At the target itself, with all the moves, adapting; each round ends in a fit to better samples.
   // The models are visited about equally, so that each has its share of those.
@@ -338,7 +465,7 @@ class Engine {
               ? static_cast<int>(static_cast<double>(options_.warmup) / 2 * kTuning[round] / total)
               : kTuning[round];
       done += tune_once(done, steps);
-      if (!reporter_.stopped()) fit(static_cast<int>(round) + 1, false);
+      if (!reporter_.stopped()) fit(static_cast<int>(round) + 1);
     }
     if (!reporter_.stopped() && options_.warmup == 0) {
       const int thin = posterior_.thin;
@@ -347,21 +474,27 @@ class Engine {
       if (longest > kTuning.back() && tuned_model_draws() < kEnoughModelDraws) {
         reporter_.begin("tuning on", static_cast<double>(longest) * options_.chains);
         done += tune_once(done, longest);
-        if (!reporter_.stopped()) fit(static_cast<int>(kTuning.size()) + 1, false);
+        if (!reporter_.stopped()) fit(static_cast<int>(kTuning.size()) + 1);
       }
     }
-    const std::vector<double> none(static_cast<std::size_t>(problem_.space.size()), 0.0);
-    for (Runner& runner : runners_) runner.target->set_model_bias(none);
+    // The draws' own bias: none, or, where models are to be drawn evenly, what makes them even.
+    sampling_bias_ = options_.balance ? equal_visits_bias(probability_, 1e-12)
+                                      : std::vector<double>(models(), 0.0);
+    if (options_.balance) {
+      for (const double b : sampling_bias_) posterior_.log_weight.push_back(-b);
+    }
+    for (Runner& runner : runners_) runner.target->set_model_bias(sampling_bias_);
     posterior_.warmup += done;
   }
 
   int tune_once(int done, int steps) {
-    bias_ = equal_visits_bias(*pilot_.fit);
+    bias_ = equal_visits_bias(probability_, kLeastTuned);
     each_chain([&](int c, Runner& runner) {
       runner.target->set_model_bias(bias_);
       runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
       runner.by_rung.assign(1, PilotSamples(problem_.space));
       runner.models.clear();
+      long before = runner.target->evaluations();
       for (int i = 0; i < steps; ++i) {
         Random random(options_.seed, static_cast<std::uint64_t>(c),
                       static_cast<std::uint64_t>(done + i), Purpose::adaptation);
@@ -369,7 +502,11 @@ class Engine {
         runner.kernels->step(runner.state, {*runner.target, random, 1.0, true}, outcome);
         runner.by_rung[0].add(runner.state);
         runner.models.push_back(runner.state.model);
-        if (i % 64 == 63 && !reporter_.advance(64.0)) return;
+        if (i % 64 == 63) {
+          reporter_.evaluated(runner.target->evaluations() - before);
+          before = runner.target->evaluations();
+          if (!reporter_.advance(64.0)) return;
+        }
       }
     });
     return steps;
@@ -378,7 +515,7 @@ class Engine {
   // Effective draws of the least certain model's indicator in the last round of tuning; infinite
   // where one model has all the probability.
   [[nodiscard]] double tuned_model_draws() const {
-    double least = std::numeric_limits<double>::infinity();
+    double least = kInfinity;
     for (int m = 0; m < problem_.space.size(); ++m) {
       const double p = pilot_.fit->weight[static_cast<std::size_t>(m)];
       if (p < 0.02 || p > 0.98) continue;
@@ -392,15 +529,19 @@ class Engine {
     return least;
   }
 
+  // ---- drawing ----
+
   void sample() {
     posterior_.tempered_draws = options_.tempered_draws;
+    if (posterior_.tempered_draws && !runners_.front().tempered) set_up_ladder();
     prepare_sampling();
     const int first = options_.draws > 0 ? options_.draws : kDefaultDraws;
     reporter_.begin("sampling", static_cast<double>(first) * options_.chains);
     draw(first);
+    weigh();
     if (options_.draws == 0) {
       while (!reporter_.stopped() && posterior_.draws < kMaxDraws && !converged()) {
-        if (!posterior_.tempered_draws && runners_.front().tempered && options_.moves.tempering &&
+        if (!posterior_.tempered_draws && options_.moves.tempering && !options_.prior_only &&
             !chains_agree()) {
           restart_tempered();
           continue;
@@ -408,18 +549,25 @@ class Engine {
         const int more = std::min(posterior_.draws, kMaxDraws - posterior_.draws);
         reporter_.begin("sampling on", static_cast<double>(more) * options_.chains);
         draw(more);
+        weigh();
       }
     }
     collect();
   }
 
-  // Chains that disagree have not seen the same modes: what they drew becomes warm-up, and the
-  // ladder stays in use from here on.
+  void set_up_ladder() {
+    temper(kLadderScans, problem_.space.size() <= kBalancedModels, true);
+    for (Runner& runner : runners_) runner.target->set_model_bias(sampling_bias_);
+  }
+
+  // Chains that disagree have not seen the same modes: what they drew becomes warm-up, and a
+  // ladder is in use from here on.
   void restart_tempered() {
     posterior_.tempered_draws = true;
     posterior_.notes.push_back(
         "The chains disagreed, so they were restarted with parallel tempering throughout.");
     posterior_.warmup += posterior_.draws * posterior_.thin;
+    set_up_ladder();
     posterior_.warmup_evaluations = evaluations() + shared_evaluations_;
     posterior_.draws = 0;
     if (options_.thin == 0) posterior_.thin = 1;  // a scan is a step of every rung already
@@ -428,21 +576,41 @@ class Engine {
     reporter_.begin("sampling with tempering",
                     static_cast<double>(kDefaultDraws) * options_.chains);
     draw(kDefaultDraws);
+    weigh();
   }
 
   void prepare_sampling() {
-    const auto models = static_cast<std::size_t>(problem_.space.size());
-    each_chain([&](int, Runner& runner) {
+    each_chain([&](int c, Runner& runner) {
       const auto make = [&] { return sampling_kernels(problem_, options_, atlases_, pilot_); };
       runner.kernels = make();
-      if (posterior_.tempered_draws) runner.tempered->set_kernels(make);
+      runner.kept = std::make_unique<KeptDraws>(problem_.space);
+      if (posterior_.tempered_draws) {
+        runner.tempered->set_kernels(make);
+        runner.tempered->set_cold_weights(sampling_bias_);
+        runner.tempered->set_cold(runner.state);
+        runner.tempered->reset_round_trips();
+      }
       runner.moves.clear();
       for (int i = 0; i < runner.kernels->size(); ++i) {
         runner.moves.push_back({.name = (*runner.kernels)[i].name()});
       }
-      runner.proposed.assign(models, std::vector<long>(models));
+      // The chains come from a distribution over models that was biased: they settle before they
+      // count.
+      const int settling = options_.warmup > 0 ? std::min(kSettling, options_.warmup) : kSettling;
+      for (int i = 0; i < settling; ++i) {
+        if (posterior_.tempered_draws) {
+          if (i % kStepsAScan == 0) runner.tempered->scan(1, false, Purpose::settling);
+          continue;
+        }
+        Random random(options_.seed, static_cast<std::uint64_t>(c), static_cast<std::uint64_t>(i),
+                      Purpose::settling);
+        Kernel::Outcome outcome;
+        runner.kernels->step(runner.state, {*runner.target, random, 1.0, false}, outcome);
+      }
+      runner.proposed.assign(models(), std::vector<long>(models()));
       runner.accepted = runner.proposed;
     });
+    posterior_.warmup += kSettling;
   }
 
   // `thin` iterations; returns the last move and whether it was accepted.
@@ -513,6 +681,9 @@ class Engine {
     chain.log_likelihood.push_back(state.log_likelihood);
     chain.move.push_back(static_cast<std::int16_t>(move));
     chain.accepted.push_back(accepted ? 1 : 0);
+    const auto m = static_cast<std::size_t>(state.model);
+    runner.kept->add(state, runner.target->log_prior(state) + state.log_likelihood -
+                                problem_.space[state.model].log_prior - sampling_bias_[m]);
     if (state.prediction.size() <= kMaxPredictions) {
       for (const double value : state.prediction)
         chain.prediction.push_back(static_cast<float>(value));
@@ -614,6 +785,115 @@ class Engine {
     return rhat(log_posterior()) < 1.05;
   }
 
+  // Evidence of every model that was explored, from its draws and its mixture's; and how the draws
+  // are shared among its modes.
+  void weigh() {
+    posterior_.found.assign(models(), {});
+    at_mixture_.resize(models());
+    for (int m = 0; m < problem_.space.size(); ++m) {
+      const auto at = static_cast<std::size_t>(m);
+      const ModelExploration& explored = explorations_[at];
+      ModelFindings& found = posterior_.found[at];
+      found.annealed = explored.annealed;
+      found.climbs = explored.climbs;
+      found.sampled.log_evidence = found.sampled.standard_error = kNaN;
+      found.bridged = found.sampled;
+      if (options_.prior_only) continue;
+      describe_modes(m, found);
+      if (problem_.space[m].dimension == 0) {
+        found.sampled = explored.sampled;
+        found.bridged = explored.sampled;
+        continue;
+      }
+      const bool matters = explored.population.cols() > 0 || problem_.space.size() <= kFewModels;
+      if (!matters || !pilot_.fit->density[at] || reporter_.stopped()) continue;
+      std::vector<double>& at_mixture = at_mixture_[at];
+      if (at_mixture.empty()) {
+        long calls = 0;
+        at_mixture = log_importance_ratios(problem_, m, *pilot_.fit->density[at], kEvidenceDraws,
+                                           options_.seed, options_.threads, calls);
+        shared_evaluations_ += calls;
+        evidence_evaluations_ += calls;
+        reporter_.evaluated(calls);
+      }
+      found.sampled = by_importance(at_mixture);
+      // The exploration's own sample may be the better one.
+      if (std::isfinite(explored.sampled.standard_error) &&
+          !(found.sampled.standard_error < explored.sampled.standard_error))
+        found.sampled = explored.sampled;
+      found.bridged = by_bridge(m, at_mixture);
+    }
+  }
+
+  [[nodiscard]] static Evidence by_importance(const std::vector<double>& log_ratios) {
+    Evidence evidence{.log_evidence = kNaN, .standard_error = kNaN};
+    const double top = *std::ranges::max_element(log_ratios);
+    if (top == -kInfinity) return evidence;
+    double sum = 0.0, squares = 0.0;
+    for (const double r : log_ratios) {
+      const double w = std::exp(r - top);
+      sum += w;
+      squares += w * w;
+    }
+    const auto n = static_cast<double>(log_ratios.size());
+    evidence.log_evidence = top + std::log(sum / n);
+    evidence.standard_error = std::sqrt(std::max(0.0, (n * squares / (sum * sum) - 1.0) / (n - 1)));
+    return evidence;
+  }
+
+  [[nodiscard]] Evidence by_bridge(int model, const std::vector<double>& at_mixture) const {
+    constexpr std::size_t kLeast = 100;  // draws of a chain
+    Evidence evidence{.log_evidence = kNaN, .standard_error = kNaN};
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (const Runner& runner : runners_) {
+      if (runner.kept->of(model).size() >= kLeast)
+        least = std::min(least, runner.kept->of(model).size());
+    }
+    if (least == std::numeric_limits<std::size_t>::max()) return evidence;
+    ChainsOf at_draws;
+    const NormalMixture& mixture = *pilot_.fit->density[static_cast<std::size_t>(model)];
+    for (const Runner& runner : runners_) {
+      const KeptDraws::OfModel& kept = runner.kept->of(model);
+      if (kept.size() < kLeast) continue;
+      std::vector<double>& ratios = at_draws.emplace_back();
+      for (std::size_t i = 0; i < least; ++i) {
+        const std::size_t row = i * kept.size() / least;
+        ratios.push_back(kept.log_posterior[row] - mixture.log_density(kept.row(row)));
+      }
+    }
+    const Bridge bridged = bridge(at_draws, at_mixture);
+    if (!bridged.settled || !std::isfinite(bridged.log_evidence)) return evidence;
+    evidence.log_evidence = bridged.log_evidence;
+    evidence.standard_error = bridged.standard_error;
+    return evidence;
+  }
+
+  void describe_modes(int model, ModelFindings& found) const {
+    const ModelExploration& explored = explorations_[static_cast<std::size_t>(model)];
+    const auto precisions = precisions_of(explored.modes);
+    Target target(problem_, true);
+    for (std::size_t k = 0; k < explored.modes.size(); ++k) {
+      State state;
+      state.model = model;
+      state.z = explored.modes[k].z;
+      target.evaluate(state);
+      found.modes.push_back({.x = state.x,
+                             .log_posterior = explored.modes[k].log_posterior,
+                             .climbs = explored.modes[k].climbs,
+                             .share = explored.shares[k],
+                             .drawn = {}});
+    }
+    for (const Runner& runner : runners_) {
+      const KeptDraws::OfModel& kept = runner.kept->of(model);
+      std::vector<double> share(found.modes.size(), kept.size() == 0 ? kNaN : 0.0);
+      for (std::size_t i = 0; i < kept.size() && !found.modes.empty(); ++i) {
+        const int k = nearest_mode(explored.modes, precisions, kept.row(i));
+        if (k >= 0) share[static_cast<std::size_t>(k)] += 1.0 / static_cast<double>(kept.size());
+      }
+      for (std::size_t k = 0; k < found.modes.size(); ++k) found.modes[k].drawn.push_back(share[k]);
+    }
+  }
+
   void collect() {
     for (Runner& runner : runners_) {
       if (posterior_.tempered_draws) {
@@ -646,12 +926,16 @@ class Engine {
   Reporter reporter_;
   Atlases atlases_;
   std::vector<Runner> runners_;
+  std::vector<ModelExploration> explorations_;  ///< one a model
   std::vector<PilotSamples> hot_;
-  std::vector<Eigen::MatrixXd> population_;  ///< of each model, dimension × n; or none
   Pilot pilot_;
-  std::vector<double> bias_;  ///< of the last round of tuning
+  std::vector<double> log_probability_, probability_;  ///< of the models, as far as is known
+  std::vector<double> bias_;                           ///< of the last round of tuning
+  std::vector<double> sampling_bias_;                  ///< of the draws
+  std::vector<std::vector<double>> at_mixture_;  ///< ln π - ln q at draws of each model's mixture
   Posterior posterior_;
-  long shared_evaluations_ = 0;  ///< of no chain in particular
+  long shared_evaluations_ = 0;    ///< of no chain in particular
+  long evidence_evaluations_ = 0;  ///< those of them that weighing the draws took
 };
 
 }  // namespace

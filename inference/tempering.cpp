@@ -8,8 +8,9 @@
 namespace wheeltap::inference {
 
 namespace {
-constexpr long kMaxRungs = 1 << 10;  // streams of one scan
-constexpr int kTries = 1000;         // draws from the prior before giving up
+constexpr long kMaxRungs = 1 << 10;   // streams of one scan
+constexpr int kTries = 1000;          // draws from the prior before giving up
+constexpr double kFirstScans = 60.0;  // t₀: of full gain in learning weights
 }  // namespace
 
 std::vector<double> geometric_ladder(int rungs) {
@@ -72,6 +73,13 @@ TemperedChain::TemperedChain(Target& target, std::vector<double> betas, KernelFa
   direction_.assign(betas_.size(), 0);
   replica_.resize(betas_.size());
   std::iota(replica_.begin(), replica_.end(), 0);
+  weights_.assign(betas_.size(),
+                  std::vector<double>(static_cast<std::size_t>(target.space().size()), 0.0));
+}
+
+void TemperedChain::reset_round_trips() {
+  round_trips_ = 0;
+  direction_.assign(betas_.size(), 0);
 }
 
 void TemperedChain::start() {
@@ -108,6 +116,7 @@ void TemperedChain::scan(int steps, bool adapting, Purpose purpose, const Observ
       }
       continue;
     }
+    target_.set_model_bias(weights_[r]);
     for (int s = 0; s < steps; ++s) {
       Kernel::Outcome outcome;
       const int from = states_[r].model;
@@ -115,12 +124,21 @@ void TemperedChain::scan(int steps, bool adapting, Purpose purpose, const Observ
           kernels_[r]->step(states_[r], {target_, random, betas_[r], adapting}, outcome);
       if (observe && i + 1 == rungs()) observe(kernel, outcome, from);
     }
+    if (balancing_ && adapting) {
+      const double gain = kFirstScans / std::max(kFirstScans, static_cast<double>(scans_));
+      const double share = gain / static_cast<double>(weights_[r].size());
+      for (double& w : weights_[r]) w += share;
+      weights_[r][static_cast<std::size_t>(states_[r].model)] -= gain;
+    }
   }
   Random random = stream(kMaxRungs - 1, Purpose::swap);
   for (int i = static_cast<int>(scans_ % 2); i + 1 < rungs(); i += 2) {
     const auto r = static_cast<std::size_t>(i);
+    const auto low = static_cast<std::size_t>(states_[r].model);
+    const auto high = static_cast<std::size_t>(states_[r + 1].model);
     const double log_ratio =
-        (betas_[r + 1] - betas_[r]) * (states_[r].log_likelihood - states_[r + 1].log_likelihood);
+        (betas_[r + 1] - betas_[r]) * (states_[r].log_likelihood - states_[r + 1].log_likelihood) +
+        weights_[r + 1][low] - weights_[r][low] + weights_[r][high] - weights_[r + 1][high];
     const double alpha = std::exp(std::min(0.0, log_ratio));
     rejection_[r] += 1.0 - alpha;
     ++tried_[r];
@@ -157,6 +175,7 @@ void TemperedChain::adapt_ladder(int count) {
   std::vector<double> betas(static_cast<std::size_t>(count), 0.0);
   std::vector<State> states;
   std::vector<std::unique_ptr<KernelMixture>> kernels;
+  std::vector<std::vector<double>> weights;
   std::size_t segment = 0;
   for (int i = 0; i < count; ++i) {
     const double goal = cumulative.back() * i / (count - 1);
@@ -168,6 +187,7 @@ void TemperedChain::adapt_ladder(int count) {
     betas[static_cast<std::size_t>(i)] = std::exp(low + share * (high - low)) - shift;
     const std::size_t nearest = share < 0.5 ? segment : segment + 1;
     states.push_back(states_[nearest]);
+    weights.push_back(weights_[nearest]);
     kernels.push_back(kernels_[nearest] ? std::move(kernels_[nearest]) : factory_());
   }
   betas.front() = 0.0;
@@ -175,6 +195,8 @@ void TemperedChain::adapt_ladder(int count) {
   betas_ = std::move(betas);
   states_ = std::move(states);
   kernels_ = std::move(kernels);
+  weights_ = std::move(weights);
+  weights_.front().assign(weights_.front().size(), 0.0);  // the prior's own
   rejection_.assign(betas_.size(), 0.0);
   tried_.assign(betas_.size(), 0);
   direction_.assign(betas_.size(), 0);

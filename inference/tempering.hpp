@@ -10,9 +10,18 @@
 namespace wheeltap::inference {
 
 /// One chain's ladder of replicas at inverse temperatures 0 = β_0 < … < β_N = 1, each targeting
-/// prior × likelihood^β. The lowest draws model and parameters afresh from the prior. Neighbours
-/// swap on alternating even and odd pairs, the deterministic scheme of Syed et al. (2022, section
-/// 2), in which round trips do not slow down as the ladder grows.
+///
+///   π_i(m, z) ∝ e^{w_i(m)} · prior(m, z) · likelihood^{β_i}.
+///
+/// The lowest draws model and parameters afresh from the prior (w_0 = 0). Neighbours swap on
+/// alternating even and odd pairs, the deterministic scheme of Syed et al. (2022, section 2), in
+/// which round trips do not slow down as the ladder grows.
+///
+/// The weights w_i(m) keep every model in sight at every temperature: a model whose tempered
+/// evidence dips on the way would otherwise be lost on a joint path, however probable it is at its
+/// end. They are learnt by stochastic approximation while adapting (Liang, Liu & Carroll 2007, JASA
+/// 102:305: w(m) falls by γ_t where the replica is in m, with γ_t = t₀ / max(t₀, t)) and fixed
+/// after.
 class TemperedChain {
  public:
   /// Makes the kernels of one rung.
@@ -26,6 +35,14 @@ class TemperedChain {
   void start();
   /// What happened in one kernel step at β = 1.
   using Observer = std::function<void(int kernel, const Kernel::Outcome& outcome, int from_model)>;
+
+  /// Learns weights from now on, whenever a scan adapts.
+  void balance_models() { balancing_ = true; }
+  /// w of the coldest rung: zeros where the posterior itself is wanted there.
+  void set_cold_weights(const std::vector<double>& weights) { weights_.back() = weights; }
+  [[nodiscard]] const std::vector<double>& cold_weights() const { return weights_.back(); }
+  /// Puts replicas at the warm end's states where they are not impossible: the coldest rung first.
+  void set_cold(const State& state) { states_.back() = state; }
 
   /// `steps` kernel steps in every rung, then one round of swaps.
   void scan(int steps, bool adapting, Purpose purpose, const Observer& observe = nullptr);
@@ -47,8 +64,9 @@ class TemperedChain {
   }
   [[nodiscard]] const State& cold() const { return states_.back(); }
   [[nodiscard]] const KernelMixture& cold_kernels() const { return *kernels_.back(); }
-  /// Trips of a replica from β = 0 to β = 1 and back, completed since the start.
+  /// Trips of a replica from β = 0 to β = 1 and back, completed since the last reset.
   [[nodiscard]] long round_trips() const { return round_trips_; }
+  void reset_round_trips();
 
  private:
   Target& target_;
@@ -60,8 +78,10 @@ class TemperedChain {
   std::vector<std::unique_ptr<KernelMixture>> kernels_;
   std::vector<double> rejection_;  ///< Σ (1 - α) of each pair
   std::vector<long> tried_;
-  std::vector<int> direction_;  ///< of each replica: +1 since β = 0, -1 since β = 1
-  std::vector<int> replica_;    ///< which replica is at each rung
+  std::vector<int> direction_;                ///< of each replica: +1 since β = 0, -1 since β = 1
+  std::vector<int> replica_;                  ///< which replica is at each rung
+  std::vector<std::vector<double>> weights_;  ///< of each rung, one a model
+  bool balancing_ = false;
   long scans_ = 0;
   long round_trips_ = 0;
 };

@@ -1,5 +1,5 @@
-// What a run may vouch for: of each model, whether it was visited and what its evidence says; and of
-// the whole, whether it has converged and, where not, what is not established.
+// What a run may vouch for: of each model, whether it was visited and what its evidence says; and
+// of the whole, whether it has converged and, where not, what is not established.
 #pragma once
 
 #include <limits>
@@ -48,8 +48,8 @@ struct Verdict {
   /// where nothing was searched.
   double resolution = 1.0;
   double rhat_max = std::numeric_limits<double>::quiet_NaN();
-  std::string rhat_worst;  ///< the quantity that has it
-  double ess_model = 0.0;  ///< smallest over the kinds' counts, or the models' indicators
+  std::string rhat_worst;          ///< the quantity that has it
+  double ess_model = 0.0;          ///< smallest over the kinds' counts, or the models' indicators
   double ess_log_posterior = 0.0;  ///< the smaller of bulk and tail
 };
 

@@ -25,6 +25,57 @@ double variance(const std::vector<double>& values, double mean) {
 
 }  // namespace
 
+Bridge bridge(const ChainsOf& at_posterior, const std::vector<double>& at_proposal) {
+  Bridge result;
+  const auto n2 = static_cast<double>(at_proposal.size());
+  const std::size_t chains = at_posterior.size();
+  // All ratios relative to a typical one.
+  std::vector<double> pooled;
+  for (const auto& chain : at_posterior) pooled.insert(pooled.end(), chain.begin(), chain.end());
+  std::ranges::nth_element(pooled, pooled.begin() + static_cast<std::ptrdiff_t>(pooled.size() / 2));
+  const double typical = pooled[pooled.size() / 2];
+  const auto n1 = static_cast<double>(pooled.size());
+  const double effective = std::clamp(ess_mean(at_posterior), 1.0, n1);
+  const double s1 = effective / (effective + n2), s2 = 1.0 - s1;
+  const auto clipped = [&](double log_ratio) {
+    return std::exp(std::min(700.0, log_ratio - typical));
+  };
+  double z = 1.0;
+  for (int iteration = 0; iteration < 1000 && !result.settled; ++iteration) {
+    double numerator = 0.0, denominator = 0.0;
+    for (const double l : at_proposal) {
+      const double r = clipped(l);
+      numerator += r / (s1 * r + s2 * z) / n2;
+    }
+    for (const auto& chain : at_posterior)
+      for (const double l : chain) denominator += 1.0 / (s1 * clipped(l) + s2 * z) / n1;
+    const double next = numerator / denominator;
+    result.settled = std::fabs(next - z) <= 1e-10 * z;
+    z = next;
+    if (!(z > 0.0)) break;
+  }
+  result.log_evidence = typical + std::log(z);
+
+  // f₁ = π/Z / (s₁ π/Z + s₂ q) at the proposal's draws, f₂ = q / (same) at the posterior's:
+  // Var[ln Z] = Var f₁ / (n₂ E² f₁) + τ Var f₂ / (n₁ E² f₂).
+  std::vector<double> f1;
+  f1.reserve(at_proposal.size());
+  double mean1 = 0.0, mean2 = 0.0;
+  for (const double l : at_proposal) {
+    const double r = clipped(l) / z;
+    mean1 += f1.emplace_back(r / (s1 * r + s2)) / n2;
+  }
+  ChainsOf f2(chains);
+  for (std::size_t c = 0; c < chains; ++c)
+    for (const double l : at_posterior[c])
+      mean2 += f2[c].emplace_back(1.0 / (s1 * clipped(l) / z + s2)) / n1;
+  const double relative1 = variance(f1, mean1) / (n2 * mean1 * mean1);
+  const double relative2 = std::pow(mcse_mean(f2) / mean2, 2.0);
+  result.standard_error = std::sqrt(relative1 + relative2);
+  result.effective_draws = ess_mean(f2);
+  return result;
+}
+
 Evidence bridge_sampling(const Problem& problem, int model, const ModelSamples& samples,
                          const BridgeOptions& options) {
   const std::size_t chains = samples.z.size();
@@ -60,56 +111,15 @@ Evidence bridge_sampling(const Problem& problem, int model, const ModelSamples& 
   const std::vector<double> at_proposal = log_importance_ratios(
       problem, model, proposal, n2, options.seed, options.threads, evidence.likelihood_evaluations);
 
-  // All ratios relative to a typical one.
-  std::vector<double> pooled;
-  for (const auto& chain : at_posterior) pooled.insert(pooled.end(), chain.begin(), chain.end());
-  std::ranges::nth_element(pooled, pooled.begin() + static_cast<std::ptrdiff_t>(pooled.size() / 2));
-  const double typical = pooled[pooled.size() / 2];
-  const auto n1 = static_cast<double>(pooled.size());
-  const double effective = std::clamp(ess_mean(at_posterior), 1.0, n1);
-  const double s1 = effective / (effective + n2), s2 = 1.0 - s1;
-  const auto clipped = [&](double log_ratio) {
-    return std::exp(std::min(700.0, log_ratio - typical));
-  };
-  double z = 1.0;
-  bool settled = false;
-  for (int iteration = 0; iteration < 1000 && !settled; ++iteration) {
-    double numerator = 0.0, denominator = 0.0;
-    for (const double l : at_proposal) {
-      const double r = clipped(l);
-      numerator += r / (s1 * r + s2 * z) / n2;
-    }
-    for (const auto& chain : at_posterior)
-      for (const double l : chain) denominator += 1.0 / (s1 * clipped(l) + s2 * z) / n1;
-    const double next = numerator / denominator;
-    settled = std::fabs(next - z) <= 1e-10 * z;
-    z = next;
-    if (!(z > 0.0)) break;
-  }
-  evidence.log_evidence = typical + std::log(z);
-
-  // f₁ = π/Z / (s₁ π/Z + s₂ q) at the proposal's draws, f₂ = q / (same) at the posterior's:
-  // Var[ln Z] = Var f₁ / (n₂ E² f₁) + τ Var f₂ / (n₁ E² f₂).
-  std::vector<double> f1;
-  double mean1 = 0.0, mean2 = 0.0;
-  for (const double l : at_proposal) {
-    const double r = clipped(l) / z;
-    mean1 += f1.emplace_back(r / (s1 * r + s2)) / n2;
-  }
-  ChainsOf f2(chains);
-  for (std::size_t c = 0; c < chains; ++c)
-    for (const double l : at_posterior[c])
-      mean2 += f2[c].emplace_back(1.0 / (s1 * clipped(l) / z + s2)) / n1;
-  const double relative1 = variance(f1, mean1) / (n2 * mean1 * mean1);
-  const double relative2 = std::pow(mcse_mean(f2) / mean2, 2.0);
-  evidence.standard_error = std::sqrt(relative1 + relative2);
-
+  const Bridge bridged = bridge(at_posterior, at_proposal);
+  evidence.log_evidence = bridged.log_evidence;
+  evidence.standard_error = bridged.standard_error;
   const std::string name = "model '" + problem.space[model].name + "': ";
-  if (!settled)
+  if (!bridged.settled)
     evidence.warnings.push_back(name +
                                 "bridge sampling did not settle; the proposal and the "
                                 "posterior hardly overlap");
-  if (ess_mean(f2) < 100.0)
+  if (bridged.effective_draws < 100.0)
     evidence.warnings.push_back(name +
                                 "fewer than 100 effective posterior draws in the bridge; "
                                 "draw more");

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "inference/diagnostics.hpp"
 #include "inference/evidence/metropolis.hpp"
 #include "inference/evidence/tmcmc.hpp"
 
@@ -14,6 +15,17 @@ struct BridgeOptions {
   int threads = 0;         ///< 0: as many as the machine has. Never changes a result.
   NormalMixture::FitOptions fit{};
 };
+
+struct Bridge {
+  double log_evidence = 0.0;
+  double standard_error = 0.0;   ///< of ln Z
+  double effective_draws = 0.0;  ///< of the posterior's side
+  bool settled = false;          ///< the iteration found its fixed point
+};
+
+/// The bridge alone, from ln l = ln π - ln q at posterior draws, chains kept apart and of one
+/// length, and at draws of q; see below.
+[[nodiscard]] Bridge bridge(const ChainsOf& at_posterior, const std::vector<double>& at_proposal);
 
 /// Meng & Wong (1996, Statistica Sinica 6:831) with their optimal bridge. With q a normal mixture
 /// fitted to the first half of each chain, l = π/q the ratio at the second half's draws (1) and at

@@ -18,7 +18,10 @@ ModelPosterior::ModelPosterior(const Problem& problem, int model) : target_(prob
   state_.z.assign(static_cast<std::size_t>(m.dimension), 0.0);
   state_.x = state_.z;
   constant_ = -m.dimension * kLogSqrt2Pi;
-  for (const int k : m.counts) constant_ += std::lgamma(k + 1.0);
+  for (const int k : m.counts) {
+    constant_ += std::lgamma(k + 1.0);
+    has_sets_ = has_sets_ || k > 1;
+  }
 }
 
 ModelPosterior::Value ModelPosterior::operator()(std::span<const double> z) {
@@ -64,6 +67,13 @@ void ModelPosterior::evaluate(std::span<const double> zs, std::span<Value> out) 
     out[places[i]] = {base + state.log_prior_factor, base, state.log_likelihood,
                       state.log_prior_factor + state.log_likelihood};
   }
+}
+
+void ModelPosterior::order(std::span<double> z) {
+  if (!has_sets_) return;
+  std::ranges::copy(z, state_.z.begin());
+  target_.sort_components(state_);
+  std::ranges::copy(state_.z, z.begin());
 }
 
 void ModelPosterior::draw_prior(Random& random, std::span<double> z) {

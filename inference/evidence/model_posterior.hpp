@@ -51,6 +51,9 @@ class ModelPosterior {
   /// The physical parameters of the last single z in order.
   [[nodiscard]] std::span<const double> x() const { return state_.x; }
 
+  /// Puts exchangeable components in order.
+  void order(std::span<double> z);
+
   /// From p₀.
   void draw_prior(Random& random, std::span<double> z);
 
@@ -63,6 +66,7 @@ class ModelPosterior {
   State state_;
   std::vector<State> states_;  ///< of several
   double constant_ = 0.0;
+  bool has_sets_ = false;  ///< of more than one component
 };
 
 }  // namespace wheeltap::inference

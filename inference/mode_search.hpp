@@ -1,0 +1,67 @@
+// Modes of one model's posterior, each climbed to from many draws of its prior.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "inference/target.hpp"
+
+namespace wheeltap::inference {
+
+/// A maximum of ln π(z) (model_posterior.hpp) and the normal about it.
+struct Mode {
+  std::vector<double> z;
+  double log_posterior = 0.0;
+  Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, made positive definite
+  double log_mass = 0.0;       ///< Laplace: ln π + (d/2) ln 2π + ½ ln|covariance|
+  long climbs = 0;             ///< that ended here
+};
+
+struct ModeSearchOptions {
+  std::uint64_t seed = 1;
+  long climbs = 0;  ///< 0: as many as `budget` pays for, between kFewestClimbs and kMostClimbs
+  long budget = 100000;  ///< likelihood calls; what has been begun is finished
+  /// Also climbed from, e.g. draws of another method; not counted.
+  std::vector<std::vector<double>> starts{};
+  int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
+  /// Called from one thread with the share done so far; returning false ends the search.
+  std::function<bool(double share)> progress = nullptr;
+};
+
+struct ModeSearch {
+  std::vector<Mode> modes;  ///< the weightiest first; those e^-25 below it and less are left out
+  long climbs = 0;          ///< begun at a possible point and ended
+  long likelihood_evaluations = 0;
+};
+
+inline constexpr long kFewestClimbs = 30;
+inline constexpr long kMostClimbs = 10000;
+
+/// Climbs from draws of the prior, in standard normal coordinates:
+///
+///   z ← z + t B g,   g = ∇ ln π by differences,   B ≈ (-∇² ln π)⁻¹
+///
+/// by BFGS (Nocedal & Wright 2006, section 6.1) from the diagonal of second differences, t halved
+/// until the gain is what the quadratic model says to within a factor of ten: a step that leaves
+/// the region where the model holds may leave the basin. Where modes are known, one or two Newton
+/// steps with the nearest one's curvature are tried first; if they end there, that start is spent
+/// for a few calls. So thousands of starts are paid for where the posterior is nearly normal.
+///
+/// Components are exchangeable: the climb is over labelled vectors, on which ln π is symmetric, and
+/// its end is put in order. Two ends are one mode where the straight line between them has no
+/// valley deeper than two nats.
+///
+/// Where the problem can be shortened, climbs are made on its first 50 samples, and modes are
+/// followed as the record doubles, each from itself and from draws of the normal about it.
+///
+/// A mode whose basin holds a share p of the prior is missed by n climbs with probability (1-p)^n.
+[[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
+                                      const ModeSearchOptions& options);
+
+/// The largest share of the prior that a basin can hold and still be missed by all of n climbs with
+/// a probability of 1 in 100: 1 - 0.01^(1/n).
+[[nodiscard]] double search_resolution(long climbs);
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,359 @@
+#include "inference/model_exploration.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "inference/evidence/tmcmc.hpp"
+#include "inference/normal_mixture.hpp"
+#include "inference/parallel.hpp"
+#include "inference/standard_normal.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+constexpr int kReplicates = 4;         // of sequential Monte Carlo
+constexpr int kClimbsFromDraws = 8;    // from its draws
+constexpr std::size_t kLaplace = 40;   // modes whose normals enter the mixture
+constexpr double kDefensive = 0.05;    // the prior's weight in it
+constexpr double kWider = 1.5;         // of the variances of modes' normals in a proposal
+constexpr int kRounds = 5;             // of importance sampling
+constexpr double kGoodShare = 0.5;     // of the draws effective: no further round is needed
+constexpr Eigen::Index kPopulation = 4000;
+constexpr int kBlock = 250;  // draws a job
+
+const Evidence kNoEvidence{.log_evidence = kNaN, .standard_error = kNaN};
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+using Components = std::vector<NormalMixture::Component>;
+
+Matrix cholesky(const Matrix& covariance) {
+  return Eigen::LLT<Matrix>(covariance).matrixL();
+}
+
+// Weights of the modes by their Laplace masses, none below a tenth of an equal share.
+std::vector<double> mode_weights(const std::vector<Mode>& modes, std::size_t n) {
+  std::vector<double> weights;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < n; ++k)
+    sum += weights.emplace_back(std::exp(modes[k].log_mass - modes.front().log_mass));
+  for (double& w : weights) w = std::max(w / sum, 0.1 / static_cast<double>(n));
+  return weights;
+}
+
+void add_modes(const std::vector<Mode>& modes, double share, Components& components) {
+  const std::size_t n = std::min(modes.size(), kLaplace);
+  if (n == 0) return;
+  const std::vector<double> weights = mode_weights(modes, n);
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (std::size_t k = 0; k < n; ++k) {
+    components.push_back(
+        {share * weights[k] / sum,
+         Eigen::Map<const Vector>(modes[k].z.data(), static_cast<Eigen::Index>(modes[k].z.size())),
+         cholesky(kWider * modes[k].covariance)});
+  }
+}
+
+void add_fit(const Matrix& draws, double share, Random& random, Components& components) {
+  if (draws.rows() < 4 * (draws.cols() + 1)) return;
+  const NormalMixture fit = NormalMixture::fit(draws, {.defensive_weight = 0.0}, random);
+  for (int k = 0; k < fit.size(); ++k) {
+    components.push_back(fit[k]);
+    components.back().weight *= share;
+  }
+}
+
+// Draws of all rounds, weighted against the mixture of all their proposals (balance heuristic).
+class ImportanceSampler {
+ public:
+  ImportanceSampler(const Problem& problem, int model, const ExplorationOptions& options)
+      : problem_(problem), model_(model), options_(options) {}
+
+  void add(const NormalMixture& proposal, int n) {
+    const auto d = static_cast<std::size_t>(proposal.dimension());
+    const std::size_t before = log_posterior_.size();
+    const auto total = before + static_cast<std::size_t>(n);
+    z_.resize(total * d);
+    log_posterior_.resize(total);
+    const int blocks = (n + kBlock - 1) / kBlock;
+    std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
+    parallel_for(blocks, options_.threads, [&](int block) {
+      ModelPosterior posterior(problem_, model_);
+      Random random(options_.seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 61U),
+                    static_cast<std::uint64_t>(model_) |
+                        static_cast<std::uint64_t>(proposals_.size()) << 32U,
+                    Purpose::evidence);
+      const auto begin = before + static_cast<std::size_t>(block) * kBlock;
+      const auto end = std::min(begin + kBlock, total);
+      for (std::size_t i = begin; i < end; ++i) proposal.sample(random, {z_.data() + i * d, d});
+      std::vector<ModelPosterior::Value> values(end - begin);
+      posterior.evaluate({z_.data() + begin * d, (end - begin) * d}, values);
+      for (std::size_t i = begin; i < end; ++i)
+        log_posterior_[i] = values[i - begin].log_posterior();
+      counted[static_cast<std::size_t>(block)] = posterior.evaluations();
+    });
+    for (const long c : counted) evaluations_ += c;
+    // The mixture of all proposals, at old draws and new.
+    log_proposals_.resize(total, -kInfinity);
+    for (std::size_t i = 0; i < before; ++i)
+      accumulate(log_proposals_[i], std::log(n) + proposal.log_density({z_.data() + i * d, d}));
+    for (std::size_t i = before; i < total; ++i) {
+      for (std::size_t r = 0; r < proposals_.size(); ++r)
+        accumulate(log_proposals_[i], std::log(sizes_[r]) +
+                                          proposals_[r].log_density({z_.data() + i * d, d}));
+      accumulate(log_proposals_[i], std::log(n) + proposal.log_density({z_.data() + i * d, d}));
+    }
+    proposals_.push_back(proposal);
+    sizes_.push_back(n);
+    weigh(total);
+  }
+
+  [[nodiscard]] double effective_draws() const { return effective_; }
+  [[nodiscard]] double efficiency() const {
+    return effective_ / static_cast<double>(std::max<std::size_t>(1, weights_.size()));
+  }
+  [[nodiscard]] long evaluations() const { return evaluations_; }
+  [[nodiscard]] const std::vector<double>& weights() const { return weights_; }  ///< sum 1
+  [[nodiscard]] std::span<const double> z(std::size_t i) const {
+    const std::size_t d = z_.size() / log_posterior_.size();
+    return {z_.data() + i * d, d};
+  }
+
+  [[nodiscard]] Evidence evidence() const {
+    Evidence e = kNoEvidence;
+    e.likelihood_evaluations = evaluations_;
+    if (!(effective_ > 1.0)) return e;
+    e.log_evidence = log_mean_;
+    const auto n = static_cast<double>(weights_.size());
+    e.standard_error = std::sqrt(std::max(0.0, (n / effective_ - 1.0) / (n - 1.0)));
+    return e;
+  }
+
+  // Systematic resampling, n × d.
+  [[nodiscard]] Matrix resampled(Eigen::Index n, Random& random) const {
+    const std::size_t d = z_.size() / log_posterior_.size();
+    Matrix out(n, static_cast<Eigen::Index>(d));
+    const double u = random.uniform();
+    double cumulative = weights_.front();
+    std::size_t from = 0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double pointer = (static_cast<double>(i) + u) / static_cast<double>(n);
+      while (from + 1 < weights_.size() && cumulative <= pointer) cumulative += weights_[++from];
+      out.row(i) =
+          Eigen::Map<const Eigen::RowVectorXd>(z(from).data(), static_cast<Eigen::Index>(d));
+    }
+    return out;
+  }
+
+ private:
+  static void accumulate(double& sum, double term) { sum = log_sum_exp(sum, term); }
+
+  void weigh(std::size_t total) {
+    weights_.assign(total, 0.0);
+    double top = -kInfinity;
+    for (std::size_t i = 0; i < total; ++i) {
+      // π / ((1/N) Σ n_r q_r), up to N
+      weights_[i] = log_posterior_[i] == -kInfinity ? -kInfinity
+                                                    : log_posterior_[i] - log_proposals_[i];
+      top = std::max(top, weights_[i]);
+    }
+    effective_ = 0.0;
+    log_mean_ = -kInfinity;
+    if (top == -kInfinity) return;
+    double sum = 0.0, squares = 0.0;
+    for (double& w : weights_) {
+      w = std::exp(w - top);
+      sum += w;
+      squares += w * w;
+    }
+    for (double& w : weights_) w /= sum;
+    effective_ = sum * sum / squares;
+    // Σ π / Σ_r n_r q_r: the balance heuristic's estimate of Z
+    log_mean_ = top + std::log(sum);
+  }
+
+  const Problem& problem_;
+  int model_;
+  const ExplorationOptions& options_;
+  std::vector<double> z_, log_posterior_, log_proposals_, weights_;
+  std::vector<NormalMixture> proposals_;
+  std::vector<int> sizes_;
+  double effective_ = 0.0, log_mean_ = -kInfinity;
+  long evaluations_ = 0;
+};
+
+// What there is where importance sampling fails: the draws of the annealing, and of the normals
+// about modes that have none of them.
+Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, Random& random) {
+  const auto precisions = precisions_of(modes);
+  std::vector<long> counts(modes.size(), 0);
+  for (Eigen::Index i = 0; i < draws.rows(); ++i) {
+    const std::vector<double> z(draws.row(i).begin(), draws.row(i).end());
+    const int k = nearest_mode(modes, precisions, z);
+    if (k >= 0) ++counts[static_cast<std::size_t>(k)];
+  }
+  const std::size_t n = std::min(modes.size(), kLaplace);
+  const std::vector<double> weights = mode_weights(modes, n);
+  constexpr double kDraws = 1000.0;
+  Matrix out = draws;
+  for (std::size_t k = 0; k < n; ++k) {
+    if (counts[k] > 0) continue;
+    const auto m = static_cast<Eigen::Index>(std::ceil(kDraws * weights[k]));
+    const Matrix factor = cholesky(modes[k].covariance);
+    const auto d = static_cast<Eigen::Index>(modes[k].z.size());
+    const Eigen::Index had = out.rows();
+    out.conservativeResize(had + m, d);
+    Vector u(d);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      for (double& v : u) v = random.normal();
+      out.row(had + i) =
+          (Eigen::Map<const Vector>(modes[k].z.data(), d) + factor * u).transpose();
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+double ModelExploration::log_evidence() const {
+  if (std::isfinite(sampled.log_evidence) && effective_draws > 20.0) return sampled.log_evidence;
+  double best = std::isfinite(annealed.log_evidence) ? annealed.log_evidence : -kInfinity;
+  if (!modes.empty()) best = std::max(best, modes.front().log_mass);
+  return best;
+}
+
+std::vector<Matrix> precisions_of(const std::vector<Mode>& modes) {
+  std::vector<Matrix> out;
+  for (const Mode& mode : modes) {
+    const Eigen::Index d = mode.covariance.rows();
+    out.push_back(Eigen::LLT<Matrix>(mode.covariance).solve(Matrix::Identity(d, d)));
+  }
+  return out;
+}
+
+int nearest_mode(const std::vector<Mode>& modes, const std::vector<Matrix>& precisions,
+                 std::span<const double> z) {
+  int nearest = -1;
+  double least = kInfinity;
+  const Eigen::Map<const Vector> at(z.data(), static_cast<Eigen::Index>(z.size()));
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const Vector e = at - Eigen::Map<const Vector>(modes[k].z.data(), at.size());
+    const double distance = e.dot(precisions[k] * e);
+    if (distance < least) least = distance, nearest = static_cast<int>(k);
+  }
+  return nearest;
+}
+
+ModelExploration explore_model(const Problem& problem, int model,
+                               const ExplorationOptions& options) {
+  ModelExploration out;
+  out.annealed = out.sampled = kNoEvidence;
+  const Eigen::Index d = problem.space[model].dimension;
+  if (d == 0) {
+    ModelPosterior posterior(problem, model);
+    out.sampled.log_evidence = posterior({}).log_posterior();
+    out.sampled.standard_error = 0.0;
+    out.annealed = out.sampled;
+    out.effective_draws = kInfinity;
+    out.likelihood_evaluations = posterior.evaluations();
+    return out;
+  }
+  bool stopped = false;
+  double reported = 0.0;
+  const auto report = [&](double done) {
+    if (options.progress && !options.progress(done - reported)) stopped = true;
+    reported = done;
+    return !stopped;
+  };
+
+  Matrix draws = options.draws;
+  if (options.anneal) {
+    try {
+      double done = 0.0;
+      Tmcmc annealed =
+          tmcmc(problem, model,
+                {.seed = options.seed,
+                 .replicates = kReplicates,
+                 .samples = std::max(options.particles / kReplicates, 50),
+                 .weight_cov = 1.0,  // for a start; an evidence on request asks for less
+                 .acceptances = 4.0,
+                 .threads = options.threads,
+                 .progress = [&](double share) { return report(0.5 * (done += share)); }});
+      out.annealed = annealed.evidence;
+      out.likelihood_evaluations += annealed.evidence.likelihood_evaluations;
+      if (draws.rows() == 0) {
+        draws = std::move(annealed.z);
+      } else {
+        const Matrix more = std::move(annealed.z);
+        draws.conservativeResize(draws.rows() + more.rows(), d);
+        draws.bottomRows(more.rows()) = more;
+      }
+    } catch (const LikelihoodError&) {  // the climbs may do
+    }
+  }
+  if (stopped) return out;
+
+  ModeSearchOptions search{.seed = options.seed,
+                           .climbs = options.climbs,
+                           .budget = options.budget,
+                           .threads = options.threads,
+                           .progress = [&](double done) { return report(0.5 + 0.4 * done); }};
+  for (Eigen::Index k = 0; draws.rows() > 0 && k < kClimbsFromDraws; ++k) {
+    const auto row = draws.row(k * draws.rows() / kClimbsFromDraws);
+    search.starts.emplace_back(row.begin(), row.end());
+  }
+  ModeSearch found = search_modes(problem, model, search);
+  out.modes = std::move(found.modes);
+  out.climbs = found.climbs;
+  out.likelihood_evaluations += found.likelihood_evaluations;
+  if (stopped || (out.modes.empty() && draws.rows() == 0)) return out;
+
+  Random random(options.seed, static_cast<std::uint64_t>(model), 0, Purpose::fit);
+  ImportanceSampler sampler(problem, model, options);
+  Components components;
+  add_modes(out.modes, 0.5, components);
+  add_fit(draws, 0.5, random, components);
+  const int n = static_cast<int>(std::clamp<Eigen::Index>(200 * d, 1000, 4000));
+  for (int round = 0; round < kRounds && !components.empty(); ++round) {
+    components.push_back({kDefensive, Vector::Zero(d), Matrix::Identity(d, d)});
+    sampler.add(NormalMixture(std::move(components)), n);
+    components.clear();
+    if (round > 0 && sampler.efficiency() > kGoodShare) break;
+    if (sampler.effective_draws() < 8.0 * static_cast<double>(d + 1)) {
+      // Too few to fit to: more of the same.
+      add_modes(out.modes, 0.5, components);
+      add_fit(draws, 0.5, random, components);
+      continue;
+    }
+    add_modes(out.modes, 0.1, components);
+    add_fit(sampler.resampled(kPopulation, random), 0.9, random, components);
+  }
+  out.likelihood_evaluations += sampler.evaluations();
+  out.sampled = sampler.evidence();
+  out.effective_draws = sampler.effective_draws();
+  const bool trusted = out.effective_draws >= std::max(200.0, 10.0 * static_cast<double>(d));
+  const Matrix population = trusted ? sampler.resampled(kPopulation, random)
+                                    : draws_and_modes(draws, out.modes, random);
+  out.population = population.transpose();
+
+  const auto precisions = precisions_of(out.modes);
+  out.shares.assign(out.modes.size(), 0.0);
+  for (Eigen::Index i = 0; i < out.population.cols(); ++i) {
+    const int k = nearest_mode(out.modes, precisions,
+                               {out.population.col(i).data(), static_cast<std::size_t>(d)});
+    if (k >= 0)
+      out.shares[static_cast<std::size_t>(k)] += 1.0 / static_cast<double>(out.population.cols());
+  }
+  report(1.0);
+  return out;
+}
+
+}  // namespace wheeltap::inference

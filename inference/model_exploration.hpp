@@ -1,0 +1,57 @@
+// Each model by itself, before models compete: where its posterior is, how much of it there is, and
+// draws of it that know all its modes.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "inference/evidence/model_posterior.hpp"
+#include "inference/mode_search.hpp"
+
+namespace wheeltap::inference {
+
+struct ExplorationOptions {
+  std::uint64_t seed = 1;
+  long climbs = 0;        ///< ModeSearchOptions::climbs
+  long budget = 100000;   ///< likelihood calls for climbs
+  bool anneal = true;     ///< run sequential Monte Carlo from the prior
+  int particles = 1200;   ///< of that, over four replicates
+  int threads = 0;        ///< 0: as many as the machine has. Never changes a result.
+  /// Draws that another method has made, draws × dimension, e.g. tempering over all models.
+  Eigen::MatrixXd draws{};
+  /// Called with the share done since the last call; returning false ends the exploration.
+  std::function<bool(double share)> progress = nullptr;
+};
+
+struct ModelExploration {
+  std::vector<Mode> modes;     ///< the weightiest first
+  std::vector<double> shares;  ///< of the posterior's probability, one a mode
+  long climbs = 0;
+  Eigen::MatrixXd population;  ///< equally weighted draws, dimension × n; none: nothing was found
+  Evidence annealed;           ///< NaN where it was not run or failed
+  Evidence sampled;            ///< by importance sampling; NaN where nothing was found
+  double effective_draws = 0.0;  ///< of the importance sample
+  long likelihood_evaluations = 0;
+
+  /// The best guess at ln Z so far; -∞ where nothing was found.
+  [[nodiscard]] double log_evidence() const;
+};
+
+/// Mode searches and sequential Monte Carlo look for the posterior in two unlike ways: by height,
+/// from many places, and by volume, along a path of temperatures. Both feed one normal mixture, to
+/// which adaptive multiple importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics
+/// 39:798, with Owen & Zhou's balance heuristic) gives the right weights: a mode that one of them
+/// missed is there, and one that both found counts once.
+[[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
+                                             const ExplorationOptions& options);
+
+/// The mode among `modes` whose normal gives z the highest density per unit of its peak: the nearest
+/// in its own standard deviations. -1 where there is none.
+[[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
+                               const std::vector<Eigen::MatrixXd>& precisions,
+                               std::span<const double> z);
+[[nodiscard]] std::vector<Eigen::MatrixXd> precisions_of(const std::vector<Mode>& modes);
+
+}  // namespace wheeltap::inference
