@@ -119,8 +119,7 @@ struct Posterior {
   double wall_seconds = 0.0;
   bool stopped_early = false;
   bool tempered_draws = false;  ///< the draws were made with parallel tempering
-  long ladder_round_trips =
-      0;                 ///< between β = 0 and β = 1 and back, while drawing, over all chains
+  long ladder_round_trips = 0;  ///< between β = 0 and β = 1 and back, while drawing, over all chains
   double barrier = 0.0;  ///< Λ of the ladder (Syed et al. 2022), the largest of any chain; 0: none
   long impossible = 0;   ///< likelihoods that were NaN or +∞ and counted as -∞
   std::vector<std::string> notes;  ///< what the engine chose, in words

@@ -384,7 +384,7 @@ class Judge {
         }
         own += ess_mean({std::move(indicator)}) / static_cast<double>(visited);
       }
-      effective = std::min(effective, own);
+      effective = std::min(out_.ess_log_posterior / static_cast<double>(chains_), own);
     }
     // In draws: of models weighted to be drawn more often than they are probable, more.
     double drawn = 0.0;
