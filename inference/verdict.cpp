@@ -18,7 +18,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 constexpr double kMaxRhat = 1.01;
 constexpr double kMinEss = 400.0;
-constexpr double kKnown = 0.001;         // an error of a probability that nobody cares about
+constexpr double kKnown = 0.001;          // an error of a probability that nobody cares about
 constexpr double kExpectedVisits = 10.0;  // effective ones, from which none is no chance
 constexpr double kSigmas = 4.5;
 constexpr double kChance = 1e-6;  // of a scatter between chains that is called disagreement
@@ -159,7 +159,7 @@ class Judge {
     for (double& w : weight_) w /= total > 0.0 ? total : 1.0;
     share_.resize(models_);
     for (std::size_t m = 0; m < models_; ++m) share_[m] = visits_[m] * weight_[m];
-    for (std::size_t a = 0; a < posterior_.jumps_proposed.size(); ++a) {
+    for (std::size_t a = 0; a < std::min(models_, posterior_.jumps_proposed.size()); ++a) {
       for (std::size_t b = 0; b < models_; ++b) {
         if (a == b) continue;
         standing(b).proposed += posterior_.jumps_proposed[a][b];
@@ -218,9 +218,8 @@ class Judge {
         for (std::size_t m = 0; m < models_; ++m) {
           errors[space_[static_cast<int>(m)].counts[k]] += error_[m];
         }
-        const double worst = std::ranges::max_element(errors, {}, [](const auto& e) {
-                               return e.second;
-                             })->second;
+        const double worst =
+            std::ranges::max_element(errors, {}, [](const auto& e) { return e.second; })->second;
         mixed("number of " + space_.kinds()[k].plural,
               all_draws([&](const Chain& chain, std::size_t i) {
                 return static_cast<double>(space_[chain.model[i]].counts[k]);
@@ -230,8 +229,7 @@ class Judge {
     } else if (models_ > 1) {
       for (std::size_t m = 0; m < models_; ++m) {
         if (visits_[m] < kKnown || visits_[m] > 1.0 - kKnown) continue;
-        mixed("P(" + name(m) + ")",
-              all_draws([&](const Chain& chain, std::size_t i) {
+        mixed("P(" + name(m) + ")", all_draws([&](const Chain& chain, std::size_t i) {
                 return chain.model[i] == static_cast<int>(m) ? 1.0 : 0.0;
               }),
               !known(error_[m]));
@@ -290,8 +288,7 @@ class Judge {
     if (m >= posterior_.found.size()) return none;
     const ModelFindings& found = posterior_.found[m];
     if (std::isfinite(found.bridged.log_evidence)) return found.bridged;
-    if (std::isfinite(found.sampled.log_evidence) &&
-        found.sampled.standard_error < kUsableError) {
+    if (std::isfinite(found.sampled.log_evidence) && found.sampled.standard_error < kUsableError) {
       return found.sampled;
     }
     if (std::isfinite(found.annealed.log_evidence)) return found.annealed;
@@ -330,10 +327,10 @@ class Judge {
       if (std::isfinite(evidences[m].log_evidence) && comparable) continue;
       const bool drawn = visits_[m] > 0.0;
       const double scale = comparable ? known_mass / known_share : 1.0;
-      evidences[m] = {.log_evidence = drawn ? (comparable ? top : 0.0) +
-                                                  std::log(share_[m] * scale / prior(m))
-                                            : -kInfinity,
-                      .standard_error = drawn ? error_[m] / share_[m] : 0.0};
+      evidences[m] = {
+          .log_evidence = drawn ? (comparable ? top : 0.0) + std::log(share_[m] * scale / prior(m))
+                                : -kInfinity,
+          .standard_error = drawn ? error_[m] / share_[m] : 0.0};
     }
     implied_ = implied_probabilities(space_, evidences);
     double by_evidence = 0.0, variance = 0.0;
@@ -396,12 +393,14 @@ class Judge {
   void say_models() {
     std::vector<std::size_t> order(models_);
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, std::greater{}, [&](std::size_t m) { return implied_.mean[m]; });
+    std::ranges::stable_sort(order, std::greater{},
+                             [&](std::size_t m) { return implied_.mean[m]; });
     std::vector<std::string> unknown, absent, partial;
     for (const std::size_t m : order) {
       const ModelStanding& s = standing(m);
-      const std::string proposals =
-          s.proposed > 0 ? "was not entered in " + grouped(s.proposed) + " proposals" : "was never entered";
+      const std::string proposals = s.proposed > 0
+                                        ? "was not entered in " + grouped(s.proposed) + " proposals"
+                                        : "was never entered";
       if (s.visited == 0 && prior(m) > 0.0 && std::isnan(s.mcse) && s.basis == Basis::draws) {
         unknown.push_back("Model '" + name(m) + "' " + proposals +
                           "; nothing is known of its evidence." + kRunLonger);
@@ -458,10 +457,9 @@ class Judge {
     if (missing > 0) {
       say("A mode of model '" + name(m) + "' that the searches found, about " +
           percent(mode.share) + " of that model, is in the draws of " +
-          (missing == mode.drawn.size()
-               ? std::string("no chain.")
-               : std::to_string(mode.drawn.size() - missing) + " of " +
-                     std::to_string(mode.drawn.size()) + " chains only.") +
+          (missing == mode.drawn.size() ? std::string("no chain.")
+                                        : std::to_string(mode.drawn.size() - missing) + " of " +
+                                              std::to_string(mode.drawn.size()) + " chains only.") +
           kRunLonger);
       return;
     }
@@ -493,14 +491,12 @@ class Judge {
       const double excess = annealed.log_evidence - drawn.log_evidence;
       const double error = std::hypot(annealed.standard_error, drawn.standard_error);
       // Of a model that is negligible either way nobody asks.
-      const bool matters =
-          implied_.mean[m] * std::exp(std::min(excess, 700.0)) > kSlackProbability;
+      const bool matters = implied_.mean[m] * std::exp(std::min(excess, 700.0)) > kSlackProbability;
       if (matters && excess > kSigmas * error + kSlackNats) {
         sentences.push_back(
-            "Annealing finds more evidence for model '" + name(m) + "' (ln Z = " +
-            fixed_plus_minus(annealed.log_evidence, annealed.standard_error) +
-            ") than its draws have (" +
-            fixed_plus_minus(drawn.log_evidence, drawn.standard_error) +
+            "Annealing finds more evidence for model '" + name(m) +
+            "' (ln Z = " + fixed_plus_minus(annealed.log_evidence, annealed.standard_error) +
+            ") than its draws have (" + fixed_plus_minus(drawn.log_evidence, drawn.standard_error) +
             "): a mode may be missing from them." + kSearchMore);
       }
     }
@@ -559,7 +555,8 @@ class Judge {
         const auto size = static_cast<int>(parameters.size());
         const int count = model.counts[k], offset = model.offsets[k];
         for (int i = 0; count > 0 && i < size; ++i) {
-          std::string what = (count > 1 ? "sum of " : "") + parameters[static_cast<std::size_t>(i)].name;
+          std::string what =
+              (count > 1 ? "sum of " : "") + parameters[static_cast<std::size_t>(i)].name;
           if (model.counts.size() > 1) what = space_.kinds()[k].name + " " + what;
           judge_parameter(m, what, worst, [=](const double* x) {
             double total = 0.0;
@@ -595,13 +592,14 @@ class Judge {
       effective /= static_cast<double>(halves);
       const double ratio = r * r - 1.0 + 2.0 / static_cast<double>(draws[0].size());
       if (chance(ratio, effective, halves) < kChance) {
-        worst = of + "the chains disagree about " + what + " (R-hat " + number(r, 4) + ")." + kRunLonger;
+        worst = of + "the chains disagree about " + what + " (R-hat " + number(r, 4) + ")." +
+                kRunLonger;
         return;
       }
     }
     if (!(ess > needed)) {
-      worst = of + "the effective sample size of " + what + " is " + number(ess, 3) + " (must exceed " +
-              number(needed, 3) + ")." + kRunLonger;
+      worst = of + "the effective sample size of " + what + " is " + number(ess, 3) +
+              " (must exceed " + number(needed, 3) + ")." + kRunLonger;
     }
   }
 

@@ -52,12 +52,12 @@ Posterior made_up(const std::vector<std::vector<double>>& probabilities) {
     posterior.chains.push_back(std::move(chain));
   }
   for (const double p : probabilities.front()) {
-    posterior.found.push_back({.climbs = 100,
-                               .modes = {},
-                               .annealed = kUnknown,
-                               .sampled = kUnknown,
-                               .bridged = {.log_evidence = -50.0 + std::log(p),
-                                           .standard_error = 0.01}});
+    posterior.found.push_back(
+        {.climbs = 100,
+         .modes = {},
+         .annealed = kUnknown,
+         .sampled = kUnknown,
+         .bridged = {.log_evidence = -50.0 + std::log(p), .standard_error = 0.01}});
   }
   return posterior;
 }
