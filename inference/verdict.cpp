@@ -369,25 +369,24 @@ class Judge {
   [[nodiscard]] bool missed(std::size_t m) const {
     const auto visited = static_cast<std::size_t>(out_.models[m].visited);
     if (visited == chains_) return false;
-    double effective = effective_;
-    if (visited > 0) {
-      // Visits in few long stays are fewer: as the chains that have them show.
-      double own = 0.0;
-      for (std::size_t c = 0; c < chains_; ++c) {
-        if (counts_[c][m] == 0) continue;
-        std::vector<double> indicator;
-        for (const int at : posterior_.chains[c].model) {
-          indicator.push_back(at == static_cast<int>(m) ? 1.0 : 0.0);
-        }
-        own += ess_mean({std::move(indicator)}) / static_cast<double>(visited);
-      }
-      effective = std::min(out_.ess_log_posterior / static_cast<double>(chains_), own);
-    }
     // In draws: of models weighted to be drawn more often than they are probable, more.
     double drawn = 0.0;
     for (std::size_t k = 0; k < models_; ++k) drawn += implied_.mean[k] / weight_[k];
     const double expected = implied_.mean[m] / weight_[m] / drawn;
-    return expected * effective > kExpectedVisits;
+    if (visited == 0) return expected * effective_ > kExpectedVisits;
+    const double looks = out_.ess_log_posterior / static_cast<double>(chains_);
+    if (!(expected * looks > kExpectedVisits)) return false;
+    // Visits in few long stays are fewer: as the chains that have them show.
+    double own = 0.0;
+    for (std::size_t c = 0; c < chains_; ++c) {
+      if (counts_[c][m] == 0) continue;
+      std::vector<double> indicator;
+      for (const int at : posterior_.chains[c].model) {
+        indicator.push_back(at == static_cast<int>(m) ? 1.0 : 0.0);
+      }
+      own += ess_mean({std::move(indicator)}) / static_cast<double>(visited);
+    }
+    return expected * std::min(looks, own) > kExpectedVisits;
   }
 
   void say_models() {
