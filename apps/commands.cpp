@@ -38,11 +38,9 @@ std::string sparkline(const Eigen::VectorXd& shape) {
 }
 
 Report options_report(const SamplingOptions& options) {
-  return {{"chains", options.chains},
-          {"warmup", options.warmup},
-          {"draws", options.draws},
-          {"prior_only", options.prior_only},
-          {"evidence", options.evidence}};
+  return {{"chains", options.chains},         {"warmup", options.warmup},
+          {"draws", options.draws},           {"search", options.searches},
+          {"prior_only", options.prior_only}, {"evidence", options.evidence}};
 }
 
 // The summary of a finished run in `directory`, if it is one of this case with these options.
@@ -296,6 +294,8 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   engine.warmup = options.warmup;
   engine.draws = options.draws;
   engine.prior_only = options.prior_only;
+  engine.searches = options.searches;
+  engine.balance = problem->damage_case.balance;
   const inference::Posterior posterior =
       run_engine(problem->problem, engine, common.case_path, common.quiet);
 

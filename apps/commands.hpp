@@ -36,8 +36,9 @@ struct TableOptions {
 
 struct SamplingOptions {
   int chains = 4;
-  int warmup = 0;  ///< 0: chosen by the engine
-  int draws = 0;   ///< 0: chosen by the engine
+  int warmup = 0;    ///< 0: chosen by the engine
+  int draws = 0;     ///< 0: chosen by the engine
+  int searches = 0;  ///< climbs to modes of each model; 0: chosen by the engine
   bool prior_only = false;
   std::string evidence;  ///< "", or methods joined by +: tmcmc, bridge, laplace
 };

@@ -525,6 +525,7 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
   DamageCase out{.file = std::move(file),
                  .title = {},
                  .notes = {},
+                 .balance = false,
                  .beam = {},
                  .data = {},
                  .simulation = {},
@@ -533,6 +534,7 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
   const CaseFile& f = out.file;
   const Json& json = f.json;
   out.title = json.value("title", f.path.stem().string());
+  out.balance = json.value("balance", false);
   if (json.contains("notes")) {
     if (json["notes"].is_string()) {
       out.notes = {json["notes"].get<std::string>()};

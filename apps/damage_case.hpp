@@ -105,6 +105,7 @@ struct DamageCase {
   CaseFile file;
   std::string title;
   std::vector<std::string> notes;
+  bool balance = false;  ///< sample models evenly and reweight
   fem::Beam beam;
   int rigid_body_modes = 0;  ///< of the intact beam; data and predictions leave them out
   FrequencyData data;        ///< empty frequencies where it is to be simulated

@@ -30,7 +30,7 @@ std::string in_words(const std::vector<std::string>& items) {
 class Draws {
  public:
   Draws(const DamageProblem& problem, const Posterior& posterior)
-      : problem_(problem), posterior_(posterior) {
+      : problem_(problem), posterior_(posterior), weights_(model_weights(posterior)) {
     const auto width = static_cast<std::size_t>(posterior.dimension);
     for (const auto& chain : posterior.chains) {
       components_.emplace_back();
@@ -48,6 +48,10 @@ class Draws {
   [[nodiscard]] int model(std::size_t chain, std::size_t draw) const {
     return posterior_.chains[chain].model[draw];
   }
+  /// What it counts in averages over models, 1 on average.
+  [[nodiscard]] double weight(std::size_t chain, std::size_t draw) const {
+    return weights_[static_cast<std::size_t>(model(chain, draw))];
+  }
   template <class Visit>
   void for_each(const Visit& visit) const {
     for (std::size_t c = 0; c < components_.size(); ++c) {
@@ -59,6 +63,7 @@ class Draws {
  private:
   const DamageProblem& problem_;
   const Posterior& posterior_;
+  std::vector<double> weights_;
   std::vector<std::vector<std::vector<Component>>> components_;
 };
 
@@ -69,7 +74,7 @@ Report inclusion(const Draws& draws, int kind) {
   const fem::Beam& beam = draws.problem().damage_case.beam;
   const auto elements = static_cast<std::size_t>(beam.elements);
   struct Tally {
-    long draws = 0;
+    double draws = 0.0;
     std::vector<double> expected;
   };
   std::map<int, Tally> by_count;
@@ -77,20 +82,21 @@ Report inclusion(const Draws& draws, int kind) {
     const int count = draws.space()[draws.model(c, i)].counts[static_cast<std::size_t>(kind)];
     Tally& tally = by_count[count];
     tally.expected.resize(elements);
-    ++tally.draws;
+    const double weight = draws.weight(c, i);
+    tally.draws += weight;
     for (const Component& component : draws.at(c, i)) {
       if (component.kind != kind) continue;
-      tally.expected[static_cast<std::size_t>(beam.element_at(component.location))] += 1.0;
+      tally.expected[static_cast<std::size_t>(beam.element_at(component.location))] += weight;
     }
   });
-  long all = 0;
+  double all = 0.0;
   for (const auto& [count, tally] : by_count) all += tally.draws;
   std::vector<double> overall(elements);
   Report given = Report::object();
   for (auto& [count, tally] : by_count) {
     for (std::size_t e = 0; e < elements; ++e) {
-      overall[e] += tally.expected[e] / static_cast<double>(all);
-      tally.expected[e] /= static_cast<double>(tally.draws);
+      overall[e] += tally.expected[e] / all;
+      tally.expected[e] /= tally.draws;
     }
     if (count > 0) given[std::to_string(count)] = tally.expected;
   }
@@ -115,21 +121,24 @@ Report places(const Draws& draws, int kind, const std::vector<double>& overall) 
     double expected = 0.0;
     while (end < overall.size() && overall[end] > background) expected += overall[end++];
     if (expected >= kTenth) {
-      std::vector<double> location, severity;
+      std::vector<double> location, severity, weight;
       draws.for_each([&](std::size_t c, std::size_t i) {
         for (const Component& component : draws.at(c, i)) {
           const auto at = static_cast<std::size_t>(beam.element_at(component.location));
           if (component.kind != kind || at < e || at >= end) continue;
           location.push_back(component.location);
           severity.push_back(component.severity);
+          weight.push_back(draws.weight(c, i));
         }
       });
+      ChainsOf weights;
+      if (!draws.posterior().log_weight.empty()) weights.push_back(std::move(weight));
       Report place = {{"from", static_cast<double>(e) * beam.element_length()},
                       {"to", static_cast<double>(end) * beam.element_length()},
                       {"expected", expected},
-                      {"location", summarise({location})}};
+                      {"location", summarise({location}, weights)}};
       const DefectKind& k = problem.damage_case.kinds[static_cast<std::size_t>(kind)];
-      if (k.severity_prior()) place[k.severity_name()] = summarise({severity});
+      if (k.severity_prior()) place[k.severity_name()] = summarise({severity}, weights);
       list.push_back(std::move(place));
     }
     e = end;
@@ -196,11 +205,11 @@ Report symmetry(const Draws& draws, const ChainsOf& difference,
   Report chains = Report::array();
   double expected = 0.0;
   for (std::size_t c = 0; c < difference.size(); ++c) {
-    double left = 0.0, right = 0.0;
-    const auto n = static_cast<double>(difference[c].size());
+    double left = 0.0, right = 0.0, all = 0.0;
+    for (std::size_t i = 0; i < difference[c].size(); ++i) all += draws.weight(c, i);
     for (std::size_t i = 0; i < difference[c].size(); ++i) {
       for (const Component& component : draws.at(c, i)) {
-        (component.location < middle ? left : right) += 1.0 / n;
+        (component.location < middle ? left : right) += draws.weight(c, i) / all;
       }
     }
     const double mcse = inference::mcse_mean({difference[c]});
@@ -265,6 +274,7 @@ void unidentified(const Draws& draws, const Report& models, const Report& parame
     const auto& model = draws.space()[m];
     const double p = models[static_cast<std::size_t>(m)]["probability"];
     if (p < kWorthTelling || model.dimension < data || data == 0) continue;
+    if (!parameters.contains(model.name)) continue;  // known by its evidence alone
     bool simpler = false;
     for (int o = 0; o < draws.space().size(); ++o) {
       simpler = simpler || (draws.space()[o].dimension < model.dimension &&
@@ -338,14 +348,14 @@ Report fit(const Draws& draws, std::vector<std::string>& warnings) {
   std::vector<double> emulator_variance(modes, 0.0), ignored(modes);
   const long stride = emulated && problem.emulator->is_slow() ? 50 : 1;
   long visited = 0;
-  double mean_p = 0.0;
-  long draws_seen = 0;
+  double mean_p = 0.0, weight_seen = 0.0;
   std::vector<double> mean_residual(modes);
   draws.for_each([&](std::size_t c, std::size_t i) {
     if (visited++ % stride != 0) return;
     const auto& chain = posterior.chains[c];
     const std::span<const double> x(chain.theta.data() + i * width, width);
     if (emulated) predictor.emulate(chain.model[i], x, ignored, emulator_variance);
+    const double weight = draws.weight(c, i);
     double squares = 0.0;
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
@@ -353,17 +363,18 @@ Report fit(const Draws& draws, std::vector<std::string>& warnings) {
           problem.total_sd(mode, data.cov_prior ? x[0] : 0.0, emulator_variance[mode]);
       const double r = (data.frequencies_hz[mode] - prediction(c, i, mode)) / sd;
       squares += r * r;
-      mean_residual[mode] += r;
+      mean_residual[mode] += weight * r;
     }
-    mean_p += boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
-    ++draws_seen;
+    mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
+    weight_seen += weight;
   });
-  mean_p /= static_cast<double>(draws_seen);
+  mean_p /= weight_seen;
+  const ChainsOf weights = draw_weights(posterior);
   for (std::size_t mode = 0; mode < modes; ++mode) {
-    const Report predicted =
-        summarise(all_draws(posterior, [&](auto c, auto i) { return prediction(c, i, mode); }));
+    const Report predicted = summarise(
+        all_draws(posterior, [&](auto c, auto i) { return prediction(c, i, mode); }), weights);
     const bool measured = !std::isnan(data.frequencies_hz[mode]);
-    const double residual = mean_residual[mode] / static_cast<double>(draws_seen);
+    const double residual = mean_residual[mode] / weight_seen;
     rows.push_back({{"mode", mode + 1},
                     {"observed", measured ? Report(data.frequencies_hz[mode]) : Report()},
                     {"sd", measured && !data.sd_hz.empty() ? Report(data.sd_hz[mode]) : Report()},
@@ -408,16 +419,16 @@ void bounds(const Draws& draws, const Report& models, std::vector<std::string>& 
     }
     const inference::Prior* severity = kinds[k].severity_prior();
     if (severity == nullptr || !std::isfinite(severity->upper())) continue;
-    long near = 0, all = 0;
+    double near = 0.0, all = 0.0;
     const double edge = severity->from_standard_normal(2.0);  // the prior's upper 2.3 %
     draws.for_each([&](std::size_t c, std::size_t i) {
       for (const Component& component : draws.at(c, i)) {
         if (component.kind != static_cast<int>(k)) continue;
-        ++all;
-        near += component.severity > edge ? 1 : 0;
+        all += draws.weight(c, i);
+        near += component.severity > edge ? draws.weight(c, i) : 0.0;
       }
     });
-    if (all > 0 && static_cast<double>(near) > 0.25 * static_cast<double>(all)) {
+    if (near > 0.25 * all) {
       warnings.push_back("The " + kinds[k].severity_name() + " leans on the end of its prior, " +
                          severity->describe() +
                          ": the data would go beyond it. Widen the prior if that is possible.");
@@ -521,37 +532,25 @@ Report summarise_damage(const DamageProblem& problem, const Posterior& posterior
                         const std::vector<MethodEvidence>& evidence, const RunInfo& info) {
   const DamageCase& damage_case = problem.damage_case;
   const Draws draws(problem, posterior);
-  const double ess_model = ess_of_model(posterior);
-  const Report models = model_table(posterior, ess_model);
-  const Report parameters = parameter_tables(posterior);
 
   std::vector<std::string> warnings;
-  std::vector<Watched> watched;
-  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
-    watched.push_back({"number of " + damage_case.kinds[k].plural,
-                       all_draws(posterior,
-                                 [&](auto c, auto i) {
-                                   return static_cast<double>(
-                                       draws.space()[draws.model(c, i)].counts[k]);
-                                 }),
-                       true});
-  }
+  std::vector<inference::Watched> watched;
   const auto modes = static_cast<std::size_t>(posterior.predictions);
   for (std::size_t mode = 0; mode < modes; ++mode) {
-    watched.push_back({"frequency " + std::to_string(mode + 1),
-                       all_draws(posterior,
-                                 [&](auto c, auto i) {
-                                   return static_cast<double>(
-                                       posterior.chains[c].prediction[i * modes + mode]);
-                                 }),
-                       false});
+    watched.push_back(
+        {"frequency " + std::to_string(mode + 1), all_draws(posterior, [&](auto c, auto i) {
+           return static_cast<double>(posterior.chains[c].prediction[i * modes + mode]);
+         })});
   }
   Report symmetric;
   if (problem.symmetric) {
     const ChainsOf difference = left_less_right(draws);
     symmetric = symmetry(draws, difference, warnings);
-    watched.push_back({"left less right", difference, false});
+    watched.push_back({"left less right", difference});
   }
+  const inference::Verdict verdict = inference::judge(posterior, watched);
+  const Report models = model_table(posterior, verdict);
+  const Report parameters = parameter_tables(posterior);
 
   Report where = {{"inclusion_by_element", Report::object()}, {"places", Report::object()}};
   const bool several = damage_case.kinds.size() > 1;
@@ -588,7 +587,7 @@ Report summarise_damage(const DamageProblem& problem, const Posterior& posterior
   }
 
   const Report compared = evidence_report(draws.space(), models, evidence, warnings);
-  Report diagnosed = diagnostics(posterior, watched, ess_model, info.seed, warnings);
+  Report diagnosed = diagnostics(posterior, verdict, info.seed, warnings);
   if (problem.symmetric) diagnosed["symmetry"] = symmetric;
   Report kinds = Report::array();
   for (const DefectKind& kind : damage_case.kinds) {

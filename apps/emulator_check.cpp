@@ -11,7 +11,8 @@ namespace {
 struct Checked {
   int model;
   std::span<const double> theta;
-  double weight;  // normalised
+  double plain;   // weight in the posterior, normalised
+  double weight;  // in the FE's
 };
 
 // Σ w (f - mean)² of the reweighted mean and of the plain one, for the error of their difference.
@@ -22,14 +23,13 @@ struct Means {
 template <class Value>
 Means means(const std::vector<Checked>& draws, const Value& value) {
   Means m;
-  const auto n = static_cast<double>(draws.size());
   for (const Checked& d : draws) {
-    m.plain += value(d) / n;
+    m.plain += d.plain * value(d);
     m.weighted += d.weight * value(d);
   }
-  // ratio estimator's delta method, for the difference (w - 1/n)(f - weighted mean)
+  // ratio estimator's delta method, for the difference (w - plain)(f - weighted mean)
   for (const Checked& d : draws) {
-    const double term = (d.weight - 1.0 / n) * (value(d) - m.weighted);
+    const double term = (d.weight - d.plain) * (value(d) - m.weighted);
     m.error += term * term;
   }
   m.error = std::sqrt(m.error);
@@ -54,6 +54,7 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
   const std::size_t stride = std::max<std::size_t>(1, all / static_cast<std::size_t>(most));
   const auto likelihood = problem.fe_likelihood();
   std::vector<Checked> draws;
+  const std::vector<double> of_model = model_weights(posterior);
   std::vector<double> log_weights, squares(modes, 0.0), largest(modes, 0.0);
   FrequencyPredictor predictor(problem);
   std::vector<double> emulated(modes), ignored(modes);
@@ -63,7 +64,7 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
     const std::size_t i = n % static_cast<std::size_t>(posterior.draws);
     const std::span<const double> x(chain.theta.data() + i * width, width);
     const double log_fe = likelihood->log_likelihood(chain.model[i], x);
-    draws.push_back({chain.model[i], x, 0.0});
+    draws.push_back({chain.model[i], x, of_model[static_cast<std::size_t>(chain.model[i])], 0.0});
     log_weights.push_back(log_fe - chain.log_likelihood[i]);
     if (problem.problem.space[chain.model[i]].counts[0] == 0) continue;
     ++compared;
@@ -77,19 +78,22 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
     }
   }
   const double top = *std::ranges::max_element(log_weights);
-  double sum = 0.0, sum_squares = 0.0, mean = 0.0, square = 0.0;
+  double sum = 0.0, sum_squares = 0.0, mean = 0.0, square = 0.0, plain = 0.0, plain_squares = 0.0;
   for (std::size_t n = 0; n < draws.size(); ++n) {
-    draws[n].weight = std::exp(log_weights[n] - top);
+    draws[n].weight = draws[n].plain * std::exp(log_weights[n] - top);
     sum += draws[n].weight;
+    plain += draws[n].plain;
     mean += log_weights[n] / static_cast<double>(draws.size());
   }
   for (std::size_t n = 0; n < draws.size(); ++n) {
     draws[n].weight /= sum;
+    draws[n].plain /= plain;
     sum_squares += draws[n].weight * draws[n].weight;
+    plain_squares += draws[n].plain * draws[n].plain;
     square += (log_weights[n] - mean) * (log_weights[n] - mean);
   }
   const auto n = static_cast<double>(draws.size());
-  const double share = 1.0 / sum_squares / n;
+  const double share = plain_squares / sum_squares;
   const double pareto = inference::pareto_shape(log_weights);
   const bool telling = !(pareto > 0.7) && share * n >= 50.0;
 
@@ -108,14 +112,15 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
   Report parameters = Report::object();
   for (int m = 0; m < problem.problem.space.size(); ++m) {
     std::vector<Checked> within;
-    double total = 0.0;
+    double total = 0.0, of_plain = 0.0;
     for (const Checked& d : draws) {
       if (d.model != m) continue;
       within.push_back(d);
       total += d.weight;
+      of_plain += d.plain;
     }
-    if (static_cast<double>(within.size()) < kWorthTelling * n || !(total > 0.0)) continue;
-    for (Checked& d : within) d.weight /= total;
+    if (of_plain < kWorthTelling || !(total > 0.0)) continue;
+    for (Checked& d : within) d.weight /= total, d.plain /= of_plain;
     Report& table = parameters[problem.problem.space[m].name] = Report::object();
     for (int p = 0; p < problem.problem.space[m].dimension; ++p) {
       const auto at = static_cast<std::size_t>(p);

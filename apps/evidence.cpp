@@ -29,20 +29,30 @@ std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
   std::vector<MethodEvidence> out;
   std::vector<std::optional<inference::Tmcmc>> tempered(
       static_cast<std::size_t>(problem.space.size()));
+  const auto one = [&](const std::string& method, int m) -> inference::Evidence {
+    auto& pilot = tempered[static_cast<std::size_t>(m)];
+    if (method == "tmcmc") {
+      pilot = inference::tmcmc(problem, m, {.seed = seed, .threads = threads});
+      return pilot->evidence;
+    }
+    if (method == "bridge") {
+      const inference::BridgeOptions options{.seed = seed, .threads = threads};
+      return pilot ? inference::bridge_sampling(problem, m, *pilot, options)
+                   : inference::bridge_sampling(problem, m, options);
+    }
+    return inference::laplace(problem, m, {.seed = seed}).evidence;
+  };
   for (const std::string& method : evidence_methods(methods)) {
     log.info("Evidence of each model by {} ...", method);
     MethodEvidence by{.method = method, .evidences = {}};
     for (int m = 0; m < problem.space.size(); ++m) {
-      auto& pilot = tempered[static_cast<std::size_t>(m)];
-      if (method == "tmcmc") {
-        pilot = inference::tmcmc(problem, m, {.seed = seed, .threads = threads});
-        by.evidences.push_back(pilot->evidence);
-      } else if (method == "bridge") {
-        const inference::BridgeOptions options{.seed = seed, .threads = threads};
-        by.evidences.push_back(pilot ? inference::bridge_sampling(problem, m, *pilot, options)
-                                     : inference::bridge_sampling(problem, m, options));
-      } else {
-        by.evidences.push_back(inference::laplace(problem, m, {.seed = seed}).evidence);
+      try {
+        by.evidences.push_back(one(method, m));
+      } catch (const inference::LikelihoodError& error) {
+        by.evidences.push_back({.log_evidence = std::nan(""),
+                                .standard_error = std::nan(""),
+                                .likelihood_evaluations = 0,
+                                .warnings = {std::string("failed: ") + error.what()}});
       }
     }
     out.push_back(std::move(by));
@@ -57,7 +67,7 @@ Report evidence_report(const inference::ModelSpace& space, const Report& models,
   std::vector<double> sampled, errors;
   for (const Report& row : models) {
     sampled.push_back(row["probability"]);
-    errors.push_back(row["mcse"]);
+    errors.push_back(row["mcse"].is_number() ? row["mcse"].get<double>() : std::nan(""));
   }
   for (const MethodEvidence& by : list) {
     const auto implied = inference::implied_probabilities(space, by.evidences);
@@ -74,6 +84,10 @@ Report evidence_report(const inference::ModelSpace& space, const Report& models,
                       {"probability_error", number(implied.standard_error[i])},
                       {"likelihood_evaluations", e.likelihood_evaluations},
                       {"warnings", e.warnings}});
+      if (std::isnan(e.log_evidence) && !e.warnings.empty()) {
+        warnings.push_back("Evidence of " + space[m].name + " by " + by.method + " " +
+                           e.warnings[0] + ". The run itself is not affected.");
+      }
     }
     out[by.method] = rows;
     for (const std::string& line : inference::disagreements(space, sampled, errors, implied)) {

@@ -21,7 +21,8 @@ struct MethodEvidence {
 /// neither tmcmc, bridge nor laplace.
 [[nodiscard]] std::vector<std::string> evidence_methods(const std::string& text);
 
-/// The evidence of every model of the problem by every method.
+/// The evidence of every model of the problem by every method; NaN, with the reason as a warning,
+/// where a method failed on a model: a finished run is worth more than a comparison.
 [[nodiscard]] std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
                                                            const std::string& methods,
                                                            std::uint64_t seed, int threads,
@@ -29,7 +30,8 @@ struct MethodEvidence {
 
 /// {"tmcmc": [{"model", "log_evidence", "standard_error", "log_bayes_factor", "probability", …},
 /// …], …}. `models` is the summary's table of models; where its probabilities and the implied ones
-/// are further apart than their errors allow, a sentence is added to `warnings`.
+/// are further apart than their errors allow, or where a method failed, a sentence is added to
+/// `warnings`.
 [[nodiscard]] Report evidence_report(const inference::ModelSpace& space, const Report& models,
                                      const std::vector<MethodEvidence>& list,
                                      std::vector<std::string>& warnings);

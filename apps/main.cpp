@@ -89,6 +89,10 @@ int main(int argc, char** argv) {
         ->add_option("--draws", sampling.draws,
                      "draws a chain, after warm-up (default: until converged)")
         ->check(CLI::Range(100, kMany));
+    command
+        ->add_option("--search", sampling.searches,
+                     "climbs to modes of each model, from draws of its prior (default: chosen)")
+        ->check(CLI::Range(0, kMany));
     CLI::Option* prior_only = command->add_flag("--prior-only", sampling.prior_only,
                                                 "leave the data out: must return the prior");
     command

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/netcdf_writer.hpp"
+#include "apps/summary.hpp"
 #include "inference/random.hpp"
 
 namespace wheeltap::apps {
@@ -36,6 +37,16 @@ void write_sample_stats(const NetcdfWriter& file, const inference::Posterior& po
   std::string names;
   for (const auto& m : posterior.moves) names += (names.empty() ? "" : ";") + m.name;
   file.text(group, move, "names", names);
+  if (!posterior.log_weight.empty()) {
+    const std::vector<double> of_model = model_weights(posterior);
+    const int weight = file.put(group, "weight", {chain, draw},
+                                each([&](const inference::Chain& c, std::size_t i) {
+                                  return of_model[static_cast<std::size_t>(c.model[i])];
+                                }));
+    file.text(
+        group, weight, "description",
+        "what a draw counts in averages over models, which were sampled evenly; 1 on average");
+  }
   file.put(group, "accepted", {chain, draw}, each([](const inference::Chain& c, std::size_t i) {
              return static_cast<int>(c.accepted[i]);
            }),

@@ -836,6 +836,7 @@ SidCase parse_sid_case(CaseFile file, SidNeeds needs) {
   const Json& json = out.file.json;
   out.title = json.value("title", out.file.path.stem().string());
   out.band = json.value("band", out.band);
+  out.balance = json.value("balance", false);
   if (json.contains("notes")) {
     if (json["notes"].is_string()) {
       out.notes = {json["notes"].get<std::string>()};

@@ -74,6 +74,7 @@ struct SidCase {
   bool simulated = false;
   std::string origin = {};  ///< in words
   double band = 0.97;
+  bool balance = false;  ///< sample models evenly and reweight
   dynamics::SimulatorOptions integration = {};
   std::vector<std::string> warnings = {};
 

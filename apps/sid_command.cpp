@@ -32,7 +32,7 @@ constexpr int kMostRepeats = 2;
 constexpr int kMostRefinement = 16;  // of the step limit, in one of them
 
 inference::Options engine_options(const CommonOptions& common, const SamplingOptions& options,
-                                  double seconds_a_likelihood) {
+                                  double seconds_a_likelihood, bool balance) {
   inference::Options engine;
   engine.seed = common.seed.value_or(1);
   engine.chains = options.chains;
@@ -40,6 +40,8 @@ inference::Options engine_options(const CommonOptions& common, const SamplingOpt
   engine.prior_only = options.prior_only;
   engine.warmup = options.warmup;
   engine.draws = options.draws;
+  engine.searches = options.searches;
+  engine.balance = balance;
   // Likelihoods that each chain can have on two cores, whatever this machine has: threads never
   // change a result.
   const double affordable = kAffordableSeconds * 2.0 / options.chains / seconds_a_likelihood;
@@ -55,11 +57,9 @@ inference::Options engine_options(const CommonOptions& common, const SamplingOpt
 }
 
 Report options_report(const SamplingOptions& options, const inference::Options& engine) {
-  return {{"chains", options.chains},
-          {"warmup", engine.warmup},
-          {"draws", engine.draws},
-          {"thin", engine.thin},
-          {"prior_only", options.prior_only}};
+  return {{"chains", options.chains},   {"warmup", engine.warmup},
+          {"draws", engine.draws},      {"thin", engine.thin},
+          {"search", options.searches}, {"prior_only", options.prior_only}};
 }
 
 struct Run {
@@ -74,15 +74,18 @@ struct Run {
 /// power.
 std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior) {
-  std::vector<long> visits(static_cast<std::size_t>(problem.problem.space.size()));
+  std::vector<double> visits(static_cast<std::size_t>(problem.problem.space.size()));
+  const std::vector<double> weights = model_weights(posterior);
   for (const auto& chain : posterior.chains) {
-    for (const int m : chain.model) ++visits[static_cast<std::size_t>(m)];
+    for (const int m : chain.model) {
+      visits[static_cast<std::size_t>(m)] += weights[static_cast<std::size_t>(m)];
+    }
   }
-  const long all = std::accumulate(visits.begin(), visits.end(), 0L);
+  const double all = std::accumulate(visits.begin(), visits.end(), 0.0);
   dynamics::SimulatorOptions better = problem.sid_case.integration;
   bool needed = false;
   for (int m = 0; m < problem.problem.space.size(); ++m) {
-    if (20 * visits[static_cast<std::size_t>(m)] < all) continue;
+    if (20.0 * visits[static_cast<std::size_t>(m)] < all) continue;
     const double error = step_error(problem, posterior, m).value_or(0.0);
     if (error <= kLargestStepError) continue;
     needed = true;
@@ -114,7 +117,8 @@ Run run_once(SidCase sid_case, const CommonOptions& common, const SamplingOption
   inference::Options engine;
   std::string note;
   for (int repeats = 0;; ++repeats) {
-    engine = engine_options(common, options, run.problem->seconds_a_likelihood);
+    engine = engine_options(common, options, run.problem->seconds_a_likelihood,
+                            run.problem->sid_case.balance);
     run.posterior = run_engine(run.problem->problem, engine, common.case_path, common.quiet);
     if (!note.empty()) run.posterior.notes.push_back(note);
     if (steps_given || options.prior_only || run.posterior.stopped_early) break;
@@ -142,14 +146,6 @@ Run run_once(SidCase sid_case, const CommonOptions& common, const SamplingOption
 
 std::string csv_number(const Report& value) {
   return value.is_number() ? significant(value.get<double>(), 8) : "";
-}
-
-// A number that the chains cannot tell is ±inf, since one of the two models was never visited.
-std::string csv_log_factor(const Report& row) {
-  if (row["log_bayes_factor"].is_number()) return csv_number(row["log_bayes_factor"]);
-  return row["never_visited"] == "both"         ? "nan"
-         : row["never_visited"] == row["model"] ? "-inf"
-                                                : "inf";
 }
 
 void run_sweep(const CaseFile& file, const CommonOptions& common, const SamplingOptions& options,
@@ -187,6 +183,8 @@ void run_sweep(const CaseFile& file, const CommonOptions& common, const Sampling
                   {"parameters", s["parameters"]},
                   {"fit", s["fit"]},
                   {"converged", s["diagnostics"]["converged"]},
+                  {"not_established", s["diagnostics"]["not_established"]},
+                  {"resolution", s["diagnostics"]["resolution"]},
                   {"warnings", s["diagnostics"]["warnings"]},
                   {"cost", s["cost"]}};
     if (s.contains("evidence")) row["evidence"] = s["evidence"];
@@ -196,12 +194,14 @@ void run_sweep(const CaseFile& file, const CommonOptions& common, const Sampling
       cells.push_back(cell);
     };
     for (const auto& m : s["models"]) {
-      add("P(" + m["name"].get<std::string>() + ")", csv_number(m["probability"]));
+      add("P(" + m["name"].get<std::string>() + ")",
+          m["mcse"].is_number() ? csv_number(m["probability"]) : "");
       add("mcse", csv_number(m["mcse"]));
+      add("basis", m["basis"]);
     }
     for (const auto& b : s["log_bayes_factors"]) {
       add("ln B(" + b["model"].get<std::string>() + ":" + b["against"].get<std::string>() + ")",
-          csv_log_factor(b));
+          csv_number(b["log_bayes_factor"]));
       add("mcse", csv_number(b["mcse"]));
     }
     if (s.contains("evidence")) {
@@ -233,7 +233,15 @@ void run_sweep(const CaseFile& file, const CommonOptions& common, const Sampling
                 << line(header);
     }
     table += line(cells);
-    std::cout << line(cells) << std::flush;
+    std::cout << line(cells);
+    for (const auto& m : s["models"]) {
+      const std::string told = told_by_evidence(m);
+      if (!told.empty()) std::cout << "# " << m["name"].get<std::string>() << ": " << told << '\n';
+    }
+    for (const auto& sentence : s["diagnostics"]["not_established"]) {
+      std::cout << "# " << sentence.get<std::string>() << '\n';
+    }
+    std::cout << std::flush;
     rows.push_back(std::move(row));
   }
   const Report summary = {

@@ -76,7 +76,10 @@ Report link_laws(const SidProblem& problem, const inference::Posterior& posterio
                  const Report& models) {
   Report out = Report::object();
   for (int m = 0; m < problem.problem.space.size(); ++m) {
-    if (models[static_cast<std::size_t>(m)]["probability"].get<double>() < kWorthTelling) continue;
+    if (models[static_cast<std::size_t>(m)]["probability"].get<double>() < kWorthTelling ||
+        models[static_cast<std::size_t>(m)]["visited"] == 0) {
+      continue;
+    }
     const Eigen::MatrixXd z = displacements(problem, m, posterior_mean(problem, posterior, m));
     if (z.rows() == 0) continue;
     const auto draws = draws_of(problem, posterior, m);

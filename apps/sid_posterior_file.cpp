@@ -162,8 +162,11 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidProble
     }
     file.text(group, file.put(group, "time", {sample}, time), "units", "s");
     int most = 0;
-    std::vector<long> visits(static_cast<std::size_t>(space.size()));
-    for (const int m : model_of_draw) ++visits[static_cast<std::size_t>(m)];
+    std::vector<double> visits(static_cast<std::size_t>(space.size()));
+    const std::vector<double> weights = model_weights(posterior);
+    for (const int m : model_of_draw) {
+      visits[static_cast<std::size_t>(m)] += weights[static_cast<std::size_t>(m)];
+    }
     most = static_cast<int>(std::ranges::max_element(visits) - visits.begin());
     const auto theta = posterior_mean(problem, posterior, most);
     for (std::size_t c = 0; c < responses.size(); ++c) {

@@ -21,6 +21,11 @@ double probability(const Report& models, int m) {
   return models[static_cast<std::size_t>(m)]["probability"];
 }
 
+/// Whether there are draws of a model to look at, however probable its evidence makes it.
+bool drawn(const Report& models, int m) {
+  return models[static_cast<std::size_t>(m)]["visited"].get<int>() > 0;
+}
+
 /// Residuals freed of their fitted autoregression (all but the first p).
 std::vector<double> innovations(std::span<const double> residuals,
                                 const std::vector<dynamics::Coefficient>& autocorrelations,
@@ -131,7 +136,10 @@ void judge_integration(const Report& models, const Report& errors,
                        std::vector<std::string>& warnings) {
   for (const auto& row : models) {
     const auto name = row["name"].get<std::string>();
-    if (row["probability"].get<double>() < kWorthTelling || !errors[name].is_number()) continue;
+    if (row["probability"].get<double>() < kWorthTelling || !errors.contains(name) ||
+        !errors[name].is_number()) {
+      continue;
+    }
     const double error = errors[name];
     if (error <= kLargestStepError) continue;
     warnings.push_back(
@@ -214,7 +222,7 @@ void judge_bounds(const SidProblem& problem, const Posterior& posterior, const R
   const auto& space = problem.problem.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
   for (int m = 0; m < space.size(); ++m) {
-    if (probability(models, m) < kWorthTelling) continue;
+    if (probability(models, m) < kWorthTelling || !drawn(models, m)) continue;
     for (int p = 0; p < space[m].dimension; ++p) {
       long above = 0, below = 0, all = 0;
       const inference::Prior& prior = space.prior(m, p);
@@ -239,24 +247,36 @@ void judge_bounds(const SidProblem& problem, const Posterior& posterior, const R
   }
 }
 
-/// ln of the Bayes factor of each model against the first, from the chains' odds.
+/// ln of the Bayes factor of each model against the first, from the probabilities.
 Report bayes_factors(const inference::ModelSpace& space, const Report& models) {
   Report rows = Report::array();
-  const double p0 = models[0]["probability"], se0 = models[0]["mcse"];
+  const bool drawn0 = drawn(models, 0);
   for (int m = 1; m < space.size(); ++m) {
-    const Report& row = models[static_cast<std::size_t>(m)];
-    const double p = row["probability"], se = row["mcse"];
-    const bool known = p > 0.0 && p0 > 0.0;
-    const double log_factor =
-        std::log(p) - std::log(p0) - (space[m].log_prior - space[0].log_prior);
+    const Report &row = models[static_cast<std::size_t>(m)], &first = models[0];
+    const double p = row["probability"], p0 = first["probability"];
+    const bool by_evidence = row["basis"] == "evidence" || first["basis"] == "evidence";
+    const bool both = row["log_evidence"].is_number() && first["log_evidence"].is_number();
+    // Evidences keep what probabilities lose below the smallest number.
+    const bool known = by_evidence ? both : p > 0.0 && p0 > 0.0;
+    double log_factor = 0.0, error = std::nan("");
+    if (known && by_evidence) {
+      log_factor = row["log_evidence"].get<double>() - first["log_evidence"].get<double>();
+      if (row["log_evidence_se"].is_number() && first["log_evidence_se"].is_number()) {
+        error = std::hypot(row["log_evidence_se"].get<double>(),
+                           first["log_evidence_se"].get<double>());
+      }
+    } else if (known) {
+      log_factor = std::log(p) - std::log(p0) - (space[m].log_prior - space[0].log_prior);
+      error = std::hypot(row["mcse"].get<double>() / p, first["mcse"].get<double>() / p0);
+    }
     rows.push_back({{"model", space[m].name},
                     {"against", space[0].name},
                     {"log_bayes_factor", known ? Report(log_factor) : Report()},
-                    {"mcse", known ? Report(std::hypot(se / p, se0 / p0)) : Report()},
-                    {"never_visited", p > 0.0    ? Report()
-                                      : p0 > 0.0 ? Report(space[m].name)
-                                                 : Report("both")}});
-    if (p > 0.0 && !(p0 > 0.0)) rows.back()["never_visited"] = space[0].name;
+                    {"mcse", known && std::isfinite(error) ? Report(error) : Report()},
+                    {"basis", by_evidence ? "evidence" : "draws"},
+                    {"never_visited", drawn(models, m) ? (drawn0 ? Report() : Report(space[0].name))
+                                      : drawn0         ? Report(space[m].name)
+                                                       : Report("both")}});
   }
   return rows;
 }
@@ -310,6 +330,21 @@ std::vector<double> posterior_mean(const SidProblem& problem, const Posterior& p
   return problem.theta(model, mean_draw(problem, posterior, model));
 }
 
+namespace {
+
+// Where the sum of the weights so far passes this share of them all: systematic resampling.
+std::size_t reached(const std::vector<double>& weights, double share) {
+  const double wanted = share * std::accumulate(weights.begin(), weights.end(), 0.0);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    sum += weights[i];
+    if (sum > wanted) return i;
+  }
+  return weights.size() - 1;
+}
+
+}  // namespace
+
 SidPredictive predict(const SidProblem& problem, const Posterior& posterior, int draws) {
   const std::size_t length = problem.sid_case.responses().size() *
                              static_cast<std::size_t>(problem.misfits.front().samples());
@@ -318,12 +353,16 @@ SidPredictive predict(const SidProblem& problem, const Posterior& posterior, int
   const auto wanted = static_cast<std::size_t>(std::max(kFewestDraws, std::min(draws, affordable)));
   const std::size_t each = std::max<std::size_t>(1, wanted / chains);
   const auto width = static_cast<std::size_t>(posterior.dimension);
+  const inference::ChainsOf weights = draw_weights(posterior);
   SidPredictive out;
   std::vector<double> residuals(length);
   for (std::size_t c = 0; c < chains; ++c) {
     const auto& chain = posterior.chains[c];
     for (std::size_t j = 0; j < each; ++j) {
-      const std::size_t i = (2 * j + 1) * chain.model.size() / (2 * each);
+      const std::size_t i =
+          weights.empty()
+              ? (2 * j + 1) * chain.model.size() / (2 * each)
+              : reached(weights[c], (static_cast<double>(j) + 0.5) / static_cast<double>(each));
       const int m = chain.model[i];
       const auto theta = problem.theta(m, {chain.theta.data() + i * width, width});
       if (!problem.misfits[static_cast<std::size_t>(m)].residuals(theta, residuals)) continue;
@@ -371,38 +410,6 @@ Report prior_list(const SidCase& sid_case) {
   return out;
 }
 
-std::vector<Watched> watched_quantities(const Posterior& posterior, const Report& models) {
-  const auto& space = *posterior.space;
-  const auto width = static_cast<std::size_t>(posterior.dimension);
-  constexpr std::size_t kLeast = 100;
-  std::vector<Watched> list;
-  for (int m = 0; m < space.size(); ++m) {
-    if (probability(models, m) < kWorthTelling) continue;
-    if (space.size() > 1) {
-      list.push_back(
-          {"P(" + space[m].name + ")",
-           all_draws(posterior,
-                     [&](auto c, auto i) { return posterior.chains[c].model[i] == m ? 1.0 : 0.0; }),
-           true});
-    }
-    for (int p = 0; p < space[m].dimension; ++p) {
-      const auto chains = draws_in_model(posterior, m, [&](std::size_t c, std::size_t i) {
-        return posterior.chains[c].theta[i * width + static_cast<std::size_t>(p)];
-      });
-      std::size_t n = std::numeric_limits<std::size_t>::max();
-      for (const auto& chain : chains) n = std::min(n, chain.size());
-      if (n < kLeast) continue;
-      inference::ChainsOf equal;
-      for (const auto& chain : chains) {
-        equal.emplace_back(n);
-        for (std::size_t i = 0; i < n; ++i) equal.back()[i] = chain[i * chain.size() / n];
-      }
-      list.push_back({space[m].name + "/" + space.parameter_name(m, p), std::move(equal)});
-    }
-  }
-  return list;
-}
-
 }  // namespace
 
 Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
@@ -410,15 +417,15 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
                      const RunInfo& info) {
   const SidCase& sid_case = problem.sid_case;
   const auto& space = problem.problem.space;
-  const double ess_model = ess_of_model(posterior);
-  const Report models = model_table(posterior, ess_model);
+  const inference::Verdict verdict = inference::judge(posterior);
+  const Report models = model_table(posterior, verdict);
   const Report parameters = parameter_tables(posterior);
 
   std::vector<std::string> warnings = sid_case.warnings;
   Report fits = Report::object(), best_fits = Report::object(), best_draws = Report::object();
   Report step_errors = Report::object();
   for (int m = 0; m < space.size(); ++m) {
-    if (!(probability(models, m) > 0.0)) continue;
+    if (!drawn(models, m)) continue;
     const std::string& name = space[m].name;
     const std::span<const double> best = best_draw(problem, posterior, m);
     fits[name] = forward_run(problem, m, posterior_mean(problem, posterior, m));
@@ -449,7 +456,7 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
   }
   Report substeps = Report::object();
   for (int m = 0; m < space.size(); ++m) {
-    if (probability(models, m) == 0.0) continue;
+    if (!drawn(models, m)) continue;
     substeps[space[m].name] = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(
         posterior_mean(problem, posterior, m));
   }
@@ -479,8 +486,7 @@ Report summarise_sid(const SidProblem& problem, const Posterior& posterior,
                       {"step_limit", sid_case.integration.step_limit},
                       {"error_of_steps", step_errors},
                       {"seconds_a_likelihood", problem.seconds_a_likelihood}}},
-                    {"diagnostics", diagnostics(posterior, watched_quantities(posterior, models),
-                                                ess_model, info.seed, warnings)},
+                    {"diagnostics", diagnostics(posterior, verdict, info.seed, warnings)},
                     {"cost", cost(posterior)}};
   if (!evidence.empty()) summary["evidence"] = compared;
   if (sid_case.truth && sid_case.simulated) {

@@ -20,7 +20,8 @@ struct SidPredictive {
   std::vector<Draw> draws;
 };
 
-/// At most `draws` of them, fewer for long records.
+/// At most `draws` of them, fewer for long records; in proportion to what they count where models
+/// were balanced, so that all of them count the same.
 [[nodiscard]] SidPredictive predict(const SidProblem& problem,
                                     const inference::Posterior& posterior, int draws = 200);
 

@@ -16,27 +16,25 @@ using inference::Posterior;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kLeastDraws = 100;  // of a chain, for its convergence to be judged
-constexpr double kDominant = 0.999;
-constexpr double kMaxRhat = 1.01;
-constexpr double kMinEss = 400.0;
 
 // JSON has no infinity.
 Report finite(double x) {
   return std::isfinite(x) ? Report(x) : Report();
 }
 
-// The midpoint of the fullest bin, bins by Freedman & Diaconis's rule (1981).
-double histogram_mode(const std::vector<double>& sorted) {
-  const double low = sorted.front(), high = sorted.back();
+// The midpoint of the fullest bin, bins by Freedman & Diaconis's rule (1981). `weights` beside
+// `values`, or none.
+double histogram_mode(const std::vector<double>& values, const std::vector<double>& weights,
+                      double low, double high, double interquartile) {
   if (!(high > low)) return low;
-  const double width = 2.0 * (quantile(sorted, 0.75) - quantile(sorted, 0.25)) /
-                       std::cbrt(static_cast<double>(sorted.size()));
+  const double width = 2.0 * interquartile / std::cbrt(static_cast<double>(values.size()));
   const double bins_wanted = width > 0.0 ? std::ceil((high - low) / width) : 200.0;
   const auto bins = static_cast<std::size_t>(std::clamp(bins_wanted, 10.0, 400.0));
-  std::vector<std::size_t> counts(bins);
-  for (const double x : sorted) {
-    const auto at = static_cast<std::size_t>((x - low) / (high - low) * static_cast<double>(bins));
-    ++counts[std::min(at, bins - 1)];
+  std::vector<double> counts(bins);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto at =
+        static_cast<std::size_t>((values[i] - low) / (high - low) * static_cast<double>(bins));
+    counts[std::min(at, bins - 1)] += weights.empty() ? 1.0 : weights[i];
   }
   const auto fullest = std::ranges::max_element(counts) - counts.begin();
   return low + (static_cast<double>(fullest) + 0.5) * (high - low) / static_cast<double>(bins);
@@ -66,12 +64,6 @@ double probability(const Posterior& posterior, int model) {
   return draws > 0 ? static_cast<double>(visits) / static_cast<double>(draws) : 0.0;
 }
 
-ChainsOf counts_of_kind(const Posterior& posterior, std::size_t kind) {
-  return all_draws(posterior, [&](std::size_t c, std::size_t i) {
-    return static_cast<double>((*posterior.space)[posterior.chains[c].model[i]].counts[kind]);
-  });
-}
-
 std::vector<std::vector<int>> total_counts(const Posterior& posterior) {
   std::vector<std::vector<int>> out;
   for (const auto& chain : posterior.chains) {
@@ -93,24 +85,79 @@ double quantile(const std::vector<double>& sorted, double p) {
   return sorted[below] + (position - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
-Report summarise(const ChainsOf& chains) {
-  std::vector<double> sorted;
-  for (const auto& chain : chains) sorted.insert(sorted.end(), chain.begin(), chain.end());
-  std::ranges::sort(sorted);
-  const auto n = static_cast<double>(sorted.size());
-  const double mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / n;
+double weighted_quantile(std::vector<std::pair<double, double>> draws, double p) {
+  std::ranges::sort(draws);
+  // The middle of each draw's weight, from that of the first (0) to that of the last (1).
+  const double first = 0.5 * draws.front().second;
+  double total = -first - 0.5 * draws.back().second;
+  for (const auto& [x, w] : draws) total += w;
+  double before = -first, last_x = draws.front().first, last_at = 0.0;
+  for (const auto& [x, w] : draws) {
+    const double at = before + 0.5 * w;
+    if (at >= p * total) {
+      return at > last_at ? last_x + (p * total - last_at) / (at - last_at) * (x - last_x) : x;
+    }
+    before += w;
+    last_x = x, last_at = at;
+  }
+  return draws.back().first;
+}
+
+std::vector<double> model_weights(const Posterior& posterior) {
+  const auto n = static_cast<std::size_t>(posterior.space->size());
+  if (posterior.log_weight.empty()) return std::vector<double>(n, 1.0);
+  const double top = std::ranges::max(posterior.log_weight);
+  std::vector<double> weights;
+  for (const double l : posterior.log_weight) weights.push_back(std::exp(l - top));
+  double sum = 0.0, draws = 0.0;
+  for (const auto& chain : posterior.chains) {
+    for (const int m : chain.model) sum += weights[static_cast<std::size_t>(m)];
+    draws += static_cast<double>(chain.model.size());
+  }
+  for (double& w : weights) w *= draws / sum;
+  return weights;
+}
+
+ChainsOf draw_weights(const Posterior& posterior) {
+  if (posterior.log_weight.empty()) return {};
+  const std::vector<double> of_model = model_weights(posterior);
+  return all_draws(posterior, [&](std::size_t c, std::size_t i) {
+    return of_model[static_cast<std::size_t>(posterior.chains[c].model[i])];
+  });
+}
+
+Report summarise(const ChainsOf& chains, const ChainsOf& weights) {
+  std::vector<double> values, weight;
+  for (const auto& chain : chains) values.insert(values.end(), chain.begin(), chain.end());
+  for (const auto& chain : weights) weight.insert(weight.end(), chain.begin(), chain.end());
+  const auto n = static_cast<double>(values.size());
+  const auto w = [&](std::size_t i) { return weight.empty() ? 1.0 : weight[i]; };
+  double total = 0.0, mean = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) total += w(i), mean += w(i) * values[i];
+  mean /= total;
   double squares = 0.0;
-  for (const double x : sorted) squares += (x - mean) * (x - mean);
+  for (std::size_t i = 0; i < values.size(); ++i) squares += w(i) * std::pow(values[i] - mean, 2.0);
+  std::vector<double> q;
+  const std::vector<double> levels = {0.0, 0.025, 0.25, 0.5, 0.75, 0.975, 1.0};
+  if (weight.empty()) {
+    std::vector<double> sorted = values;
+    std::ranges::sort(sorted);
+    for (const double p : levels) q.push_back(quantile(sorted, p));
+  } else {
+    std::vector<std::pair<double, double>> pairs;
+    for (std::size_t i = 0; i < values.size(); ++i) pairs.emplace_back(values[i], weight[i]);
+    for (const double p : levels) q.push_back(weighted_quantile(pairs, p));
+  }
   inference::Convergence judged{kNaN, kNaN, kNaN, kNaN, kNaN};
   if (const ChainsOf equal = equal_lengths(chains); !equal.empty()) {
     judged = inference::convergence(equal);
   }
   return {{"mean", mean},
-          {"sd", n > 1.0 ? std::sqrt(squares / (n - 1.0)) : 0.0},
-          {"q2.5", quantile(sorted, 0.025)},
-          {"q50", quantile(sorted, 0.5)},
-          {"q97.5", quantile(sorted, 0.975)},
-          {"mode", histogram_mode(sorted)},
+          {"sd", n > 1.0 ? std::sqrt(squares / total * n / (n - 1.0)) : 0.0},
+          {"q2.5", q[1]},
+          {"q50", q[3]},
+          {"q97.5", q[5]},
+          {"mode", histogram_mode(values, weight, q.front(), q.back(), q[4] - q[2])},
           {"ess_bulk", finite(judged.ess_bulk)},
           {"ess_tail", finite(judged.ess_tail)},
           {"rhat", finite(judged.rhat)}};
@@ -131,38 +178,46 @@ std::string parameter_label(const inference::ModelSpace& space, int model, int i
   return users > 1 ? kinds[kind].name + " " + name : name;
 }
 
-double ess_of_model(const Posterior& posterior) {
-  const auto& space = *posterior.space;
-  double least = std::numeric_limits<double>::infinity();
-  if (!space.kinds().empty()) {
-    for (std::size_t k = 0; k < space.kinds().size(); ++k) {
-      least = std::min(least, inference::ess_mean(counts_of_kind(posterior, k)));
-    }
-    return least;
-  }
-  for (int m = 0; m < space.size(); ++m) {
-    if (probability(posterior, m) == 0.0) continue;
-    least = std::min(least, inference::ess_mean(all_draws(posterior, [&](auto c, auto i) {
-                       return posterior.chains[c].model[i] == m ? 1.0 : 0.0;
-                     })));
-  }
-  return least;
-}
-
-Report model_table(const Posterior& posterior, double ess_model) {
+Report model_table(const Posterior& posterior, const inference::Verdict& verdict) {
   const auto& space = *posterior.space;
   Report table = Report::array();
   for (int m = 0; m < space.size(); ++m) {
-    const ChainsOf indicator = all_draws(
-        posterior, [&](auto c, auto i) { return posterior.chains[c].model[i] == m ? 1.0 : 0.0; });
-    const double mcse = inference::mcse_mean(indicator);
-    const double floor = 1.0 / (ess_model + 2.0);
+    const inference::ModelStanding& s = verdict.models[static_cast<std::size_t>(m)];
     table.push_back({{"name", space[m].name},
                      {"prior", std::exp(space[m].log_prior)},
-                     {"probability", probability(posterior, m)},
-                     {"mcse", finite(std::max(mcse, floor))}});
+                     {"probability", s.probability},
+                     {"mcse", finite(s.mcse)},
+                     {"visited", s.visited},
+                     {"proposed", s.proposed},
+                     {"entered", s.entered},
+                     {"log_evidence", finite(s.log_evidence)},
+                     {"log_evidence_se", finite(s.log_evidence_se)},
+                     {"basis", s.basis == inference::Basis::draws ? "draws" : "evidence"}});
   }
   return table;
+}
+
+std::string told_by_evidence(const Report& row) {
+  const bool known = row.value("basis", "draws") == std::string("evidence");
+  if (!row.contains("visited") || (row["visited"] != 0 && !known)) return {};
+  const long proposed = row.value("proposed", 0L);
+  std::string text = row["visited"] != 0
+                         ? "drawn by " + row["visited"].dump() + " of the chains only; "
+                     : proposed > 0 ? "not entered in " + grouped(proposed) + " proposals; "
+                                    : "never entered; ";
+  if (!known) return text + "nothing is known of its evidence";
+  if (row.value("prior", 1.0) == 0.0) return "has no prior probability";
+  text += "its evidence puts it at P ≈ " + significant(row["probability"], 3);
+  if (row["mcse"].is_number()) text += " ± " + significant(row["mcse"], 1);
+  return text;
+}
+
+std::string resolution_in_words(const Report& diagnosed) {
+  const auto at = diagnosed.find("resolution");
+  if (at == diagnosed.end() || !at->is_number() || at->get<double>() >= 1.0) return {};
+  if (at->get<double>() <= 0.0) return {};
+  return "a mode that less than " + significant(100.0 * at->get<double>(), 2) +
+         " % of the prior climbs to would probably not have been seen";
 }
 
 Report parameter_tables(const Posterior& posterior) {
@@ -182,51 +237,17 @@ Report parameter_tables(const Posterior& posterior) {
   return tables;
 }
 
-Report diagnostics(const Posterior& posterior, const std::vector<Watched>& watched,
-                   double ess_model, std::uint64_t seed, std::vector<std::string> warnings) {
+Report diagnostics(const Posterior& posterior, const inference::Verdict& verdict,
+                   std::uint64_t seed, std::vector<std::string> warnings) {
   const auto& space = *posterior.space;
-  double most_probable = 0.0;
-  for (int m = 0; m < space.size(); ++m) {
-    most_probable = std::max(most_probable, probability(posterior, m));
+  Report rhats = Report::object();
+  for (const auto& [what, r] : verdict.rhats) rhats[what] = finite(r);
+  if (posterior.impossible > 0) {
+    warnings.push_back("The likelihood was NaN or infinite at " + grouped(posterior.impossible) +
+                       " of " + grouped(posterior.likelihood_evaluations) +
+                       " places: these count as impossible.");
   }
-  const bool dominant = most_probable > kDominant;
-
-  const ChainsOf log_posterior = all_draws(posterior, [&](std::size_t c, std::size_t i) {
-    return posterior.chains[c].log_prior[i] + posterior.chains[c].log_likelihood[i];
-  });
-  const auto of_log_posterior = inference::convergence(log_posterior);
-  Report rhats = {{"log posterior", finite(of_log_posterior.rhat)}};
-  std::string worst = "log posterior";
-  double rhat_max = of_log_posterior.rhat;
-  for (const Watched& w : watched) {
-    const double r = inference::rhat(w.draws);
-    rhats[w.name] = finite(r);
-    if (w.is_count && dominant) continue;
-    if (!(r <= rhat_max)) rhat_max = r, worst = w.name;
-  }
-  const double ess_log_posterior = std::min(of_log_posterior.ess_bulk, of_log_posterior.ess_tail);
-  const bool converged = rhat_max < kMaxRhat && ess_log_posterior > kMinEss &&
-                         (dominant || ess_model > kMinEss) && !posterior.stopped_early;
-  if (!converged) {
-    std::string why;
-    if (posterior.stopped_early) why = "it was stopped early";
-    if (!(rhat_max < kMaxRhat)) {
-      why += (why.empty() ? "" : ", ") + std::string("R-hat of ") + worst + " is " +
-             significant(rhat_max, 4) + " (must be below 1.01)";
-    }
-    if (!(ess_log_posterior > kMinEss)) {
-      why += (why.empty() ? "" : ", ") +
-             std::string("the effective sample size of the log posterior is ") +
-             significant(ess_log_posterior, 3) + " (must exceed 400)";
-    }
-    if (!dominant && !(ess_model > kMinEss)) {
-      why += (why.empty() ? "" : ", ") + std::string("the effective sample size of the count is ") +
-             significant(ess_model, 3) + " (must exceed 400)";
-    }
-    warnings.insert(warnings.begin(),
-                    "The chains have not converged: " + why +
-                        ". Do not trust these numbers yet; run longer with --draws and --warmup.");
-  }
+  warnings.insert(warnings.begin(), verdict.not_established.begin(), verdict.not_established.end());
 
   std::vector<std::vector<int>> model_chains;
   for (const auto& chain : posterior.chains) model_chains.push_back(chain.model);
@@ -263,25 +284,30 @@ Report diagnostics(const Posterior& posterior, const std::vector<Watched>& watch
     const Eigen::VectorXd row = stationary.transitions.row(a);
     transitions.push_back(std::vector<double>(row.begin(), row.end()));
   }
-  return {{"converged", converged},
-          {"ess_model", finite(ess_model)},
-          {"ess_log_posterior", finite(ess_log_posterior)},
-          {"round_trips", inference::round_trips(counts, lowest, highest)},
-          {"rhat_max", finite(rhat_max)},
-          {"rhat", rhats},
-          {"acceptance", {{"moves", moves}, {"models", jumps}}},
-          {"transitions",
-           {{"counts", transitions},
-            {"stationary_mean", stationary.mean},
-            {"stationary_sd", stationary.sd},
-            {"effective_draws", finite(stationary.effective_draws)}}},
-          {"ladder",
-           {{"while_drawing", posterior.tempered_draws},
-            {"round_trips",
-             posterior.tempered_draws ? Report(posterior.ladder_round_trips) : Report()}}},
-          {"stopped_early", posterior.stopped_early},
-          {"notes", posterior.notes},
-          {"warnings", warnings}};
+  return {
+      {"converged", verdict.converged},
+      {"not_established", verdict.not_established},
+      {"resolution", verdict.resolution},
+      {"ess_model", finite(verdict.ess_model)},
+      {"ess_log_posterior", finite(verdict.ess_log_posterior)},
+      {"round_trips", inference::round_trips(counts, lowest, highest)},
+      {"rhat_max", finite(verdict.rhat_max)},
+      {"rhat", rhats},
+      {"acceptance", {{"moves", moves}, {"models", jumps}}},
+      {"transitions",
+       {{"counts", transitions},
+        {"stationary_mean", stationary.mean},
+        {"stationary_sd", stationary.sd},
+        {"effective_draws", finite(stationary.effective_draws)}}},
+      {"ladder",
+       {{"while_drawing", posterior.tempered_draws},
+        {"round_trips", posterior.tempered_draws ? Report(posterior.ladder_round_trips) : Report()},
+        {"barrier", posterior.barrier > 0.0 ? finite(posterior.barrier) : Report()}}},
+      {"impossible", posterior.impossible},
+      {"balanced", !posterior.log_weight.empty()},
+      {"stopped_early", posterior.stopped_early},
+      {"notes", posterior.notes},
+      {"warnings", warnings}};
 }
 
 std::string machine() {
@@ -344,6 +370,14 @@ std::string resolved(double x, double width) {
 std::string fixed(double x, int decimals) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, x);
+  return text;
+}
+
+std::string grouped(long n) {
+  std::string text = std::to_string(n);
+  for (auto at = static_cast<long>(text.size()) - 3; at > 0; at -= 3) {
+    text.insert(static_cast<std::size_t>(at), " ");
+  }
   return text;
 }
 

@@ -3,11 +3,13 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/case_file.hpp"
 #include "inference/diagnostics.hpp"
 #include "inference/reversible_jump.hpp"
+#include "inference/verdict.hpp"
 
 namespace wheeltap::apps {
 
@@ -21,11 +23,21 @@ struct RunInfo {
 };
 
 /// Mean, sd, quantiles and histogram mode of one quantity, with its convergence where `chains` are
-/// long enough to judge it (null otherwise).
-[[nodiscard]] Report summarise(const inference::ChainsOf& chains);
+/// long enough to judge it (null otherwise). `weights`, one a draw, may be empty: all alike.
+[[nodiscard]] Report summarise(const inference::ChainsOf& chains,
+                               const inference::ChainsOf& weights = {});
 
 /// Quantile of sorted draws, linear between order statistics.
 [[nodiscard]] double quantile(const std::vector<double>& sorted, double p);
+/// The same of weighted draws, in any order; of equal weights it is the above.
+[[nodiscard]] double weighted_quantile(std::vector<std::pair<double, double>> draws_and_weights,
+                                       double p);
+
+/// What a draw of each model counts, 1 on average over the draws: not all alike only where models
+/// were balanced (Posterior::log_weight). Whatever is averaged over models must use it.
+[[nodiscard]] std::vector<double> model_weights(const inference::Posterior& posterior);
+/// The same of every draw; empty where all are alike.
+[[nodiscard]] inference::ChainsOf draw_weights(const inference::Posterior& posterior);
 
 /// "location[1]"; with its kind's name before it where two kinds share the name.
 [[nodiscard]] std::string parameter_label(const inference::ModelSpace& space, int model, int i);
@@ -56,33 +68,28 @@ template <class Value>
   return out;
 }
 
-/// A quantity that means the same in every model, by which convergence is judged.
-struct Watched {
-  std::string name;
-  inference::ChainsOf draws;
-  bool is_count = false;  ///< tells models apart: not judged where one model holds everything
-};
+/// One row a model: name, prior, probability and its Monte Carlo standard error, and what both rest
+/// on: "visited" (chains that drew it), "proposed" and "entered" (jumps into it), "log_evidence"
+/// and "log_evidence_se", "basis" ("draws" or "evidence"). `mcse` is null where nothing is known.
+[[nodiscard]] Report model_table(const inference::Posterior& posterior,
+                                 const inference::Verdict& verdict);
 
-/// One row a model: name, prior, probability and its Monte Carlo standard error. The error is never
-/// below 1 / (ESS of the model + 2), what one more or less effective visit would change; for a
-/// model never visited it is that.
-[[nodiscard]] Report model_table(const inference::Posterior& posterior, double ess_model);
+/// "not entered in 123 456 proposals; its evidence puts it at P ≈ 0.21 ± 0.02", from a row of
+/// `model_table`; empty for a model that its draws speak for.
+[[nodiscard]] std::string told_by_evidence(const Report& row);
+
+/// "a mode that less than 0.3 % of the prior climbs to would probably not have been seen", from
+/// diagnostics; empty where nothing was searched.
+[[nodiscard]] std::string resolution_in_words(const Report& diagnosed);
 
 /// Parameter summaries of every visited model.
 [[nodiscard]] Report parameter_tables(const inference::Posterior& posterior);
 
-/// ESS of the model: the smallest over the kinds' counts (over the models' indicators where there
-/// are no kinds).
-[[nodiscard]] double ess_of_model(const inference::Posterior& posterior);
-
-/// Convergence, acceptance and mixing between models. `watched` should hold all that labels allow
-/// (counts, predictions); the log posterior is added here. Converged means: R-hat < 1.01 for every
-/// watched quantity, bulk and tail ESS of the log posterior > 400, and ESS of the model > 400;
-/// where one model holds more than 0.999 of the probability, counts and ESS of the model are not
-/// asked. `warnings` already known come first.
+/// Convergence, acceptance and mixing between models. `warnings`: what is not established, then
+/// those already known.
 [[nodiscard]] Report diagnostics(const inference::Posterior& posterior,
-                                 const std::vector<Watched>& watched, double ess_model,
-                                 std::uint64_t seed, std::vector<std::string> warnings);
+                                 const inference::Verdict& verdict, std::uint64_t seed,
+                                 std::vector<std::string> warnings);
 
 /// What repeats the run: version, command, seed, machine and case.
 [[nodiscard]] Report about(const std::string& command, const RunInfo& info, const CaseFile& file);
@@ -101,6 +108,8 @@ struct Watched {
 [[nodiscard]] std::string resolved(double x, double width);
 /// A number for people: `decimals` after the point.
 [[nodiscard]] std::string fixed(double x, int decimals);
+/// All digits of a count, in threes: "123 456".
+[[nodiscard]] std::string grouped(long n);
 /// A count for people, to three digits: "80500".
 [[nodiscard]] std::string rounded_count(double x);
 /// "75 %", "> 99.9 %", "< 0.1 %".

@@ -186,9 +186,14 @@ void print_models(std::ostream& out, const Report& models) {
   for (const auto& m : models) widest = std::max(widest, columns(m["name"]));
   for (const auto& m : models) {
     const double p = m["probability"];
-    out << "  " << pad_right(m["name"], widest) << "  " << pad_left(percent(p), 8) << " ± "
-        << pad_right(significant(100.0 * m["mcse"].get<double>(), 2) + " %", 9) << ' ' << bar(p, 30)
-        << '\n';
+    const bool known = m["mcse"].is_number();
+    out << "  " << pad_right(m["name"], widest) << "  " << pad_left(known ? percent(p) : "?", 8)
+        << (known ? " ± " + pad_right(significant(100.0 * m["mcse"].get<double>(), 2) + " %", 9)
+                  : std::string(12, ' '))
+        << ' ' << bar(p, 30) << '\n';
+    if (const std::string told = told_by_evidence(m); !told.empty()) {
+      print_wrapped(out, told, "    ", "    ");
+    }
   }
   out << "  (± is the Monte Carlo error of this run; a priori";
   for (std::size_t i = 0; i < models.size(); ++i) {
@@ -215,6 +220,9 @@ void print_closing(std::ostream& out, const Report& summary, const std::string& 
       << (diagnosed["ess_model"].is_number() ? rounded_count(diagnosed["ess_model"]) : "-")
       << ", largest R-hat "
       << (diagnosed["rhat_max"].is_number() ? fixed(diagnosed["rhat_max"], 4) : "-") << ".\n";
+  if (const std::string resolution = resolution_in_words(diagnosed); !resolution.empty()) {
+    print_wrapped(out, "Resolution: " + resolution + " (--search).", "", "  ");
+  }
   const Report ladder = diagnosed.value("ladder", Report::object());
   if (ladder.value("while_drawing", false)) {
     out << "The draws were tempered: " << ladder["round_trips"]
@@ -222,7 +230,9 @@ void print_closing(std::ostream& out, const Report& summary, const std::string& 
   }
   out << (diagnosed["converged"].get<bool>()
               ? "Converged."
-              : style.warn("NOT CONVERGED: see the first point above."))
+              : style.warn(diagnosed.value("not_established", Report::array()).size() > 1
+                               ? "NOT CONVERGED: see the first points above."
+                               : "NOT CONVERGED: see the first point above."))
       << '\n';
 }
 
@@ -416,7 +426,9 @@ void print_damage(std::ostream& out, const Report& summary, bool colour) {
   }
   for (const auto& m : models) {
     const std::string name = m["name"];
-    if (m["probability"].get<double>() < kWorthTelling) continue;
+    if (m["probability"].get<double>() < kWorthTelling || !summary["parameters"].contains(name)) {
+      continue;
+    }
     const auto& table = summary["parameters"][name];
     if (table.contains("cov")) {
       const auto& s = table["cov"];
@@ -471,9 +483,11 @@ void print_sid(std::ostream& out, const Report& summary, bool colour) {
     out << "  ln Bayes factor of " << b["model"].get<std::string>() << " against "
         << b["against"].get<std::string>() << ": ";
     if (b["log_bayes_factor"].is_number()) {
-      out << fixed(b["log_bayes_factor"], 2) << " ± " << significant(b["mcse"], 2) << '\n';
+      out << fixed(b["log_bayes_factor"], 2)
+          << (b["mcse"].is_number() ? " ± " + significant(b["mcse"], 2) : std::string())
+          << (b.value("basis", "draws") == "evidence" ? " (by their evidences)" : "") << '\n';
     } else {
-      out << "beyond what these chains can tell (never visited: "
+      out << "not known (never drawn, and of no known evidence: "
           << b["never_visited"].get<std::string>() << ")\n";
     }
   }

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "inference/diagnostics.hpp"
@@ -11,7 +12,8 @@
 
 namespace wheeltap::inference {
 
-/// A quantity that means the same in every model, by which convergence is judged too.
+/// A quantity that means the same in every model, by which convergence is judged too. Counts and
+/// models are watched anyway.
 struct Watched {
   std::string name;
   ChainsOf draws;
@@ -23,8 +25,9 @@ enum class Basis { draws, evidence };
 
 /// How one model stands.
 struct ModelStanding {
-  double probability = 0.0;
-  /// Monte Carlo standard error of it: of the draws, or, from the evidence, that of the evidences.
+  double probability = 0.0;  ///< 0 where nothing is known; `mcse` is then NaN
+  /// Monte Carlo standard error of it. Of draws, never below 1 / (`ess_model` + 2), what one more
+  /// or less effective visit would change; of the evidence, that of the evidences.
   double mcse = std::numeric_limits<double>::quiet_NaN();
   Basis basis = Basis::draws;
   int visited = 0;    ///< chains that drew it
@@ -41,29 +44,48 @@ struct ModelStanding {
 struct Verdict {
   std::vector<ModelStanding> models;  ///< one a model of the space
   bool converged = false;             ///< exactly where `not_established` is empty
-  /// Sentences for people, the gravest first, each with what to do about it.
+  /// Sentences for people, the gravest first, each with what to do about it. Of many models alike
+  /// the first few are named and the rest counted.
   std::vector<std::string> not_established;
   /// A mode that a climb from less than this share of the prior leads to would probably (1 in 100)
   /// not have been seen: 1 - 0.01^(1/n) for n climbs, the largest over the models that count; 1
   /// where nothing was searched.
   double resolution = 1.0;
   double rhat_max = std::numeric_limits<double>::quiet_NaN();
-  std::string rhat_worst;          ///< the quantity that has it
-  double ess_model = 0.0;          ///< smallest over the kinds' counts, or the models' indicators
+  std::string rhat_worst;  ///< the quantity that has it
+  /// Of all that was judged: the log posterior, counts (or models), `watched`, and parameters as
+  /// "model/parameter", which have a rule of their own and no part in `rhat_max`.
+  std::vector<std::pair<std::string, double>> rhats;
+  /// Smallest over the kinds' counts, or the indicators of the models above 0.1 %; that of the log
+  /// posterior where these hardly change, since a constant tells nothing of how often it could
+  /// have.
+  double ess_model = 0.0;
   double ess_log_posterior = 0.0;  ///< the smaller of bulk and tail
 };
 
-/// Judges draws and what the searches found (Posterior::found) together. Converged needs all of:
+/// Judges draws and what the searches found (Posterior::found) together. Converged needs all of
+/// the following; beside each rule stands how often a healthy run breaks it by chance.
 ///
-/// - every model whose probability by evidence times the effective draws a chain exceeds 10 visited
-///   at β = 1 by every chain;
-/// - visits and evidence agreeing within their errors, and no evidence by annealing well above what
-///   the draws have;
-/// - every mode that the searches found and whose share of the draws should exceed 10 a chain
-///   present in every chain, its share agreeing across chains (R-hat of its indicator);
-/// - R-hat < 1.01 and effective sample sizes above 400 of the log posterior, the counts, `watched`,
-///   and of the parameters within every model above 1 %;
-/// - where draws were tempered, round trips of the ladder.
+/// - Every model whose probability by evidence times the effective draws a chain exceeds 10 was
+///   visited at β = 1 by every chain (e⁻¹⁰ = 5e-5 a chain); of every other model something is
+///   known: draws, or evidence, or that its prior weight is 0.
+/// - Visits and evidence agree within 4.5 combined errors (7e-6) and 0.005, and no evidence by
+///   annealing is above that of the draws by 4.5 errors and half a nat. (Below it may be: annealing
+///   that missed a mode is no fault of draws that have it.)
+/// - Every mode that the searches found and whose share of the draws should exceed 10 a chain is in
+///   every chain (5e-5), and R-hat of its indicator is below 1.05 or within what chains of that
+///   many effective draws scatter by (1e-6).
+/// - R-hat < 1.01 and effective sample sizes above 400 of the log posterior and `watched`; the same
+///   of counts (or models' indicators) where their probabilities are not known to 0.001 anyway.
+/// - Parameters within every model above 1 %, components of a kind by their sums since their slots
+///   are labels: R-hat below 1.01 or within what so few draws scatter by (1e-6), and an effective
+///   sample size above 800 P, at least 50 and at most 400: the parameters of a model that is
+///   improbable need not be known as well.
+/// - Where draws were tempered, 10 round trips of the ladder.
+/// - The run was not stopped early.
+///
+/// All chains must be of one length. Where Posterior::log_weight is not empty, a draw of model m
+/// counts exp(log_weight_m).
 [[nodiscard]] Verdict judge(const Posterior& posterior, const std::vector<Watched>& watched = {});
 
 }  // namespace wheeltap::inference

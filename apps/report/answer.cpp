@@ -198,7 +198,8 @@ Answer answer(const Report& summary) {
   std::ranges::stable_sort(models, [&](const Report& a, const Report& b) { return p(a) > p(b); });
   const std::string best = models[0]["name"];
   const auto named = [&](const Report& m) {
-    return said(m["name"], damage) + " (" + percent(p(m)) + ")";
+    return said(m["name"], damage) + " (" + percent(p(m)) +
+           (m.value("basis", "draws") == "evidence" ? ", by its evidence)" : ")");
   };
 
   if (models.size() == 1) {

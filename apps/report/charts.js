@@ -61,10 +61,10 @@ const charts = (() => {
     const keys = [...new Set(all.flatMap((m) => Object.keys(m)))].filter((k) => all.every((m) => typeof m[k] !== 'object' || m[k] === null));
     return {
       id: 'model-probabilities', section: 'models', wide: true, title: 'Probability of each model',
-      caption: `Bars: the posterior probability; whiskers: twice its Monte Carlo error; short strokes: the prior.${shown.length < all.length ? ` The ${shown.length} most probable of ${all.length}.` : ''}`,
+      caption: `Bars: the posterior probability; whiskers: twice its Monte Carlo error; short strokes: the prior.${all.some((m) => m.basis === 'evidence') ? ' Where the draws cannot say, bar and whisker are those of the evidence.' : ''}${shown.length < all.length ? ` The ${shown.length} most probable of ${all.length}.` : ''}`,
       table: () => ({ head: keys, rows: all.map((m) => keys.map((k) => m[k])) }),
       spec: (width, theme) => frame(width, 34 * shown.length, theme, {
-        data: [{ name: 'm', values: shown.map((m, i) => ({ ...m, i, label: percent(m.probability),
+        data: [{ name: 'm', values: shown.map((m, i) => ({ ...m, i, label: m.mcse === null && m.basis ? 'not known' : percent(m.probability) + (m.basis === 'evidence' ? ', by its evidence' : ''),
           low: Math.max(0, m.probability - 2 * (m.mcse || 0)), high: Math.min(1, m.probability + 2 * (m.mcse || 0)) })) }],
         scales: [linear('x', [0, 1], [0, { signal: 'width - 52' }]),
           { name: 'y', type: 'band', domain: { data: 'm', field: 'i' }, range: 'height', padding: 0.35 },

@@ -163,22 +163,25 @@ Bins bins_over(const std::vector<double>& values, std::size_t n) {
 
 // Cells of a two-dimensional histogram that hold anything: [i, j, density].
 Report cells(const std::vector<double>& x, const std::vector<double>& y, const Bins& bx,
-             const Bins& by, double total) {
-  std::vector<std::size_t> counts(bx.n * by.n);
-  for (std::size_t i = 0; i < x.size(); ++i) ++counts[bx.at(x[i]) * by.n + by.at(y[i])];
+             const Bins& by, double total, const std::vector<double>& weights = {}) {
+  std::vector<double> counts(bx.n * by.n);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    counts[bx.at(x[i]) * by.n + by.at(y[i])] += weights.empty() ? 1.0 : weights[i];
+  }
   Report out = Report::array();
   for (std::size_t c = 0; c < counts.size(); ++c) {
-    if (counts[c] == 0) continue;
-    out.push_back({c / by.n, c % by.n,
-                   compact(static_cast<double>(counts[c]) / (total * bx.width * by.width))});
+    if (counts[c] == 0.0) continue;
+    out.push_back({c / by.n, c % by.n, compact(counts[c] / (total * bx.width * by.width))});
   }
   return out;
 }
 
-Report quantiles_of(std::vector<double> values) {
-  std::ranges::sort(values);
+// Of values and what each counts.
+Report quantiles_of(const std::vector<std::pair<double, double>>& values) {
   Report out = Report::array();
-  for (const double p : {0.025, 0.25, 0.5, 0.75, 0.975}) out.push_back(quantile(values, p));
+  for (const double p : {0.025, 0.25, 0.5, 0.75, 0.975}) {
+    out.push_back(weighted_quantile(values, p));
+  }
   return out;
 }
 
@@ -255,6 +258,14 @@ class Posterior {
       if (v.shape.size() < 2 || v.shape[0] != chains_ || v.shape[1] != draws_) continue;
       variables_.emplace(name, std::move(v));
     }
+    weights_.assign(model_.size(), 1.0);
+    if (const auto stats = file.group("sample_stats")) {
+      const auto names = file.variables(*stats);
+      if (std::ranges::find(names, "weight") != names.end()) {
+        const Variable weight = file.read(*stats, "weight");
+        if (weight.values.size() == model_.size()) weights_ = weight.values;
+      }
+    }
     if (summary.contains("kinds")) {
       for (const auto& kind : summary["kinds"]) kinds_.push_back(kind["name"]);
     }
@@ -262,6 +273,9 @@ class Posterior {
   [[nodiscard]] std::size_t chains() const { return chains_; }
   [[nodiscard]] std::size_t draws() const { return draws_; }
   [[nodiscard]] std::size_t model(std::size_t at) const { return model_[at]; }
+  // What a draw counts beside others, 1 on average.
+  [[nodiscard]] double weight(std::size_t at) const { return weights_[at]; }
+  [[nodiscard]] const std::vector<double>& weights() const { return weights_; }
   [[nodiscard]] std::size_t size() const { return model_.size(); }
   [[nodiscard]] const std::vector<std::string>& kinds() const { return kinds_; }
   [[nodiscard]] const Variable* find(const std::string& name) const {
@@ -310,6 +324,7 @@ class Posterior {
   std::map<std::string, Variable> variables_;
   std::size_t chains_ = 0, draws_ = 0;
   std::vector<std::size_t> model_;
+  std::vector<double> weights_;
 };
 
 Report visits(const Posterior& posterior, std::size_t models) {
@@ -324,19 +339,19 @@ Report visits(const Posterior& posterior, std::size_t models) {
   }
   constexpr std::size_t kPoints = 100;
   Report draws = Report::array(), probability = Report::array();
-  std::vector<long> seen(models);
+  std::vector<double> seen(models);
+  double all = 0.0;
   for (std::size_t i = 0, next = 1; i < posterior.draws(); ++i) {
     for (std::size_t c = 0; c < posterior.chains(); ++c) {
-      ++seen[posterior.model(c * posterior.draws() + i)];
+      const std::size_t at = c * posterior.draws() + i;
+      seen[posterior.model(at)] += posterior.weight(at);
+      all += posterior.weight(at);
     }
     if ((i + 1) * kPoints < next * posterior.draws() && i + 1 < posterior.draws()) continue;
     ++next;
     draws.push_back(i + 1);
     Report row = Report::array();
-    for (const long n : seen) {
-      row.push_back(
-          compact(static_cast<double>(n) / static_cast<double>((i + 1) * posterior.chains())));
-    }
+    for (const double n : seen) row.push_back(compact(n / all));
     probability.push_back(std::move(row));
   }
   return {{"step", step},
@@ -472,7 +487,7 @@ Report joint(const Posterior& posterior, const Report& summary) {
     if (x == nullptr || y == nullptr || x->values.size() != y->values.size()) continue;
     const std::size_t slots = x->inner();
     struct Cloud {
-      std::vector<double> x, y;
+      std::vector<double> x, y, weights;
       double draws = 0.0;
     };
     std::map<std::size_t, Cloud> by_count;  // 0: all
@@ -481,11 +496,12 @@ Report joint(const Posterior& posterior, const Report& summary) {
       for (std::size_t s = 0; s < slots; ++s) count += std::isfinite(x->values[at * slots + s]);
       for (const std::size_t into : {std::size_t{0}, count}) {
         Cloud& cloud = by_count[into];
-        cloud.draws += 1.0;
+        cloud.draws += posterior.weight(at);
         for (std::size_t s = 0; s < slots; ++s) {
           if (!std::isfinite(x->values[at * slots + s])) continue;
           cloud.x.push_back(x->values[at * slots + s]);
           cloud.y.push_back(y->values[at * slots + s]);
+          cloud.weights.push_back(posterior.weight(at));
         }
         if (count == 0) break;
       }
@@ -503,7 +519,7 @@ Report joint(const Posterior& posterior, const Report& summary) {
       if (cloud.draws < kShown * static_cast<double>(posterior.size()) * 10.0) continue;
       views.push_back({{"count", count},
                        {"probability", cloud.draws / static_cast<double>(posterior.size())},
-                       {"cells", cells(cloud.x, cloud.y, bx, by, cloud.draws)}});
+                       {"cells", cells(cloud.x, cloud.y, bx, by, cloud.draws, cloud.weights)}});
     }
     out.push_back({{"kind", posterior.kinds()[k]},
                    {"severity", severity},
@@ -515,7 +531,7 @@ Report joint(const Posterior& posterior, const Report& summary) {
 }
 
 // Quantiles of replicated frequencies, one row a mode.
-Report predictive(const NetcdfReader& file) {
+Report predictive(const NetcdfReader& file, const std::vector<double>& weights) {
   const auto group = file.group("posterior_predictive");
   const auto observed = file.group("observed_data");
   Report out = Report::object();
@@ -525,7 +541,10 @@ Report predictive(const NetcdfReader& file) {
   const Variable replicated = file.read(*group, "frequency");
   const Variable measured = file.read(*observed, "frequency");
   const std::size_t modes = replicated.inner();
-  if (replicated.shape.size() != 3 || measured.values.size() != modes) return out;
+  if (replicated.shape.size() != 3 || measured.values.size() != modes ||
+      replicated.values.size() != modes * weights.size()) {
+    return out;
+  }
   const auto observed_names = file.variables(*observed);
   std::optional<Variable> sd;
   if (std::ranges::find(observed_names, "sd") != observed_names.end()) {
@@ -533,15 +552,17 @@ Report predictive(const NetcdfReader& file) {
   }
   Report rows = Report::array();
   for (std::size_t m = 0; m < modes; ++m) {
-    std::vector<double> values;
+    std::vector<std::pair<double, double>> values;
     for (std::size_t i = m; i < replicated.values.size(); i += modes) {
-      if (std::isfinite(replicated.values[i])) values.push_back(replicated.values[i]);
+      if (std::isfinite(replicated.values[i])) {
+        values.emplace_back(replicated.values[i], weights[i / modes]);
+      }
     }
     if (values.empty()) continue;
     rows.push_back({{"mode", m + 1},
                     {"observed", measured.values[m]},
                     {"sd", sd ? Report(sd->values[m]) : Report()},
-                    {"quantiles", quantiles_of(std::move(values))}});
+                    {"quantiles", quantiles_of(values)}});
   }
   out["frequency"] = rows;
   return out;
@@ -709,6 +730,7 @@ Report digest(const std::filesystem::path& posterior_file, const Report& summary
     out["visits"] = visits(posterior, summary["models"].size());
     parameters(posterior, summary, out);
     out["joint"] = joint(posterior, summary);
+    out["predictive"] = predictive(file, posterior.weights());
   }
   if (const auto group = file.group("sample_stats")) {
     const Variable lp = file.read(*group, "lp");
@@ -724,7 +746,6 @@ Report digest(const std::filesystem::path& posterior_file, const Report& summary
     }
     out["log_posterior"] = chains;
   }
-  out["predictive"] = predictive(file);
   out["responses"] = responses(file);
   out["created_at"] = file.text("created_at");
   return out;

@@ -1,7 +1,7 @@
 // Builds the page from the run's data. Everything that came from input is put in as text.
 (() => {
   const run = JSON.parse(document.getElementById('run').textContent);
-  const { summary, draws = {} } = run;
+  const { summary, draws = {}, told = [], resolution = '' } = run;
   const main = document.getElementById('content');
   const { number, percent } = charts;
 
@@ -149,10 +149,10 @@
   function bayesFactors() {
     const rows = summary.log_bayes_factors || [];
     if (!rows.length) return [];
-    const said = (r) => (typeof r.log_bayes_factor === 'number' ? { value: r.log_bayes_factor, text: r.log_bayes_factor.toFixed(2) } : 'beyond these chains');
-    return [element('h3', { class: 'apart' }, 'Bayes factors from the chains'),
-      copyable({ head: ['model', 'against', 'ln Bayes factor', 'Monte Carlo error', 'never visited'], caption: 'Above zero the data favour the model named first',
-        rows: rows.map((r) => [r.model, r.against, said(r), typeof r.mcse === 'number' ? { value: r.mcse, text: number(r.mcse, 2) } : null, r.never_visited]) })];
+    const said = (r) => (typeof r.log_bayes_factor === 'number' ? { value: r.log_bayes_factor, text: r.log_bayes_factor.toFixed(2) } : 'not known');
+    return [element('h3', { class: 'apart' }, 'Bayes factors'),
+      copyable({ head: ['model', 'against', 'ln Bayes factor', 'Monte Carlo error', 'from', 'never visited'], caption: 'Above zero the data favour the model named first',
+        rows: rows.map((r) => [r.model, r.against, said(r), typeof r.mcse === 'number' ? { value: r.mcse, text: number(r.mcse, 2) } : null, r.basis, r.never_visited]) })];
   }
   function evidenceTable() {
     const rows = Object.entries(summary.evidence || {}).flatMap(([method, list]) => (Array.isArray(list) ? list : []).map((r) => [method, r.model,
@@ -162,13 +162,16 @@
     return [element('h3', { class: 'apart' }, 'Evidence of each model on its own'),
       copyable({ head: ['method', 'model', 'ln evidence', '±', 'ln Bayes factor', 'P(model)', '±', 'likelihood evaluations', 'warnings'], rows, caption: 'ln Bayes factors are against the first model; of the errors, ± is one standard error' })];
   }
+  // Models that the draws cannot speak for.
+  const toldByEvidence = () => (told.length ? [element('ul', { class: 'warnings' }, ...told.map((t) => element('li', { dir: 'auto' }, t)))] : []);
   // How the tempered replicas fared, where the run has them.
   function ladder(d) {
     if (!d.ladder) return [];
     const trips = d.ladder.round_trips;
+    const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: a ladder needs about as many rungs, and twice as many are comfortable.` : '';
     return [element('p', {}, d.ladder.while_drawing
-      ? `The draws were made with parallel tempering: replicas went ${trips} times from the prior to the posterior and back. Few round trips, say below ten, would mean that chains explore places of their own.`
-      : 'Tempering was needed in warm-up only: the draws are of one chain each, at the posterior itself.')];
+      ? `The draws were made with parallel tempering: replicas went ${trips} times from the prior to the posterior and back. Few round trips, say below ten, would mean that chains explore places of their own.${barrier}`
+      : `Tempering was needed in warm-up only: the draws are of one chain each, at the posterior itself.${barrier}`)];
   }
   function runSections() {
     const d = summary.diagnostics;
@@ -184,10 +187,11 @@
         `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
         (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
         (d.round_trips > 0 ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
+      resolution ? element('p', {}, `Resolution of the searches: ${resolution}. More searches (--search) make it finer.`) : null,
       warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'),
       ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, n)), ...caseNotes());
 
-    section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')), ...bayesFactors(), ...evidenceTable());
+    section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')), ...toldByEvidence(), ...bayesFactors(), ...evidenceTable());
 
     const mirrored = d.symmetry?.statement;
     const drawn = Object.keys(summary.links || {}).length ? 'The chain, and the law found for each link: tension at rest against extension (opening: positive) over the extensions that the record went through, median and 95 % band.' : null;
@@ -216,7 +220,7 @@
     section('parameters', 'Parameters', 'Posterior beside prior. A posterior that repeats its prior is not a finding.', ...perModel);
 
     const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
-    const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of what means the same in every model' }) : null;
+    const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of what means the same in every model, and of parameters within a model' }) : null;
     section('sampling', 'How the sampler fared', 'Chains that have converged look alike, keep no trend and move often between models.', ...ladder(d), grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
 
     section('emulator', 'The emulator', null, of('emulator').length ? grid(of('emulator')) : null);
@@ -225,7 +229,7 @@
     const { path, rows } = summary.sweep;
     const warnings = rows.flatMap((r) => r.warnings.map((w) => `${path} = ${JSON.stringify(r.value)}: ${w}`));
     section('warnings', 'What to keep in mind', null, warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'));
-    section('sweep', 'The sweep', null, grid(of('sweep')));
+    section('sweep', 'The sweep', null, grid(of('sweep')), ...toldByEvidence());
     section('parameters', 'Parameters', null, ...rows.flatMap((r) => [element('h3', { class: 'apart' }, `${path} = ${JSON.stringify(r.value)}`),
       ...Object.entries(r.parameters).filter(([, list]) => Object.keys(list).length).map(([model, list]) => copyable({ ...parameterRows(list), caption: model }))]));
   }

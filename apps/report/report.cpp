@@ -62,14 +62,35 @@ Report read_summary(const fs::path& path) {
   return summary;
 }
 
+// Sentences on models that their draws cannot speak for.
+Report told(const Report& models, const std::string& before) {
+  Report out = Report::array();
+  for (const auto& model : models) {
+    const std::string text = told_by_evidence(model);
+    if (!text.empty()) out.push_back(before + model["name"].get<std::string>() + ": " + text + ".");
+  }
+  return out;
+}
+
 // What the scripts draw: the summary, what charts need of the draws, and the answer.
 Report content(const fs::path& directory, const Report& summary, const Answer& said) {
   Report out = {
       {"summary", summary},
       {"answer",
        {{"caution", said.caution}, {"headline", said.headline}, {"detail", said.detail}}}};
-  if (summary.contains("sweep")) return out;  // its runs keep no draws
   try {
+    if (summary.contains("sweep")) {  // its runs keep no draws
+      const auto path = summary["sweep"]["path"].get<std::string>();
+      out["told"] = Report::array();
+      for (const auto& row : summary["sweep"]["rows"]) {
+        for (auto& text : told(row["models"], path + " = " + row["value"].dump() + ", ")) {
+          out["told"].push_back(std::move(text));
+        }
+      }
+      return out;
+    }
+    out["told"] = told(summary["models"], "");
+    out["resolution"] = resolution_in_words(summary["diagnostics"]);
     out["draws"] = digest(directory / "posterior.nc", summary);
   } catch (const nlohmann::json::exception& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",

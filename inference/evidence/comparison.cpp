@@ -44,8 +44,7 @@ std::vector<std::string> disagreements(const ModelSpace& space, const std::vecto
   for (std::size_t m = 0; m < sampled.size(); ++m) {
     const double error = std::hypot(sampled_error[m], implied.standard_error[m]);
     const double difference = std::fabs(sampled[m] - implied.mean[m]);
-    // Written so that a NaN speaks up.
-    if (difference <= least || difference <= sigmas * error) continue;
+    if (!(difference > least && difference > sigmas * error)) continue;  // also for a NaN
     char text[160];
     std::snprintf(text, sizeof text,
                   ": sampled probability %.4f ± %.4f, but the evidences imply %.4f ± %.4f",

@@ -22,7 +22,7 @@ struct ImpliedProbabilities {
 
 /// One sentence for each model where the sampled probability and the implied one differ by more
 /// than `sigmas` of their combined standard error (and by more than `least`, below which nobody
-/// cares).
+/// cares). Silent where an error is not known (Laplace's): there is nothing to judge by.
 [[nodiscard]] std::vector<std::string> disagreements(const ModelSpace& space,
                                                      const std::vector<double>& sampled,
                                                      const std::vector<double>& sampled_error,

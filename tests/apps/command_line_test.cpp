@@ -452,6 +452,9 @@ TEST(CommandLine, ResumePrintsAFinishedRunAndRepeatsAnother) {
   EXPECT_THAT(wheeltap(where, run + " --resume").err, HasSubstr("nothing is run again"));
   EXPECT_EQ(std::filesystem::last_write_time(where / "out/summary.json"), written);
   EXPECT_THAT(wheeltap(where, run + " --resume --seed 2").err, IsEmpty());
+  EXPECT_THAT(wheeltap(where, run + " --resume --seed 2 --search 50").err, IsEmpty());
+  EXPECT_THAT(wheeltap(where, run + " --resume --seed 2 --search 50").err,
+              HasSubstr("nothing is run again"));
   EXPECT_EQ(json::parse(read_all(where / "out/summary.json"))["wheeltap"]["seed"], 2);
 }
 

@@ -41,6 +41,15 @@ TEST(DamageCase, ReadsTheContractsExample) {
   EXPECT_FALSE(c.emulator);
 }
 
+TEST(DamageCase, BalanceIsAskedFor) {
+  Json json = small_case();
+  EXPECT_FALSE(parsed(json).balance);
+  json["balance"] = true;
+  EXPECT_TRUE(parsed(json).balance);
+  json["balance"] = 1;
+  EXPECT_THAT(complaint(json), HasSubstr("/balance"));
+}
+
 TEST(DamageCase, CountPriors) {
   Json json = small_case();
   json["damage"]["count"] = {{"min", 1}, {"max", 3}, {"prior", {{"poisson", 2.0}}}};

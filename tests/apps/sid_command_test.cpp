@@ -24,6 +24,13 @@ TEST(SidCommand, WritesWhatTheContractPromises) {
   ASSERT_EQ(s["models"].size(), 2U);
   EXPECT_EQ(s["models"][1]["name"], "duffing");
   EXPECT_GT(s["models"][1]["mcse"].get<double>(), 0.0);
+  for (const char* key : {"visited", "entered", "log_evidence", "log_evidence_se", "basis"}) {
+    EXPECT_TRUE(s["models"][1].contains(key)) << key;
+  }
+  const json& d = s["diagnostics"];
+  EXPECT_EQ(d["converged"].get<bool>(), d["not_established"].empty());
+  EXPECT_TRUE(d.contains("resolution"));
+  EXPECT_TRUE(d["ladder"].contains("barrier"));
   const json& k = s["parameters"]["duffing"]["k"];
   EXPECT_LT(k["q2.5"].get<double>(), k["q97.5"].get<double>());
   const json& fit = s["fit"]["duffing"][0];
@@ -92,6 +99,7 @@ TEST(SidCommand, SweepsWriteOneTable) {
   const std::string table = read_all(out / "sweep.csv");
   EXPECT_EQ(std::ranges::count(table, '\n'), 4);  // a comment, the header, two rows
   EXPECT_THAT(table, HasSubstr("ln B(duffing:linear)"));
+  EXPECT_THAT(table, HasSubstr("P(linear),mcse,basis,"));
   c["sweep"]["path"] = "/truth/parametres/k3";
   const auto wrong = where.write_json("case.json", c);
   EXPECT_EQ(wheeltap(where, "sid " + wrong.string() + " -o " + out.string()).exit_code, 65);

@@ -1,14 +1,17 @@
 #include "apps/summary.hpp"
 
 #include <gmock/gmock.h>
+#include <spdlog/spdlog.h>
 
 #include <cmath>
 
+#include "apps/evidence.hpp"
 #include "inference/random.hpp"
 
 namespace wheeltap::apps {
 namespace {
 
+using inference::ChainsOf;
 using inference::Posterior;
 using testing::HasSubstr;
 
@@ -25,6 +28,7 @@ Posterior made_up(double p, int draws, double shift_of_last_chain = 0.0, double 
   posterior.space = &coin_space();
   posterior.dimension = 1;
   posterior.draws = draws;
+  posterior.likelihood_evaluations = 1;
   for (std::uint64_t c = 0; c < 4; ++c) {
     inference::Random random(5, c, 0, inference::Purpose::test);
     inference::Chain chain;
@@ -43,30 +47,117 @@ Posterior made_up(double p, int draws, double shift_of_last_chain = 0.0, double 
 }
 
 Report judged(const Posterior& posterior) {
-  const Watched count{
-      "number of damages",
-      all_draws(posterior,
-                [&](auto c, auto i) { return static_cast<double>(posterior.chains[c].model[i]); }),
-      true};
-  return diagnostics(posterior, {count}, ess_of_model(posterior), 1, {});
+  return diagnostics(posterior, inference::judge(posterior), 1, {"known before"});
 }
 
 TEST(Summary, ModelTableOfIndependentDraws) {
   const Posterior posterior = made_up(0.3, 2000);
-  const Report table = model_table(posterior, ess_of_model(posterior));
+  const Report table = model_table(posterior, inference::judge(posterior));
   const double mcse = std::sqrt(0.3 * 0.7 / 8000.0);
   EXPECT_EQ(table[1]["name"], "1 damage");
   EXPECT_EQ(table[1]["prior"], 0.5);
   EXPECT_NEAR(table[1]["probability"], 0.3, 4.5 * mcse);
   EXPECT_NEAR(table[1]["mcse"].get<double>() / mcse, 1.0, 0.2);
+  EXPECT_EQ(table[1]["visited"], 4);
+  EXPECT_EQ(table[1]["basis"], "draws");
+  EXPECT_TRUE(table[1]["log_evidence"].is_null());
+  EXPECT_EQ(told_by_evidence(table[1]), "");
 }
 
-TEST(Summary, NeverVisitedModelsHaveAnErrorTooAndNoParameters) {
-  const Posterior posterior = made_up(0.0, 1000);
-  const Report table = model_table(posterior, ess_of_model(posterior));
-  EXPECT_EQ(table[1]["probability"], 0.0);
-  EXPECT_DOUBLE_EQ(table[1]["mcse"], 1.0 / 4002.0);
+inference::ModelFindings found(double log_evidence) {
+  const inference::Evidence none{.log_evidence = std::nan(""), .standard_error = std::nan("")};
+  return {.climbs = 200,
+          .modes = {},
+          .annealed = none,
+          .sampled = {.log_evidence = log_evidence, .standard_error = 0.1},
+          .bridged = none};
+}
+
+TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
+  Posterior posterior = made_up(0.0, 1000);
+  posterior.jumps_proposed = {{0, 12345}, {0, 0}};
+  posterior.jumps_accepted = {{0, 0}, {0, 0}};
+  posterior.found = {found(-10.0), found(-12.0)};
+  const Report table = model_table(posterior, inference::judge(posterior));
+  const double p = std::exp(-2.0) / (1.0 + std::exp(-2.0));
+  EXPECT_NEAR(table[1]["probability"], p, 1e-12);
+  EXPECT_NEAR(table[1]["mcse"], p * (1.0 - p) * std::hypot(0.1, 0.1), 1e-12);
+  EXPECT_EQ(table[1]["basis"], "evidence");
+  EXPECT_EQ(table[1]["visited"], 0);
+  EXPECT_EQ(table[1]["entered"], 0);
+  EXPECT_EQ(table[1]["log_evidence"], -12.0);
+  EXPECT_EQ(told_by_evidence(table[1]),
+            "not entered in 12 345 proposals; its evidence puts it at P ≈ 0.119 ± 0.01");
   EXPECT_FALSE(parameter_tables(posterior).contains("1 damage"));
+  const Report d = judged(posterior);
+  EXPECT_FALSE(d["converged"]);
+  EXPECT_THAT(d["warnings"][0].get<std::string>(), HasSubstr("'1 damage' was not entered"));
+  EXPECT_EQ(d["warnings"][0], d["not_established"][0]);
+  EXPECT_EQ(d["warnings"].back(), "known before");
+  EXPECT_NEAR(d["resolution"], 1.0 - std::pow(0.01, 1.0 / 200.0), 1e-12);
+  EXPECT_EQ(resolution_in_words(d),
+            "a mode that less than 2.3 % of the prior climbs to would probably not have been seen");
+}
+
+TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {
+  const Posterior posterior = made_up(0.0, 1000);
+  const Report table = model_table(posterior, inference::judge(posterior));
+  EXPECT_TRUE(table[1]["mcse"].is_null());
+  EXPECT_EQ(told_by_evidence(table[1]), "never entered; nothing is known of its evidence");
+  const Report d = judged(posterior);
+  EXPECT_FALSE(d["converged"]);
+  EXPECT_EQ(resolution_in_words(d), "");
+}
+
+// Drawn evenly, but the damage has odds of 1 : 99.
+TEST(Summary, AveragesOverModelsUseTheWeightsOfBalancedDraws) {
+  Posterior posterior = made_up(0.5, 2000);
+  posterior.log_weight = {std::log(0.99), std::log(0.01)};
+  const auto weights = model_weights(posterior);
+  EXPECT_NEAR(weights[0] / weights[1], 99.0, 1e-9);
+  const ChainsOf count = all_draws(
+      posterior, [&](auto c, auto i) { return static_cast<double>(posterior.chains[c].model[i]); });
+  const Report s = summarise(count, draw_weights(posterior));
+  EXPECT_NEAR(s["mean"], 0.01, 0.01 * 4.5 * 2.0 / std::sqrt(8000.0));
+  EXPECT_EQ(s["q97.5"], 0.0);
+  EXPECT_NEAR(s["mean"], model_table(posterior, inference::judge(posterior))[1]["probability"],
+              1e-12);
+}
+
+TEST(Summary, EqualWeightsChangeNothing) {
+  inference::Random random(3, 0, 0, inference::Purpose::test);
+  ChainsOf draws(1);
+  for (int i = 0; i < 1001; ++i) draws[0].push_back(random.normal());
+  const Report plain = summarise(draws);
+  const Report weighted = summarise(draws, {std::vector<double>(1001, 0.7)});
+  for (const char* key : {"mean", "sd", "q2.5", "q50", "q97.5", "mode"}) {
+    EXPECT_NEAR(plain[key], weighted[key], 1e-12) << key;
+  }
+}
+
+// A likelihood that fails for the second model, as TMCMC does that runs out of stages.
+struct Failing final : inference::Likelihood {
+  double log_likelihood(int model, std::span<const double>) override {
+    return model == 1 ? std::nan("") : 0.0;
+  }
+};
+
+TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
+  inference::Problem problem{.space = coin_space()};
+  problem.likelihood = [] { return std::make_unique<Failing>(); };
+  spdlog::logger silent("silent");
+  const auto list = compute_evidence(problem, "tmcmc", 1, 1, silent);
+  ASSERT_EQ(list[0].evidences.size(), 2U);
+  EXPECT_TRUE(std::isnan(list[0].evidences[1].log_evidence));
+  const Posterior posterior = made_up(0.5, 1000);
+  std::vector<std::string> warnings;
+  const Report report = evidence_report(
+      coin_space(), model_table(posterior, inference::judge(posterior)), list, warnings);
+  EXPECT_NEAR(report["tmcmc"][0]["log_evidence"], 0.0, 1e-9);
+  EXPECT_TRUE(report["tmcmc"][1]["log_evidence"].is_null());
+  EXPECT_TRUE(report["tmcmc"][1]["probability"].is_null());
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0], HasSubstr("Evidence of 1 damage by tmcmc failed"));
 }
 
 TEST(Summary, ParameterSummary) {
@@ -97,7 +188,8 @@ TEST(Summary, QuantilesAreLinearBetweenOrderStatistics) {
 TEST(Summary, GoodChainsConverge) {
   const Report d = judged(made_up(0.3, 2000));
   EXPECT_TRUE(d["converged"]);
-  EXPECT_TRUE(d["warnings"].empty());
+  EXPECT_TRUE(d["not_established"].empty());
+  EXPECT_EQ(d["warnings"].size(), 1U);
   EXPECT_GT(d["round_trips"], 500);
 }
 
@@ -118,9 +210,14 @@ TEST(Summary, ShortChainsDoNot) {
   EXPECT_FALSE(d["converged"]);
 }
 
-TEST(Summary, ADominantModelIsJudgedWithoutItsCount) {
-  const Report d = judged(made_up(1.0, 2000));
-  EXPECT_TRUE(d["converged"]);
+// All draws in one model is no reason to ask less: the other must be known to be improbable.
+TEST(Summary, ADominantModelIsJudgedByTheEvidenceOfTheOthers) {
+  Posterior posterior = made_up(1.0, 2000);
+  EXPECT_FALSE(judged(posterior)["converged"]);
+  posterior.found = {found(-30.0), found(-10.0)};
+  EXPECT_TRUE(judged(posterior)["converged"]);
+  posterior.found = {found(-12.0), found(-10.0)};
+  EXPECT_FALSE(judged(posterior)["converged"]);
 }
 
 TEST(Summary, NumbersForPeople) {

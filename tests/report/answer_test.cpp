@@ -43,6 +43,13 @@ TEST(Answer, NoDamage) {
   EXPECT_THAT(a.caution, IsEmpty());
 }
 
+TEST(Answer, AProbabilityOfTheEvidenceIsCalledThat) {
+  Report run = damage_run({0.75, 0.25, 0.0});
+  run["models"][0]["basis"] = "evidence";
+  run["models"][1]["basis"] = "draws";
+  EXPECT_EQ(answer(run).headline, "Most likely no damage (75 %, by its evidence).");
+}
+
 TEST(Answer, OneDamageWithItsInterval) {
   const Answer a = answer(damage_run({0.0, 0.75, 0.25}));
   EXPECT_EQ(a.headline, "Most likely one damage (75 %).");

@@ -34,9 +34,15 @@ TEST(Disagreements, SpeakOnlyBeyondTheCombinedError) {
   const auto two = disagreements(three(), {0.65, 0.15, 0.2}, {0.01, 0.01, 0.01}, implied);
   ASSERT_EQ(two.size(), 2U);
   EXPECT_NE(two[0].find("'one': sampled probability 0.6500"), std::string::npos) << two[0];
-  // An unknown error is no reason to be silent.
-  const ImpliedProbabilities unknown{{0.5, 0.3, 0.2}, std::vector<double>(3, std::nan(""))};
-  EXPECT_EQ(disagreements(three(), {0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, unknown).size(), 2U);
+}
+
+TEST(Disagreements, AreNotClaimedWhereAnErrorIsUnknown) {
+  // Laplace's evidences have no standard error: their difference is reported, not judged.
+  const double unknown = std::nan("");
+  const ImpliedProbabilities implied =
+      implied_probabilities(three(), {{0.0, unknown}, {0.5, unknown}, {1.0, unknown}});
+  EXPECT_TRUE(std::isnan(implied.standard_error[0]));
+  EXPECT_TRUE(disagreements(three(), {0.9, 0.05, 0.05}, {0.01, 0.01, 0.01}, implied).empty());
 }
 
 }  // namespace

@@ -1,0 +1,344 @@
+#include "inference/verdict.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "inference/random.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kDraws = 4000;  // a chain
+
+const Evidence kUnknown{.log_evidence = kNaN, .standard_error = kNaN};
+
+// Three models of one parameter, the third without one.
+const ModelSpace& three() {
+  static const auto space = ModelSpace::of_models(
+      {{"a", Normal{0.0, 1.0}}}, {{"one", 1.0, {"a"}}, {"two", 1.0, {"a"}}, {"none", 1.0, {}}});
+  return space;
+}
+
+// Independent draws of models with these probabilities (of each chain its own, or the last), their
+// parameter normal; evidences bridged, and exact for the first chain's probabilities.
+Posterior made_up(const std::vector<std::vector<double>>& probabilities) {
+  Posterior posterior;
+  posterior.space = &three();
+  posterior.dimension = 1;
+  posterior.draws = kDraws;
+  posterior.likelihood_evaluations = 1;
+  posterior.jumps_proposed.assign(3, std::vector<long>(3, 1234567));
+  posterior.jumps_accepted.assign(3, std::vector<long>(3, 100));
+  for (std::uint64_t c = 0; c < 4; ++c) {
+    const auto& p = probabilities[std::min<std::size_t>(c, probabilities.size() - 1)];
+    Random random(5, c, 0, Purpose::test);
+    Chain chain;
+    for (int i = 0; i < kDraws; ++i) {
+      const double u = random.uniform();
+      chain.model.push_back(u < p[0] ? 0 : u < p[0] + p[1] ? 1 : 2);
+      chain.theta.push_back(chain.model.back() == 2 ? kNaN : random.normal());
+      chain.log_prior.push_back(0.0);
+      chain.log_likelihood.push_back(random.normal());
+    }
+    posterior.chains.push_back(std::move(chain));
+  }
+  for (const double p : probabilities.front()) {
+    posterior.found.push_back(
+        {.climbs = 100,
+         .modes = {},
+         .annealed = kUnknown,
+         .sampled = kUnknown,
+         .bridged = {.log_evidence = -50.0 + std::log(p), .standard_error = 0.01}});
+  }
+  return posterior;
+}
+
+std::vector<std::string> complaints(const Posterior& posterior) {
+  const Verdict verdict = judge(posterior);
+  EXPECT_EQ(verdict.converged, verdict.not_established.empty());
+  return verdict.not_established;
+}
+
+TEST(Verdict, AHealthyRunIsConverged) {
+  const Verdict verdict = judge(made_up({{0.6, 0.3, 0.1}}));
+  EXPECT_THAT(verdict.not_established, IsEmpty());
+  EXPECT_TRUE(verdict.converged);
+  const double mcse = std::sqrt(0.3 * 0.7 / (4.0 * kDraws));
+  EXPECT_EQ(verdict.models[1].basis, Basis::draws);
+  EXPECT_NEAR(verdict.models[1].probability, 0.3, 4.5 * mcse);
+  EXPECT_NEAR(verdict.models[1].mcse / mcse, 1.0, 0.2);
+  EXPECT_EQ(verdict.models[1].visited, 4);
+  EXPECT_EQ(verdict.models[1].proposed, 2 * 1234567);
+  EXPECT_EQ(verdict.models[1].entered, 200);
+  EXPECT_EQ(verdict.models[1].left, 200);
+  EXPECT_NEAR(verdict.models[1].log_evidence, -50.0 + std::log(0.3), 1e-12);
+}
+
+TEST(Verdict, AProbableModelThatNoChainEnteredIsNamedWithWhatItsEvidenceSays) {
+  Posterior posterior = made_up({{1.0, 0.0, 0.0}});
+  posterior.found[0].bridged.log_evidence = -50.0;
+  posterior.found[1].bridged = {.log_evidence = -50.0 + std::log(0.25 / 0.75),
+                                .standard_error = 0.1};
+  posterior.found[2].bridged = kUnknown;
+  posterior.found[2].annealed = {.log_evidence = -500.0, .standard_error = 0.3};
+  const Verdict verdict = judge(posterior);
+  EXPECT_THAT(verdict.not_established,
+              ElementsAre(HasSubstr("Model 'two' was not entered in 2 469 134 proposals; its "
+                                    "evidence puts it at P ≈ 0.25 ± 0.02.")));
+  EXPECT_EQ(verdict.models[1].basis, Basis::evidence);
+  EXPECT_NEAR(verdict.models[1].probability, 0.25, 1e-9);
+  EXPECT_NEAR(verdict.models[1].mcse, 0.25 * 0.75 * std::hypot(0.1, 0.01), 1e-9);
+  // Models that were visited share the rest.
+  EXPECT_EQ(verdict.models[0].basis, Basis::draws);
+  EXPECT_NEAR(verdict.models[0].probability, 0.75, 1e-9);
+  EXPECT_NEAR(verdict.models[0].mcse, verdict.models[1].mcse, 1e-3);
+  // An improbable one need not be drawn, and its error may be as small as it is.
+  EXPECT_EQ(verdict.models[2].basis, Basis::evidence);
+  EXPECT_LT(verdict.models[2].probability, 1e-150);
+  EXPECT_LT(verdict.models[2].mcse, 1e-150);
+}
+
+TEST(Verdict, AnImprobableModelMayBeMissing) {
+  Posterior posterior = made_up({{0.7, 0.3, 0.0}});
+  posterior.found[2].bridged = {.log_evidence = -50.0 + std::log(1e-4), .standard_error = 0.1};
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  posterior.found[2].bridged.log_evidence = -50.0 + std::log(0.02);
+  EXPECT_THAT(complaints(posterior), ElementsAre(HasSubstr("'none' was not entered")));
+}
+
+TEST(Verdict, EvidenceIsBridgedElseSampledElseAnnealed) {
+  Posterior posterior = made_up({{0.7, 0.3, 0.0}});
+  auto& found = posterior.found[2];
+  found.bridged = kUnknown;
+  found.annealed = {.log_evidence = -59.0, .standard_error = 0.2};
+  EXPECT_EQ(judge(posterior).models[2].log_evidence, -59.0);
+  found.sampled = {.log_evidence = -60.0, .standard_error = 2.0};  // says little
+  EXPECT_EQ(judge(posterior).models[2].log_evidence, -59.0);
+  found.sampled.standard_error = 0.3;
+  EXPECT_EQ(judge(posterior).models[2].log_evidence, -60.0);
+  found.bridged = {.log_evidence = -61.0, .standard_error = 0.1};
+  EXPECT_EQ(judge(posterior).models[2].log_evidence, -61.0);
+}
+
+TEST(Verdict, AModelThatSomeChainsLackIsNamed) {
+  const auto said = complaints(made_up({{0.7, 0.3, 0.0}, {0.6, 0.3, 0.1}}));
+  EXPECT_THAT(said, Contains(HasSubstr("Model 'none' was drawn by 3 of 4 chains only")));
+}
+
+TEST(Verdict, OfAModelWithoutDrawsAndEvidenceNothingIsKnown) {
+  Posterior posterior = made_up({{0.7, 0.3, 0.0}});
+  posterior.found.clear();
+  const Verdict verdict = judge(posterior);
+  EXPECT_THAT(verdict.not_established,
+              ElementsAre(AllOf(HasSubstr("'none'"), HasSubstr("nothing is known"))));
+  EXPECT_EQ(verdict.models[2].probability, 0.0);
+  EXPECT_TRUE(std::isnan(verdict.models[2].mcse));
+  EXPECT_EQ(verdict.resolution, 1.0);
+}
+
+TEST(Verdict, AModelOfNoPriorWeightIsNotAskedFor) {
+  const auto space = ModelSpace::of_models(
+      {{"a", Normal{0.0, 1.0}}}, {{"one", 1.0, {"a"}}, {"two", 1.0, {"a"}}, {"none", 0.0, {}}});
+  Posterior posterior = made_up({{0.7, 0.3, 0.0}});
+  posterior.found.clear();
+  posterior.space = &space;
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+}
+
+TEST(Verdict, OfTheLikelihoodSwitchedOffTheEvidenceIsOne) {
+  const auto space = ModelSpace::of_models(
+      {{"a", Normal{0.0, 1.0}}}, {{"one", 0.7, {"a"}}, {"two", 0.3, {"a"}}, {"none", 1e-6, {}}});
+  Posterior posterior = made_up({{0.7, 0.3, 0.0}});
+  posterior.found.clear();
+  posterior.space = &space;
+  posterior.likelihood_evaluations = 0;
+  for (auto& chain : posterior.chains) chain.log_likelihood.assign(kDraws, 0.0);
+  for (auto& chain : posterior.chains) chain.log_prior = chain.theta;
+  for (auto& chain : posterior.chains) {
+    for (double& l : chain.log_prior) l = std::isnan(l) ? 0.0 : l;
+  }
+  const Verdict verdict = judge(posterior);
+  EXPECT_THAT(verdict.not_established, IsEmpty());
+  EXPECT_NEAR(verdict.models[2].probability, 1e-6, 1e-9);
+  EXPECT_EQ(verdict.models[2].basis, Basis::evidence);
+}
+
+TEST(Verdict, VisitsAndEvidenceMustAgree) {
+  Posterior posterior = made_up({{0.6, 0.3, 0.1}});
+  posterior.found[1].bridged.log_evidence += 0.03;  // within the errors
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  posterior.found[1].bridged.log_evidence += 0.5;
+  EXPECT_THAT(complaints(posterior), Contains(AllOf(HasSubstr("Model 'two' has P = 0.3"),
+                                                    HasSubstr("its evidence implies 0.4"))));
+}
+
+TEST(Verdict, AnnealingThatFindsMoreThanTheDrawsIsHeeded) {
+  Posterior posterior = made_up({{0.6, 0.3, 0.1}});
+  posterior.found[0].annealed = {.log_evidence = -50.0 + std::log(0.6) - 3.0,
+                                 .standard_error = 0.1};
+  EXPECT_THAT(complaints(posterior), IsEmpty());  // its own fault
+  posterior.found[0].annealed.log_evidence += 6.0;
+  EXPECT_THAT(complaints(posterior),
+              ElementsAre(HasSubstr("Annealing finds more evidence for model 'one'")));
+}
+
+TEST(Verdict, AModeThatWasFoundMustBeInEveryChain) {
+  Posterior posterior = made_up({{0.6, 0.3, 0.1}});
+  auto& modes = posterior.found[0].modes;
+  modes = {{.x = {0.0}, .share = 0.7, .drawn = {0.7, 0.71, 0.69, 0.7}},
+           {.x = {9.0}, .share = 0.3, .drawn = {0.3, 0.29, 0.31, 0.3}}};
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  modes[1].drawn = {0.3, 0.0, 0.3, 0.3};
+  EXPECT_THAT(complaints(posterior), ElementsAre(AllOf(HasSubstr("mode of model 'one'"),
+                                                       HasSubstr("3 of 4 chains only"))));
+  modes[1].drawn = {0.0, 0.0, 0.0, 0.0};
+  EXPECT_THAT(complaints(posterior), ElementsAre(HasSubstr("in the draws of no chain")));
+  modes[1].share = 1e-4;  // too rare to be drawn
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+}
+
+TEST(Verdict, ChainsMustAgreeAboutAMode) {
+  Posterior posterior = made_up({{0.6, 0.3, 0.1}});
+  auto& modes = posterior.found[0].modes;
+  modes = {{.x = {0.0}, .share = 0.7, .drawn = {0.3, 0.7, 0.9, 0.8}},
+           {.x = {9.0}, .share = 0.3, .drawn = {0.7, 0.3, 0.1, 0.2}}};
+  EXPECT_THAT(complaints(posterior), Contains(HasSubstr("The chains disagree about a mode")));
+}
+
+TEST(Verdict, ChainsMustAgreeAboutModelsPosteriorAndWhatIsWatched) {
+  EXPECT_THAT(complaints(made_up({{0.6, 0.3, 0.1}, {0.2, 0.7, 0.1}})),
+              Contains(HasSubstr("R-hat of P(")));
+  Posterior posterior = made_up({{0.6, 0.3, 0.1}});
+  Watched watched{.name = "frequency 1", .draws = {}};
+  for (const auto& chain : posterior.chains) watched.draws.push_back(chain.log_likelihood);
+  EXPECT_TRUE(judge(posterior, {watched}).converged);
+  for (double& x : watched.draws[2]) x += 1.0;
+  const Verdict verdict = judge(posterior, {watched});
+  EXPECT_THAT(verdict.not_established, ElementsAre(HasSubstr("R-hat of frequency 1")));
+  EXPECT_EQ(verdict.rhat_worst, "frequency 1");
+  EXPECT_GT(verdict.rhat_max, 1.01);
+  for (double& l : posterior.chains[3].log_likelihood) l += 2.0;
+  EXPECT_THAT(complaints(posterior), ElementsAre(HasSubstr("R-hat of log posterior")));
+}
+
+TEST(Verdict, ShortChainsHaveNotConverged) {
+  Posterior posterior = made_up({{0.6, 0.3, 0.1}});
+  for (auto& chain : posterior.chains) {
+    chain.model.resize(60);
+    chain.log_prior.resize(60);
+    chain.log_likelihood.resize(60);
+  }
+  EXPECT_THAT(complaints(posterior),
+              Contains(HasSubstr("effective sample size of the log posterior")));
+}
+
+TEST(Verdict, ParametersWithinAModelAreJudged) {
+  Posterior posterior = made_up({{0.8, 0.15, 0.05}});
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kDraws); ++i) {
+    auto& chain = posterior.chains[1];
+    if (chain.model[i] == 1) chain.theta[i] += 3.0;  // its log posterior tells nothing
+  }
+  EXPECT_THAT(complaints(posterior),
+              ElementsAre(HasSubstr("Within model 'two' the chains disagree about a (R-hat")));
+}
+
+TEST(Verdict, ParametersThatMoveSlowlyAreJudged) {
+  Posterior posterior = made_up({{0.8, 0.15, 0.05}});
+  for (auto& chain : posterior.chains) {
+    double slow = 0.0;
+    for (std::size_t i = 0; i < chain.model.size(); ++i) {
+      slow = 0.999 * slow + 0.0447 * chain.theta[chain.model[i] == 2 ? 0 : i];
+      if (chain.model[i] == 0) chain.theta[i] = slow;
+    }
+  }
+  EXPECT_THAT(complaints(posterior), ElementsAre(HasSubstr("Within model 'one'")));
+}
+
+TEST(Verdict, SlotsOfComponentsAreLabels) {
+  // Two components at opposite ends, in an order that each chain chooses for itself.
+  const auto space = ModelSpace::of_components(
+      {}, {{"damage", "damages", {{"location", Uniform{0.0, 1.0}}}}}, {{{2}, 1.0}});
+  Posterior posterior = made_up({{1.0, 0.0, 0.0}});
+  posterior.found.resize(1);
+  posterior.space = &space;
+  posterior.dimension = 2;
+  for (std::size_t c = 0; c < 4; ++c) {
+    Random random(8, c, 0, Purpose::test);
+    auto& chain = posterior.chains[c];
+    chain.theta.clear();
+    for (int i = 0; i < kDraws; ++i) {
+      const double low = 0.1 * random.uniform(), high = 0.9 + 0.1 * random.uniform();
+      chain.theta.push_back(c < 2 ? low : high);
+      chain.theta.push_back(c < 2 ? high : low);
+    }
+  }
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+}
+
+TEST(Verdict, TemperedDrawsNeedRoundTrips) {
+  Posterior posterior = made_up({{0.6, 0.3, 0.1}});
+  posterior.tempered_draws = true;
+  posterior.ladder_round_trips = 100;
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  posterior.ladder_round_trips = 3;
+  EXPECT_THAT(complaints(posterior), ElementsAre(HasSubstr("only 3 round trips")));
+}
+
+TEST(Verdict, ARunThatWasStoppedSaysSo) {
+  Posterior posterior = made_up({{0.6, 0.3, 0.1}});
+  posterior.stopped_early = true;
+  EXPECT_THAT(complaints(posterior), ElementsAre(HasSubstr("stopped early")));
+}
+
+TEST(Verdict, ResolutionIsWhatTheClimbsWouldMissOnceInAHundred) {
+  Posterior posterior = made_up({{0.6, 0.3, 0.1}});
+  posterior.found[1].climbs = 50;  // the fewest; the model without parameters has no modes
+  posterior.found[2].climbs = 0;
+  const double p = judge(posterior).resolution;
+  EXPECT_NEAR(std::pow(1.0 - p, 50.0), 0.01, 1e-9);
+  posterior.found[1].climbs = 0;
+  EXPECT_EQ(judge(posterior).resolution, 1.0);
+}
+
+TEST(Verdict, WeightedDrawsAreReweighted) {
+  // Drawn evenly, while the first two have odds of 1 : 4862.
+  Posterior posterior = made_up({{0.5, 0.5, 0.0}});
+  const double p = 1.0 / 4863.0;
+  posterior.log_weight = {std::log(p), std::log(1.0 - p), 0.0};
+  posterior.found[0].bridged.log_evidence = -50.0 + std::log(p);
+  posterior.found[1].bridged.log_evidence = -50.0 + std::log(1.0 - p);
+  posterior.found[2].bridged = {.log_evidence = -500.0, .standard_error = 0.1};
+  const Verdict verdict = judge(posterior);
+  EXPECT_THAT(verdict.not_established, IsEmpty());
+  // d ln P = d ln odds of the draws, whose variance is 1 / (N · ½ · ½).
+  const double relative = 2.0 / std::sqrt(4.0 * kDraws);
+  EXPECT_NEAR(verdict.models[0].probability / p, 1.0, 4.5 * relative);
+  EXPECT_NEAR(verdict.models[0].mcse / p / relative, 1.0, 0.2);
+  EXPECT_NEAR(verdict.models[0].probability + verdict.models[1].probability, 1.0, 1e-12);
+}
+
+TEST(Verdict, OfManyModelsAlikeSomeAreNamedAndTheRestCounted) {
+  std::vector<ModelSpace::ListedModel> models;
+  for (int m = 0; m < 20; ++m) models.push_back({"m" + std::to_string(m), 1.0, {"a"}});
+  const auto space = ModelSpace::of_models({{"a", Normal{0.0, 1.0}}}, models);
+  Posterior posterior = made_up({{1.0, 0.0, 0.0}});
+  posterior.space = &space;
+  posterior.found.clear();
+  posterior.jumps_proposed.clear();
+  posterior.jumps_accepted.clear();
+  const auto said = complaints(posterior);
+  EXPECT_LT(said.size(), 6U);
+  EXPECT_THAT(said, Contains(HasSubstr("more models")));
+}
+
+}  // namespace
+}  // namespace wheeltap::inference
