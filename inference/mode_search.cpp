@@ -120,6 +120,7 @@ class Climber {
       const double there = f_(to);
       const double gain = there - value;
       if (!(gain > 0.3 * expected - 0.5 && gain < 3.0 * expected + 0.5)) return false;
+      if (iteration == 0 && overlooked(z, value, g, to, there, mode, end)) return false;
       z = to;
       value = there;
       if (square_distance(mode, z) <= 1.0 && value > mode.value - 2.0) {
@@ -130,6 +131,28 @@ class Climber {
       }
     }
     return false;
+  }
+
+  // Whether a long step has leapt over something: points on its way that lie above the cubic through
+  // values and slopes of its two ends. The climb then starts from the highest of them.
+  bool overlooked(const Vector& from, double f0, const Vector& gradient, const Vector& to, double f1,
+                  const Known& mode, End& end) {
+    const Vector step = to - from;
+    const double s0 = gradient.dot(step), s1 = -(to - mode.z).dot(mode.precision * step);
+    const double slack = 1.0 + 0.1 * std::fabs(f1 - f0);
+    double most = 0.0;
+    for (const double t : {0.25, 0.5, 0.75}) {
+      const double t2 = t * t, t3 = t2 * t;
+      const double cubic = (2.0 * t3 - 3.0 * t2 + 1.0) * f0 + (t3 - 2.0 * t2 + t) * s0 +
+                           (3.0 * t2 - 2.0 * t3) * f1 + (t3 - t2) * s1;
+      const Vector at = from + t * step;
+      const double value = f_(at);
+      if (value - cubic <= slack + most) continue;
+      most = value - cubic - slack;
+      end.z = at;
+      end.value = value;
+    }
+    return most > 0.0;
   }
 
   struct Slopes {

@@ -46,8 +46,9 @@ inline constexpr long kMostClimbs = 10000;
 /// by BFGS (Nocedal & Wright 2006, section 6.1) from the diagonal of second differences, t halved
 /// until the gain is what the quadratic model says to within a factor of ten: a step that leaves
 /// the region where the model holds may leave the basin. Where modes are known, one or two Newton
-/// steps with the nearest one's curvature are tried first; if they end there, that start is spent
-/// for a few calls. So thousands of starts are paid for where the posterior is nearly normal.
+/// steps with the nearest one's curvature are tried first; if they end there, and three points on the
+/// way show nothing that they leapt over, that start is spent for a few calls. So thousands of
+/// starts are paid for where the posterior is nearly normal.
 ///
 /// Components are exchangeable: the climb is over labelled vectors, on which ln π is symmetric, and
 /// its end is put in order. Two ends are one mode where the straight line between them has no

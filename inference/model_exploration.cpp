@@ -17,7 +17,6 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 constexpr int kReplicates = 4;         // of sequential Monte Carlo
 constexpr int kClimbsFromDraws = 8;    // from its draws
@@ -28,8 +27,6 @@ constexpr int kRounds = 5;             // of importance sampling
 constexpr double kGoodShare = 0.5;     // of the draws effective: no further round is needed
 constexpr Eigen::Index kPopulation = 4000;
 constexpr int kBlock = 250;  // draws a job
-
-const Evidence kNoEvidence{.log_evidence = kNaN, .standard_error = kNaN};
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
@@ -192,7 +189,8 @@ class ImportanceSampler {
 
 // What there is where importance sampling fails: the draws of the annealing, and of the normals
 // about modes that have none of them.
-Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, Random& random) {
+Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, Random& random,
+                       double about_modes = 1000.0) {
   const auto precisions = precisions_of(modes);
   std::vector<long> counts(modes.size(), 0);
   for (Eigen::Index i = 0; i < draws.rows(); ++i) {
@@ -202,11 +200,10 @@ Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, Rand
   }
   const std::size_t n = std::min(modes.size(), kLaplace);
   const std::vector<double> weights = mode_weights(modes, n);
-  constexpr double kDraws = 1000.0;
   Matrix out = draws;
   for (std::size_t k = 0; k < n; ++k) {
     if (counts[k] > 0) continue;
-    const auto m = static_cast<Eigen::Index>(std::ceil(kDraws * weights[k]));
+    const auto m = static_cast<Eigen::Index>(std::ceil(about_modes * weights[k]));
     const Matrix factor = cholesky(modes[k].covariance);
     const auto d = static_cast<Eigen::Index>(modes[k].z.size());
     const Eigen::Index had = out.rows();
@@ -219,6 +216,33 @@ Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, Rand
     }
   }
   return out;
+}
+
+// Each mode's share of the probability: of the importance sample where that can be trusted, and
+// where more than a few draws of it speak for the mode; else as Laplace has it.
+std::vector<double> shares(const ModelExploration& found, const ImportanceSampler& sampler,
+                           bool trusted) {
+  constexpr double kFew = 5.0;  // effective draws
+  const std::size_t n = found.modes.size();
+  std::vector<double> sum(n, 0.0), squares(n, 0.0), laplace(n, 0.0);
+  double all = 0.0;
+  for (std::size_t k = 0; k < n; ++k)
+    all += laplace[k] = std::exp(found.modes[k].log_mass - found.modes.front().log_mass);
+  for (double& share : laplace) share /= all;
+  if (!trusted) return laplace;
+  const auto precisions = precisions_of(found.modes);
+  for (std::size_t i = 0; i < sampler.weights().size(); ++i) {
+    const double w = sampler.weights()[i];
+    const int k = w > 0.0 ? nearest_mode(found.modes, precisions, sampler.z(i)) : -1;
+    if (k < 0) continue;
+    sum[static_cast<std::size_t>(k)] += w;
+    squares[static_cast<std::size_t>(k)] += w * w;
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    const double effective = squares[k] > 0.0 ? sum[k] * sum[k] / squares[k] : 0.0;
+    if (effective < kFew) sum[k] = std::min(sum[k], laplace[k]);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -255,7 +279,6 @@ int nearest_mode(const std::vector<Mode>& modes, const std::vector<Matrix>& prec
 ModelExploration explore_model(const Problem& problem, int model,
                                const ExplorationOptions& options) {
   ModelExploration out;
-  out.annealed = out.sampled = kNoEvidence;
   const Eigen::Index d = problem.space[model].dimension;
   if (d == 0) {
     ModelPosterior posterior(problem, model);
@@ -317,6 +340,18 @@ ModelExploration explore_model(const Problem& problem, int model,
   if (stopped || (out.modes.empty() && draws.rows() == 0)) return out;
 
   Random random(options.seed, static_cast<std::uint64_t>(model), 0, Purpose::fit);
+  if (options.glance) {
+    if (out.modes.empty()) return out;
+    double sum = 0.0;
+    for (const Mode& mode : out.modes)
+      sum += std::exp(mode.log_mass - out.modes.front().log_mass);
+    out.annealed.log_evidence = out.modes.front().log_mass + std::log(sum);
+    out.annealed.standard_error = 1.0;
+    for (const Mode& mode : out.modes)
+      out.shares.push_back(std::exp(mode.log_mass - out.modes.front().log_mass) / sum);
+    out.population = draws_and_modes(Matrix(0, d), out.modes, random, 100.0).transpose();
+    return out;
+  }
   ImportanceSampler sampler(problem, model, options);
   Components components;
   add_modes(out.modes, 0.5, components);
@@ -344,14 +379,7 @@ ModelExploration explore_model(const Problem& problem, int model,
                                     : draws_and_modes(draws, out.modes, random);
   out.population = population.transpose();
 
-  const auto precisions = precisions_of(out.modes);
-  out.shares.assign(out.modes.size(), 0.0);
-  for (Eigen::Index i = 0; i < out.population.cols(); ++i) {
-    const int k = nearest_mode(out.modes, precisions,
-                               {out.population.col(i).data(), static_cast<std::size_t>(d)});
-    if (k >= 0)
-      out.shares[static_cast<std::size_t>(k)] += 1.0 / static_cast<double>(out.population.cols());
-  }
+  out.shares = shares(out, sampler, trusted);
   report(1.0);
   return out;
 }

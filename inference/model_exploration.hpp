@@ -17,6 +17,9 @@ struct ExplorationOptions {
   long climbs = 0;        ///< ModeSearchOptions::climbs
   long budget = 100000;   ///< likelihood calls for climbs
   bool anneal = true;     ///< run sequential Monte Carlo from the prior
+  /// Climbs alone, for one of very many models: its evidence is Laplace's, taken to be good to a
+  /// nat, and its population draws of the normals about its modes.
+  bool glance = false;
   int particles = 1200;   ///< of that, over four replicates
   int threads = 0;        ///< 0: as many as the machine has. Never changes a result.
   /// Draws that another method has made, draws × dimension, e.g. tempering over all models.
@@ -30,8 +33,8 @@ struct ModelExploration {
   std::vector<double> shares;  ///< of the posterior's probability, one a mode
   long climbs = 0;
   Eigen::MatrixXd population;  ///< equally weighted draws, dimension × n; none: nothing was found
-  Evidence annealed;           ///< NaN where it was not run or failed
-  Evidence sampled;            ///< by importance sampling; NaN where nothing was found
+  Evidence annealed = kNoEvidence;  ///< NaN where it was not run or failed
+  Evidence sampled = kNoEvidence;   ///< by importance sampling; NaN where nothing was found
   double effective_draws = 0.0;  ///< of the importance sample
   long likelihood_evaluations = 0;
 

@@ -19,6 +19,7 @@
 #include "inference/reporter.hpp"
 #include "inference/standard_normal.hpp"
 #include "inference/starting_points.hpp"
+#include "inference/verdict.hpp"
 
 namespace wheeltap::inference {
 
@@ -47,6 +48,8 @@ constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
 
 constexpr int kFewModels = 24;       // each of them is explored by itself
+constexpr int kManyModels = 3000;   // glanced at
+constexpr long kGlances = 2;        // climbs in each of those
 constexpr int kBalancedModels = 64;  // tempered with weights that are learnt
 constexpr int kReachedModels = 12;   // of many: those explored by themselves when they are reached
 constexpr double kReached = 0.01;    // share of the visits
@@ -68,6 +71,7 @@ struct Runner {
   std::vector<PilotSamples> by_rung;
   std::vector<int> models;  ///< visited in the last round of tuning
   std::unique_ptr<KeptDraws> kept;
+  std::vector<std::vector<long>> at_mode;  ///< draws nearest to each mode of each model
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> proposed, accepted;
 };
@@ -144,9 +148,9 @@ class Engine {
     if (list && problem_.samples >= kLongRecord && problem_.shortened) {
       explore_growing();
     } else if (list && problem_.space.size() <= kFewModels) {
-      std::vector<int> all(models());
-      std::iota(all.begin(), all.end(), 0);
-      explore_each(all, true);
+      explore_each(every_model(), true);
+    } else if (list && problem_.space.size() <= kManyModels) {
+      explore_many();
     } else {
       temper(kExplorationScans, problem_.space.size() <= kBalancedModels);
       if (reporter_.stopped()) return;
@@ -224,8 +228,7 @@ class Engine {
 
   // Of many models, those that matter as far as tempering can tell.
   [[nodiscard]] std::vector<int> reached() const {
-    std::vector<int> list(models());
-    std::iota(list.begin(), list.end(), 0);
+    std::vector<int> list = every_model();
     if (problem_.space.size() <= kFewModels) return list;
     const PilotSamples& cold = hot_.back();
     std::ranges::stable_sort(list, std::ranges::greater{}, [&](int m) { return cold.visits(m); });
@@ -234,6 +237,38 @@ class Engine {
     });
     if (list.size() > kReachedModels) list.resize(kReachedModels);
     return list;
+  }
+
+  [[nodiscard]] std::vector<int> every_model() const {
+    std::vector<int> all(models());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
+
+  // A glance at each of very many models, and a look at those that this makes probable.
+  void explore_many() {
+    reporter_.begin("searching", static_cast<double>(models()));
+    for (const int m : every_model()) {
+      if (!std::isfinite(problem_.space[m].log_prior)) continue;
+      ModelExploration& found = explorations_[static_cast<std::size_t>(m)] =
+          explore_model(problem_, m,
+                        {.seed = options_.seed,
+                         .climbs = options_.searches > 0 ? options_.searches : kGlances,
+                         .anneal = false,
+                         .glance = true,
+                         .threads = options_.threads});
+      shared_evaluations_ += found.likelihood_evaluations;
+      reporter_.evaluated(found.likelihood_evaluations);
+      if (!reporter_.advance(1.0)) return;
+    }
+    estimate_probabilities();
+    std::vector<int> probable = every_model();
+    std::ranges::stable_sort(probable, std::ranges::greater{},
+                             [&](int m) { return probability_[static_cast<std::size_t>(m)]; });
+    probable.resize(kReachedModels);
+    std::erase_if(probable,
+                  [&](int m) { return probability_[static_cast<std::size_t>(m)] < kReached; });
+    explore_each(probable, false);
   }
 
   // Each model by itself.
@@ -253,7 +288,9 @@ class Engine {
                              .climbs = options_.searches,
                              .budget = problem_.space.size() > kFewModels ? kLeastBudget : budget,
                              .anneal = anneal,
-                             .particles = std::max(400, static_cast<int>(1200.0 * brief)),
+                             .particles = static_cast<int>(std::clamp(
+                                 brief * 12000.0 / static_cast<double>(with_parameters + 1), 400.0,
+                                 1200.0)),
                              .threads = options_.threads,
                              .progress = [&](double share) { return reporter_.advance(share); }};
       if (!hot_.empty()) how.draws = hot_.back().states(m).transpose();
@@ -267,11 +304,11 @@ class Engine {
 
   // Where a long record makes exploring from the prior cost more than it finds.
   void explore_growing() {
-    const Modes modes = climb_with_record(problem_, options_, reporter_);
+    const std::vector<Laplace> modes = climb_with_record(problem_, options_, reporter_);
     if (reporter_.stopped()) return;
     bool any = false;
     for (std::size_t m = 0; m < models(); ++m) {
-      const Laplace& mode = modes.front()[m];
+      const Laplace& mode = modes[m];
       shared_evaluations_ += mode.evidence.likelihood_evaluations;
       if (!std::isfinite(mode.evidence.log_evidence)) continue;
       any = true;
@@ -281,7 +318,6 @@ class Engine {
         found.effective_draws = kInfinity;
         continue;
       }
-      found.annealed.log_evidence = found.sampled.log_evidence = kNaN;
       found.modes.push_back({.z = mode.z,
                              .log_posterior = kNaN,
                              .covariance = mode.covariance,
@@ -295,7 +331,6 @@ class Engine {
       found.population.resize(factor.rows(), kDraws);
       Eigen::VectorXd u(factor.rows());
       for (Eigen::Index i = 0; i < kDraws; ++i) {
-        // Half of them at the mode: an actual point of it, where the posterior is no normal.
         for (double& v : u) v = random.normal();
         found.population.col(i) =
             Eigen::Map<const Eigen::VectorXd>(mode.z.data(), factor.rows()) + factor * u;
@@ -579,11 +614,36 @@ class Engine {
     weigh();
   }
 
+  // The modes whose shares the draws are counted for, where a model has several.
+  struct WeightyModes {
+    std::vector<Mode> modes;
+    std::vector<Eigen::MatrixXd> precisions;
+    std::vector<double> shares;
+  };
+
+  void choose_modes() {
+    constexpr double kLeast = 1e-3;  // of a model's probability
+    weighty_modes_.assign(models(), {});
+    for (std::size_t m = 0; m < models(); ++m) {
+      const ModelExploration& found = explorations_[m];
+      WeightyModes& of = weighty_modes_[m];
+      for (std::size_t k = 0; k < found.modes.size(); ++k) {
+        if (k > 0 && found.shares[k] < kLeast) continue;
+        of.modes.push_back(found.modes[k]);
+        of.shares.push_back(found.shares[k]);
+      }
+      of.precisions = precisions_of(of.modes);
+    }
+  }
+
   void prepare_sampling() {
+    choose_modes();
     each_chain([&](int c, Runner& runner) {
       const auto make = [&] { return sampling_kernels(problem_, options_, atlases_, pilot_); };
       runner.kernels = make();
       runner.kept = std::make_unique<KeptDraws>(problem_.space);
+      runner.at_mode.clear();
+      for (const WeightyModes& of : weighty_modes_) runner.at_mode.emplace_back(of.modes.size());
       if (posterior_.tempered_draws) {
         runner.tempered->set_kernels(make);
         runner.tempered->set_cold_weights(sampling_bias_);
@@ -682,6 +742,10 @@ class Engine {
     chain.move.push_back(static_cast<std::int16_t>(move));
     chain.accepted.push_back(accepted ? 1 : 0);
     const auto m = static_cast<std::size_t>(state.model);
+    if (const int k = nearest_mode(weighty_modes_[m].modes, weighty_modes_[m].precisions, state.z);
+        k >= 0) {
+      ++runner.at_mode[m][static_cast<std::size_t>(k)];
+    }
     runner.kept->add(state, runner.target->log_prior(state) + state.log_likelihood -
                                 problem_.space[state.model].log_prior - sampling_bias_[m]);
     if (state.prediction.size() <= kMaxPredictions) {
@@ -726,54 +790,15 @@ class Engine {
     return chains;
   }
 
-  // Good enough to stop: every undecided model probability known to 0.004 and mixed; the log
-  // posterior too; and where one model has all the probability, its parameters.
+  // Good enough to stop: nothing that the verdict misses, and every model probability known to
+  // 0.004, to 0.001 of the draws where those are balanced.
   [[nodiscard]] bool converged() const {
+    const double enough = options_.balance ? 0.001 : 0.004;
     for (int m = 0; m < problem_.space.size(); ++m) {
       const double p = share(m);
-      if (p < 0.001) continue;
-      if (p > 0.999 ? !parameters_converged(m) : !probability_converged(m)) return false;
+      if (p > 0.001 && p < 0.999 && !(mcse_mean(indicator(m)) <= enough)) return false;
     }
-    const Convergence of = convergence(log_posterior());
-    return of.rhat < 1.01 && of.ess_bulk > 400.0 && of.ess_tail > 400.0;
-  }
-  [[nodiscard]] bool probability_converged(int model) const {
-    const ChainsOf chains = indicator(model);
-    return mcse_mean(chains) <= 0.004 && ess_mean(chains) >= 400.0 && rhat(chains) <= 1.01;
-  }
-  // A component's slot is a label only: of components, their sums.
-  [[nodiscard]] bool parameters_converged(int model) const {
-    const Model& m = problem_.space[model];
-    const auto width = static_cast<std::size_t>(posterior_.dimension);
-    const auto own = static_cast<int>(m.parameters.size());
-    const auto mixed = [&](auto&& value) {
-      ChainsOf chains;
-      std::size_t least = std::numeric_limits<std::size_t>::max();
-      for (const Chain& chain : posterior_.chains) {
-        std::vector<double>& values = chains.emplace_back();
-        for (std::size_t i = 0; i < chain.model.size(); ++i) {
-          if (chain.model[i] == model) values.push_back(value(&chain.theta[i * width]));
-        }
-        least = std::min(least, values.size());
-      }
-      for (auto& values : chains) values.resize(least);
-      return rhat(chains) < 1.01 && ess_bulk(chains) > 400.0;
-    };
-    for (int i = 0; i < own; ++i) {
-      if (!mixed([i](const double* x) { return x[i]; })) return false;
-    }
-    for (std::size_t j = 0; j < m.counts.size(); ++j) {
-      const auto size = static_cast<int>(problem_.space.kinds()[j].parameters.size());
-      for (int i = 0; m.counts[j] > 0 && i < size; ++i) {
-        const auto sum = [&, i](const double* x) {
-          double total = 0.0;
-          for (int c = 0; c < m.counts[j]; ++c) total += x[m.offsets[j] + c * size + i];
-          return total;
-        };
-        if (!mixed(sum)) return false;
-      }
-    }
-    return true;
+    return judge(posterior_).converged;
   }
 
   // Whether longer chains would do: an R-hat far from 1 says that they are in different places.
@@ -788,6 +813,7 @@ class Engine {
   // Evidence of every model that was explored, from its draws and its mixture's; and how the draws
   // are shared among its modes.
   void weigh() {
+    if (options_.prior_only) return;
     posterior_.found.assign(models(), {});
     at_mixture_.resize(models());
     for (int m = 0; m < problem_.space.size(); ++m) {
@@ -796,9 +822,6 @@ class Engine {
       ModelFindings& found = posterior_.found[at];
       found.annealed = explored.annealed;
       found.climbs = explored.climbs;
-      found.sampled.log_evidence = found.sampled.standard_error = kNaN;
-      found.bridged = found.sampled;
-      if (options_.prior_only) continue;
       describe_modes(m, found);
       if (problem_.space[m].dimension == 0) {
         found.sampled = explored.sampled;
@@ -826,7 +849,7 @@ class Engine {
   }
 
   [[nodiscard]] static Evidence by_importance(const std::vector<double>& log_ratios) {
-    Evidence evidence{.log_evidence = kNaN, .standard_error = kNaN};
+    Evidence evidence = kNoEvidence;
     const double top = *std::ranges::max_element(log_ratios);
     if (top == -kInfinity) return evidence;
     double sum = 0.0, squares = 0.0;
@@ -843,7 +866,7 @@ class Engine {
 
   [[nodiscard]] Evidence by_bridge(int model, const std::vector<double>& at_mixture) const {
     constexpr std::size_t kLeast = 100;  // draws of a chain
-    Evidence evidence{.log_evidence = kNaN, .standard_error = kNaN};
+    Evidence evidence = kNoEvidence;
     std::size_t least = std::numeric_limits<std::size_t>::max();
     for (const Runner& runner : runners_) {
       if (runner.kept->of(model).size() >= kLeast)
@@ -869,28 +892,25 @@ class Engine {
   }
 
   void describe_modes(int model, ModelFindings& found) const {
-    const ModelExploration& explored = explorations_[static_cast<std::size_t>(model)];
-    const auto precisions = precisions_of(explored.modes);
+    const auto at = static_cast<std::size_t>(model);
+    const WeightyModes& of = weighty_modes_[at];
     Target target(problem_, true);
-    for (std::size_t k = 0; k < explored.modes.size(); ++k) {
+    for (std::size_t k = 0; k < of.modes.size(); ++k) {
       State state;
       state.model = model;
-      state.z = explored.modes[k].z;
+      state.z = of.modes[k].z;
       target.evaluate(state);
-      found.modes.push_back({.x = state.x,
-                             .log_posterior = explored.modes[k].log_posterior,
-                             .climbs = explored.modes[k].climbs,
-                             .share = explored.shares[k],
-                             .drawn = {}});
-    }
-    for (const Runner& runner : runners_) {
-      const KeptDraws::OfModel& kept = runner.kept->of(model);
-      std::vector<double> share(found.modes.size(), kept.size() == 0 ? kNaN : 0.0);
-      for (std::size_t i = 0; i < kept.size() && !found.modes.empty(); ++i) {
-        const int k = nearest_mode(explored.modes, precisions, kept.row(i));
-        if (k >= 0) share[static_cast<std::size_t>(k)] += 1.0 / static_cast<double>(kept.size());
+      FoundMode& mode = found.modes.emplace_back();
+      mode.x = state.x;
+      mode.log_posterior = of.modes[k].log_posterior;
+      mode.climbs = of.modes[k].climbs;
+      mode.share = of.shares[k];
+      for (const Runner& runner : runners_) {
+        const long visits = runner.kept->of(model).visits;
+        mode.drawn.push_back(visits == 0 ? kNaN
+                                         : static_cast<double>(runner.at_mode[at][k]) /
+                                               static_cast<double>(visits));
       }
-      for (std::size_t k = 0; k < found.modes.size(); ++k) found.modes[k].drawn.push_back(share[k]);
     }
   }
 
@@ -927,6 +947,7 @@ class Engine {
   Atlases atlases_;
   std::vector<Runner> runners_;
   std::vector<ModelExploration> explorations_;  ///< one a model
+  std::vector<WeightyModes> weighty_modes_;     ///< one a model
   std::vector<PilotSamples> hot_;
   Pilot pilot_;
   std::vector<double> log_probability_, probability_;  ///< of the models, as far as is known

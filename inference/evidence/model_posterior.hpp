@@ -1,6 +1,7 @@
 // The posterior of one model alone.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,10 @@ struct Evidence {
   long likelihood_evaluations = 0;
   std::vector<std::string> warnings{};
 };
+
+/// Of a method that was not run or could not tell.
+inline const Evidence kNoEvidence{.log_evidence = std::numeric_limits<double>::quiet_NaN(),
+                                  .standard_error = std::numeric_limits<double>::quiet_NaN()};
 
 /// ln π(z) = ln p₀(z) + ln factor + ln likelihood in standard normal coordinates, for one thread,
 /// where
