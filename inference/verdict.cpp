@@ -18,6 +18,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 constexpr double kMaxRhat = 1.01;
 constexpr double kMinEss = 400.0;
+constexpr double kMinEssWithin = 20.0;    // of a model at the lower end of those judged
 constexpr double kKnown = 0.001;          // an error of a probability that nobody cares about
 constexpr double kExpectedVisits = 10.0;  // effective ones, from which none is no chance
 constexpr double kSigmas = 4.5;
@@ -516,7 +517,7 @@ class Judge {
 
   // ---- parameters ----------------------------------------------------------------------------
 
-  // Draws of something within a model, chains of one length; those with few draws are left out.
+  // Draws of something within a model, chains of one length; none where a chain has few.
   template <class Value>
   [[nodiscard]] ChainsOf within(std::size_t m, const Value& value) const {
     std::size_t n = std::numeric_limits<std::size_t>::max();
@@ -527,7 +528,7 @@ class Judge {
       for (std::size_t i = 0; i < chain.model.size(); ++i) {
         if (chain.model[i] == static_cast<int>(m)) values.push_back(value(&chain.theta[i * width]));
       }
-      if (values.size() < kFewestDraws) continue;
+      if (values.size() < kFewestDraws) return {};
       n = std::min(n, values.size());
       chains.push_back(std::move(values));
     }
@@ -581,7 +582,8 @@ class Judge {
     const double r = rhat(draws);
     note_rhat(name(m) + "/" + what, r, false);
     if (!worst.empty()) return;
-    const double needed = std::clamp(2.0 * kMinEss * standing(m).probability, 50.0, kMinEss);
+    const double needed =
+        std::clamp(2.0 * kMinEss * standing(m).probability, kMinEssWithin, kMinEss);
     const double ess = ess_bulk(draws);
     const std::string of = "Within model '" + name(m) + "' ";
     if (!(r < kMaxRhat)) {
