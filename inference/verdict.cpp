@@ -26,10 +26,12 @@ constexpr double kChance = 1e-6;  // of a scatter between chains that is called 
 constexpr double kSlackProbability = 0.005;
 constexpr double kSlackNats = 0.5;
 constexpr double kUsableError = 1.0;  // nats, of evidence by importance sampling
+constexpr double kProbableModel = 0.05;
 constexpr double kJudgedModel = 0.01;
 constexpr double kJudgedMode = 0.01;
 constexpr double kMaxRhatOfMode = 1.05;
 constexpr std::size_t kFewestDraws = 100;  // of a chain within a model, to be judged
+constexpr std::size_t kFewestForEss = 400;
 constexpr long kFewestRoundTrips = 10;
 constexpr std::size_t kNamed = 4;  // of many models alike
 
@@ -598,7 +600,10 @@ class Judge {
         return;
       }
     }
-    if (!(ess > needed)) {
+    // Of few draws in few stays the estimate itself is too noisy to judge by.
+    const bool enough =
+        standing(m).probability > kProbableModel || draws[0].size() >= kFewestForEss;
+    if (enough && !(ess > needed)) {
       worst = of + "the effective sample size of " + what + " is " + number(ess, 3) +
               " (must exceed " + number(needed, 3) + ")." + kRunLonger;
     }
