@@ -234,12 +234,15 @@ void run_sweep(const CaseFile& file, const CommonOptions& common, const Sampling
     }
     table += line(cells);
     std::cout << line(cells);
+    const auto& open = s["diagnostics"]["not_established"];
+    for (const auto& sentence : open) std::cout << "# " << sentence.get<std::string>() << '\n';
     for (const auto& m : s["models"]) {
+      const auto name = m["name"].get<std::string>();
+      const bool said = std::ranges::any_of(open, [&](const auto& sentence) {
+        return sentence.template get<std::string>().find("'" + name + "'") != std::string::npos;
+      });
       const std::string told = told_by_evidence(m);
-      if (!told.empty()) std::cout << "# " << m["name"].get<std::string>() << ": " << told << '\n';
-    }
-    for (const auto& sentence : s["diagnostics"]["not_established"]) {
-      std::cout << "# " << sentence.get<std::string>() << '\n';
+      if (!told.empty() && !said) std::cout << "# " << name << ": " << told << '\n';
     }
     std::cout << std::flush;
     rows.push_back(std::move(row));

@@ -18,6 +18,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 constexpr double kMaxRhat = 1.01;
 constexpr double kMinEss = 400.0;
+constexpr double kMinEssWithin = 20.0;    // of a model at the lower end of those judged
 constexpr double kKnown = 0.001;          // an error of a probability that nobody cares about
 constexpr double kExpectedVisits = 10.0;  // effective ones, from which none is no chance
 constexpr double kSigmas = 4.5;
@@ -25,10 +26,12 @@ constexpr double kChance = 1e-6;  // of a scatter between chains that is called 
 constexpr double kSlackProbability = 0.005;
 constexpr double kSlackNats = 0.5;
 constexpr double kUsableError = 1.0;  // nats, of evidence by importance sampling
+constexpr double kProbableModel = 0.05;
 constexpr double kJudgedModel = 0.01;
 constexpr double kJudgedMode = 0.01;
 constexpr double kMaxRhatOfMode = 1.05;
 constexpr std::size_t kFewestDraws = 100;  // of a chain within a model, to be judged
+constexpr std::size_t kFewestForEss = 400;
 constexpr long kFewestRoundTrips = 10;
 constexpr std::size_t kNamed = 4;  // of many models alike
 
@@ -516,7 +519,7 @@ class Judge {
 
   // ---- parameters ----------------------------------------------------------------------------
 
-  // Draws of something within a model, chains of one length; those with few draws are left out.
+  // Draws of something within a model, chains of one length; none where a chain has few.
   template <class Value>
   [[nodiscard]] ChainsOf within(std::size_t m, const Value& value) const {
     std::size_t n = std::numeric_limits<std::size_t>::max();
@@ -527,7 +530,7 @@ class Judge {
       for (std::size_t i = 0; i < chain.model.size(); ++i) {
         if (chain.model[i] == static_cast<int>(m)) values.push_back(value(&chain.theta[i * width]));
       }
-      if (values.size() < kFewestDraws) continue;
+      if (values.size() < kFewestDraws) return {};
       n = std::min(n, values.size());
       chains.push_back(std::move(values));
     }
@@ -581,7 +584,8 @@ class Judge {
     const double r = rhat(draws);
     note_rhat(name(m) + "/" + what, r, false);
     if (!worst.empty()) return;
-    const double needed = std::clamp(2.0 * kMinEss * standing(m).probability, 50.0, kMinEss);
+    const double needed =
+        std::clamp(2.0 * kMinEss * standing(m).probability, kMinEssWithin, kMinEss);
     const double ess = ess_bulk(draws);
     const std::string of = "Within model '" + name(m) + "' ";
     if (!(r < kMaxRhat)) {
@@ -596,7 +600,10 @@ class Judge {
         return;
       }
     }
-    if (!(ess > needed)) {
+    // Of few draws in few stays the estimate itself is too noisy to judge by.
+    const bool enough =
+        standing(m).probability > kProbableModel || draws[0].size() >= kFewestForEss;
+    if (enough && !(ess > needed)) {
       worst = of + "the effective sample size of " + what + " is " + number(ess, 3) +
               " (must exceed " + number(needed, 3) + ")." + kRunLonger;
     }

@@ -143,8 +143,8 @@ struct Failing final : inference::Likelihood {
 };
 
 TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
-  inference::Problem problem{.space = coin_space()};
-  problem.likelihood = [] { return std::make_unique<Failing>(); };
+  const inference::Problem problem{.space = coin_space(),
+                                   .likelihood = [] { return std::make_unique<Failing>(); }};
   spdlog::logger silent("silent");
   const auto list = compute_evidence(problem, "tmcmc", 1, 1, silent);
   ASSERT_EQ(list[0].evidences.size(), 2U);
