@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <memory>
@@ -823,6 +824,18 @@ std::vector<HardProblem> all_problems() {
 const std::vector<HardProblem>& hard_problems() {
   static const std::vector<HardProblem> all = all_problems();
   return all;
+}
+
+std::string identifier(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      out += c;
+    } else if (!out.empty() && out.back() != '_') {
+      out += '_';
+    }
+  }
+  return out;
 }
 
 HardProblem radiata_problem(const std::string& folder) {

@@ -42,6 +42,9 @@ struct HardProblem {
 /// Both lists. Those with data beside the checkout are apart.
 [[nodiscard]] const std::vector<HardProblem>& hard_problems();
 
+/// A problem's name in letters, digits and underscores, as test names must be.
+[[nodiscard]] std::string identifier(const std::string& name);
+
 /// Radiata pine (Williams 1959; Carlin & Chib 1995): two regressions, neither within the other, of
 /// `folder`/pine.csv. Its evidences are by quadrature over ln τ; no draws.
 [[nodiscard]] HardProblem radiata_problem(const std::string& folder);
