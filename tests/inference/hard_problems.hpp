@@ -36,7 +36,7 @@ struct HardProblem {
   bool balance = false;  ///< to be run with Options::balance
   /// One exact draw of a model's posterior; components, if any, in no order.
   std::function<void(int model, Random& random, std::span<double> x)> draw;
-  std::vector<double> hidden;  ///< the top of the hidden mode, in the last model; empty: none
+  std::vector<double> hidden;  ///< its top, in the first model of this dimension; empty: none
 };
 
 /// Both lists. Those with data beside the checkout are apart.
