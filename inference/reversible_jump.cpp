@@ -573,6 +573,7 @@ class Engine {
     const int first = options_.draws > 0 ? options_.draws : kDefaultDraws;
     reporter_.begin("sampling", static_cast<double>(first) * options_.chains);
     draw(first);
+    collect();
     weigh();
     if (options_.draws == 0) {
       while (!reporter_.stopped() && posterior_.draws < kMaxDraws && !converged()) {
@@ -584,10 +585,10 @@ class Engine {
         const int more = std::min(posterior_.draws, kMaxDraws - posterior_.draws);
         reporter_.begin("sampling on", static_cast<double>(more) * options_.chains);
         draw(more);
+        collect();
         weigh();
       }
     }
-    collect();
   }
 
   void set_up_ladder() {
@@ -611,6 +612,7 @@ class Engine {
     reporter_.begin("sampling with tempering",
                     static_cast<double>(kDefaultDraws) * options_.chains);
     draw(kDefaultDraws);
+    collect();
     weigh();
   }
 
@@ -914,7 +916,10 @@ class Engine {
     }
   }
 
+  // What the chains have counted so far.
   void collect() {
+    posterior_.moves.clear();
+    posterior_.ladder_round_trips = 0;
     for (Runner& runner : runners_) {
       if (posterior_.tempered_draws) {
         posterior_.ladder_round_trips += runner.tempered->round_trips();

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <memory>
@@ -790,6 +791,7 @@ std::vector<HardProblem> all_problems() {
   flagged(
       against_nothing("ripples", dimensions(4), ripples(4, 15.0, 6.0, 0.15, 0.43), 0.0, 1.0, 0.5),
       1.0, false);
+  out.back().hidden = Vector(4, 0.43);  // the highest of many
   {
     Vector lower(10, -50.0), upper(10, 50.0);
     lower[0] = -10.0;
@@ -799,13 +801,25 @@ std::vector<HardProblem> all_problems() {
   }
   flagged(disjoint_models(), 1.0, false);
   flagged(counts_with_a_spot(), 1.0, false);
+  out.back().core = pi * 2.0 * Spot::kWidth * Spot::kWidth *
+                    std::log(Spot::kB / (2.0 * pi * Spot::kWidth * Spot::kWidth));
+  out.back().hidden = {Spot::kX, Spot::kY};
   flagged(two_modes("widths 10:1", dimensions(5), 5, 0.5, 0.05, 0.005), 1.0, false);
   flagged(two_modes("widths 3:1", dimensions(10), 10, 0.5, 0.03, 0.01), 1.0, false);
   for (const int d : {1, 2, 3})
     flagged(two_modes("widths 1000:1", dimensions(d), d, 0.5, 0.05, 5e-5), 1.0, true);
-  flagged(against_nothing("peak behind a plateau", dimensions(2),
-                          plateau(0.6, 0.01, {0.85, 0.5}, 1e-4), 0.0, 1.0, 0.5),
-          1.0, true);
+  {
+    constexpr double kEnd = 0.6, kEdge = 0.01, kWidth = 1e-4;
+    const Vector top{0.85, 0.5};
+    flagged(against_nothing("peak behind a plateau", dimensions(2),
+                            plateau(kEnd, kEdge, top, kWidth), 0.0, 1.0, 0.5),
+            1.0, true);
+    // A disc, where the peak is above the plateau's tail.
+    const double log_ratio =
+        -2.0 * (std::log(kWidth) + kLogSqrt2Pi) + (top[0] - kEnd) / kEdge + std::log(kEnd + kEdge);
+    out.back().core = pi * 2.0 * log_ratio * kWidth * kWidth;
+    out.back().hidden = top;
+  }
   for (const double shift : {0.0, 0.031}) {
     const Blob slab{1.0 / 101.0, Vector(20, 0.5), 0.1};
     const Blob spike{100.0 / 101.0, Vector(20, 0.5 + shift), 0.01};
@@ -823,6 +837,18 @@ std::vector<HardProblem> all_problems() {
 const std::vector<HardProblem>& hard_problems() {
   static const std::vector<HardProblem> all = all_problems();
   return all;
+}
+
+std::string identifier(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      out += c;
+    } else if (!out.empty() && out.back() != '_') {
+      out += '_';
+    }
+  }
+  return out;
 }
 
 HardProblem radiata_problem(const std::string& folder) {

@@ -36,11 +36,14 @@ struct HardProblem {
   bool balance = false;  ///< to be run with Options::balance
   /// One exact draw of a model's posterior; components, if any, in no order.
   std::function<void(int model, Random& random, std::span<double> x)> draw;
-  std::vector<double> hidden;  ///< the top of the hidden mode, in the last model; empty: none
+  std::vector<double> hidden;  ///< its top, in the first model of this dimension; empty: none
 };
 
 /// Both lists. Those with data beside the checkout are apart.
 [[nodiscard]] const std::vector<HardProblem>& hard_problems();
+
+/// A problem's name in letters, digits and underscores, as test names must be.
+[[nodiscard]] std::string identifier(const std::string& name);
 
 /// Radiata pine (Williams 1959; Carlin & Chib 1995): two regressions, neither within the other, of
 /// `folder`/pine.csv. Its evidences are by quadrature over ln τ; no draws.

@@ -82,20 +82,11 @@ TEST_P(HardProblemAnswers, AreThoseOfBridgeSampling) {
   }
 }
 
-std::string test_name(const testing::TestParamInfo<std::size_t>& info) {
-  std::string name;
-  for (const char c : hard_problems()[info.param].name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
-      name += c;
-    } else if (!name.empty() && name.back() != '_') {
-      name += '_';
-    }
-  }
-  return name;
-}
-
 INSTANTIATE_TEST_SUITE_P(All, HardProblemAnswers,
-                         testing::Range<std::size_t>(0, hard_problems().size()), test_name);
+                         testing::Range<std::size_t>(0, hard_problems().size()),
+                         [](const testing::TestParamInfo<std::size_t>& at) {
+                           return identifier(hard_problems()[at.param].name);
+                         });
 
 // Draws from ½ · prior + ½ · one component (any) in the spot: the weights are bounded.
 TEST(HardProblems, CountsWithASpotByImportanceSampling) {
