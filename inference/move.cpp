@@ -69,6 +69,41 @@ void KernelMixture::add(double weight, std::unique_ptr<Kernel> kernel) {
   kernels_.push_back(std::move(kernel));
 }
 
+void KernelMixture::reweigh(const std::vector<double>& factors) {
+  double before = 0.0, running = 0.0;
+  for (std::size_t k = 0; k < cumulative_.size(); ++k) {
+    const double weight = cumulative_[k] - before;
+    before = cumulative_[k];
+    cumulative_[k] = running += weight * factors[k];
+  }
+}
+
+std::vector<double> kernel_earnings(const KernelMixture& kernels,
+                                    const std::vector<KernelRecord>& records) {
+  constexpr long kEnough = 100;  // proposals
+  constexpr double kLeast = 0.1;
+  std::vector<double> rate(records.size(), -1.0);
+  double best_jump = 0.0, best_within = 0.0;
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const KernelRecord& r = records[k];
+    if (r.proposed < kEnough) continue;
+    const double work =
+        static_cast<double>(r.proposed) * (1.0 + kernels[static_cast<int>(k)].work());
+    const bool jumps = r.jumps_proposed > 0;
+    rate[k] = static_cast<double>(jumps ? r.jumps_accepted : r.accepted) / work;
+    double& best = jumps ? best_jump : best_within;
+    best = std::max(best, rate[k]);
+  }
+  std::vector<double> earned(records.size(), 1.0);
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const bool jumps = records[k].jumps_proposed > 0;
+    if (rate[k] < 0.0 || (!jumps && kernels[static_cast<int>(k)].work() == 0.0)) continue;
+    const double best = jumps ? best_jump : best_within;
+    if (best > 0.0) earned[k] = std::clamp(rate[k] / best, kLeast, 1.0);
+  }
+  return earned;
+}
+
 int KernelMixture::step(State& state, const Step& step, Kernel::Outcome& outcome) {
   if (kernels_.empty()) return -1;
   const double u = step.random.uniform() * cumulative_.back();

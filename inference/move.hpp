@@ -28,16 +28,44 @@ class Kernel {
     bool accepted = false;
     int to_model = 0;  ///< what was proposed
   };
-  explicit Kernel(std::string name) : name_(std::move(name)) {}
+  /// `work` of a step beside the likelihood, in likelihood calls (see kOperationsACall).
+  explicit Kernel(std::string name, double work = 0.0) : name_(std::move(name)), work_(work) {}
   virtual ~Kernel() = default;
   Kernel(const Kernel&) = delete;
   Kernel& operator=(const Kernel&) = delete;
 
   virtual Outcome step(State& state, const Step& step) = 0;
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] double work() const { return work_; }
 
  private:
   std::string name_;
+  double work_;
+};
+
+/// So many multiplications are counted as one likelihood call: some microseconds, what a cheap
+/// likelihood takes. Work is counted and never timed, so that every machine makes the same draws.
+inline constexpr double kOperationsACall = 1e4;
+
+/// What a kernel did while its worth was learnt.
+struct KernelRecord {
+  long proposed = 0, accepted = 0;
+  long jumps_proposed = 0, jumps_accepted = 0;  ///< between models
+
+  void add(const Kernel::Outcome& outcome, bool jump) {
+    if (!outcome.proposed) return;
+    ++proposed;
+    accepted += outcome.accepted ? 1 : 0;
+    jumps_proposed += jump ? 1 : 0;
+    jumps_accepted += jump && outcome.accepted ? 1 : 0;
+  }
+  KernelRecord& operator+=(const KernelRecord& other) {
+    proposed += other.proposed;
+    accepted += other.accepted;
+    jumps_proposed += other.jumps_proposed;
+    jumps_accepted += other.jumps_accepted;
+    return *this;
+  }
 };
 
 /// A move is a pair: forward and reverse share one expression, so that they cannot drift apart. It
@@ -72,8 +100,8 @@ class Move {
 /// density's, and the second stage corrects it, whatever the move and the models.
 class MetropolisHastings : public Kernel {
  public:
-  MetropolisHastings(std::string name, std::unique_ptr<Move> move)
-      : Kernel(std::move(name)), move_(std::move(move)) {}
+  MetropolisHastings(std::string name, std::unique_ptr<Move> move, double work = 0.0)
+      : Kernel(std::move(name), work), move_(std::move(move)) {}
   Outcome step(State& state, const Step& step) override;
 
  private:
@@ -94,6 +122,8 @@ class MetropolisHastings : public Kernel {
 class KernelMixture {
  public:
   void add(double weight, std::unique_ptr<Kernel> kernel);
+  /// Multiplies the weights, one factor > 0 a kernel.
+  void reweigh(const std::vector<double>& factors);
   /// Makes one step; returns the index of the kernel used, -1 where there is none.
   int step(State& state, const Step& step, Kernel::Outcome& outcome);
   [[nodiscard]] int size() const { return static_cast<int>(kernels_.size()); }
@@ -105,5 +135,12 @@ class KernelMixture {
   std::vector<std::unique_ptr<Kernel>> kernels_;
   std::vector<double> cumulative_;
 };
+
+/// What each kernel is worth beside the best of its sort, from 0.1 to 1: the moves it had accepted,
+/// between models where it proposes such, per unit of counted work, a likelihood call a proposal
+/// included. Kernels within a model that cost nothing beside their call keep their weight: local
+/// steps are there for what the others miss. 1 where there was too little to go by.
+[[nodiscard]] std::vector<double> kernel_earnings(const KernelMixture& kernels,
+                                                  const std::vector<KernelRecord>& records);
 
 }  // namespace wheeltap::inference

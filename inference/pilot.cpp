@@ -42,14 +42,20 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
                            kind, std::make_unique<PriorProposal>(), pilot);
     }
     if (atlases[j] && options.moves.informed_birth) {
-      add_move<BirthDeath>(kernels, share * 0.4 / kinds, "informed birth and death", kind,
-                           std::make_unique<InformedProposal>(atlases[j], space, kind));
+      kernels.add(share * 0.4 / kinds,
+                  std::make_unique<MetropolisHastings>(
+                      "informed birth and death",
+                      std::make_unique<BirthDeath>(
+                          kind, std::make_unique<InformedProposal>(atlases[j], space, kind)),
+                      atlases[j]->work()));
     }
     if (options.moves.relocation) {
       std::unique_ptr<ComponentProposal> proposal = std::make_unique<PriorProposal>();
       if (atlases[j]) proposal = std::make_unique<InformedProposal>(atlases[j], space, kind);
-      add_move<Relocation>(kernels, share * (atlases[j] ? 0.3 : 0.1) / kinds, "relocation", kind,
-                           std::move(proposal));
+      kernels.add(share * (atlases[j] ? 0.3 : 0.1) / kinds,
+                  std::make_unique<MetropolisHastings>(
+                      "relocation", std::make_unique<Relocation>(kind, std::move(proposal)),
+                      atlases[j] ? 2.0 * atlases[j]->work() : 0.0));
     }
   }
   if (options.moves.birth_death && is_list(space) && space.size() > 1) {
@@ -291,6 +297,8 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
       add_move<Relocation>(*kernels, 0.05 * share, "pilot relocation", kind, propose());
     }
   }
+  if (pilot.earnings.size() == static_cast<std::size_t>(kernels->size()))
+    kernels->reweigh(pilot.earnings);
   return kernels;
 }
 

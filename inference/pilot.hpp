@@ -57,6 +57,7 @@ struct Pilot {
   std::shared_ptr<const Archive> archive;
   std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one a kind
   RandomWalk::Scales scales;
+  std::vector<double> earnings;  ///< of each kernel (kernel_earnings); {}: not known yet
 };
 
 /// Fits the proposals. `by_rung[i]` holds the samples at the i-th temperature, the coldest last: a

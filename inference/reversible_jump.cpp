@@ -70,6 +70,7 @@ struct Runner {
   long iteration = 0;
   std::vector<PilotSamples> by_rung;
   std::vector<int> models;  ///< visited in the last round of tuning
+  std::vector<KernelRecord> records;  ///< of each kernel, in the last round of tuning
   std::unique_ptr<KeptDraws> kept;
   std::vector<std::vector<long>> at_mode;  ///< draws nearest to each mode of each model
   std::vector<MoveStatistics> moves;
@@ -459,7 +460,17 @@ class Engine {
         if (found.modes.size() > 10) how.most_components = kManyPeaks;
       }
     }
+    const std::vector<double> earned = round > 0 ? earnings() : std::vector<double>{};
     pilot_ = fit_pilot(problem_.space, pooled, how);
+    pilot_.earnings = earned;
+  }
+
+  // What each kernel brought in the last round of tuning, over all chains.
+  [[nodiscard]] std::vector<double> earnings() const {
+    std::vector<KernelRecord> sums(runners_.front().records.size());
+    for (const Runner& runner : runners_)
+      for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += runner.records[k];
+    return kernel_earnings(*runners_.front().kernels, sums);
   }
 
   // From the last round's visits, of the models that had enough of them; the others keep their
@@ -529,12 +540,18 @@ class Engine {
       runner.kernels = sampling_kernels(problem_, options_, atlases_, pilot_);
       runner.by_rung.assign(1, PilotSamples(problem_.space));
       runner.models.clear();
+      runner.records.assign(static_cast<std::size_t>(runner.kernels->size()), {});
       long before = runner.target->evaluations();
       for (int i = 0; i < steps; ++i) {
         Random random(options_.seed, static_cast<std::uint64_t>(c),
                       static_cast<std::uint64_t>(done + i), Purpose::adaptation);
         Kernel::Outcome outcome;
-        runner.kernels->step(runner.state, {*runner.target, random, 1.0, true}, outcome);
+        const int from = runner.state.model;
+        const int kernel =
+            runner.kernels->step(runner.state, {*runner.target, random, 1.0, true}, outcome);
+        if (kernel >= 0)
+          runner.records[static_cast<std::size_t>(kernel)].add(outcome,
+                                                               outcome.to_model != from);
         runner.by_rung[0].add(runner.state);
         runner.models.push_back(runner.state.model);
         if (i % 64 == 63) {
@@ -733,7 +750,7 @@ class Engine {
     posterior_.draws = static_cast<int>(common);
   }
 
-  void record(const Runner& runner, Chain& chain, int move, bool accepted) {
+  void record(Runner& runner, Chain& chain, int move, bool accepted) const {
     const State& state = runner.state;
     chain.model.push_back(state.model);
     chain.theta.insert(chain.theta.end(), state.x.begin(), state.x.end());

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "inference/move.hpp"
 #include "inference/random.hpp"
 #include "inference/target.hpp"
 
@@ -46,6 +47,12 @@ struct EffectAtlas {
   Eigen::VectorXf half_square;  ///< ½ |D_c|²
   double noise_scale = 1.0;     ///< of the residuals that the effects were computed in
 
+  /// Of weighing all cells once, in likelihood calls: a multiplication for each residual of each
+  /// cell, and ten for its exponential.
+  [[nodiscard]] double work() const {
+    return static_cast<double>(total) * (static_cast<double>(effects.cols()) + 10.0) /
+           kOperationsACall;
+  }
   /// The cell that contains z.
   [[nodiscard]] int cell(std::span<const double> z) const;
 };
