@@ -777,11 +777,14 @@ std::vector<HardProblem> all_problems() {
     add(two_modes("equal modes", dimensions(d), d, 0.5, 0.01, 0.01));
   for (const int d : {2, 5}) add(two_modes("a mode of 3 %", dimensions(d), d, 0.03, 0.01, 0.01));
   add(two_modes("widths 10:1", dimensions(3), 3, 0.5, 0.05, 0.005));
-  out.back().asked = Asked::found;
+  out.back().basin = 0.0040;
   quick(against_nothing("improbable peak", dimensions(4),
                         blobs({{1.0, {0.31, 0.44, 0.58, 0.66}, 1e-3}}, 0.0, 1.0), 0.0, 1.0, 0.03));
   add(change_point());
 
+  // Basins by steepest ascent, in small steps, from 3000 to 100 000 draws of the prior: standard
+  // errors of 1 to 25 %. Where none arrived the bound 3/n is stated: "widths 10:1" in 5-d, "3:1",
+  // "1000:1" in 3-d, and the shifted spike.
   flagged(
       against_nothing("bananas", dimensions(6), bananas(3, 0.01, 4.0, -1.0, 10.0),
                       {-4.0, -1.0, -4.0, -1.0, -4.0, -1.0}, {4.0, 10.0, 4.0, 10.0, 4.0, 10.0}, 0.5),
@@ -790,7 +793,8 @@ std::vector<HardProblem> all_problems() {
           false);
   flagged(
       against_nothing("ripples", dimensions(4), ripples(4, 15.0, 6.0, 0.15, 0.43), 0.0, 1.0, 0.5),
-      1.0, false);
+      8e-4, false);
+  out.back().core = out.back().basin;
   out.back().hidden = Vector(4, 0.43);  // the highest of many
   {
     Vector lower(10, -50.0), upper(10, 50.0);
@@ -800,20 +804,20 @@ std::vector<HardProblem> all_problems() {
             1.0, false);
   }
   flagged(disjoint_models(), 1.0, false);
-  flagged(counts_with_a_spot(), 1.0, false);
+  flagged(counts_with_a_spot(), 6.5e-3, false);  // of one component
   out.back().core = pi * 2.0 * Spot::kWidth * Spot::kWidth *
                     std::log(Spot::kB / (2.0 * pi * Spot::kWidth * Spot::kWidth));
   out.back().hidden = {Spot::kX, Spot::kY};
-  flagged(two_modes("widths 10:1", dimensions(5), 5, 0.5, 0.05, 0.005), 1.0, false);
-  flagged(two_modes("widths 3:1", dimensions(10), 10, 0.5, 0.03, 0.01), 1.0, false);
-  for (const int d : {1, 2, 3})
-    flagged(two_modes("widths 1000:1", dimensions(d), d, 0.5, 0.05, 5e-5), 1.0, true);
+  flagged(two_modes("widths 10:1", dimensions(5), 5, 0.5, 0.05, 0.005), 7.5e-5, false);
+  flagged(two_modes("widths 3:1", dimensions(10), 10, 0.5, 0.03, 0.01), 1e-3, false);
+  for (const auto& [d, basin] : {std::pair{1, 0.20}, std::pair{2, 2.9e-4}, std::pair{3, 3e-5}})
+    flagged(two_modes("widths 1000:1", dimensions(d), d, 0.5, 0.05, 5e-5), basin, true);
   {
     constexpr double kEnd = 0.6, kEdge = 0.01, kWidth = 1e-4;
     const Vector top{0.85, 0.5};
     flagged(against_nothing("peak behind a plateau", dimensions(2),
                             plateau(kEnd, kEdge, top, kWidth), 0.0, 1.0, 0.5),
-            1.0, true);
+            2.2e-4, true);
     // A disc, where the peak is above the plateau's tail.
     const double log_ratio =
         -2.0 * (std::log(kWidth) + kLogSqrt2Pi) + (top[0] - kEnd) / kEdge + std::log(kEnd + kEdge);
@@ -825,7 +829,7 @@ std::vector<HardProblem> all_problems() {
     const Blob spike{100.0 / 101.0, Vector(20, 0.5 + shift), 0.01};
     flagged(against_nothing("spike and slab", dimensions(20) + (shift > 0.0 ? ", shifted" : ""),
                             blobs({slab, spike}, 0.0, 1.0), 0.0, 1.0, 0.5),
-            1.0, false);
+            shift > 0.0 ? 1e-3 : 1.0, false);
     out.back().core = share_of_narrow(slab, spike);
     out.back().hidden = spike.mean;
   }
