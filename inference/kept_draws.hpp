@@ -9,8 +9,8 @@
 
 namespace wheeltap::inference {
 
-/// Keeps kKeep to 2 kKeep draws of each model, in order and equally far apart: every second one goes
-/// where there are too many, and from then on every second one comes.
+/// Keeps kKeep to 2 kKeep draws of each model, in order and equally far apart: every second one
+/// goes where there are too many, and from then on every second one comes.
 class KeptDraws {
  public:
   struct OfModel {

@@ -22,11 +22,11 @@ constexpr double kArrived = 0.01;     // ln: what a further step would gain
 constexpr int kMostSteps = 100;
 constexpr int kSlices = 8;  // of a batch, each with a likelihood of its own
 constexpr long kFirstBatch = 8, kMostBatch = 256;
-constexpr double kValley = 2.0;        // ln: between two modes
-constexpr double kNegligible = 25.0;   // ln: below the weightiest mode
+constexpr double kValley = 2.0;       // ln: between two modes
+constexpr double kNegligible = 25.0;  // ln: below the weightiest mode
 constexpr std::size_t kMostModes = 60;
-constexpr long kFirstSamples = 50;  // of a growing record
-constexpr int kDrawsAMode = 4;      // to go on from, as a record grows
+constexpr long kFirstSamples = 50;     // of a growing record
+constexpr int kDrawsAMode = 4;         // to go on from, as a record grows
 constexpr std::size_t kFollowed = 30;  // modes, as a record grows
 
 using Vector = Eigen::VectorXd;
@@ -133,10 +133,10 @@ class Climber {
     return false;
   }
 
-  // Whether a long step has leapt over something: points on its way that lie above the cubic through
-  // values and slopes of its two ends. The climb then starts from the highest of them.
-  bool overlooked(const Vector& from, double f0, const Vector& gradient, const Vector& to, double f1,
-                  const Known& mode, End& end) {
+  // Whether a long step has leapt over something: points on its way that lie above the cubic
+  // through values and slopes of its two ends. The climb then starts from the highest of them.
+  bool overlooked(const Vector& from, double f0, const Vector& gradient, const Vector& to,
+                  double f1, const Known& mode, End& end) {
     const Vector step = to - from;
     const double s0 = gradient.dot(step), s1 = -(to - mode.z).dot(mode.precision * step);
     const double slack = 1.0 + 0.1 * std::fabs(f1 - f0);
@@ -191,8 +191,9 @@ class Climber {
     Slopes at = slopes(end.z, end.value, width);
     adapt(width, at.curvature);
     Matrix b = width.array().square().matrix().asDiagonal();
-    double reach = 2.0 * std::sqrt(static_cast<double>(d_));  // as far as one prior draw is from another
-    bool fresh = true;  // b is the diagonal of second differences
+    double reach =
+        2.0 * std::sqrt(static_cast<double>(d_));  // as far as one prior draw is from another
+    bool fresh = true;                             // b is the diagonal of second differences
     for (int iteration = 0; iteration < kMostSteps; ++iteration) {
       Vector step = b * at.gradient;
       double slope = at.gradient.dot(step);
@@ -310,8 +311,8 @@ Known measure(Surface& f, const End& end) {
   // No direction is much wider than the prior.
   const Vector curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(0.25);
   mode.precision = eigen.eigenvectors() * curvature.asDiagonal() * eigen.eigenvectors().transpose();
-  mode.covariance =
-      eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  mode.covariance = eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() *
+                    eigen.eigenvectors().transpose();
   return mode;
 }
 
@@ -446,8 +447,7 @@ class Search {
       // A mode far below the best matters only if it is wide: not by more than the prior is.
       double best = -kInfinity;
       for (const Known& k : known_) best = std::max(best, k.value);
-      const double slack =
-          kNegligible + 12.0 * static_cast<double>(end.z.size());
+      const double slack = kNegligible + 12.0 * static_cast<double>(end.z.size());
       if (end.value < best - slack) continue;
       known_.push_back(measure(f, ordered(f, end)));
       hits_.push_back(1);

@@ -21,7 +21,7 @@ struct Mode {
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;  ///< 0: as many as `budget` pays for, between kFewestClimbs and kMostClimbs
+  long climbs = 0;       ///< 0: as many as `budget` pays for, between kFewestClimbs and kMostClimbs
   long budget = 100000;  ///< likelihood calls; what has been begun is finished
   /// Also climbed from, e.g. draws of another method; not counted.
   std::vector<std::vector<double>> starts{};
@@ -46,8 +46,8 @@ inline constexpr long kMostClimbs = 10000;
 /// by BFGS (Nocedal & Wright 2006, section 6.1) from the diagonal of second differences, t halved
 /// until the gain is what the quadratic model says to within a factor of ten: a step that leaves
 /// the region where the model holds may leave the basin. Where modes are known, one or two Newton
-/// steps with the nearest one's curvature are tried first; if they end there, and three points on the
-/// way show nothing that they leapt over, that start is spent for a few calls. So thousands of
+/// steps with the nearest one's curvature are tried first; if they end there, and three points on
+/// the way show nothing that they leapt over, that start is spent for a few calls. So thousands of
 /// starts are paid for where the posterior is nearly normal.
 ///
 /// Components are exchangeable: the climb is over labelled vectors, on which ln π is symmetric, and

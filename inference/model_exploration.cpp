@@ -18,13 +18,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr int kReplicates = 4;         // of sequential Monte Carlo
-constexpr int kClimbsFromDraws = 8;    // from its draws
-constexpr std::size_t kLaplace = 40;   // modes whose normals enter the mixture
-constexpr double kDefensive = 0.05;    // the prior's weight in it
-constexpr double kWider = 1.5;         // of the variances of modes' normals in a proposal
-constexpr int kRounds = 5;             // of importance sampling
-constexpr double kGoodShare = 0.5;     // of the draws effective: no further round is needed
+constexpr int kReplicates = 4;        // of sequential Monte Carlo
+constexpr int kClimbsFromDraws = 8;   // from its draws
+constexpr std::size_t kLaplace = 40;  // modes whose normals enter the mixture
+constexpr double kDefensive = 0.05;   // the prior's weight in it
+constexpr double kWider = 1.5;        // of the variances of modes' normals in a proposal
+constexpr int kRounds = 5;            // of importance sampling
+constexpr double kGoodShare = 0.5;    // of the draws effective: no further round is needed
 constexpr Eigen::Index kPopulation = 4000;
 constexpr int kBlock = 250;  // draws a job
 
@@ -84,10 +84,10 @@ class ImportanceSampler {
     std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
     parallel_for(blocks, options_.threads, [&](int block) {
       ModelPosterior posterior(problem_, model_);
-      Random random(options_.seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 61U),
-                    static_cast<std::uint64_t>(model_) |
-                        static_cast<std::uint64_t>(proposals_.size()) << 32U,
-                    Purpose::evidence);
+      Random random(
+          options_.seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 61U),
+          static_cast<std::uint64_t>(model_) | static_cast<std::uint64_t>(proposals_.size()) << 32U,
+          Purpose::evidence);
       const auto begin = before + static_cast<std::size_t>(block) * kBlock;
       const auto end = std::min(begin + kBlock, total);
       for (std::size_t i = begin; i < end; ++i) proposal.sample(random, {z_.data() + i * d, d});
@@ -104,8 +104,8 @@ class ImportanceSampler {
       accumulate(log_proposals_[i], std::log(n) + proposal.log_density({z_.data() + i * d, d}));
     for (std::size_t i = before; i < total; ++i) {
       for (std::size_t r = 0; r < proposals_.size(); ++r)
-        accumulate(log_proposals_[i], std::log(sizes_[r]) +
-                                          proposals_[r].log_density({z_.data() + i * d, d}));
+        accumulate(log_proposals_[i],
+                   std::log(sizes_[r]) + proposals_[r].log_density({z_.data() + i * d, d}));
       accumulate(log_proposals_[i], std::log(n) + proposal.log_density({z_.data() + i * d, d}));
     }
     proposals_.push_back(proposal);
@@ -158,8 +158,8 @@ class ImportanceSampler {
     double top = -kInfinity;
     for (std::size_t i = 0; i < total; ++i) {
       // π / ((1/N) Σ n_r q_r), up to N
-      weights_[i] = log_posterior_[i] == -kInfinity ? -kInfinity
-                                                    : log_posterior_[i] - log_proposals_[i];
+      weights_[i] =
+          log_posterior_[i] == -kInfinity ? -kInfinity : log_posterior_[i] - log_proposals_[i];
       top = std::max(top, weights_[i]);
     }
     effective_ = 0.0;
@@ -211,8 +211,7 @@ Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, Rand
     Vector u(d);
     for (Eigen::Index i = 0; i < m; ++i) {
       for (double& v : u) v = random.normal();
-      out.row(had + i) =
-          (Eigen::Map<const Vector>(modes[k].z.data(), d) + factor * u).transpose();
+      out.row(had + i) = (Eigen::Map<const Vector>(modes[k].z.data(), d) + factor * u).transpose();
     }
   }
   return out;
@@ -343,8 +342,7 @@ ModelExploration explore_model(const Problem& problem, int model,
   if (options.glance) {
     if (out.modes.empty()) return out;
     double sum = 0.0;
-    for (const Mode& mode : out.modes)
-      sum += std::exp(mode.log_mass - out.modes.front().log_mass);
+    for (const Mode& mode : out.modes) sum += std::exp(mode.log_mass - out.modes.front().log_mass);
     out.annealed.log_evidence = out.modes.front().log_mass + std::log(sum);
     out.annealed.standard_error = 1.0;
     for (const Mode& mode : out.modes)
@@ -375,8 +373,8 @@ ModelExploration explore_model(const Problem& problem, int model,
   out.sampled = sampler.evidence();
   out.effective_draws = sampler.effective_draws();
   const bool trusted = out.effective_draws >= std::max(200.0, 10.0 * static_cast<double>(d));
-  const Matrix population = trusted ? sampler.resampled(kPopulation, random)
-                                    : draws_and_modes(draws, out.modes, random);
+  const Matrix population =
+      trusted ? sampler.resampled(kPopulation, random) : draws_and_modes(draws, out.modes, random);
   out.population = population.transpose();
 
   out.shares = shares(out, sampler, trusted);

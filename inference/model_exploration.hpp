@@ -14,14 +14,14 @@ namespace wheeltap::inference {
 
 struct ExplorationOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;        ///< ModeSearchOptions::climbs
-  long budget = 100000;   ///< likelihood calls for climbs
-  bool anneal = true;     ///< run sequential Monte Carlo from the prior
+  long climbs = 0;       ///< ModeSearchOptions::climbs
+  long budget = 100000;  ///< likelihood calls for climbs
+  bool anneal = true;    ///< run sequential Monte Carlo from the prior
   /// Climbs alone, for one of very many models: its evidence is Laplace's, taken to be good to a
   /// nat, and its population draws of the normals about its modes.
   bool glance = false;
-  int particles = 1200;   ///< of that, over four replicates
-  int threads = 0;        ///< 0: as many as the machine has. Never changes a result.
+  int particles = 1200;  ///< of that, over four replicates
+  int threads = 0;       ///< 0: as many as the machine has. Never changes a result.
   /// Draws that another method has made, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};
   /// Called with the share done since the last call; returning false ends the exploration.
@@ -35,7 +35,7 @@ struct ModelExploration {
   Eigen::MatrixXd population;  ///< equally weighted draws, dimension × n; none: nothing was found
   Evidence annealed = kNoEvidence;  ///< NaN where it was not run or failed
   Evidence sampled = kNoEvidence;   ///< by importance sampling; NaN where nothing was found
-  double effective_draws = 0.0;  ///< of the importance sample
+  double effective_draws = 0.0;     ///< of the importance sample
   long likelihood_evaluations = 0;
 
   /// The best guess at ln Z so far; -∞ where nothing was found.
@@ -50,8 +50,8 @@ struct ModelExploration {
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 
-/// The mode among `modes` whose normal gives z the highest density per unit of its peak: the nearest
-/// in its own standard deviations. -1 where there is none.
+/// The mode among `modes` whose normal gives z the highest density per unit of its peak: the
+/// nearest in its own standard deviations. -1 where there is none.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,
                                std::span<const double> z);

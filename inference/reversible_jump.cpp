@@ -48,8 +48,8 @@ constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
 
 constexpr int kFewModels = 24;       // each of them is explored by itself
-constexpr int kManyModels = 3000;   // glanced at
-constexpr long kGlances = 2;        // climbs in each of those
+constexpr int kManyModels = 3000;    // glanced at
+constexpr long kGlances = 2;         // climbs in each of those
 constexpr int kBalancedModels = 64;  // tempered with weights that are learnt
 constexpr int kReachedModels = 12;   // of many: those explored by themselves when they are reached
 constexpr double kReached = 0.01;    // share of the visits
@@ -69,7 +69,7 @@ struct Runner {
   State state;
   long iteration = 0;
   std::vector<PilotSamples> by_rung;
-  std::vector<int> models;  ///< visited in the last round of tuning
+  std::vector<int> models;            ///< visited in the last round of tuning
   std::vector<KernelRecord> records;  ///< of each kernel, in the last round of tuning
   std::unique_ptr<KeptDraws> kept;
   std::vector<std::vector<long>> at_mode;  ///< draws nearest to each mode of each model
@@ -285,15 +285,15 @@ class Engine {
     reporter_.begin("searching", static_cast<double>(std::max<long>(1, with_parameters)));
     for (const int m : list) {
       if (!std::isfinite(problem_.space[m].log_prior)) continue;
-      ExplorationOptions how{.seed = options_.seed,
-                             .climbs = options_.searches,
-                             .budget = problem_.space.size() > kFewModels ? kLeastBudget : budget,
-                             .anneal = anneal,
-                             .particles = static_cast<int>(std::clamp(
-                                 brief * 12000.0 / static_cast<double>(with_parameters + 1), 400.0,
-                                 1200.0)),
-                             .threads = options_.threads,
-                             .progress = [&](double share) { return reporter_.advance(share); }};
+      ExplorationOptions how{
+          .seed = options_.seed,
+          .climbs = options_.searches,
+          .budget = problem_.space.size() > kFewModels ? kLeastBudget : budget,
+          .anneal = anneal,
+          .particles = static_cast<int>(std::clamp(
+              brief * 12000.0 / static_cast<double>(with_parameters + 1), 400.0, 1200.0)),
+          .threads = options_.threads,
+          .progress = [&](double share) { return reporter_.advance(share); }};
       if (!hot_.empty()) how.draws = hot_.back().states(m).transpose();
       ModelExploration& found = explorations_[static_cast<std::size_t>(m)] =
           explore_model(problem_, m, how);
@@ -550,8 +550,7 @@ class Engine {
         const int kernel =
             runner.kernels->step(runner.state, {*runner.target, random, 1.0, true}, outcome);
         if (kernel >= 0)
-          runner.records[static_cast<std::size_t>(kernel)].add(outcome,
-                                                               outcome.to_model != from);
+          runner.records[static_cast<std::size_t>(kernel)].add(outcome, outcome.to_model != from);
         runner.by_rung[0].add(runner.state);
         runner.models.push_back(runner.state.model);
         if (i % 64 == 63) {

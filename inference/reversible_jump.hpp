@@ -90,9 +90,11 @@ struct FoundMode {
 struct ModelFindings {
   long climbs = 0;               ///< to modes, each from a draw of the prior
   std::vector<FoundMode> modes;  ///< separate ones that matter, the weightiest first
-  Evidence annealed = kNoEvidence;  ///< by sequential Monte Carlo or the ladder, from the prior; NaN: not run
+  Evidence annealed =
+      kNoEvidence;  ///< by sequential Monte Carlo or the ladder, from the prior; NaN: not run
   Evidence sampled = kNoEvidence;  ///< by importance sampling from the final mixture
-  Evidence bridged = kNoEvidence;  ///< by bridge sampling between its draws and that mixture; NaN: too few draws
+  Evidence bridged =
+      kNoEvidence;  ///< by bridge sampling between its draws and that mixture; NaN: too few draws
 };
 
 /// What a run returns.

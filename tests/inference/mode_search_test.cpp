@@ -1,0 +1,149 @@
+#include "inference/mode_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "inference/evidence/model_posterior.hpp"
+#include "inference/standard_normal.hpp"
+#include "tests/inference/toy_problems.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+using Function = std::function<double(std::span<const double>)>;
+
+class Given : public Likelihood {
+ public:
+  explicit Given(Function f) : f_(std::move(f)) {}
+  double log_likelihood(int, std::span<const double> x) override { return f_(x); }
+
+ private:
+  Function f_;
+};
+
+// One model over standard normal parameters.
+Problem problem_of(int dimension, Function f) {
+  std::vector<Parameter> parameters;
+  std::vector<std::string> names;
+  for (int i = 0; i < dimension; ++i) {
+    names.push_back("p" + std::to_string(i));
+    parameters.push_back({names.back(), Normal{0.0, 1.0}});
+  }
+  return {.space = ModelSpace::of_models(parameters, {{"m", 1.0, names}}),
+          .likelihood = [f] { return std::make_unique<Given>(f); }};
+}
+
+// Normals of width s about ± 1 on the first axis, of these weights.
+Function two_peaks(double left, double s) {
+  return [=](std::span<const double> x) {
+    double a = std::log(left), b = std::log(1.0 - left);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double centre = i == 0 ? 1.0 : 0.0;
+      a -= 0.5 * std::pow((x[i] + centre) / s, 2.0);
+      b -= 0.5 * std::pow((x[i] - centre) / s, 2.0);
+    }
+    return log_sum_exp(a, b);
+  };
+}
+
+TEST(ModeSearch, FindsBothPeaksWithTheirCurvatures) {
+  constexpr double kWidth = 0.05;
+  const Problem problem = problem_of(3, two_peaks(0.5, kWidth));
+  const ModeSearch found = search_modes(problem, 0, {.climbs = 200});
+  ASSERT_EQ(found.modes.size(), 2U);
+  EXPECT_EQ(found.climbs, 200);
+  EXPECT_EQ(found.modes[0].climbs + found.modes[1].climbs, 200);
+  // In standard normal coordinates the prior adds its own curvature.
+  const double variance = 1.0 / (1.0 / (kWidth * kWidth) + 1.0);
+  for (const Mode& mode : found.modes) {
+    EXPECT_NEAR(std::fabs(mode.z[0]), variance / (kWidth * kWidth), 0.1 * kWidth);
+    EXPECT_NEAR(mode.z[1], 0.0, 0.1 * kWidth);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(mode.covariance(i, i) / variance, 1.0, 0.02);
+    // A normal's mass is exactly Laplace's: ½ ∏ √(2π) s · N(±1; 0, 1 + s²) N(0; 0, 1 + s²)².
+    const double exact = std::log(0.5) + 3.0 * (std::log(kWidth) + kLogSqrt2Pi) -
+                         3.0 * (kLogSqrt2Pi + 0.5 * std::log1p(kWidth * kWidth)) -
+                         0.5 / (1.0 + kWidth * kWidth);
+    EXPECT_NEAR(mode.log_mass, exact, 0.03);
+  }
+}
+
+TEST(ModeSearch, CostsAFewCallsAStartWhereThePosteriorIsNormal) {
+  const Problem problem = problem_of(10, [](std::span<const double> x) {
+    double sum = 0.0;
+    for (const double v : x) sum -= 0.5 * std::pow((v - 0.3) / 0.01, 2.0);
+    return sum;
+  });
+  const ModeSearch found = search_modes(problem, 0, {.climbs = 2000});
+  ASSERT_EQ(found.modes.size(), 1U);
+  // Gradient by differences, the step, and three looks on the way.
+  EXPECT_LT(static_cast<double>(found.likelihood_evaluations) / 2000.0, 10.0 + 8.0);
+}
+
+TEST(ModeSearch, DoesNotLeapOverANarrowPeakOnTheWay) {
+  // Most starts climb to the broad peak at 2; the narrow one at 0 lies on the way of half of them.
+  const Problem problem = problem_of(1, [](std::span<const double> x) {
+    return log_sum_exp(-0.5 * std::pow((x[0] - 2.0) / 0.2, 2.0),
+                       4.0 - 0.5 * std::pow(x[0] / 0.02, 2.0));
+  });
+  const ModeSearch found = search_modes(problem, 0, {.climbs = 500});
+  EXPECT_EQ(found.modes.size(), 2U);
+}
+
+TEST(ModeSearch, TakesAPlateauForOneMode) {
+  const Problem problem = problem_of(2, [](std::span<const double>) { return 0.0; });
+  const ModeSearch found = search_modes(problem, 0, {.climbs = 50});
+  ASSERT_EQ(found.modes.size(), 1U);
+  EXPECT_NEAR(found.modes[0].log_mass, 0.0, 1e-3);  // the prior's whole mass
+}
+
+TEST(ModeSearch, PutsComponentsInOrder) {
+  const std::vector<double> data{0.5, 0.2, -0.3, 0.4, 0.1, 0.2};
+  const Problem problem = toy::bump_problem(data, {1.0, 1.0, 1.0});
+  const ModeSearch found = search_modes(problem, 2, {.climbs = 100});
+  ASSERT_FALSE(found.modes.empty());
+  ModelPosterior posterior(problem, 2);
+  for (const Mode& mode : found.modes)
+    EXPECT_NEAR(posterior(mode.z).log_posterior(), mode.log_posterior, 1e-9);
+}
+
+TEST(ModeSearch, DoesNotDependOnThreads) {
+  const Problem problem = problem_of(2, two_peaks(0.2, 0.1));
+  const ModeSearch one = search_modes(problem, 0, {.climbs = 64, .threads = 1});
+  const ModeSearch four = search_modes(problem, 0, {.climbs = 64, .threads = 4});
+  ASSERT_EQ(one.modes.size(), four.modes.size());
+  for (std::size_t k = 0; k < one.modes.size(); ++k) EXPECT_EQ(one.modes[k].z, four.modes[k].z);
+  EXPECT_EQ(one.likelihood_evaluations, four.likelihood_evaluations);
+}
+
+// A mode whose basin holds p is missed by n climbs in a share (1 - p)^n of the searches.
+TEST(ModeSearch, MissesAsOftenAsItsResolutionSays) {
+  // A step up into x > 2.326: a hundredth of the prior, and nothing leads there from outside.
+  const Problem problem = problem_of(1, [](std::span<const double> x) {
+    return x[0] > 2.3263478740408408 ? 10.0 - 50.0 * std::pow(x[0] - 3.0, 2.0)
+                                     : -50.0 * std::pow(x[0], 2.0);
+  });
+  constexpr int kSearches = 400;
+  constexpr long kClimbs = 60;
+  int missed = 0;
+  for (int s = 0; s < kSearches; ++s) {
+    const ModeSearch found =
+        search_modes(problem, 0, {.seed = static_cast<std::uint64_t>(s + 1), .climbs = kClimbs});
+    bool seen = false;
+    for (const Mode& mode : found.modes) seen = seen || mode.z[0] > 2.3;
+    missed += seen ? 0 : 1;
+  }
+  const double expected = std::pow(0.99, kClimbs);
+  const double error = std::sqrt(expected * (1.0 - expected) / kSearches);
+  EXPECT_NEAR(static_cast<double>(missed) / kSearches, expected, 4.9 * error);
+}
+
+TEST(ModeSearch, ResolutionIsWhatOneSearchInAHundredMisses) {
+  for (const long n : {1L, 30L, 10000L})
+    EXPECT_NEAR(std::pow(1.0 - search_resolution(n), static_cast<double>(n)), 0.01, 1e-12);
+  EXPECT_EQ(search_resolution(0), 1.0);
+}
+
+}  // namespace
+}  // namespace wheeltap::inference

@@ -1,0 +1,78 @@
+#include "inference/tempering.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "inference/moves/model_switch.hpp"
+#include "inference/moves/random_walk.hpp"
+#include "tests/inference/hard_problems.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+std::unique_ptr<KernelMixture> kernels_of(const ModelSpace& space) {
+  auto kernels = std::make_unique<KernelMixture>();
+  kernels->add(0.5, std::make_unique<MetropolisHastings>(
+                        "random walk",
+                        std::make_unique<RandomWalk>(RandomWalk::initial_scales(space))));
+  kernels->add(0.5, std::make_unique<MetropolisHastings>("model switch",
+                                                         std::make_unique<ModelSwitch>()));
+  return kernels;
+}
+
+struct Run {
+  std::vector<double> share;  ///< of the larger model, at each rung, in the second half
+  std::vector<double> cold_weights;
+};
+
+// The nested normal, whose larger model has next to no mass at middle β.
+Run temper(bool balanced) {
+  const HardProblem* hard = nullptr;
+  for (const HardProblem& problem : hard_problems())
+    if (problem.name == "nested normal, 10-d") hard = &problem;
+  Target target(hard->problem, false);
+  TemperedChain chain(target, geometric_ladder(12), [&] { return kernels_of(target.space()); }, 5,
+                      0);
+  chain.start();
+  if (balanced) chain.balance_models();
+  constexpr int kScans = 4000;
+  for (int i = 0; i < kScans; ++i) chain.scan(3, true, Purpose::test);
+  Run run{.share = std::vector<double>(12, 0.0), .cold_weights = {}};
+  for (int i = 0; i < kScans; ++i) {
+    chain.scan(3, true, Purpose::test);
+    for (int r = 0; r < 12; ++r)
+      run.share[static_cast<std::size_t>(r)] +=
+          (chain.state(r).model == 1 ? 1.0 : 0.0) / static_cast<double>(kScans);
+  }
+  run.cold_weights = chain.cold_weights();
+  return run;
+}
+
+TEST(Tempering, WeightsKeepAModelWhoseTemperedEvidenceDips) {
+  const Run balanced = temper(true);
+  for (const double share : balanced.share) {
+    EXPECT_GT(share, 0.2);
+    EXPECT_LT(share, 0.8);
+  }
+  // At β = 1 the two are equally probable: so are their weights, but for the chain's noise.
+  EXPECT_NEAR(balanced.cold_weights[0] - balanced.cold_weights[1], 0.0, 1.5);
+  // The control: without weights the larger model is gone from the middle of the ladder.
+  const Run plain = temper(false);
+  EXPECT_LT(*std::ranges::min_element(plain.share), 0.05);
+}
+
+TEST(Tempering, RoundTripsAreCountedFromTheReset) {
+  const HardProblem& hard = hard_problems().front();
+  Target target(hard.problem, false);
+  TemperedChain chain(target, geometric_ladder(4), [&] { return kernels_of(target.space()); }, 1,
+                      0);
+  chain.start();
+  for (int i = 0; i < 500; ++i) chain.scan(3, true, Purpose::test);
+  EXPECT_GT(chain.round_trips(), 0);
+  chain.reset_round_trips();
+  EXPECT_EQ(chain.round_trips(), 0);
+}
+
+}  // namespace
+}  // namespace wheeltap::inference
