@@ -2,13 +2,13 @@
 
 #include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/gamma.hpp>
-#include <charconv>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
 
+#include "inference/number.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -31,12 +31,6 @@ struct Overloaded : F... {
 };
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;
-
-std::string number(double x) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, x, std::chars_format::general).ptr;
-  return {text, end};
-}
 
 std::string list(std::initializer_list<double> values) {
   std::string text;

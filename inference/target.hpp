@@ -18,8 +18,9 @@ class Likelihood {
  public:
   virtual ~Likelihood() = default;
 
-  /// ln p(data | model, x), every normaliser included; -∞ where x is impossible. NaN is a fault,
-  /// and the sampler reports it with the model and the parameters. x is laid out as in Model.
+  /// ln p(data | model, x), every normaliser included; -∞ where x is impossible. NaN and +∞ are
+  /// faults of floating point, counted and taken for -∞; where they are frequent the run ends, with
+  /// the model and the parameters (see Target). x is laid out as in Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
 
   /// The same where only values of at least `floor` matter: below it, -∞ may be returned instead,
@@ -55,7 +56,8 @@ using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 
 /// A factor of the prior that the independent priors of the space cannot express (for example that
 /// change points are order statistics). It must be normalised: ∫ exp(log_factor) ∏ p(x_i) dx = 1 in
-/// every model. It is never tempered.
+/// every model. It is never tempered. NaN and +∞ end the run at once: a density written down by
+/// hand has no such edge.
 using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
 
 /// x → 2·center - x of one parameter of one kind's components, e.g. the mirror image of a location
@@ -108,8 +110,8 @@ struct State {
   bool evaluated = false;  ///< log_likelihood and prediction, too
 };
 
-/// Thrown where a model's likelihood is never finite under its prior, or is NaN: names the model
-/// and the parameter values.
+/// Thrown where a model's likelihood is never finite under its prior, or NaN or +∞ too often: names
+/// the model and the parameter values.
 class LikelihoodError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -118,14 +120,17 @@ class LikelihoodError : public std::runtime_error {
 /// The posterior density of one problem, for one thread. With respect to dz,
 ///
 ///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln factor + ln p(data | m, x(z)).
+///
+/// A likelihood of NaN or +∞ is taken for -∞ and counted. The likelihood and its stand-in may each
+/// give at most one in 100 of them; LikelihoodError is thrown where more of at least 1000 values
+/// were, or all of the first 20.
 class Target {
  public:
   /// `prior_only` replaces the likelihood by 1.
   Target(const Problem& problem, bool prior_only);
 
   /// Fills in everything of `state` that follows from model and z. An infinite z is impossible: -∞.
-  /// Throws LikelihoodError where the likelihood is NaN. The residuals are those of the stand-in
-  /// where the problem has one.
+  /// The residuals are those of the stand-in where the problem has one.
   void evaluate(State& state);
 
   /// Several states of one model, without predictions and residuals.
@@ -166,12 +171,20 @@ class Target {
   [[nodiscard]] long evaluations() const { return evaluations_; }
   /// Of the likelihood proper where there is a stand-in; 0 where there is none.
   [[nodiscard]] long full_evaluations() const { return full_evaluations_; }
+  /// Values of NaN or +∞ so far, of the likelihood and its stand-in together.
+  [[nodiscard]] long impossible() const { return proper_.impossible + stand_in_.impossible; }
 
  private:
+  /// What one likelihood returned so far.
+  struct Tally {
+    long values = 0;
+    long impossible = 0;  ///< NaN or +∞
+  };
+
   /// x and the prior's factor; false where the prior makes the state impossible.
   bool locate(State& state) const;
-  double call(Likelihood& likelihood, const State& state, double floor) const;
-  double checked(double log_likelihood, const State& state) const;
+  double call(Likelihood& likelihood, Tally& tally, const State& state, double floor);
+  double checked(double log_likelihood, Tally& tally, const State& state) const;
 
   const Problem* problem_;
   std::unique_ptr<Likelihood> likelihood_;
@@ -180,6 +193,7 @@ class Target {
   std::vector<double> log_model_;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
   long evaluations_ = 0;
   long full_evaluations_ = 0;
+  Tally proper_, stand_in_;
   std::vector<double> batch_x_, batch_values_;
 };
 

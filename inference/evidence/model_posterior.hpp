@@ -41,7 +41,8 @@ class ModelPosterior {
   /// Throws std::invalid_argument for a model outside the space. `problem` must outlive this.
   ModelPosterior(const Problem& problem, int model);
 
-  /// Everything is -∞ where z is out of order or not finite. Throws LikelihoodError for a NaN.
+  /// Everything is -∞ where z is out of order or not finite. Throws LikelihoodError as Target
+  /// does.
   Value operator()(std::span<const double> z);
   /// The same where only values with log_base + beta · log_gain of at least `level` matter: others
   /// may be impossible.

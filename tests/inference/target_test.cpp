@@ -1,0 +1,125 @@
+#include "inference/target.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/inference/evidence/problems.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// One parameter, x = z.
+Problem of_function(FunctionLikelihood::Function f) {
+  return one_model({{"a", Normal{0.0, 1.0}}}, std::move(f));
+}
+
+State at(double z) {
+  State state;
+  state.z = {z};
+  return state;
+}
+
+// A fault wherever |x| > 3, one draw of the prior in 370.
+Problem faulty_at_the_edge(double fault) {
+  return of_function(
+      [fault](int, std::span<const double> x) { return std::fabs(x[0]) > 3.0 ? fault : -x[0]; });
+}
+
+TEST(Target, TakesARareNanOrInfinityForImpossibleAndCountsIt) {
+  for (const double fault : {std::nan(""), kInfinity}) {
+    const Problem problem = faulty_at_the_edge(fault);
+    Target target(problem, false);
+    State state = at(1.0);
+    target.evaluate(state);
+    EXPECT_EQ(state.log_likelihood, -1.0);
+    EXPECT_EQ(target.impossible(), 0);
+    state = at(4.0);
+    target.evaluate(state);
+    EXPECT_EQ(state.log_likelihood, -kInfinity);
+    EXPECT_EQ(state.log_screen, -kInfinity);
+    EXPECT_EQ(target.impossible(), 1);
+
+    std::vector<State> several{at(-1.0), at(-4.0), at(kInfinity), at(2.0)};
+    target.evaluate(several);
+    EXPECT_EQ(several[0].log_likelihood, 1.0);
+    EXPECT_EQ(several[1].log_likelihood, -kInfinity);
+    EXPECT_EQ(several[2].log_likelihood, -kInfinity);
+    EXPECT_EQ(several[3].log_likelihood, -2.0);
+    EXPECT_EQ(target.impossible(), 2);
+    EXPECT_EQ(target.evaluations(), 5);
+
+    Random random(1, 0, 0, Purpose::test);
+    for (int i = 0; i < 20000; ++i) {
+      target.draw_prior(0, random, state);
+      target.evaluate(state);
+    }
+    EXPECT_NEAR(static_cast<double>(target.impossible()), 54.0, 40.0);  // 5 sds
+  }
+}
+
+TEST(Target, CountsFaultsOfTheStandInAndOfTheLikelihoodApart) {
+  Problem problem = faulty_at_the_edge(std::nan(""));
+  problem.screen = [] {
+    return std::make_unique<FunctionLikelihood>(
+        [](int, std::span<const double> x) { return x[0] < -3.0 ? kInfinity : 0.0; });
+  };
+  Target target(problem, false);
+  State state = at(-4.0);
+  target.screen(state);
+  EXPECT_EQ(state.log_screen, -kInfinity);
+  target.complete(state);
+  EXPECT_EQ(target.full_evaluations(), 0);
+  EXPECT_EQ(target.impossible(), 1);
+  state = at(4.0);
+  target.evaluate(state);
+  EXPECT_EQ(state.log_screen, 0.0);
+  EXPECT_EQ(state.log_likelihood, -kInfinity);
+  EXPECT_EQ(target.impossible(), 2);
+}
+
+// What a run says, after how many evaluations, where x cycles through the share that is at fault.
+std::pair<std::string, long> failure(double share) {
+  const Problem problem =
+      of_function([](int, std::span<const double> x) { return x[0] < 0.0 ? std::nan("") : 0.0; });
+  Target target(problem, false);
+  double owed = 0.0;
+  for (long i = 1; i <= 5000; ++i) {
+    owed += share;
+    const bool fault = owed >= 1.0;
+    if (fault) owed -= 1.0;
+    State state = at(fault ? -1e-70 : 1.0);
+    try {
+      target.evaluate(state);
+    } catch (const LikelihoodError& error) {
+      return {error.what(), i};
+    }
+  }
+  return {};
+}
+
+TEST(Target, GivesUpWhereFaultsAreFrequent) {
+  EXPECT_EQ(failure(0.005).second, 0);
+  const auto [often, after] = failure(0.02);
+  EXPECT_GE(after, 1000);
+  EXPECT_LE(after, 1050);
+  EXPECT_NE(often.find("'only' at a = -1e-70"), std::string::npos) << often;
+  EXPECT_NE(often.find("log likelihood is nan"), std::string::npos) << often;
+  EXPECT_EQ(failure(1.0).second, 20) << "a likelihood that never works is told at once";
+}
+
+TEST(Target, GivesUpOnAFaultyPriorFactorAtOnce) {
+  for (const double fault : {std::nan(""), kInfinity}) {
+    Problem problem = of_function([](int, std::span<const double>) { return 0.0; });
+    problem.log_prior_factor = [fault](int, std::span<const double>) { return fault; };
+    Target target(problem, false);
+    State state = at(0.0);
+    EXPECT_THROW(target.evaluate(state), LikelihoodError);
+  }
+}
+
+}  // namespace
+}  // namespace wheeltap::inference
