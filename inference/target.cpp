@@ -16,6 +16,15 @@ constexpr long kAtOnce = 20;     // values that must not all be NaN or +∞
 constexpr long kEnough = 1000;   // values from which on their share counts
 constexpr double kShare = 1e-2;  // of NaN and +∞
 
+std::unique_ptr<Likelihood> make(const LikelihoodFactory& factory, const char* name) {
+  std::unique_ptr<Likelihood> made = factory ? factory() : nullptr;
+  if (!made)
+    throw std::invalid_argument(std::string("the problem's ") + name +
+                                (factory ? " factory made nothing" : " factory is missing") +
+                                "; a run of the prior alone is asked for by prior_only");
+  return made;
+}
+
 std::string describe(const ModelSpace& space, const State& state) {
   std::string text = "model '" + space[state.model].name + "'";
   for (std::size_t i = 0; i < state.x.size(); ++i) {
@@ -29,8 +38,8 @@ std::string describe(const ModelSpace& space, const State& state) {
 
 Target::Target(const Problem& problem, bool prior_only)
     : problem_(&problem),
-      likelihood_(prior_only ? nullptr : problem.likelihood()),
-      screen_(prior_only || !problem.screen ? nullptr : problem.screen()) {
+      likelihood_(prior_only ? nullptr : make(problem.likelihood, "likelihood")),
+      screen_(prior_only || !problem.screen ? nullptr : make(problem.screen, "screen")) {
   for (const Model& model : problem.space.models()) {
     double constant = model.log_prior - 0.5 * model.dimension * std::log(2.0 * std::numbers::pi);
     for (const int k : model.counts) constant += std::lgamma(k + 1.0);

@@ -51,7 +51,7 @@ class Likelihood {
   [[nodiscard]] virtual double noise_scale() const { return 1.0; }
 };
 
-/// Makes one likelihood a thread.
+/// Makes one likelihood a thread; never null.
 using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 
 /// A factor of the prior that the independent priors of the space cannot express (for example that
@@ -126,7 +126,8 @@ class LikelihoodError : public std::runtime_error {
 /// were, or all of the first 20.
 class Target {
  public:
-  /// `prior_only` replaces the likelihood by 1.
+  /// `prior_only` replaces the likelihood by 1. Throws std::invalid_argument where a factory of the
+  /// problem is missing or makes nothing.
   Target(const Problem& problem, bool prior_only);
 
   /// Fills in everything of `state` that follows from model and z. An infinite z is impossible: -∞.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "tests/inference/evidence/problems.hpp"
 
@@ -119,6 +120,27 @@ TEST(Target, GivesUpOnAFaultyPriorFactorAtOnce) {
     State state = at(0.0);
     EXPECT_THROW(target.evaluate(state), LikelihoodError);
   }
+}
+
+TEST(Target, RefusesAFactoryThatMakesNothing) {
+  Problem problem = of_function([](int, std::span<const double>) { return 0.0; });
+  problem.screen = [] { return std::unique_ptr<Likelihood>(); };
+  EXPECT_THROW(Target(problem, false), std::invalid_argument);
+  problem.screen = nullptr;
+  EXPECT_NO_THROW(Target(problem, false));
+  problem.likelihood = [] { return std::unique_ptr<Likelihood>(); };
+  try {
+    const Target target(problem, false);
+    FAIL() << "no error";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("the problem's likelihood factory made nothing"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_NO_THROW(Target(problem, true));
+  problem.likelihood = nullptr;
+  EXPECT_THROW(Target(problem, false), std::invalid_argument);
+  EXPECT_NO_THROW(Target(problem, true));
 }
 
 }  // namespace
