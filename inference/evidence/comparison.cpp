@@ -40,18 +40,27 @@ std::vector<std::string> disagreements(const ModelSpace& space, const std::vecto
                                        const std::vector<double>& sampled_error,
                                        const ImpliedProbabilities& implied, double sigmas,
                                        double least) {
+  constexpr double kUnknown = 0.5;  // nats of ln Z, where a method cannot tell its error
   std::vector<std::string> sentences;
   for (std::size_t m = 0; m < sampled.size(); ++m) {
-    const double error = std::hypot(sampled_error[m], implied.standard_error[m]);
-    const double difference = std::fabs(sampled[m] - implied.mean[m]);
+    const double p = implied.mean[m];
+    if (std::isnan(p)) continue;  // an evidence failed, and said so itself
+    const bool known = !std::isnan(implied.standard_error[m]);
+    const double implied_error = known ? implied.standard_error[m] : kUnknown * p * (1.0 - p);
+    const double error = std::hypot(sampled_error[m], implied_error);
+    const double difference = std::fabs(sampled[m] - p);
     // Written so that a NaN speaks up.
     if (difference <= least || difference <= sigmas * error) continue;
     char text[160];
     std::snprintf(text, sizeof text,
-                  ": sampled probability %.4f ± %.4f, but the evidences imply %.4f ± %.4f",
-                  sampled[m], sampled_error[m], implied.mean[m], implied.standard_error[m]);
-    sentences.push_back("model '" + space[static_cast<int>(m)].name + "'" + text +
-                        "; sample for longer before trusting either");
+                  ": sampled probability %.4f ± %.4f, but the evidences imply %.4f", sampled[m],
+                  sampled_error[m], p);
+    std::string sentence = "model '" + space[static_cast<int>(m)].name + "'" + text;
+    if (known) {
+      std::snprintf(text, sizeof text, " ± %.4f", implied_error);
+      sentence += text;
+    }
+    sentences.push_back(sentence + "; sample for longer before trusting either");
   }
   return sentences;
 }

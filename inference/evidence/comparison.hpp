@@ -22,7 +22,8 @@ struct ImpliedProbabilities {
 
 /// One sentence for each model where the sampled probability and the implied one differ by more
 /// than `sigmas` of their combined standard error (and by more than `least`, below which nobody
-/// cares).
+/// cares). An implied error that is not known (Laplace's) is taken for half a nat of ln Z; an
+/// implied probability that is not known says nothing.
 [[nodiscard]] std::vector<std::string> disagreements(const ModelSpace& space,
                                                      const std::vector<double>& sampled,
                                                      const std::vector<double>& sampled_error,

@@ -34,9 +34,15 @@ TEST(Disagreements, SpeakOnlyBeyondTheCombinedError) {
   const auto two = disagreements(three(), {0.65, 0.15, 0.2}, {0.01, 0.01, 0.01}, implied);
   ASSERT_EQ(two.size(), 2U);
   EXPECT_NE(two[0].find("'one': sampled probability 0.6500"), std::string::npos) << two[0];
-  // An unknown error is no reason to be silent.
-  const ImpliedProbabilities unknown{{0.5, 0.3, 0.2}, std::vector<double>(3, std::nan(""))};
-  EXPECT_EQ(disagreements(three(), {0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, unknown).size(), 2U);
+}
+
+TEST(Disagreements, AnUnknownErrorIsNeitherAlwaysNorNeverOne) {
+  const double unknown = std::nan("");
+  const ImpliedProbabilities laplace{{0.5, 0.3, 0.2}, {unknown, unknown, unknown}};
+  EXPECT_TRUE(disagreements(three(), {0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, laplace).empty());
+  EXPECT_EQ(disagreements(three(), {0.02, 0.9, 0.08}, {0.01, 0.01, 0.01}, laplace).size(), 2U);
+  const ImpliedProbabilities failed{{unknown, unknown, unknown}, {unknown, unknown, unknown}};
+  EXPECT_TRUE(disagreements(three(), {0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, failed).empty());
 }
 
 }  // namespace
