@@ -1,6 +1,7 @@
 #include "apps/evidence.hpp"
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <sstream>
 
@@ -34,15 +35,22 @@ std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
     MethodEvidence by{.method = method, .evidences = {}};
     for (int m = 0; m < problem.space.size(); ++m) {
       auto& pilot = tempered[static_cast<std::size_t>(m)];
-      if (method == "tmcmc") {
-        pilot = inference::tmcmc(problem, m, {.seed = seed, .threads = threads});
-        by.evidences.push_back(pilot->evidence);
-      } else if (method == "bridge") {
-        const inference::BridgeOptions options{.seed = seed, .threads = threads};
-        by.evidences.push_back(pilot ? inference::bridge_sampling(problem, m, *pilot, options)
-                                     : inference::bridge_sampling(problem, m, options));
-      } else {
-        by.evidences.push_back(inference::laplace(problem, m, {.seed = seed}).evidence);
+      inference::Evidence& evidence = by.evidences.emplace_back();
+      try {
+        if (method == "tmcmc") {
+          pilot = inference::tmcmc(problem, m, {.seed = seed, .threads = threads});
+          evidence = pilot->evidence;
+        } else if (method == "bridge") {
+          const inference::BridgeOptions options{.seed = seed, .threads = threads};
+          evidence = pilot ? inference::bridge_sampling(problem, m, *pilot, options)
+                           : inference::bridge_sampling(problem, m, options);
+        } else {
+          evidence = inference::laplace(problem, m, {.seed = seed}).evidence;
+        }
+      } catch (const inference::LikelihoodError& error) {
+        // The run is finished; what fails beside it must not take it along.
+        evidence.log_evidence = evidence.standard_error = std::numeric_limits<double>::quiet_NaN();
+        evidence.warnings = {error.what()};
       }
     }
     out.push_back(std::move(by));
@@ -74,6 +82,8 @@ Report evidence_report(const inference::ModelSpace& space, const Report& models,
                       {"probability_error", number(implied.standard_error[i])},
                       {"likelihood_evaluations", e.likelihood_evaluations},
                       {"warnings", e.warnings}});
+      if (!std::isnan(e.log_evidence)) continue;
+      for (const std::string& line : e.warnings) warnings.push_back(by.method + ": " + line);
     }
     out[by.method] = rows;
     for (const std::string& line : inference::disagreements(space, sampled, errors, implied)) {

@@ -21,7 +21,8 @@ struct MethodEvidence {
 /// neither tmcmc, bridge nor laplace.
 [[nodiscard]] std::vector<std::string> evidence_methods(const std::string& text);
 
-/// The evidence of every model of the problem by every method.
+/// The evidence of every model of the problem by every method; NaN, and a warning, where a method
+/// fails.
 [[nodiscard]] std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
                                                            const std::string& methods,
                                                            std::uint64_t seed, int threads,

@@ -58,6 +58,7 @@ Populations growing_populations(const Problem& problem, const Options& options,
                              .progress = [&](double share) { return reporter.advance(share); }});
       found.likelihood_evaluations += samples.evidence.likelihood_evaluations;
       reporter.evaluated(samples.evidence.likelihood_evaluations);
+      if (std::isnan(samples.evidence.log_evidence)) continue;  // no place for it, either
       const double worth = samples.evidence.log_evidence + space[m].log_prior;
       if (worth > most) {
         most = worth;

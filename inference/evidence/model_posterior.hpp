@@ -14,7 +14,8 @@ namespace wheeltap::inference {
 ///   ln Z = ln ∫ p(data | model, x) p(x | model) dx.
 struct Evidence {
   double log_evidence = 0.0;
-  /// Of ln Z; 0 where it is exact, NaN where the method (Laplace) cannot tell.
+  /// Of ln Z; 0 where it is exact, NaN where the method (Laplace) cannot tell, or where it failed:
+  /// then ln Z is NaN, too, and a warning says why.
   double standard_error = 0.0;
   long likelihood_evaluations = 0;
   std::vector<std::string> warnings{};
