@@ -163,6 +163,21 @@ void Target::evaluate(std::span<State> states) {
   }
 }
 
+bool Target::gradient(const State& state, std::span<double> dz) {
+  if (screen_ || problem_->log_prior_factor || state.log_likelihood == -kInfinity) return false;
+  std::ranges::fill(dz, 0.0);
+  if (likelihood_) {
+    if (!likelihood_->gradient(state.model, state.x, dz)) return false;
+    ++evaluations_;
+  }
+  for (std::size_t i = 0; i < dz.size(); ++i) {
+    const double z = state.z[i];
+    dz[i] = dz[i] * space().prior(state.model, static_cast<int>(i)).slope(z) - z;
+    if (!std::isfinite(dz[i])) return false;
+  }
+  return true;
+}
+
 double Target::log_prior(const State& state) const {
   double square = 0.0;
   for (const double z : state.z) square += z * z;

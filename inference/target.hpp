@@ -37,6 +37,15 @@ class Likelihood {
       out[i] = log_likelihood(model, xs.subspan(i * d, d));
   }
 
+  /// Optional: ∂ ln p(data | model, x)/∂x_i into out[i], in the units of 1/x_i, of any possible x,
+  /// asked for before or not. False, whatever `out` then holds, where there is none. Prediction and
+  /// residuals may follow x or stay. Searches and proposals use it and no ratio depends on it:
+  /// where the likelihood is a staircase in x_i, whose derivative is zero, give the slope across
+  /// the steps.
+  virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
+    return false;
+  }
+
   /// The predicted observables of the last call to log_likelihood, or empty: recorded for posterior
   /// predictive checks and convergence of the responses.
   [[nodiscard]] virtual std::span<const double> prediction() const { return {}; }
@@ -151,6 +160,12 @@ class Target {
   [[nodiscard]] double log_prior(const State& state) const;
   /// The same with respect to dx, for the record.
   [[nodiscard]] double log_prior_physical(const State& state) const;
+
+  /// ∂ ln π/∂z_i of an evaluated state, by the chain rule: ∂ ln p(data | x)/∂x_i · φ(z_i)/p(x_i) -
+  /// z_i. False, whatever `dz` then holds, where the state is impossible, the likelihood has no
+  /// gradient or none that is finite, or the problem has a stand-in or a prior factor: then
+  /// differences are the caller's. One that is offered counts as an evaluation.
+  bool gradient(const State& state, std::span<double> dz);
 
   /// Draws model and parameters from the prior (without the factor), not evaluated.
   void draw_prior(Random& random, State& state) const;

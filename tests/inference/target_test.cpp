@@ -143,5 +143,93 @@ TEST(Target, RefusesAFactoryThatMakesNothing) {
   EXPECT_NO_THROW(Target(problem, true));
 }
 
+// ln p = Σ_i -½ (g(x_i) - i)², g = ln(1 + x²): smooth, and not the same for any two parameters.
+class Smooth : public Likelihood {
+ public:
+  explicit Smooth(bool offers) : offers_(offers) {}
+  double log_likelihood(int, std::span<const double> x) override {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double e = std::log1p(x[i] * x[i]) - static_cast<double>(i);
+      sum -= 0.5 * e * e;
+    }
+    return sum;
+  }
+  bool gradient(int, std::span<const double> x, std::span<double> out) override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double e = std::log1p(x[i] * x[i]) - static_cast<double>(i);
+      out[i] = -e * 2.0 * x[i] / (1.0 + x[i] * x[i]);
+    }
+    return offers_;
+  }
+
+ private:
+  bool offers_;
+};
+
+Problem smooth(bool offers) {
+  Problem problem = one_model({{"uniform", Uniform{-3.0, 5.0}},
+                               {"log uniform", LogUniform{1e-3, 1e4}},
+                               {"normal", Normal{2.0, 0.5}},
+                               {"log normal", LogNormal{-1.0, 0.7}},
+                               {"half normal", HalfNormal{3.0}},
+                               {"gamma", Gamma{0.4, 2.0}},
+                               {"beta", Beta{2.0, 3.0, -1.0, 4.0}},
+                               {"truncated normal", TruncatedNormal{0.0, 1.0, 3.0, kInfinity}}},
+                              nullptr);
+  problem.likelihood = [offers] { return std::make_unique<Smooth>(offers); };
+  return problem;
+}
+
+TEST(Target, GradientEqualsCentralDifferencesForEveryPrior) {
+  const Problem problem = smooth(true);
+  Target target(problem, false);
+  Random random(3, 0, 0, Purpose::test);
+  for (int n = 0; n < 100; ++n) {
+    State state;
+    target.draw_prior(0, random, state);
+    target.evaluate(state);
+    std::vector<double> gradient(state.z.size());
+    const long before = target.evaluations();
+    ASSERT_TRUE(target.gradient(state, gradient));
+    EXPECT_EQ(target.evaluations(), before + 1);
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+      constexpr double kStep = 1e-3;
+      const auto at = [&](double steps) {
+        State moved = state;
+        moved.z[i] += steps * kStep;
+        target.evaluate(moved);
+        return target.log_prior(moved) + moved.log_likelihood;
+      };
+      const double expected = (8.0 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12.0 * kStep);
+      EXPECT_NEAR(gradient[i], expected, 1e-6 * (1.0 + std::fabs(expected)))
+          << problem.space.parameter_name(0, static_cast<int>(i)) << " at z = " << state.z[i];
+    }
+  }
+}
+
+TEST(Target, GradientIsOfferedOnlyWhereItIsThatOfTheWholePosterior) {
+  State state;
+  state.z.assign(8, 0.3);
+  std::vector<double> dz(8);
+  const auto offered = [&](const Problem& problem, bool prior_only = false) {
+    Target target(problem, prior_only);
+    target.evaluate(state);
+    return target.gradient(state, dz);
+  };
+  EXPECT_TRUE(offered(smooth(true)));
+  EXPECT_FALSE(offered(smooth(false)));
+  EXPECT_TRUE(offered(smooth(false), true));
+  for (const double d : dz) EXPECT_EQ(d, -0.3);
+  Problem screened = smooth(true);
+  screened.screen = screened.likelihood;
+  EXPECT_FALSE(offered(screened));
+  Problem with_factor = smooth(true);
+  with_factor.log_prior_factor = [](int, std::span<const double>) { return 0.0; };
+  EXPECT_FALSE(offered(with_factor));
+  state.z[0] = kInfinity;
+  EXPECT_FALSE(offered(smooth(true)));
+}
+
 }  // namespace
 }  // namespace wheeltap::inference
