@@ -22,7 +22,8 @@ class FrequencyLikelihood final : public inference::Likelihood {
         data_(problem.damage_case.data),
         predictor_(problem),
         prediction_(data_.frequencies_hz.size()),
-        variance_(prediction_.size()) {}
+        variance_(prediction_.size()),
+        gradient_prediction_(prediction_.size()) {}
 
   double log_likelihood(int model, std::span<const double> x) override {
     const double cov = data_.cov_prior ? x[0] : 0.0;
@@ -44,6 +45,27 @@ class FrequencyLikelihood final : public inference::Likelihood {
     }
     return sum;
   }
+
+  // With r = (f_obs - f) / sd:  ∂ ln p/∂f = r / sd,  ∂ ln p/∂cov = (r² - 1) cov f_obs² / sd².
+  bool gradient(int model, std::span<const double> x, std::span<double> out) override {
+    if (emulated_) return false;
+    const std::size_t d = x.size();
+    jacobian_.resize(gradient_prediction_.size() * d);
+    predictor_.differentiate(model, x, gradient_prediction_, jacobian_);
+    const double cov = data_.cov_prior ? x[0] : 0.0;
+    std::ranges::fill(out, 0.0);
+    for (std::size_t i = 0; i < gradient_prediction_.size(); ++i) {
+      const double observed = data_.frequencies_hz[i];
+      if (std::isnan(observed)) continue;
+      const double sd = problem_.total_sd(i, cov, 0.0);
+      const double residual = (observed - gradient_prediction_[i]) / sd;
+      for (std::size_t j = 0; j < d; ++j) out[j] += residual / sd * jacobian_[i * d + j];
+      if (data_.cov_prior)
+        out[0] += (residual * residual - 1.0) * cov * (observed / sd) * (observed / sd);
+    }
+    return true;
+  }
+
   [[nodiscard]] std::span<const double> prediction() const override { return prediction_; }
   [[nodiscard]] std::span<const double> residuals() const override { return residuals_; }
   [[nodiscard]] double noise_scale() const override { return noise_scale_; }
@@ -56,6 +78,7 @@ class FrequencyLikelihood final : public inference::Likelihood {
   const FrequencyData& data_;
   FrequencyPredictor predictor_;
   std::vector<double> prediction_, variance_, residuals_;
+  std::vector<double> gradient_prediction_, jacobian_;
   double noise_scale_ = 1.0;
 };
 
@@ -120,10 +143,62 @@ void FrequencyPredictor::place(int model, std::span<const double> x) {
 
 void FrequencyPredictor::solve_placed(std::span<double> out) {
   problem_.reanalysis->frequencies_hz(damages_, supports_, workspace_, all_);
+  std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
+}
+
+std::size_t FrequencyPredictor::first_elastic() const {
   // Supports hold rigid-body motions, so there may be fewer of those than without them.
   std::size_t first = 0;
   while (first < rigid_ && all_[first] <= 1e-6 * all_[rigid_]) ++first;
+  return first;
+}
+
+void FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
+                                       std::span<double> jacobian) {
+  place(model, x);
+  const std::size_t n = all_.size(), damages = damages_.size(), supports = supports_.size();
+  by_reduction_.resize(n * damages);
+  along_damages_.resize(n * damages);
+  by_stiffness_.resize(n * supports);
+  along_supports_.resize(n * supports);
+  problem_.reanalysis->solve(damages_, supports_, workspace_,
+                             {.frequencies_hz = all_,
+                              .damage_gradients_hz = by_reduction_,
+                              .element_gradients_hz = {},
+                              .shapes = {},
+                              .points = {},
+                              .support_gradients_hz = by_stiffness_});
+  problem_.reanalysis->location_slopes(damages_, supports_, workspace_,
+                                       {.modes = static_cast<int>(n),
+                                        .damages_hz_m = along_damages_,
+                                        .supports_hz_m = along_supports_});
+  const std::size_t first = first_elastic();
   std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());
+
+  std::ranges::fill(jacobian, 0.0);
+  const auto fill = [&](std::size_t column, const std::vector<double>& from, std::size_t defect,
+                        std::size_t defects) {
+    for (std::size_t i = 0; i < out.size(); ++i)
+      jacobian[i * x.size() + column] = from[(first + i) * defects + defect];
+  };
+  // In the order of `place`.
+  std::size_t damage = 0, support = 0;
+  const inference::Model& m = problem_.problem.space[model];
+  for (std::size_t k = 0; k < problem_.damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = problem_.damage_case.kinds[k];
+    const std::size_t width = kind.severity_prior() ? 2 : 1;
+    for (int c = 0; c < m.counts[k]; ++c) {
+      const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
+      if (kind.type == DefectKind::Type::reduction) {
+        fill(at, along_damages_, damage, damages);
+        fill(at + 1, by_reduction_, damage++, damages);
+      } else {
+        fill(at, along_supports_, support, supports);
+        if (width == 2) fill(at + 1, by_stiffness_, support, supports);
+        ++support;
+      }
+    }
+  }
 }
 
 void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<double> out) {

@@ -47,10 +47,16 @@ class FrequencyPredictor {
   /// them off). Without damages, and where ANOVA's sum is no frequency, by the FE solution.
   void emulate(int model, std::span<const double> x, std::span<double> out,
                std::span<double> variance);
+  /// As `solve`, with ∂f/∂x in the units of x: `jacobian` is row-major, a row a frequency, a column
+  /// a parameter of the model. Exact in reductions and stiffnesses; along places it is
+  /// fem::Reanalysis::location_slopes, at two more solutions each.
+  void differentiate(int model, std::span<const double> x, std::span<double> out,
+                     std::span<double> jacobian);
 
  private:
   void place(int model, std::span<const double> x);
   void solve_placed(std::span<double> out);
+  [[nodiscard]] std::size_t first_elastic() const;
 
   const DamageProblem& problem_;
   fem::Reanalysis::Workspace workspace_;
@@ -58,6 +64,7 @@ class FrequencyPredictor {
   std::vector<double> all_;
   std::vector<fem::Damage> damages_;
   std::vector<fem::SpringSupport> supports_;
+  std::vector<double> by_reduction_, by_stiffness_, along_damages_, along_supports_;
 };
 
 struct DamageProblemOptions {
@@ -72,7 +79,11 @@ struct DamageProblemOptions {
 ///
 /// the second term where an emulator predicts and its error is not switched off. Where the emulator
 /// screens only ("exact"), this likelihood with it is the problem's `screen`, and its `likelihood`
-/// is that of the FE solution. Throws Failure.
+/// is that of the FE solution.
+///
+/// The FE solution's likelihood offers its gradient, with slopes along places as FrequencyPredictor
+/// has them: not the derivative of a likelihood that is piecewise constant in a damage's place, but
+/// the way uphill. An emulator's offers none. Throws Failure.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fem/assembly.hpp"
+#include "fem/defect.hpp"
 #include "fem/full_spectrum.hpp"
 #include "fem/secular.hpp"
 
@@ -36,9 +37,17 @@ constexpr int kPatience = 20;
 constexpr double kDependentRow = 1e-9;
 /// A spring stiffer than this multiple of the beam's own stiffness at its place is rigid.
 constexpr double kRigidSpring = 1e14;
+/// Half the difference, in elements, by which a support's slope is taken.
+constexpr double kSupportStep = 1e-3;
 
 std::size_t index(Eigen::Index i) {
   return static_cast<std::size_t>(i);
+}
+
+void require_size(const char* name, std::size_t size, std::size_t expected) {
+  if (size != 0 && size != expected)
+    throw std::invalid_argument(std::string(name) + " has size " + std::to_string(size) +
+                                ": must be empty or " + std::to_string(expected));
 }
 
 /// The range of λ and how F is summed over it.
@@ -143,11 +152,14 @@ struct Reanalysis::Impl {
 
 struct Reanalysis::Workspace::Impl {
   std::vector<std::pair<int, double>> lost;  // element, fraction of stiffness lost
+  std::vector<int> support_column;           // of each support; -1 where it has none
   std::vector<Damage> damages;
   bool need_coordinates = false;  // of modes, for more than gradients of the damages
   std::vector<double> columns, inverse_gamma, flexibility, product, pairs;
   std::vector<double> eta, coordinates, strains, point_rows;  // one mode and what is seen of it
   std::vector<double> lambda;                                 // roots
+  Defects moved;                                              // with one defect aside
+  std::vector<double> before, after;                          // frequencies on either side of it
   std::vector<Pack> packs;
   detail::SecularScratch scratch;  // parts of `packs`
   Secular secular;
@@ -257,10 +269,13 @@ struct Reanalysis::Solver {
 
   void set_supports(std::span<const SpringSupport> supports) {
     work.added_stiffness = 0.0;
+    work.support_column.assign(supports.size(), -1);
     for (const bool rigid_ones : {false, true})
-      for (const SpringSupport& s : supports) {
-        if (!rigid_ones) validate(intact.beam, s);
-        add_support(s, rigid_ones);
+      for (std::size_t i = 0; i < supports.size(); ++i) {
+        if (!rigid_ones) validate(intact.beam, supports[i]);
+        const std::size_t column = work.inverse_gamma.size();
+        add_support(supports[i], rigid_ones);
+        if (work.inverse_gamma.size() > column) work.support_column[i] = static_cast<int>(column);
       }
     work.support_columns = static_cast<int>(work.inverse_gamma.size()) - work.damage_columns;
   }
@@ -548,6 +563,17 @@ struct Reanalysis::Solver {
             gradient(strain[0], strain[1]) * (1.0 - loss(e)) / (1.0 - work.damages[d].reduction);
       }
     }
+    if (!results->support_gradients_hz.empty()) {
+      const std::size_t count = work.support_column.size();
+      for (std::size_t i = 0; i < count; ++i) {
+        const int column = work.support_column[i];
+        // N(x) φ = η / k; a rigid support's 1/k is 0, and a rigid-body mode moves no spring.
+        const double motion = column < 0 || per_lambda == 0.0
+                                  ? 0.0
+                                  : work.inverse_gamma[index(column)] * work.eta[index(column)];
+        results->support_gradients_hz[index(root) * count + i] = per_lambda * motion * motion;
+      }
+    }
     if (!results->element_gradients_hz.empty()) {
       const int count = intact.beam.elements;
       work.strains.resize(2 * index(count));
@@ -576,17 +602,14 @@ struct Reanalysis::Solver {
   /// Rows of the intact modes at the points, and room for one mode.
   void want(const Results& wanted, std::span<const Damage> damages) {
     const std::size_t n = wanted.frequencies_hz.size();
-    const auto require = [](const char* name, std::size_t size, std::size_t expected) {
-      if (size != 0 && size != expected)
-        throw std::invalid_argument(std::string(name) + " has size " + std::to_string(size) +
-                                    ": must be empty or " + std::to_string(expected));
-    };
-    require("damage_gradients_hz", wanted.damage_gradients_hz.size(), n * damages.size());
-    require("element_gradients_hz", wanted.element_gradients_hz.size(),
-            n * index(intact.beam.elements));
-    require("shapes", wanted.shapes.size(), n * wanted.points.size());
+    require_size("damage_gradients_hz", wanted.damage_gradients_hz.size(), n * damages.size());
+    require_size("element_gradients_hz", wanted.element_gradients_hz.size(),
+                 n * index(intact.beam.elements));
+    require_size("shapes", wanted.shapes.size(), n * wanted.points.size());
+    require_size("support_gradients_hz", wanted.support_gradients_hz.size(),
+                 n * work.support_column.size());
     if (wanted.damage_gradients_hz.empty() && wanted.element_gradients_hz.empty() &&
-        wanted.shapes.empty())
+        wanted.shapes.empty() && wanted.support_gradients_hz.empty())
       return;
     results = &wanted;
     work.damages.assign(damages.begin(), damages.end());
@@ -656,6 +679,48 @@ void Reanalysis::solve(std::span<const Damage> damages, std::span<const SpringSu
   std::transform(workspace.impl_->lambda.begin(), workspace.impl_->lambda.end(),
                  results.frequencies_hz.begin(),
                  [](double lambda) { return std::sqrt(lambda) / (2.0 * std::numbers::pi); });
+}
+
+void Reanalysis::location_slopes(std::span<const Damage> damages,
+                                 std::span<const SpringSupport> supports, Workspace& workspace,
+                                 const LocationSlopes& slopes) const {
+  const Beam& beam = impl_->beam;
+  const std::size_t n = index(slopes.modes);
+  require_size("damages_hz_m", slopes.damages_hz_m.size(), n * damages.size());
+  require_size("supports_hz_m", slopes.supports_hz_m.size(), n * supports.size());
+  for (const Damage& d : damages) validate(beam, d);
+  for (const SpringSupport& s : supports) validate(beam, s);
+  Workspace::Impl& work = *workspace.impl_;
+  work.before.resize(n);
+  work.after.resize(n);
+  Defects& moved = work.moved;
+  moved.damages.assign(damages.begin(), damages.end());
+  moved.supports.assign(supports.begin(), supports.end());
+  // One column of `out`, from the frequencies with `place` at low and at high.
+  const auto differ = [&](double& place, double low, double high, std::size_t columns,
+                          double* out) {
+    const double here = place;
+    place = low;
+    frequencies_hz(moved.damages, moved.supports, workspace, work.before);
+    place = high;
+    frequencies_hz(moved.damages, moved.supports, workspace, work.after);
+    place = here;
+    for (std::size_t i = 0; i < n; ++i)
+      out[i * columns] = high > low ? (work.after[i] - work.before[i]) / (high - low) : 0.0;
+  };
+  if (!slopes.damages_hz_m.empty())
+    for (std::size_t d = 0; d < damages.size(); ++d) {
+      const int e = beam.element_at(damages[d].location);
+      differ(moved.damages[d].location, beam.element_midpoint(std::max(e - 1, 0)),
+             beam.element_midpoint(std::min(e + 1, beam.elements - 1)), damages.size(),
+             slopes.damages_hz_m.data() + d);
+    }
+  if (!slopes.supports_hz_m.empty())
+    for (std::size_t s = 0; s < supports.size(); ++s) {
+      const double at = supports[s].location, step = kSupportStep * beam.element_length();
+      differ(moved.supports[s].location, std::max(at - step, 0.0), std::min(at + step, beam.length),
+             supports.size(), slopes.supports_hz_m.data() + s);
+    }
 }
 
 }  // namespace wheeltap::fem

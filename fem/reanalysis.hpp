@@ -54,6 +54,16 @@ class Reanalysis {
     /// positive.
     std::span<double> shapes;
     std::span<const Point> points;  ///< where the shapes are wanted
+    /// n × supports: ∂f/∂k of each listed support, the others held [Hz per N/m or N·m/rad]; 0 of
+    /// one that is rigid, or that holds what is held already.
+    std::span<double> support_gradients_hz = {};
+  };
+
+  /// Where `location_slopes` writes; what is empty is not computed. Row-major, a row a mode.
+  struct LocationSlopes {
+    int modes;                        ///< n <= modes(): the lowest
+    std::span<double> damages_hz_m;   ///< n × damages
+    std::span<double> supports_hz_m;  ///< n × supports
   };
 
   [[nodiscard]] Workspace make_workspace() const;
@@ -72,10 +82,21 @@ class Reanalysis {
   ///
   ///   ∂λ/∂γ = -(Cᵀφ)² = -(Γ⁻¹ η)²,   (Γ⁻¹ - F(λ)) η = 0,   φ = Σ_j φ_j c_jᵀ η / (λ_j - λ),
   ///
-  /// nearly free once the root is known. Those of a multiple eigenvalue are of one basis of its
-  /// modes. Throws std::invalid_argument as `frequencies_hz`, and where a span's size does not fit.
+  /// φᵀ (∂K/∂γ) φ of a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426, equation 5),
+  /// γ being -k for a spring; nearly free once the root is known. Those of a multiple eigenvalue
+  /// are of one basis of its modes. Throws std::invalid_argument as `frequencies_hz`, and where a
+  /// span's size does not fit.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
              Workspace& workspace, const Results& results) const;
+
+  /// How the frequencies change along each defect's place, the others held [Hz/m], by differences
+  /// of exact frequencies, two solutions a place. A damage takes a whole element, so that they are
+  /// piecewise constant in its place and ∂f/∂x is zero almost everywhere; offered instead is the
+  /// slope between the midpoints of the two neighbouring elements (of the element and its only
+  /// neighbour at an end; 0 for a beam of one element). A support acts just where it is: the
+  /// difference over ± 10⁻³ of an element, cut off at the beam's ends. Throws as `solve`.
+  void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
+                       Workspace& workspace, const LocationSlopes& slopes) const;
 
  private:
   struct Impl;

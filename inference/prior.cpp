@@ -2,13 +2,13 @@
 
 #include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/gamma.hpp>
-#include <charconv>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
 
+#include "inference/number.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -31,12 +31,6 @@ struct Overloaded : F... {
 };
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;
-
-std::string number(double x) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, x, std::chars_format::general).ptr;
-  return {text, end};
-}
 
 std::string list(std::initializer_list<double> values) {
   std::string text;
@@ -77,6 +71,18 @@ double interpolate(double lower, double upper, double z) {
 
 double clamp(double x, double lower, double upper) {
   return x < lower ? lower : (x > upper ? upper : x);
+}
+
+struct UnitQuantile {
+  double t, rest;  // rest = 1 - t
+};
+
+// Measured from the nearer end of [0, 1], so that neither loses its small distances.
+UnitQuantile beta_quantile(const Beta& f, double z) {
+  double rest = 0.0;
+  const double t = z < 0.0 ? boost::math::ibeta_inv(f.a, f.b, normal_cdf(z), &rest, Policy{})
+                           : boost::math::ibetac_inv(f.a, f.b, normal_cdf(-z), &rest, Policy{});
+  return {t, rest};
 }
 
 /// N(0, 1) cut to [a, b], reflected so that a + b <= 0: the tail probabilities are then all of the
@@ -276,12 +282,7 @@ double Prior::from_standard_normal(double z) const {
                                    : boost::math::gamma_q_inv(f.shape, normal_cdf(-z), Policy{}));
                  },
                  [z](const Beta& f) {
-                   // Measured from the nearer end of [0, 1], so that neither loses its small
-                   // distances.
-                   double rest = 0.0;
-                   const double t =
-                       z < 0.0 ? boost::math::ibeta_inv(f.a, f.b, normal_cdf(z), &rest, Policy{})
-                               : boost::math::ibetac_inv(f.a, f.b, normal_cdf(-z), &rest, Policy{});
+                   const auto [t, rest] = beta_quantile(f, z);
                    const double width = f.upper - f.lower;
                    return clamp(t < 0.5 ? f.lower + width * t : f.upper - width * rest, f.lower,
                                 f.upper);
@@ -292,6 +293,29 @@ double Prior::from_standard_normal(double z) const {
                                                   : cut.quantile(normal_cdf(z), normal_cdf(-z));
                    return clamp(f.mean + f.sd * u, f.lower, f.upper);
                  }},
+      family_);
+}
+
+double Prior::slope(double z) const {
+  const double log_phi = -0.5 * z * z - kLogSqrt2Pi;
+  const double x = from_standard_normal(z);
+  // In logs: φ and p are both small in the tails. A density of 0 or ∞ is met at an end only.
+  const auto by_density = [&](double log_p) {
+    return std::isfinite(log_p) ? std::exp(log_phi - log_p) : 0.0;
+  };
+  return std::visit(
+      Overloaded{
+          [&](const Uniform& f) { return (f.upper - f.lower) * std::exp(log_phi); },
+          [&](const LogUniform& f) { return x * std::log(f.upper / f.lower) * std::exp(log_phi); },
+          [](const Normal& f) { return f.sd; }, [&](const LogNormal& f) { return f.sigma * x; },
+          [&](const Beta& f) {
+            // 1 - t would lose a t near 1.
+            const auto [t, rest] = beta_quantile(f, z);
+            return t > 0.0 && rest > 0.0 ? by_density(log_normaliser_ + (f.a - 1.0) * std::log(t) +
+                                                      (f.b - 1.0) * std::log(rest))
+                                         : 0.0;
+          },
+          [&](const auto&) { return by_density(log_density(x)); }},
       family_);
 }
 

@@ -65,6 +65,9 @@ class Prior {
   [[nodiscard]] double from_standard_normal(double z) const;
   /// z = Φ⁻¹(F(x)); ±∞ at or outside the ends of the support.
   [[nodiscard]] double to_standard_normal(double x) const;
+  /// dx/dz = φ(z) / p(x(z)), in the unit of x and never negative; 0 where x(z) has reached an end
+  /// of the support in floating point.
+  [[nodiscard]] double slope(double z) const;
   [[nodiscard]] double lower() const;  ///< ends of the support, possibly ±∞
   [[nodiscard]] double upper() const;
   [[nodiscard]] double mean() const;

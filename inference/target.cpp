@@ -5,17 +5,31 @@
 #include <numbers>
 #include <numeric>
 
+#include "inference/number.hpp"
+
 namespace wheeltap::inference {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr long kAtOnce = 20;     // values that must not all be NaN or +∞
+constexpr long kEnough = 1000;   // values from which on their share counts
+constexpr double kShare = 1e-2;  // of NaN and +∞
+
+std::unique_ptr<Likelihood> make(const LikelihoodFactory& factory, const char* name) {
+  std::unique_ptr<Likelihood> made = factory ? factory() : nullptr;
+  if (!made)
+    throw std::invalid_argument(std::string("the problem's ") + name +
+                                (factory ? " factory made nothing" : " factory is missing") +
+                                "; a run of the prior alone is asked for by prior_only");
+  return made;
+}
 
 std::string describe(const ModelSpace& space, const State& state) {
   std::string text = "model '" + space[state.model].name + "'";
   for (std::size_t i = 0; i < state.x.size(); ++i) {
     text += (i == 0 ? " at " : ", ") + space.parameter_name(state.model, static_cast<int>(i)) +
-            " = " + std::to_string(state.x[i]);
+            " = " + number(state.x[i]);
   }
   return text;
 }
@@ -24,8 +38,8 @@ std::string describe(const ModelSpace& space, const State& state) {
 
 Target::Target(const Problem& problem, bool prior_only)
     : problem_(&problem),
-      likelihood_(prior_only ? nullptr : problem.likelihood()),
-      screen_(prior_only || !problem.screen ? nullptr : problem.screen()) {
+      likelihood_(prior_only ? nullptr : make(problem.likelihood, "likelihood")),
+      screen_(prior_only || !problem.screen ? nullptr : make(problem.screen, "screen")) {
   for (const Model& model : problem.space.models()) {
     double constant = model.log_prior - 0.5 * model.dimension * std::log(2.0 * std::numbers::pi);
     for (const int k : model.counts) constant += std::lgamma(k + 1.0);
@@ -39,19 +53,27 @@ void Target::set_model_bias(const std::vector<double>& bias) {
   bias_ = bias;
 }
 
-double Target::call(Likelihood& likelihood, const State& state, double floor) const {
+double Target::call(Likelihood& likelihood, Tally& tally, const State& state, double floor) {
   const double value = floor == -kInfinity
                            ? likelihood.log_likelihood(state.model, state.x)
                            : likelihood.log_likelihood_above(floor, state.model, state.x);
-  return checked(value, state);
+  return checked(value, tally, state);
 }
 
-double Target::checked(double value, const State& state) const {
-  if (std::isnan(value) || value == kInfinity) {
-    throw LikelihoodError("the log likelihood is " + std::to_string(value) + " for " +
-                          describe(space(), state));
+double Target::checked(double value, Tally& tally, const State& state) const {
+  ++tally.values;
+  if (!std::isnan(value) && value != kInfinity) return value;
+  ++tally.impossible;
+  const bool always = tally.values >= kAtOnce && tally.impossible == tally.values;
+  const bool often = tally.values >= kEnough && static_cast<double>(tally.impossible) >
+                                                    kShare * static_cast<double>(tally.values);
+  if (always || often) {
+    throw LikelihoodError("the log likelihood is " + number(value) + " for " +
+                          describe(space(), state) + "; NaN or +∞ so far in " +
+                          std::to_string(tally.impossible) + " of " + std::to_string(tally.values) +
+                          " values");
   }
-  return value;
+  return -kInfinity;
 }
 
 bool Target::locate(State& state) const {
@@ -67,8 +89,9 @@ bool Target::locate(State& state) const {
   }
   if (problem_->log_prior_factor) {
     state.log_prior_factor = problem_->log_prior_factor(state.model, state.x);
-    if (std::isnan(state.log_prior_factor)) {
-      throw LikelihoodError("the prior factor is NaN for " + describe(space(), state));
+    if (std::isnan(state.log_prior_factor) || state.log_prior_factor == kInfinity) {
+      throw LikelihoodError("the log prior factor is " + number(state.log_prior_factor) + " for " +
+                            describe(space(), state));
     }
     if (state.log_prior_factor == -kInfinity) return false;
   }
@@ -89,7 +112,8 @@ void Target::screen_above(double level, double beta, State& state) {
   Likelihood& cheapest = screen_ ? *screen_ : *likelihood_;
   // The margin is far above the rounding of a log likelihood.
   const double floor = beta > 0.0 ? (level - log_prior(state)) / beta - 1e-6 : -kInfinity;
-  state.log_screen = call(cheapest, state, std::isnan(floor) ? -kInfinity : floor);
+  state.log_screen =
+      call(cheapest, screen_ ? stand_in_ : proper_, state, std::isnan(floor) ? -kInfinity : floor);
   const auto residuals = cheapest.residuals();
   state.residuals.assign(residuals.begin(), residuals.end());
   state.noise_scale = cheapest.noise_scale();
@@ -104,7 +128,7 @@ void Target::complete(State& state) {
   state.evaluated = true;
   if (state.log_screen == -kInfinity) return;
   ++full_evaluations_;
-  state.log_likelihood = call(*likelihood_, state, -kInfinity);
+  state.log_likelihood = call(*likelihood_, proper_, state, -kInfinity);
   const auto prediction = likelihood_->prediction();
   state.prediction.assign(prediction.begin(), prediction.end());
 }
@@ -135,8 +159,23 @@ void Target::evaluate(std::span<State> states) {
   std::size_t next = 0;
   for (State& state : states) {
     if (state.log_likelihood == -kInfinity) continue;
-    state.log_likelihood = state.log_screen = checked(batch_values_[next++], state);
+    state.log_likelihood = state.log_screen = checked(batch_values_[next++], proper_, state);
   }
+}
+
+bool Target::gradient(const State& state, std::span<double> dz) {
+  if (screen_ || problem_->log_prior_factor || state.log_likelihood == -kInfinity) return false;
+  std::ranges::fill(dz, 0.0);
+  if (likelihood_) {
+    if (!likelihood_->gradient(state.model, state.x, dz)) return false;
+    ++evaluations_;
+  }
+  for (std::size_t i = 0; i < dz.size(); ++i) {
+    const double z = state.z[i];
+    dz[i] = dz[i] * space().prior(state.model, static_cast<int>(i)).slope(z) - z;
+    if (!std::isfinite(dz[i])) return false;
+  }
+  return true;
 }
 
 double Target::log_prior(const State& state) const {

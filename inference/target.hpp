@@ -18,8 +18,9 @@ class Likelihood {
  public:
   virtual ~Likelihood() = default;
 
-  /// ln p(data | model, x), every normaliser included; -∞ where x is impossible. NaN is a fault,
-  /// and the sampler reports it with the model and the parameters. x is laid out as in Model.
+  /// ln p(data | model, x), every normaliser included; -∞ where x is impossible. NaN and +∞ are
+  /// faults of floating point, counted and taken for -∞; where they are frequent the run ends, with
+  /// the model and the parameters (see Target). x is laid out as in Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
 
   /// The same where only values of at least `floor` matter: below it, -∞ may be returned instead,
@@ -36,6 +37,15 @@ class Likelihood {
       out[i] = log_likelihood(model, xs.subspan(i * d, d));
   }
 
+  /// Optional: ∂ ln p(data | model, x)/∂x_i into out[i], in the units of 1/x_i, of any possible x,
+  /// asked for before or not. False, whatever `out` then holds, where there is none. Prediction and
+  /// residuals may follow x or stay. Searches and proposals use it and no ratio depends on it:
+  /// where the likelihood is a staircase in x_i, whose derivative is zero, give the slope across
+  /// the steps.
+  virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
+    return false;
+  }
+
   /// The predicted observables of the last call to log_likelihood, or empty: recorded for posterior
   /// predictive checks and convergence of the responses.
   [[nodiscard]] virtual std::span<const double> prediction() const { return {}; }
@@ -50,12 +60,13 @@ class Likelihood {
   [[nodiscard]] virtual double noise_scale() const { return 1.0; }
 };
 
-/// Makes one likelihood a thread.
+/// Makes one likelihood a thread; never null.
 using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 
 /// A factor of the prior that the independent priors of the space cannot express (for example that
 /// change points are order statistics). It must be normalised: ∫ exp(log_factor) ∏ p(x_i) dx = 1 in
-/// every model. It is never tempered.
+/// every model. It is never tempered. NaN and +∞ end the run at once: a density written down by
+/// hand has no such edge.
 using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
 
 /// x → 2·center - x of one parameter of one kind's components, e.g. the mirror image of a location
@@ -108,8 +119,8 @@ struct State {
   bool evaluated = false;  ///< log_likelihood and prediction, too
 };
 
-/// Thrown where a model's likelihood is never finite under its prior, or is NaN: names the model
-/// and the parameter values.
+/// Thrown where a model's likelihood is never finite under its prior, or NaN or +∞ too often: names
+/// the model and the parameter values.
 class LikelihoodError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -118,14 +129,18 @@ class LikelihoodError : public std::runtime_error {
 /// The posterior density of one problem, for one thread. With respect to dz,
 ///
 ///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln factor + ln p(data | m, x(z)).
+///
+/// A likelihood of NaN or +∞ is taken for -∞ and counted. The likelihood and its stand-in may each
+/// give at most one in 100 of them; LikelihoodError is thrown where more of at least 1000 values
+/// were, or all of the first 20.
 class Target {
  public:
-  /// `prior_only` replaces the likelihood by 1.
+  /// `prior_only` replaces the likelihood by 1. Throws std::invalid_argument where a factory of the
+  /// problem is missing or makes nothing.
   Target(const Problem& problem, bool prior_only);
 
   /// Fills in everything of `state` that follows from model and z. An infinite z is impossible: -∞.
-  /// Throws LikelihoodError where the likelihood is NaN. The residuals are those of the stand-in
-  /// where the problem has one.
+  /// The residuals are those of the stand-in where the problem has one.
   void evaluate(State& state);
 
   /// Several states of one model, without predictions and residuals.
@@ -145,6 +160,12 @@ class Target {
   [[nodiscard]] double log_prior(const State& state) const;
   /// The same with respect to dx, for the record.
   [[nodiscard]] double log_prior_physical(const State& state) const;
+
+  /// ∂ ln π/∂z_i of an evaluated state, by the chain rule: ∂ ln p(data | x)/∂x_i · φ(z_i)/p(x_i) -
+  /// z_i. False, whatever `dz` then holds, where the state is impossible, the likelihood has no
+  /// gradient or none that is finite, or the problem has a stand-in or a prior factor: then
+  /// differences are the caller's. One that is offered counts as an evaluation.
+  bool gradient(const State& state, std::span<double> dz);
 
   /// Draws model and parameters from the prior (without the factor), not evaluated.
   void draw_prior(Random& random, State& state) const;
@@ -166,12 +187,20 @@ class Target {
   [[nodiscard]] long evaluations() const { return evaluations_; }
   /// Of the likelihood proper where there is a stand-in; 0 where there is none.
   [[nodiscard]] long full_evaluations() const { return full_evaluations_; }
+  /// Values of NaN or +∞ so far, of the likelihood and its stand-in together.
+  [[nodiscard]] long impossible() const { return proper_.impossible + stand_in_.impossible; }
 
  private:
+  /// What one likelihood returned so far.
+  struct Tally {
+    long values = 0;
+    long impossible = 0;  ///< NaN or +∞
+  };
+
   /// x and the prior's factor; false where the prior makes the state impossible.
   bool locate(State& state) const;
-  double call(Likelihood& likelihood, const State& state, double floor) const;
-  double checked(double log_likelihood, const State& state) const;
+  double call(Likelihood& likelihood, Tally& tally, const State& state, double floor);
+  double checked(double log_likelihood, Tally& tally, const State& state) const;
 
   const Problem* problem_;
   std::unique_ptr<Likelihood> likelihood_;
@@ -180,6 +209,7 @@ class Target {
   std::vector<double> log_model_;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
   long evaluations_ = 0;
   long full_evaluations_ = 0;
+  Tally proper_, stand_in_;
   std::vector<double> batch_x_, batch_values_;
 };
 

@@ -8,8 +8,11 @@
 namespace wheeltap::inference {
 
 namespace {
-constexpr long kMaxRungs = 1 << 10;   // streams of one scan
-constexpr int kTries = 1000;          // draws from the prior before giving up
+constexpr long kMaxRungs = 1 << 10;  // streams of one scan
+// Draws from the prior before giving up: a feasible region of 1e-4 of the prior is missed with a
+// probability of e^-10, and a likelihood that is zero mostly says so cheaply.
+constexpr int kTries = 100'000;
+constexpr int kFirstOfCheck = 1000;   // streams of the check, behind those of the rungs
 constexpr double kFirstScans = 60.0;  // t₀: of full gain in learning weights
 }  // namespace
 
@@ -40,8 +43,8 @@ void check_models(Target& target, std::uint64_t seed) {
     State state;
     bool finite = false;
     for (int i = 0; i < kTries && !finite; ++i) {
-      Random random(seed, static_cast<std::uint64_t>(m), static_cast<std::uint64_t>(kTries + i),
-                    Purpose::start);
+      Random random(seed, static_cast<std::uint64_t>(m),
+                    static_cast<std::uint64_t>(kFirstOfCheck + i), Purpose::start);
       target.draw_prior(m, random, state);
       target.evaluate(state);
       finite = std::isfinite(state.log_likelihood);

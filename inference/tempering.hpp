@@ -30,8 +30,8 @@ class TemperedChain {
   TemperedChain(Target& target, std::vector<double> betas, KernelFactory kernels,
                 std::uint64_t seed, int chain);
 
-  /// Starts every replica from the prior. Throws LikelihoodError where no draw of a thousand has a
-  /// finite likelihood.
+  /// Starts every replica from the prior. Throws LikelihoodError where no draw of 100 000
+  /// has a finite likelihood.
   void start();
   /// What happened in one kernel step at β = 1.
   using Observer = std::function<void(int kernel, const Kernel::Outcome& outcome, int from_model)>;
@@ -89,12 +89,12 @@ class TemperedChain {
 /// A first ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in equal ratios.
 [[nodiscard]] std::vector<double> geometric_ladder(int rungs);
 
-/// A state drawn from the prior whose likelihood is finite. Throws LikelihoodError after a thousand
+/// A state drawn from the prior whose likelihood is finite. Throws LikelihoodError after 100 000
 /// tries.
 [[nodiscard]] State start_from_prior(Target& target, Random& random);
 
 /// Throws LikelihoodError, naming the model, for a model with prior weight whose likelihood is
-/// finite at none of a thousand draws from its prior.
+/// finite at none of 100 000 draws from its prior. Stops at the first finite one.
 void check_models(Target& target, std::uint64_t seed);
 
 }  // namespace wheeltap::inference

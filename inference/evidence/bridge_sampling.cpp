@@ -132,13 +132,13 @@ Evidence bridge_sampling(const Problem& problem, int model, const BridgeOptions&
   const Tmcmc first =
       tmcmc(problem, model, {.seed = options.seed, .replicates = 4, .threads = options.threads});
   Evidence evidence = bridge_sampling(problem, model, first, options);
-  if (first.z.cols() > 0) evidence.likelihood_evaluations += first.evidence.likelihood_evaluations;
+  if (first.z.size() > 0) evidence.likelihood_evaluations += first.evidence.likelihood_evaluations;
   return evidence;
 }
 
 Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& first,
                          const BridgeOptions& options) {
-  if (first.z.cols() == 0) return first.evidence;  // no parameters: exact
+  if (first.z.size() == 0) return first.evidence;  // exact without parameters, or NaN
   Random random(options.seed, 1, static_cast<std::uint64_t>(model), Purpose::fit);
   const NormalMixture pilot = NormalMixture::fit(first.z, options.fit, random);
   // Longer chains while anything is left to complain of: each starts afresh, so that none is picked

@@ -43,7 +43,7 @@ struct Bridge {
 
 /// With nothing given: a TMCMC pilot, four chains that renew themselves from it, and the bridge.
 /// The chains are of 5000 draws; where that leaves a warning they are drawn anew, four and sixteen
-/// times as long.
+/// times as long. Where the pilot has no ln Z, neither has this: NaN, with the pilot's warning.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const BridgeOptions& options);
 

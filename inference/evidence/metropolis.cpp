@@ -47,10 +47,11 @@ class Walker {
   static constexpr double kSmallestLogRate = -7.0;  // what adaptation takes for zero: 1e-3
 
   void start() {
-    constexpr int kGood = 50, kTries = 2000;
+    // The best of the first, or the first possible one of many.
+    constexpr int kGood = 50, kTries = 2000, kMostTries = 100'000;
     Eigen::VectorXd z(d_);
     int good = 0;
-    for (int i = 0; i < kTries && good < kGood; ++i) {
+    for (int i = 0; i < kMostTries && good < (i < kTries ? kGood : 1); ++i) {
       if (pilot_ != nullptr) {
         pilot_->sample(random_, view(z));
       } else {
@@ -64,7 +65,7 @@ class Walker {
     if (good == 0)
       throw LikelihoodError(
           "model '" + posterior_.name() + "': the likelihood is zero at every one of " +
-          std::to_string(kTries) +
+          std::to_string(kMostTries) +
           (pilot_ != nullptr ? " draws from the pilot" : " draws from the prior"));
   }
 

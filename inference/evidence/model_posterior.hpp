@@ -15,7 +15,8 @@ namespace wheeltap::inference {
 ///   ln Z = ln ∫ p(data | model, x) p(x | model) dx.
 struct Evidence {
   double log_evidence = 0.0;
-  /// Of ln Z; 0 where it is exact, NaN where the method (Laplace) cannot tell.
+  /// Of ln Z; 0 where it is exact, NaN where the method (Laplace) cannot tell, or where it failed:
+  /// then ln Z is NaN, too, and a warning says why.
   double standard_error = 0.0;
   long likelihood_evaluations = 0;
   std::vector<std::string> warnings{};
@@ -46,7 +47,8 @@ class ModelPosterior {
   /// Throws std::invalid_argument for a model outside the space. `problem` must outlive this.
   ModelPosterior(const Problem& problem, int model);
 
-  /// Everything is -∞ where z is out of order or not finite. Throws LikelihoodError for a NaN.
+  /// Everything is -∞ where z is out of order or not finite. Throws LikelihoodError as Target
+  /// does.
   Value operator()(std::span<const double> z);
   /// The same where only values with log_base + beta · log_gain of at least `level` matter: others
   /// may be impossible.

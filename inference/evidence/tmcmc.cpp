@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "inference/number.hpp"
 #include "inference/parallel.hpp"
 
 namespace wheeltap::inference {
@@ -53,25 +54,15 @@ class Replicate {
         index_(static_cast<std::uint64_t>(index)),
         to_(open(growing ? kFirstSamples : problem.samples)) {}
 
-  // ln Z
+  // ln Z; NaN where the run was stopped, or is stuck.
   double run() {
-    Random random = stream(0);
-    particles_.resize(static_cast<std::size_t>(options_.samples));
-    for (Particle& p : particles_) {
-      p.z.resize(static_cast<std::size_t>(to_->posterior.dimension()));
-      to_->posterior.draw_prior(random, p.z);
-    }
-    evaluate();
-    if (std::ranges::none_of(particles_, &Particle::possible))
-      throw LikelihoodError("model '" + to_->posterior.name() +
-                            "': the likelihood is zero at every one of " +
-                            std::to_string(options_.samples) + " draws from the prior");
-    double log_evidence = anneal();
-    while (to_->samples() < problem_.samples && !stopped_) {
+    double log_evidence = draw_prior();
+    log_evidence += anneal();
+    while (to_->samples() < problem_.samples && !ended()) {
       lengthen();
       log_evidence += anneal();
     }
-    return stopped_ ? std::numeric_limits<double>::quiet_NaN() : log_evidence;
+    return ended() ? std::numeric_limits<double>::quiet_NaN() : log_evidence;
   }
 
   [[nodiscard]] const std::vector<Particle>& particles() const { return particles_; }
@@ -80,9 +71,12 @@ class Replicate {
     return before_ + to_->posterior.evaluations() + (from_ ? from_->posterior.evaluations() : 0);
   }
   [[nodiscard]] bool sluggish() const { return sluggish_; }
+  // Says at which exponent the stages ran out; empty where they did not.
+  [[nodiscard]] const std::string& stuck() const { return stuck_; }
 
  private:
   static constexpr int kMostStages = 1000, kMostSweeps = 30;
+  static constexpr std::size_t kLeastPossible = 20, kMostDraws = 100'000;  // of the prior
   static constexpr long kLeastGrowth = 10;
   static constexpr std::size_t kBatch = 32;  // likelihoods at a time: a few vectors full
 
@@ -111,6 +105,42 @@ class Replicate {
     return std::make_unique<Record>(std::move(part), problem, model_);
   }
 
+  [[nodiscard]] bool ended() const { return stopped_ || !stuck_.empty(); }
+
+  // Possible particles, as many of `samples` draws from the prior as there are, and the log of the
+  // share of possible draws. Where fewer than kLeastPossible of the first ones are possible, draws
+  // go on until r = kLeastPossible are, N in all. Then the estimate of the share is (r - 1)/(N -
+  // 1), else that of all N draws: both are the unbiased one of this stopping rule (Girshick,
+  // Mosteller & Savage 1946, Annals of Mathematical Statistics 17:13, theorem 5).
+  double draw_prior() {
+    Random random = stream(0);
+    const auto first = static_cast<std::size_t>(options_.samples);
+    std::vector<Particle> possible;
+    std::size_t drawn = 0;
+    const auto enough = [&] { return drawn >= first && possible.size() >= kLeastPossible; };
+    for (std::size_t batch = first; drawn < kMostDraws && !enough(); batch = kBatch) {
+      particles_.assign(batch, {});
+      for (Particle& p : particles_) {
+        p.z.resize(static_cast<std::size_t>(to_->posterior.dimension()));
+        to_->posterior.draw_prior(random, p.z);
+      }
+      evaluate();
+      for (Particle& p : particles_) {
+        if (enough()) break;
+        ++drawn;
+        if (p.possible()) possible.push_back(std::move(p));
+      }
+    }
+    if (possible.empty())
+      throw LikelihoodError("model '" + to_->posterior.name() +
+                            "': the likelihood is zero at every one of " + std::to_string(drawn) +
+                            " draws from the prior");
+    particles_ = std::move(possible);
+    const double known = drawn > first && particles_.size() == kLeastPossible ? 1.0 : 0.0;
+    return std::log((static_cast<double>(particles_.size()) - known) /
+                    (static_cast<double>(drawn) - known));
+  }
+
   // From the posterior of the record so far, to twice as many samples, or fewer where those say
   // much: a response that forgets its parameters makes the posterior ragged all at once.
   void lengthen() {
@@ -128,13 +158,15 @@ class Replicate {
 
   // From β = 0, `from_` or the prior, to β = 1, `to_`: the log of the ratio of their evidences.
   double anneal() {
-    bool possible = std::ranges::all_of(particles_, &Particle::possible);
+    bool possible = particles_.size() == static_cast<std::size_t>(options_.samples) &&
+                    std::ranges::all_of(particles_, &Particle::possible);
     double log_ratio = 0.0;
-    for (double beta = 0.0; beta < 1.0 && !stopped_;) {
-      if (++stages_ > kMostStages)
-        throw LikelihoodError("model '" + to_->posterior.name() + "': TMCMC is still at exponent " +
-                              std::to_string(beta) + " after " + std::to_string(kMostStages) +
-                              " stages");
+    for (double beta = 0.0; beta < 1.0 && !ended();) {
+      if (++stages_ > kMostStages) {
+        stuck_ = "TMCMC is still at exponent " + number(beta) + " after " +
+                 std::to_string(kMostStages) + " stages";
+        break;
+      }
       const double step = possible ? next_step(1.0 - beta) : 0.0;
       possible = true;
       log_ratio += weights(particles_, step).log_mean;
@@ -306,6 +338,7 @@ class Replicate {
   bool sluggish_ = false;
   double reported_ = 0.0;
   bool stopped_ = false;
+  std::string stuck_;
 };
 
 // Whether the data had better come in parts: a model that cannot explain them may fit the first
@@ -324,7 +357,8 @@ bool better_growing(const Problem& problem, int model, const TmcmcOptions& optio
   std::vector<long> cost(2 * kPilots);
   parallel_for(2 * kPilots, options.threads, [&](int i) {
     Replicate replicate(problem, model, pilot, options.replicates + i, i < kPilots);
-    log_evidence[static_cast<std::size_t>(i)] = replicate.run();
+    const double found = replicate.run();
+    log_evidence[static_cast<std::size_t>(i)] = std::isnan(found) ? -kInfinity : found;
     cost[static_cast<std::size_t>(i)] = replicate.evaluations();
   });
   for (const long c : cost) evaluations += c;
@@ -357,6 +391,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   std::vector<long> evaluations(r);
   std::vector<int> stages(r);
   std::vector<char> sluggish(r);
+  std::vector<std::string> stuck(r);
   const bool growing =
       better_growing(problem, model, options, result.evidence.likelihood_evaluations);
   result.z.resize(static_cast<Eigen::Index>(r) * options.samples, posterior.dimension());
@@ -367,10 +402,27 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
     evaluations[i] = replicate.evaluations();
     stages[i] = replicate.stages();
     sluggish[i] = replicate.sluggish() ? 1 : 0;
+    stuck[i] = replicate.stuck();
+    if (std::isnan(log_evidence[i])) return;
     Eigen::Index row = static_cast<Eigen::Index>(index) * options.samples;
     for (const Particle& p : replicate.particles())
       result.z.row(row++) = Eigen::Map<const Eigen::RowVectorXd>(p.z.data(), posterior.dimension());
   });
+
+  Evidence& evidence = result.evidence;
+  for (const long e : evaluations) evidence.likelihood_evaluations += e;
+  result.stages = std::ranges::max(stages);
+  const std::string name = "model '" + problem.space[model].name + "': ";
+  if (std::ranges::any_of(log_evidence, [](double l) { return std::isnan(l); })) {
+    evidence.log_evidence = evidence.standard_error = std::numeric_limits<double>::quiet_NaN();
+    for (const std::string& sentence : stuck) {
+      if (sentence.empty()) continue;
+      evidence.warnings.push_back(name + sentence);
+      break;
+    }
+    result.z.resize(0, posterior.dimension());
+    return result;
+  }
 
   const double n = options.replicates;
   const double top = std::ranges::max(log_evidence);
@@ -380,12 +432,8 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
     const double e = std::exp(l - top) / mean - 1.0;
     squares += e * e;
   }
-  Evidence& evidence = result.evidence;
   evidence.log_evidence = top + std::log(mean);
   evidence.standard_error = std::sqrt(squares / (n - 1.0) / n * (n - 1.0) / (n - 3.0));
-  for (const long e : evaluations) evidence.likelihood_evaluations += e;
-  result.stages = std::ranges::max(stages);
-  const std::string name = "model '" + problem.space[model].name + "': ";
   if (squares / (n - 1.0) > 0.25)
     evidence.warnings.push_back(name +
                                 "TMCMC replicates scatter by more than half a nat; use more "

@@ -29,8 +29,9 @@ struct TmcmcOptions {
 
 struct Tmcmc {
   Evidence evidence;
-  Eigen::MatrixXd z;  ///< posterior draws of all replicates together, draws × dimension
-  int stages = 0;     ///< the most of any replicate
+  /// Posterior draws of all replicates together, draws × dimension; no draws where ln Z is NaN.
+  Eigen::MatrixXd z;
+  int stages = 0;  ///< the most of any replicate
 };
 
 /// Ching & Chen (2007, J. Engineering Mechanics 133:816): samples pass through
@@ -48,7 +49,9 @@ struct Tmcmc {
 ///
 /// Beyond the papers: β by bisection on the weights' coefficient of variation, half of which is
 /// enough where a posterior bends from step to step (1, as in the paper, lost two nats on a chain
-/// with a stop); systematic resampling; prior draws of likelihood zero are a step of their own;
+/// with a stop); systematic resampling; prior draws of likelihood zero are a step of their own,
+/// whose weight is the share of possible draws (where those are rare, draws go on until 20 are
+/// possible, or 100 000 were drawn a replicate, and the share's estimate stays unbiased);
 /// half of the moves are drawn from a normal mixture and half are steps with the covariance of one
 /// of its components, at a scale adapted from sweep to sweep, so that separate modes stay balanced;
 /// the mixture that moves one half of the samples is fitted to the other half; sweeps until each
@@ -56,6 +59,9 @@ struct Tmcmc {
 ///
 /// ln Z is the log of the replicates' mean Z. Its standard error is from their scatter, times
 /// √((R-1)/(R-3)) for knowing the scatter from R replicates only (the sd of Student's t).
+///
+/// Where a replicate does not reach β = 1 within 1000 stages, ln Z and its standard error are NaN
+/// and a warning says so.
 ///
 /// Throws LikelihoodError where no prior draw has a finite likelihood; std::invalid_argument for
 /// options out of range.

@@ -1,6 +1,7 @@
 #include "inference/moves/differential_evolution.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace wheeltap::inference {
 
@@ -31,16 +32,22 @@ std::optional<double> DifferentialEvolution::propose(const State& from, const St
       }
     }
   }
-  const int a = step.random.index(n);
-  int b = step.random.index(n - 1);
-  if (b >= a) ++b;
+  const auto pair = [&] {
+    const int one = step.random.index(n);
+    int other = step.random.index(n - 1);
+    if (other >= one) ++other;
+    return std::pair{one, other};
+  };
+  const auto [a, b] = pair();
+  const auto [c, d] = pair();
   const double gamma =
       step.random.uniform() < 0.1
           ? 1.0
           : 2.38 / std::sqrt(2.0 * static_cast<double>(size)) * (0.4 + 0.6 * step.random.uniform());
   for (Eigen::Index i = first; i < first + size; ++i) {
+    const double jitter = 1e-4 * std::fabs(states(i, c) - states(i, d)) + 1e-12;
     to.z[static_cast<std::size_t>(i)] +=
-        gamma * (states(i, a) - states(i, b)) + 1e-4 * step.random.normal();
+        gamma * (states(i, a) - states(i, b)) + jitter * step.random.normal();
   }
   if (!step.target.is_sorted(to)) return std::nullopt;
   return 0.0;

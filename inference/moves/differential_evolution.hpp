@@ -15,8 +15,9 @@ using Archive = std::vector<Eigen::MatrixXd>;
 
 /// z' = z + γ (a - b) + e on one block of coordinates, a and b being two archived states of the
 /// same model (ter Braak & Vrugt 2008, with the archive frozen). The pair (b, a) is as likely, so
-/// the ratio is 1. γ is 2.38/√(2d), or 1 one time in ten to jump between modes; e ~ N(0, 10⁻⁸), so
-/// that the chain is irreducible.
+/// the ratio is 1. γ is 2.38/√(2d), or 1 one time in ten to jump between modes. So that the chain
+/// is irreducible, e ~ N(0, s²) with s_i = 10⁻⁴ |c_i - d_i| + 10⁻¹² of another two states c and d:
+/// narrow where the posterior is, and where its modes are, since c and d are often of the same one.
 class DifferentialEvolution : public Move {
  public:
   explicit DifferentialEvolution(std::shared_ptr<const Archive> archive)

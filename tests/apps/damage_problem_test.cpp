@@ -68,6 +68,74 @@ TEST(DamageProblem, InferredNoiseKeepsItsNormaliser) {
   }
 }
 
+// Exact in what the likelihood is smooth in; along a damage's place, the difference between the
+// neighbouring elements' midpoints of the frequencies, not of the likelihood.
+TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
+  for (const bool inferred : {false, true}) {
+    Json json = small_case();
+    json["data"]["frequencies"] = {13.8, nullptr, 124.0};
+    if (inferred) json["data"]["cov"] = {{"log_uniform", {1e-3, 1e-1}}};
+    json["data"]["discrepancy"] = {{"cov", 0.003}};
+    Json spring = {{"kind", "support"},
+                   {"count", {{"max", 1}}},
+                   {"location", {{"uniform", {0, 1}}}},
+                   {"stiffness", {{"log_uniform", {1e2, 1e6}}}}};
+    Json rigid = {{"kind", "support"},
+                  {"name", "prop"},
+                  {"count", {{"max", 1}}},
+                  {"location", {{"uniform", {0, 1}}}}};
+    json["damage"] = {json["damage"], spring, rigid};
+    const auto p = problem(json);
+    const auto likelihood = p->problem.likelihood();
+    const int model = p->problem.space.find(std::vector<int>{2, 1, 1});
+    // [cov,] two damages, a spring, a rigid support
+    std::vector<double> x = {0.33, 0.4, 0.71, 0.2, 0.42, 3e3, 0.87};
+    if (inferred) x.insert(x.begin(), 0.02);
+    const std::size_t o = inferred ? 1 : 0;
+    std::vector<double> gradient(x.size());
+    (void)likelihood->log_likelihood(model, x);
+    const std::vector<double> f(likelihood->prediction().begin(), likelihood->prediction().end());
+    ASSERT_TRUE(likelihood->gradient(model, x, gradient));
+    const auto at = [&](std::size_t j, double value) {
+      std::vector<double> moved = x;
+      moved[j] = value;
+      return likelihood->log_likelihood(model, moved);
+    };
+    for (std::size_t j = 0; j < x.size(); ++j) {
+      if (j == o || j == o + 2) continue;  // a damage's place
+      const double h = 1e-4 * x[j];
+      const double expected = (at(j, x[j] + h) - at(j, x[j] - h)) / (2.0 * h);
+      EXPECT_NEAR(gradient[j], expected, 1e-5 * std::abs(expected) + 1e-8 / h) << j;
+      EXPECT_NE(gradient[j], 0.0);
+    }
+    for (const std::size_t j : {o, o + 2}) {
+      const double low = j == o ? 0.25 : 0.65;
+      std::vector<double> before, after;
+      (void)at(j, low);
+      before.assign(likelihood->prediction().begin(), likelihood->prediction().end());
+      (void)at(j, low + 0.2);
+      after.assign(likelihood->prediction().begin(), likelihood->prediction().end());
+      double expected = 0.0;
+      for (const std::size_t i : {std::size_t{0}, std::size_t{2}}) {
+        const double sd = p->total_sd(i, inferred ? x[0] : 0.0, 0.0);
+        expected += (p->damage_case.data.frequencies_hz[i] - f[i]) / (sd * sd) *
+                    (after[i] - before[i]) / 0.2;
+      }
+      EXPECT_NEAR(gradient[j], expected, 1e-9 * std::abs(expected)) << j;
+    }
+  }
+}
+
+TEST(DamageProblem, AnEmulatorHasNoGradient) {
+  Json json = small_case();
+  json["damage"]["location"] = {{"uniform", {0.1, 0.9}}};
+  json["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
+  const auto p = problem(json);
+  std::vector<double> gradient(2);
+  EXPECT_FALSE(p->problem.likelihood()->gradient(1, std::vector<double>{0.5, 0.3}, gradient));
+  EXPECT_TRUE(p->fe_likelihood()->gradient(1, std::vector<double>{0.5, 0.3}, gradient));
+}
+
 TEST(DamageProblem, ModesNotMeasuredAreLeftOut) {
   Json json = small_case();
   json["data"]["frequencies"] = {13.8, nullptr, 124.0};

@@ -363,6 +363,92 @@ TEST(Reanalysis, GradientsEqualFiniteDifferences) {
   std::printf("largest error of a gradient, relative to the frequency: %.2e\n", worst);
 }
 
+TEST(Reanalysis, StiffnessGradientsEqualFiniteDifferences) {
+  std::mt19937_64 generator(19);
+  double worst = 0.0;
+  for (const Beam& beam : beams()) {
+    const Reanalysis reanalysis(beam, kModes);
+    Reanalysis::Workspace workspace = reanalysis.make_workspace();
+    for (int i = 0; i < sets(60, 6); ++i) {
+      Defects defects = draw(generator, 4, i % 2 == 0 ? Kind::kSupports : Kind::kBoth);
+      defects.supports.push_back({.location = 0.37, .stiffness = 1e4, .rotation = i % 3 == 0});
+      const std::size_t count = defects.supports.size();
+      std::vector<double> f(kModes), gradients(kModes * count);
+      reanalysis.solve(defects.damages, defects.supports, workspace,
+                       {.frequencies_hz = f,
+                        .damage_gradients_hz = {},
+                        .element_gradients_hz = {},
+                        .shapes = {},
+                        .points = {},
+                        .support_gradients_hz = gradients});
+      EXPECT_EQ(f, reanalysed(reanalysis, workspace, defects));
+      const auto rigid = static_cast<std::size_t>(rigid_body_freedom(beam, defects.supports));
+      for (std::size_t s = 0; s < count; ++s) {
+        const double k = defects.supports[s].stiffness;
+        if (std::isinf(k)) {
+          for (std::size_t mode = 0; mode < kModes; ++mode)
+            EXPECT_EQ(gradients[mode * count + s], 0.0);
+          continue;
+        }
+        std::vector<std::vector<double>> at;  // f(k (1 + j h)), j = -2 … 2, without 0
+        const double h = 1e-2;
+        for (const double j : {-2.0, -1.0, 1.0, 2.0}) {
+          Defects moved = defects;
+          moved.supports[s].stiffness = k * (1.0 + j * h);
+          at.push_back(reanalysed(reanalysis, workspace, moved));
+        }
+        for (std::size_t mode = rigid; mode < kModes; ++mode) {
+          // ∂f/∂ln k, by Richardson's rule on differences.
+          const double expected =
+              (8 * (at[2][mode] - at[1][mode]) - (at[3][mode] - at[0][mode])) / (12 * h);
+          const double error =
+              std::abs(k * gradients[mode * count + s] - expected) / (f[mode] + std::abs(expected));
+          EXPECT_LT(error, 1e-6) << describe(defects) << " mode " << mode;
+          worst = std::max(worst, error);
+        }
+      }
+    }
+  }
+  std::printf("largest error of a gradient, relative to the frequency: %.2e\n", worst);
+}
+
+TEST(Reanalysis, SlopesAlongPlacesAreDifferencesOfFullSolutions) {
+  const Beam beam = slender_beam("clamped-pinned", 20);
+  const Reanalysis reanalysis(beam, 6);
+  Reanalysis::Workspace workspace = reanalysis.make_workspace();
+  const Defects defects{.damages = {{0.01, 0.3}, {0.43, 0.5}, {1.0, 0.2}},
+                        .supports = {{.location = 0.61, .stiffness = 1e4}, {.location = 0.83}}};
+  std::vector<double> by_damage(6 * 3), by_support(6 * 2);
+  reanalysis.location_slopes(defects.damages, defects.supports, workspace,
+                             {.modes = 6, .damages_hz_m = by_damage, .supports_hz_m = by_support});
+  const auto full = [&](const Defects& d) { return modal_analysis(beam, d, {.modes = 6}); };
+  const std::vector<std::pair<double, double>> neighbours = {
+      {0.025, 0.075}, {0.375, 0.475}, {0.925, 0.975}};
+  for (std::size_t d = 0; d < 3; ++d) {
+    Defects low = defects, high = defects;
+    low.damages[d].location = neighbours[d].first;
+    high.damages[d].location = neighbours[d].second;
+    const Eigen::VectorXd expected = (full(high).frequencies_hz - full(low).frequencies_hz) /
+                                     (neighbours[d].second - neighbours[d].first);
+    for (std::size_t i = 0; i < 6; ++i)
+      EXPECT_NEAR(by_damage[3 * i + d], expected[static_cast<Eigen::Index>(i)],
+                  1e-5 * expected.cwiseAbs().maxCoeff());
+  }
+  for (std::size_t s = 0; s < 2; ++s) {
+    constexpr double kStep = 2e-3;  // Richardson's rule on differences of the full solution
+    std::vector<Eigen::VectorXd> f;
+    for (const double j : {-2.0, -1.0, 1.0, 2.0}) {
+      Defects moved = defects;
+      moved.supports[s].location += j * kStep;
+      f.push_back(full(moved).frequencies_hz);
+    }
+    const Eigen::VectorXd expected = (8 * (f[2] - f[1]) - (f[3] - f[0])) / (12 * kStep);
+    for (std::size_t i = 0; i < 6; ++i)
+      EXPECT_NEAR(by_support[2 * i + s], expected[static_cast<Eigen::Index>(i)],
+                  1e-4 * expected.cwiseAbs().maxCoeff());
+  }
+}
+
 TEST(Reanalysis, ShapesEqualThoseOfTheFullSolution) {
   std::mt19937_64 generator(23);
   double worst = 0.0;
@@ -452,6 +538,12 @@ TEST(Reanalysis, Refuses) {
                           .points = {}});
       },
       {"damage_gradients_hz", "7", "5"});
+  expect_refusal(
+      [&] {
+        reanalysis.location_slopes(damages, {}, workspace,
+                                   {.modes = 5, .damages_hz_m = wrong, .supports_hz_m = {}});
+      },
+      {"damages_hz_m", "7", "5"});
 }
 
 }  // namespace

@@ -235,6 +235,70 @@ TEST(Invariance, DifferentialEvolution) {
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
 }
 
+// Two modes 1e-8 wide, 2 apart, holding one and three quarters.
+TEST(DifferentialEvolution, MovesWithinAndBetweenVeryNarrowModes) {
+  constexpr double kWidth = 1e-8;
+  class Needles : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double> x) override {
+      const auto square = [&](double centre) {
+        const double u = (x[0] - centre) / kWidth, v = (x[1] - centre) / kWidth;
+        return u * u + v * v;
+      };
+      const double left = std::log(0.25) - 0.5 * square(-1.0);
+      const double right = std::log(0.75) - 0.5 * square(1.0);
+      return std::max(left, right) + std::log1p(std::exp(-std::fabs(left - right)));
+    }
+  };
+  const Problem problem{
+      .space = ModelSpace::of_models({{"a", Normal{0.0, 1.0}}, {"b", Normal{0.0, 1.0}}},
+                                     {{"only", 1.0, {"a", "b"}}}),
+      .likelihood = [] { return std::make_unique<Needles>(); }};
+  // The prior is flat over a mode.
+  const auto draw = [](Random& random, std::span<double> z) {
+    const double centre = random.uniform() < 0.25 ? -1.0 : 1.0;
+    for (double& value : z) value = centre + kWidth * random.normal();
+  };
+  auto archive = std::make_shared<Archive>(1, Eigen::MatrixXd(2, 200));
+  Random random(5, 0, 0, Purpose::test);
+  for (Eigen::Index i = 0; i < 200; ++i) draw(random, std::span(archive->front().col(i).data(), 2));
+
+  Target target(problem, false);
+  int accepted = 0, crossed = 0;
+  const auto run = [&](bool fault) {
+    std::vector<double> before, after;
+    accepted = crossed = 0;
+    std::unique_ptr<Move> move = std::make_unique<DifferentialEvolution>(archive);
+    if (fault) move = std::make_unique<AlwaysAccepted>(std::move(move));
+    MetropolisHastings kernel("under test", std::move(move));
+    // In units of the width, the left mode 100 from the right one.
+    const auto place = [](double z) {
+      return z < 0.0 ? (z + 1.0) / kWidth - 100.0 : (z - 1.0) / kWidth;
+    };
+    for (int n = 0; n < kReplicates; ++n) {
+      State state;
+      state.z.resize(2);
+      draw(random, state.z);
+      before.push_back(place(state.z[0]));
+      draw(random, state.z);
+      target.evaluate(state);
+      for (int s = 0; s < kSteps; ++s) {
+        const bool left = state.z[0] < 0.0;
+        accepted += kernel.step(state, {target, random, 1.0, false}).accepted ? 1 : 0;
+        crossed += (state.z[0] < 0.0) != left ? 1 : 0;
+      }
+      after.push_back(place(state.z[0]));
+    }
+    return two_sample_p_value(before, after);
+  };
+  EXPECT_GT(run(false), kFalseAlarm);
+  const double steps = kReplicates * kSteps;
+  std::printf("    accepted %.3f, crossed %.4f\n", accepted / steps, crossed / steps);
+  EXPECT_GT(accepted / steps, 0.1);
+  EXPECT_GT(crossed / steps, 0.002);
+  EXPECT_LT(run(true), kFalseAlarm);
+}
+
 TEST(Invariance, MixtureJumpBetweenModels) {
   const auto fit = rough_fit(toy::bump_space({1, 2, 2, 1}));
   const MoveFactory make = [fit] { return std::make_unique<MixtureJump>(fit, true); };

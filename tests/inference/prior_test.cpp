@@ -216,5 +216,38 @@ TEST(Prior, DescribesItselfAsTheCaseFileWould) {
   EXPECT_EQ(Prior(Beta{2.0, 3.0, 0.0, 0.6}).describe(), "beta [2, 3] on [0, 0.6]");
 }
 
+TEST(Prior, SlopeIsTheDerivativeOfTheTransform) {
+  for (const Prior& prior : every_family()) {
+    for (double z = -6.0; z <= 6.0; z += 0.37) {
+      constexpr double kStep = 1e-3;
+      const auto x = [&](double at) { return prior.from_standard_normal(at); };
+      const double expected =
+          (8.0 * (x(z + kStep) - x(z - kStep)) - (x(z + 2 * kStep) - x(z - 2 * kStep))) /
+          (12.0 * kStep);
+      // What x itself is rounded by, over the step.
+      const double rounding = 4e-15 * std::fabs(x(z)) / kStep;
+      EXPECT_NEAR(prior.slope(z), expected, 1e-6 * expected + rounding)
+          << prior.describe() << " at " << z;
+    }
+  }
+}
+
+// Where φ and p are both below the smallest double, and where x has met its end.
+TEST(Prior, SlopeInTheTails) {
+  EXPECT_NEAR(Prior(Normal{2.0, 0.5}).slope(-45.0), 0.5, 1e-12);
+  EXPECT_NEAR(Prior(LogNormal{0.0, 1.0}).slope(-45.0) / std::exp(-45.0), 1.0, 1e-12);
+  // dx/dz → scale · z for the exponential tail of a gamma, whose hazard is 1/scale there.
+  EXPECT_NEAR(Prior(Gamma{1.0, 0.1}).slope(30.0) / (0.1 * 30.0), 1.0, 2e-3);
+  // p(x) = 30 x^29, x = Φ(z)^(1/30): dx/dz = x φ(z) / (30 Φ(z)), the hazard again.
+  const double x = std::exp(log_normal_cdf(-30.0) / 30.0);
+  EXPECT_NEAR(Prior(Beta{30.0, 1.0}).slope(-30.0) / (x * 30.0 / 30.0), 1.0, 2e-3);
+  for (const Prior& prior : every_family()) {
+    for (const double z : {-100.0, -40.0, -9.0, 9.0, 40.0}) {
+      const double slope = prior.slope(z);
+      EXPECT_TRUE(std::isfinite(slope) && slope >= 0.0) << prior.describe() << " at " << z;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace wheeltap::inference

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "inference/moves/model_switch.hpp"
 #include "inference/moves/random_walk.hpp"
+#include "tests/inference/evidence/problems.hpp"
 #include "tests/inference/hard_problems.hpp"
 
 namespace wheeltap::inference {
@@ -13,11 +16,11 @@ namespace {
 
 std::unique_ptr<KernelMixture> kernels_of(const ModelSpace& space) {
   auto kernels = std::make_unique<KernelMixture>();
-  kernels->add(0.5, std::make_unique<MetropolisHastings>(
-                        "random walk",
-                        std::make_unique<RandomWalk>(RandomWalk::initial_scales(space))));
-  kernels->add(0.5, std::make_unique<MetropolisHastings>("model switch",
-                                                         std::make_unique<ModelSwitch>()));
+  kernels->add(0.5,
+               std::make_unique<MetropolisHastings>(
+                   "random walk", std::make_unique<RandomWalk>(RandomWalk::initial_scales(space))));
+  kernels->add(
+      0.5, std::make_unique<MetropolisHastings>("model switch", std::make_unique<ModelSwitch>()));
   return kernels;
 }
 
@@ -32,8 +35,8 @@ Run temper(bool balanced) {
   for (const HardProblem& problem : hard_problems())
     if (problem.name == "nested normal, 10-d") hard = &problem;
   Target target(hard->problem, false);
-  TemperedChain chain(target, geometric_ladder(12), [&] { return kernels_of(target.space()); }, 5,
-                      0);
+  TemperedChain chain(
+      target, geometric_ladder(12), [&] { return kernels_of(target.space()); }, 5, 0);
   chain.start();
   if (balanced) chain.balance_models();
   constexpr int kScans = 4000;
@@ -65,13 +68,47 @@ TEST(Tempering, WeightsKeepAModelWhoseTemperedEvidenceDips) {
 TEST(Tempering, RoundTripsAreCountedFromTheReset) {
   const HardProblem& hard = hard_problems().front();
   Target target(hard.problem, false);
-  TemperedChain chain(target, geometric_ladder(4), [&] { return kernels_of(target.space()); }, 1,
-                      0);
+  TemperedChain chain(
+      target, geometric_ladder(4), [&] { return kernels_of(target.space()); }, 1, 0);
   chain.start();
   for (int i = 0; i < 500; ++i) chain.scan(3, true, Purpose::test);
   EXPECT_GT(chain.round_trips(), 0);
   chain.reset_round_trips();
   EXPECT_EQ(chain.round_trips(), 0);
+}
+
+// Possible on 4e-4 of the prior: of 1000 draws none in two cases of three, of 100 000 none with a
+// probability of e^-40.
+Problem small_corner() {
+  return one_model(
+      {{"a", Uniform{0.0, 1.0}}, {"b", Uniform{0.0, 1.0}}}, [](int, std::span<const double> x) {
+        return x[0] > 0.98 && x[1] > 0.98 ? 0.0 : -std::numeric_limits<double>::infinity();
+      });
+}
+
+TEST(Tempering, FindsASmallFeasibleRegionInThePrior) {
+  const Problem problem = small_corner();
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Target target(problem, false);
+    EXPECT_NO_THROW(check_models(target, seed));
+    Random random(seed, 0, 0, Purpose::test);
+    const State state = start_from_prior(target, random);
+    EXPECT_EQ(state.log_likelihood, 0.0);
+    EXPECT_GT(state.x[0], 0.98);
+  }
+}
+
+TEST(Tempering, RefusesAModelThatIsNowherePossible) {
+  const Problem problem = never();
+  Target target(problem, false);
+  try {
+    check_models(target, 1);
+    FAIL() << "no error";
+  } catch (const LikelihoodError& error) {
+    EXPECT_NE(std::string(error.what()).find("100000 tried"), std::string::npos) << error.what();
+  }
+  Random random(1, 0, 0, Purpose::test);
+  EXPECT_THROW((void)start_from_prior(target, random), LikelihoodError);
 }
 
 }  // namespace

@@ -60,6 +60,17 @@ TEST(BridgeSampling, ThreadsDoNotMatter) {
             bridge_sampling(known.problem, 0, {.seed = 3, .threads = 3}).log_evidence);
 }
 
+TEST(BridgeSampling, WithoutAPilotHasNoEvidenceButAWarning) {
+  const Problem problem = endless();
+  const Tmcmc pilot =
+      tmcmc(problem, 0, {.seed = 1, .replicates = 4, .samples = 20, .acceptances = 0.1});
+  const Evidence e = bridge_sampling(problem, 0, pilot, {});
+  EXPECT_TRUE(std::isnan(e.log_evidence));
+  EXPECT_TRUE(std::isnan(e.standard_error));
+  ASSERT_EQ(e.warnings.size(), 1U);
+  EXPECT_NE(e.warnings[0].find("TMCMC is still at exponent"), std::string::npos) << e.warnings[0];
+}
+
 TEST(BridgeSampling, Misuse) {
   const Known known = linear_gaussian(1);
   const ModelSamples few = metropolis(known.problem, 0, {.warmup = 10, .draws = 10});

@@ -125,6 +125,21 @@ inline Problem never() {
   });
 }
 
+/// Each value is a million nats above the one before, wherever it is asked for: β creeps, and a
+/// thousand stages leave it far from 1.
+inline Problem endless() {
+  class Drifting : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double>) override { return value_ += 1e6; }
+
+   private:
+    double value_ = 0.0;
+  };
+  Problem problem = one_model({{"a", Uniform{0.0, 1.0}}}, nullptr);
+  problem.likelihood = [] { return std::make_unique<Drifting>(); };
+  return problem;
+}
+
 /// The parameter r of the logistic map y → r y (1 - y), every tenth sample a step of it: what is
 /// known of r grows exponentially with the record, and all but a needle at the truth is rugged.
 class LogisticMap final : public Likelihood {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <stdexcept>
 
 #include "tests/inference/evidence/problems.hpp"
@@ -94,6 +95,43 @@ TEST(Tmcmc, SeesARecordGrow) {
               at_once.standard_error);
   EXPECT_GT(std::fabs(at_once.log_evidence - known), 0.5);
   EXPECT_GT(std::fabs(at_once.log_evidence - known), 3.0 * at_once.standard_error);
+}
+
+// Possible on 4e-4 of the prior, where a factor then weighs the places.
+TEST(Tmcmc, DrawsOnWhereLittleOfThePriorIsPossible) {
+  const Problem problem = one_model(
+      {{"a", Uniform{0.0, 1.0}}, {"b", Uniform{0.0, 1.0}}}, [](int, std::span<const double> x) {
+        return x[0] > 0.98 && x[1] > 0.98 ? 100.0 * (x[0] - 0.98)
+                                          : -std::numeric_limits<double>::infinity();
+      });
+  const double exact = std::log(0.02 * (std::exp(2.0) - 1.0) / 100.0);
+  const int seeds = long_tests() ? 100 : 15;
+  double mean = 0.0, squares = 0.0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const Evidence e =
+        tmcmc(problem, 0, {.seed = static_cast<std::uint64_t>(seed), .samples = 100}).evidence;
+    EXPECT_NEAR(e.log_evidence, exact, kErrors * e.standard_error) << seed;
+    EXPECT_LT(e.standard_error, 0.4);
+    mean += std::exp(e.log_evidence - exact) / seeds;
+    squares += std::exp(2.0 * (e.log_evidence - exact)) / seeds;
+  }
+  // Z itself is unbiased: within 4 of its own standard errors.
+  EXPECT_NEAR(mean, 1.0, 4.0 * std::sqrt((squares - mean * mean) / (seeds - 1)));
+  std::printf("    mean of Z / exact Z: %.3f ± %.3f\n", mean,
+              std::sqrt((squares - mean * mean) / (seeds - 1)));
+}
+
+TEST(Tmcmc, WithoutAnEndHasNoEvidenceButAWarning) {
+  const Tmcmc result =
+      tmcmc(endless(), 0, {.seed = 1, .replicates = 4, .samples = 20, .acceptances = 0.1});
+  EXPECT_TRUE(std::isnan(result.evidence.log_evidence));
+  EXPECT_TRUE(std::isnan(result.evidence.standard_error));
+  EXPECT_GT(result.evidence.likelihood_evaluations, 1000);
+  EXPECT_EQ(result.z.rows(), 0);
+  ASSERT_EQ(result.evidence.warnings.size(), 1U);
+  EXPECT_NE(result.evidence.warnings[0].find("model 'only': TMCMC is still at exponent "),
+            std::string::npos)
+      << result.evidence.warnings[0];
 }
 
 TEST(Tmcmc, ThreadsDoNotMatterAndSeedsDo) {
