@@ -42,6 +42,12 @@ class Surface {
     posterior_.order(ordered_);
     return posterior_(ordered_).log_posterior();
   }
+  bool gradient(const Vector& z, Vector& g) {
+    if (!offers_gradient_) return false;
+    offers_gradient_ = posterior_.gradient({z.data(), static_cast<std::size_t>(z.size())},
+                                           {g.data(), static_cast<std::size_t>(g.size())});
+    return offers_gradient_;
+  }
   void draw_prior(Random& random, Vector& z) {
     ordered_.resize(static_cast<std::size_t>(z.size()));
     posterior_.draw_prior(random, ordered_);
@@ -58,6 +64,7 @@ class Surface {
  private:
   ModelPosterior posterior_;
   std::vector<double> ordered_;
+  bool offers_gradient_ = true;  // until it does not
 };
 
 struct Known {  // a mode, ready for use
@@ -107,11 +114,13 @@ class Climber {
     Vector z = end.z, g(d_);
     double value = end.value;
     for (int iteration = 0; iteration < 3; ++iteration) {
-      for (Eigen::Index i = 0; i < d_; ++i) {
-        const double h = kDifference * std::sqrt(mode.covariance(i, i));
-        Vector to = z;
-        to[i] += h;
-        g[i] = (f_(to) - value) / h;
+      if (!f_.gradient(z, g)) {
+        for (Eigen::Index i = 0; i < d_; ++i) {
+          const double h = kDifference * std::sqrt(mode.covariance(i, i));
+          Vector to = z;
+          to[i] += h;
+          g[i] = (f_(to) - value) / h;
+        }
       }
       if (!g.allFinite()) return false;
       const Vector step = mode.covariance * g;

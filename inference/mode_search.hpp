@@ -41,9 +41,10 @@ inline constexpr long kMostClimbs = 10000;
 
 /// Climbs from draws of the prior, in standard normal coordinates:
 ///
-///   z ← z + t B g,   g = ∇ ln π by differences,   B ≈ (-∇² ln π)⁻¹
+///   z ← z + t B g,   g = ∇ ln π,   B ≈ (-∇² ln π)⁻¹
 ///
-/// by BFGS (Nocedal & Wright 2006, section 6.1) from the diagonal of second differences, t halved
+/// by BFGS (Nocedal & Wright 2006, section 6.1) with differences, or the likelihood's own gradient
+/// where it serves, from the diagonal of second differences, t halved
 /// until the gain is what the quadratic model says to within a factor of ten: a step that leaves
 /// the region where the model holds may leave the basin. Where modes are known, one or two Newton
 /// steps with the nearest one's curvature are tried first; if they end there, and three points on

@@ -106,8 +106,10 @@ class Engine {
     if (!reporter_.stopped()) sample();
 
     posterior_.likelihood_evaluations = evaluations() + shared_evaluations_;
-    for (const Runner& runner : runners_)
+    for (const Runner& runner : runners_) {
       posterior_.full_evaluations += runner.target->full_evaluations();
+      posterior_.impossible += runner.target->impossible();
+    }
     posterior_.stopped_early = reporter_.stopped();
     posterior_.wall_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

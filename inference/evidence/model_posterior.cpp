@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 #include "inference/standard_normal.hpp"
@@ -74,6 +75,30 @@ void ModelPosterior::order(std::span<double> z) {
   std::ranges::copy(z, state_.z.begin());
   target_.sort_components(state_);
   std::ranges::copy(state_.z, z.begin());
+}
+
+bool ModelPosterior::gradient(std::span<const double> z, std::span<double> out) {
+  std::ranges::copy(z, state_.z.begin());
+  order(state_.z);
+  state_.screened = state_.evaluated = false;
+  target_.evaluate(state_);
+  std::vector<double> ordered(z.size());
+  if (!target_.gradient(state_, ordered)) return false;
+  // Back to where each component came from.
+  std::ranges::copy(ordered, out.begin());
+  const Model& model = target_.space()[state_.model];
+  for (std::size_t j = 0; j < model.counts.size(); ++j) {
+    const auto width = static_cast<std::ptrdiff_t>(target_.space().kinds()[j].parameters.size());
+    std::vector<std::ptrdiff_t> from(static_cast<std::size_t>(model.counts[j]));
+    std::iota(from.begin(), from.end(), 0);
+    const auto first = z.begin() + model.offsets[j];
+    std::ranges::stable_sort(from, {}, [&](std::ptrdiff_t c) { return first[c * width]; });
+    for (std::size_t c = 0; c < from.size(); ++c) {
+      std::copy_n(ordered.begin() + model.offsets[j] + static_cast<std::ptrdiff_t>(c) * width,
+                  width, out.begin() + model.offsets[j] + from[c] * width);
+    }
+  }
+  return true;
 }
 
 void ModelPosterior::draw_prior(Random& random, std::span<double> z) {

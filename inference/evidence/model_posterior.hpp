@@ -60,6 +60,9 @@ class ModelPosterior {
 
   /// Puts exchangeable components in order.
   void order(std::span<double> z);
+  /// ∂ ln π/∂z at z, whose components may be in any order; false where there is none
+  /// (Target::gradient). Evaluates z.
+  bool gradient(std::span<const double> z, std::span<double> out);
 
   /// From p₀.
   void draw_prior(Random& random, std::span<double> z);

@@ -108,6 +108,63 @@ TEST(ModeSearch, PutsComponentsInOrder) {
     EXPECT_NEAR(posterior(mode.z).log_posterior(), mode.log_posterior, 1e-9);
 }
 
+// A likelihood that tells its gradient is climbed for fewer calls, to the same mode.
+TEST(ModeSearch, UsesTheGradientWhereThereIsOne) {
+  class Sloped : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double> x) override {
+      double sum = 0.0;
+      for (const double v : x) sum -= 0.5 * std::pow((v - 0.3) / 0.01, 2.0);
+      return sum;
+    }
+    bool gradient(int, std::span<const double> x, std::span<double> out) override {
+      for (std::size_t i = 0; i < x.size(); ++i) out[i] = -(x[i] - 0.3) / 1e-4;
+      return true;
+    }
+  };
+  Problem problem = problem_of(20, [](std::span<const double> x) {
+    return Sloped().log_likelihood(0, x);
+  });
+  const ModeSearch without = search_modes(problem, 0, {.climbs = 500});
+  problem.likelihood = [] { return std::make_unique<Sloped>(); };
+  const ModeSearch with = search_modes(problem, 0, {.climbs = 500});
+  ASSERT_EQ(with.modes.size(), 1U);
+  EXPECT_NEAR(with.modes[0].log_mass, without.modes[0].log_mass, 0.01);
+  EXPECT_LT(2 * with.likelihood_evaluations, without.likelihood_evaluations);
+}
+
+// The gradient of a set belongs to its components, in whatever order they are given.
+TEST(ModeSearch, GradientsOfSetsComeBackInTheirOrder) {
+  class Sum : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double> x) override {
+      double sum = 0.0;
+      for (std::size_t i = 0; i + 1 < x.size(); i += 2) sum += x[i] * x[i] * x[i + 1];
+      return sum;
+    }
+    bool gradient(int, std::span<const double> x, std::span<double> out) override {
+      for (std::size_t i = 0; i + 1 < x.size(); i += 2) {
+        out[i] = 2.0 * x[i] * x[i + 1];
+        out[i + 1] = x[i] * x[i];
+      }
+      return true;
+    }
+  };
+  const Problem problem{
+      .space = ModelSpace::of_components(
+          {}, {{"thing", "things", {{"a", Normal{0.0, 1.0}}, {"b", Normal{0.0, 1.0}}}}},
+          {{{3}, 1.0}}),
+      .likelihood = [] { return std::make_unique<Sum>(); }};
+  ModelPosterior posterior(problem, 0);
+  const std::vector<double> z{0.7, 0.1, -0.4, 0.9, 0.2, -0.6};
+  std::vector<double> g(6);
+  ASSERT_TRUE(posterior.gradient(z, g));
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    const double slope = i % 2 == 0 ? 2.0 * z[i] * z[i + 1] : z[i - 1] * z[i - 1];
+    EXPECT_NEAR(g[i], slope - z[i], 1e-9);
+  }
+}
+
 TEST(ModeSearch, DoesNotDependOnThreads) {
   const Problem problem = problem_of(2, two_peaks(0.2, 0.1));
   const ModeSearch one = search_modes(problem, 0, {.climbs = 64, .threads = 1});

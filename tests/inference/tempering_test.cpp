@@ -24,13 +24,13 @@ std::unique_ptr<KernelMixture> kernels_of(const ModelSpace& space) {
   return kernels;
 }
 
-struct Run {
+struct Shares {
   std::vector<double> share;  ///< of the larger model, at each rung, in the second half
   std::vector<double> cold_weights;
 };
 
 // The nested normal, whose larger model has next to no mass at middle β.
-Run temper(bool balanced) {
+Shares temper(bool balanced) {
   const HardProblem* hard = nullptr;
   for (const HardProblem& problem : hard_problems())
     if (problem.name == "nested normal, 10-d") hard = &problem;
@@ -41,7 +41,7 @@ Run temper(bool balanced) {
   if (balanced) chain.balance_models();
   constexpr int kScans = 4000;
   for (int i = 0; i < kScans; ++i) chain.scan(3, true, Purpose::test);
-  Run run{.share = std::vector<double>(12, 0.0), .cold_weights = {}};
+  Shares run{.share = std::vector<double>(12, 0.0), .cold_weights = {}};
   for (int i = 0; i < kScans; ++i) {
     chain.scan(3, true, Purpose::test);
     for (int r = 0; r < 12; ++r)
@@ -53,7 +53,7 @@ Run temper(bool balanced) {
 }
 
 TEST(Tempering, WeightsKeepAModelWhoseTemperedEvidenceDips) {
-  const Run balanced = temper(true);
+  const Shares balanced = temper(true);
   for (const double share : balanced.share) {
     EXPECT_GT(share, 0.2);
     EXPECT_LT(share, 0.8);
@@ -61,7 +61,7 @@ TEST(Tempering, WeightsKeepAModelWhoseTemperedEvidenceDips) {
   // At β = 1 the two are equally probable: so are their weights, but for the chain's noise.
   EXPECT_NEAR(balanced.cold_weights[0] - balanced.cold_weights[1], 0.0, 1.5);
   // The control: without weights the larger model is gone from the middle of the ladder.
-  const Run plain = temper(false);
+  const Shares plain = temper(false);
   EXPECT_LT(*std::ranges::min_element(plain.share), 0.05);
 }
 
