@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -23,10 +24,11 @@ constexpr int kClimbsFromDraws = 8;   // from its draws
 constexpr std::size_t kLaplace = 40;  // modes whose normals enter the mixture
 constexpr double kDefensive = 0.05;   // the prior's weight in it
 constexpr double kWider = 1.5;        // of the variances of modes' normals in a proposal
-constexpr int kRounds = 5;            // of importance sampling
 constexpr double kGoodShare = 0.5;    // of the draws effective: no further round is needed
 constexpr Eigen::Index kPopulation = 4000;
-constexpr int kBlock = 250;  // draws a job
+constexpr Eigen::Index kFitted = 2000;            // draws that a proposal is fitted to
+constexpr std::array<int, 2> kComponents{8, 20};  // of it, at first and where that does not do
+constexpr int kBlock = 250;                       // draws a job
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
@@ -59,9 +61,14 @@ void add_modes(const std::vector<Mode>& modes, double share, Components& compone
   }
 }
 
-void add_fit(const Matrix& draws, double share, Random& random, Components& components) {
+// `most` components; more draws than kFitted teach a first proposal no more.
+void add_fit(const Matrix& draws, int most, double share, Random& random, Components& components) {
   if (draws.rows() < 4 * (draws.cols() + 1)) return;
-  const NormalMixture fit = NormalMixture::fit(draws, {.defensive_weight = 0.0}, random);
+  const Eigen::Index n = std::min(draws.rows(), kFitted);
+  Matrix used(n, draws.cols());
+  for (Eigen::Index i = 0; i < n; ++i) used.row(i) = draws.row(i * draws.rows() / n);
+  const NormalMixture fit =
+      NormalMixture::fit(used, {.max_components = most, .defensive_weight = 0.0}, random);
   for (int k = 0; k < fit.size(); ++k) {
     components.push_back(fit[k]);
     components.back().weight *= share;
@@ -353,21 +360,22 @@ ModelExploration explore_model(const Problem& problem, int model,
   ImportanceSampler sampler(problem, model, options);
   Components components;
   add_modes(out.modes, 0.5, components);
-  add_fit(draws, 0.5, random, components);
+  add_fit(draws, kComponents[0], 0.5, random, components);
   const int n = static_cast<int>(std::clamp<Eigen::Index>(200 * d, 1000, 4000));
-  for (int round = 0; round < kRounds && !components.empty(); ++round) {
+  for (int round = 0; round < options.rounds && !components.empty(); ++round) {
     components.push_back({kDefensive, Vector::Zero(d), Matrix::Identity(d, d)});
     sampler.add(NormalMixture(std::move(components)), n);
     components.clear();
+    const int most = kComponents[round < 2 ? 0 : 1];
     if (round > 0 && sampler.efficiency() > kGoodShare) break;
     if (sampler.effective_draws() < 8.0 * static_cast<double>(d + 1)) {
       // Too few to fit to: more of the same.
       add_modes(out.modes, 0.5, components);
-      add_fit(draws, 0.5, random, components);
+      add_fit(draws, most, 0.5, random, components);
       continue;
     }
     add_modes(out.modes, 0.1, components);
-    add_fit(sampler.resampled(kPopulation, random), 0.9, random, components);
+    add_fit(sampler.resampled(kFitted, random), most, 0.9, random, components);
   }
   out.likelihood_evaluations += sampler.evaluations();
   out.sampled = sampler.evidence();

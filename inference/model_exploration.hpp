@@ -21,6 +21,7 @@ struct ExplorationOptions {
   /// nat, and its population draws of the normals about its modes.
   bool glance = false;
   int particles = 1200;  ///< of that, over four replicates
+  int rounds = 5;        ///< of importance sampling, at most
   int threads = 0;       ///< 0: as many as the machine has. Never changes a result.
   /// Draws that another method has made, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};

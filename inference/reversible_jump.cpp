@@ -41,7 +41,9 @@ constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each r
 constexpr int kLongTuning = 80000;
 constexpr double kEnoughModelDraws = 4000.0;
 constexpr int kSettling = 500;  // iterations at the posterior itself, after the last bias is gone
-constexpr int kManyPeaks = 80;  // components of the mixtures of posteriors with many modes
+constexpr Eigen::Index kFirstPopulation = 1000;  // draws of an exploration that a fit takes in
+constexpr Eigen::Index kLastPopulation = 4000;   // the last one
+constexpr int kManyPeaks = 80;       // components of the mixtures of posteriors with many modes
 constexpr long kLongRecord = 20000;  // samples: exploring from the prior costs more than it finds
 constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
@@ -450,7 +452,10 @@ class Engine {
                      .modes = {}};
     if (!explorations_.empty()) {
       for (const ModelExploration& found : explorations_) {
-        how.besides.push_back(found.population);
+        const Eigen::Index most = last ? kLastPopulation : kFirstPopulation;
+        how.besides.push_back(thinned(
+            found.population,
+            options_.warmup > 0 ? std::clamp<Eigen::Index>(options_.warmup, 400, most) : most));
         how.modes.emplace_back();
         for (std::size_t k = 0; k < found.modes.size() && k < 40; ++k) {
           const Mode& mode = found.modes[k];
@@ -459,12 +464,21 @@ class Engine {
                                           mode.z.data(), static_cast<Eigen::Index>(mode.z.size())),
                                       Eigen::LLT<Eigen::MatrixXd>(mode.covariance).matrixL()});
         }
-        if (found.modes.size() > 10) how.most_components = kManyPeaks;
+        const auto weighty =
+            std::ranges::count_if(found.shares, [](double share) { return share > 0.005; });
+        if (last && weighty > 10) how.most_components = kManyPeaks;
       }
     }
     const std::vector<double> earned = round > 0 ? earnings() : std::vector<double>{};
     pilot_ = fit_pilot(problem_.space, pooled, how);
     pilot_.earnings = earned;
+  }
+
+  static Eigen::MatrixXd thinned(const Eigen::MatrixXd& columns, Eigen::Index most) {
+    if (columns.cols() <= most) return columns;
+    Eigen::MatrixXd out(columns.rows(), most);
+    for (Eigen::Index i = 0; i < most; ++i) out.col(i) = columns.col(i * columns.cols() / most);
+    return out;
   }
 
   // What each kernel brought in the last round of tuning, over all chains.

@@ -122,9 +122,8 @@ TEST(ModeSearch, UsesTheGradientWhereThereIsOne) {
       return true;
     }
   };
-  Problem problem = problem_of(20, [](std::span<const double> x) {
-    return Sloped().log_likelihood(0, x);
-  });
+  Problem problem =
+      problem_of(20, [](std::span<const double> x) { return Sloped().log_likelihood(0, x); });
   const ModeSearch without = search_modes(problem, 0, {.climbs = 500});
   problem.likelihood = [] { return std::make_unique<Sloped>(); };
   const ModeSearch with = search_modes(problem, 0, {.climbs = 500});
