@@ -67,8 +67,8 @@ void add_fit(const Matrix& draws, int most, double share, Random& random, Compon
   const Eigen::Index n = std::min(draws.rows(), kFitted);
   Matrix used(n, draws.cols());
   for (Eigen::Index i = 0; i < n; ++i) used.row(i) = draws.row(i * draws.rows() / n);
-  const NormalMixture fit =
-      NormalMixture::fit(used, {.max_components = most, .defensive_weight = 0.0}, random);
+  const NormalMixture fit = NormalMixture::fit(
+      used, {.max_components = most, .defensive_weight = 0.0, .tolerance = 1e-5}, random);
   for (int k = 0; k < fit.size(); ++k) {
     components.push_back(fit[k]);
     components.back().weight *= share;

@@ -285,6 +285,8 @@ struct Cluster {
 };
 
 class Fitter {
+  static constexpr Eigen::Index kOnTheWay = 3000;
+
  public:
   Fitter(const Eigen::MatrixXd& samples, const NormalMixture::FitOptions& options, Random& random)
       : options_(options), random_(random), d_(samples.cols()) {
@@ -308,8 +310,15 @@ class Fitter {
     most = std::min(most, 2 * options_.max_components);
     std::vector<Cluster> clusters = initial(most), best;
     double best_score = kInfinity;
+    // The number of components is chosen on a part of the samples, as if they were all: the way
+    // through all numbers costs more than the fit itself.
+    const Eigen::Index part = std::max<Eigen::Index>(kOnTheWay, 200 * (d_ + 1));
+    const bool thinned = z_.rows() > 2 * part;
+    if (thinned) thin(part);
     for (;;) {
-      const double log_likelihood = expectation_maximisation(clusters, 4, 1e-4);
+      const double log_likelihood =
+          thinned ? expectation_maximisation(clusters, 4, 1e-4, thinned_z_, thinned_weight_)
+                  : expectation_maximisation(clusters, 4, 1e-4, z_, weight_);
       const double score = criterion(clusters.size(), log_likelihood);
       if (score < best_score &&
           clusters.size() <= static_cast<std::size_t>(options_.max_components)) {
@@ -319,7 +328,7 @@ class Fitter {
       if (clusters.size() == 1) break;
       merge_closest(clusters);
     }
-    expectation_maximisation(best, options_.max_iterations, 1e-7);
+    expectation_maximisation(best, options_.max_iterations, options_.tolerance, z_, weight_);
     widen(best);
     return components(best);
   }
@@ -360,6 +369,19 @@ class Fitter {
       weight_[i] = count[static_cast<std::size_t>(i)] * static_cast<double>(z_.rows()) /
                    static_cast<double>(rows.rows());
     }
+  }
+
+  // The rows are sorted: every so many of them is a stratified part. Weights add up to those of
+  // all.
+  void thin(Eigen::Index n) {
+    thinned_z_.resize(n, d_);
+    thinned_weight_.resize(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Eigen::Index row = i * z_.rows() / n;
+      thinned_z_.row(i) = z_.row(row);
+      thinned_weight_[i] = weight_[row];
+    }
+    thinned_weight_ *= weight_.sum() / thinned_weight_.sum();
   }
 
   // k-means++ centres in whitened coordinates, a few of Lloyd's iterations, and the clusters'
@@ -463,10 +485,10 @@ class Fitter {
   }
 
   // Returns Σ w ln q of the last but one parameters.
-  double expectation_maximisation(std::vector<Cluster>& clusters, int iterations,
-                                  double tolerance) const {
+  double expectation_maximisation(std::vector<Cluster>& clusters, int iterations, double tolerance,
+                                  const RowMatrix& z, const Eigen::VectorXd& weight) const {
     const auto d = static_cast<std::size_t>(d_);
-    const Samples samples{static_cast<std::size_t>(z_.rows()), d, z_.data(), weight_.data()};
+    const Samples samples{static_cast<std::size_t>(z.rows()), d, z.data(), weight.data()};
     const std::size_t stride = group_stride(d);
     double previous = -kInfinity;
     for (int iteration = 0;; ++iteration) {
@@ -548,8 +570,8 @@ class Fitter {
   const NormalMixture::FitOptions& options_;
   Random& random_;
   Eigen::Index d_;
-  RowMatrix z_;
-  Eigen::VectorXd weight_;
+  RowMatrix z_, thinned_z_;
+  Eigen::VectorXd weight_, thinned_weight_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
   Eigen::VectorXd floor_;

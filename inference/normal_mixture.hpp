@@ -40,6 +40,7 @@ class NormalMixture {
     /// ν of the components' tails; ∞ is normal. The fit itself is by normals.
     double degrees_of_freedom = std::numeric_limits<double>::infinity();
     int max_iterations = 200;  ///< of EM, in the final polish
+    double tolerance = 1e-7;   ///< of it, in the mean log density of a sample
   };
 
   /// Throws std::invalid_argument where the components are none or of different dimensions, a
