@@ -380,7 +380,7 @@ ModelExploration explore_model(const Problem& problem, int model,
   out.likelihood_evaluations += sampler.evaluations();
   out.sampled = sampler.evidence();
   out.effective_draws = sampler.effective_draws();
-  const bool trusted = out.effective_draws >= std::max(200.0, 10.0 * static_cast<double>(d));
+  const bool trusted = out.effective_draws >= std::max(500.0, 50.0 * static_cast<double>(d));
   const Matrix population =
       trusted ? sampler.resampled(kPopulation, random) : draws_and_modes(draws, out.modes, random);
   out.population = population.transpose();

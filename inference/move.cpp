@@ -97,7 +97,7 @@ std::vector<double> kernel_earnings(const KernelMixture& kernels,
   std::vector<double> earned(records.size(), 1.0);
   for (std::size_t k = 0; k < records.size(); ++k) {
     const bool jumps = records[k].jumps_proposed > 0;
-    if (rate[k] < 0.0 || (!jumps && kernels[static_cast<int>(k)].work() == 0.0)) continue;
+    if (rate[k] < 0.0 || kernels[static_cast<int>(k)].work() == 0.0) continue;
     const double best = jumps ? best_jump : best_within;
     if (best > 0.0) earned[k] = std::clamp(rate[k] / best, kLeast, 1.0);
   }

@@ -138,8 +138,8 @@ class KernelMixture {
 
 /// What each kernel is worth beside the best of its sort, from 0.1 to 1: the moves it had accepted,
 /// between models where it proposes such, per unit of counted work, a likelihood call a proposal
-/// included. Kernels within a model that cost nothing beside their call keep their weight: local
-/// steps are there for what the others miss. 1 where there was too little to go by.
+/// included. Kernels that cost nothing beside their call keep their weight, 1, whatever they bring:
+/// some are there for what the others miss. So does one of which there is too little to go by.
 [[nodiscard]] std::vector<double> kernel_earnings(const KernelMixture& kernels,
                                                   const std::vector<KernelRecord>& records);
 

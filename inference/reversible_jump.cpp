@@ -43,6 +43,8 @@ constexpr double kEnoughModelDraws = 4000.0;
 constexpr int kSettling = 500;  // iterations at the posterior itself, after the last bias is gone
 constexpr Eigen::Index kFirstPopulation = 1000;  // draws of an exploration that a fit takes in
 constexpr Eigen::Index kLastPopulation = 4000;   // the last one
+constexpr Eigen::Index kKeptInMind = 400;        // where the chains have many draws of their own
+constexpr long kWellVisited = 4000;
 constexpr int kManyPeaks = 80;       // components of the mixtures of posteriors with many modes
 constexpr long kLongRecord = 20000;  // samples: exploring from the prior costs more than it finds
 constexpr int kDefaultDraws = 25000;
@@ -58,6 +60,7 @@ constexpr double kReached = 0.01;    // share of the visits
 constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all models together
 constexpr long kLeastBudget = 3000;     // a model's
 constexpr int kEvidenceDraws = 4000;    // of each model's mixture
+constexpr double kTrustedDraws = 50.0;  // effective ones of an importance sample
 constexpr double kLive = 30.0;          // ln: chains start in models this far below the best
 // Models below this probability are visited less than the others while tuning: none of their visits
 // is to be expected among the draws.
@@ -368,18 +371,22 @@ class Engine {
         by_ladder[m] = sum;
       }
     }
-    // The two are brought to one scale by the models that both know.
+    // The two are brought to one scale by the models that both know well. Where importance sampling
+    // has failed, the ladder knows better than Laplace.
     double shift = 0.0, known = 0.0;
+    const auto sampled_well = [&](std::size_t m) {
+      return explorations_[m].effective_draws > kTrustedDraws && std::isfinite(by_evidence[m]);
+    };
     for (std::size_t m = 0; m < models(); ++m) {
-      if (!std::isfinite(by_ladder[m]) || !std::isfinite(by_evidence[m])) continue;
+      if (!std::isfinite(by_ladder[m]) || !sampled_well(m)) continue;
       shift += by_evidence[m] - by_ladder[m];
       known += 1.0;
     }
     if (known > 0.0) shift /= known;
     double top = -kInfinity;
     for (std::size_t m = 0; m < models(); ++m) {
-      double& p = log_probability_[m] =
-          std::isfinite(by_evidence[m]) ? by_evidence[m] : by_ladder[m] + shift;
+      const bool by_its_own = !std::isfinite(by_ladder[m]) || (known > 0.0 && sampled_well(m));
+      double& p = log_probability_[m] = by_its_own ? by_evidence[m] : by_ladder[m] + shift;
       if (std::isnan(p)) p = -kInfinity;
       top = std::max(top, p);
     }
@@ -452,10 +459,15 @@ class Engine {
                      .modes = {}};
     if (!explorations_.empty()) {
       for (const ModelExploration& found : explorations_) {
-        const Eigen::Index most = last ? kLastPopulation : kFirstPopulation;
-        how.besides.push_back(thinned(
-            found.population,
-            options_.warmup > 0 ? std::clamp<Eigen::Index>(options_.warmup, 400, most) : most));
+        // Chains that have been there know better: then a few of the population are enough to
+        // keep its modes in mind.
+        const std::size_t m = how.besides.size();
+        const long visits = round > 0 ? pooled.back().visits(static_cast<int>(m)) : 0;
+        Eigen::Index most = last ? kLastPopulation : kFirstPopulation;
+        if (visits > kWellVisited) most = kKeptInMind;
+        if (options_.warmup > 0)
+          most = std::min<Eigen::Index>(most, std::max(options_.warmup, 400));
+        how.besides.push_back(thinned(found.population, most));
         how.modes.emplace_back();
         for (std::size_t k = 0; k < found.modes.size() && k < 40; ++k) {
           const Mode& mode = found.modes[k];
@@ -489,17 +501,21 @@ class Engine {
     return kernel_earnings(*runners_.front().kernels, sums);
   }
 
-  // From the last round's visits, of the models that had enough of them; the others keep their
-  // place beside those.
+  // From the last round's visits, of the models that had enough of them, or should have had; the
+  // others keep their place beside those.
   void learn_probabilities(const PilotSamples& cold) {
-    constexpr long kEnough = 30;
+    constexpr double kEnough = 30.0;
     if (bias_.empty()) return;
-    double visited = -kInfinity, before = -kInfinity;
+    double visited = -kInfinity, before = -kInfinity, all = -kInfinity;
+    for (std::size_t m = 0; m < models(); ++m)
+      all = log_sum_exp(all, log_probability_[m] + bias_[m]);
     std::vector<double> by_visits(models(), kNaN);
     for (std::size_t m = 0; m < models(); ++m) {
-      const long visits = cold.visits(static_cast<int>(m));
-      if (visits < kEnough) continue;
-      by_visits[m] = std::log(static_cast<double>(visits)) - bias_[m];
+      const auto visits = static_cast<double>(cold.visits(static_cast<int>(m)));
+      const double expected =
+          std::exp(log_probability_[m] + bias_[m] - all) * static_cast<double>(cold.total());
+      if (visits < kEnough && expected < kEnough) continue;
+      by_visits[m] = std::log(visits + 0.5) - bias_[m];
       visited = log_sum_exp(visited, by_visits[m]);
       before = log_sum_exp(before, log_probability_[m]);
     }
