@@ -51,7 +51,7 @@ constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
 
-constexpr int kFewModels = 24;       // each of them is explored by itself
+constexpr int kFewModels = 40;       // each of them is explored by itself
 constexpr int kManyModels = 3000;    // glanced at
 constexpr long kGlances = 2;         // climbs in each of those
 constexpr int kBalancedModels = 64;  // tempered with weights that are learnt
@@ -60,6 +60,7 @@ constexpr double kReached = 0.01;    // share of the visits
 constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all models together
 constexpr long kLeastBudget = 3000;     // a model's
 constexpr int kEvidenceDraws = 4000;    // of each model's mixture
+constexpr long kLadderVisits = 50;      // of each chain, of a model that others are compared with
 constexpr double kTrustedDraws = 50.0;  // effective ones of an importance sample
 constexpr double kLive = 30.0;          // ln: chains start in models this far below the best
 // Models below this probability are visited less than the others while tuning: none of their visits
@@ -383,6 +384,7 @@ class Engine {
       known += 1.0;
     }
     if (known > 0.0) shift /= known;
+    if (!hot_.empty()) anneal_by_ladder();
     double top = -kInfinity;
     for (std::size_t m = 0; m < models(); ++m) {
       const bool by_its_own = !std::isfinite(by_ladder[m]) || (known > 0.0 && sampled_well(m));
@@ -392,6 +394,44 @@ class Engine {
     }
     for (double& p : log_probability_) p = std::max(p - top, -700.0);
     normalise_probabilities();
+  }
+
+  // ln Z of each model along the ladder, beside that of a model which importance sampling knows
+  // well: chains have each their own weights and visits, and their scatter is the standard error.
+  void anneal_by_ladder() {
+    std::size_t anchor = models();
+    for (std::size_t m = 0; m < models(); ++m) {
+      if (!(explorations_[m].effective_draws > kTrustedDraws)) continue;
+      if (std::ranges::any_of(runners_, [&](const Runner& runner) {
+            return runner.by_rung.back().visits(static_cast<int>(m)) < kLadderVisits;
+          }))
+        continue;
+      if (anchor == models() ||
+          explorations_[m].effective_draws > explorations_[anchor].effective_draws)
+        anchor = m;
+    }
+    const auto chains = static_cast<double>(runners_.size());
+    if (anchor == models() || runners_.size() < 4) return;
+    const auto log_mass = [&](const Runner& runner, std::size_t m) {
+      return std::log(static_cast<double>(runner.by_rung.back().visits(static_cast<int>(m)))) -
+             runner.tempered->cold_weights()[m] - problem_.space[static_cast<int>(m)].log_prior;
+    };
+    for (std::size_t m = 0; m < models(); ++m) {
+      if (m == anchor || std::isfinite(explorations_[m].annealed.log_evidence)) continue;
+      double sum = 0.0, squares = 0.0;
+      for (const Runner& runner : runners_) {
+        const double difference = log_mass(runner, m) - log_mass(runner, anchor);
+        sum += difference;
+        squares += difference * difference;
+      }
+      const double mean = sum / chains;
+      if (!std::isfinite(mean)) continue;  // some chain was never there
+      const double variance = std::max(0.0, squares / chains - mean * mean) / (chains - 1.0);
+      Evidence& annealed = explorations_[m].annealed;
+      annealed.log_evidence = explorations_[anchor].sampled.log_evidence + mean;
+      // Student's t, as for TMCMC's replicates (tmcmc.hpp)
+      annealed.standard_error = std::sqrt(variance * (chains - 1.0) / (chains - 3.0));
+    }
   }
 
   void normalise_probabilities() {
