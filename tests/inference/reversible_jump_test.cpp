@@ -11,6 +11,7 @@
 
 #include "inference/diagnostics.hpp"
 #include "inference/moves/birth_death.hpp"
+#include "inference/verdict.hpp"
 #include "tests/inference/statistics.hpp"
 #include "tests/inference/toy_problems.hpp"
 
@@ -489,6 +490,73 @@ TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {
 // posterior some 10^4 times narrower than its prior, on a ridge, where chains that temper from the
 // prior come to rest in different places. ln p(y) = ln N(y | 0, A Aᵀ + s² I) gives the odds
 // exactly.
+// A model without parameters, and one that is some 2000 times less probable.
+Problem lopsided() {
+  class Mean : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double> x) override {
+      return x.empty() ? 0.0 : -0.5 * (x[0] - 1.0) * (x[0] - 1.0) / 0.01;
+    }
+  };
+  return {.space = ModelSpace::of_models({{"a", Normal{0.0, 1.0}}},
+                                         {{"zero", 100, {}}, {"free", 1, {"a"}}}),
+          .likelihood = [] { return std::make_unique<Mean>(); }};
+}
+
+TEST(ReversibleJump, CountsLikelihoodCallsWhileTuning) {
+  std::vector<long> calls;
+  Options options{.seed = 3, .chains = 2, .threads = 1, .warmup = 200000, .draws = 200};
+  options.progress = [&](const Options::Progress& p) {
+    if (std::string(p.stage) == "tuning") calls.push_back(p.likelihood_evaluations);
+    return true;
+  };
+  static_cast<void>(reversible_jump(lopsided(), options));
+  ASSERT_GE(calls.size(), 2U);
+  EXPECT_GT(calls.back(), calls.front());
+}
+
+// While tuning, models are visited evenly; the first draws must not show it.
+TEST(ReversibleJump, SettlesAfterTheBiasOfTuningIsGone) {
+  constexpr int kChains = 400;
+  const Problem problem = lopsided();
+  const Posterior posterior = reversible_jump(
+      problem, {.seed = 5, .chains = kChains, .warmup = 1000, .draws = 1, .thin = 1});
+  int rare = 0;
+  for (const Chain& chain : posterior.chains) rare += chain.model[0];
+  // Z = ∫ N(a; 0, 1) exp(-½ (a - 1)²/s²) da, s = 0.1
+  const double z = std::sqrt(0.01 / 1.01) * std::exp(-0.5 / 1.01);
+  const double p = z / (z + 100.0);
+  EXPECT_LE(rare, kChains * p + 4.9 * std::sqrt(kChains * p) + 1.0);  // half of them without it
+}
+
+// With equal prior odds the rare model's probability is known to a tenth of itself; weighted to be
+// drawn evenly, to a hundredth.
+TEST(ReversibleJump, BalanceKnowsARareModelWell) {
+  const Problem problem = lopsided();
+  const Posterior posterior = reversible_jump(problem, {.seed = 7, .balance = true});
+  ASSERT_EQ(posterior.log_weight.size(), 2U);
+  const double z = std::sqrt(0.01 / 1.01) * std::exp(-0.5 / 1.01);
+  const double exact = z / (z + 100.0);
+  const Verdict verdict = judge(posterior);
+  EXPECT_TRUE(verdict.converged);
+  EXPECT_NEAR(verdict.models[1].probability, exact, kSigmas * verdict.models[1].mcse);
+  EXPECT_LT(verdict.models[1].mcse, 0.01 * exact);
+}
+
+// Every run says what it looked for, and what each model's evidence is.
+TEST(ReversibleJump, TellsWhatItsSearchesFound) {
+  const Posterior posterior = reversible_jump(lopsided(), {.seed = 9, .searches = 77});
+  ASSERT_EQ(posterior.found.size(), 2U);
+  const ModelFindings& found = posterior.found[1];
+  EXPECT_EQ(found.climbs, 77);
+  ASSERT_EQ(found.modes.size(), 1U);
+  EXPECT_NEAR(found.modes[0].x[0], 1.0 / 1.01, 0.01);
+  const double exact = 0.5 * std::log(0.01 / 1.01) - 0.5 / 1.01;
+  for (const Evidence& evidence : {found.annealed, found.sampled, found.bridged})
+    EXPECT_NEAR(evidence.log_evidence, exact, 4.9 * evidence.standard_error + 1e-6);
+  EXPECT_EQ(posterior.found[0].sampled.log_evidence, 0.0);
+}
+
 TEST(ReversibleJump, FindsAPosteriorThatIsVeryMuchNarrowerThanItsPrior) {
   constexpr Eigen::Index kData = 12, kParameters = 7;
   static constexpr double kNoiseSd = 1e-4;
