@@ -31,7 +31,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kExplorationRungs = 10;
 constexpr int kMaxRungs = 30;
 constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
-constexpr int kLadderScans = 620;        // where the proposals have been fitted before
+constexpr int kFewestScans = 620;
+constexpr int kLadderScans = 620;  // where the proposals have been fitted before
 constexpr int kFirstScans = 20;
 constexpr int kStepsAScan = 3;
 constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit
@@ -175,6 +176,7 @@ class Engine {
   // Parallel tempering over all models, every chain on its own: from the prior, or, once proposals
   // have been fitted, as a ladder to draw with.
   void temper(int full_scans, bool balanced, bool fitted = false) {
+    const bool chosen = options_.warmup == 0 && !fitted;  // how long, by the engine
     const int scans = options_.warmup > 0
                           ? std::max(60, options_.warmup / (2 * kExplorationRungs * kStepsAScan))
                           : full_scans;
@@ -209,7 +211,9 @@ class Engine {
         }
         done += n;
         if (c == 0) posterior_.warmup += n * kStepsAScan;
-        barriers[static_cast<std::size_t>(c)] = runner.tempered->barrier();
+        const double barrier = barriers[static_cast<std::size_t>(c)] = runner.tempered->barrier();
+        // A round trip takes some 2 + 2 Λ scans (ibid., section 3.5): a hundred of them will do.
+        if (chosen && done >= kFewestScans && done >= 100.0 * (2.0 + 2.0 * barrier)) break;
         // Two neighbours a unit of the barrier (Syed et al. 2022, section 4.3), while there is time
         // left.
         if (runner.tempered->rungs() > 1 && done < scans) {
