@@ -1,6 +1,8 @@
 // Spaces of many models whose probabilities are known: the galaxies with an unknown number of
 // components, 1024 subsets of regressors, and counts that the data say nothing of.
 //
+// galaxies/draws/moves: with moves:1 the problem brings a move of its own (MixtureGibbs).
+//
 // Counters: ess/Mcall is effective draws of the count (of the inclusion that has fewest, for
 // subsets) per million likelihood calls after warm-up; worst_dP is the largest error of a
 // probability and worst_errors the same in Monte Carlo standard errors (4 are rare).
@@ -61,6 +63,8 @@ void report_run(benchmark::State& state, const Posterior& posterior) {
       posterior.wall_seconds / static_cast<double>(posterior.likelihood_evaluations) * 1e6;
 }
 
+constexpr double kRange = 25.107, kMiddle = 21.7255;
+
 // Richardson & Green (1997, JRSS B 59:731), section 4.1. A component is (μ, g, v): its precision is
 // g / β with g ~ Gamma(2, rate 1), so that 1/σ² ~ Gamma(2, rate β); its weight is v / Σ v with v ~
 // Gamma(1), so that the weights are Dirichlet(1, …, 1).
@@ -69,25 +73,169 @@ class Galaxies : public Likelihood {
   explicit Galaxies(std::vector<double> y) : y_(std::move(y)) {}
   double log_likelihood(int, std::span<const double> x) override {
     const std::size_t k = (x.size() - 1) / 3;
-    double total = 0.0, sum = 0.0;
+    double total = 0.0;
     for (std::size_t j = 0; j < k; ++j) total += x[3 + 3 * j];
+    // ln p(y) = ln Σ_j exp(a_j - ½ (y - μ_j)² g_j/β),   a_j = ln w_j + ½ ln(g_j/β) - ½ ln 2π
+    a_.resize(k);
+    for (std::size_t j = 0; j < k; ++j)
+      a_[j] = std::log(x[3 + 3 * j] / total) + 0.5 * std::log(x[2 + 3 * j] / x[0]) - kLogSqrt2Pi;
+    term_.resize(k);
+    double sum = 0.0;
     for (const double y : y_) {
-      double log_p = -HUGE_VAL;
+      double top = -HUGE_VAL, scaled = 0.0;
       for (std::size_t j = 0; j < k; ++j) {
-        const double precision = x[2 + 3 * j] / x[0], r = y - x[1 + 3 * j];
-        log_p = log_sum_exp(log_p, std::log(x[3 + 3 * j] / total) + 0.5 * std::log(precision) -
-                                       0.5 * precision * r * r - kLogSqrt2Pi);
+        const double r = y - x[1 + 3 * j];
+        term_[j] = a_[j] - 0.5 * x[2 + 3 * j] / x[0] * r * r;
+        top = std::max(top, term_[j]);
       }
-      sum += log_p;
+      if (!(top > -HUGE_VAL)) return -HUGE_VAL;
+      for (const double term : term_)
+        if (term > top - 40.0) scaled += std::exp(term - top);
+      sum += top + std::log(scaled);
     }
     return sum;
   }
 
  private:
+  std::vector<double> y_, a_, term_;
+};
+
+// What a user who knows mixtures adds: the telescoping sampler (Frühwirth-Schnatter, Malsiner-Walli
+// & Grün 2021, Bayesian Analysis 16:1279) for the state's own parameters. Each datum is allocated
+// to a component with its posterior probability; given the allocation a, with n_j data in component
+// j and K of the k components not empty, these are exact conditionals:
+//
+//   μ_j | ·  normal,   τ_j = g_j/β ~ Gamma(2 + n_j/2, rate β + ½ Σ (y - μ_j)²),
+//   β | ·    ~ Gamma(0.2 + 2k, rate 10/R² + Σ τ_j),
+//   k | a    ∝ P(k) k!/(k - K)! Γ(k)/Γ(k + n), empty components from their priors, with
+//   v/Σv     ~ Dirichlet(1 + n_j) and Σv ~ Gamma(k).
+//
+// The four are run in this order or, as often, in the reverse. Given a, each is reversible with
+// respect to the posterior π, and so
+//
+//   ln ratio = ln q(s' → s; a, reverse order) - ln q(s → s'; a, order)
+//            + ln p(a | s') - ln p(a | s)     = ln π(s) - ln π(s'),
+//
+// which cancels the target's but for a bias between models that tuning may have added.
+class MixtureGibbs : public Move {
+ public:
+  explicit MixtureGibbs(std::vector<double> y) : y_(std::move(y)) {}
+  std::optional<double> propose(const State& from, const Step& step, State& to) override {
+    if (step.beta != 1.0) return std::nullopt;  // the conditionals are the posterior's
+    const ModelSpace& space = step.target.space();
+    random_ = &step.random;
+    beta_ = from.x[0];
+    components_.clear();
+    for (std::size_t i = 1; i < from.x.size(); i += 3)
+      components_.push_back({from.x[i], from.x[i + 1] / beta_, from.x[i + 2], {}});
+    allocate();
+    const bool reverse = step.random.uniform() < 0.5;
+    for (int i = 0; i < 4; ++i) update(reverse ? 3 - i : i, space);
+    to.model = static_cast<int>(components_.size()) - 1;
+    to.z = {space.prior(to.model, 0).to_standard_normal(beta_)};
+    for (const Component& c : components_) {
+      to.z.push_back(space.prior(to.model, 1).to_standard_normal(c.mean));
+      to.z.push_back(space.prior(to.model, 2).to_standard_normal(c.precision * beta_));
+      to.z.push_back(space.prior(to.model, 3).to_standard_normal(c.weight));
+    }
+    for (const double z : to.z)
+      if (!std::isfinite(z)) return std::nullopt;
+    step.target.sort_components(to);
+    step.target.screen(to);
+    return log_posterior(space, from) - log_posterior(space, to);
+  }
+
+ private:
+  struct Component {
+    double mean, precision, weight;
+    std::vector<double> data;
+  };
+
+  static double log_posterior(const ModelSpace& space, const State& state) {
+    double sum = state.log_likelihood + space[state.model].log_prior +
+                 std::lgamma(space[state.model].counts[0] + 1.0);
+    for (const double z : state.z) sum -= 0.5 * z * z + kLogSqrt2Pi;
+    return sum;
+  }
+
+  void allocate() {
+    std::vector<double> p(components_.size());
+    for (const double y : y_) {
+      double sum = 0.0, top = -HUGE_VAL;
+      for (std::size_t j = 0; j < p.size(); ++j) {
+        const Component& c = components_[j];
+        p[j] = std::log(c.weight) + 0.5 * std::log(c.precision) -
+               0.5 * c.precision * (y - c.mean) * (y - c.mean);
+        top = std::max(top, p[j]);
+      }
+      for (double& value : p) sum += value = std::exp(value - top);
+      double u = random_->uniform() * sum;
+      std::size_t j = 0;
+      for (; j + 1 < p.size(); ++j) {
+        u -= p[j];
+        if (u < 0.0) break;
+      }
+      components_[j].data.push_back(y);
+    }
+  }
+
+  void update(int which, const ModelSpace& space) {
+    if (which == 0) {
+      for (Component& c : components_) {
+        constexpr double kPrior = 1.0 / (kRange * kRange);
+        double sum = kMiddle * kPrior;
+        for (const double y : c.data) sum += c.precision * y;
+        const double precision = kPrior + c.precision * static_cast<double>(c.data.size());
+        c.mean = sum / precision + random_->normal() / std::sqrt(precision);
+      }
+    } else if (which == 1) {
+      for (Component& c : components_) {
+        double square = 0.0;
+        for (const double y : c.data) square += (y - c.mean) * (y - c.mean);
+        c.precision =
+            random_->gamma(2.0 + 0.5 * static_cast<double>(c.data.size())) / (beta_ + 0.5 * square);
+      }
+    } else if (which == 2) {
+      double rate = 10.0 / (kRange * kRange);
+      for (const Component& c : components_) rate += c.precision;
+      beta_ = random_->gamma(0.2 + 2.0 * static_cast<double>(components_.size())) / rate;
+    } else {
+      std::erase_if(components_, [](const Component& c) { return c.data.empty(); });
+      const auto filled = static_cast<int>(components_.size());
+      std::vector<double> p;
+      double top = -HUGE_VAL;
+      for (int k = filled; k <= space.size(); ++k) {
+        p.push_back(space[k - 1].log_prior + std::lgamma(k + 1.0) - std::lgamma(k - filled + 1.0) +
+                    std::lgamma(k) - std::lgamma(k + static_cast<double>(y_.size())));
+        top = std::max(top, p.back());
+      }
+      double sum = 0.0;
+      for (double& value : p) sum += value = std::exp(value - top);
+      double u = random_->uniform() * sum;
+      std::size_t empty = 0;
+      for (; empty + 1 < p.size(); ++empty) {
+        u -= p[empty];
+        if (u < 0.0) break;
+      }
+      for (; empty > 0; --empty)
+        components_.push_back(
+            {kMiddle + kRange * random_->normal(), random_->gamma(2.0) / beta_, 0.0, {}});
+      double total = 0.0;
+      for (Component& c : components_)
+        total += c.weight = random_->gamma(1.0 + static_cast<double>(c.data.size()));
+      const double scale = random_->gamma(static_cast<double>(components_.size())) / total;
+      for (Component& c : components_) c.weight *= scale;
+    }
+  }
+
   std::vector<double> y_;
+  Random* random_ = nullptr;
+  double beta_ = 0.0;
+  std::vector<Component> components_;
 };
 
 void galaxies(benchmark::State& state) {
+  const bool with_moves = state.range(1) != 0;
   const auto folder = kShared / "validation" / "galaxies";
   if (!std::filesystem::exists(folder)) {
     state.SkipWithError("the validation set 'galaxies' is not beside this checkout");
@@ -99,18 +247,20 @@ void galaxies(benchmark::State& state) {
   std::getline(file, line);
   std::vector<double> y;
   for (double v = 0.0; file >> v;) y.push_back(v);
-  constexpr double kRange = 25.107, kMiddle = 21.7255;
   std::vector<ModelSpace::Counts> counts;
   for (int k = 1; k <= 30; ++k) counts.push_back({{k}, 1.0});
-  const Problem problem{
-      .space = ModelSpace::of_components({{"beta", Gamma{0.2, kRange * kRange / 10.0}}},
-                                         {{"component",
-                                           "components",
-                                           {{"mean", Normal{kMiddle, kRange}},
-                                            {"scaled precision", Gamma{2.0, 1.0}},
-                                            {"weight", Gamma{1.0, 1.0}}}}},
-                                         counts),
-      .likelihood = [=] { return std::make_unique<Galaxies>(y); }};
+  Problem problem{.space = ModelSpace::of_components({{"beta", Gamma{0.2, kRange * kRange / 10.0}}},
+                                                     {{"component",
+                                                       "components",
+                                                       {{"mean", Normal{kMiddle, kRange}},
+                                                        {"scaled precision", Gamma{2.0, 1.0}},
+                                                        {"weight", Gamma{1.0, 1.0}}}}},
+                                                     counts),
+                  .likelihood = [=] { return std::make_unique<Galaxies>(y); }};
+  if (with_moves) {
+    problem.moves.push_back(
+        {"telescoping Gibbs", [=] { return std::make_unique<MixtureGibbs>(y); }});
+  }
   for (auto _ : state) {
     const Posterior posterior =
         reversible_jump(problem, {.draws = static_cast<int>(state.range(0))});
@@ -123,11 +273,21 @@ void galaxies(benchmark::State& state) {
     }
     worst.report(state);
     const ChainsOf k = of_models(posterior, [](int m) { return static_cast<double>(m); });
-    state.counters["ess/Mcall"] = ess_mean(k) / calls_after_warmup(posterior) * 1e6;
+    // An allocation computes as many densities as a likelihood call, and counts as one.
+    double allocations = 0.0;
+    for (const MoveStatistics& move : posterior.moves)
+      if (move.name == "telescoping Gibbs") allocations = static_cast<double>(move.proposed);
+    state.counters["ess/Mcall"] = ess_mean(k) / (calls_after_warmup(posterior) + allocations) * 1e6;
     report_run(state, posterior);
   }
 }
-BENCHMARK(galaxies)->Arg(200000)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
+BENCHMARK(galaxies)
+    ->ArgNames({"draws", "moves"})
+    ->Args({200000, 0})
+    ->Args({200000, 1})
+    ->Iterations(1)
+    ->Unit(benchmark::kSecond)
+    ->UseRealTime();
 
 // As hald_problem, with ten correlated regressors, simulated. Of a subset of p with coefficient of
 // determination R² and g = n,
