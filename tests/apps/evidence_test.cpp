@@ -19,7 +19,7 @@ TEST(Evidence, AMethodThatFailsLeavesTheRunAndSaysWhy) {
   const Report report = evidence_report(
       problem.space, Report::array({{{"probability", 1.0}, {"mcse", 0.0}}}), list, warnings);
   ASSERT_EQ(warnings.size(), 2U) << "one of each method, and no comparison with nothing";
-  EXPECT_NE(warnings[0].find("tmcmc: model 'only'"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("by tmcmc failed: model 'only'"), std::string::npos) << warnings[0];
   for (const std::string method : {"tmcmc", "bridge"}) {
     EXPECT_TRUE(report[method][0]["log_evidence"].is_null());
     EXPECT_EQ(report[method][0]["warnings"].size(), 1U);
