@@ -12,6 +12,9 @@ constexpr long kMaxRungs = 1 << 10;  // streams of one scan
 // Draws from the prior before giving up: a feasible region of 1e-4 of the prior is missed with a
 // probability of e^-10, and a likelihood that is zero mostly says so cheaply.
 constexpr int kTries = 100'000;
+constexpr int kTriesOfRecord = 5000;  // of a long record, after the first by its first samples
+constexpr int kTriesOfWhole = 200;
+constexpr long kGlance = 50;
 constexpr int kFirstOfCheck = 1000;   // streams of the check, behind those of the rungs
 constexpr double kFirstScans = 60.0;  // t₀: of full gain in learning weights
 }  // namespace
@@ -38,14 +41,27 @@ State start_from_prior(Target& target, Random& random) {
 }
 
 void check_models(Target& target, std::uint64_t seed) {
+  std::shared_ptr<const Problem> part;
+  std::unique_ptr<Target> glance;
+  if (target.problem().shortened && target.problem().samples > kGlance) {
+    part = target.problem().shortened(kGlance);
+    glance = std::make_unique<Target>(*part, false);
+  }
   for (int m = 0; m < target.space().size(); ++m) {
     if (!std::isfinite(target.space()[m].log_prior)) continue;
+    // A long record's first samples tell what is impossible for less; they must not say so alone.
+    const int tries = glance ? kTriesOfRecord : kTries;
     State state;
     bool finite = false;
-    for (int i = 0; i < kTries && !finite; ++i) {
+    for (int i = 0; i < tries && !finite; ++i) {
       Random random(seed, static_cast<std::uint64_t>(m),
                     static_cast<std::uint64_t>(kFirstOfCheck + i), Purpose::start);
       target.draw_prior(m, random, state);
+      if (glance && i >= kTriesOfWhole) {
+        State first = state;
+        glance->evaluate(first);
+        if (!std::isfinite(first.log_likelihood)) continue;
+      }
       target.evaluate(state);
       finite = std::isfinite(state.log_likelihood);
       if (state.z.empty()) break;
@@ -58,7 +74,7 @@ void check_models(Target& target, std::uint64_t seed) {
       }
       throw LikelihoodError("the likelihood of model '" + target.space()[m].name +
                             "' is zero at every point drawn from its prior (" +
-                            std::to_string(kTries) + " tried)" + parameters);
+                            std::to_string(tries) + " tried)" + parameters);
     }
   }
 }
