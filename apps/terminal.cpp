@@ -187,9 +187,12 @@ void print_models(std::ostream& out, const Report& models) {
   for (const auto& m : models) {
     const double p = m["probability"];
     const bool known = m["mcse"].is_number();
+    // Beside "< 0.1 %" an error of 1e-24 % would only puzzle; the line below has the number.
+    const bool with_error = known && !(m.value("basis", std::string()) == "evidence" && p < 0.001);
     out << "  " << pad_right(m["name"], widest) << "  " << pad_left(known ? percent(p) : "?", 8)
-        << (known ? " ± " + pad_right(significant(100.0 * m["mcse"].get<double>(), 2) + " %", 9)
-                  : std::string(12, ' '))
+        << (with_error
+                ? " ± " + pad_right(significant(100.0 * m["mcse"].get<double>(), 2) + " %", 9)
+                : std::string(12, ' '))
         << ' ' << bar(p, 30) << '\n';
     if (const std::string told = told_by_evidence(m); !told.empty()) {
       print_wrapped(out, told, "    ", "    ");
