@@ -516,5 +516,30 @@ TEST(Invariance, DelayedRejection) {
   EXPECT_LT(kernel_p_value([&] { return std::make_unique<Forgets>(scales); }), kFalseAlarm);
 }
 
+// Dear kernels are worth what they have accepted for their work; cheap ones keep their weight.
+TEST(KernelEarnings, CountWorkAndNotTime) {
+  class Idle : public Kernel {
+   public:
+    Idle(const char* name, double work) : Kernel(name, work) {}
+    Outcome step(State&, const Step&) override { return {}; }
+  };
+  KernelMixture kernels;
+  kernels.add(1.0, std::make_unique<Idle>("cheap", 0.0));
+  kernels.add(1.0, std::make_unique<Idle>("dear and as often accepted", 3.0));
+  kernels.add(1.0, std::make_unique<Idle>("dear and hardly accepted", 3.0));
+  kernels.add(1.0, std::make_unique<Idle>("cheap and hardly accepted", 0.0));
+  kernels.add(1.0, std::make_unique<Idle>("dear and hardly tried", 3.0));
+  const auto jumps = [](long proposed, long accepted) {
+    return KernelRecord{proposed, accepted, proposed, accepted};
+  };
+  const std::vector<double> earned = kernel_earnings(
+      kernels, {jumps(1000, 400), jumps(1000, 400), jumps(1000, 4), jumps(1000, 4), jumps(10, 0)});
+  EXPECT_EQ(earned[0], 1.0);
+  EXPECT_DOUBLE_EQ(earned[1], 0.25);
+  EXPECT_DOUBLE_EQ(earned[2], 0.1);
+  EXPECT_EQ(earned[3], 1.0);
+  EXPECT_EQ(earned[4], 1.0);
+}
+
 }  // namespace
 }  // namespace wheeltap::inference
