@@ -44,8 +44,6 @@ constexpr double kEnoughModelDraws = 4000.0;
 constexpr int kSettling = 500;  // iterations at the posterior itself, after the last bias is gone
 constexpr Eigen::Index kFirstPopulation = 1000;  // draws of an exploration that a fit takes in
 constexpr Eigen::Index kLastPopulation = 4000;   // the last one
-constexpr Eigen::Index kKeptInMind = 400;        // where the chains have many draws of their own
-constexpr long kWellVisited = 4000;
 constexpr int kManyPeaks = 80;       // components of the mixtures of posteriors with many modes
 constexpr long kLongRecord = 20000;  // samples: exploring from the prior costs more than it finds
 constexpr int kDefaultDraws = 25000;
@@ -503,12 +501,7 @@ class Engine {
                      .modes = {}};
     if (!explorations_.empty()) {
       for (const ModelExploration& found : explorations_) {
-        // Chains that have been there know better: then a few of the population are enough to
-        // keep its modes in mind.
-        const std::size_t m = how.besides.size();
-        const long visits = round > 0 ? pooled.back().visits(static_cast<int>(m)) : 0;
         Eigen::Index most = last ? kLastPopulation : kFirstPopulation;
-        if (visits > kWellVisited) most = kKeptInMind;
         if (options_.warmup > 0)
           most = std::min<Eigen::Index>(most, std::max(options_.warmup, 400));
         how.besides.push_back(thinned(found.population, most));
