@@ -57,6 +57,7 @@ constexpr int kBalancedModels = 64;  // tempered with weights that are learnt
 constexpr int kReachedModels = 12;   // of many: those explored by themselves when they are reached
 constexpr double kReached = 0.01;    // share of the visits
 constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all models together
+constexpr long kRecordBudget = 120000;  // where a record grows: modes are then followed besides
 constexpr long kLeastBudget = 3000;     // a model's
 constexpr int kEvidenceDraws = 4000;    // of each model's mixture
 constexpr long kLadderVisits = 50;      // of each chain, of a model that others are compared with
@@ -290,8 +291,10 @@ class Engine {
     const double brief =
         options_.warmup > 0 ? std::min(1.0, static_cast<double>(options_.warmup) / 20000.0) : 1.0;
     const long budget = std::max(
-        kLeastBudget, static_cast<long>(brief * static_cast<double>(kSearchBudget) /
-                                        static_cast<double>(std::max<long>(1, with_parameters))));
+        kLeastBudget,
+        static_cast<long>(brief *
+                          static_cast<double>(problem_.shortened ? kRecordBudget : kSearchBudget) /
+                          static_cast<double>(std::max<long>(1, with_parameters))));
     reporter_.begin("searching", static_cast<double>(std::max<long>(1, with_parameters)));
     for (const int m : list) {
       if (!std::isfinite(problem_.space[m].log_prior)) continue;
