@@ -14,9 +14,9 @@
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/terminal.hpp"
-#include "emulator/atomic_file.hpp"
+#include "base/parallel.hpp"
 #include "fem/modal_analysis.hpp"
-#include "inference/parallel.hpp"
+#include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -186,7 +186,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   std::optional<emulator::TableFile> made;
   if (!options.merge.empty()) made = read_parts(options.merge, damage_case);
   // Reserve the name first: a table that cannot be written should not be computed.
-  { const emulator::AtomicFile writable(common.output); }
+  { const io::AtomicFile writable(common.output); }
   const std::string stem = common.output.string() + ".runs";
   const auto journal = [&](int count) {
     return std::filesystem::path(stem + ".count_" + std::to_string(count));
@@ -201,7 +201,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   ProgressBar bar(common.quiet);
   std::map<int, Eigen::Index> remembered;
   const FrequencyEmulator::TrainOptions train = {
-      .threads = inference::thread_count(common.threads),
+      .threads = base::thread_count(common.threads),
       .seed = common.seed.value_or(1),
       .journal_stem = made ? std::string() : stem,
       .progress =
@@ -269,12 +269,12 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
     }
   }
   // Reserve the names first: a run that cannot be kept should not start.
-  emulator::AtomicFile posterior_file(common.output / "posterior.nc");
-  emulator::AtomicFile summary_file(common.output / "summary.json");
+  io::AtomicFile posterior_file(common.output / "posterior.nc");
+  io::AtomicFile summary_file(common.output / "summary.json");
 
   ProgressBar bar(common.quiet);
   const auto problem = make_damage_problem(
-      std::move(parsed), {.threads = inference::thread_count(common.threads),
+      std::move(parsed), {.threads = base::thread_count(common.threads),
                           .table_progress = [&](int count, Eigen::Index done, Eigen::Index total) {
                             bar.show("table",
                                      static_cast<double>(done) / static_cast<double>(total),

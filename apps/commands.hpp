@@ -1,4 +1,4 @@
-// The commands of the program, one function each. All throw Failure (or emulator::FileError) where
+// The commands of the program, one function each. All throw Failure (or io::FileError) where
 // they cannot do their work.
 #pragma once
 

@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "apps/csv_frequencies.hpp"
+#include "base/random.hpp"
 #include "fem/modal_analysis.hpp"
 #include "fem/section.hpp"
-#include "inference/random.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -638,7 +638,7 @@ FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed) {
   FrequencyData data;
   data.simulated = true;
   data.origin = "simulated from the case's truth, seed " + std::to_string(seed);
-  inference::Random random(seed, 0, 0, inference::Purpose::simulation);
+  base::Random random(seed, 0, 0, base::Purpose::simulation);
   for (const double f :
        elastic_frequencies(damage_case.beam, damage_case.true_defects(), s.modes)) {
     data.frequencies_hz.push_back(f * (1.0 + s.cov * random.normal()));

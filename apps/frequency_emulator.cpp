@@ -151,7 +151,7 @@ Table table_of_csv(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
   }
   Table table = emulator::read_runs_csv(file, columns, "frequency");
   const auto refuse = [&](const std::string& what) {
-    throw emulator::FileError(emulator::FileError::Kind::corrupt, file, what);
+    throw io::FileError(io::FileError::Kind::corrupt, file, what);
   };
   for (const Factor& f : table.factors) {
     const bool location = f.unit == "m";
@@ -324,7 +324,7 @@ std::string beam_fingerprint(const fem::Beam& beam) {
                          {"area", beam.section.area},
                          {"second_moment", beam.section.second_moment},
                          {"shear_coefficient", beam.section.shear_coefficient}};
-  return emulator::fingerprint(identity.dump());
+  return io::fingerprint(identity.dump());
 }
 
 namespace {
@@ -594,8 +594,8 @@ FrequencyEmulator FrequencyEmulator::load(const std::filesystem::path& path, con
   auto file = emulator::read_table_file(
       path, {.expected_fingerprint = beam_fingerprint(beam), .allow_incomplete = true});
   if (const auto part = file.attributes.find("part"); part != file.attributes.end()) {
-    throw emulator::FileError(
-        emulator::FileError::Kind::corrupt, path,
+    throw io::FileError(
+        io::FileError::Kind::corrupt, path,
         "holds part " + part->second + " of a table: join the parts with wheeltap table --merge");
   }
   FrequencyEmulator loaded(beam);
@@ -604,17 +604,17 @@ FrequencyEmulator FrequencyEmulator::load(const std::filesystem::path& path, con
     if (found == file.tables.end()) break;
     Table& table = found->second;
     if (table.missing_runs() > 0) {
-      throw emulator::FileError(emulator::FileError::Kind::corrupt, path,
-                                "lacks " + std::to_string(table.missing_runs()) + " runs with " +
-                                    std::to_string(count) + " damages");
+      throw io::FileError(io::FileError::Kind::corrupt, path,
+                          "lacks " + std::to_string(table.missing_runs()) + " runs with " +
+                              std::to_string(count) + " damages");
     }
     if (table.values.cols() < modes) {
       throw std::invalid_argument(path.string() + " holds " + std::to_string(table.values.cols()) +
                                   " modes, the data have " + std::to_string(modes));
     }
     if (table.factors.size() != static_cast<std::size_t>(2 * count)) {
-      throw emulator::FileError(emulator::FileError::Kind::foreign, path,
-                                "is no table of damages and frequencies");
+      throw io::FileError(io::FileError::Kind::foreign, path,
+                          "is no table of damages and frequencies");
     }
     const auto symmetrised = table.attributes.find("symmetrised");
     loaded.symmetrised_ = symmetrised != table.attributes.end() && symmetrised->second == "true";
@@ -628,14 +628,14 @@ FrequencyEmulator FrequencyEmulator::load(const std::filesystem::path& path, con
       error.leave_one_out = vector_of(l->second);
     }
     if (error.holdout.empty()) {
-      throw emulator::FileError(emulator::FileError::Kind::foreign, path,
-                                "does not say how wrong its emulator is");
+      throw io::FileError(io::FileError::Kind::foreign, path,
+                          "does not say how wrong its emulator is");
     }
     loaded.errors_.push_back(std::move(error));
     try {
       loaded.add(std::move(table), 1);
     } catch (const std::invalid_argument& fault) {
-      throw emulator::FileError(emulator::FileError::Kind::corrupt, path, fault.what());
+      throw io::FileError(io::FileError::Kind::corrupt, path, fault.what());
     }
   }
   if (loaded.tables() == 2 && loaded.tables_[1].attributes.contains("anova")) {

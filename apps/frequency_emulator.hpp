@@ -61,7 +61,7 @@ class FrequencyEmulator {
   static emulator::TableFile run_part(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                       const DefectKind& kind, int modes, int part, int parts,
                                       const TrainOptions& options);
-  /// Reads a table file made for this beam. Throws emulator::FileError, and std::invalid_argument
+  /// Reads a table file made for this beam. Throws io::FileError, and std::invalid_argument
   /// where it holds too few counts or modes.
   static FrequencyEmulator load(const std::filesystem::path& path, const fem::Beam& beam,
                                 int max_count, int modes);

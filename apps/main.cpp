@@ -7,8 +7,8 @@
 #include "apps/init.hpp"
 #include "apps/nearest.hpp"
 #include "apps/report/report.hpp"
-#include "emulator/file_error.hpp"
 #include "inference/target.hpp"
+#include "io/file_error.hpp"
 
 namespace {
 
@@ -20,11 +20,11 @@ int report(Exit exit, const std::string& line) {
   return static_cast<int>(exit);
 }
 
-Exit exit_of(emulator::FileError::Kind kind) {
+Exit exit_of(io::FileError::Kind kind) {
   switch (kind) {
-    case emulator::FileError::Kind::missing:
+    case io::FileError::Kind::missing:
       return Exit::no_input;
-    case emulator::FileError::Kind::unwritable:
+    case io::FileError::Kind::unwritable:
       return Exit::cannot_create;
     default:
       return Exit::bad_input;
@@ -194,7 +194,7 @@ int main(int argc, char** argv) {
     return static_cast<int>(Exit::done);
   } catch (const apps::Failure& failure) {
     return report(failure.exit(), failure.what());
-  } catch (const emulator::FileError& error) {
+  } catch (const io::FileError& error) {
     return report(exit_of(error.kind()), error.what());
   } catch (const inference::LikelihoodError& error) {
     return report(Exit::bad_input, common.case_path.string() + ": " + error.what());

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "apps/netcdf_writer.hpp"
 #include "apps/summary.hpp"
-#include "inference/random.hpp"
+#include "base/random.hpp"
+#include "io/netcdf_writer.hpp"
 
 namespace wheeltap::apps {
 
@@ -149,7 +149,7 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
     for (std::size_t c = 0; c < chains; ++c) {
       const auto& from = posterior.chains[c];
       for (std::size_t i = 0; i < draws; ++i) {
-        inference::Random random(seed, c, i, inference::Purpose::prediction);
+        base::Random random(seed, c, i, base::Purpose::prediction);
         for (std::size_t m = 0; m < modes; ++m) {
           const double f = from.prediction[i * modes + m];
           const double sd = data.cov_prior ? from.theta[i * width] * f : data.sd_hz[m];

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "apps/damage_problem.hpp"
-#include "apps/netcdf_writer.hpp"
 #include "inference/reversible_jump.hpp"
+#include "io/netcdf_writer.hpp"
 
 namespace wheeltap::apps {
 
@@ -18,7 +18,7 @@ void write_sample_stats(const NetcdfWriter& file, const inference::Posterior& po
 ///   sample_stats          lp, log_likelihood, k, move, accepted (chain, draw)
 ///   posterior_predictive  frequency (chain, draw, mode): predicted, with the noise of `seed` added
 ///   observed_data         frequency (mode)
-/// and attributes that name models and moves. Throws emulator::FileError (unwritable).
+/// and attributes that name models and moves. Throws io::FileError (unwritable).
 void write_posterior_file(const std::filesystem::path& path, const DamageProblem& problem,
                           const inference::Posterior& posterior, std::uint64_t seed);
 

@@ -99,23 +99,22 @@ void make_output_folder(const std::filesystem::path& directory) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error || !std::filesystem::is_directory(directory)) {
-    throw emulator::FileError(emulator::FileError::Kind::unwritable, directory,
-                              error ? error.message() : "is not a folder");
+    throw io::FileError(io::FileError::Kind::unwritable, directory,
+                        error ? error.message() : "is not a folder");
   }
 }
 
-void write_text(const emulator::AtomicFile& file, const std::string& text) {
+void write_text(const io::AtomicFile& file, const std::string& text) {
   std::ofstream stream(file.temporary(), std::ios::binary);
   stream << text;
   stream.close();
   if (!stream) {
-    throw emulator::FileError(emulator::FileError::Kind::unwritable, file.temporary(),
-                              "cannot be written");
+    throw io::FileError(io::FileError::Kind::unwritable, file.temporary(), "cannot be written");
   }
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
-  emulator::AtomicFile file(path);
+  io::AtomicFile file(path);
   write_text(file, text);
   file.commit();
 }

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "emulator/atomic_file.hpp"
 #include "inference/reversible_jump.hpp"
+#include "io/atomic_file.hpp"
 
 namespace spdlog {
 class logger;
@@ -23,11 +23,11 @@ namespace wheeltap::apps {
                                               inference::Options options,
                                               const std::filesystem::path& case_path, bool quiet);
 
-/// Throws emulator::FileError where it cannot be made.
+/// Throws io::FileError where it cannot be made.
 void make_output_folder(const std::filesystem::path& directory);
 
-/// Into the file's temporary name; the caller commits. Throws emulator::FileError.
-void write_text(const emulator::AtomicFile& file, const std::string& text);
+/// Into the file's temporary name; the caller commits. Throws io::FileError.
+void write_text(const io::AtomicFile& file, const std::string& text);
 /// The whole file at once.
 void write_text(const std::filesystem::path& path, const std::string& text);
 

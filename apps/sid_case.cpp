@@ -5,8 +5,8 @@
 #include <limits>
 #include <set>
 
-#include "dynamics/generate.hpp"
-#include "dynamics/signals.hpp"
+#include "signals/excitation.hpp"
+#include "signals/spectra.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -44,13 +44,13 @@ auto explained(const CaseFile& file, const Pointer& where, const Work& work) {
   }
 }
 
-dynamics::Record read(const CaseFile& file, const Pointer& where) {
+signals::Record read(const CaseFile& file, const Pointer& where) {
   const auto path = file.resolve(file.json.at(where).get<std::string>());
   try {
-    return dynamics::read_record(path);
-  } catch (const dynamics::FileError& error) {
+    return signals::read_record(path);
+  } catch (const signals::FileError& error) {
     throw Failure(Exit::no_input, error.what());
-  } catch (const dynamics::DataError& error) {
+  } catch (const signals::DataError& error) {
     throw Failure(Exit::bad_input, error.what());
   }
 }
@@ -489,7 +489,7 @@ class Parser {
 
   void load_record() {
     const Json& r = json_["record"];
-    dynamics::Record record;
+    signals::Record record;
     if (r.contains("file")) {
       record = read(file_, Pointer("/record/file"));
       out_.origin = "measured, " + r["file"].get<std::string>();
@@ -510,23 +510,23 @@ class Parser {
     try {
       if (band_limited) out_.stride = choose_stride(record);
       for (SidChannel& channel : out_.channels) load_channel(record, channel, band_limited);
-    } catch (const dynamics::DataError& error) {
+    } catch (const signals::DataError& error) {
       throw Failure(Exit::bad_input, error.what());
     }
     out_.integration.stride = out_.stride;
   }
 
-  int find_column(const dynamics::Record& record, const SidChannel& channel) const {
+  int find_column(const signals::Record& record, const SidChannel& channel) const {
     try {
       return record.find(channel.column);
-    } catch (const dynamics::DataError& error) {
+    } catch (const signals::DataError& error) {
       file_.refuse(
           json_.contains(channel.where / "column") ? channel.where / "column" : channel.where,
           error.what());
     }
   }
 
-  void read_rate(const dynamics::Record& record) {
+  void read_rate(const signals::Record& record) {
     const Json& r = json_["record"];
     std::optional<double> stated;
     if (r.contains("sample_rate")) stated = r["sample_rate"].get<double>();
@@ -546,13 +546,13 @@ class Parser {
       return;
     }
     try {
-      out_.sample_rate_hz = dynamics::sample_rate_hz(record, column, stated);
-    } catch (const dynamics::DataError& error) {
+      out_.sample_rate_hz = signals::sample_rate_hz(record, column, stated);
+    } catch (const signals::DataError& error) {
       throw Failure(Exit::bad_input, error.what());
     }
   }
 
-  void read_window(const dynamics::Record& record) {
+  void read_window(const signals::Record& record) {
     const Json& r = json_["record"];
     const std::string there = record.file + " has " + std::to_string(record.samples()) + " samples";
     out_.end = record.samples();
@@ -577,23 +577,23 @@ class Parser {
   }
 
   template <class Visit>
-  void each_excitation(const dynamics::Record& record, const Visit& visit) const {
+  void each_excitation(const signals::Record& record, const Visit& visit) const {
     for (const SidChannel& channel : out_.channels) {
       if (!channel.is_excitation()) continue;
-      visit(channel, dynamics::window(record, find_column(record, channel),
-                                      out_.begin - out_.lead_in, out_.end));
+      visit(channel, signals::window(record, find_column(record, channel),
+                                     out_.begin - out_.lead_in, out_.end));
     }
   }
 
   /// Amplitude that the worst excitation loses between samples when held at `factor` times the
   /// rate.
-  double loss(const dynamics::Record& record, int factor, std::string* worst = nullptr) const {
+  double loss(const signals::Record& record, int factor, std::string* worst = nullptr) const {
     double most = 0.0;
     each_excitation(record, [&](const SidChannel& channel, std::vector<double> samples) {
-      dynamics::detrend(samples, 0);
-      const auto spectrum = dynamics::welch(samples, out_.sample_rate_hz);
+      signals::detrend(samples, 0);
+      const auto spectrum = signals::welch(samples, out_.sample_rate_hz);
       const double lost =
-          dynamics::linear_interpolation_loss(spectrum, out_.sample_rate_hz * factor);
+          signals::linear_interpolation_loss(spectrum, out_.sample_rate_hz * factor);
       if (lost > most) {
         most = lost;
         if (worst != nullptr) *worst = channel.column;
@@ -602,14 +602,14 @@ class Parser {
     return most;
   }
 
-  int choose_stride(const dynamics::Record& record) const {
+  int choose_stride(const signals::Record& record) const {
     if (json_["record"].contains("upsample")) return json_["record"]["upsample"];
     int factor = 1;
     while (factor < 16 && loss(record, factor) > kUpsampledLoss) factor *= 2;
     return factor;
   }
 
-  void load_channel(const dynamics::Record& record, SidChannel& channel, bool band_limited) {
+  void load_channel(const signals::Record& record, SidChannel& channel, bool band_limited) {
     if (channel.role == Role::ignore || channel.role == Role::time) {
       static_cast<void>(find_column(record, channel));
       return;
@@ -618,20 +618,20 @@ class Parser {
     const auto& source = record.columns[static_cast<std::size_t>(column)];
     channel.unit = source.unit;
     const int begin = out_.begin - out_.lead_in;
-    channel.signal.samples = dynamics::window(record, column, begin, out_.end);
+    channel.signal.samples = signals::window(record, column, begin, out_.end);
     const bool whole =
         std::ranges::all_of(source.values, [](double x) { return std::isfinite(x); });
     const bool part = out_.begin > 0 || out_.end < record.samples();
     if (whole && part && !out_.simulated && out_.end - out_.begin >= kComparable) {
-      channel.window = dynamics::compare_window(source.values, out_.begin, out_.end,
-                                                out_.sample_rate_hz, {.segment = kComparable / 2});
+      channel.window = signals::compare_window(source.values, out_.begin, out_.end,
+                                               out_.sample_rate_hz, {.segment = kComparable / 2});
       warn_of_window(channel);
     }
     if (!channel.is_excitation()) return;
     if (band_limited) {
       channel.signal.samples =
-          whole ? dynamics::upsample(source.values, begin, out_.end, out_.stride)
-                : dynamics::upsample(channel.signal.samples, 0, out_.end - begin, out_.stride);
+          whole ? signals::upsample(source.values, begin, out_.end, out_.stride)
+                : signals::upsample(channel.signal.samples, 0, out_.end - begin, out_.stride);
     }
   }
 
@@ -669,9 +669,9 @@ class Parser {
     for (const SidChannel& channel : out_.channels) {
       if (!channel.is_excitation()) continue;
       std::vector<double> samples = channel.signal.samples;
-      dynamics::detrend(samples, 0);
-      const double lost = dynamics::linear_interpolation_loss(
-          dynamics::welch(samples, out_.sample_rate_hz), out_.sample_rate_hz);
+      signals::detrend(samples, 0);
+      const double lost = signals::linear_interpolation_loss(
+          signals::welch(samples, out_.sample_rate_hz), out_.sample_rate_hz);
       if (lost > most) most = lost, worst = channel.column;
     }
     if (most < kWorthWarning) return;
@@ -707,8 +707,8 @@ class Parser {
       std::vector<double> samples = channel->signal.samples;
       const double scale =
           channel->signal.scale.is_constant() ? std::abs(channel->signal.scale.value) : 1.0;
-      dynamics::detrend(samples, 0);
-      const auto spectrum = dynamics::welch(samples, out_.sample_rate_hz);
+      signals::detrend(samples, 0);
+      const auto spectrum = signals::welch(samples, out_.sample_rate_hz);
       double power = 0.0, moment = 0.0, squares = 0.0;
       for (std::size_t i = 1; i < spectrum.density.size(); ++i) {
         const double w = 2.0 * M_PI * spectrum.frequencies_hz[i];
@@ -745,8 +745,7 @@ class Parser {
 
 // ---- simulation
 
-std::vector<double> make_excitation(const SidCase& sid_case, std::size_t i,
-                                    dynamics::Noise& noise) {
+std::vector<double> make_excitation(const SidCase& sid_case, std::size_t i, signals::Noise& noise) {
   const CaseFile& file = sid_case.file;
   const Pointer where = Pointer("/truth/excitation") / i;
   const Json& e = file.json.at(where);
@@ -769,33 +768,33 @@ std::vector<double> make_excitation(const SidCase& sid_case, std::size_t i,
   const int samples = sid_case.truth->samples;
   const double rate = sid_case.truth->sample_rate_hz;
   if (kind == "file") {
-    const dynamics::Record record = read(file, where / "file");
+    const signals::Record record = read(file, where / "file");
     try {
       std::vector<double> x =
-          dynamics::window(record, record.find(text_or_number(e["column"])), 0, samples);
+          signals::window(record, record.find(text_or_number(e["column"])), 0, samples);
       for (double& sample : x) sample *= e.value("scale", 1.0);
       return x;
-    } catch (const dynamics::DataError& error) {
+    } catch (const signals::DataError& error) {
       file.refuse(where, error.what());
     }
   }
   return explained(file, where, [&] {
-    if (kind == "white") return dynamics::white_noise(samples, value("variance"), noise);
+    if (kind == "white") return signals::white_noise(samples, value("variance"), noise);
     if (kind == "band-limited") {
-      return dynamics::band_limited_noise(samples, rate, value("low"), value("high"),
-                                          value("variance"), noise);
+      return signals::band_limited_noise(samples, rate, value("low"), value("high"),
+                                         value("variance"), noise);
     }
     if (kind == "sine") {
-      return dynamics::sine(samples, rate, value("amplitude"), value("frequency"),
-                            e.value("phase", 0.0));
+      return signals::sine(samples, rate, value("amplitude"), value("frequency"),
+                           e.value("phase", 0.0));
     }
-    return dynamics::multisine(samples, rate,
-                               {.period = e.value("period", 1024),
-                                .low_hz = value("low"),
-                                .high_hz = value("high"),
-                                .rms = value("rms"),
-                                .odd_lines_only = e.value("odd", false)},
-                               noise);
+    return signals::multisine(samples, rate,
+                              {.period = e.value("period", 1024),
+                               .low_hz = value("low"),
+                               .high_hz = value("high"),
+                               .rms = value("rms"),
+                               .odd_lines_only = e.value("odd", false)},
+                              noise);
   });
 }
 
@@ -848,16 +847,16 @@ SidCase parse_sid_case(CaseFile file, SidNeeds needs) {
   return out;
 }
 
-dynamics::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
+signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
   if (!sid_case.truth) {
     sid_case.file.refuse(Pointer("/truth"), "is missing: there is nothing to simulate");
   }
   const SidTruth& truth = *sid_case.truth;
   const auto samples = static_cast<std::size_t>(truth.samples);
   // Streams of their own, so that one more channel or excitation leaves the others as they were.
-  const auto stream = [&](std::uint64_t i) { return dynamics::Noise(seed * 4096 + i); };
+  const auto stream = [&](std::uint64_t i) { return signals::Noise(seed * 4096 + i); };
 
-  dynamics::Record record{
+  signals::Record record{
       .file = sid_case.file.path.string() + " (truth)", .columns = {}, .scalars = {}};
   const auto add = [&](const std::string& header, std::vector<double> values) {
     const auto bracket = header.find(" [");
@@ -873,7 +872,7 @@ dynamics::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
   std::vector<std::pair<std::pair<Role, int>, std::vector<double>>> acting;
   const Json& list = sid_case.file.json["truth"]["excitation"];
   for (std::size_t i = 0; i < list.size(); ++i) {
-    dynamics::Noise noise = stream(i);
+    signals::Noise noise = stream(i);
     const std::vector<double> x = make_excitation(sid_case, i, noise);
     const Role role = !list[i].contains("base")                         ? Role::force
                       : list[i].value("quantity", "") == "displacement" ? Role::base_displacement
@@ -958,7 +957,7 @@ dynamics::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
         if (target.first == channel.role && target.second == channel.mass) values = x;
       }
     } else if (channel.role == Role::response) {
-      dynamics::Noise noise = stream(2048 + responses);
+      signals::Noise noise = stream(2048 + responses);
       const double sd = truth.noise[responses];
       for (std::size_t n = 0; n < samples; ++n) {
         values[n] =
@@ -975,7 +974,7 @@ dynamics::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
   return record;
 }
 
-std::string record_csv(const dynamics::Record& record, const std::string& comment) {
+std::string record_csv(const signals::Record& record, const std::string& comment) {
   std::string text = "# " + comment + "\n";
   for (std::size_t c = 0; c < record.columns.size(); ++c) {
     text += (c > 0 ? "," : "") + record.columns[c].header;

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "apps/case_file.hpp"
-#include "dynamics/record.hpp"
-#include "dynamics/signals.hpp"
 #include "dynamics/simulate.hpp"
 #include "inference/model_space.hpp"
+#include "signals/record.hpp"
+#include "signals/spectra.hpp"
 
 namespace wheeltap::apps {
 
@@ -27,7 +27,7 @@ struct SidChannel {
   dynamics::Signal signal = {};
   std::string unit = {};  ///< as the file's header has it
   /// Where the window is a part of the record: how their spectra compare.
-  std::optional<dynamics::SpectrumComparison> window = {};
+  std::optional<signals::SpectrumComparison> window = {};
   Pointer where = Pointer();
 
   [[nodiscard]] bool is_excitation() const {
@@ -93,9 +93,9 @@ enum class SidNeeds { models, record };
 
 /// The record that the case's truth produces: time, excitations, and responses with noise in raw
 /// units. Throws Failure where the case has no truth, or the true model blows up.
-[[nodiscard]] dynamics::Record simulate_record(const SidCase& sid_case, std::uint64_t seed);
+[[nodiscard]] signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed);
 
 /// A record as CSV text, units in the header.
-[[nodiscard]] std::string record_csv(const dynamics::Record& record, const std::string& comment);
+[[nodiscard]] std::string record_csv(const signals::Record& record, const std::string& comment);
 
 }  // namespace wheeltap::apps

@@ -168,8 +168,8 @@ void run_sweep(const CaseFile& file, const CommonOptions& common, const Sampling
     one.json[path] = value;
     cases.push_back(parse_sid_case(std::move(one)));
   }
-  emulator::AtomicFile table_file(common.output / "sweep.csv");
-  emulator::AtomicFile summary_file(common.output / "summary.json");
+  io::AtomicFile table_file(common.output / "sweep.csv");
+  io::AtomicFile summary_file(common.output / "summary.json");
   Report rows = Report::array();
   std::string table;
   std::vector<std::vector<std::string>> printed;
@@ -275,8 +275,8 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   SidCase parsed = parse_sid_case(std::move(file));
   make_output_folder(common.output);
   // Reserve the names first: a run that cannot be kept should not start.
-  emulator::AtomicFile posterior_file(common.output / "posterior.nc");
-  emulator::AtomicFile summary_file(common.output / "summary.json");
+  io::AtomicFile posterior_file(common.output / "posterior.nc");
+  io::AtomicFile summary_file(common.output / "summary.json");
   const Run run = run_once(std::move(parsed), common, options, *log);
   write_sid_posterior_file(posterior_file.temporary(), *run.problem, run.posterior, run.predictive,
                            common.seed.value_or(1));
@@ -296,7 +296,7 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
 void simulate_sid(const CommonOptions& common, CaseFile file) {
   const SidCase sid_case = parse_sid_case(std::move(file), SidNeeds::models);
   const std::uint64_t seed = common.seed.value_or(sid_case.truth ? sid_case.truth->seed : 1);
-  const dynamics::Record record = simulate_record(sid_case, seed);
+  const signals::Record record = simulate_record(sid_case, seed);
   write_text(common.output,
              record_csv(record, sid_case.title + ", simulated by wheeltap " + WHEELTAP_VERSION +
                                     ", seed " + std::to_string(seed)));

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/posterior_file.hpp"
-#include "inference/random.hpp"
+#include "base/random.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -141,8 +141,8 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidProble
         const auto theta =
             problem.theta(m, {posterior.chains[d.chain].theta.data() + d.draw * width, width});
         const std::vector<double> y = observed(problem, c, theta);
-        inference::Random random(seed, d.chain * responses.size() + c, d.draw,
-                                 inference::Purpose::prediction);
+        base::Random random(seed, d.chain * responses.size() + c, d.draw,
+                            base::Purpose::prediction);
         for (std::size_t n = 0; n < samples; ++n) {
           values.push_back(static_cast<float>(y[n] -
                                               static_cast<double>(d.residuals[c * samples + n]) +

@@ -15,7 +15,7 @@ namespace wheeltap::apps {
 ///   its
 ///                         draws are those of `predictive`, numbered in draw_index
 ///   observed_data         one variable a response (sample) [SI], and time [s]
-/// A name's characters that NetCDF forbids become "_". Throws emulator::FileError.
+/// A name's characters that NetCDF forbids become "_". Throws io::FileError.
 void write_sid_posterior_file(const std::filesystem::path& path, const SidProblem& problem,
                               const inference::Posterior& posterior,
                               const SidPredictive& predictive, std::uint64_t seed);

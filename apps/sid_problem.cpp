@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dynamics/residuals.hpp"
+#include "signals/residuals.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -41,13 +41,13 @@ class RecordLikelihood final : public inference::Likelihood {
       for (std::size_t c = 0; c < channels; ++c) {
         const double sigma = model.noise[c].at(theta_);
         weights_.push_back(0.5 / (sigma * sigma));
-        best += dynamics::gaussian_log_likelihood(0.0, misfit.samples(), sigma);
+        best += signals::gaussian_log_likelihood(0.0, misfit.samples(), sigma);
       }
       if (!std::isfinite(best) || best < floor) return kImpossible;
       if (!misfit.sums_of_squares_within(theta_, weights_, best - floor, sums_)) return kImpossible;
       for (std::size_t c = 0; c < channels; ++c) {
-        sum += dynamics::gaussian_log_likelihood(sums_[c], misfit.samples(),
-                                                 model.noise[c].at(theta_));
+        sum +=
+            signals::gaussian_log_likelihood(sums_[c], misfit.samples(), model.noise[c].at(theta_));
       }
       return sum;
     }
@@ -56,8 +56,8 @@ class RecordLikelihood final : public inference::Likelihood {
     for (std::size_t c = 0; c < channels; ++c) {
       pacf_.clear();
       for (const auto& pi : model.autocorrelations[c]) pacf_.push_back(pi.at(theta_));
-      sum += dynamics::ar_log_likelihood({residuals_.data() + c * samples, samples}, pacf_,
-                                         model.noise[c].at(theta_));
+      sum += signals::ar_log_likelihood({residuals_.data() + c * samples, samples}, pacf_,
+                                        model.noise[c].at(theta_));
     }
     return std::isnan(sum) ? kImpossible : sum;
   }
@@ -83,8 +83,8 @@ class RecordLikelihood final : public inference::Likelihood {
       scatter(problem_.sid_case, m, xs.subspan(i * d, d), theta_);
       out[i] = log_scales(misfit);
       for (std::size_t c = 0; c < channels; ++c) {
-        out[i] += dynamics::gaussian_log_likelihood(sums_[i * channels + c], misfit.samples(),
-                                                    model.noise[c].at(theta_));
+        out[i] += signals::gaussian_log_likelihood(sums_[i * channels + c], misfit.samples(),
+                                                   model.noise[c].at(theta_));
       }
     }
   }

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "apps/sid_links.hpp"
-#include "dynamics/residuals.hpp"
+#include "signals/residuals.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -33,7 +33,7 @@ std::vector<double> innovations(std::span<const double> residuals,
   if (autocorrelations.empty()) return {residuals.begin(), residuals.end()};
   std::vector<double> pacf;
   for (const auto& pi : autocorrelations) pacf.push_back(pi.at(theta));
-  const std::vector<double> phi = dynamics::ar_coefficients(pacf);
+  const std::vector<double> phi = signals::ar_coefficients(pacf);
   std::vector<double> out;
   for (std::size_t n = phi.size(); n < residuals.size(); ++n) {
     double e = residuals[n];
@@ -91,14 +91,14 @@ Report forward_run(const SidProblem& problem, int m, std::span<const double> the
     const int lags = std::clamp(static_cast<int>(white.size()) / 5, 2, 20) + order;
     Report whiteness;
     if (static_cast<int>(white.size()) > lags + 1) {
-      const auto test = dynamics::ljung_box(white, lags, order);
+      const auto test = signals::ljung_box(white, lags, order);
       whiteness = {{"test", "Ljung-Box"},
                    {"of", order > 0 ? "innovations" : "residuals"},
                    {"lags", lags},
                    {"statistic", test.statistic},
                    {"degrees_of_freedom", test.degrees_of_freedom},
                    {"p_value", test.p_value},
-                   {"lag_1_autocorrelation", dynamics::autocorrelation(white, 1)[0]},
+                   {"lag_1_autocorrelation", signals::autocorrelation(white, 1)[0]},
                    {"white", test.p_value >= kWhite}};
     }
     rows.push_back({{"channel", channel_name(*responses[c])},

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "inference/parallel.hpp"
+#include "base/parallel.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -319,7 +319,7 @@ std::string machine() {
     processor = line.substr(colon + 2);
     break;
   }
-  const int cores = inference::thread_count(0);
+  const int cores = base::thread_count(0);
   return processor + ", " + std::to_string(cores) + (cores == 1 ? " core" : " cores");
 }
 

@@ -21,10 +21,21 @@ if(WHEELTAP_SANITIZE)
 endif()
 
 # wheeltap_library(<folder> SOURCES a.cpp … PUBLIC dep … PRIVATE dep …)
-# makes the static library wheeltap_<folder>, known as wheeltap::<folder>.
+# makes the static library wheeltap_<folder>, known as wheeltap::<folder>; headers alone without SOURCES.
 function(wheeltap_library folder)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target wheeltap_${folder})
+  set_property(GLOBAL APPEND PROPERTY WHEELTAP_LIBRARIES ${target})
+  if(NOT ARG_SOURCES)
+    add_library(${target} INTERFACE)
+    add_library(wheeltap::${folder} ALIAS ${target})
+    target_compile_features(${target} INTERFACE cxx_std_20)
+    target_include_directories(${target} INTERFACE
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/wheeltap>)
+    target_link_libraries(${target} INTERFACE ${ARG_PUBLIC})
+    set_target_properties(${target} PROPERTIES EXPORT_NAME ${folder})
+    return()
+  endif()
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(wheeltap::${folder} ALIAS ${target})
   target_compile_features(${target} PUBLIC cxx_std_20)
@@ -33,7 +44,6 @@ function(wheeltap_library folder)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:wheeltap_flags>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${folder} CXX_EXTENSIONS OFF
     POSITION_INDEPENDENT_CODE ON)
-  set_property(GLOBAL APPEND PROPERTY WHEELTAP_LIBRARIES ${target})
 endfunction()
 
 # wheeltap_program(<name> SOURCES … LINK …): an executable with the shared flags.

@@ -1,9 +1,9 @@
 // A chain: lumped masses joined by links.
 #pragma once
 
-#include <Eigen/Core>
 #include <span>
 #include <vector>
+#include "base/eigen.hpp"
 
 #include "dynamics/law.hpp"
 #include "dynamics/laws.hpp"

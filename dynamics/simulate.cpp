@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "dynamics/kernel.hpp"
-#include "dynamics/spline.hpp"
+#include "signals/spline.hpp"
 
 namespace wheeltap::dynamics {
 

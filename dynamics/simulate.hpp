@@ -2,11 +2,11 @@
 // response.
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
+#include "base/eigen.hpp"
 
 #include "dynamics/chain.hpp"
 

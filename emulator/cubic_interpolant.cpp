@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "emulator/vector_clones.hpp"
+#include "base/vector_clones.hpp"
 
 namespace wheeltap::emulator {
 namespace {

@@ -1,12 +1,12 @@
 // Designs of experiments: which points of a box the model is run at.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+#include "base/eigen.hpp"
 
 namespace wheeltap::emulator {
 

@@ -63,8 +63,8 @@ RowMatrix run_experiment(const Design& design, Eigen::Index responses, const Mod
                     static_cast<std::size_t>(responses));
     for (const Journal::Entry& entry : journal->entries()) {
       if (entry.run < 0 || entry.run >= runs)
-        throw FileError(
-            FileError::Kind::corrupt, options.journal,
+        throw io::FileError(
+            io::FileError::Kind::corrupt, options.journal,
             "holds run " + std::to_string(entry.run) + " of a design of " + std::to_string(runs));
       auto& seen = remembered[static_cast<std::size_t>(entry.run)];
       done += seen ? 0 : 1;
@@ -124,7 +124,7 @@ RowMatrix run_experiment(const Design& design, Eigen::Index responses, const Mod
     if (failed_run < 0) std::rethrow_exception(failure);
     try {
       std::rethrow_exception(failure);
-    } catch (const FileError&) {
+    } catch (const io::FileError&) {
       throw;  // the journal's, not the model's
     } catch (const std::exception& error) {
       std::throw_with_nested(

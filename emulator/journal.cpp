@@ -4,13 +4,13 @@
 #include <iterator>
 #include <string>
 
-#include "emulator/fingerprint.hpp"
+#include "io/fingerprint.hpp"
 
 namespace wheeltap::emulator {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = FileError::Kind;
+using Kind = io::FileError::Kind;
 
 constexpr std::string_view kMagic = "wheeltap-journal 1 ";
 
@@ -31,11 +31,13 @@ T get(std::string_view bytes, std::size_t at) {
 Journal::Journal(fs::path path, std::string_view identity, std::size_t responses)
     : path_(std::move(path)) {
   const std::string header =
-      std::string(kMagic) + fingerprint(identity) + " " + std::to_string(responses) + "\n";
-  const std::size_t record = sizeof(std::int64_t) + responses * sizeof(double) + sizeof(fnv1a(""));
+      std::string(kMagic) + io::fingerprint(identity) + " " + std::to_string(responses) + "\n";
+  const std::size_t record =
+      sizeof(std::int64_t) + responses * sizeof(double) + sizeof(io::fnv1a(""));
   std::string bytes;
   std::error_code error;
-  if (fs::is_directory(path_, error)) throw FileError(Kind::unwritable, path_, "is a directory");
+  if (fs::is_directory(path_, error))
+    throw io::FileError(Kind::unwritable, path_, "is a directory");
   if (std::ifstream existing(path_, std::ios::binary); existing)
     bytes.assign(std::istreambuf_iterator<char>(existing), {});
 
@@ -43,15 +45,15 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   // anew.
   const bool fresh = bytes.size() < header.size() && header.starts_with(bytes);
   if (!fresh && !bytes.starts_with(kMagic))
-    throw FileError(Kind::foreign, path_, "not a journal of runs");
+    throw io::FileError(Kind::foreign, path_, "not a journal of runs");
   if (!fresh && !bytes.starts_with(header))
-    throw FileError(Kind::mismatch, path_,
-                    "the journal of another experiment: remove it to start anew");
+    throw io::FileError(Kind::mismatch, path_,
+                        "the journal of another experiment: remove it to start anew");
 
   std::size_t end = header.size();
   for (; !fresh && end + record <= bytes.size(); end += record) {
     const std::string_view body(bytes.data() + end, record - sizeof(std::uint64_t));
-    if (get<std::uint64_t>(bytes, end + body.size()) != fnv1a(body)) break;
+    if (get<std::uint64_t>(bytes, end + body.size()) != io::fnv1a(body)) break;
     Entry entry{.run = get<std::int64_t>(body, 0), .response = std::vector<double>(responses)};
     std::memcpy(entry.response.data(), body.data() + sizeof entry.run, responses * sizeof(double));
     entries_.push_back(std::move(entry));
@@ -60,16 +62,16 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   if (!fresh) fs::resize_file(path_, end, error);
   stream_.open(path_, std::ios::binary | (fresh ? std::ios::trunc : std::ios::app));
   if (fresh) stream_ << header << std::flush;
-  if (error || !stream_) throw FileError(Kind::unwritable, path_, "cannot be written");
+  if (error || !stream_) throw io::FileError(Kind::unwritable, path_, "cannot be written");
 }
 
 void Journal::append(std::int64_t run, std::span<const double> response) {
   std::string record;
   put(record, run);
   for (const double value : response) put(record, value);
-  put(record, fnv1a(record));
+  put(record, io::fnv1a(record));
   if (!stream_.write(record.data(), static_cast<std::streamsize>(record.size())).flush())
-    throw FileError(Kind::unwritable, path_, "cannot be written (is the disk full?)");
+    throw io::FileError(Kind::unwritable, path_, "cannot be written (is the disk full?)");
 }
 
 }  // namespace wheeltap::emulator

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "emulator/file_error.hpp"
+#include "io/file_error.hpp"
 
 namespace wheeltap::emulator {
 

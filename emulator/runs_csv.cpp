@@ -8,13 +8,13 @@
 #include <optional>
 #include <set>
 
-#include "emulator/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 namespace wheeltap::emulator {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = FileError::Kind;
+using Kind = io::FileError::Kind;
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r");
@@ -65,10 +65,10 @@ Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
   std::ifstream stream(path);
   std::error_code error;
   if (!stream || fs::is_directory(path, error))
-    throw FileError(Kind::missing, path, "no such file, or it cannot be read");
+    throw io::FileError(Kind::missing, path, "no such file, or it cannot be read");
   std::size_t line_number = 0;
   const auto fail = [&](const std::string& reason) {
-    throw FileError(Kind::corrupt, path, "line " + std::to_string(line_number) + ": " + reason);
+    throw io::FileError(Kind::corrupt, path, "line " + std::to_string(line_number) + ": " + reason);
   };
   const auto next_line = [&](std::string& line) {
     while (std::getline(stream, line)) {
@@ -80,7 +80,7 @@ Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
   };
 
   std::string line;
-  if (!next_line(line)) throw FileError(Kind::corrupt, path, "no line with column names");
+  if (!next_line(line)) throw io::FileError(Kind::corrupt, path, "no line with column names");
   if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // a byte order mark
   std::vector<Column> columns;
   std::set<std::string> names;
@@ -152,7 +152,7 @@ Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
       fail("the same point as line " + std::to_string(other->second));
     points.insert(points.end(), point.begin(), point.end());
   }
-  if (line_of.empty()) throw FileError(Kind::corrupt, path, "no runs");
+  if (line_of.empty()) throw io::FileError(Kind::corrupt, path, "no runs");
   const auto runs = static_cast<Eigen::Index>(line_of.size());
   table.points =
       Eigen::Map<RowMatrix>(points.data(), runs, static_cast<Eigen::Index>(factors.size()));
@@ -162,7 +162,8 @@ Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
     if (!factors[j].levels.empty()) continue;
     const auto own = table.points.col(static_cast<Eigen::Index>(j));
     if (!(own.minCoeff() < own.maxCoeff()))
-      throw FileError(Kind::corrupt, path, "the factor \"" + factors[j].name + "\" never varies");
+      throw io::FileError(Kind::corrupt, path,
+                          "the factor \"" + factors[j].name + "\" never varies");
     factors[j].levels = {own.minCoeff(), own.maxCoeff()};
   }
   table.factors = std::move(factors);
@@ -172,7 +173,7 @@ Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
 
 void write_design_csv(const fs::path& path, const Design& design) {
   check_factors(design.factors, 1);
-  AtomicFile file(path);
+  io::AtomicFile file(path);
   std::ofstream stream(file.temporary());
   stream.precision(17);
   for (std::size_t j = 0; j < design.factors.size(); ++j)
@@ -182,7 +183,7 @@ void write_design_csv(const fs::path& path, const Design& design) {
     for (Eigen::Index j = 0; j < design.points.cols(); ++j)
       stream << design.points(i, j) << (j + 1 < design.points.cols() ? ',' : '\n');
   stream.close();
-  if (!stream) throw FileError(Kind::unwritable, path, "cannot be written (is the disk full?)");
+  if (!stream) throw io::FileError(Kind::unwritable, path, "cannot be written (is the disk full?)");
   file.commit();
 }
 

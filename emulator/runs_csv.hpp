@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "emulator/file_error.hpp"
 #include "emulator/table.hpp"
+#include "io/file_error.hpp"
 
 namespace wheeltap::emulator {
 

@@ -8,13 +8,13 @@
 #include <fstream>
 #include <mutex>
 
-#include "emulator/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 namespace wheeltap::emulator {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = FileError::Kind;
+using Kind = io::FileError::Kind;
 
 constexpr const char* kFormatAttribute = "table_format";
 constexpr const char* kFormatName = "wheeltap-table";
@@ -69,8 +69,8 @@ class Handle {
 
 /// Of everything a file holds, so that no damage passes unseen, wherever in the file it is.
 std::string checksum(const TableFile& file) {
-  std::uint64_t hash = fnv1a("");
-  const auto text = [&](std::string_view s) { hash = fnv1a("\n", fnv1a(s, hash)); };
+  std::uint64_t hash = io::fnv1a("");
+  const auto text = [&](std::string_view s) { hash = io::fnv1a("\n", io::fnv1a(s, hash)); };
   const auto numbers = [&](const double* first, std::ptrdiff_t count) {
     text({reinterpret_cast<const char*>(first), static_cast<std::size_t>(count) * sizeof(double)});
   };
@@ -109,7 +109,7 @@ struct Writer {
   const fs::path& path;  // the final name, for messages
 
   void check(int status) const {
-    if (status != NC_NOERR) throw FileError(Kind::unwritable, path, nc_strerror(status));
+    if (status != NC_NOERR) throw io::FileError(Kind::unwritable, path, nc_strerror(status));
   }
 
   void text(int group, int variable, const char* name, const std::string& value) const {
@@ -182,7 +182,7 @@ struct Reader {
   const fs::path& path;
 
   [[noreturn]] void fail(const std::string& reason) const {
-    throw FileError(Kind::corrupt, path, reason);
+    throw io::FileError(Kind::corrupt, path, reason);
   }
 
   void check(int status, const std::string& what) const {
@@ -338,7 +338,7 @@ struct Reader {
 void write_table_file(const fs::path& path, const TableFile& file) {
   for (const auto& [name, table] : file.tables) check_table(name, table);
   // Its error says more than NetCDF's where the directory is absent or closed.
-  AtomicFile target(path);
+  io::AtomicFile target(path);
   {
     const LibraryLock lock;
     const Writer out{path};
@@ -359,14 +359,14 @@ void write_table_file(const fs::path& path, const TableFile& file) {
 
 TableFile read_table_file(const fs::path& path, const TableReadOptions& options) {
   std::error_code error;
-  if (!fs::exists(path, error)) throw FileError(Kind::missing, path, "no such file");
+  if (!fs::exists(path, error)) throw io::FileError(Kind::missing, path, "no such file");
   char magic[8] = {};
   std::ifstream stream(path, std::ios::binary);
   if (fs::is_directory(path, error) || !stream)
-    throw FileError(Kind::missing, path, "cannot be read");
+    throw io::FileError(Kind::missing, path, "cannot be read");
   stream.read(magic, sizeof magic);
   if (std::string_view(magic, sizeof magic) != std::string_view("\x89HDF\r\n\x1a\n", 8))
-    throw FileError(Kind::foreign, path, "not a NetCDF-4 table file");
+    throw io::FileError(Kind::foreign, path, "not a NetCDF-4 table file");
   stream.close();
 
   const LibraryLock lock;
@@ -381,23 +381,24 @@ TableFile read_table_file(const fs::path& path, const TableReadOptions& options)
   nc_type type = NC_NAT;
   if (nc_inq_att(handle.id, NC_GLOBAL, kFormatAttribute, &type, &length) != NC_NOERR ||
       type != NC_CHAR || in.text(handle.id, NC_GLOBAL, kFormatAttribute) != kFormatName)
-    throw FileError(Kind::foreign, path, "a NetCDF file, but not a table written by wheeltap");
+    throw io::FileError(Kind::foreign, path, "a NetCDF file, but not a table written by wheeltap");
   int version = 0;
   in.check(nc_get_att_int(handle.id, NC_GLOBAL, kVersionAttribute, &version), kVersionAttribute);
   if (version != kTableFormatVersion)
-    throw FileError(Kind::version, path,
-                    "table format version " + std::to_string(version) + "; this wheeltap reads " +
-                        std::to_string(kTableFormatVersion) + ": compute the table again");
+    throw io::FileError(Kind::version, path,
+                        "table format version " + std::to_string(version) +
+                            "; this wheeltap reads " + std::to_string(kTableFormatVersion) +
+                            ": compute the table again");
 
   TableFile file;
   file.attributes = in.texts(handle.id);
   if (!options.expected_fingerprint.empty()) {
     const auto found = file.attributes.find("fingerprint");
     if (found == file.attributes.end() || found->second != options.expected_fingerprint)
-      throw FileError(Kind::mismatch, path,
-                      "this table was computed for another case (fingerprint " +
-                          (found == file.attributes.end() ? "absent" : found->second) +
-                          ", expected " + options.expected_fingerprint + ")");
+      throw io::FileError(Kind::mismatch, path,
+                          "this table was computed for another case (fingerprint " +
+                              (found == file.attributes.end() ? "absent" : found->second) +
+                              ", expected " + options.expected_fingerprint + ")");
   }
   int count = 0;
   in.check(nc_inq_grps(handle.id, &count, nullptr), "groups");
@@ -408,7 +409,7 @@ TableFile read_table_file(const fs::path& path, const TableReadOptions& options)
     in.check(nc_inq_grpname(group, name), "group name");
     try {
       file.tables[name] = in.table(group);
-    } catch (const FileError&) {
+    } catch (const io::FileError&) {
       throw;
     } catch (const std::exception& contradiction) {  // std::bad_alloc for an absurd size, too
       in.fail("damaged table file: group " + std::string(name) + ": " + contradiction.what());
@@ -418,10 +419,10 @@ TableFile read_table_file(const fs::path& path, const TableReadOptions& options)
     in.fail("damaged table file: its checksum does not fit its content");
   for (const auto& [name, table] : file.tables)
     if (const Eigen::Index missing = table.missing_runs(); missing > 0 && !options.allow_incomplete)
-      throw FileError(Kind::incomplete, path,
-                      std::to_string(missing) + " of the " + std::to_string(table.values.rows()) +
-                          " runs of " + name +
-                          " are not done: resume them, or merge the other parts");
+      throw io::FileError(Kind::incomplete, path,
+                          std::to_string(missing) + " of the " +
+                              std::to_string(table.values.rows()) + " runs of " + name +
+                              " are not done: resume them, or merge the other parts");
   return file;
 }
 

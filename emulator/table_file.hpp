@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
-#include "emulator/file_error.hpp"
-#include "emulator/fingerprint.hpp"
 #include "emulator/table.hpp"
+#include "io/file_error.hpp"
+#include "io/fingerprint.hpp"
 
 namespace wheeltap::emulator {
 

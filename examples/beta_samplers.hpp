@@ -8,11 +8,11 @@
 #include <numbers>
 #include <vector>
 
-#include "inference/random.hpp"
+#include "base/random.hpp"
 
 namespace wheeltap::examples {
 
-using inference::Random;
+using base::Random;
 
 /// p(μ) = Γ(5) / (Γ(2) Γ(3)) μ (1 - μ)² = 12 μ (1 - μ)² on [0, 1].
 inline double beta_density(double mu) {
@@ -49,7 +49,8 @@ struct WeightedMean {
 };
 
 /// E[f] = Σ w f / Σ w over draws of the proposal, w = p / proposal. Gives expectations, not draws.
-inline WeightedMean importance(const std::function<double(double)>& f, int n, Random& random) {
+inline WeightedMean importance(const std::function<double(double)>& f, int n,
+                               base::Random& random) {
   double sum = 0.0, squares = 0.0, weighted = 0.0;
   std::vector<double> w, value;
   for (int i = 0; i < n; ++i) {
@@ -68,7 +69,7 @@ inline WeightedMean importance(const std::function<double(double)>& f, int n, Ra
 }
 
 /// Draws from the proposal, kept with probability p / (j · proposal): independent draws of p.
-inline std::vector<double> rejection(int n, Random& random) {
+inline std::vector<double> rejection(int n, base::Random& random) {
   const double j = envelope_factor();
   std::vector<double> draws;
   while (static_cast<int>(draws.size()) < n) {
@@ -84,7 +85,7 @@ inline std::vector<double> rejection(int n, Random& random) {
 ///   μ₁ | μ₂ ~ (1 - μ₂) Beta(2, 2),   μ₂ | μ₁ ~ (1 - μ₁) Beta(1, 2).
 ///
 /// (With K = 2 components, which must sum to one, each would fix the other and nothing could move.)
-inline std::vector<double> gibbs(int n, Random& random) {
+inline std::vector<double> gibbs(int n, base::Random& random) {
   const auto beta = [&](double a, double b) {
     const double x = random.gamma(a), y = random.gamma(b);
     return x / (x + y);
@@ -101,7 +102,8 @@ inline std::vector<double> gibbs(int n, Random& random) {
 
 /// A normal random walk of this width; a proposal that is refused repeats the state.
 inline std::vector<double> metropolis_hastings(const std::function<double(double)>& density,
-                                               double start, double width, int n, Random& random) {
+                                               double start, double width, int n,
+                                               base::Random& random) {
   std::vector<double> draws;
   double mu = start;
   for (int i = 0; i < n; ++i) {
@@ -116,7 +118,7 @@ inline std::vector<double> metropolis_hastings(const std::function<double(double
 /// the interval, shrunk to the current point at each that lies below (Neal 2003, Annals of
 /// Statistics 31:705).
 inline std::vector<double> slice(const std::function<double(double)>& density, double start,
-                                 double width, int n, Random& random) {
+                                 double width, int n, base::Random& random) {
   std::vector<double> draws;
   double mu = start;
   for (int i = 0; i < n; ++i) {

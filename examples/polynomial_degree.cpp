@@ -16,7 +16,7 @@ using namespace wheeltap::inference;
 
 // Twelve readings of -0.2 + 0.9 t + 0.35 t² with noise of sd 0.2 (Philox stream of seed 2016).
 std::vector<double> readings() {
-  Random random(2016, 0, 0, Purpose::simulation);
+  base::Random random(2016, 0, 0, base::Purpose::simulation);
   std::vector<double> y;
   for (int i = 0; i < 12; ++i) {
     const double t = -1.0 + 2.0 * i / 11.0;

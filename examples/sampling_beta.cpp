@@ -18,17 +18,17 @@
 namespace {
 
 using namespace wheeltap::examples;
-using wheeltap::inference::Purpose;
+using wheeltap::base::Purpose;
 
 constexpr double kStart = 0.5, kWalk = 0.4, kSlice = 0.3;
 
 // Each sampler has a stream of its own, so that one does not disturb the next.
-Random stream(std::uint64_t seed, std::uint64_t sampler) {
-  return {seed, sampler, 0, Purpose::simulation};
+base::Random stream(std::uint64_t seed, std::uint64_t sampler) {
+  return {seed, sampler, 0, base::Purpose::simulation};
 }
 
 std::vector<std::pair<const char*, std::vector<double>>> all_draws(int n, std::uint64_t seed) {
-  Random r = stream(seed, 1), g = stream(seed, 2), m = stream(seed, 3), s = stream(seed, 4);
+  base::Random r = stream(seed, 1), g = stream(seed, 2), m = stream(seed, 3), s = stream(seed, 4);
   return {{"rejection", rejection(n, r)},
           {"gibbs", gibbs(n, g)},
           {"metropolis-hastings", metropolis_hastings(beta_density, kStart, kWalk, n, m)},
@@ -41,7 +41,7 @@ void print_table(int n, std::uint64_t seed) {
     std::printf("%-20s %10.5f %+10.5f %10.5f %12.0f\n", name, mean, mean - 2.0 - 4.0 / 35.0, error,
                 effective);
   };
-  Random random = stream(seed, 0);
+  base::Random random = stream(seed, 0);
   const WeightedMean weighted = importance(polynomial, n, random);
   row("importance", weighted.mean, weighted.standard_error, weighted.effective_draws);
   for (const auto& [name, draws] : all_draws(n, seed)) {
@@ -62,7 +62,7 @@ bool print_figure(const std::string& figure, int n, std::uint64_t seed) {
       for (std::size_t i = 0; i < draws.size(); ++i)
         std::printf("%s,%zu,%.9g\n", name, i, draws[i]);
   } else if (figure == "3.4") {
-    Random random = stream(seed, 5);
+    base::Random random = stream(seed, 5);
     const auto normal = [](double x) {
       return std::exp(-0.5 * x * x) / std::sqrt(2.0 * std::numbers::pi);
     };

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+
 #include <span>
+#include "base/eigen.hpp"
 
 #include "fem/beam.hpp"
 #include "fem/defect.hpp"

@@ -1,7 +1,7 @@
 // All modes of the intact beam, to more than double precision.
 #pragma once
 
-#include <Eigen/Core>
+#include "base/eigen.hpp"
 
 #include "fem/beam.hpp"
 

@@ -1,8 +1,8 @@
 // K φ = ω² M φ: natural frequencies and mode shapes of a beam, intact or with defects.
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
+#include "base/eigen.hpp"
 
 #include "fem/beam.hpp"
 #include "fem/defect.hpp"

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <utility>
 #include <vector>
+#include "base/eigen.hpp"
 
 namespace wheeltap::fem {
 

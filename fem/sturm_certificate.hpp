@@ -1,7 +1,7 @@
 // Proof that no mode was missed.
 #pragma once
 
-#include <Eigen/Core>
+#include "base/eigen.hpp"
 
 #include "fem/assembly.hpp"
 

@@ -1,7 +1,7 @@
 // The two-node Timoshenko beam element with consistent mass and rotary inertia.
 #pragma once
 
-#include <Eigen/Core>
+#include "base/eigen.hpp"
 
 #include "fem/beam.hpp"
 

@@ -12,7 +12,7 @@
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
-#include "inference/random.hpp"
+#include "base/random.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -376,7 +376,7 @@ ModelProbabilities stationary_model_probabilities(const std::vector<std::vector<
   const double epsilon = 1.0 / static_cast<double>(count);
   Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(count), squares = sum;
   for (int draw = 0; draw < posterior_draws; ++draw) {
-    Random random(seed, 0, static_cast<std::uint64_t>(draw), Purpose::evidence);
+    base::Random random(seed, 0, static_cast<std::uint64_t>(draw), base::Purpose::evidence);
     Eigen::MatrixXd p(count, count);
     for (Eigen::Index i = 0; i < count; ++i) {
       for (Eigen::Index j = 0; j < count; ++j)

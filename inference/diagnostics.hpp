@@ -2,9 +2,9 @@
 // Carlo standard errors, and the uncertainty of model probabilities.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
+#include "base/eigen.hpp"
 
 namespace wheeltap::inference {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "inference/random.hpp"
+#include "base/random.hpp"
 
 namespace wheeltap::inference {
 namespace {
@@ -50,7 +50,7 @@ Optimum maximise_by_differential_evolution(const Objective& objective, int dimen
   const auto d = static_cast<std::size_t>(dimension);
   const int size = options.population > 0 ? options.population : std::max(30, 10 * dimension);
   const auto n = static_cast<std::size_t>(size);
-  Random random(options.seed, 0, 0, Purpose::start);
+  base::Random random(options.seed, 0, 0, base::Purpose::start);
   Optimum result;
   const auto evaluate = [&](std::span<const double> z) {
     ++result.evaluations;

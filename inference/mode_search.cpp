@@ -9,8 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "inference/evidence/model_posterior.hpp"
-#include "inference/parallel.hpp"
 
 namespace wheeltap::inference {
 namespace {
@@ -48,7 +48,7 @@ class Surface {
                                            {g.data(), static_cast<std::size_t>(g.size())});
     return offers_gradient_;
   }
-  void draw_prior(Random& random, Vector& z) {
+  void draw_prior(base::Random& random, Vector& z) {
     ordered_.resize(static_cast<std::size_t>(z.size()));
     posterior_.draw_prior(random, ordered_);
     std::ranges::copy(ordered_, z.begin());
@@ -357,8 +357,8 @@ class Search {
       const long n = std::min(batch, most - begun);
       const long first = begun;
       merge(climb(n, [&](long i, Surface& surface, Vector& z) {
-        Random random(options_.seed, static_cast<std::uint64_t>(model_),
-                      static_cast<std::uint64_t>(first + i), Purpose::search);
+        base::Random random(options_.seed, static_cast<std::uint64_t>(model_),
+                            static_cast<std::uint64_t>(first + i), base::Purpose::search);
         surface.draw_prior(random, z);
       }));
       begun += n;
@@ -387,8 +387,8 @@ class Search {
       const auto m = static_cast<std::size_t>(i / each);
       z = Eigen::Map<const Vector>(modes[m].z.data(), z.size());
       if (i % each == 0) return;
-      Random random(options_.seed, static_cast<std::uint64_t>(model_) | level << 32U,
-                    static_cast<std::uint64_t>(i), Purpose::search);
+      base::Random random(options_.seed, static_cast<std::uint64_t>(model_) | level << 32U,
+                          static_cast<std::uint64_t>(i), base::Purpose::search);
       Vector u(z.size());
       for (double& v : u) v = random.normal();
       z += factors[m] * u;
@@ -424,7 +424,7 @@ class Search {
   template <typename Start>
   std::vector<End> climb(long n, Start&& start) {
     std::vector<End> ends(static_cast<std::size_t>(n));
-    parallel_for(kSlices, options_.threads, [&](int s) {
+    base::parallel_for(kSlices, options_.threads, [&](int s) {
       Surface& surface = *surfaces_[static_cast<std::size_t>(s)];
       Climber climber(surface);
       Vector z(surface.dimension());

@@ -1,10 +1,10 @@
 // Modes of one model's posterior, each climbed to from many draws of its prior.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
 #include <vector>
+#include "base/eigen.hpp"
 
 #include "inference/target.hpp"
 

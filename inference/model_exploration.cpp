@@ -9,9 +9,9 @@
 #include <numeric>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "inference/evidence/tmcmc.hpp"
 #include "inference/normal_mixture.hpp"
-#include "inference/parallel.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -62,7 +62,8 @@ void add_modes(const std::vector<Mode>& modes, double share, Components& compone
 }
 
 // `most` components; more draws than kFitted teach a first proposal no more.
-void add_fit(const Matrix& draws, int most, double share, Random& random, Components& components) {
+void add_fit(const Matrix& draws, int most, double share, base::Random& random,
+             Components& components) {
   if (draws.rows() < 4 * (draws.cols() + 1)) return;
   const Eigen::Index n = std::min(draws.rows(), kFitted);
   Matrix used(n, draws.cols());
@@ -89,12 +90,12 @@ class ImportanceSampler {
     log_posterior_.resize(total);
     const int blocks = (n + kBlock - 1) / kBlock;
     std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
-    parallel_for(blocks, options_.threads, [&](int block) {
+    base::parallel_for(blocks, options_.threads, [&](int block) {
       ModelPosterior posterior(problem_, model_);
-      Random random(
+      base::Random random(
           options_.seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 61U),
           static_cast<std::uint64_t>(model_) | static_cast<std::uint64_t>(proposals_.size()) << 32U,
-          Purpose::evidence);
+          base::Purpose::evidence);
       const auto begin = before + static_cast<std::size_t>(block) * kBlock;
       const auto end = std::min(begin + kBlock, total);
       for (std::size_t i = begin; i < end; ++i) proposal.sample(random, {z_.data() + i * d, d});
@@ -142,7 +143,7 @@ class ImportanceSampler {
   }
 
   // Systematic resampling, n × d.
-  [[nodiscard]] Matrix resampled(Eigen::Index n, Random& random) const {
+  [[nodiscard]] Matrix resampled(Eigen::Index n, base::Random& random) const {
     const std::size_t d = z_.size() / log_posterior_.size();
     Matrix out(n, static_cast<Eigen::Index>(d));
     const double u = random.uniform();
@@ -196,7 +197,7 @@ class ImportanceSampler {
 
 // What there is where importance sampling fails: the draws of the annealing, and of the normals
 // about modes that have none of them.
-Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, Random& random,
+Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, base::Random& random,
                        double about_modes = 1000.0) {
   const auto precisions = precisions_of(modes);
   std::vector<long> counts(modes.size(), 0);
@@ -345,7 +346,7 @@ ModelExploration explore_model(const Problem& problem, int model,
   out.likelihood_evaluations += found.likelihood_evaluations;
   if (stopped || (out.modes.empty() && draws.rows() == 0)) return out;
 
-  Random random(options.seed, static_cast<std::uint64_t>(model), 0, Purpose::fit);
+  base::Random random(options.seed, static_cast<std::uint64_t>(model), 0, base::Purpose::fit);
   if (options.glance) {
     if (out.modes.empty()) return out;
     double sum = 0.0;

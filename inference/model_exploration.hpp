@@ -2,10 +2,10 @@
 // draws of it that know all its modes.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
 #include <vector>
+#include "base/eigen.hpp"
 
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/mode_search.hpp"

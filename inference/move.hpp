@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "inference/random.hpp"
+#include "base/random.hpp"
 #include "inference/target.hpp"
 
 namespace wheeltap::inference {
@@ -15,7 +15,7 @@ namespace wheeltap::inference {
 /// prior × likelihood^beta invariant. `adapting` is true in warm-up only.
 struct Step {
   Target& target;
-  Random& random;
+  base::Random& random;
   double beta = 1.0;
   bool adapting = false;
 };

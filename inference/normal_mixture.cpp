@@ -288,7 +288,8 @@ class Fitter {
   static constexpr Eigen::Index kOnTheWay = 3000;
 
  public:
-  Fitter(const Eigen::MatrixXd& samples, const NormalMixture::FitOptions& options, Random& random)
+  Fitter(const Eigen::MatrixXd& samples, const NormalMixture::FitOptions& options,
+         base::Random& random)
       : options_(options), random_(random), d_(samples.cols()) {
     merge_repeated(samples);
     mean_ = z_.transpose() * weight_ / weight_.sum();
@@ -568,7 +569,7 @@ class Fitter {
   }
 
   const NormalMixture::FitOptions& options_;
-  Random& random_;
+  base::Random& random_;
   Eigen::Index d_;
   RowMatrix z_, thinned_z_;
   Eigen::VectorXd weight_, thinned_weight_;
@@ -616,12 +617,12 @@ NormalMixture NormalMixture::standard(int dimension, double sd) {
                          sd * Eigen::MatrixXd::Identity(dimension, dimension)}});
 }
 
-NormalMixture NormalMixture::fit(const Eigen::MatrixXd& samples, Random& random) {
+NormalMixture NormalMixture::fit(const Eigen::MatrixXd& samples, base::Random& random) {
   return fit(samples, FitOptions{}, random);
 }
 
 NormalMixture NormalMixture::fit(const Eigen::MatrixXd& samples, const FitOptions& options,
-                                 Random& random) {
+                                 base::Random& random) {
   const auto refuse = [](const std::string& what) {
     throw std::invalid_argument("normal mixture fit: " + what);
   };
@@ -678,13 +679,13 @@ void NormalMixture::component_log_densities(std::span<const double> z,
   }
 }
 
-int NormalMixture::sample_component(Random& random) const {
+int NormalMixture::sample_component(base::Random& random) const {
   const double u = random.uniform();
   const auto k = std::ranges::upper_bound(cumulative_, u) - cumulative_.begin();
   return std::min(static_cast<int>(k), size() - 1);
 }
 
-void NormalMixture::sample(Random& random, std::span<double> out) const {
+void NormalMixture::sample(base::Random& random, std::span<double> out) const {
   const Component& c = (*this)[sample_component(random)];
   const auto d = static_cast<std::size_t>(dimension_);
   std::array<double, 64> small;

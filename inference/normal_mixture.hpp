@@ -2,12 +2,12 @@
 // shape of a posterior.
 #pragma once
 
-#include <Eigen/Core>
 #include <limits>
 #include <span>
 #include <vector>
+#include "base/eigen.hpp"
 
-#include "inference/random.hpp"
+#include "base/random.hpp"
 
 namespace wheeltap::inference {
 
@@ -62,9 +62,9 @@ class NormalMixture {
   /// or options out of range. With too few samples for a covariance, one broad component is
   /// returned.
   [[nodiscard]] static NormalMixture fit(const Eigen::MatrixXd& samples, const FitOptions& options,
-                                         Random& random);
+                                         base::Random& random);
   // Separate from the above because GCC will not take {} for a nested aggregate's default.
-  [[nodiscard]] static NormalMixture fit(const Eigen::MatrixXd& samples, Random& random);
+  [[nodiscard]] static NormalMixture fit(const Eigen::MatrixXd& samples, base::Random& random);
 
   [[nodiscard]] int dimension() const { return dimension_; }
   [[nodiscard]] int size() const { return static_cast<int>(components_.size()); }
@@ -78,9 +78,9 @@ class NormalMixture {
   /// ln w_k + ln of component k's density at z, for every k: `out` has size() entries.
   void component_log_densities(std::span<const double> z, std::span<double> out) const;
 
-  void sample(Random& random, std::span<double> out) const;
+  void sample(base::Random& random, std::span<double> out) const;
   /// A component, with the mixture's probabilities.
-  [[nodiscard]] int sample_component(Random& random) const;
+  [[nodiscard]] int sample_component(base::Random& random) const;
 
   /// u = L_k⁻¹ (z - μ_k), and back; the Jacobian |dz/du| is e^{log_determinant(k)}. Between
   /// components of two models these make the affine transport of Green 2003.

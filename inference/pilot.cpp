@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.hpp"
 #include "inference/moves/birth_death.hpp"
 #include "inference/moves/mirror.hpp"
 #include "inference/moves/mixture_transport.hpp"
 #include "inference/moves/model_switch.hpp"
-#include "inference/parallel.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -229,7 +229,7 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
   }
   for (double& weight : fit->weight) weight /= total;
 
-  parallel_for(space.size(), options.threads, [&](int m) {
+  base::parallel_for(space.size(), options.threads, [&](int m) {
     const auto at = static_cast<std::size_t>(m);
     const Eigen::Index d = space[m].dimension;
     if (d == 0) return;
@@ -245,7 +245,8 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
       if (at < options.modes.size()) cover(options.modes[at], *fit->density[at]);
       return;
     }
-    Random random(options.seed, at, static_cast<std::uint64_t>(options.round), Purpose::fit);
+    base::Random random(options.seed, at, static_cast<std::uint64_t>(options.round),
+                        base::Purpose::fit);
     fit->density[at] = std::make_unique<NormalMixture>(NormalMixture::fit(
         states.transpose(), {.max_components = options.most_components}, random));
     if (at < options.modes.size()) cover(options.modes[at], *fit->density[at]);

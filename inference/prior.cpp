@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "inference/number.hpp"
+#include "base/number.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -34,13 +34,13 @@ Overloaded(F...) -> Overloaded<F...>;
 
 std::string list(std::initializer_list<double> values) {
   std::string text;
-  for (const double x : values) text.append(text.empty() ? "[" : ", ").append(number(x));
+  for (const double x : values) text.append(text.empty() ? "[" : ", ").append(base::number(x));
   return text.append("]");
 }
 
 [[noreturn]] void refuse(const char* family, const char* name, double value, const char* bound) {
-  throw std::invalid_argument(std::string(family) + " prior: " + name + " = " + number(value) +
-                              ", must be " + bound);
+  throw std::invalid_argument(std::string(family) + " prior: " + name + " = " +
+                              base::number(value) + ", must be " + bound);
 }
 
 void require_finite(const char* family, const char* name, double value) {
@@ -169,55 +169,55 @@ Moments moments_by_quadrature(const Prior& prior) {
 
 Prior::Prior(Family family) : family_(family) {
   log_normaliser_ = std::visit(
-      Overloaded{[](const Uniform& f) {
-                   require_interval("uniform", f.lower, f.upper);
-                   return -std::log(f.upper - f.lower);
-                 },
-                 [](const LogUniform& f) {
-                   require_positive("log_uniform", "lower", f.lower);
-                   require_interval("log_uniform", f.lower, f.upper);
-                   return -std::log(std::log(f.upper / f.lower));
-                 },
-                 [](const Normal& f) {
-                   require_finite("normal", "mean", f.mean);
-                   require_positive("normal", "sd", f.sd);
-                   return -kLogSqrt2Pi - std::log(f.sd);
-                 },
-                 [](const LogNormal& f) {
-                   require_finite("log_normal", "mu", f.mu);
-                   require_positive("log_normal", "sigma", f.sigma);
-                   return -kLogSqrt2Pi - std::log(f.sigma);
-                 },
-                 [](const HalfNormal& f) {
-                   require_positive("half_normal", "sd", f.sd);
-                   return std::numbers::ln2 - kLogSqrt2Pi - std::log(f.sd);
-                 },
-                 [](const Gamma& f) {
-                   require_positive("gamma", "shape", f.shape);
-                   require_positive("gamma", "scale", f.scale);
-                   return -boost::math::lgamma(f.shape, Policy{}) - std::log(f.scale);
-                 },
-                 [](const Beta& f) {
-                   require_positive("beta", "a", f.a);
-                   require_positive("beta", "b", f.b);
-                   require_interval("beta", f.lower, f.upper);
-                   return boost::math::lgamma(f.a + f.b, Policy{}) -
-                          boost::math::lgamma(f.a, Policy{}) - boost::math::lgamma(f.b, Policy{}) -
-                          std::log(f.upper - f.lower);
-                 },
-                 [](const TruncatedNormal& f) {
-                   constexpr const char* kName = "truncated_normal";
-                   require_finite(kName, "mean", f.mean);
-                   require_positive(kName, "sd", f.sd);
-                   // One open end, or both, still leaves a proper density.
-                   if (std::isnan(f.lower) || f.lower == kInfinity)
-                     refuse(kName, "lower", f.lower, "a number below upper");
-                   if (std::isnan(f.upper) || f.upper == -kInfinity)
-                     refuse(kName, "upper", f.upper, "a number above lower");
-                   if (!(f.lower < f.upper))
-                     refuse(kName, "lower", f.lower, ("< upper = " + number(f.upper)).c_str());
-                   return -kLogSqrt2Pi - std::log(f.sd) - StandardTruncated(f).log_mass();
-                 }},
+      Overloaded{
+          [](const Uniform& f) {
+            require_interval("uniform", f.lower, f.upper);
+            return -std::log(f.upper - f.lower);
+          },
+          [](const LogUniform& f) {
+            require_positive("log_uniform", "lower", f.lower);
+            require_interval("log_uniform", f.lower, f.upper);
+            return -std::log(std::log(f.upper / f.lower));
+          },
+          [](const Normal& f) {
+            require_finite("normal", "mean", f.mean);
+            require_positive("normal", "sd", f.sd);
+            return -kLogSqrt2Pi - std::log(f.sd);
+          },
+          [](const LogNormal& f) {
+            require_finite("log_normal", "mu", f.mu);
+            require_positive("log_normal", "sigma", f.sigma);
+            return -kLogSqrt2Pi - std::log(f.sigma);
+          },
+          [](const HalfNormal& f) {
+            require_positive("half_normal", "sd", f.sd);
+            return std::numbers::ln2 - kLogSqrt2Pi - std::log(f.sd);
+          },
+          [](const Gamma& f) {
+            require_positive("gamma", "shape", f.shape);
+            require_positive("gamma", "scale", f.scale);
+            return -boost::math::lgamma(f.shape, Policy{}) - std::log(f.scale);
+          },
+          [](const Beta& f) {
+            require_positive("beta", "a", f.a);
+            require_positive("beta", "b", f.b);
+            require_interval("beta", f.lower, f.upper);
+            return boost::math::lgamma(f.a + f.b, Policy{}) - boost::math::lgamma(f.a, Policy{}) -
+                   boost::math::lgamma(f.b, Policy{}) - std::log(f.upper - f.lower);
+          },
+          [](const TruncatedNormal& f) {
+            constexpr const char* kName = "truncated_normal";
+            require_finite(kName, "mean", f.mean);
+            require_positive(kName, "sd", f.sd);
+            // One open end, or both, still leaves a proper density.
+            if (std::isnan(f.lower) || f.lower == kInfinity)
+              refuse(kName, "lower", f.lower, "a number below upper");
+            if (std::isnan(f.upper) || f.upper == -kInfinity)
+              refuse(kName, "upper", f.upper, "a number above lower");
+            if (!(f.lower < f.upper))
+              refuse(kName, "lower", f.lower, ("< upper = " + base::number(f.upper)).c_str());
+            return -kLogSqrt2Pi - std::log(f.sd) - StandardTruncated(f).log_mass();
+          }},
       family_);
 }
 
@@ -423,7 +423,7 @@ std::string Prior::describe() const {
                  [](const LogNormal& f) {
                    return "log_normal " + list({f.mu, f.sigma});
                  },
-                 [](const HalfNormal& f) { return "half_normal " + number(f.sd); },
+                 [](const HalfNormal& f) { return "half_normal " + base::number(f.sd); },
                  [](const Gamma& f) {
                    return "gamma " + list({f.shape, f.scale});
                  },

@@ -8,13 +8,13 @@
 #include <memory>
 #include <numeric>
 
+#include "base/parallel.hpp"
 #include "inference/diagnostics.hpp"
 #include "inference/evidence/bridge_sampling.hpp"
 #include "inference/evidence/comparison.hpp"
 #include "inference/evidence/importance_sampling.hpp"
 #include "inference/kept_draws.hpp"
 #include "inference/model_exploration.hpp"
-#include "inference/parallel.hpp"
 #include "inference/pilot.hpp"
 #include "inference/reporter.hpp"
 #include "inference/standard_normal.hpp"
@@ -134,8 +134,8 @@ class Engine {
 
   template <typename Job>
   void each_chain(Job&& job) {
-    parallel_for(options_.chains, options_.threads,
-                 [&](int c) { job(c, runners_[static_cast<std::size_t>(c)]); });
+    base::parallel_for(options_.chains, options_.threads,
+                       [&](int c) { job(c, runners_[static_cast<std::size_t>(c)]); });
   }
 
   // ---- exploring ----
@@ -201,7 +201,7 @@ class Engine {
                               PilotSamples(problem_.space));
         for (int i = 0; i < n; ++i) {
           const long before = runner.target->evaluations();
-          runner.tempered->scan(kStepsAScan, true, Purpose::exploration);
+          runner.tempered->scan(kStepsAScan, true, base::Purpose::exploration);
           for (int r = 0; r < runner.tempered->rungs(); ++r) {
             runner.by_rung[static_cast<std::size_t>(r)].add(runner.tempered->state(r));
           }
@@ -340,7 +340,7 @@ class Engine {
       found.shares = {1.0};
       found.climbs = 1;
       const Eigen::MatrixXd factor = Eigen::LLT<Eigen::MatrixXd>(mode.covariance).matrixL();
-      Random random(options_.seed, m, 0, Purpose::search);
+      base::Random random(options_.seed, m, 0, base::Purpose::search);
       constexpr Eigen::Index kDraws = 2000;
       found.population.resize(factor.rows(), kDraws);
       Eigen::VectorXd u(factor.rows());
@@ -455,7 +455,7 @@ class Engine {
     for (std::size_t m = 0; m < models(); ++m)
       if (log_probability_[m] > best - kLive) live.push_back(static_cast<int>(m));
     each_chain([&](int c, Runner& runner) {
-      Random random(options_.seed, static_cast<std::uint64_t>(c), 1, Purpose::start);
+      base::Random random(options_.seed, static_cast<std::uint64_t>(c), 1, base::Purpose::start);
       for (std::size_t attempt = 0; attempt < 20 * live.size(); ++attempt) {
         State state;
         state.model = live[(static_cast<std::size_t>(c) + attempt) % live.size()];
@@ -615,8 +615,8 @@ class Engine {
       runner.records.assign(static_cast<std::size_t>(runner.kernels->size()), {});
       long before = runner.target->evaluations();
       for (int i = 0; i < steps; ++i) {
-        Random random(options_.seed, static_cast<std::uint64_t>(c),
-                      static_cast<std::uint64_t>(done + i), Purpose::adaptation);
+        base::Random random(options_.seed, static_cast<std::uint64_t>(c),
+                            static_cast<std::uint64_t>(done + i), base::Purpose::adaptation);
         Kernel::Outcome outcome;
         const int from = runner.state.model;
         const int kernel =
@@ -749,11 +749,11 @@ class Engine {
       const int settling = options_.warmup > 0 ? std::min(kSettling, options_.warmup) : kSettling;
       for (int i = 0; i < settling; ++i) {
         if (posterior_.tempered_draws) {
-          if (i % kStepsAScan == 0) runner.tempered->scan(1, false, Purpose::settling);
+          if (i % kStepsAScan == 0) runner.tempered->scan(1, false, base::Purpose::settling);
           continue;
         }
-        Random random(options_.seed, static_cast<std::uint64_t>(c), static_cast<std::uint64_t>(i),
-                      Purpose::settling);
+        base::Random random(options_.seed, static_cast<std::uint64_t>(c),
+                            static_cast<std::uint64_t>(i), base::Purpose::settling);
         Kernel::Outcome outcome;
         runner.kernels->step(runner.state, {*runner.target, random, 1.0, false}, outcome);
       }
@@ -780,13 +780,13 @@ class Engine {
       runner.accepted[from][to] += outcome.accepted ? 1 : 0;
     };
     if (posterior_.tempered_draws) {
-      runner.tempered->scan(posterior_.thin, false, Purpose::sampling, observe);
+      runner.tempered->scan(posterior_.thin, false, base::Purpose::sampling, observe);
       runner.state = runner.tempered->cold();
       return {move, accepted};
     }
     for (int t = 0; t < posterior_.thin; ++t) {
-      Random random(options_.seed, static_cast<std::uint64_t>(c),
-                    static_cast<std::uint64_t>(runner.iteration++), Purpose::sampling);
+      base::Random random(options_.seed, static_cast<std::uint64_t>(c),
+                          static_cast<std::uint64_t>(runner.iteration++), base::Purpose::sampling);
       Kernel::Outcome outcome;
       const int from = runner.state.model;
       const int kernel =

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "inference/random.hpp"
+#include "base/random.hpp"
 
 namespace wheeltap::inference {
 
@@ -28,7 +28,7 @@ Optimum maximise_by_annealing(const Objective& objective, int dimension,
 
   const auto d = static_cast<std::size_t>(dimension);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Random random(options.seed, 1, 0, Purpose::start);
+  base::Random random(options.seed, 1, 0, base::Purpose::start);
   Optimum result{std::vector<double>(d, 0.0), -kInfinity, 0, false};
   const auto evaluate = [&](const std::vector<double>& z) {
     ++result.evaluations;

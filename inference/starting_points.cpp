@@ -5,9 +5,9 @@
 #include <memory>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/evidence/tmcmc.hpp"
-#include "inference/parallel.hpp"
 
 namespace wheeltap::inference {
 
@@ -70,7 +70,7 @@ std::vector<Laplace> climb_with_record(const Problem& problem, const Options& op
     return mode;
   };
   std::vector<Laplace> modes(static_cast<std::size_t>(models));
-  parallel_for(models, options.threads, [&](int m) {
+  base::parallel_for(models, options.threads, [&](int m) {
     modes[static_cast<std::size_t>(m)] = find_mode(reporter, [&] { return climb(m); });
   });
   return modes;

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "inference/number.hpp"
+#include "base/number.hpp"
 
 namespace wheeltap::inference {
 
@@ -29,7 +29,7 @@ std::string describe(const ModelSpace& space, const State& state) {
   std::string text = "model '" + space[state.model].name + "'";
   for (std::size_t i = 0; i < state.x.size(); ++i) {
     text += (i == 0 ? " at " : ", ") + space.parameter_name(state.model, static_cast<int>(i)) +
-            " = " + number(state.x[i]);
+            " = " + base::number(state.x[i]);
   }
   return text;
 }
@@ -68,7 +68,7 @@ double Target::checked(double value, Tally& tally, const State& state) const {
   const bool often = tally.values >= kEnough && static_cast<double>(tally.impossible) >
                                                     kShare * static_cast<double>(tally.values);
   if (always || often) {
-    throw LikelihoodError("the log likelihood is " + number(value) + " for " +
+    throw LikelihoodError("the log likelihood is " + base::number(value) + " for " +
                           describe(space(), state) + "; NaN or +∞ so far in " +
                           std::to_string(tally.impossible) + " of " + std::to_string(tally.values) +
                           " values");
@@ -90,8 +90,8 @@ bool Target::locate(State& state) const {
   if (problem_->log_prior_factor) {
     state.log_prior_factor = problem_->log_prior_factor(state.model, state.x);
     if (std::isnan(state.log_prior_factor) || state.log_prior_factor == kInfinity) {
-      throw LikelihoodError("the log prior factor is " + number(state.log_prior_factor) + " for " +
-                            describe(space(), state));
+      throw LikelihoodError("the log prior factor is " + base::number(state.log_prior_factor) +
+                            " for " + describe(space(), state));
     }
     if (state.log_prior_factor == -kInfinity) return false;
   }
@@ -194,7 +194,7 @@ double Target::log_prior_physical(const State& state) const {
   return sum;
 }
 
-void Target::draw_prior(Random& random, State& state) const {
+void Target::draw_prior(base::Random& random, State& state) const {
   double u = random.uniform();
   int model = 0;
   for (; model + 1 < space().size(); ++model) {
@@ -204,7 +204,7 @@ void Target::draw_prior(Random& random, State& state) const {
   draw_prior(model, random, state);
 }
 
-void Target::draw_prior(int model, Random& random, State& state) const {
+void Target::draw_prior(int model, base::Random& random, State& state) const {
   state.model = model;
   state.z.resize(static_cast<std::size_t>(space()[model].dimension));
   for (double& z : state.z) z = random.normal();

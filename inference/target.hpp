@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/random.hpp"
 #include "inference/model_space.hpp"
-#include "inference/random.hpp"
 
 namespace wheeltap::inference {
 
@@ -168,9 +168,9 @@ class Target {
   bool gradient(const State& state, std::span<double> dz);
 
   /// Draws model and parameters from the prior (without the factor), not evaluated.
-  void draw_prior(Random& random, State& state) const;
+  void draw_prior(base::Random& random, State& state) const;
   /// Draws the parameters of one model from the prior, not evaluated.
-  void draw_prior(int model, Random& random, State& state) const;
+  void draw_prior(int model, base::Random& random, State& state) const;
 
   /// Sorts the components of each kind by their first parameter. True where the order was right
   /// already.

@@ -29,7 +29,7 @@ std::vector<double> geometric_ladder(int rungs) {
   return betas;
 }
 
-State start_from_prior(Target& target, Random& random) {
+State start_from_prior(Target& target, base::Random& random) {
   State state;
   for (int i = 0; i < kTries; ++i) {
     target.draw_prior(random, state);
@@ -54,8 +54,8 @@ void check_models(Target& target, std::uint64_t seed) {
     State state;
     bool finite = false;
     for (int i = 0; i < tries && !finite; ++i) {
-      Random random(seed, static_cast<std::uint64_t>(m),
-                    static_cast<std::uint64_t>(kFirstOfCheck + i), Purpose::start);
+      base::Random random(seed, static_cast<std::uint64_t>(m),
+                          static_cast<std::uint64_t>(kFirstOfCheck + i), base::Purpose::start);
       target.draw_prior(m, random, state);
       if (glance && i >= kTriesOfWhole) {
         State first = state;
@@ -104,8 +104,8 @@ void TemperedChain::reset_round_trips() {
 void TemperedChain::start() {
   states_.clear();
   for (int i = 0; i < rungs(); ++i) {
-    Random random(seed_, static_cast<std::uint64_t>(chain_), static_cast<std::uint64_t>(i),
-                  Purpose::start);
+    base::Random random(seed_, static_cast<std::uint64_t>(chain_), static_cast<std::uint64_t>(i),
+                        base::Purpose::start);
     states_.push_back(start_from_prior(target_, random));
   }
 }
@@ -115,14 +115,14 @@ void TemperedChain::set_kernels(KernelFactory kernels) {
   for (auto& kernel : kernels_) kernel = factory_();
 }
 
-void TemperedChain::scan(int steps, bool adapting, Purpose purpose, const Observer& observe) {
-  const auto stream = [&](long rung, Purpose p) {
-    return Random(seed_, static_cast<std::uint64_t>(chain_),
-                  static_cast<std::uint64_t>(scans_ * kMaxRungs + rung), p);
+void TemperedChain::scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe) {
+  const auto stream = [&](long rung, base::Purpose p) {
+    return base::Random(seed_, static_cast<std::uint64_t>(chain_),
+                        static_cast<std::uint64_t>(scans_ * kMaxRungs + rung), p);
   };
   for (int i = 0; i < rungs(); ++i) {
     const auto r = static_cast<std::size_t>(i);
-    Random random = stream(i, purpose);
+    base::Random random = stream(i, purpose);
     if (i == 0 && rungs() > 1) {
       State fresh;
       target_.draw_prior(random, fresh);
@@ -150,7 +150,7 @@ void TemperedChain::scan(int steps, bool adapting, Purpose purpose, const Observ
       weights_[r][static_cast<std::size_t>(states_[r].model)] -= gain;
     }
   }
-  Random random = stream(kMaxRungs - 1, Purpose::swap);
+  base::Random random = stream(kMaxRungs - 1, base::Purpose::swap);
   for (int i = static_cast<int>(scans_ % 2); i + 1 < rungs(); i += 2) {
     const auto r = static_cast<std::size_t>(i);
     const auto low = static_cast<std::size_t>(states_[r].model);

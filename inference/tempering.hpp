@@ -45,7 +45,7 @@ class TemperedChain {
   void set_cold(const State& state) { states_.back() = state; }
 
   /// `steps` kernel steps in every rung, then one round of swaps.
-  void scan(int steps, bool adapting, Purpose purpose, const Observer& observe = nullptr);
+  void scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe = nullptr);
 
   /// Other kernels from now on, for every rung.
   void set_kernels(KernelFactory kernels);
@@ -91,7 +91,7 @@ class TemperedChain {
 
 /// A state drawn from the prior whose likelihood is finite. Throws LikelihoodError after 100 000
 /// tries.
-[[nodiscard]] State start_from_prior(Target& target, Random& random);
+[[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
 /// Throws LikelihoodError, naming the model, for a model with prior weight whose likelihood is
 /// finite at none of 100 000 draws from its prior (5000 where the problem can be shortened: all

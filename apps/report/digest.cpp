@@ -8,14 +8,14 @@
 #include <optional>
 
 #include "apps/case_file.hpp"
-#include "dynamics/residuals.hpp"
-#include "dynamics/signals.hpp"
-#include "emulator/file_error.hpp"
+#include "io/file_error.hpp"
+#include "signals/residuals.hpp"
+#include "signals/spectra.hpp"
 
 namespace wheeltap::apps {
 namespace {
 
-using emulator::FileError;
+using io::FileError;
 
 constexpr double kShown = 0.005;       // models with less probability have no charts of their own
 constexpr std::size_t kHistory = 400;  // points a chain in the histories
@@ -601,10 +601,9 @@ Report transfer(const Driver& driver, const std::vector<double>& y,
                 const std::vector<double>& median, double rate, const std::string& unit) {
   // At least fifteen half-overlapping segments: the coherence of few is near 1 whatever the data.
   const int segment = static_cast<int>(std::clamp<std::size_t>(y.size() / 8, 8, 1024));
-  const auto data = dynamics::frequency_response(driver.values, y, rate, {.segment = segment});
-  const auto model =
-      dynamics::frequency_response(driver.values, median, rate, {.segment = segment});
-  const auto excited = dynamics::welch(driver.values, rate, {.segment = segment});
+  const auto data = signals::frequency_response(driver.values, y, rate, {.segment = segment});
+  const auto model = signals::frequency_response(driver.values, median, rate, {.segment = segment});
+  const auto excited = signals::welch(driver.values, rate, {.segment = segment});
   const double enough = kExcited * std::ranges::max(excited.density);
   Report rows = Report::array();
   for (std::size_t f = 1; f < data.frequencies_hz.size(); ++f) {
@@ -691,9 +690,9 @@ Report responses(const NetcdfReader& file) {
     for (std::size_t n = 0; n < samples; ++n) residual[n] = y[n] - median[n];
     const double rate = static_cast<double>(samples - 1) / (time.back() - time.front());
     const int segment = static_cast<int>(std::clamp<std::size_t>(samples / 4, 4, 1024));
-    const auto s_y = dynamics::welch(y, rate, {.segment = segment});
-    const auto s_m = dynamics::welch(median, rate, {.segment = segment});
-    const auto s_r = dynamics::welch(residual, rate, {.segment = segment});
+    const auto s_y = signals::welch(y, rate, {.segment = segment});
+    const auto s_m = signals::welch(median, rate, {.segment = segment});
+    const auto s_r = signals::welch(residual, rate, {.segment = segment});
     Report spectrum = Report::array();
     for (std::size_t f = 1; f < s_y.frequencies_hz.size(); ++f) {
       spectrum.push_back({compact(s_y.frequencies_hz[f]), compact(s_y.density[f]),
@@ -708,7 +707,7 @@ Report responses(const NetcdfReader& file) {
     }
     const int lags = static_cast<int>(std::min<std::size_t>(50, samples / 4));
     Report correlation = Report::array();
-    for (const double rho : dynamics::autocorrelation(residual, lags)) {
+    for (const double rho : signals::autocorrelation(residual, lags)) {
       correlation.push_back(compact(rho));
     }
     json["autocorrelation"] = std::move(correlation);

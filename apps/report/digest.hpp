@@ -18,7 +18,7 @@ namespace wheeltap::apps {
 ///   responses    per channel of a record: data and replicated band over time, spectra, frequency
 ///                responses to what drove it, autocorrelation of the residuals
 /// Priors are those of the case; the i-th of n exchangeable locations has the i-th order
-/// statistic's. Throws emulator::FileError (missing, corrupt, foreign).
+/// statistic's. Throws io::FileError (missing, corrupt, foreign).
 [[nodiscard]] Report digest(const std::filesystem::path& posterior_file, const Report& summary);
 
 }  // namespace wheeltap::apps

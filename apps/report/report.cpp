@@ -9,12 +9,12 @@
 #include "apps/report/answer.hpp"
 #include "apps/report/assets.hpp"
 #include "apps/report/digest.hpp"
-#include "emulator/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
 namespace {
 
-using emulator::FileError;
+using io::FileError;
 namespace fs = std::filesystem;
 
 Report read_summary(const fs::path& path) {
@@ -213,7 +213,7 @@ void write_report(const fs::path& directory) {
                                                     {"page", assets::kPage},
                                                     {"licences", licences}});
   const fs::path path = directory / "report.html";
-  emulator::AtomicFile file(path);
+  io::AtomicFile file(path);
   std::ofstream stream(file.temporary(), std::ios::binary);
   stream << page;
   stream.close();

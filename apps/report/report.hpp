@@ -16,7 +16,7 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string html_text(const std::string& text);
 
 /// Writes DIRECTORY/report.html from DIRECTORY/summary.json and posterior.nc. Throws
-/// emulator::FileError: missing where a file is not there, corrupt or foreign where it is not what
+/// io::FileError: missing where a file is not there, corrupt or foreign where it is not what
 /// a run writes, unwritable.
 void write_report(const std::filesystem::path& directory);
 

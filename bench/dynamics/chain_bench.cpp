@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "dynamics/generate.hpp"
 #include "dynamics/simulate.hpp"
+#include "signals/excitation.hpp"
 
 namespace {
 

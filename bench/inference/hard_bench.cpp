@@ -294,7 +294,7 @@ BENCHMARK(galaxies)
 //   Z ∝ (1 + g)^((n-1-p)/2) / (1 + g (1 - R²))^((n-1)/2)          (Liang et al. 2008, equation 6).
 void subsets_of_ten(benchmark::State& state) {
   constexpr int kRegressors = 10, kRows = 60, kSubsets = 1 << kRegressors;
-  Random random(7, 0, 0, Purpose::simulation);
+  base::Random random(7, 0, 0, base::Purpose::simulation);
   Eigen::MatrixXd x(kRows, kRegressors);
   Eigen::VectorXd y(kRows);
   for (Eigen::Index i = 0; i < kRows; ++i) {

@@ -176,7 +176,7 @@ void duffing(benchmark::State& state) {
       link.laws.push_back(dyn::make_law<dyn::laws::Cubic>({dyn::Coefficient::of_parameter(1)}));
     return dyn::Chain{.masses = {0.5}, .links = {link}};
   };
-  Random random(3, 0, 0, Purpose::simulation);
+  base::Random random(3, 0, 0, base::Purpose::simulation);
   std::vector<double> force(kSamples);
   for (double& f : force) f = 10.0 * random.normal();
   const dyn::Excitation excitation{.sample_rate_hz = 100.0, .forces = {{1, {force}}}};

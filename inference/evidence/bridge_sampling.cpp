@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/parallel.hpp"
 #include "inference/diagnostics.hpp"
 #include "inference/evidence/importance_sampling.hpp"
 #include "inference/evidence/tmcmc.hpp"
-#include "inference/parallel.hpp"
 
 namespace wheeltap::inference {
 
@@ -94,7 +94,7 @@ Evidence bridge_sampling(const Problem& problem, int model, const ModelSamples& 
   Eigen::MatrixXd training((all + stride - 1) / stride, d);
   for (Eigen::Index i = 0, row = 0; i < all; i += stride)
     training.row(row++) = samples.z[static_cast<std::size_t>(i / fit_draws)].row(i % fit_draws);
-  Random random(options.seed, 0, static_cast<std::uint64_t>(model), Purpose::fit);
+  base::Random random(options.seed, 0, static_cast<std::uint64_t>(model), base::Purpose::fit);
   const NormalMixture proposal = NormalMixture::fit(training, options.fit, random);
 
   // ln l at the posterior draws, chains kept apart for their autocorrelation.
@@ -139,7 +139,7 @@ Evidence bridge_sampling(const Problem& problem, int model, const BridgeOptions&
 Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& first,
                          const BridgeOptions& options) {
   if (first.z.size() == 0) return first.evidence;  // exact without parameters, or NaN
-  Random random(options.seed, 1, static_cast<std::uint64_t>(model), Purpose::fit);
+  base::Random random(options.seed, 1, static_cast<std::uint64_t>(model), base::Purpose::fit);
   const NormalMixture pilot = NormalMixture::fit(first.z, options.fit, random);
   // Longer chains while anything is left to complain of: each starts afresh, so that none is picked
   // for its answer.

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "inference/parallel.hpp"
+#include "base/parallel.hpp"
 
 namespace wheeltap::inference {
 
@@ -17,10 +17,10 @@ std::vector<double> log_importance_ratios(const Problem& problem, int model,
   const int blocks = (n + kBlock - 1) / kBlock;
   std::vector<double> ratios(static_cast<std::size_t>(n));
   std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
-  parallel_for(blocks, threads, [&](int block) {
+  base::parallel_for(blocks, threads, [&](int block) {
     ModelPosterior posterior(problem, model);
-    Random random(seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 62U),
-                  static_cast<std::uint64_t>(model), Purpose::evidence);
+    base::Random random(seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 62U),
+                        static_cast<std::uint64_t>(model), base::Purpose::evidence);
     std::vector<double> z(static_cast<std::size_t>(posterior.dimension()));
     const int end = std::min(n, (block + 1) * kBlock);
     for (int i = block * kBlock; i < end; ++i) {

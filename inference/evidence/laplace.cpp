@@ -193,8 +193,8 @@ std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
   // No direction is wider than the prior.
   const Eigen::VectorXd sd =
       eigen.eigenvalues().cwiseAbs().cwiseMax(1.0).cwiseSqrt().cwiseInverse();
-  Random random(options.seed, static_cast<std::uint64_t>(problem.samples),
-                static_cast<std::uint64_t>(model), Purpose::start);
+  base::Random random(options.seed, static_cast<std::uint64_t>(problem.samples),
+                      static_cast<std::uint64_t>(model), base::Purpose::start);
   std::vector<std::vector<double>> population{mode.z};
   for (int i = 1; i < std::max(30, 10 * d); ++i) {
     Eigen::VectorXd u(d);

@@ -1,8 +1,8 @@
 // The mode of one model, Laplace's evidence, and the information criteria.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
+#include "base/eigen.hpp"
 
 #include "inference/evidence/metropolis.hpp"
 #include "inference/optimum.hpp"

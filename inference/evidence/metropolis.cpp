@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/parallel.hpp"
 #include "inference/diagnostics.hpp"
-#include "inference/parallel.hpp"
 
 namespace wheeltap::inference {
 namespace {
@@ -26,7 +26,7 @@ class Walker {
          std::uint64_t chain)
       : posterior_(problem, model),
         pilot_(pilot),
-        random_(seed, chain, static_cast<std::uint64_t>(model), Purpose::evidence),
+        random_(seed, chain, static_cast<std::uint64_t>(model), base::Purpose::evidence),
         d_(posterior_.dimension()),
         factor_(2.38 / std::sqrt(std::max(1.0, static_cast<double>(d_))) *
                 Eigen::MatrixXd::Identity(d_, d_)) {
@@ -126,7 +126,7 @@ class Walker {
 
   ModelPosterior posterior_;
   const NormalMixture* pilot_;
-  Random random_;
+  base::Random random_;
   Eigen::Index d_;
   Eigen::MatrixXd factor_;
   double log_scale_ = 0.0;
@@ -156,7 +156,7 @@ ModelSamples run(const Problem& problem, int model, const NormalMixture* pilot,
                        0,
                        {}};
   std::vector<long> accepted(chains, 0), evaluations(chains, 0);
-  parallel_for(options.chains, options.threads, [&](int chain) {
+  base::parallel_for(options.chains, options.threads, [&](int chain) {
     const auto c = static_cast<std::size_t>(chain);
     Walker walker(problem, model, pilot, options.seed, c);
     for (int i = 0; i < options.warmup; ++i) walker.step(i, true);

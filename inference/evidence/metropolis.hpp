@@ -2,9 +2,9 @@
 // bridge sampling needs.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
+#include "base/eigen.hpp"
 
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/normal_mixture.hpp"

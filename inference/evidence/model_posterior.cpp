@@ -101,7 +101,7 @@ bool ModelPosterior::gradient(std::span<const double> z, std::span<double> out) 
   return true;
 }
 
-void ModelPosterior::draw_prior(Random& random, std::span<double> z) {
+void ModelPosterior::draw_prior(base::Random& random, std::span<double> z) {
   target_.draw_prior(state_.model, random, state_);
   std::ranges::copy(state_.z, z.begin());
 }

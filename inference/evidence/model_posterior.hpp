@@ -65,7 +65,7 @@ class ModelPosterior {
   bool gradient(std::span<const double> z, std::span<double> out);
 
   /// From p₀.
-  void draw_prior(Random& random, std::span<double> z);
+  void draw_prior(base::Random& random, std::span<double> z);
 
   [[nodiscard]] int dimension() const { return static_cast<int>(state_.z.size()); }
   [[nodiscard]] long evaluations() const { return target_.evaluations(); }

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "inference/number.hpp"
-#include "inference/parallel.hpp"
+#include "base/number.hpp"
+#include "base/parallel.hpp"
 
 namespace wheeltap::inference {
 namespace {
@@ -80,10 +80,10 @@ class Replicate {
   static constexpr long kLeastGrowth = 10;
   static constexpr std::size_t kBatch = 32;  // likelihoods at a time: a few vectors full
 
-  [[nodiscard]] Random stream(std::uint64_t stage) const {
+  [[nodiscard]] base::Random stream(std::uint64_t stage) const {
     // Kept apart from the other users of this purpose by the high bit.
     return {options_.seed, index_ | (std::uint64_t{1} << 63U),
-            stage << 32U | static_cast<std::uint64_t>(model_), Purpose::evidence};
+            stage << 32U | static_cast<std::uint64_t>(model_), base::Purpose::evidence};
   }
 
   // The posterior given the first samples of a record.
@@ -113,7 +113,7 @@ class Replicate {
   // 1), else that of all N draws: both are the unbiased one of this stopping rule (Girshick,
   // Mosteller & Savage 1946, Annals of Mathematical Statistics 17:13, theorem 5).
   double draw_prior() {
-    Random random = stream(0);
+    base::Random random = stream(0);
     const auto first = static_cast<std::size_t>(options_.samples);
     std::vector<Particle> possible;
     std::size_t drawn = 0;
@@ -163,7 +163,7 @@ class Replicate {
     double log_ratio = 0.0;
     for (double beta = 0.0; beta < 1.0 && !ended();) {
       if (++stages_ > kMostStages) {
-        stuck_ = "TMCMC is still at exponent " + number(beta) + " after " +
+        stuck_ = "TMCMC is still at exponent " + base::number(beta) + " after " +
                  std::to_string(kMostStages) + " stages";
         break;
       }
@@ -171,7 +171,7 @@ class Replicate {
       possible = true;
       log_ratio += weights(particles_, step).log_mean;
       beta = beta + step >= 1.0 - 1e-12 ? 1.0 : beta + step;
-      Random stage = stream(static_cast<std::uint64_t>(stages_));
+      base::Random stage = stream(static_cast<std::uint64_t>(stages_));
       resample(step, stage);
       move(beta, stage);
       report(beta);
@@ -227,7 +227,7 @@ class Replicate {
   }
 
   // Systematic: one uniform number, evenly spaced pointers.
-  void resample(double step, Random& random) {
+  void resample(double step, base::Random& random) {
     double top = -kInfinity;
     for (const Particle& p : particles_) top = std::max(top, p.log_gain);
     std::vector<double> cumulative;
@@ -248,7 +248,7 @@ class Replicate {
 
   // Each half of the samples moves by a mixture fitted to the other half: a proposal that knows the
   // very samples it moves favours leaving them, and that biases ln Z.
-  void move(double beta, Random& random) {
+  void move(double beta, base::Random& random) {
     const auto middle = static_cast<std::ptrdiff_t>(particles_.size() / 2);
     const std::span<Particle> first(particles_.begin(), particles_.begin() + middle);
     const std::span<Particle> second(particles_.begin() + middle, particles_.end());
@@ -257,7 +257,7 @@ class Replicate {
     move(second, of_first, beta, random);
   }
 
-  NormalMixture fit(std::span<const Particle> particles, Random& random) const {
+  NormalMixture fit(std::span<const Particle> particles, base::Random& random) const {
     const int d = to_->posterior.dimension();
     Eigen::MatrixXd states(static_cast<Eigen::Index>(particles.size()), d);
     for (Eigen::Index i = 0; i < states.rows(); ++i)
@@ -270,7 +270,7 @@ class Replicate {
   }
 
   void move(std::span<Particle> particles, const NormalMixture& mixture, double beta,
-            Random& random) {
+            base::Random& random) {
     const int d = to_->posterior.dimension();
     const auto n = static_cast<double>(particles.size());
     std::vector<double> normal(static_cast<std::size_t>(d));
@@ -355,7 +355,7 @@ bool better_growing(const Problem& problem, int model, const TmcmcOptions& optio
   if (options.progress) pilot.progress = [&](double) { return options.progress(0.0); };
   std::vector<double> log_evidence(2 * kPilots);
   std::vector<long> cost(2 * kPilots);
-  parallel_for(2 * kPilots, options.threads, [&](int i) {
+  base::parallel_for(2 * kPilots, options.threads, [&](int i) {
     Replicate replicate(problem, model, pilot, options.replicates + i, i < kPilots);
     const double found = replicate.run();
     log_evidence[static_cast<std::size_t>(i)] = std::isnan(found) ? -kInfinity : found;
@@ -395,7 +395,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   const bool growing =
       better_growing(problem, model, options, result.evidence.likelihood_evaluations);
   result.z.resize(static_cast<Eigen::Index>(r) * options.samples, posterior.dimension());
-  parallel_for(options.replicates, options.threads, [&](int index) {
+  base::parallel_for(options.replicates, options.threads, [&](int index) {
     const auto i = static_cast<std::size_t>(index);
     Replicate replicate(problem, model, options, index, growing);
     log_evidence[i] = replicate.run();

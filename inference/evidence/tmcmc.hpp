@@ -1,9 +1,9 @@
 // Transitional Markov chain Monte Carlo: the evidence of one model by tempering from its prior.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include "base/eigen.hpp"
 
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/normal_mixture.hpp"

@@ -131,7 +131,7 @@ void InformedProposal::condition(const State& context, int kind, int skip, doubl
   sum_ = weights_.sum();
 }
 
-void InformedProposal::draw(Random& random, std::span<double> z) {
+void InformedProposal::draw(base::Random& random, std::span<double> z) {
   if (flat_ || random.uniform() < kDefensive) {
     for (double& value : z) value = random.normal();
     return;

@@ -1,13 +1,13 @@
 // Where to put a component: from its prior, or where the present residual says that one would help.
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
 #include <span>
 #include <vector>
+#include "base/eigen.hpp"
 
+#include "base/random.hpp"
 #include "inference/move.hpp"
-#include "inference/random.hpp"
 #include "inference/target.hpp"
 
 namespace wheeltap::inference {
@@ -21,7 +21,7 @@ class ComponentProposal {
   /// component of `kind`. `beta` tempers the residual's say.
   virtual void condition(const State& context, int kind, int skip, double beta) = 0;
   /// Draws from the conditioned proposal.
-  virtual void draw(Random& random, std::span<double> z) = 0;
+  virtual void draw(base::Random& random, std::span<double> z) = 0;
   /// ln [ q(z) / ∏ φ(z_i) ] of the conditioned proposal: its density relative to the prior.
   [[nodiscard]] virtual double log_density_ratio(std::span<const double> z) const = 0;
 };
@@ -30,7 +30,7 @@ class ComponentProposal {
 class PriorProposal : public ComponentProposal {
  public:
   void condition(const State&, int, int, double) override {}
-  void draw(Random& random, std::span<double> z) override {
+  void draw(base::Random& random, std::span<double> z) override {
     for (double& value : z) value = random.normal();
   }
   [[nodiscard]] double log_density_ratio(std::span<const double>) const override { return 0.0; }
@@ -73,7 +73,7 @@ class InformedProposal : public ComponentProposal {
  public:
   InformedProposal(std::shared_ptr<const EffectAtlas> atlas, const ModelSpace& space, int kind);
   void condition(const State& context, int kind, int skip, double beta) override;
-  void draw(Random& random, std::span<double> z) override;
+  void draw(base::Random& random, std::span<double> z) override;
   [[nodiscard]] double log_density_ratio(std::span<const double> z) const override;
 
  private:

@@ -111,7 +111,7 @@ void ConditionalProposal::condition(const State& context, int kind, int skip, do
   for (std::size_t t = 0; t < used_; ++t) terms_[t].probability /= kept;
 }
 
-void ConditionalProposal::draw(Random& random, std::span<double> z) {
+void ConditionalProposal::draw(base::Random& random, std::span<double> z) {
   if (used_ == 0 || random.uniform() < kDefensive) {
     for (double& value : z) value = random.normal();
     return;

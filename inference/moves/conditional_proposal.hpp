@@ -1,9 +1,9 @@
 // Where to put a component, learnt from the pilots.
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
 #include <vector>
+#include "base/eigen.hpp"
 
 #include "inference/moves/component_proposal.hpp"
 #include "inference/moves/mixture_jump.hpp"
@@ -45,7 +45,7 @@ class ConditionalProposal : public ComponentProposal {
   ConditionalProposal(std::shared_ptr<const ConditionalMixtures> mixtures, const ModelSpace& space,
                       int kind);
   void condition(const State& context, int kind, int skip, double beta) override;
-  void draw(Random& random, std::span<double> z) override;
+  void draw(base::Random& random, std::span<double> z) override;
   [[nodiscard]] double log_density_ratio(std::span<const double> z) const override;
 
  private:

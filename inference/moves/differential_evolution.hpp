@@ -1,9 +1,9 @@
 // Steps along the difference of two archived states.
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
 #include <vector>
+#include "base/eigen.hpp"
 
 #include "inference/move.hpp"
 

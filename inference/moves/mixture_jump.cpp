@@ -4,7 +4,7 @@
 
 namespace wheeltap::inference {
 
-int propose_model(const PilotFit& fit, int from, Random& random, double& log_ratio) {
+int propose_model(const PilotFit& fit, int from, base::Random& random, double& log_ratio) {
   const std::vector<double>& weight = fit.weight;
   const auto m = static_cast<std::size_t>(from);
   double u = random.uniform() * (1.0 - weight[m]);

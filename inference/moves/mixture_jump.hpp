@@ -25,7 +25,8 @@ struct PilotFit {
 
 /// Draws m' ≠ m with probability ω_m' / (1 - ω_m), and adds the choice's part of the ratio,
 /// ln [ω_m / (1 - ω_m')] - ln [ω_m' / (1 - ω_m)], to `log_ratio`. -1 where there is no other model.
-[[nodiscard]] int propose_model(const PilotFit& fit, int from, Random& random, double& log_ratio);
+[[nodiscard]] int propose_model(const PilotFit& fit, int from, base::Random& random,
+                                double& log_ratio);
 
 /// Proposes a model m' and its parameters from q_m' afresh (the independence form of AutoMix:
 /// Hastie 2005, ch. 3; Green 2003). `between` takes m' ≠ m with probability ω_m' / (1 - ω_m), else

@@ -1,8 +1,8 @@
 // Random walks within a model.
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
+#include "base/eigen.hpp"
 
 #include "inference/move.hpp"
 

@@ -7,7 +7,7 @@ namespace wheeltap::inference {
 Kernel::Outcome Slice::step(State& state, const Step& step) {
   constexpr int kMostSteps = 30;  // of the stepping out, shared between the two ends
   if (state.z.empty()) return {};
-  Random& random = step.random;
+  base::Random& random = step.random;
   // One coordinate, or all of them in a random direction.
   direction_.assign(state.z.size(), 0.0);
   const double length = width_ * std::exp(random.normal());

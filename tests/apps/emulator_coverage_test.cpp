@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/damage_problem.hpp"
-#include "inference/random.hpp"
+#include "base/random.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {
@@ -48,7 +48,7 @@ Misses misses(const std::string& predictor, const char* supports, int modes) {
   std::vector<double> data(n_modes), log_l(f.size());
   Misses out;
   for (int n = 0; n < kCases; ++n) {
-    inference::Random random(11, 0, static_cast<std::uint64_t>(n), inference::Purpose::test);
+    base::Random random(11, 0, static_cast<std::uint64_t>(n), base::Purpose::test);
     const double location = 0.04 + 0.91 * random.uniform();
     const double reduction = 0.6 * random.uniform();
     predict.solve(0, std::vector<double>{location, reduction}, data);

@@ -89,7 +89,7 @@ TEST(FrequencyEmulator, ReadsWhatItWrites) {
   EXPECT_THROW((void)FrequencyEmulator::load(where / "t.nc", c.beam, 2, 5), std::invalid_argument);
   fem::Beam other = c.beam;
   other.material.young *= 1.001;
-  EXPECT_THROW((void)FrequencyEmulator::load(where / "t.nc", other, 2, 4), emulator::FileError);
+  EXPECT_THROW((void)FrequencyEmulator::load(where / "t.nc", other, 2, 4), io::FileError);
 }
 
 TEST(FrequencyEmulator, FingerprintSeesEveryPropertyOfTheBeam) {
@@ -289,13 +289,13 @@ TEST(FrequencyEmulator, LearnsFromTheUsersOwnRuns) {
   const DamageCase c = case_of(R"({"runs_csv": "scattered.csv"})", 1, where);
   const fem::Reanalysis reanalysis(c.beam, 3);
   EXPECT_THROW((void)FrequencyEmulator::train(reanalysis, *c.emulator, c.kinds[0], 3, {}),
-               emulator::FileError)
+               io::FileError)
       << "no grid";
   where.write("twice.csv", scattered + "0.0251,0.0,1,2,3\n");
   const DamageCase twice =
       case_of(R"({"runs_csv": "twice.csv", "interpolation": "gaussian-process"})", 1, where);
   EXPECT_THROW((void)FrequencyEmulator::train(reanalysis, *twice.emulator, c.kinds[0], 3, {}),
-               emulator::FileError)
+               io::FileError)
       << "one element, one reduction, twice";
 }
 

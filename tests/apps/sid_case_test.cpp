@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "dynamics/generate.hpp"
 #include "sid_cases.hpp"
+#include "signals/excitation.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -170,8 +170,8 @@ TEST(SidCase, WindowsAndLeadInsCutTheRecord) {
 // The source's check: a short window must have the spectrum of the full record.
 TEST(SidCase, ComparesTheWindowWithTheRecord) {
   const Workspace where;
-  dynamics::Noise noise(5);
-  std::vector<double> x = dynamics::white_noise(4000, 1.0, noise);
+  signals::Noise noise(5);
+  std::vector<double> x = signals::white_noise(4000, 1.0, noise);
   for (std::size_t n = 3000; n < x.size(); ++n) x[n] *= 0.1;
   std::string text = "time [s],force [N],displacement [m]\n";
   for (std::size_t n = 0; n < x.size(); ++n) {

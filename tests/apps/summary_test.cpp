@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/evidence.hpp"
-#include "inference/random.hpp"
+#include "base/random.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -30,7 +30,7 @@ Posterior made_up(double p, int draws, double shift_of_last_chain = 0.0, double 
   posterior.draws = draws;
   posterior.likelihood_evaluations = 1;
   for (std::uint64_t c = 0; c < 4; ++c) {
-    inference::Random random(5, c, 0, inference::Purpose::test);
+    base::Random random(5, c, 0, base::Purpose::test);
     inference::Chain chain;
     const double mine = c == 3 && p_of_last >= 0.0 ? p_of_last : p;
     for (int i = 0; i < draws; ++i) {
@@ -125,7 +125,7 @@ TEST(Summary, AveragesOverModelsUseTheWeightsOfBalancedDraws) {
 }
 
 TEST(Summary, EqualWeightsChangeNothing) {
-  inference::Random random(3, 0, 0, inference::Purpose::test);
+  base::Random random(3, 0, 0, base::Purpose::test);
   ChainsOf draws(1);
   for (int i = 0; i < 1001; ++i) draws[0].push_back(random.normal());
   const Report plain = summarise(draws);
@@ -173,7 +173,7 @@ TEST(Summary, ParameterSummary) {
 }
 
 TEST(Summary, ModeIsTheFullestBin) {
-  inference::Random random(3, 0, 0, inference::Purpose::test);
+  base::Random random(3, 0, 0, base::Purpose::test);
   std::vector<double> draws;
   for (int i = 0; i < 20000; ++i) draws.push_back(std::exp(0.5 * random.normal()));
   // ln x ~ N(0, ½²): the mode is exp(-1/4).

@@ -9,10 +9,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "dynamics/record.hpp"
 #include "dynamics/simulate.hpp"
 #include "inference/reversible_jump.hpp"
 #include "inference/verdict.hpp"
+#include "signals/record.hpp"
 
 namespace {
 

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <vector>
 
-#include "dynamics/record.hpp"
-#include "dynamics/signals.hpp"
 #include "dynamics/simulate.hpp"
+#include "signals/record.hpp"
+#include "signals/spectra.hpp"
 
 namespace {
 

@@ -13,7 +13,7 @@
 namespace wheeltap::emulator {
 namespace {
 
-using Kind = FileError::Kind;
+using Kind = io::FileError::Kind;
 using test::bytes_of;
 using test::put_bytes;
 
@@ -38,7 +38,7 @@ class JournalTest : public testing::Test {
                                                std::size_t responses) const {
     try {
       const Journal journal(path, identity, responses);
-    } catch (const FileError& error) {
+    } catch (const io::FileError& error) {
       return error.kind();
     }
     return std::nullopt;
@@ -132,12 +132,12 @@ TEST_F(JournalTest, AnotherDesignOrIdentityIsRefused) {
   (void)run_experiment(grid(), 2, counting(calls), {.journal = path, .identity = "beam"});
   EXPECT_THROW(
       (void)run_experiment(grid(), 2, counting(calls), {.journal = path, .identity = "plate"}),
-      FileError);
+      io::FileError);
   Design moved = grid();
   moved.points(3, 1) += 1e-9;
   EXPECT_THROW(
       (void)run_experiment(moved, 2, counting(calls), {.journal = path, .identity = "beam"}),
-      FileError);
+      io::FileError);
   EXPECT_EQ(calls, 20);
 }
 

@@ -7,7 +7,7 @@
 namespace wheeltap::emulator {
 namespace {
 
-using Kind = FileError::Kind;
+using Kind = io::FileError::Kind;
 
 const std::vector<Factor> kFactors = {{"location[1]", "m", {}}, {"reduction", "", {}}};
 constexpr const char* kHeader = "reduction, location[1] [m], f1 [Hz], f2 [Hz]\n";
@@ -21,7 +21,7 @@ class RunsCsv : public testing::Test {
   std::string error(const std::string& text, const std::vector<Factor>& factors = kFactors) const {
     try {
       (void)read(text, factors);
-    } catch (const FileError& e) {
+    } catch (const io::FileError& e) {
       EXPECT_EQ(e.kind(), Kind::corrupt);
       return e.reason();
     }
@@ -72,7 +72,7 @@ TEST_F(RunsCsv, MissingFile) {
   try {
     (void)read_runs_csv(path, kFactors, "frequency");
     FAIL();
-  } catch (const FileError& e) {
+  } catch (const io::FileError& e) {
     EXPECT_EQ(e.kind(), Kind::missing);
   }
 }
@@ -92,7 +92,7 @@ TEST_F(RunsCsv, ADesignGoesOutAndComesBack) {
   EXPECT_EQ(t.factors[1].levels, factors[1].levels);
   EXPECT_EQ(t.factors[1].scale, Scale::compliance);
   EXPECT_FALSE(as_grid(t));
-  EXPECT_THROW(write_design_csv(directory / "absent/design.csv", design), FileError);
+  EXPECT_THROW(write_design_csv(directory / "absent/design.csv", design), io::FileError);
 }
 
 TEST_F(RunsCsv, AFullFactorialInAnyOrderIsAGrid) {

@@ -18,7 +18,7 @@ namespace wheeltap::emulator {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = FileError::Kind;
+using Kind = io::FileError::Kind;
 
 class TableFileTest : public testing::Test {
  protected:
@@ -31,7 +31,7 @@ class TableFileTest : public testing::Test {
   [[nodiscard]] std::optional<Kind> read_error(const std::string& fingerprint = {}) const {
     try {
       (void)read_table_file(path(), {.expected_fingerprint = fingerprint});
-    } catch (const FileError& error) {
+    } catch (const io::FileError& error) {
       EXPECT_EQ(error.path(), path());
       EXPECT_FALSE(error.reason().empty());
       EXPECT_NE(std::string(error.what()).find(path().string()), std::string::npos);
@@ -46,7 +46,7 @@ class TableFileTest : public testing::Test {
 TableFile example() {
   TableFile file;
   file.attributes = {{"case", R"({"kind": "damage"})"},
-                     {"fingerprint", fingerprint("beam")},
+                     {"fingerprint", io::fingerprint("beam")},
                      {"wheeltap_version", "0.1.0"},
                      {"command", "wheeltap table case.json -o table.nc"}};
   for (int count : {1, 2}) {
@@ -70,7 +70,7 @@ TableFile example() {
 TEST_F(TableFileTest, ReadsBackWhatItWrote) {
   const TableFile written = example();
   write_table_file(path(), written);
-  const TableFile read = read_table_file(path(), {.expected_fingerprint = fingerprint("beam")});
+  const TableFile read = read_table_file(path(), {.expected_fingerprint = io::fingerprint("beam")});
   EXPECT_EQ(read.attributes, written.attributes);
   ASSERT_EQ(read.tables.size(), 2u);
   for (const auto& [name, t] : written.tables) {
@@ -149,11 +149,11 @@ TEST_F(TableFileTest, AnyNetcdfReaderSeesNamedDimensionsAndUnits) {
 TEST_F(TableFileTest, ATableOfAnotherCaseIsRefused) {
   write_table_file(path(), example());
   EXPECT_EQ(read_error(), std::nullopt);
-  EXPECT_EQ(read_error(fingerprint("another beam")), Kind::mismatch);
+  EXPECT_EQ(read_error(io::fingerprint("another beam")), Kind::mismatch);
   TableFile anonymous = example();
   anonymous.attributes.erase("fingerprint");
   write_table_file(path(), anonymous);
-  EXPECT_EQ(read_error(fingerprint("beam")), Kind::mismatch);
+  EXPECT_EQ(read_error(io::fingerprint("beam")), Kind::mismatch);
 }
 
 TEST_F(TableFileTest, MissingAndForeignFiles) {
@@ -210,7 +210,7 @@ TEST_F(TableFileTest, ADamagedByteNeverChangesWhatIsRead) {
       ASSERT_EQ(read.tables.size(), 2u);
       for (const auto& [name, t] : file.tables)
         EXPECT_TRUE(read.tables.at(name).values == t.values) << "byte " << at;
-    } catch (const FileError&) {
+    } catch (const io::FileError&) {
       ++noticed;
     }
   }
@@ -234,12 +234,12 @@ TEST_F(TableFileTest, UnwritableOutput) {
   try {
     write_table_file(nowhere, example());
     FAIL();
-  } catch (const FileError& error) {
+  } catch (const io::FileError& error) {
     EXPECT_EQ(error.kind(), Kind::unwritable);
     EXPECT_EQ(error.path(), nowhere);
   }
   fs::create_directories(path("is_a_directory") / "full");
-  EXPECT_THROW(write_table_file(path("is_a_directory"), example()), FileError);
+  EXPECT_THROW(write_table_file(path("is_a_directory"), example()), io::FileError);
   EXPECT_EQ(directory.files(), 1) << "no temporary file stays behind";
 }
 
@@ -247,7 +247,7 @@ TEST_F(TableFileTest, AFailedWriteLeavesTheOldFile) {
   write_table_file(path(), example());
   TableFile bad = example();
   bad.attributes["no/slash/allowed"] = "";
-  EXPECT_THROW(write_table_file(path(), bad), FileError);
+  EXPECT_THROW(write_table_file(path(), bad), io::FileError);
   EXPECT_EQ(read_error(), std::nullopt);
   EXPECT_EQ(directory.files(), 1);
 }
@@ -280,9 +280,9 @@ TEST_F(TableFileTest, ThreadsMayReadAndWriteAtOnce) {
 }
 
 TEST(Fingerprint, ReferenceValuesOfFnv1a) {
-  EXPECT_EQ(fingerprint(""), "cbf29ce484222325");
-  EXPECT_EQ(fingerprint("a"), "af63dc4c8601ec8c");
-  EXPECT_EQ(fingerprint("foobar"), "85944171f73967e8");
+  EXPECT_EQ(io::fingerprint(""), "cbf29ce484222325");
+  EXPECT_EQ(io::fingerprint("a"), "af63dc4c8601ec8c");
+  EXPECT_EQ(io::fingerprint("foobar"), "85944171f73967e8");
 }
 
 }  // namespace

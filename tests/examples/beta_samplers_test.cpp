@@ -10,12 +10,12 @@
 namespace wheeltap::examples {
 namespace {
 
-using inference::Purpose;
+using base::Purpose;
 
 constexpr int kDraws = 40000;
 
-Random stream(std::uint64_t seed) {
-  return {seed, 0, 0, Purpose::test};
+base::Random stream(std::uint64_t seed) {
+  return {seed, 0, 0, base::Purpose::test};
 }
 
 double mean(const std::vector<double>& x) {
@@ -45,7 +45,7 @@ void expect_beta(const std::vector<double>& draws, const std::string& who) {
 
 TEST(BetaSamplers, DrawBeta) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    Random random = stream(seed);
+    base::Random random = stream(seed);
     expect_beta(rejection(kDraws, random), "rejection");
     expect_beta(gibbs(kDraws, random), "gibbs");
     expect_beta(metropolis_hastings(beta_density, 0.5, 0.4, kDraws, random), "metropolis-hastings");
@@ -57,7 +57,7 @@ TEST(BetaSamplers, ImportanceSamplingGivesTheExpectation) {
   // Exact: 4/35 + 1/5 + 4 · 2/5 + 1/5. The standard errors' own honesty: 200 seeds, χ² within 4 sd.
   double squares = 0.0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    Random random = stream(seed);
+    base::Random random = stream(seed);
     const WeightedMean y = importance(polynomial, 1000, random);
     const double z = (y.mean - (2.0 + 4.0 / 35.0)) / y.standard_error;
     squares += z * z / 200.0;
@@ -80,7 +80,7 @@ TEST(BetaSamplers, TheEnvelopeEnvelops) {
 
 // The control: a walk that forgets to repeat its state when refused does not sample Beta(2, 3).
 TEST(BetaSamplers, DroppingRefusedStatesWouldBeNoticed) {
-  Random random = stream(1);
+  base::Random random = stream(1);
   const auto chain = metropolis_hastings(beta_density, 0.5, 1.0, kDraws, random);
   std::vector<double> moved;
   for (std::size_t i = 1; i < chain.size(); ++i)

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "inference/random.hpp"
+#include "base/random.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -21,7 +21,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 ChainsOf autoregressive(double rho, int chains, int draws, std::uint64_t seed) {
   ChainsOf result(static_cast<std::size_t>(chains));
   for (int c = 0; c < chains; ++c) {
-    Random random(seed, static_cast<std::uint64_t>(c), 0, Purpose::test);
+    base::Random random(seed, static_cast<std::uint64_t>(c), 0, base::Purpose::test);
     double x = random.normal();
     for (int i = 0; i < draws; ++i) {
       result[static_cast<std::size_t>(c)].push_back(x);
@@ -258,7 +258,7 @@ TEST(Diagnostics, DegenerateInput) {
 /// A two-state chain that leaves 0 with probability a and 1 with probability b: π₁ = a / (a + b),
 /// and its indicator has IACT (2 - a - b) / (a + b).
 std::vector<int> two_state(double a, double b, int draws, std::uint64_t seed) {
-  Random random(seed, 0, 0, Purpose::test);
+  base::Random random(seed, 0, 0, base::Purpose::test);
   std::vector<int> chain;
   int state = random.uniform() < a / (a + b) ? 1 : 0;
   for (int i = 0; i < draws; ++i) {
@@ -288,7 +288,7 @@ TEST(ModelProbabilities, UncertaintyOfATwoStateChainIsItsMonteCarloError) {
 }
 
 TEST(ModelProbabilities, IndependentDrawsCountInFull) {
-  Random random(3, 0, 0, Purpose::test);
+  base::Random random(3, 0, 0, base::Purpose::test);
   std::vector<int> chain;
   for (int i = 0; i < 4000; ++i) chain.push_back(random.index(4));
   const ModelProbabilities p = stationary_model_probabilities({chain}, 4, 1, 4000);

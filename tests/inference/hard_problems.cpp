@@ -58,7 +58,7 @@ double ball(int d) {
 struct Density {
   int dimension;
   std::function<double(Point)> log;
-  std::function<void(Random&, std::span<double>)> draw;
+  std::function<void(base::Random&, std::span<double>)> draw;
   double mass = 1.0;
 };
 
@@ -117,7 +117,7 @@ HardProblem against_nothing(const std::string& family, const std::string& varian
                   .probability = {},
                   .log_evidence = {0.0, log_odds + std::log(density.mass)},
                   .draw =
-                      [=](int, Random& random, std::span<double> x) {
+                      [=](int, base::Random& random, std::span<double> x) {
                         const auto outside = [&] {
                           for (std::size_t i = 0; i < x.size(); ++i) {
                             if (x[i] <= lower[i] || x[i] >= upper[i]) return true;
@@ -173,7 +173,7 @@ Density blobs(const std::vector<Blob>& all, double lower, double upper) {
                 return sum;
               },
           .draw =
-              [all](Random& random, std::span<double> x) {
+              [all](base::Random& random, std::span<double> x) {
                 double u = random.uniform();
                 std::size_t k = 0;
                 while (k + 1 < all.size() && u >= all[k].share) u -= all[k++].share;
@@ -199,7 +199,7 @@ Density correlated(int d, double rho, double box) {
                 return -0.5 * (squares / across + d * mean * mean / along) - log_root;
               },
           .draw =
-              [=](Random& random, std::span<double> x) {
+              [=](base::Random& random, std::span<double> x) {
                 const double u = std::sqrt(rho) * random.normal();
                 for (double& v : x) v = u + std::sqrt(across) * random.normal();
               },
@@ -222,7 +222,7 @@ Density edges(int d, double rate) {
                 return sum;
               },
           .draw =
-              [=](Random& random, std::span<double> x) {
+              [=](base::Random& random, std::span<double> x) {
                 for (double& v : x) v = random.exponential() / rate;
               }};
 }
@@ -244,7 +244,7 @@ Density bananas(int pairs, double width, double a, double low, double high) {
                 return sum;
               },
           .draw =
-              [=](Random& random, std::span<double> x) {
+              [=](base::Random& random, std::span<double> x) {
                 for (std::size_t i = 0; i + 1 < x.size(); i += 2) {
                   x[i] = random.normal();
                   x[i + 1] = x[i] * x[i] + width * random.normal();
@@ -265,7 +265,7 @@ Density funnel(int d, double a, double b) {
                 return sum;
               },
           .draw =
-              [](Random& random, std::span<double> x) {
+              [](base::Random& random, std::span<double> x) {
                 x[0] = 3.0 * random.normal();
                 for (std::size_t i = 1; i < x.size(); ++i)
                   x[i] = std::exp(0.5 * x[0]) * random.normal();
@@ -288,7 +288,7 @@ Density cauchy(int d, double box) {
                 return sum;
               },
           .draw =
-              [](Random& random, std::span<double> x) {
+              [](base::Random& random, std::span<double> x) {
                 for (double& v : x) v = std::tan(pi * (random.uniform() - 0.5));
               },
           .mass = std::pow(2.0 / pi * std::atan(box), d)};
@@ -321,7 +321,7 @@ Density log_gammas(int d) {
                 return sum;
               },
           .draw =
-              [=](Random& random, std::span<double> x) {
+              [=](base::Random& random, std::span<double> x) {
                 const auto sign = [&] { return random.uniform() < 0.5 ? -10.0 : 10.0; };
                 x[0] = sign() + std::log(random.exponential());
                 x[1] = sign() + random.normal();
@@ -357,7 +357,7 @@ Density shells(int d, double radius, double width) {
                        std::log(2.0) - log_norm;
               },
           .draw =
-              [=](Random& random, std::span<double> x) {
+              [=](base::Random& random, std::span<double> x) {
                 // ρ ~ ρ^(d-1) N(ρ; radius, width²), by rejection from the normal.
                 const double most = radius + 10.0 * width;
                 double rho = 0.0;
@@ -390,7 +390,7 @@ Density ripples(int d, double depth, double n, double width, double top) {
                 return sum;
               },
           .draw =
-              [=](Random& random, std::span<double> x) {
+              [=](base::Random& random, std::span<double> x) {
                 for (double& v : x) {
                   do {
                     v = random.uniform();
@@ -413,7 +413,7 @@ Density plateau(double end, double edge, const Vector& top, double width) {
                        std::log(2.0);
               },
           .draw =
-              [=](Random& random, std::span<double> x) {
+              [=](base::Random& random, std::span<double> x) {
                 if (random.uniform() < 0.5) {
                   for (std::size_t i = 0; i < 2; ++i) x[i] = top[i] + width * random.normal();
                   return;
@@ -499,7 +499,7 @@ HardProblem nested_normal(int d) {
       .log_evidence = {d * log_normal(kY, 0.0, kNoise),
                        d * log_normal(kY, 0.0, std::sqrt(kVariance))},
       .draw =
-          [](int, Random& random, std::span<double> x) {
+          [](int, base::Random& random, std::span<double> x) {
             for (double& v : x)
               v = kY / kVariance + kNoise / std::sqrt(kVariance) * random.normal();
           },
@@ -616,7 +616,7 @@ HardProblem change_point() {
                                   Eigen::VectorXd(precision.cwiseProduct(m.mean))));
     factors.emplace_back(Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL());
   }
-  out.draw = [=](int m, Random& random, std::span<double> x) {
+  out.draw = [=](int m, base::Random& random, std::span<double> x) {
     const auto j = static_cast<std::size_t>(m);
     Eigen::VectorXd e(means[j].size());
     for (double& v : e) v = random.normal();
@@ -659,7 +659,7 @@ HardProblem disjoint_models() {
                   .log_evidence = {},
                   .asked = Asked::found_or_flagged,
                   .draw =
-                      [](int m, Random& random, std::span<double> x) {
+                      [](int m, base::Random& random, std::span<double> x) {
                         const auto [a, b] = Disjoint::centre(m);
                         x[0] = a + Disjoint::kWidth * random.normal();
                         x[1] = b + Disjoint::kWidth * random.normal();
@@ -705,7 +705,7 @@ HardProblem counts_with_a_spot() {
       .log_evidence = {},
       .asked = Asked::found_or_flagged,
       .draw =
-          [](int k, Random& random, std::span<double> x) {
+          [](int k, base::Random& random, std::span<double> x) {
             for (double& v : x) v = random.uniform();
             if (k == 0 || random.uniform() * (1.0 + Spot::kB * k) < 1.0) return;
             const auto j = static_cast<std::size_t>(2 * random.index(k));

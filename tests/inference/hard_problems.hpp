@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "inference/random.hpp"
+#include "base/random.hpp"
 #include "inference/target.hpp"
 
 namespace wheeltap::inference {
@@ -35,7 +35,7 @@ struct HardProblem {
   bool quick = false;    ///< runs in the short suite
   bool balance = false;  ///< to be run with Options::balance
   /// One exact draw of a model's posterior; components, if any, in no order.
-  std::function<void(int model, Random& random, std::span<double> x)> draw;
+  std::function<void(int model, base::Random& random, std::span<double> x)> draw;
   std::vector<double> hidden;  ///< its top, in the first model of this dimension; empty: none
 };
 

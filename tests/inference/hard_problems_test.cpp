@@ -49,7 +49,8 @@ void check_by_bridge(const HardProblem& p, int model, double largest_error) {
     samples.log_posterior.emplace_back();
     samples.log_likelihood.emplace_back();
     for (int i = 0; i < kDraws; ++i) {
-      Random random(1, static_cast<std::uint64_t>(c), static_cast<std::uint64_t>(i), Purpose::test);
+      base::Random random(1, static_cast<std::uint64_t>(c), static_cast<std::uint64_t>(i),
+                          base::Purpose::test);
       p.draw(model, random, x);
       for (int j = 0; j < m.dimension; ++j) {
         const auto k = static_cast<std::size_t>(j);
@@ -98,7 +99,8 @@ TEST(HardProblems, CountsWithASpotByImportanceSampling) {
     constexpr int kDraws = 20000;
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < kDraws; ++i) {
-      Random random(2, static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(i), Purpose::test);
+      base::Random random(2, static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(i),
+                          base::Purpose::test);
       for (double& v : x) v = random.uniform();
       if (random.uniform() < 0.5) {
         const auto j = static_cast<std::size_t>(2 * random.index(k));
@@ -129,7 +131,7 @@ TEST(HardProblems, BananasByImportanceSampling) {
     constexpr int kDraws = 100000;
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < kDraws; ++i) {
-      Random random(3, x.size(), static_cast<std::uint64_t>(i), Purpose::test);
+      base::Random random(3, x.size(), static_cast<std::uint64_t>(i), base::Purpose::test);
       double log_density = 0.0, log_prior = 0.0;
       bool inside = true;
       for (std::size_t j = 0; j < x.size(); j += 2) {

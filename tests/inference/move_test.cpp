@@ -88,8 +88,8 @@ Sample joint_draws(const std::vector<double>& weights, const KernelFactory& make
                    int stream, double beta, ProblemFactory make_problem) {
   Sample sample{.models = std::vector<double>(weights.size(), 0.0), .values = {}};
   for (int n = 0; n < kReplicates; ++n) {
-    Random random(7, static_cast<std::uint64_t>(stream), static_cast<std::uint64_t>(n),
-                  Purpose::test);
+    base::Random random(7, static_cast<std::uint64_t>(stream), static_cast<std::uint64_t>(n),
+                        base::Purpose::test);
     // Tempered by β, a Gaussian likelihood is one with its noise divided by √β.
     const Problem blind = toy::bump_problem(std::vector<double>(toy::kSensors, 0.0), weights);
     Target prior(blind, true);
@@ -153,7 +153,7 @@ std::shared_ptr<const PilotFit> rough_fit(const ModelSpace& space) {
       fit->density.push_back(nullptr);
       continue;
     }
-    Random random(3, 0, static_cast<std::uint64_t>(m), Purpose::test);
+    base::Random random(3, 0, static_cast<std::uint64_t>(m), base::Purpose::test);
     Eigen::MatrixXd samples(400, d);
     for (double& value : samples.reshaped()) value = 0.3 + 0.7 * random.normal();
     fit->density.push_back(std::make_unique<NormalMixture>(NormalMixture::fit(samples, random)));
@@ -166,7 +166,7 @@ std::shared_ptr<const PilotFit> rough_fit(const ModelSpace& space) {
 
 std::shared_ptr<const Archive> rough_archive(const ModelSpace& space) {
   auto archive = std::make_shared<Archive>();
-  Random random(4, 0, 0, Purpose::test);
+  base::Random random(4, 0, 0, base::Purpose::test);
   for (int m = 0; m < space.size(); ++m) {
     Eigen::MatrixXd& states = archive->emplace_back(space[m].dimension, 50);
     for (double& value : states.reshaped()) value = random.normal();
@@ -255,12 +255,12 @@ TEST(DifferentialEvolution, MovesWithinAndBetweenVeryNarrowModes) {
                                      {{"only", 1.0, {"a", "b"}}}),
       .likelihood = [] { return std::make_unique<Needles>(); }};
   // The prior is flat over a mode.
-  const auto draw = [](Random& random, std::span<double> z) {
+  const auto draw = [](base::Random& random, std::span<double> z) {
     const double centre = random.uniform() < 0.25 ? -1.0 : 1.0;
     for (double& value : z) value = centre + kWidth * random.normal();
   };
   auto archive = std::make_shared<Archive>(1, Eigen::MatrixXd(2, 200));
-  Random random(5, 0, 0, Purpose::test);
+  base::Random random(5, 0, 0, base::Purpose::test);
   for (Eigen::Index i = 0; i < 200; ++i) draw(random, std::span(archive->front().col(i).data(), 2));
 
   Target target(problem, false);
@@ -446,7 +446,7 @@ TEST(DelayedAcceptance, ComputesTheLikelihoodOfProposalsThatPassTheScreenOnly) {
   const std::vector<double> data = {0.4, 0.3, -0.1, 0.2, 0.5, 0.0};
   const Problem problem = toy::screened_bump_problem(data, {1, 2, 2, 1});
   Target target(problem, false);
-  Random random(1, 0, 0, Purpose::test);
+  base::Random random(1, 0, 0, base::Purpose::test);
   State state;
   target.draw_prior(3, random, state);
   target.screen(state);

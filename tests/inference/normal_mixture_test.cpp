@@ -22,7 +22,7 @@ std::span<const double> view(const Eigen::VectorXd& z) {
 
 NormalMixture random_mixture(int d, int components, std::uint64_t seed, double spread = 2.0,
                              double nu = kInfinity) {
-  Random random(seed, 0, 0, Purpose::test);
+  base::Random random(seed, 0, 0, base::Purpose::test);
   std::vector<NormalMixture::Component> parts;
   for (int k = 0; k < components; ++k) {
     Eigen::VectorXd mean(d);
@@ -37,7 +37,7 @@ NormalMixture random_mixture(int d, int components, std::uint64_t seed, double s
   return NormalMixture(parts, nu);
 }
 
-Eigen::MatrixXd draw(const NormalMixture& q, int n, Random& random) {
+Eigen::MatrixXd draw(const NormalMixture& q, int n, base::Random& random) {
   Eigen::MatrixXd samples(n, q.dimension());
   std::vector<double> z(static_cast<std::size_t>(q.dimension()));
   for (int i = 0; i < n; ++i) {
@@ -48,7 +48,7 @@ Eigen::MatrixXd draw(const NormalMixture& q, int n, Random& random) {
 }
 
 /// Mean of ln p - ln q over draws from p: the Kullback-Leibler divergence, up to Monte Carlo error.
-double divergence(const NormalMixture& p, const NormalMixture& q, int n, Random& random) {
+double divergence(const NormalMixture& p, const NormalMixture& q, int n, base::Random& random) {
   const Eigen::MatrixXd samples = draw(p, n, random);
   double sum = 0.0;
   for (int i = 0; i < n; ++i) {
@@ -82,7 +82,7 @@ TEST(NormalMixture, LogDensityMatchesTheDefinition) {
     for (const int d : {1, 2, 3, 4, 7, 16})
       for (const int components : {1, 7, 8, 9, 20}) {
         const NormalMixture q = random_mixture(d, components, 1, 1.0, nu);
-        Random random(2, 0, 0, Purpose::test);
+        base::Random random(2, 0, 0, base::Purpose::test);
         const Eigen::MatrixXd samples = draw(q, 20, random);
         for (int i = 0; i < samples.rows(); ++i) {
           const Eigen::VectorXd z = samples.row(i);
@@ -129,7 +129,7 @@ TEST(NormalMixture, SamplesHaveItsDensity) {
       for (int k = 0; k < q.size(); ++k)
         narrow.push_back({1.0, q[k].mean + 0.1 * q[k].factor.col(0), 0.8 * q[k].factor});
       const NormalMixture p(narrow);
-      Random random(6, 0, 0, Purpose::test);
+      base::Random random(6, 0, 0, base::Purpose::test);
       constexpr int kDraws = 40000;
       const Eigen::MatrixXd samples = draw(q, kDraws, random);
       double mean = 0.0, square = 0.0;
@@ -176,7 +176,7 @@ TEST(NormalMixtureFit, RecoversMixturesItCouldHaveComeFrom) {
   for (const int d : {1, 2, 4, 6})
     for (const int components : {1, 4}) {
       const NormalMixture truth = random_mixture(d, components, 9, 3.0);
-      Random random(10, 0, 0, Purpose::test);
+      base::Random random(10, 0, 0, base::Purpose::test);
       NormalMixture::FitOptions options;
       options.defensive_weight = 0.0;
       const NormalMixture q = NormalMixture::fit(draw(truth, kSamples, random), options, random);
@@ -189,7 +189,7 @@ TEST(NormalMixtureFit, RecoversMixturesItCouldHaveComeFrom) {
 
 TEST(NormalMixtureFit, FindsManyComponents) {
   const NormalMixture truth = random_mixture(4, 20, 1);
-  Random random(11, 0, 0, Purpose::test);
+  base::Random random(11, 0, 0, base::Purpose::test);
   const NormalMixture q = NormalMixture::fit(draw(truth, 5000, random), random);
   EXPECT_LT(divergence(truth, q, 20000, random), 0.1);
 }
@@ -201,7 +201,7 @@ TEST(NormalMixtureFit, SymmetricModesGetEqualWeights) {
     modes.push_back({1.0, sign * Eigen::VectorXd::Ones(2), 0.02 * Eigen::MatrixXd::Identity(2, 2)});
   const NormalMixture truth(modes);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    Random random(seed, 0, 0, Purpose::test);
+    base::Random random(seed, 0, 0, base::Purpose::test);
     constexpr int kSamples = 4000;
     const NormalMixture q = NormalMixture::fit(draw(truth, kSamples, random), random);
     ASSERT_EQ(q.size(), 3);
@@ -217,7 +217,7 @@ TEST(NormalMixtureFit, SymmetricModesGetEqualWeights) {
 }
 
 TEST(NormalMixtureFit, FollowsABanana) {
-  Random random(12, 0, 0, Purpose::test);
+  base::Random random(12, 0, 0, base::Purpose::test);
   Eigen::MatrixXd samples(4000, 2);
   std::vector<double> log_p;
   for (int i = 0; i < samples.rows(); ++i) {
@@ -242,12 +242,12 @@ TEST(NormalMixtureFit, FollowsABanana) {
 TEST(NormalMixtureFit, UnitsDoNotMatter) {
   // Powers of two scale exactly, so that the whole fit must come out the same.
   const NormalMixture truth = random_mixture(3, 3, 13);
-  Random random(14, 0, 0, Purpose::test);
+  base::Random random(14, 0, 0, base::Purpose::test);
   const Eigen::MatrixXd samples = draw(truth, 2000, random);
   const Eigen::Vector3d units(1024.0, 1.0, 1.0 / 4096.0);
   NormalMixture::FitOptions options;
   options.defensive_weight = 0.0;
-  Random first(15, 0, 0, Purpose::fit), second(15, 0, 0, Purpose::fit);
+  base::Random first(15, 0, 0, base::Purpose::fit), second(15, 0, 0, base::Purpose::fit);
   const NormalMixture a = NormalMixture::fit(samples, options, first);
   const NormalMixture b = NormalMixture::fit(samples * units.asDiagonal(), options, second);
   ASSERT_EQ(a.size(), b.size());
@@ -260,9 +260,9 @@ TEST(NormalMixtureFit, UnitsDoNotMatter) {
 
 TEST(NormalMixtureFit, NeitherOrderNorRepetitionOfSamplesMisleadsIt) {
   const NormalMixture truth = random_mixture(2, 2, 16);
-  Random random(17, 0, 0, Purpose::test);
+  base::Random random(17, 0, 0, base::Purpose::test);
   const Eigen::MatrixXd samples = draw(truth, 1000, random);
-  Random first(18, 0, 0, Purpose::fit), second(18, 0, 0, Purpose::fit);
+  base::Random first(18, 0, 0, base::Purpose::fit), second(18, 0, 0, base::Purpose::fit);
   const NormalMixture a = NormalMixture::fit(samples, first);
   const NormalMixture b = NormalMixture::fit(samples.colwise().reverse(), second);
   const Eigen::VectorXd z = samples.row(3);
@@ -276,7 +276,7 @@ TEST(NormalMixtureFit, NeitherOrderNorRepetitionOfSamplesMisleadsIt) {
 }
 
 TEST(NormalMixtureFit, FewOrDegenerateSamplesStillGiveADensity) {
-  Random random(19, 0, 0, Purpose::test);
+  base::Random random(19, 0, 0, base::Purpose::test);
   Eigen::MatrixXd one(1, 3), same = Eigen::MatrixXd::Constant(50, 3, 0.25), flat(100, 3);
   one << 1.0, 2.0, 3.0;
   for (int i = 0; i < 100; ++i) flat.row(i) << random.normal(), random.normal(), 0.5;
@@ -290,7 +290,7 @@ TEST(NormalMixtureFit, FewOrDegenerateSamplesStillGiveADensity) {
 }
 
 TEST(NormalMixtureFit, RefusesBadInput) {
-  Random random(20, 0, 0, Purpose::test);
+  base::Random random(20, 0, 0, base::Purpose::test);
   Eigen::MatrixXd samples = Eigen::MatrixXd::Random(50, 2);
   NormalMixture::FitOptions options;
   EXPECT_THROW((void)NormalMixture::fit(Eigen::MatrixXd(0, 2), random), std::invalid_argument);

@@ -562,7 +562,7 @@ TEST(ReversibleJump, FindsAPosteriorThatIsVeryMuchNarrowerThanItsPrior) {
   static constexpr double kNoiseSd = 1e-4;
   Eigen::MatrixXd design(kData, kParameters);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(kData);
-  Random random(1, 0, 0, Purpose::test);
+  base::Random random(1, 0, 0, base::Purpose::test);
   for (Eigen::Index i = 0; i < kData; ++i) {
     for (Eigen::Index j = 0; j < kParameters; ++j) {
       design(i, j) = j < 3 ? random.normal() : design(i, j - 3) + 0.03 * random.normal();

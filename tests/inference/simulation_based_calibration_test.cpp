@@ -33,7 +33,7 @@ double uniformity(const std::vector<Replicate>& replicates, bool print) {
   for (std::size_t f = 0; f < functionals; ++f) {
     std::vector<double> bins(kBins, 0.0);
     for (std::size_t n = 0; n < replicates.size(); ++n) {
-      Random random(11, f, n, Purpose::test);
+      base::Random random(11, f, n, base::Purpose::test);
       int below = 0, ties = 0;
       for (const auto& draw : replicates[n].draws) {
         below += draw[f] < replicates[n].truth[f];
@@ -66,13 +66,13 @@ using Functionals =
     std::function<std::vector<double>(const Problem&, int model, std::span<const double> x)>;
 using MakeProblem = std::function<Problem(std::vector<double> data)>;
 
-std::vector<Replicate> run(
-    const MakeProblem& make, std::size_t data_size,
-    const std::function<void(int, std::span<const double>, Random&, std::span<double>)>& simulate,
-    const Functionals& functionals) {
+std::vector<Replicate> run(const MakeProblem& make, std::size_t data_size,
+                           const std::function<void(int, std::span<const double>, base::Random&,
+                                                    std::span<double>)>& simulate,
+                           const Functionals& functionals) {
   std::vector<Replicate> all;
   for (int n = 0; n < replicates(); ++n) {
-    Random random(9, 0, static_cast<std::uint64_t>(n), Purpose::simulation);
+    base::Random random(9, 0, static_cast<std::uint64_t>(n), base::Purpose::simulation);
     const Problem blank = make(std::vector<double>(data_size, 0.0));
     Target prior(blank, true);
     State truth;
@@ -101,7 +101,7 @@ std::vector<Replicate> run(
 MakeProblem bumps() {
   return [](std::vector<double> data) { return toy::bump_problem(std::move(data), {2, 2, 1, 1}); };
 }
-void simulate_bumps(int, std::span<const double> x, Random& random, std::span<double> y) {
+void simulate_bumps(int, std::span<const double> x, base::Random& random, std::span<double> y) {
   toy::predict(x, y);
   for (double& value : y) value += toy::kNoise * random.normal();
 }
@@ -121,7 +121,7 @@ TEST(SimulationBasedCalibration, NoticesAWrongPrior) {
   // The control: truths with heights three times as large as the prior says.
   const auto tampered = run(
       bumps(), toy::kSensors,
-      [](int model, std::span<const double> x, Random& random, std::span<double> y) {
+      [](int model, std::span<const double> x, base::Random& random, std::span<double> y) {
         std::vector<double> larger(x.begin(), x.end());
         for (std::size_t i = 1; i < larger.size(); i += 2) larger[i] *= 3.0;
         simulate_bumps(model, larger, random, y);
@@ -161,7 +161,8 @@ TEST(SimulationBasedCalibration, TwoModels) {
                                                    {"parabola", 1, {"a", "b", "noise", "c"}}}),
                    .likelihood = [data] { return std::make_unique<Polynomial>(data); }};
   };
-  const auto simulate = [](int, std::span<const double> x, Random& random, std::span<double> y) {
+  const auto simulate = [](int, std::span<const double> x, base::Random& random,
+                           std::span<double> y) {
     for (std::size_t i = 0; i < y.size(); ++i)
       y[i] = Polynomial::value(x, i, y.size()) + x[2] * random.normal();
   };

@@ -53,7 +53,7 @@ TEST(Target, TakesARareNanOrInfinityForImpossibleAndCountsIt) {
     EXPECT_EQ(target.impossible(), 2);
     EXPECT_EQ(target.evaluations(), 5);
 
-    Random random(1, 0, 0, Purpose::test);
+    base::Random random(1, 0, 0, base::Purpose::test);
     for (int i = 0; i < 20000; ++i) {
       target.draw_prior(0, random, state);
       target.evaluate(state);
@@ -184,7 +184,7 @@ Problem smooth(bool offers) {
 TEST(Target, GradientEqualsCentralDifferencesForEveryPrior) {
   const Problem problem = smooth(true);
   Target target(problem, false);
-  Random random(3, 0, 0, Purpose::test);
+  base::Random random(3, 0, 0, base::Purpose::test);
   for (int n = 0; n < 100; ++n) {
     State state;
     target.draw_prior(0, random, state);

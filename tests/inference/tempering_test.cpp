@@ -40,10 +40,10 @@ Shares temper(bool balanced) {
   chain.start();
   if (balanced) chain.balance_models();
   constexpr int kScans = 4000;
-  for (int i = 0; i < kScans; ++i) chain.scan(3, true, Purpose::test);
+  for (int i = 0; i < kScans; ++i) chain.scan(3, true, base::Purpose::test);
   Shares run{.share = std::vector<double>(12, 0.0), .cold_weights = {}};
   for (int i = 0; i < kScans; ++i) {
-    chain.scan(3, true, Purpose::test);
+    chain.scan(3, true, base::Purpose::test);
     for (int r = 0; r < 12; ++r)
       run.share[static_cast<std::size_t>(r)] +=
           (chain.state(r).model == 1 ? 1.0 : 0.0) / static_cast<double>(kScans);
@@ -71,7 +71,7 @@ TEST(Tempering, RoundTripsAreCountedFromTheReset) {
   TemperedChain chain(
       target, geometric_ladder(4), [&] { return kernels_of(target.space()); }, 1, 0);
   chain.start();
-  for (int i = 0; i < 500; ++i) chain.scan(3, true, Purpose::test);
+  for (int i = 0; i < 500; ++i) chain.scan(3, true, base::Purpose::test);
   EXPECT_GT(chain.round_trips(), 0);
   chain.reset_round_trips();
   EXPECT_EQ(chain.round_trips(), 0);
@@ -91,7 +91,7 @@ TEST(Tempering, FindsASmallFeasibleRegionInThePrior) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Target target(problem, false);
     EXPECT_NO_THROW(check_models(target, seed));
-    Random random(seed, 0, 0, Purpose::test);
+    base::Random random(seed, 0, 0, base::Purpose::test);
     const State state = start_from_prior(target, random);
     EXPECT_EQ(state.log_likelihood, 0.0);
     EXPECT_GT(state.x[0], 0.98);
@@ -107,7 +107,7 @@ TEST(Tempering, RefusesAModelThatIsNowherePossible) {
   } catch (const LikelihoodError& error) {
     EXPECT_NE(std::string(error.what()).find("100000 tried"), std::string::npos) << error.what();
   }
-  Random random(1, 0, 0, Purpose::test);
+  base::Random random(1, 0, 0, base::Purpose::test);
   EXPECT_THROW((void)start_from_prior(target, random), LikelihoodError);
 }
 

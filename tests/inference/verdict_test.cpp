@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "inference/random.hpp"
+#include "base/random.hpp"
 
 namespace wheeltap::inference {
 namespace {
@@ -40,7 +40,7 @@ Posterior made_up(const std::vector<std::vector<double>>& probabilities) {
   posterior.jumps_accepted.assign(3, std::vector<long>(3, 100));
   for (std::uint64_t c = 0; c < 4; ++c) {
     const auto& p = probabilities[std::min<std::size_t>(c, probabilities.size() - 1)];
-    Random random(5, c, 0, Purpose::test);
+    base::Random random(5, c, 0, base::Purpose::test);
     Chain chain;
     for (int i = 0; i < kDraws; ++i) {
       const double u = random.uniform();
@@ -272,7 +272,7 @@ TEST(Verdict, SlotsOfComponentsAreLabels) {
   posterior.space = &space;
   posterior.dimension = 2;
   for (std::size_t c = 0; c < 4; ++c) {
-    Random random(8, c, 0, Purpose::test);
+    base::Random random(8, c, 0, base::Purpose::test);
     auto& chain = posterior.chains[c];
     chain.theta.clear();
     for (int i = 0; i < kDraws; ++i) {

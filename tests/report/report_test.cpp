@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <fstream>
 
-#include "emulator/file_error.hpp"
+#include "io/file_error.hpp"
 
 namespace wheeltap::apps {
 namespace {
 
-using emulator::FileError;
+using io::FileError;
 using testing::HasSubstr;
 using testing::Not;
 

@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 namespace {
 
 NormalMixture pilot(const Problem& problem, double nu) {
-  Random random(1, 0, 0, Purpose::test);
+  base::Random random(1, 0, 0, base::Purpose::test);
   NormalMixture::FitOptions options;
   options.degrees_of_freedom = nu;
   return NormalMixture::fit(tmcmc(problem, 0, {.replicates = 4, .samples = 300}).z, options,
@@ -63,7 +63,7 @@ TEST(ParetoShape, RecoversTheTailIndex) {
   for (const double k : {0.2, 0.5, 1.0}) {
     double sum = 0.0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      Random random(seed, 0, 0, Purpose::test);
+      base::Random random(seed, 0, 0, base::Purpose::test);
       std::vector<double> log_weights;
       for (int i = 0; i < 20000; ++i) log_weights.push_back(-k * std::log(random.uniform()));
       sum += pareto_shape(log_weights) / 10.0;

@@ -62,7 +62,7 @@ TEST(Metropolis, OneModeAtATimeUnlessThePilotKnowsBoth) {
   const ModelSamples alone = metropolis(known.problem, 0, {.seed = 1, .chains = 8});
   EXPECT_GT(alone.rhat, 1.2);
   ASSERT_FALSE(alone.warnings.empty());
-  Random random(1, 0, 0, Purpose::test);
+  base::Random random(1, 0, 0, base::Purpose::test);
   Eigen::MatrixXd modes(400, 2);
   for (int i = 0; i < 400; ++i)
     for (int j = 0; j < 2; ++j) modes(i, j) = (i % 2 == 0 ? 1.0 : -1.0) + 0.05 * random.normal();

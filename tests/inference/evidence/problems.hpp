@@ -40,7 +40,7 @@ inline Problem one_model(std::vector<Parameter> parameters, FunctionLikelihood::
 /// y = A θ + ε, ε ~ N(0, σ² I), θ_j ~ N(1, τ²): y ~ N(A 1, σ² I + τ² A Aᵀ). The columns of A are
 /// nearly parallel, so that the posterior is a ridge.
 inline Known linear_gaussian(int d, int n = 30, double sigma = 0.5, double tau = 2.0) {
-  Random random(42, 0, static_cast<std::uint64_t>(d), Purpose::test);
+  base::Random random(42, 0, static_cast<std::uint64_t>(d), base::Purpose::test);
   Eigen::MatrixXd a(n, d);
   Eigen::VectorXd y(n);
   for (int i = 0; i < n; ++i) {

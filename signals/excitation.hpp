@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 /// Uniform and normal numbers whose sequence does not depend on the standard library.
 class Noise {
@@ -50,4 +50,4 @@ struct Multisine {
 [[nodiscard]] std::vector<double> multisine(int samples, double sample_rate_hz,
                                             const Multisine& options, Noise& noise);
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

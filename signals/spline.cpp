@@ -1,9 +1,9 @@
-#include "dynamics/spline.hpp"
+#include "signals/spline.hpp"
 
 #include <stdexcept>
 #include <string>
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 Spline natural_spline(std::span<const double> y, double h) {
   const std::size_t n = y.size();
@@ -27,4 +27,4 @@ Spline natural_spline(std::span<const double> y, double h) {
   return s;
 }
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

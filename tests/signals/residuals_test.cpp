@@ -1,4 +1,4 @@
-#include "dynamics/residuals.hpp"
+#include "signals/residuals.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 
 namespace {
 
-using namespace wheeltap::dynamics;
+using namespace wheeltap::signals;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

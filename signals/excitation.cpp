@@ -1,4 +1,4 @@
-#include "dynamics/generate.hpp"
+#include "signals/excitation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <string>
 #include <unsupported/Eigen/FFT>
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 namespace {
 
@@ -133,4 +133,4 @@ std::vector<double> multisine(int samples, double sample_rate_hz, const Multisin
   return x;
 }
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

@@ -1,4 +1,4 @@
-#include "dynamics/generate.hpp"
+#include "signals/excitation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,11 +6,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include "dynamics/signals.hpp"
+#include "signals/spectra.hpp"
 
 namespace {
 
-using namespace wheeltap::dynamics;
+using namespace wheeltap::signals;
 
 TEST(Noise, IsTheSameOnEveryMachine) {
   // The standard fixes the ten-thousandth output of a default mt19937_64; ours are its top 53 bits.

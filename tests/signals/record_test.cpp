@@ -1,4 +1,4 @@
-#include "dynamics/record.hpp"
+#include "signals/record.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 namespace {
 
-using namespace wheeltap::dynamics;
+using namespace wheeltap::signals;
 namespace fs = std::filesystem;
 
 /// A file that goes with the test.

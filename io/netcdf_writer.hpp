@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "emulator/file_error.hpp"
+#include "io/file_error.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::io {
 
-/// Throws emulator::FileError (unwritable).
+/// Throws io::FileError (unwritable).
 class NetcdfWriter {
  public:
   explicit NetcdfWriter(const std::filesystem::path& path) : path_(path) {
@@ -31,7 +31,7 @@ class NetcdfWriter {
 
   void check(int status) const {
     if (status == NC_NOERR) return;
-    throw emulator::FileError(emulator::FileError::Kind::unwritable, path_, nc_strerror(status));
+    throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
   /// The program and the time, as ArviZ has them.
   void about() const {
@@ -95,4 +95,4 @@ class NetcdfWriter {
   int file_ = -1;
 };
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::io

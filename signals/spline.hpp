@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 struct Spline {
   std::vector<double> first_derivative, second_derivative;  ///< at the samples
@@ -18,4 +18,4 @@ struct Spline {
 /// std::invalid_argument for fewer than 3 samples or spacing <= 0.
 [[nodiscard]] Spline natural_spline(std::span<const double> samples, double spacing);
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

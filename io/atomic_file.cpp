@@ -1,11 +1,11 @@
-#include "emulator/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 #include <unistd.h>
 
 #include <atomic>
 #include <fstream>
 
-namespace wheeltap::emulator {
+namespace wheeltap::io {
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
   static std::atomic<int> counter = 0;  // two threads may write the same file
@@ -27,4 +27,4 @@ void AtomicFile::commit() {
   if (error) throw FileError(FileError::Kind::unwritable, path_, error.message());
 }
 
-}  // namespace wheeltap::emulator
+}  // namespace wheeltap::io

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 /// ln ∏ N(r_n | 0, σ²) from S = Σ r_n²: -N/2 ln(2π σ²) - S / (2σ²). -∞ for S = ∞ or σ <= 0.
 [[nodiscard]] double gaussian_log_likelihood(double sum_of_squares, int samples, double sigma);
@@ -43,4 +43,4 @@ struct Whiteness {
 /// std::invalid_argument unless fitted < lags < x.size().
 [[nodiscard]] Whiteness ljung_box(std::span<const double> residuals, int lags, int fitted = 0);
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

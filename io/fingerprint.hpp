@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace wheeltap::emulator {
+namespace wheeltap::io {
 
 /// 64-bit FNV-1a of the bytes: tells two cases apart, not a defence against forgery.
 [[nodiscard]] constexpr std::uint64_t fnv1a(std::string_view bytes,
@@ -17,4 +17,4 @@ namespace wheeltap::emulator {
 /// The same as 16 hexadecimal digits.
 [[nodiscard]] std::string fingerprint(std::string_view text);
 
-}  // namespace wheeltap::emulator
+}  // namespace wheeltap::io

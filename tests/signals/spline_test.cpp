@@ -1,4 +1,4 @@
-#include "dynamics/spline.hpp"
+#include "signals/spline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 namespace {
 
-using wheeltap::dynamics::natural_spline;
-using wheeltap::dynamics::Spline;
+using wheeltap::signals::natural_spline;
+using wheeltap::signals::Spline;
 
 // The base the chain feels: its acceleration, held to first order and integrated twice, passes
 // through the samples.

@@ -1,4 +1,4 @@
-#include "dynamics/residuals.hpp"
+#include "signals/residuals.hpp"
 
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 namespace {
 
@@ -131,4 +131,4 @@ Whiteness ljung_box(std::span<const double> residuals, int lags, int fitted) {
   return result;
 }
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

@@ -1,16 +1,19 @@
-#include "inference/random.hpp"
+#include "base/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <vector>
 
-#include "inference/standard_normal.hpp"
-
-namespace wheeltap::inference {
+namespace wheeltap::base {
 namespace {
+
+double normal_cdf(double x) {
+  return 0.5 * std::erfc(-x / std::numbers::sqrt2);
+}
 
 /// Kolmogorov-Smirnov distance times √n of values that should be uniform; exceeds 2.2 with
 /// probability 2 exp(-2 · 2.2²) = 1.3e-4.
@@ -111,4 +114,4 @@ TEST(Random, StreamsDependOnTheirKeyAlone) {
 }
 
 }  // namespace
-}  // namespace wheeltap::inference
+}  // namespace wheeltap::base

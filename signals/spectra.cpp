@@ -1,4 +1,4 @@
-#include "dynamics/signals.hpp"
+#include "signals/spectra.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <string>
 #include <unsupported/Eigen/FFT>
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 namespace {
 
@@ -287,4 +287,4 @@ std::vector<double> decimate(std::span<const double> x, int factor) {
   return out;
 }
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

@@ -1,4 +1,4 @@
-#include "dynamics/signals.hpp"
+#include "signals/spectra.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include "dynamics/generate.hpp"
+#include "signals/excitation.hpp"
 
 namespace {
 
-using namespace wheeltap::dynamics;
+using namespace wheeltap::signals;
 
 constexpr double kPi = std::numbers::pi;
 

@@ -1,4 +1,4 @@
-#include "dynamics/record.hpp"
+#include "signals/record.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -13,7 +13,7 @@
 #include <memory>
 #endif
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 namespace {
 
@@ -365,4 +365,4 @@ std::vector<double> window(const Record& record, int column, int begin, int end)
   return values;
 }
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

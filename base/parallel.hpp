@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace wheeltap::inference {
+namespace wheeltap::base {
 
 /// As many threads as asked for; 0 is as many as the machine has.
 [[nodiscard]] inline int thread_count(int asked) {
@@ -40,4 +40,4 @@ void parallel_for(int n, int threads, Job&& job) {
   }
 }
 
-}  // namespace wheeltap::inference
+}  // namespace wheeltap::base

@@ -1,9 +1,9 @@
 // Writing a file so that nothing half-written ever stands under its name.
 #pragma once
 
-#include "emulator/file_error.hpp"
+#include "io/file_error.hpp"
 
-namespace wheeltap::emulator {
+namespace wheeltap::io {
 
 /// Holds a temporary name in the directory of `path`. What is written there takes `path`'s place at
 /// `commit`, and is removed when it never comes to that.
@@ -23,4 +23,4 @@ class AtomicFile {
   std::filesystem::path path_, temporary_;
 };
 
-}  // namespace wheeltap::emulator
+}  // namespace wheeltap::io

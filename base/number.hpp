@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string>
 
-namespace wheeltap::inference {
+namespace wheeltap::base {
 
 /// The shortest text that reads back as x: "1e-70", "0.1", "nan".
 [[nodiscard]] inline std::string number(double x) {
@@ -13,4 +13,4 @@ namespace wheeltap::inference {
   return {text, end};
 }
 
-}  // namespace wheeltap::inference
+}  // namespace wheeltap::base

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 /// Welch's method (1967): Hann windows over overlapping segments, each freed of its mean.
 struct WelchOptions {
@@ -79,4 +79,4 @@ void detrend(std::span<double> x, int degree);
 /// amplitude. Ends are continued by odd reflection. Throws std::invalid_argument for a factor < 1.
 [[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

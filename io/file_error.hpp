@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace wheeltap::emulator {
+namespace wheeltap::io {
 
 /// A file that could not be read or written, and why.
 class FileError : public std::runtime_error {
@@ -34,4 +34,4 @@ class FileError : public std::runtime_error {
   std::string reason_;
 };
 
-}  // namespace wheeltap::emulator
+}  // namespace wheeltap::io

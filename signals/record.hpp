@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace wheeltap::dynamics {
+namespace wheeltap::signals {
 
 /// A file that is not there or cannot be read.
 class FileError : public std::runtime_error {
@@ -75,4 +75,4 @@ struct Record {
 /// record, or holds a value that is not finite (naming its line).
 [[nodiscard]] std::vector<double> window(const Record& record, int column, int begin, int end);
 
-}  // namespace wheeltap::dynamics
+}  // namespace wheeltap::signals

@@ -1,8 +1,8 @@
-#include "emulator/fingerprint.hpp"
+#include "io/fingerprint.hpp"
 
 #include <cstdio>
 
-namespace wheeltap::emulator {
+namespace wheeltap::io {
 
 std::string fingerprint(std::string_view text) {
   char digits[17];
@@ -10,4 +10,4 @@ std::string fingerprint(std::string_view text) {
   return digits;
 }
 
-}  // namespace wheeltap::emulator
+}  // namespace wheeltap::io

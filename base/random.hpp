@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <numbers>
 
-namespace wheeltap::inference {
+namespace wheeltap::base {
 
 /// What a stream of random numbers is for; a part of its key, so that streams never overlap.
 enum class Purpose : std::uint32_t {
@@ -96,4 +96,4 @@ class Random {
   bool has_spare_ = false;
 };
 
-}  // namespace wheeltap::inference
+}  // namespace wheeltap::base
