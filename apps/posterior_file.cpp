@@ -8,7 +8,7 @@
 
 namespace wheeltap::apps {
 
-void write_sample_stats(const NetcdfWriter& file, const inference::Posterior& posterior,
+void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior& posterior,
                         const std::vector<int>& k) {
   const std::size_t chains = posterior.chains.size();
   const std::size_t draws = posterior.chains[0].model.size();
@@ -85,8 +85,8 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
     return sum;
   });
 
-  NetcdfWriter file(path);
-  file.about();
+  io::NetcdfWriter file(path);
+  file.about(WHEELTAP_VERSION);
   file.text(file.root(), NC_GLOBAL, "title", damage_case.title);
   file.text(file.root(), NC_GLOBAL, "case", damage_case.file.json.dump());
 

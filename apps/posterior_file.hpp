@@ -10,7 +10,7 @@
 namespace wheeltap::apps {
 
 /// The group sample_stats; `k` has one number a draw, chain by chain.
-void write_sample_stats(const NetcdfWriter& file, const inference::Posterior& posterior,
+void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior& posterior,
                         const std::vector<int>& k);
 
 /// Writes a NetCDF-4 file with the groups

@@ -45,7 +45,7 @@ const char* unit(dynamics::Quantity quantity) {
 }
 
 /// What drove the chain, in SI units at the samples scored: ArviZ's group for what is given.
-void write_excitation(const NetcdfWriter& file, const SidCase& sid_case, std::size_t samples,
+void write_excitation(const io::NetcdfWriter& file, const SidCase& sid_case, std::size_t samples,
                       std::span<const double> theta) {
   const int group = file.group("constant_data");
   const int sample = file.dimension(group, "sample", samples, sid_case.begin);
@@ -88,8 +88,8 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidProble
     model_of_draw.insert(model_of_draw.end(), chain.model.begin(), chain.model.end());
   }
 
-  NetcdfWriter file(path);
-  file.about();
+  io::NetcdfWriter file(path);
+  file.about(WHEELTAP_VERSION);
   file.text(file.root(), NC_GLOBAL, "title", sid_case.title);
   file.text(file.root(), NC_GLOBAL, "case", sid_case.file.json.dump());
   {

@@ -1,7 +1,8 @@
-// Numbers in messages.
+// Numbers in text.
 #pragma once
 
 #include <charconv>
+#include <cstdio>
 #include <string>
 
 namespace wheeltap::base {
@@ -11,6 +12,29 @@ namespace wheeltap::base {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, x, std::chars_format::general).ptr;
   return {text, end};
+}
+
+/// `digits` significant ones, no trailing zeros.
+[[nodiscard]] inline std::string significant(double x, int digits) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*g", digits, x);
+  return text;
+}
+
+/// `decimals` after the point.
+[[nodiscard]] inline std::string fixed(double x, int decimals) {
+  char text[400];
+  std::snprintf(text, sizeof text, "%.*f", decimals, x);
+  return text;
+}
+
+/// All digits of a count, in threes: "123 456".
+[[nodiscard]] inline std::string grouped(long n) {
+  std::string text = std::to_string(n);
+  for (auto at = static_cast<long>(text.size()) - 3; at > (n < 0 ? 1 : 0); at -= 3) {
+    text.insert(static_cast<std::size_t>(at), " ");
+  }
+  return text;
 }
 
 }  // namespace wheeltap::base

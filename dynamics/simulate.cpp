@@ -294,7 +294,7 @@ void Simulator::Impl::compile() {
   if (excitation.base) {
     BaseMotion& base = *excitation.base;
     if (!base.displacement.samples.empty()) {
-      const Spline spline = natural_spline(base.displacement.samples, dt);
+      const signals::Spline spline = signals::natural_spline(base.displacement.samples, dt);
       base_velocity = spline.first_derivative;
       if (base.acceleration.samples.empty())
         base.acceleration = {spline.second_derivative, base.displacement.scale, 0.0};

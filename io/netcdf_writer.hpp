@@ -34,9 +34,9 @@ class NetcdfWriter {
     throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
   /// The program and the time, as ArviZ has them.
-  void about() const {
+  void about(const std::string& version) const {
     text(file_, NC_GLOBAL, "inference_library", "wheeltap");
-    text(file_, NC_GLOBAL, "inference_library_version", WHEELTAP_VERSION);
+    text(file_, NC_GLOBAL, "inference_library_version", version);
     const std::time_t t = std::time(nullptr);
     std::tm utc{};
     gmtime_r(&t, &utc);
