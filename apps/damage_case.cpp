@@ -6,11 +6,14 @@
 #include <numeric>
 
 #include "apps/csv_frequencies.hpp"
-#include "base/random.hpp"
 #include "fem/modal_analysis.hpp"
 #include "fem/section.hpp"
+#include "identification/defects/reduction.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -117,14 +120,6 @@ fem::Beam parse_beam(const CaseFile& file) {
   return beam;
 }
 
-int free_degrees_of_freedom(const fem::Beam& beam) {
-  int n = 2 * beam.nodes();
-  for (const fem::Support& s : beam.supports) {
-    if (!s.stiffness) n -= (s.deflection ? 1 : 0) + (s.rotation ? 1 : 0);
-  }
-  return n;
-}
-
 // A prior of something that must lie in [lower, upper]; `allowed` says so in words.
 inference::Prior bounded_prior(const CaseFile& file, const Pointer& where, double lower,
                                double upper, const std::string& allowed) {
@@ -162,11 +157,6 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
   return weights;
 }
 
-double true_stiffness(const Json& defect) {
-  const Json& s = defect.at("stiffness");
-  return s.is_number() ? s.get<double>() : kInfinity;
-}
-
 void parse_truth(const CaseFile& file, const Pointer& block, double length, DefectKind& kind,
                  DamageCase& out) {
   const Json& b = file.json.at(block);
@@ -188,20 +178,22 @@ void parse_truth(const CaseFile& file, const Pointer& block, double length, Defe
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Json& d = list[i];
     const std::string severity = kind.severity_name();
-    const std::string other = severity == "reduction" ? "stiffness" : "reduction";
-    if (d.contains(other)) {
-      file.refuse(where / i / other, "a " + kind.name + " has a " + severity + ", not a " + other);
+    for (const DefectType* type : defect_types()) {
+      const std::string other(type->severity);
+      if (other != severity && d.contains(other)) {
+        file.refuse(where / i / other,
+                    "a " + kind.name + " has a " + severity + ", not a " + other);
+      }
     }
-    if (severity == "reduction" && !d.contains("reduction")) {
-      file.refuse(where / i / "reduction", "is missing: must be a number in [0, 1)");
+    if (!kind.type->may_be_known && !d.contains(severity)) {
+      file.refuse(where / i / severity, "is missing: must be a number in [0, 1)");
     }
     DefectKind::True truth{.location = d.at("location"), .severity = kInfinity};
     if (truth.location > length) {
       file.refuse(where / i / "location",
                   "lies outside the beam, which is " + number(length) + " m long");
     }
-    if (severity == "reduction") truth.severity = d["reduction"];
-    if (d.contains("stiffness")) truth.severity = true_stiffness(d);
+    if (d.contains(severity) && d[severity].is_number()) truth.severity = d[severity];
     kind.truth.push_back(truth);
   }
   std::ranges::sort(kind.truth, {}, &DefectKind::True::location);
@@ -209,24 +201,34 @@ void parse_truth(const CaseFile& file, const Pointer& block, double length, Defe
 
 DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length, DamageCase& out) {
   const Json& b = file.json.at(where);
-  const bool support = b.value("kind", std::string("reduction")) == "support";
+  const auto type_name = b.value("kind", std::string(defect_types()[0]->name));
+  const DefectType* type = find_defect_type(type_name);
+  if (type == nullptr) {
+    std::string known;
+    for (const DefectType* t : defect_types())
+      known += (known.empty() ? "\"" : ", \"") + std::string(t->name) + "\"";
+    file.refuse(where / "kind", "no such kind of defect; there are " + known);
+  }
+  const std::string severity(type->severity);
   const int min = b["count"].value("min", 0);
   const int max = b["count"].at("max");
   if (min > max) {
     file.refuse(where / "count" / "min", "must not exceed max, which is " + std::to_string(max));
   }
-  for (const char* key : {"reduction"}) {
-    if (support && b.contains(key)) {
-      file.refuse(where / key, "a support has a stiffness, not a reduction");
+  for (const DefectType* other : defect_types()) {
+    const std::string key(other->severity);
+    if (key == severity || !b.contains(key)) continue;
+    if (other->may_be_known) {
+      file.refuse(where / key, "goes with \"kind\": \"" + std::string(other->name) + "\" only");
     }
+    file.refuse(where / key, "a " + type_name + " has a " + severity + ", not a " + key);
   }
-  for (const char* key : {"stiffness", "fix"}) {
-    if (!support && b.contains(key))
-      file.refuse(where / key, "goes with \"kind\": \"support\" only");
+  if (!type->may_be_rotational && b.contains("fix")) {
+    file.refuse(where / "fix", "goes with \"kind\": \"support\" only");
   }
   DefectKind kind{
-      .type = support ? DefectKind::Type::support : DefectKind::Type::reduction,
-      .name = b.value("name", std::string(support ? "support" : "damage")),
+      .type = type,
+      .name = b.value("name", std::string(type->noun)),
       .plural = {},
       .min_count = min,
       .max_count = max,
@@ -234,23 +236,17 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
       .location = bounded_prior(file, where / "location", 0.0, length,
                                 "locations lie on the beam, in [0, " + number(length) + "] m"),
       .severity = DefectKind::Rigid{},
-      .rotation = support && b.contains("fix") && b["fix"][0] == "rotation",
-      .truth = {},
-      .where = where};
+      .rotation = type->may_be_rotational && b.contains("fix") && b["fix"][0] == "rotation",
+      .truth = {}};
   kind.plural = b.value("plural", kind.name + "s");
-  if (support) {
-    if (b.contains("stiffness") && b["stiffness"].is_number()) {
-      kind.severity = b["stiffness"].get<double>();
-    } else if (b.contains("stiffness") && b["stiffness"].is_object()) {
-      kind.severity =
-          bounded_prior(file, where / "stiffness", 0.0, kInfinity, "a spring's stiffness is > 0");
-    }
-  } else {
-    if (!b.contains("reduction")) {
-      file.refuse(where / "reduction", "is missing: must be a prior on [0, 1)");
-    }
-    kind.severity = bounded_prior(file, where / "reduction", 0.0, std::nextafter(1.0, 0.0),
-                                  "a reduction lies in [0, 1): 0 is intact, 1 would be broken");
+  if (!type->may_be_known && !b.contains(severity)) {
+    file.refuse(where / severity, "is missing: must be a prior on [0, 1)");
+  }
+  if (b.contains(severity) && b[severity].is_number()) {
+    kind.severity = b[severity].get<double>();
+  } else if (b.contains(severity) && b[severity].is_object()) {
+    kind.severity = bounded_prior(file, where / severity, type->lower, type->upper,
+                                  std::string(type->bounds_words).c_str());
   }
   parse_truth(file, where, length, kind, out);
   return kind;
@@ -312,7 +308,7 @@ void parse_runs(const CaseFile& file, EmulatorSpec& spec) {
 EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
   const Pointer where = at("/predictor");
   const Json& p = file.json.at("predictor");
-  if (out.kinds.size() != 1 || out.kinds[0].type != DefectKind::Type::reduction) {
+  if (out.kinds.size() != 1 || out.kinds[0].type != &defects::kReduction) {
     file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
   }
   EmulatorSpec spec;
@@ -476,70 +472,38 @@ FrequencyData parse_data(const CaseFile& file) {
 
 }  // namespace
 
-std::string rule_name(EmulatorSpec::Rule rule) {
-  switch (rule) {
-    case EmulatorSpec::Rule::multilinear:
-      return "multilinear";
-    case EmulatorSpec::Rule::cubic:
-      return "cubic";
-    case EmulatorSpec::Rule::monotone_cubic:
-      return "monotone-cubic";
-    case EmulatorSpec::Rule::gaussian_process:
-      return "gaussian-process";
-    case EmulatorSpec::Rule::delaunay:
-      return "delaunay";
+void DamageCaseFile::refuse(const InvalidInput& error) const {
+  using Part = InvalidInput::Part;
+  const auto kind = static_cast<std::size_t>(error.index());
+  switch (error.part()) {
+    case Part::beam:
+      file.refuse(at("/beam"), error.what());
+    case Part::truth:
+      file.refuse(at("/damage/truth"), error.what());
+    case Part::emulator:
+      file.refuse(at("/predictor"), error.what());
+    case Part::location:
+      file.refuse(kinds[kind] / "location", error.what());
+    case Part::severity:
+      file.refuse(kinds[kind] / damage.kinds[kind].severity_name(), error.what());
+    default:
+      file.refuse(at("/data"), error.what());
   }
-  throw std::invalid_argument("unknown interpolation");
 }
 
-EmulatorSpec::Rule rule_named(const std::string& text) {
-  using Rule = EmulatorSpec::Rule;
-  for (const Rule rule : {Rule::multilinear, Rule::cubic, Rule::monotone_cubic,
-                          Rule::gaussian_process, Rule::delaunay}) {
-    if (rule_name(rule) == text) return rule;
-  }
-  throw std::invalid_argument("interpolation \"" + text + "\" is not known");
-}
-
-int FrequencyData::measured() const {
-  return static_cast<int>(
-      std::ranges::count_if(frequencies_hz, [](double f) { return !std::isnan(f); }));
-}
-
-fem::Defects DamageCase::true_defects() const {
-  fem::Defects defects;
-  for (const DefectKind& kind : kinds) {
-    for (const DefectKind::True& t : kind.truth) {
-      if (kind.type == DefectKind::Type::reduction) {
-        defects.damages.push_back({t.location, t.severity});
-      } else {
-        defects.supports.push_back({t.location, t.severity, kind.rotation});
-      }
-    }
-  }
-  return defects;
-}
-
-DamageCase parse_damage_case(CaseFile file, Needs needs) {
+DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   validate_against_schema(file, "damage");
-  DamageCase out{.file = std::move(file),
-                 .title = {},
-                 .notes = {},
-                 .balance = false,
-                 .beam = {},
-                 .data = {},
-                 .simulation = {},
-                 .kinds = {},
-                 .emulator = {}};
-  const CaseFile& f = out.file;
+  DamageCaseFile parsed{.file = std::move(file), .notes = {}, .damage = {}, .kinds = {}};
+  DamageCase& out = parsed.damage;
+  const CaseFile& f = parsed.file;
   const Json& json = f.json;
   out.title = json.value("title", f.path.stem().string());
   out.balance = json.value("balance", false);
   if (json.contains("notes")) {
     if (json["notes"].is_string()) {
-      out.notes = {json["notes"].get<std::string>()};
+      parsed.notes = {json["notes"].get<std::string>()};
     } else {
-      out.notes = json["notes"].get<std::vector<std::string>>();
+      parsed.notes = json["notes"].get<std::vector<std::string>>();
     }
   }
   out.beam = parse_beam(f);
@@ -552,15 +516,17 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
   }
   if (damage.is_array()) {
     for (std::size_t i = 0; i < damage.size(); ++i) {
-      out.kinds.push_back(parse_kind(f, at("/damage") / i, out.beam.length, out));
+      parsed.kinds.push_back(at("/damage") / i);
+      out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
     }
   } else {
-    out.kinds.push_back(parse_kind(f, at("/damage"), out.beam.length, out));
+    parsed.kinds.push_back(at("/damage"));
+    out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
   }
   for (std::size_t i = 1; i < out.kinds.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (out.kinds[i].name == out.kinds[j].name) {
-        f.refuse(out.kinds[i].where,
+        f.refuse(parsed.kinds[i],
                  "two kinds are called \"" + out.kinds[i].name + "\"; give one of them a \"name\"");
       }
     }
@@ -576,7 +542,7 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
       fem::modal_analysis(out.beam, {}, {.modes = std::min(3, free)}).rigid_body_modes;
   int most_supports = 0;
   for (const DefectKind& kind : out.kinds) {
-    if (kind.type == DefectKind::Type::support) {
+    if (kind.type->may_be_known) {
       most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
     }
   }
@@ -587,7 +553,7 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
                  ", the elastic modes of " + std::to_string(out.beam.elements) +
                  " elements; refine beam.elements");
   }
-  if (needs == Needs::structure) return out;
+  if (needs == Needs::structure) return parsed;
 
   if (out.data.frequencies_hz.empty()) {
     if (!out.simulation) {
@@ -599,7 +565,7 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
     const auto cov = out.data.cov;
     const auto cov_prior = out.data.cov_prior;
     const double discrepancy = out.data.discrepancy_cov;
-    out.data = simulate(out, out.simulation->seed);
+    out.data = explained(parsed, [&] { return simulate(out, out.simulation->seed); });
     out.data.cov = cov;
     out.data.cov_prior = cov_prior;
     out.data.discrepancy_cov = discrepancy;
@@ -613,38 +579,7 @@ DamageCase parse_damage_case(CaseFile file, Needs needs) {
     f.refuse(at("/data/cov"),
              "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"");
   }
-  return out;
-}
-
-std::vector<double> elastic_frequencies(const fem::Beam& beam, const fem::Defects& defects,
-                                        int modes) {
-  const int free = free_degrees_of_freedom(beam) - static_cast<int>(defects.supports.size());
-  const fem::Modes found = fem::modal_analysis(beam, defects, {.modes = std::min(free, modes + 3)});
-  std::vector<double> elastic(found.frequencies_hz.begin() + found.rigid_body_modes,
-                              found.frequencies_hz.end());
-  elastic.resize(std::min(elastic.size(), static_cast<std::size_t>(modes)));
-  return elastic;
-}
-
-FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed) {
-  if (!damage_case.simulation) {
-    damage_case.file.refuse(at("/damage/truth"), "is missing: there is nothing to simulate");
-  }
-  const Simulation& s = *damage_case.simulation;
-  if (!(s.cov > 0.0) && damage_case.data.cov_prior) {
-    damage_case.file.refuse(at("/damage/truth"),
-                            "simulated noise needs a number: {\"defects\": [...], \"cov\": 0.001}");
-  }
-  FrequencyData data;
-  data.simulated = true;
-  data.origin = "simulated from the case's truth, seed " + std::to_string(seed);
-  base::Random random(seed, 0, 0, base::Purpose::simulation);
-  for (const double f :
-       elastic_frequencies(damage_case.beam, damage_case.true_defects(), s.modes)) {
-    data.frequencies_hz.push_back(f * (1.0 + s.cov * random.normal()));
-    data.sd_hz.push_back(s.cov * f);
-  }
-  return data;
+  return parsed;
 }
 
 }  // namespace wheeltap::apps

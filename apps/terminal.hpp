@@ -1,30 +1,60 @@
-// What a person at a terminal sees: results as text, progress as a bar.
+// What a person at a terminal sees, whatever the run was about: text in columns, tables, bars.
 #pragma once
 
 #include <chrono>
-#include <functional>
 #include <iosfwd>
 #include <string>
+#include <vector>
 
-#include "apps/summary.hpp"
+#include "apps/report/answer.hpp"
+#include "identification/findings.hpp"
 
 namespace wheeltap::apps {
 
-/// The text of a finished damage run, from its summary.
-void print_damage(std::ostream& out, const Report& summary, bool colour);
-
-/// The text of a finished system-identification run, from its summary.
-void print_sid(std::ostream& out, const Report& summary, bool colour);
-
-/// An emulator's errors from `emulator_report`: per mode and with its warnings, or a line a count.
-void print_emulator(std::ostream& out, const Report& emulator, bool colour, bool in_full);
-
-/// The beam as text, `width` characters long: damage along it, the beam, its supports.
-[[nodiscard]] std::string draw_beam(const Report& beam, const std::vector<double>& inclusion,
-                                    int width);
+inline constexpr int kTerminalWidth = 76;
+/// Models with less probability are not described.
+inline constexpr double kWorthPrinting = 0.05;
 
 /// True where standard output is a terminal and NO_COLOR is not set.
 [[nodiscard]] bool colour_wanted();
+
+/// Where text goes, and whether it may be coloured.
+struct Page {
+  std::ostream& out;
+  bool colour;
+
+  [[nodiscard]] std::string bold(const std::string& text) const {
+    return colour ? "\x1b[1m" + text + "\x1b[0m" : text;
+  }
+  [[nodiscard]] std::string warn(const std::string& text) const {
+    return colour ? "\x1b[33m" + text + "\x1b[0m" : text;
+  }
+  /// Text broken at spaces, further lines indented.
+  void wrapped(const std::string& text, const std::string& first, const std::string& further) const;
+  /// Rows of cells, the first one their heading; the first column left-aligned, all others
+  /// right-aligned.
+  void table(const std::vector<std::vector<std::string>>& rows) const;
+  void heading(const std::string& text) const;
+};
+
+/// Columns that UTF-8 text takes.
+[[nodiscard]] std::size_t columns(const std::string& text);
+[[nodiscard]] std::string pad_right(const std::string& text, std::size_t width);
+[[nodiscard]] std::string pad_left(const std::string& text, std::size_t width);
+[[nodiscard]] std::string repeated(const std::string& glyph, int n);
+/// A bar of eighths of a character.
+[[nodiscard]] std::string bar(double fraction, int width);
+/// `digits` significant ones; "-" for what is not finite.
+[[nodiscard]] std::string number_or_dash(double x, int digits);
+
+/// The answer in two sentences, before any number.
+void print_answer(const Page& page, const Answer& said);
+/// One bar a model.
+void print_models(const Page& page, const std::vector<identification::ModelFinding>& models);
+void print_evidence(const Page& page, const identification::Findings& findings);
+/// Warnings, cost and convergence; `what` the models count.
+void print_closing(const Page& page, const identification::Sampling& sampling,
+                   const std::vector<std::string>& warnings, const std::string& what);
 
 /// One line on standard error that overwrites itself; silent unless that is a terminal.
 class ProgressBar {

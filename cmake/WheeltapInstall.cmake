@@ -5,7 +5,7 @@ install(TARGETS ${libraries} EXPORT wheeltapTargets ARCHIVE DESTINATION ${CMAKE_
 if(TARGET wheeltap)
   install(TARGETS wheeltap RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
-foreach(folder base io signals fem dynamics emulator inference)
+foreach(folder base io signals fem dynamics emulator inference identification)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/wheeltap
     FILES_MATCHING PATTERN "*.hpp")
 endforeach()

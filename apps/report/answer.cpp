@@ -1,45 +1,40 @@
 #include "apps/report/answer.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <functional>
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 constexpr double kDecided = 0.6;
 constexpr double kCertain = 0.95;
 constexpr double kWorthNaming = 0.1;
 constexpr double kLocated = 0.25;  // of the beam
+constexpr std::size_t kMostValues = 6;
 
-std::string in_words(const std::vector<std::string>& items, const std::string& last) {
-  std::string text;
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (i > 0) text += i + 1 == items.size() ? " " + last + " " : ", ";
-    text += items[i];
-  }
-  return text;
+using Namer = std::function<std::string(const ModelFinding&)>;
+
+std::string quoted(const ModelFinding& model) {
+  return "“" + model.name + "”";
 }
 
-// "2 damages" is said "two damages", "0 damages" "no damage"; a sid model's name stays as it is.
-std::string said(const std::string& model, bool counts) {
-  if (!counts) return "“" + model + "”";
+// "two damages and one support"; "no damage".
+std::string counted(const DamageCase& damage_case, const ModelFinding& model) {
   static const char* words[] = {"no",  "one",   "two",   "three", "four", "five",
                                 "six", "seven", "eight", "nine",  "ten"};
-  std::string text;
-  for (std::size_t from = 0; from < model.size();) {
-    const std::size_t end = std::min(model.find(", ", from), model.size());
-    std::string part = model.substr(from, end - from);
-    const std::size_t space = part.find(' ');
-    const bool number = space != std::string::npos && space > 0 &&
-                        part.find_first_not_of("0123456789") == space && space < 3;
-    if (number && std::stoi(part) <= 10) {
-      const int n = std::stoi(part);
-      part = words[n] + part.substr(space);
-      if (n == 0 && part.ends_with('s')) part.pop_back();
-    }
-    text += (text.empty() ? "" : " and ") + part;
-    from = end + 2;
+  std::vector<std::string> parts;
+  for (std::size_t k = 0; k < model.counts.size(); ++k) {
+    const int n = model.counts[k];
+    parts.push_back((n <= 10 ? words[n] : std::to_string(n)) + std::string(" ") +
+                    (n < 2 ? damage_case.kinds[k].name : damage_case.kinds[k].plural));
   }
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : " and ") + part;
   return text;
 }
 
@@ -47,83 +42,65 @@ std::string percent_of(double fraction) {
   return fixed(100.0 * fraction, 0) + " %";
 }
 
-bool usable(const Report& row, const char* key) {
-  return row.contains(key) && row[key].is_number();
+std::string median(const Estimate& e) {
+  return resolved(e.q50, e.width());
 }
 
-std::string median(const Report& row) {
-  return resolved(row["q50"], row["q97.5"].get<double>() - row["q2.5"].get<double>());
+std::string interval(const Estimate& e) {
+  return resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width());
 }
 
-std::string interval(const Report& row, const std::string& unit) {
-  const double low = row["q2.5"], high = row["q97.5"];
-  return resolved(low, high - low) + " to " + resolved(high, high - low) + unit;
+std::string metres(const Estimate& x) {
+  return fixed(x.q2_5, 3) + " to " + fixed(x.q97_5, 3) + " m";
 }
 
-// One component: "near 0.095 m (0.09 to 0.1 m) or its mirror image 0.905 m, with stiffness …".
-std::string between(const Report& x) {
-  return fixed(x["q2.5"].get<double>(), 3) + " to " + fixed(x["q97.5"].get<double>(), 3) + " m";
-}
-
-std::string place(const Report& table, const std::string& location, const std::string& severity,
+// One component: "near 0.095 m (95 % interval 0.09 to 0.1 m) or its mirror image 0.905 m, …".
+std::string place(const Estimate& x, const Estimate* severity, const DefectKind& kind,
                   double length, bool mirrored) {
-  const Report& x = table[location];
-  const double at = x["q50"];
-  const double width = x["q97.5"].get<double>() - x["q2.5"].get<double>();
   std::string text;
-  if (width > kLocated * length) {
-    text = "not located: anywhere from " + between(x) +
+  if (x.width() > kLocated * length) {
+    text = "not located: anywhere from " + metres(x) +
            (mirrored ? " or in the mirror image of that" : "") + " (95 %)";
   } else {
-    text = "near " + fixed(at, 3) + " m (95 % interval " + between(x) + ")";
-    if (mirrored && std::abs(length - 2.0 * at) > 0.01 * length) {
-      text += " or its mirror image " + fixed(length - at, 3) + " m";
+    text = "near " + fixed(x.q50, 3) + " m (95 % interval " + metres(x) + ")";
+    if (mirrored && std::abs(length - 2.0 * x.q50) > 0.01 * length) {
+      text += " or its mirror image " + fixed(length - x.q50, 3) + " m";
     }
   }
-  if (!table.contains(severity)) return text;
-  const Report& s = table[severity];
-  if (severity.find("reduction") != std::string::npos) {
-    text += ", stiffness reduced by " + percent_of(s["q50"]) + " (" +
-            fixed(100.0 * s["q2.5"].get<double>(), 0) + " to " + percent_of(s["q97.5"]) + ")";
+  if (severity == nullptr) return text;
+  if (kind.type->percent) {
+    text += ", stiffness reduced by " + percent_of(severity->q50) + " (" +
+            fixed(100.0 * severity->q2_5, 0) + " to " + percent_of(severity->q97_5) + ")";
   } else {
-    text += ", stiffness " + median(s) + " (" + interval(s, "") + ")";
+    text +=
+        ", " + kind.severity_name() + " " + median(*severity) + " (" + interval(*severity) + ")";
   }
   return text;
 }
 
-std::string where_and_how_bad(const Report& summary, const std::string& model) {
-  const bool mirrored = summary["diagnostics"].contains("symmetry");
-  const Report& damage = summary["damage"];
-  const bool folded = mirrored && damage.contains("folded") && damage["folded"].contains(model);
-  const Report& all = folded ? damage["folded"] : summary["parameters"];
-  if (!all.contains(model)) return {};
-  const double length = summary["beam"]["length"];
+std::string where_and_how_bad(const DamageCase& damage_case, const DamageFindings& findings,
+                              std::size_t model) {
+  const bool mirrored = findings.symmetry.has_value();
+  const auto& shown = findings.shown(model);
+  const bool several = damage_case.kinds.size() > 1;
   std::vector<std::string> places;
-  for (const auto& [name, row] : all[model].items()) {
-    const std::size_t at = name.find("location[");
-    if (at == std::string::npos || !usable(row, "q50")) continue;
-    const std::string prefix = name.substr(0, at), index = name.substr(at + 8);
-    std::string severity;
-    for (const char* word : {"reduction", "stiffness"}) {
-      // A kind's name stands before its parameters only where two kinds share a parameter's name.
-      for (const std::string& candidate : {prefix + word + index, word + index}) {
-        if (severity.empty() && all[model].contains(candidate) &&
-            (prefix.empty() ||
-             (prefix == "support ") == (candidate.find("stiff") != std::string::npos))) {
-          severity = candidate;
-        }
-      }
-    }
-    places.push_back(prefix + place(all[model], name, severity, length, mirrored));
+  for (std::size_t p = 0; p < shown.size(); ++p) {
+    const Unknown& u = shown[p].unknown;
+    if (u.kind < 0 || u.parameter != 0) continue;
+    const DefectKind& kind = damage_case.kinds[static_cast<std::size_t>(u.kind)];
+    const Estimate* severity = kind.severity_prior() ? &shown[p + 1].estimate : nullptr;
+    places.push_back((several ? kind.name + " " : "") +
+                     place(shown[p].estimate, severity, kind, damage_case.beam.length, mirrored));
   }
   if (places.empty()) return {};
   std::string text;
   for (std::size_t i = 0; i < places.size(); ++i) {
     std::string one = places[i];
-    if (places.size() > 1)
+    if (places.size() > 1) {
       one = "(" + std::to_string(i + 1) + ") " + one;
-    else
+    } else {
       one[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(one[0])));
+    }
     text += (i == 0 ? "" : "; ") + one;
   }
   text += ".";
@@ -131,37 +108,101 @@ std::string where_and_how_bad(const Report& summary, const std::string& model) {
   return text;
 }
 
-std::string values(const Report& summary, const std::string& model) {
-  if (!summary["parameters"].contains(model)) return {};
+std::string values(const ModelFinding& model) {
   std::vector<std::string> parts;
-  for (const auto& [name, row] : summary["parameters"][model].items()) {
-    if (!usable(row, "q50")) continue;
-    if (parts.size() == 6) {
-      parts.push_back("others, tabulated below");
+  for (const ParameterFinding& p : model.parameters) {
+    if (parts.size() == kMostValues) {
+      parts.emplace_back("others, tabulated below");
       break;
     }
-    parts.push_back(name + " = " + median(row) + " (" + interval(row, "") + ")");
+    parts.push_back(p.unknown.label + " = " + median(p.estimate) + " (" + interval(p.estimate) +
+                    ")");
   }
   if (parts.empty()) return {};
-  return "With 95 % intervals: " + in_words(parts, "and") + ".";
+  return "With 95 % intervals: " + in_words(parts) + ".";
 }
 
-// A sweep: which model is the most probable, and where along the values that changes.
-Answer answer_of_sweep(const Report& sweep) {
+std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models) {
+  std::vector<std::size_t> order(models.size());
+  for (std::size_t m = 0; m < order.size(); ++m) order[m] = m;
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return models[a].probability() > models[b].probability();
+  });
+  return order;
+}
+
+// Caution and headline; `undecided` begins the latter where no model stands out.
+Answer verdict_on(const Findings& findings, const std::string& undecided, const Namer& said) {
   Answer out;
-  const Report& rows = sweep["rows"];
-  std::vector<std::string> best;
-  std::size_t failed = 0;
-  for (const Report& row : rows) {
-    const Report* most = nullptr;
-    for (const Report& m : row["models"]) {
-      if (most == nullptr ||
-          m["probability"].get<double>() > (*most)["probability"].get<double>()) {
-        most = &m;
+  const bool converged = findings.sampling.verdict.converged;
+  if (!converged) {
+    out.caution = findings.sampling.stopped_early
+                      ? "This run was stopped before it had converged: do not trust these numbers "
+                        "yet."
+                      : "The chains have not converged: do not trust these numbers yet.";
+  }
+  const auto& models = findings.models;
+  const auto order = by_probability(models);
+  const ModelFinding& best = models[order[0]];
+  const auto named = [&](const ModelFinding& m) {
+    return said(m) + " (" + percent(m.probability()) +
+           (m.standing.basis == inference::Basis::evidence ? ", by its evidence)" : ")");
+  };
+  if (models.size() == 1) {
+    out.headline = "The case allows only " + said(best) + ".";
+  } else if (best.probability() >= kDecided) {
+    const std::string name = named(best);
+    out.headline = best.probability() >= kCertain ? name + "." : "Most likely " + name + ".";
+    if (!converged) out.headline = "So far: " + out.headline;
+    out.headline[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(out.headline[0])));
+  } else {
+    std::vector<std::string> list;
+    for (const std::size_t m : order) {
+      if (models[m].probability() >= kWorthNaming || list.empty()) {
+        list.push_back(named(models[m]));
       }
     }
-    best.push_back(most == nullptr ? "" : (*most)["name"].get<std::string>());
-    failed += row.value("converged", false) ? 0 : 1;
+    if (list.size() == 1) list.emplace_back("others, each below 10 %");
+    out.headline = std::string(converged ? "Undecided" : "So far undecided") + undecided +
+                   in_words(list, "or") + ".";
+  }
+  return out;
+}
+
+}  // namespace
+
+Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
+  const Namer said = [&](const ModelFinding& m) { return counted(damage_case, m); };
+  Answer out = verdict_on(findings, ": the data allow ", said);
+  const std::size_t at = by_probability(findings.models)[0];
+  const ModelFinding& best = findings.models[at];
+  const bool none = std::ranges::all_of(best.counts, [](int n) { return n == 0; });
+  if (!none) {
+    out.detail = where_and_how_bad(damage_case, findings, at);
+    if (best.probability() < kDecided && !out.detail.empty()) {
+      out.detail = "If " + said(best) + ": " + out.detail;
+    }
+  } else if (findings.models.size() > 1) {
+    out.detail =
+        "That there is any at all has a probability of " + percent(1.0 - best.probability()) +
+        (best.probability() >= kDecided ? "; what is said below of places is for that case." : ".");
+  }
+  return out;
+}
+
+Answer answer(const Findings& findings) {
+  Answer out = verdict_on(findings, " between models: ", quoted);
+  out.detail = values(findings.models[by_probability(findings.models)[0]]);
+  return out;
+}
+
+Answer answer(const std::string& path, const std::vector<SweepRow>& rows) {
+  Answer out;
+  std::vector<std::string> best;
+  std::size_t failed = 0;
+  for (const SweepRow& row : rows) {
+    best.push_back(row.models.empty() ? "" : quoted(row.models[by_probability(row.models)[0]]));
+    failed += row.converged ? 0 : 1;
   }
   if (failed > 0) {
     out.caution = std::to_string(failed) + " of " + std::to_string(rows.size()) +
@@ -170,73 +211,45 @@ Answer answer_of_sweep(const Report& sweep) {
   std::vector<std::string> stretches;
   for (std::size_t i = 0, j = 0; i < best.size(); i = j) {
     for (j = i; j < best.size() && best[j] == best[i];) ++j;
-    const std::string from = rows[i]["value"].dump(), to = rows[j - 1]["value"].dump();
-    stretches.push_back(said(best[i], false) +
-                        (j - i == 1 ? " at " + from : " from " + from + " to " + to));
+    stretches.push_back(best[i] + (j - i == 1
+                                       ? " at " + rows[i].value
+                                       : " from " + rows[i].value + " to " + rows[j - 1].value));
   }
-  out.headline = "Most probable over " + sweep["path"].get<std::string>() + ": " +
-                 in_words(stretches, "and") + ".";
+  out.headline = "Most probable over " + path + ": " + in_words(stretches) + ".";
   return out;
 }
 
-}  // namespace
+Report json(const Answer& answer) {
+  return {{"caution", answer.caution}, {"headline", answer.headline}, {"detail", answer.detail}};
+}
 
-Answer answer(const Report& summary) {
-  if (summary.contains("sweep")) return answer_of_sweep(summary["sweep"]);
-  Answer out;
-  const bool damage = summary["wheeltap"].value("command", "") == "damage";
-  const Report& diagnostics = summary["diagnostics"];
-  const bool converged = diagnostics.value("converged", false);
-  if (!converged) {
-    out.caution = diagnostics.value("stopped_early", false)
-                      ? "This run was stopped before it had converged: do not trust these numbers "
-                        "yet."
-                      : "The chains have not converged: do not trust these numbers yet.";
+Answer read_answer(const Report& summary) {
+  if (const auto kept = summary.find("answer"); kept != summary.end()) {
+    return {.caution = kept->value("caution", ""),
+            .headline = kept->value("headline", ""),
+            .detail = kept->value("detail", "")};
   }
-  std::vector<Report> models(summary["models"].begin(), summary["models"].end());
-  const auto p = [](const Report& m) { return m["probability"].get<double>(); };
-  std::ranges::stable_sort(models, [&](const Report& a, const Report& b) { return p(a) > p(b); });
-  const std::string best = models[0]["name"];
-  const auto named = [&](const Report& m) {
-    return said(m["name"], damage) + " (" + percent(p(m)) +
-           (m.value("basis", "draws") == "evidence" ? ", by its evidence)" : ")");
-  };
-
-  if (models.size() == 1) {
-    out.headline = "The case allows only " + said(best, damage) + ".";
-  } else if (p(models[0]) >= kDecided) {
-    const std::string name = named(models[0]);
-    out.headline = p(models[0]) >= kCertain ? name + "." : "Most likely " + name + ".";
-    if (!converged) out.headline = "So far: " + out.headline;
-    const auto at = static_cast<unsigned char>(out.headline[0]);
-    out.headline[0] = static_cast<char>(std::toupper(at));
-  } else {
-    std::vector<std::string> list;
-    for (const Report& m : models) {
-      if (p(m) >= kWorthNaming || list.empty()) list.push_back(named(m));
+  const auto models = [](const Report& rows) {
+    std::vector<ModelFinding> out;
+    for (const Report& row : rows) {
+      out.emplace_back().name = row["name"];
+      out.back().standing.probability = row["probability"];
     }
-    if (list.size() == 1) list.push_back("others, each below 10 %");
-    out.headline = std::string(converged ? "Undecided" : "So far undecided") +
-                   (damage ? ": the data allow " : " between models: ") + in_words(list, "or") +
-                   ".";
-  }
-
-  if (!damage) {
-    out.detail = values(summary, best);
     return out;
-  }
-  const bool none = best.find_first_of("123456789") == std::string::npos;
-  if (!none) {
-    out.detail = where_and_how_bad(summary, best);
-    if (p(models[0]) < kDecided && !out.detail.empty()) {
-      out.detail = "If " + said(best, true) + ": " + out.detail;
+  };
+  if (summary.contains("sweep")) {
+    std::vector<SweepRow> rows;
+    for (const Report& row : summary["sweep"]["rows"]) {
+      rows.push_back({row["value"].dump(), models(row["models"]), row.value("converged", false)});
     }
-  } else if (models.size() > 1) {
-    out.detail =
-        "That there is any at all has a probability of " + percent(1.0 - p(models[0])) +
-        (p(models[0]) >= kDecided ? "; what is said below of places is for that case." : ".");
+    return answer(summary["sweep"]["path"].get<std::string>(), rows);
   }
-  return out;
+  Findings findings;
+  findings.models = models(summary["models"]);
+  const Report& diagnosed = summary["diagnostics"];
+  findings.sampling.verdict.converged = diagnosed.value("converged", false);
+  findings.sampling.stopped_early = diagnosed.value("stopped_early", false);
+  return verdict_on(findings, ": ", [](const ModelFinding& m) { return m.name; });
 }
 
 }  // namespace wheeltap::apps

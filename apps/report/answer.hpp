@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "apps/summary.hpp"
+#include "identification/damage_findings.hpp"
 
 namespace wheeltap::apps {
 
@@ -13,9 +15,27 @@ struct Answer {
   std::string detail;    ///< where and how bad, with 95 % intervals; may be empty
 };
 
-/// Reads summary.json of a `damage` or `sid` run. A count (a model) is "most likely" from a
-/// probability of 0.6; below, the run is undecided and all with 10 % or more are named. A location
-/// whose 95 % interval covers more than a quarter of the beam is not called located.
-[[nodiscard]] Answer answer(const Report& summary);
+/// How many damages. A count (a model) is "most likely" from a probability of 0.6; below, the run
+/// is undecided and all with 10 % or more are named. A location whose 95 % interval covers more
+/// than a quarter of the beam is not called located.
+[[nodiscard]] Answer answer(const identification::DamageCase& damage_case,
+                            const identification::DamageFindings& findings);
+
+/// Which equation of motion.
+[[nodiscard]] Answer answer(const identification::Findings& findings);
+
+/// One run of a sweep.
+struct SweepRow {
+  std::string value;
+  std::vector<identification::ModelFinding> models;
+  bool converged = false;
+};
+/// Which model is the most probable, and where along the values that changes.
+[[nodiscard]] Answer answer(const std::string& path, const std::vector<SweepRow>& rows);
+
+[[nodiscard]] Report json(const Answer& answer);
+/// What a summary keeps of it. A summary from before answers were kept has the models named, and no
+/// detail.
+[[nodiscard]] Answer read_answer(const Report& summary);
 
 }  // namespace wheeltap::apps

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 
@@ -36,23 +35,22 @@ ImpliedProbabilities implied_probabilities(const ModelSpace& space,
   return result;
 }
 
-std::vector<std::string> disagreements(const ModelSpace& space, const std::vector<double>& sampled,
-                                       const std::vector<double>& sampled_error,
-                                       const ImpliedProbabilities& implied, double sigmas,
-                                       double least) {
-  std::vector<std::string> sentences;
+std::vector<Disagreement> disagreements(const std::vector<double>& sampled,
+                                        const std::vector<double>& sampled_error,
+                                        const ImpliedProbabilities& implied, double sigmas,
+                                        double least) {
+  std::vector<Disagreement> out;
   for (std::size_t m = 0; m < sampled.size(); ++m) {
     const double error = std::hypot(sampled_error[m], implied.standard_error[m]);
     const double difference = std::fabs(sampled[m] - implied.mean[m]);
     if (!(difference > least && difference > sigmas * error)) continue;  // also for a NaN
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  ": sampled probability %.4f ± %.4f, but the evidences imply %.4f ± %.4f",
-                  sampled[m], sampled_error[m], implied.mean[m], implied.standard_error[m]);
-    sentences.push_back("model '" + space[static_cast<int>(m)].name + "'" + text +
-                        "; sample for longer before trusting either");
+    out.push_back({.model = static_cast<int>(m),
+                   .sampled = sampled[m],
+                   .sampled_error = sampled_error[m],
+                   .implied = implied.mean[m],
+                   .implied_error = implied.standard_error[m]});
   }
-  return sentences;
+  return out;
 }
 
 }  // namespace wheeltap::inference

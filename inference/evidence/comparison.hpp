@@ -20,13 +20,18 @@ struct ImpliedProbabilities {
 [[nodiscard]] ImpliedProbabilities implied_probabilities(const ModelSpace& space,
                                                          const std::vector<Evidence>& evidences);
 
-/// One sentence for each model where the sampled probability and the implied one differ by more
-/// than `sigmas` of their combined standard error (and by more than `least`, below which nobody
-/// cares). Silent where an error is not known (Laplace's): there is nothing to judge by.
-[[nodiscard]] std::vector<std::string> disagreements(const ModelSpace& space,
-                                                     const std::vector<double>& sampled,
-                                                     const std::vector<double>& sampled_error,
-                                                     const ImpliedProbabilities& implied,
-                                                     double sigmas = 3.0, double least = 1e-3);
+/// A model whose sampled probability and the implied one are too far apart.
+struct Disagreement {
+  int model;
+  double sampled, sampled_error, implied, implied_error;
+};
+
+/// The models for which they differ by more than `sigmas` of their combined standard error (and by
+/// more than `least`, below which nobody cares). None where an error is not known (Laplace's):
+/// there is nothing to judge by.
+[[nodiscard]] std::vector<Disagreement> disagreements(const std::vector<double>& sampled,
+                                                      const std::vector<double>& sampled_error,
+                                                      const ImpliedProbabilities& implied,
+                                                      double sigmas = 3.0, double least = 1e-3);
 
 }  // namespace wheeltap::inference

@@ -30,10 +30,11 @@ TEST(ImpliedProbabilities, WeighEvidenceByPrior) {
 
 TEST(Disagreements, SpeakOnlyBeyondTheCombinedError) {
   const ImpliedProbabilities implied{{0.5, 0.3, 0.2}, {0.03, 0.03, 0.0}};
-  EXPECT_TRUE(disagreements(three(), {0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, implied).empty());
-  const auto two = disagreements(three(), {0.65, 0.15, 0.2}, {0.01, 0.01, 0.01}, implied);
+  EXPECT_TRUE(disagreements({0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, implied).empty());
+  const auto two = disagreements({0.65, 0.15, 0.2}, {0.01, 0.01, 0.01}, implied);
   ASSERT_EQ(two.size(), 2U);
-  EXPECT_NE(two[0].find("'one': sampled probability 0.6500"), std::string::npos) << two[0];
+  EXPECT_EQ(two[0].model, 0);
+  EXPECT_EQ(two[0].sampled, 0.65);
 }
 
 TEST(Disagreements, AreNotClaimedWhereAnErrorIsUnknown) {
@@ -42,7 +43,7 @@ TEST(Disagreements, AreNotClaimedWhereAnErrorIsUnknown) {
   const ImpliedProbabilities implied =
       implied_probabilities(three(), {{0.0, unknown}, {0.5, unknown}, {1.0, unknown}});
   EXPECT_TRUE(std::isnan(implied.standard_error[0]));
-  EXPECT_TRUE(disagreements(three(), {0.9, 0.05, 0.05}, {0.01, 0.01, 0.01}, implied).empty());
+  EXPECT_TRUE(disagreements({0.9, 0.05, 0.05}, {0.01, 0.01, 0.01}, implied).empty());
 }
 
 }  // namespace

@@ -1,11 +1,12 @@
-#include "apps/emulator_check.hpp"
+#include "identification/emulator_check.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "identification/estimate.hpp"
 #include "inference/evidence/importance_sampling.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::identification {
 namespace {
 
 struct Checked {
@@ -43,8 +44,8 @@ constexpr double kSure = 3.0;        // standard errors
 
 }  // namespace
 
-Report check_emulator(const DamageProblem& problem, const inference::Posterior& posterior,
-                      std::vector<std::string>& warnings, int most) {
+std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
+                                            const inference::Posterior& posterior, int most) {
   // Without the likelihood there is nothing that an emulator could move.
   if (!problem.emulator || problem.exact() || posterior.likelihood_evaluations == 0) return {};
   const FrequencyData& data = problem.damage_case.data;
@@ -57,6 +58,7 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
   const std::vector<double> of_model = model_weights(posterior);
   std::vector<double> log_weights, squares(modes, 0.0), largest(modes, 0.0);
   FrequencyPredictor predictor(problem);
+  const NoiseModel noise_model = problem.noise();
   std::vector<double> emulated(modes), ignored(modes);
   long compared = 0;
   for (std::size_t n = 0; n < all; n += stride) {
@@ -72,7 +74,7 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
       const double error = emulated[mode] - likelihood->prediction()[mode];
-      const double noise = problem.total_sd(mode, data.cov_prior ? x[0] : 0.0, 0.0);
+      const double noise = noise_model.sd(mode, noise_model.cv(x), 0.0);
       squares[mode] += error * error / (noise * noise);
       largest[mode] = std::max(largest[mode], std::abs(error) / noise);
     }
@@ -95,21 +97,22 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
   const auto n = static_cast<double>(draws.size());
   const double share = plain_squares / sum_squares;
   const double pareto = inference::pareto_shape(log_weights);
-  const bool telling = !(pareto > 0.7) && share * n >= 50.0;
-
-  Report models = Report::array();
-  std::vector<std::string> moved;
+  EmulatorCheck out{.draws = static_cast<int>(draws.size()),
+                    .mean_log_weight = mean,
+                    .sd_log_weight = std::sqrt(square / n),
+                    .effective_share = share,
+                    .pareto_shape = pareto,
+                    .conclusive = !(pareto > 0.7) && share * n >= 50.0,
+                    .models = {},
+                    .moved = {},
+                    .error_to_noise = {}};
   for (int m = 0; m < problem.problem.space.size(); ++m) {
     const Means p = means(draws, [&](const Checked& d) { return d.model == m ? 1.0 : 0.0; });
-    const std::string& name = problem.problem.space[m].name;
-    models.push_back(
-        {{"name", name}, {"emulator", p.plain}, {"fe", p.weighted}, {"standard_error", p.error}});
-    const double shift = std::abs(p.weighted - p.plain);
-    if (shift > kMovedProbability && shift > kSure * p.error) {
-      moved.push_back("P(" + name + ") is " + percent(p.weighted) + " and not " + percent(p.plain));
-    }
+    const Shift shift{p.plain, p.weighted, p.error};
+    out.models.push_back({.probability = shift, .compared = false, .means = {}});
+    const double size = std::abs(p.weighted - p.plain);
+    if (size > kMovedProbability && size > kSure * p.error) out.moved.push_back({m, -1, shift});
   }
-  Report parameters = Report::object();
   for (int m = 0; m < problem.problem.space.size(); ++m) {
     std::vector<Checked> within;
     double total = 0.0, of_plain = 0.0;
@@ -121,62 +124,28 @@ Report check_emulator(const DamageProblem& problem, const inference::Posterior& 
     }
     if (of_plain < kWorthTelling || !(total > 0.0)) continue;
     for (Checked& d : within) d.weight /= total, d.plain /= of_plain;
-    Report& table = parameters[problem.problem.space[m].name] = Report::object();
+    out.models[static_cast<std::size_t>(m)].compared = true;
     for (int p = 0; p < problem.problem.space[m].dimension; ++p) {
       const auto at = static_cast<std::size_t>(p);
       const Means value = means(within, [&](const Checked& d) { return d.theta[at]; });
       const Means squared =
           means(within, [&](const Checked& d) { return d.theta[at] * d.theta[at]; });
       const double sd = std::sqrt(std::max(0.0, squared.plain - value.plain * value.plain));
-      const std::string label = parameter_label(problem.problem.space, m, p);
-      table[label] = {
-          {"emulator", value.plain}, {"fe", value.weighted}, {"standard_error", value.error}};
-      const double shift = std::abs(value.weighted - value.plain);
-      if (shift > kMovedMean * sd && shift > kSure * value.error) {
-        moved.push_back("the mean of " + label + " with " + problem.problem.space[m].name + " is " +
-                        significant(value.weighted, 3) + " and not " + significant(value.plain, 3));
-      }
+      const Shift shift{value.plain, value.weighted, value.error};
+      out.models[static_cast<std::size_t>(m)].means.push_back(shift);
+      const double size = std::abs(value.weighted - value.plain);
+      if (size > kMovedMean * sd && size > kSure * value.error) out.moved.push_back({m, p, shift});
     }
   }
-  Report by_mode = Report::array();
   std::size_t worst = 0;
   for (std::size_t mode = 0; mode < modes; ++mode) {
     const double rms =
         compared > 0 ? std::sqrt(squares[mode] / static_cast<double>(compared)) : 0.0;
-    by_mode.push_back({{"mode", mode + 1}, {"rms", rms}, {"largest", largest[mode]}});
+    out.error_to_noise.push_back({rms, largest[mode]});
     if (squares[mode] > squares[worst]) worst = mode;
   }
-  const Report& at_worst = by_mode[worst];
-  const std::string error_there =
-      "At these draws its error is " + significant(at_worst["rms"].get<double>(), 2) +
-      " times the noise in mode " + std::to_string(worst + 1) + ", its worst";
-  const std::string remedy =
-      ". Use \"predictor\": \"fe\", add \"exact\": true, or choose a better emulator "
-      "(docs/emulators.md).";
-  if (!telling) {
-    warnings.push_back(
-        "The emulator moved the answer, by more than its draws can tell: of " +
-        std::to_string(draws.size()) +
-        " draws checked with the FE solution, the FE's likelihood puts its weight on "
-        "some " +
-        rounded_count(std::max(1.0, share * n)) + ". " + error_there + remedy);
-  } else if (!moved.empty()) {
-    std::string text;
-    for (std::size_t i = 0; i < moved.size() && i < 4; ++i) text += (i ? "; " : "") + moved[i];
-    warnings.push_back("The emulator moved the answer. By the FE solution " + text + " (" +
-                       std::to_string(draws.size()) + " draws checked). " + error_there + remedy);
-  }
-  return {{"draws", draws.size()},
-          {"mean_log_weight", mean},
-          {"sd_log_weight", std::sqrt(square / n)},
-          {"effective_share", share},
-          {"pareto_shape", std::isfinite(pareto) ? Report(pareto) : Report()},
-          {"conclusive", telling},
-          {"moved", !telling || !moved.empty()},
-          {"models", models},
-          {"parameters", parameters},
-          {"error_to_noise", by_mode},
-          {"worst_mode", worst + 1}};
+  out.worst_mode = static_cast<int>(worst) + 1;
+  return out;
 }
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::identification

@@ -1,15 +1,16 @@
-// From a damage case to a problem for the engine: model space, likelihood and symmetries.
+// From what is asked of a damaged beam to a problem for the engine: model space, likelihood and
+// symmetries.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <optional>
 
-#include "apps/damage_case.hpp"
-#include "apps/frequency_emulator.hpp"
+#include "identification/damage_case.hpp"
+#include "identification/frequency_emulator.hpp"
 #include "inference/target.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::identification {
 
 /// All that a run needs, kept together because the problem's likelihood refers to it.
 struct DamageProblem {
@@ -32,9 +33,7 @@ struct DamageProblem {
 
   /// The emulator screens proposals only.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
-  /// √(σ²_measured + σ²_emulator + σ²_discrepancy) [Hz] of a measured mode (0-based); `cov` where
-  /// it is inferred.
-  [[nodiscard]] double total_sd(std::size_t mode, double cov, double emulator_variance) const;
+  [[nodiscard]] NoiseModel noise() const { return NoiseModel(damage_case.data); }
 };
 
 /// Frequencies [Hz] of a state, for one thread.
@@ -49,8 +48,9 @@ class FrequencyPredictor {
                std::span<double> variance);
   /// As `solve`, with ∂f/∂x in the units of x: `jacobian` is row-major, a row a frequency, a column
   /// a parameter of the model. Exact in reductions and stiffnesses; along places it is
-  /// fem::Reanalysis::location_slopes, at two more solutions each.
-  void differentiate(int model, std::span<const double> x, std::span<double> out,
+  /// fem::Reanalysis::location_slopes, at two more solutions each. False, and nothing done, where a
+  /// kind of defect is not elementary.
+  bool differentiate(int model, std::span<const double> x, std::span<double> out,
                      std::span<double> jacobian);
 
  private:
@@ -62,8 +62,7 @@ class FrequencyPredictor {
   fem::Reanalysis::Workspace workspace_;
   std::size_t rigid_;
   std::vector<double> all_;
-  std::vector<fem::Damage> damages_;
-  std::vector<fem::SpringSupport> supports_;
+  fem::Defects placed_;
   std::vector<double> by_reduction_, by_stiffness_, along_damages_, along_supports_;
 };
 
@@ -83,8 +82,8 @@ struct DamageProblemOptions {
 ///
 /// The FE solution's likelihood offers its gradient, with slopes along places as FrequencyPredictor
 /// has them: not the derivative of a likelihood that is piecewise constant in a damage's place, but
-/// the way uphill. An emulator's offers none. Throws Failure.
+/// the way uphill. An emulator's offers none. Throws InvalidInput.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::identification

@@ -1,17 +1,16 @@
-#include "apps/damage_problem.hpp"
+#include "identification/damage_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "identification/invalid_input.hpp"
 #include "inference/moves/split_merge.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::identification {
 namespace {
 
 using inference::Prior;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class FrequencyLikelihood final : public inference::Likelihood {
  public:
@@ -20,6 +19,7 @@ class FrequencyLikelihood final : public inference::Likelihood {
       : problem_(problem),
         emulated_(emulated),
         data_(problem.damage_case.data),
+        noise_(data_),
         predictor_(problem),
         prediction_(data_.frequencies_hz.size()),
         variance_(prediction_.size()),
@@ -34,16 +34,9 @@ class FrequencyLikelihood final : public inference::Likelihood {
       predictor_.solve(model, x, prediction_);
     }
     residuals_.clear();
-    double sum = 0.0;
-    for (std::size_t i = 0; i < prediction_.size(); ++i) {
-      const double observed = data_.frequencies_hz[i];
-      if (std::isnan(observed)) continue;
-      const double sd = problem_.total_sd(i, cov, emulated_ ? variance_[i] : 0.0);
-      const double residual = (observed - prediction_[i]) / sd;
-      residuals_.push_back(residual);
-      sum -= 0.5 * residual * residual + std::log(sd * kSqrtTwoPi);
-    }
-    return sum;
+    return noise_.log_likelihood(
+        prediction_, emulated_ ? std::span<const double>(variance_) : std::span<const double>(),
+        cov, residuals_);
   }
 
   // With r = (f_obs - f) / sd:  ∂ ln p/∂f = r / sd,  ∂ ln p/∂cov = (r² - 1) cov f_obs² / sd².
@@ -51,13 +44,13 @@ class FrequencyLikelihood final : public inference::Likelihood {
     if (emulated_) return false;
     const std::size_t d = x.size();
     jacobian_.resize(gradient_prediction_.size() * d);
-    predictor_.differentiate(model, x, gradient_prediction_, jacobian_);
+    if (!predictor_.differentiate(model, x, gradient_prediction_, jacobian_)) return false;
     const double cov = data_.cov_prior ? x[0] : 0.0;
     std::ranges::fill(out, 0.0);
     for (std::size_t i = 0; i < gradient_prediction_.size(); ++i) {
       const double observed = data_.frequencies_hz[i];
       if (std::isnan(observed)) continue;
-      const double sd = problem_.total_sd(i, cov, 0.0);
+      const double sd = noise_.sd(i, cov, 0.0);
       const double residual = (observed - gradient_prediction_[i]) / sd;
       for (std::size_t j = 0; j < d; ++j) out[j] += residual / sd * jacobian_[i * d + j];
       if (data_.cov_prior)
@@ -71,11 +64,10 @@ class FrequencyLikelihood final : public inference::Likelihood {
   [[nodiscard]] double noise_scale() const override { return noise_scale_; }
 
  private:
-  static constexpr double kSqrtTwoPi = 2.5066282746310002;  // √(2π)
-
   const DamageProblem& problem_;
   bool emulated_;
   const FrequencyData& data_;
+  NoiseModel noise_;
   FrequencyPredictor predictor_;
   std::vector<double> prediction_, variance_, residuals_;
   std::vector<double> gradient_prediction_, jacobian_;
@@ -121,28 +113,16 @@ FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
       all_(static_cast<std::size_t>(problem.damage_case.modes()) + rigid_) {}
 
 void FrequencyPredictor::place(int model, std::span<const double> x) {
-  damages_.clear();
-  supports_.clear();
-  const inference::Model& m = problem_.problem.space[model];
-  for (std::size_t k = 0; k < problem_.damage_case.kinds.size(); ++k) {
-    const DefectKind& kind = problem_.damage_case.kinds[k];
-    const std::size_t width = kind.severity_prior() ? 2 : 1;
-    for (int c = 0; c < m.counts[k]; ++c) {
-      const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
-      if (kind.type == DefectKind::Type::reduction) {
-        damages_.push_back({x[at], x[at + 1]});
-      } else if (width == 2) {
-        supports_.push_back({x[at], x[at + 1], kind.rotation});
-      } else {
-        const double* known = std::get_if<double>(&kind.severity);
-        supports_.push_back({x[at], known ? *known : kInfinity, kind.rotation});
-      }
-    }
+  placed_.damages.clear();
+  placed_.supports.clear();
+  for (const DamageProblem::Component& c : problem_.components(model, x)) {
+    const DefectKind& kind = problem_.damage_case.kinds[static_cast<std::size_t>(c.kind)];
+    kind.type->place(kind, c.location, c.severity, placed_);
   }
 }
 
 void FrequencyPredictor::solve_placed(std::span<double> out) {
-  problem_.reanalysis->frequencies_hz(damages_, supports_, workspace_, all_);
+  problem_.reanalysis->frequencies_hz(placed_.damages, placed_.supports, workspace_, all_);
   std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
 }
 
@@ -153,22 +133,26 @@ std::size_t FrequencyPredictor::first_elastic() const {
   return first;
 }
 
-void FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
+bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
                                        std::span<double> jacobian) {
+  for (const DefectKind& kind : problem_.damage_case.kinds) {
+    if (!kind.type->is_elementary) return false;
+  }
   place(model, x);
-  const std::size_t n = all_.size(), damages = damages_.size(), supports = supports_.size();
+  const std::size_t n = all_.size(), damages = placed_.damages.size(),
+                    supports = placed_.supports.size();
   by_reduction_.resize(n * damages);
   along_damages_.resize(n * damages);
   by_stiffness_.resize(n * supports);
   along_supports_.resize(n * supports);
-  problem_.reanalysis->solve(damages_, supports_, workspace_,
+  problem_.reanalysis->solve(placed_.damages, placed_.supports, workspace_,
                              {.frequencies_hz = all_,
                               .damage_gradients_hz = by_reduction_,
                               .element_gradients_hz = {},
                               .shapes = {},
                               .points = {},
                               .support_gradients_hz = by_stiffness_});
-  problem_.reanalysis->location_slopes(damages_, supports_, workspace_,
+  problem_.reanalysis->location_slopes(placed_.damages, placed_.supports, workspace_,
                                        {.modes = static_cast<int>(n),
                                         .damages_hz_m = along_damages_,
                                         .supports_hz_m = along_supports_});
@@ -181,17 +165,20 @@ void FrequencyPredictor::differentiate(int model, std::span<const double> x, std
     for (std::size_t i = 0; i < out.size(); ++i)
       jacobian[i * x.size() + column] = from[(first + i) * defects + defect];
   };
-  // In the order of `place`.
+  // In the order of `place`: each defect is one damage or one support.
   std::size_t damage = 0, support = 0;
   const inference::Model& m = problem_.problem.space[model];
   for (std::size_t k = 0; k < problem_.damage_case.kinds.size(); ++k) {
     const DefectKind& kind = problem_.damage_case.kinds[k];
-    const std::size_t width = kind.severity_prior() ? 2 : 1;
+    const auto width = static_cast<std::size_t>(kind.parameters());
+    fem::Defects one;
+    kind.type->place(kind, 0.0, 0.0, one);
     for (int c = 0; c < m.counts[k]; ++c) {
       const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
-      if (kind.type == DefectKind::Type::reduction) {
+      if (one.supports.empty()) {
         fill(at, along_damages_, damage, damages);
-        fill(at + 1, by_reduction_, damage++, damages);
+        if (width == 2) fill(at + 1, by_reduction_, damage, damages);
+        ++damage;
       } else {
         fill(at, along_supports_, support, supports);
         if (width == 2) fill(at + 1, by_stiffness_, support, supports);
@@ -199,6 +186,7 @@ void FrequencyPredictor::differentiate(int model, std::span<const double> x, std
       }
     }
   }
+  return true;
 }
 
 void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<double> out) {
@@ -209,13 +197,13 @@ void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<d
 void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span<double> out,
                                  std::span<double> variance) {
   place(model, x);
-  if (!damages_.empty()) {
-    std::ranges::sort(damages_, {}, &fem::Damage::location);
+  if (!placed_.damages.empty()) {
+    std::ranges::sort(placed_.damages, {}, &fem::Damage::location);
     const bool wanted = problem_.damage_case.emulator->emulator_error;
     if (wanted) {
-      problem_.emulator->evaluate(damages_, out, variance);
+      problem_.emulator->evaluate(placed_.damages, out, variance);
     } else {
-      problem_.emulator->evaluate(damages_, out);
+      problem_.emulator->evaluate(placed_.damages, out);
       std::ranges::fill(variance, 0.0);
     }
     if (std::ranges::none_of(out, [](double f) { return std::isnan(f); })) return;
@@ -225,26 +213,16 @@ void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span
   std::ranges::fill(variance, 0.0);
 }
 
-double DamageProblem::total_sd(std::size_t mode, double cov, double emulator_variance) const {
-  const FrequencyData& data = damage_case.data;
-  const double observed = data.frequencies_hz[mode];
-  const double measured = data.cov_prior ? cov * observed : data.sd_hz[mode];
-  const double discrepancy = data.discrepancy_cov * observed;
-  return std::sqrt(measured * measured + emulator_variance + discrepancy * discrepancy);
-}
-
 std::vector<DamageProblem::Component> DamageProblem::components(int model,
                                                                 std::span<const double> x) const {
   std::vector<Component> list;
   const inference::Model& m = problem.space[model];
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     const DefectKind& kind = damage_case.kinds[k];
-    const std::size_t width = kind.severity_prior() ? 2 : 1;
+    const auto width = static_cast<std::size_t>(kind.parameters());
     for (int c = 0; c < m.counts[k]; ++c) {
       const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
-      const double* known = std::get_if<double>(&kind.severity);
-      list.push_back(
-          {static_cast<int>(k), x[at], width == 2 ? x[at + 1] : (known ? *known : kInfinity)});
+      list.push_back({static_cast<int>(k), x[at], width == 2 ? x[at + 1] : kind.known_severity()});
     }
   }
   return list;
@@ -252,7 +230,6 @@ std::vector<DamageProblem::Component> DamageProblem::components(int model,
 
 std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
                                                          const DamageProblemOptions& options) {
-  const CaseFile& file = damage_case.file;
   std::vector<inference::ComponentKind> kinds;
   for (const DefectKind& kind : damage_case.kinds) {
     inference::ComponentKind component{kind.name, kind.plural, {{"location", kind.location}}};
@@ -287,7 +264,7 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   // Two damages in one element are hard to tell from one that compounds them, but far from it.
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     const DefectKind& kind = damage_case.kinds[k];
-    if (kind.type != DefectKind::Type::reduction || kind.max_count < 2) continue;
+    if (!kind.type->compounds || kind.max_count < 2) continue;
     out->problem.moves.push_back(
         {"split and merge",
          [kind_index = static_cast<int>(k), h = damage_case.beam.element_length()] {
@@ -299,7 +276,6 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   if (damage_case.emulator) {
     const EmulatorSpec& spec = *damage_case.emulator;
     const DefectKind& kind = damage_case.kinds[0];
-    const Pointer where("/predictor");
     try {
       out->emulator = std::make_shared<const FrequencyEmulator>(
           spec.table ? FrequencyEmulator::load(*spec.table, damage_case.beam, kind.max_count,
@@ -308,10 +284,10 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
                            *out->reanalysis, spec, kind, damage_case.modes(),
                            {.threads = options.threads, .progress = options.table_progress}));
     } catch (const std::invalid_argument& error) {
-      file.refuse(where, error.what());
+      throw InvalidInput(InvalidInput::Part::emulator, error.what());
     }
     if (const auto outside = out->emulator->reaches_outside(damage_case.kinds[0])) {
-      file.refuse(damage_case.kinds[0].where / outside->prior, outside->message);
+      throw InvalidInput(outside->part, outside->message);
     }
   }
   const auto likelihood = [problem = out.get()](bool emulated) {
@@ -325,4 +301,4 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   return out;
 }
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::identification

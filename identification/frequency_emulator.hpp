@@ -6,7 +6,6 @@
 #include <memory>
 #include <variant>
 
-#include "apps/damage_case.hpp"
 #include "emulator/anova.hpp"
 #include "emulator/cubic_interpolant.hpp"
 #include "emulator/gaussian_process.hpp"
@@ -14,11 +13,13 @@
 #include "emulator/multilinear_interpolant.hpp"
 #include "emulator/table_file.hpp"
 #include "fem/reanalysis.hpp"
+#include "identification/damage_case.hpp"
+#include "identification/invalid_input.hpp"
 #ifdef WHEELTAP_WITH_CGAL
 #include "emulator/delaunay_interpolant.hpp"
 #endif
 
-namespace wheeltap::apps {
+namespace wheeltap::identification {
 
 /// What identifies a beam to its tables: geometry, mesh, supports, material and section as numbers.
 [[nodiscard]] std::string beam_fingerprint(const fem::Beam& beam);
@@ -93,9 +94,10 @@ class FrequencyEmulator {
   [[nodiscard]] bool is_slow() const;
 
   /// Where a prior of `kind` reaches outside the box of a table that would serve it: which one
-  /// ("location" or "reduction"), and a sentence naming both.
+  /// (location or severity), and a sentence naming both.
   struct Outside {
-    std::string prior, message;
+    InvalidInput::Part part;
+    std::string message;
   };
   [[nodiscard]] std::optional<Outside> reaches_outside(const DefectKind& kind) const;
 
@@ -140,4 +142,4 @@ class FrequencyEmulator {
   std::shared_ptr<const emulator::AnovaEmulator> anova_;  ///< for counts beyond the tables'
 };
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::identification

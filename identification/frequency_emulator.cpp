@@ -1,15 +1,17 @@
-#include "apps/frequency_emulator.hpp"
+#include "identification/frequency_emulator.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 
-#include "apps/summary.hpp"
+#include "base/number.hpp"
 #include "emulator/grid_refinement.hpp"
 #include "emulator/runs_csv.hpp"
+#include "io/fingerprint.hpp"
+#include "io/json_number.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::identification {
 namespace {
 
 using emulator::Design;
@@ -28,7 +30,7 @@ std::string group(int count) {
 }
 
 std::string number(double x) {
-  return significant(x, 6);
+  return base::significant(x, 6);
 }
 
 // Σ r / (1 - r): the compliance that damages add, in units of an element's own.
@@ -310,21 +312,22 @@ std::string error_name(int count) {
 
 }  // namespace
 
+// As JSON has it, keys in alphabetical order: tables made by earlier versions stay valid.
 std::string beam_fingerprint(const fem::Beam& beam) {
-  Json supports = Json::array();
+  const auto number = [](double x) { return io::json_number(x); };
+  const auto yes = [](bool flag) { return flag ? "true" : "false"; };
+  std::string supports;
   for (const fem::Support& s : beam.supports) {
-    supports.push_back({s.at, s.deflection, s.rotation, s.stiffness ? Json(*s.stiffness) : Json()});
+    supports += (supports.empty() ? "[" : ",[") + number(s.at) + "," + yes(s.deflection) + "," +
+                yes(s.rotation) + "," + (s.stiffness ? number(*s.stiffness) : "null") + "]";
   }
-  const Json identity = {{"length", beam.length},
-                         {"elements", beam.elements},
-                         {"supports", supports},
-                         {"young", beam.material.young},
-                         {"poisson", beam.material.poisson},
-                         {"density", beam.material.density},
-                         {"area", beam.section.area},
-                         {"second_moment", beam.section.second_moment},
-                         {"shear_coefficient", beam.section.shear_coefficient}};
-  return io::fingerprint(identity.dump());
+  return io::fingerprint(
+      "{\"area\":" + number(beam.section.area) + ",\"density\":" + number(beam.material.density) +
+      ",\"elements\":" + std::to_string(beam.elements) + ",\"length\":" + number(beam.length) +
+      ",\"poisson\":" + number(beam.material.poisson) +
+      ",\"second_moment\":" + number(beam.section.second_moment) +
+      ",\"shear_coefficient\":" + number(beam.section.shear_coefficient) + ",\"supports\":[" +
+      supports + "],\"young\":" + number(beam.material.young) + "}");
 }
 
 namespace {
@@ -822,16 +825,16 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
                                                std::to_string(count) + ")";
       if (beam_.element_midpoint(first) < box[i].low() - 1e-6 * h ||
           beam_.element_midpoint(last) > box[i].high() + 1e-6 * h) {
-        return Outside{"location", "location prior " + kind.location.describe() +
-                                       " reaches outside the emulator's box, " +
-                                       number(box[i].low()) + " to " + number(box[i].high()) +
-                                       " m" + who};
+        return Outside{InvalidInput::Part::location, "location prior " + kind.location.describe() +
+                                                         " reaches outside the emulator's box, " +
+                                                         number(box[i].low()) + " to " +
+                                                         number(box[i].high()) + " m" + who};
       }
       if (reduction.lower() < box[i + 1].low() || reduction.upper() > box[i + 1].high()) {
-        return Outside{"reduction", "reduction prior " + reduction.describe() +
-                                        " reaches outside the emulator's box, " +
-                                        number(box[i + 1].low()) + " to " +
-                                        number(box[i + 1].high()) + who};
+        return Outside{InvalidInput::Part::severity, "reduction prior " + reduction.describe() +
+                                                         " reaches outside the emulator's box, " +
+                                                         number(box[i + 1].low()) + " to " +
+                                                         number(box[i + 1].high()) + who};
       }
     }
     if (rule_of(table(count)) != Rule::delaunay) continue;
@@ -850,7 +853,7 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
           where += (where.empty() ? "" : ", ") + ("location " + number(d.location)) +
                    " m, reduction " + number(d.reduction);
         }
-        return Outside{"location",
+        return Outside{InvalidInput::Part::location,
                        "the priors reach outside the convex hull of the emulator's runs, at " +
                            where + (count == 1 ? "" : " (two damages)")};
       }
@@ -859,4 +862,4 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
   return {};
 }
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::identification

@@ -1,0 +1,59 @@
+// Findings in words: every sentence that a run may say, whoever prints it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/number.hpp"
+#include "identification/damage_findings.hpp"
+#include "identification/findings.hpp"
+
+namespace wheeltap::apps {
+
+using base::fixed;
+using base::grouped;
+using base::significant;
+
+/// A number with as many digits as an interval of this width needs to be told from a point: two of
+/// the width, at least three of the number, at most ten.
+[[nodiscard]] std::string resolved(double x, double width);
+/// A count for people, to three digits: "80500".
+[[nodiscard]] std::string rounded_count(double x);
+/// "75 %", "> 99.9 %", "< 0.1 %".
+[[nodiscard]] std::string percent(double probability);
+/// "P = 75 %", "P > 99.9 %".
+[[nodiscard]] std::string probability_is(double probability);
+/// "a, b and c".
+[[nodiscard]] std::string in_words(const std::vector<std::string>& items,
+                                   const std::string& last = "and");
+/// "modes 5 to 20", "modes 3, 7 and 9".
+[[nodiscard]] std::string name_modes(const std::vector<int>& modes);
+
+/// "not entered in 123 456 proposals; its evidence puts it at P ≈ 0.21 ± 0.02"; empty for a model
+/// that its draws speak for.
+[[nodiscard]] std::string told_by_evidence(const identification::ModelFinding& model);
+
+/// "a mode that less than 0.3 % of the prior climbs to would probably not have been seen"; empty
+/// where nothing was searched.
+[[nodiscard]] std::string resolution_in_words(const inference::Verdict& verdict);
+
+/// What a remark needs to be put into words, beside its own numbers.
+struct Context {
+  const identification::DamageCase* damage_case = nullptr;
+  const identification::DamageFindings* damage = nullptr;
+  std::vector<std::string> kinds = {};  ///< where the case has them: "damage", "damage.1"
+};
+[[nodiscard]] std::string sentence(const identification::Remark& remark, const Context& context);
+
+/// What frequencies of a symmetric beam cannot tell.
+[[nodiscard]] std::string symmetry_statement(bool emulated);
+/// Why an emulator for so many damages should not be used; empty where it may.
+[[nodiscard]] std::string emulator_warning(int damages, const std::vector<int>& blind);
+
+/// All that a reader should keep in mind: what is not established, then the case's own warnings and
+/// the remarks.
+[[nodiscard]] std::vector<std::string> warnings(const identification::Findings& findings,
+                                                const Context& context,
+                                                const std::vector<std::string>& of_case = {});
+
+}  // namespace wheeltap::apps

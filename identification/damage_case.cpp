@@ -1,0 +1,87 @@
+#include "identification/damage_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "base/random.hpp"
+#include "fem/modal_analysis.hpp"
+#include "identification/invalid_input.hpp"
+
+namespace wheeltap::identification {
+
+std::string rule_name(EmulatorSpec::Rule rule) {
+  switch (rule) {
+    case EmulatorSpec::Rule::multilinear:
+      return "multilinear";
+    case EmulatorSpec::Rule::cubic:
+      return "cubic";
+    case EmulatorSpec::Rule::monotone_cubic:
+      return "monotone-cubic";
+    case EmulatorSpec::Rule::gaussian_process:
+      return "gaussian-process";
+    case EmulatorSpec::Rule::delaunay:
+      return "delaunay";
+  }
+  throw std::invalid_argument("unknown interpolation");
+}
+
+EmulatorSpec::Rule rule_named(const std::string& text) {
+  using Rule = EmulatorSpec::Rule;
+  for (const Rule rule : {Rule::multilinear, Rule::cubic, Rule::monotone_cubic,
+                          Rule::gaussian_process, Rule::delaunay}) {
+    if (rule_name(rule) == text) return rule;
+  }
+  throw std::invalid_argument("interpolation \"" + text + "\" is not known");
+}
+
+int free_degrees_of_freedom(const fem::Beam& beam) {
+  int n = 2 * beam.nodes();
+  for (const fem::Support& s : beam.supports) {
+    if (!s.stiffness) n -= (s.deflection ? 1 : 0) + (s.rotation ? 1 : 0);
+  }
+  return n;
+}
+
+fem::Defects DamageCase::true_defects() const {
+  fem::Defects defects;
+  for (const DefectKind& kind : kinds) {
+    for (const DefectKind::True& t : kind.truth) {
+      kind.type->place(kind, t.location, t.severity, defects);
+    }
+  }
+  return defects;
+}
+
+std::vector<double> elastic_frequencies(const fem::Beam& beam, const fem::Defects& defects,
+                                        int modes) {
+  const int free = free_degrees_of_freedom(beam) - static_cast<int>(defects.supports.size());
+  const fem::Modes found = fem::modal_analysis(beam, defects, {.modes = std::min(free, modes + 3)});
+  std::vector<double> elastic(found.frequencies_hz.begin() + found.rigid_body_modes,
+                              found.frequencies_hz.end());
+  elastic.resize(std::min(elastic.size(), static_cast<std::size_t>(modes)));
+  return elastic;
+}
+
+FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed) {
+  if (!damage_case.simulation) {
+    throw InvalidInput(InvalidInput::Part::truth, "is missing: there is nothing to simulate");
+  }
+  const Simulation& s = *damage_case.simulation;
+  if (!(s.cov > 0.0) && damage_case.data.cov_prior) {
+    throw InvalidInput(InvalidInput::Part::truth,
+                       "simulated noise needs a number: {\"defects\": [...], \"cov\": 0.001}");
+  }
+  FrequencyData data;
+  data.simulated = true;
+  data.origin = "simulated from the case's truth, seed " + std::to_string(seed);
+  base::Random random(seed, 0, 0, base::Purpose::simulation);
+  for (const double f :
+       elastic_frequencies(damage_case.beam, damage_case.true_defects(), s.modes)) {
+    data.frequencies_hz.push_back(f * (1.0 + s.cov * random.normal()));
+    data.sd_hz.push_back(s.cov * f);
+  }
+  return data;
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,526 @@
+#include "identification/damage_findings.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
+#include <numeric>
+
+namespace wheeltap::identification {
+namespace {
+
+using inference::ChainsOf;
+using inference::Posterior;
+using Component = DamageProblem::Component;
+
+constexpr double kWorthTelling = 0.05;  // counts with less probability are not described
+
+// Everything the draws say, unpacked once.
+class UnpackedDraws {
+ public:
+  UnpackedDraws(const DamageProblem& problem, const Posterior& posterior)
+      : problem_(problem), posterior_(posterior), weights_(model_weights(posterior)) {
+    const auto width = static_cast<std::size_t>(posterior.dimension);
+    for (const auto& chain : posterior.chains) {
+      components_.emplace_back();
+      for (std::size_t i = 0; i < chain.model.size(); ++i) {
+        components_.back().push_back(
+            problem.components(chain.model[i], {chain.theta.data() + i * width, width}));
+      }
+    }
+  }
+  [[nodiscard]] const std::vector<Component>& at(std::size_t chain, std::size_t draw) const {
+    return components_[chain][draw];
+  }
+  [[nodiscard]] const Posterior& posterior() const { return posterior_; }
+  [[nodiscard]] const DamageProblem& problem() const { return problem_; }
+  [[nodiscard]] int model(std::size_t chain, std::size_t draw) const {
+    return posterior_.chains[chain].model[draw];
+  }
+  /// What it counts in averages over models, 1 on average.
+  [[nodiscard]] double weight(std::size_t chain, std::size_t draw) const {
+    return weights_[static_cast<std::size_t>(model(chain, draw))];
+  }
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for (std::size_t c = 0; c < components_.size(); ++c) {
+      for (std::size_t i = 0; i < components_[c].size(); ++i) visit(c, i);
+    }
+  }
+  [[nodiscard]] const inference::ModelSpace& space() const { return problem_.problem.space; }
+
+ private:
+  const DamageProblem& problem_;
+  const Posterior& posterior_;
+  std::vector<double> weights_;
+  std::vector<std::vector<std::vector<Component>>> components_;
+};
+
+// ---- where ---------------------------------------------------------------------------------
+
+KindFinding where(const UnpackedDraws& draws, int kind) {
+  const fem::Beam& beam = draws.problem().damage_case.beam;
+  const auto elements = static_cast<std::size_t>(beam.elements);
+  struct Tally {
+    double draws = 0.0;
+    std::vector<double> expected;
+  };
+  std::map<int, Tally> by_count;
+  draws.for_each([&](std::size_t c, std::size_t i) {
+    const int count = draws.space()[draws.model(c, i)].counts[static_cast<std::size_t>(kind)];
+    Tally& tally = by_count[count];
+    tally.expected.resize(elements);
+    const double weight = draws.weight(c, i);
+    tally.draws += weight;
+    for (const Component& component : draws.at(c, i)) {
+      if (component.kind != kind) continue;
+      tally.expected[static_cast<std::size_t>(beam.element_at(component.location))] += weight;
+    }
+  });
+  double all = 0.0;
+  for (const auto& [count, tally] : by_count) all += tally.draws;
+  KindFinding out{.expected = std::vector<double>(elements), .given_count = {}, .places = {}};
+  for (auto& [count, tally] : by_count) {
+    for (std::size_t e = 0; e < elements; ++e) {
+      out.expected[e] += tally.expected[e] / all;
+      tally.expected[e] /= tally.draws;
+    }
+    if (count > 0) out.given_count[count] = tally.expected;
+  }
+  return out;
+}
+
+// Stretches of beam that hold a tenth of a defect or more, from the expected number per element.
+std::vector<Place> places(const UnpackedDraws& draws, int kind, const std::vector<double>& overall) {
+  const DamageProblem& problem = draws.problem();
+  const fem::Beam& beam = problem.damage_case.beam;
+  constexpr double kTenth = 0.1;
+  // What a uniform spread of the expected number would put on an element is background.
+  const double total = std::accumulate(overall.begin(), overall.end(), 0.0);
+  const double background = 2.0 * total / static_cast<double>(overall.size());
+  std::vector<Place> list;
+  for (std::size_t e = 0; e < overall.size();) {
+    if (overall[e] <= background) {
+      ++e;
+      continue;
+    }
+    std::size_t end = e;
+    double expected = 0.0;
+    while (end < overall.size() && overall[end] > background) expected += overall[end++];
+    if (expected >= kTenth) {
+      std::vector<double> location, severity, weight;
+      draws.for_each([&](std::size_t c, std::size_t i) {
+        for (const Component& component : draws.at(c, i)) {
+          const auto at = static_cast<std::size_t>(beam.element_at(component.location));
+          if (component.kind != kind || at < e || at >= end) continue;
+          location.push_back(component.location);
+          severity.push_back(component.severity);
+          weight.push_back(draws.weight(c, i));
+        }
+      });
+      ChainsOf weights;
+      if (!draws.posterior().log_weight.empty()) weights.push_back(std::move(weight));
+      Place place{.from = static_cast<double>(e) * beam.element_length(),
+                  .to = static_cast<double>(end) * beam.element_length(),
+                  .expected = expected,
+                  .location = estimate({location}, weights),
+                  .severity = {}};
+      const DefectKind& k = problem.damage_case.kinds[static_cast<std::size_t>(kind)];
+      if (k.severity_prior()) place.severity = estimate({severity}, weights);
+      list.push_back(std::move(place));
+    }
+    e = end;
+  }
+  return list;
+}
+
+// Locations counted from the nearer end, and the components ordered by that: for a symmetric beam
+// the plain summaries average over mirror images.
+std::vector<std::vector<ParameterFinding>> folded(const UnpackedDraws& draws) {
+  const DamageProblem& problem = draws.problem();
+  const double length = problem.damage_case.beam.length;
+  std::vector<std::vector<ParameterFinding>> tables;
+  for (int m = 0; m < draws.space().size(); ++m) {
+    const auto& model = draws.space()[m];
+    std::vector<ParameterFinding> table;
+    const std::vector<Unknown> list = unknowns(draws.space(), m);
+    for (std::size_t k = 0; k < model.counts.size(); ++k) {
+      const DefectKind& kind = problem.damage_case.kinds[k];
+      for (int n = 0; n < model.counts[k]; ++n) {
+        const auto nth = [&](std::size_t c, std::size_t i) {
+          std::vector<Component> components;
+          for (Component component : draws.at(c, i)) {
+            if (component.kind != static_cast<int>(k)) continue;
+            component.location = std::min(component.location, length - component.location);
+            components.push_back(component);
+          }
+          std::ranges::sort(components, {}, &Component::location);
+          return components[static_cast<std::size_t>(n)];
+        };
+        const ChainsOf location = draws_in_model(
+            draws.posterior(), m, [&](auto c, auto i) { return nth(c, i).location; });
+        if (std::ranges::all_of(location, [](const auto& chain) { return chain.empty(); }))
+          continue;
+        const auto at = static_cast<std::size_t>(model.offsets[k] + n * kind.parameters());
+        table.push_back({list[at], estimate(location)});
+        if (kind.severity_prior()) {
+          table.push_back(
+              {list[at + 1], estimate(draws_in_model(draws.posterior(), m, [&](auto c, auto i) {
+                 return nth(c, i).severity;
+               }))});
+        }
+      }
+    }
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+// Expected number left less that right of the middle, a quantity that mirrors must balance.
+ChainsOf left_less_right(const UnpackedDraws& draws) {
+  const double middle = 0.5 * draws.problem().damage_case.beam.length;
+  return all_draws(draws.posterior(), [&](std::size_t c, std::size_t i) {
+    double difference = 0.0;
+    for (const Component& component : draws.at(c, i)) {
+      difference += component.location < middle ? 1.0 : -1.0;
+    }
+    return difference;
+  });
+}
+
+SymmetryFinding symmetry(const UnpackedDraws& draws, const ChainsOf& difference,
+                         std::vector<Remark>& remarks) {
+  const DamageProblem& problem = draws.problem();
+  SymmetryFinding out{.center = 0.5 * problem.damage_case.beam.length,
+                      .emulated = problem.emulator && !problem.exact(),
+                      .chains = {}};
+  double expected = 0.0;
+  for (std::size_t c = 0; c < difference.size(); ++c) {
+    double left = 0.0, right = 0.0, all = 0.0;
+    for (std::size_t i = 0; i < difference[c].size(); ++i) all += draws.weight(c, i);
+    for (std::size_t i = 0; i < difference[c].size(); ++i) {
+      for (const Component& component : draws.at(c, i)) {
+        (component.location < out.center ? left : right) += draws.weight(c, i) / all;
+      }
+    }
+    out.chains.push_back({left, right, inference::mcse_mean({difference[c]})});
+    expected += (left + right) / static_cast<double>(difference.size());
+  }
+  if (expected > kWorthTelling) remarks.push_back(remark::MirrorImages{out.emulated});
+  return out;
+}
+
+// ---- what the data cannot say --------------------------------------------------------------
+
+// What stands on both sides of a component, given where all of them are.
+std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& draws,
+                                                         const std::vector<double>& means,
+                                                         std::size_t component,
+                                                         const std::string& name) {
+  using remark::Landmark;
+  using Kind = Landmark::Kind;
+  const fem::Beam& beam = draws.problem().damage_case.beam;
+  std::vector<Landmark> landmarks = {{Kind::left_end, 0.0, {}},
+                                     {Kind::right_end, beam.length, {}}};
+  for (const fem::Support& s : beam.supports) {
+    landmarks.push_back({s.deflection && s.rotation ? Kind::clamp : Kind::support, s.at, {}});
+  }
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    if (i != component) landmarks.push_back({Kind::defect, means[i], name});
+  }
+  Landmark below = landmarks[0], above = landmarks[1];
+  for (const Landmark& l : landmarks) {
+    if (l.at <= means[component] && l.at >= below.at) below = l;
+    if (l.at > means[component] && l.at <= above.at) above = l;
+  }
+  return {below, above};
+}
+
+// Models with at least as many unknowns as data, and what they hide.
+void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
+                  std::vector<Remark>& remarks) {
+  const DamageProblem& problem = draws.problem();
+  const int data = problem.damage_case.data.measured();
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    const ModelFinding& model = models[m];
+    if (model.probability() < kWorthTelling || model.dimension < data || data == 0) continue;
+    if (model.parameters.empty()) continue;  // known by its evidence alone
+    const bool simpler = std::ranges::any_of(models, [&](const ModelFinding& other) {
+      return other.dimension < model.dimension && other.probability() >= kWorthTelling;
+    });
+    if (!simpler) {
+      remarks.push_back(remark::FittedNotTested{model.name, model.dimension, data});
+      continue;
+    }
+    remark::CannotExclude cannot{.model = model.name,
+                                 .probability = model.probability(),
+                                 .unknowns = model.dimension,
+                                 .frequencies = data,
+                                 .hidden = {}};
+    for (std::size_t k = 0; k < model.counts.size(); ++k) {
+      const DefectKind& kind = problem.damage_case.kinds[k];
+      const int smaller = draws.space().neighbour(static_cast<int>(m), static_cast<int>(k), -1);
+      if (smaller < 0 || model.counts[k] < 2) continue;
+      const ModelFinding& other = models[static_cast<std::size_t>(smaller)];
+      if (other.parameters.empty()) continue;
+      // The component that the smaller model explains least is the hidden one.
+      const auto location = [&](const ModelFinding& of, int n) -> const Estimate& {
+        return *of.find(static_cast<int>(k), n, 0);
+      };
+      std::vector<double> means;
+      int hidden = 0;
+      double farthest = -1.0;
+      for (int n = 0; n < model.counts[k]; ++n) {
+        const double mean = location(model, n).mean;
+        double nearest = std::numeric_limits<double>::infinity();
+        for (int o = 0; o < other.counts[k]; ++o) {
+          nearest = std::min(nearest, std::abs(mean - location(other, o).mean));
+        }
+        means.push_back(mean);
+        if (nearest > farthest) farthest = nearest, hidden = n;
+      }
+      const auto [below, above] =
+          neighbours(draws, means, static_cast<std::size_t>(hidden), kind.name);
+      cannot.hidden.push_back({.kind = kind.name,
+                               .below = below,
+                               .above = above,
+                               .from = location(model, hidden).q2_5,
+                               .to = location(model, hidden).q97_5});
+    }
+    remarks.push_back(std::move(cannot));
+  }
+}
+
+// Draws from one evaluation of the emulator to the next, where all of them would take minutes.
+long emulator_stride(const DamageProblem& problem) {
+  return problem.emulator && !problem.exact() && problem.emulator->is_slow() ? 50 : 1;
+}
+
+// How well the best models reproduce the data, and whether they do at all.
+std::optional<FitFinding> fit(const UnpackedDraws& draws, std::vector<Remark>& remarks) {
+  const DamageProblem& problem = draws.problem();
+  const FrequencyData& data = problem.damage_case.data;
+  const Posterior& posterior = draws.posterior();
+  const auto modes = static_cast<std::size_t>(data.modes());
+  if (posterior.predictions != data.modes()) return {};
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  const auto prediction = [&](std::size_t c, std::size_t i, std::size_t mode) {
+    return static_cast<double>(posterior.chains[c].prediction[i * modes + mode]);
+  };
+  const NoiseModel noise = problem.noise();
+  const std::vector<std::vector<double>> variances = emulator_variances(problem, posterior);
+  const long stride = emulator_stride(problem);
+  long visited = 0;
+  double mean_p = 0.0, weight_seen = 0.0;
+  std::vector<double> mean_residual(modes);
+  draws.for_each([&](std::size_t c, std::size_t i) {
+    if (visited++ % stride != 0) return;
+    const std::span<const double> x(posterior.chains[c].theta.data() + i * width, width);
+    const double weight = draws.weight(c, i);
+    double squares = 0.0;
+    for (std::size_t mode = 0; mode < modes; ++mode) {
+      if (std::isnan(data.frequencies_hz[mode])) continue;
+      const double variance = variances.empty() ? 0.0 : variances[c][i * modes + mode];
+      const double r = (data.frequencies_hz[mode] - prediction(c, i, mode)) /
+                       noise.sd(mode, noise.cv(x), variance);
+      squares += r * r;
+      mean_residual[mode] += weight * r;
+    }
+    mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
+    weight_seen += weight;
+  });
+  const ChainsOf weights = draw_weights(posterior);
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  FitFinding out{.modes = {}, .posterior_predictive_p = mean_p / weight_seen};
+  std::vector<int> off;
+  for (std::size_t mode = 0; mode < modes; ++mode) {
+    const Estimate predicted = estimate(
+        all_draws(posterior, [&](auto c, auto i) { return prediction(c, i, mode); }), weights);
+    const bool measured = !std::isnan(data.frequencies_hz[mode]);
+    const double residual = mean_residual[mode] / weight_seen;
+    out.modes.push_back(
+        {.observed = data.frequencies_hz[mode],
+         .sd = measured && !data.sd_hz.empty() ? data.sd_hz[mode] : kNaN,
+         .mean = predicted.mean,
+         .q2_5 = predicted.q2_5,
+         .q97_5 = predicted.q97_5,
+         .standardised_residual = measured ? residual : kNaN});
+    if (measured && std::abs(residual) > 3.0) off.push_back(static_cast<int>(mode) + 1);
+  }
+  if (out.posterior_predictive_p < 0.005) {
+    remarks.push_back(remark::NoModelFits{off, problem.emulator != nullptr});
+  }
+  return out;
+}
+
+// Posteriors that lean on the end of a prior, or counts on the largest allowed.
+void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
+            std::vector<Remark>& remarks) {
+  const auto& kinds = draws.problem().damage_case.kinds;
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    double at_most = 0.0;
+    for (const ModelFinding& model : models) {
+      if (model.counts[k] == kinds[k].max_count) at_most += model.probability();
+    }
+    if (at_most > 0.5 && kinds[k].max_count > kinds[k].min_count) {
+      remarks.push_back(remark::LargestCount{static_cast<int>(k), at_most});
+    }
+    const inference::Prior* severity = kinds[k].severity_prior();
+    if (severity == nullptr || !std::isfinite(severity->upper())) continue;
+    double near = 0.0, all = 0.0;
+    const double edge = severity->from_standard_normal(2.0);  // the prior's upper 2.3 %
+    draws.for_each([&](std::size_t c, std::size_t i) {
+      for (const Component& component : draws.at(c, i)) {
+        if (component.kind != static_cast<int>(k)) continue;
+        all += draws.weight(c, i);
+        near += component.severity > edge ? draws.weight(c, i) : 0.0;
+      }
+    });
+    if (near > 0.25 * all) remarks.push_back(remark::SeverityAtBound{static_cast<int>(k)});
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> emulator_variances(const DamageProblem& problem,
+                                                    const Posterior& posterior) {
+  if (!problem.emulator || problem.exact()) return {};
+  FrequencyPredictor predictor(problem);
+  const auto modes = static_cast<std::size_t>(problem.damage_case.data.modes());
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  const long stride = emulator_stride(problem);
+  std::vector<std::vector<double>> out, last(static_cast<std::size_t>(posterior.space->size()));
+  std::vector<double> ignored(modes);
+  long visited = 0;
+  for (const auto& chain : posterior.chains) {
+    out.emplace_back().reserve(chain.model.size() * modes);
+    for (std::size_t i = 0; i < chain.model.size(); ++i) {
+      auto& variance = last[static_cast<std::size_t>(chain.model[i])];
+      if (visited++ % stride == 0 || variance.empty()) {
+        variance.resize(modes);
+        predictor.emulate(chain.model[i], {chain.theta.data() + i * width, width}, ignored,
+                          variance);
+      }
+      out.back().insert(out.back().end(), variance.begin(), variance.end());
+    }
+  }
+  return out;
+}
+
+std::vector<double> measurement_noise(const DamageCase& damage_case,
+                                      std::span<const double> intact) {
+  if (!damage_case.data.sd_hz.empty()) return damage_case.data.sd_hz;
+  std::optional<double> cov = damage_case.data.cov;
+  if (!cov && damage_case.simulation && damage_case.simulation->cov > 0.0) {
+    cov = damage_case.simulation->cov;
+  }
+  std::vector<double> noise;
+  if (cov && !damage_case.data.cov_prior) {
+    for (const double f : intact) noise.push_back(*cov * f);
+  }
+  return noise;
+}
+
+EmulatorFinding emulator_finding(const FrequencyEmulator& emulator,
+                                 const std::vector<double>& noise) {
+  EmulatorFinding out;
+  for (int count = 1; count <= emulator.max_count(); ++count) {
+    const EmulatorError& of = emulator.error(count);
+    EmulatorFinding::Count entry{.kind = emulator.describe(count),
+                                 .runs = static_cast<long>(emulator.runs(count)),
+                                 .modes = {},
+                                 .blind = {}};
+    for (int mode = 0; mode < emulator.modes(); ++mode) {
+      const auto at = static_cast<std::size_t>(mode);
+      const auto& error = of.holdout[at];
+      const double sd = at < noise.size() ? noise[at] : std::nan("");
+      EmulatorFinding::Mode row{.rmse = error.rmse,
+                                .max_error = error.max_error,
+                                .q2 = error.q2,
+                                .relative_rmse = error.relative_rmse(),
+                                .noise = sd,
+                                .leave_one_out = {},
+                                .standardised = {}};
+      if (!of.leave_one_out.empty()) row.leave_one_out = of.leave_one_out[at];
+      if (!of.standardised.empty()) row.standardised = of.standardised[at];
+      entry.modes.push_back(row);
+      if (error.rmse / sd > entry.rmse_to_noise) {
+        entry.rmse_to_noise = error.rmse / sd;
+        entry.worst_mode = mode + 1;
+      }
+      entry.largest_to_noise = std::max(entry.largest_to_noise, error.max_error / sd);
+      if (error.cannot_be_predicted()) entry.blind.push_back(mode + 1);
+    }
+    out.counts.push_back(std::move(entry));
+  }
+  return out;
+}
+
+DamageFindings damage_findings(const DamageProblem& problem, const Posterior& posterior,
+                               const std::vector<MethodEvidence>& evidence, std::uint64_t seed) {
+  const DamageCase& damage_case = problem.damage_case;
+  const UnpackedDraws draws(problem, posterior);
+
+  std::vector<Remark> remarks;
+  std::vector<inference::Watched> watched;
+  const auto modes = static_cast<std::size_t>(posterior.predictions);
+  for (std::size_t mode = 0; mode < modes; ++mode) {
+    watched.push_back(
+        {"frequency " + std::to_string(mode + 1), all_draws(posterior, [&](auto c, auto i) {
+           return static_cast<double>(posterior.chains[c].prediction[i * modes + mode]);
+         })});
+  }
+  std::optional<SymmetryFinding> symmetric;
+  if (problem.symmetric) {
+    const ChainsOf difference = left_less_right(draws);
+    symmetric = symmetry(draws, difference, remarks);
+    watched.push_back({"left less right", difference});
+  }
+  DamageFindings out;
+  static_cast<Findings&>(out) =
+      run_findings(posterior, inference::judge(posterior, watched), seed);
+  out.symmetry = symmetric;
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    out.kinds.push_back(where(draws, static_cast<int>(k)));
+    out.kinds.back().places = places(draws, static_cast<int>(k), out.kinds.back().expected);
+  }
+  if (problem.symmetric) out.folded = folded(draws);
+
+  unidentified(draws, out.models, remarks);
+  out.fit = fit(draws, remarks);
+  bounds(draws, out.models, remarks);
+  if (problem.emulator) {
+    out.emulator = emulator_finding(*problem.emulator, damage_case.data.sd_hz);
+    out.emulator->exact = problem.exact();
+    out.emulator->error_in_likelihood = damage_case.emulator->emulator_error;
+    out.emulator->check = check_emulator(problem, posterior);
+    if (out.emulator->check && out.emulator->check->answer_moved()) {
+      remarks.push_back(remark::EmulatorMoved{});
+    }
+    out.emulator->training_calls = problem.emulator->trained_runs();
+    out.emulator->validation_calls = problem.emulator->fresh_runs();
+    out.emulator->likelihood_calls = posterior.full_evaluations;
+    out.sampling.full_model_calls = out.emulator->training_calls + out.emulator->validation_calls +
+                                    out.emulator->likelihood_calls +
+                                    (out.emulator->check ? out.emulator->check->draws : 0);
+    for (const ModelFinding& model : out.models) {
+      const auto count = static_cast<std::size_t>(model.counts[0]);
+      if (problem.exact() || model.probability() < kWorthTelling || count == 0 ||
+          count > out.emulator->counts.size()) {
+        continue;
+      }
+      const auto& blind = out.emulator->counts[count - 1].blind;
+      if (!blind.empty()) {
+        remarks.push_back(remark::EmulatorBlind{static_cast<int>(count), blind});
+      }
+    }
+  }
+  out.remarks = std::move(remarks);
+  add_evidence(out, draws.space(), evidence);
+  if (out.sampling.impossible > 0) {
+    out.remarks.push_back(remark::ImpossibleLikelihoods{out.sampling.impossible,
+                                                        out.sampling.likelihood_evaluations});
+  }
+  return out;
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,23 @@
+#include "identification/defect_kind.hpp"
+
+#include "identification/defects/reduction.hpp"
+#include "identification/defects/support.hpp"
+
+namespace wheeltap::identification {
+
+const std::vector<const DefectType*>& defect_types() {
+  static const std::vector<const DefectType*> list = {
+      &defects::kReduction,
+      &defects::kSupport,
+  };
+  return list;
+}
+
+const DefectType* find_defect_type(std::string_view name) {
+  for (const DefectType* type : defect_types()) {
+    if (type->name == name) return type;
+  }
+  return nullptr;
+}
+
+}  // namespace wheeltap::identification

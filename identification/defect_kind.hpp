@@ -1,0 +1,82 @@
+// What may be wrong with a beam: the types of defect that there are, and so many of one of them as a case
+// allows.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "fem/defect.hpp"
+#include "inference/prior.hpp"
+
+namespace wheeltap::identification {
+
+struct DefectKind;
+
+/// A type of defect: somewhere on the beam, and so severe. Everything that is particular to it stands
+/// here; identification/defects/ has a file for each, and `defect_types` lists them.
+struct DefectType {
+  std::string_view name;            ///< "kind" in a case
+  std::string_view noun;            ///< what it is called where the case does not say
+  std::string_view severity;        ///< name of its severity, a key in a case
+  std::string_view severity_words;  ///< heads a column: "stiffness lost"
+  bool percent = false;             ///< a share, shown in per cent
+  double lower = 0.0;               ///< bounds of the severity
+  double upper = std::numeric_limits<double>::infinity();
+  std::string_view bounds_words;  ///< "a reduction is in [0, 1)"
+  /// The severity may be a number, or missing (rigid, ∞), rather than a prior.
+  bool may_be_known = false;
+  bool may_be_rotational = false;
+  /// Unit of the severity, "" for a share.
+  std::string_view (*unit)(const DefectKind&);
+  /// Adds what a defect at `location` [m] of this severity does to the beam.
+  void (*place)(const DefectKind&, double location, double severity, fem::Defects& out);
+  /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport: the
+  /// solver's gradients are those of the defect.
+  bool is_elementary = false;
+  /// Two in one element compound, 1 - r = (1 - r₁)(1 - r₂): they can be split and merged.
+  bool compounds = false;
+};
+
+/// Every type that a case may name. A new one is a file in identification/defects/ and a line in
+/// defect_kind.cpp.
+[[nodiscard]] const std::vector<const DefectType*>& defect_types();
+/// nullptr where there is none of this name.
+[[nodiscard]] const DefectType* find_defect_type(std::string_view name);
+
+/// A kind of defect that a case allows: so many of a type, each somewhere, each so severe.
+struct DefectKind {
+  struct Rigid {};
+  using Severity = std::variant<Rigid, double, inference::Prior>;
+  struct True {
+    double location;  ///< [m]
+    double severity;  ///< ∞: rigid
+  };
+
+  const DefectType* type = nullptr;
+  std::string name, plural;  ///< "damage", "damages"
+  int min_count = 0;
+  int max_count = 0;
+  std::vector<double> weights;  ///< prior of min_count … max_count, sums to 1
+  inference::Prior location;    ///< [m]
+  Severity severity;
+  bool rotation = false;    ///< a support that holds the rotation
+  std::vector<True> truth;  ///< what simulations use, by increasing location
+
+  [[nodiscard]] const inference::Prior* severity_prior() const {
+    return std::get_if<inference::Prior>(&severity);
+  }
+  [[nodiscard]] std::string severity_name() const { return std::string(type->severity); }
+  [[nodiscard]] std::string severity_unit() const { return std::string(type->unit(*this)); }
+  /// Parameters of one defect: its location, and its severity where that is not known.
+  [[nodiscard]] int parameters() const { return severity_prior() ? 2 : 1; }
+  /// The severity where it is known: a number, or ∞.
+  [[nodiscard]] double known_severity() const {
+    const double* number = std::get_if<double>(&severity);
+    return number ? *number : std::numeric_limits<double>::infinity();
+  }
+};
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,24 @@
+// A support that should not be there: a spring to ground at x, on the deflection [N/m] or the rotation
+// [N m/rad], or rigid.
+#pragma once
+
+#include "identification/defect_kind.hpp"
+
+namespace wheeltap::identification::defects {
+
+inline const DefectType kSupport = {
+    .name = "support",
+    .noun = "support",
+    .severity = "stiffness",
+    .severity_words = "stiffness",
+    .bounds_words = "a spring's stiffness is > 0",
+    .may_be_known = true,
+    .may_be_rotational = true,
+    .unit = [](const DefectKind& kind) -> std::string_view {
+      return kind.rotation ? "N m/rad" : "N/m";
+    },
+    .place = [](const DefectKind& kind, double location, double severity,
+                fem::Defects& out) { out.supports.push_back({location, severity, kind.rotation}); },
+    .is_elementary = true};
+
+}  // namespace wheeltap::identification::defects

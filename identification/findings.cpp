@@ -1,0 +1,219 @@
+#include "identification/findings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "inference/evidence/bridge_sampling.hpp"
+#include "inference/evidence/laplace.hpp"
+#include "inference/evidence/tmcmc.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using inference::Posterior;
+
+std::vector<std::vector<int>> total_counts(const Posterior& posterior) {
+  std::vector<std::vector<int>> out;
+  for (const auto& chain : posterior.chains) {
+    out.emplace_back();
+    for (const int m : chain.model) {
+      const auto& counts = (*posterior.space)[m].counts;
+      out.back().push_back(counts.empty() ? m : std::accumulate(counts.begin(), counts.end(), 0));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Unknown> unknowns(const inference::ModelSpace& space, int model) {
+  const inference::Model& m = space[model];
+  std::vector<Unknown> out;
+  for (int i = 0; i < m.dimension; ++i) {
+    Unknown u;
+    u.label = space.parameter_name(model, i);
+    if (i < static_cast<int>(m.parameters.size())) {
+      u.parameter = m.parameters[static_cast<std::size_t>(i)];
+      u.name = space.parameters()[static_cast<std::size_t>(u.parameter)].name;
+      out.push_back(std::move(u));
+      continue;
+    }
+    std::size_t kind = space.kinds().size() - 1;
+    while (i < m.offsets[kind]) --kind;
+    const auto& of_kind = space.kinds()[kind].parameters;
+    const int within = i - m.offsets[kind];
+    u.kind = static_cast<int>(kind);
+    u.component = within / static_cast<int>(of_kind.size());
+    u.parameter = within % static_cast<int>(of_kind.size());
+    u.name = of_kind[static_cast<std::size_t>(u.parameter)].name;
+    const auto has_it = [&](const inference::ComponentKind& k) {
+      return std::ranges::count(k.parameters, u.name, &inference::Parameter::name) > 0;
+    };
+    if (std::ranges::count_if(space.kinds(), has_it) > 1) {
+      u.label = space.kinds()[kind].name + " " + u.label;
+    }
+    out.push_back(std::move(u));
+  }
+  return out;
+}
+
+const Estimate* ModelFinding::find(int kind, int component, int parameter) const {
+  for (const ParameterFinding& p : parameters) {
+    if (p.unknown.kind == kind && p.unknown.component == component &&
+        p.unknown.parameter == parameter) {
+      return &p.estimate;
+    }
+  }
+  return nullptr;
+}
+
+const Estimate* ModelFinding::find(const std::string& of) const {
+  for (const ParameterFinding& p : parameters) {
+    if (p.unknown.kind < 0 && p.unknown.name == of) return &p.estimate;
+  }
+  return nullptr;
+}
+
+std::string method_name(EvidenceMethod method) {
+  switch (method) {
+    case EvidenceMethod::tmcmc:
+      return "tmcmc";
+    case EvidenceMethod::bridge:
+      return "bridge";
+    case EvidenceMethod::laplace:
+      break;
+  }
+  return "laplace";
+}
+
+std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
+                                             const std::vector<EvidenceMethod>& methods,
+                                             std::uint64_t seed, int threads) {
+  std::vector<MethodEvidence> out;
+  std::vector<std::optional<inference::Tmcmc>> tempered(
+      static_cast<std::size_t>(problem.space.size()));
+  const auto one = [&](EvidenceMethod method, int m) -> inference::Evidence {
+    auto& pilot = tempered[static_cast<std::size_t>(m)];
+    if (method == EvidenceMethod::tmcmc) {
+      pilot = inference::tmcmc(problem, m, {.seed = seed, .threads = threads});
+      return pilot->evidence;
+    }
+    if (method == EvidenceMethod::bridge) {
+      const inference::BridgeOptions options{.seed = seed, .threads = threads};
+      return pilot ? inference::bridge_sampling(problem, m, *pilot, options)
+                   : inference::bridge_sampling(problem, m, options);
+    }
+    return inference::laplace(problem, m, {.seed = seed}).evidence;
+  };
+  for (const EvidenceMethod method : methods) {
+    MethodEvidence by{.method = method, .evidences = {}};
+    for (int m = 0; m < problem.space.size(); ++m) {
+      try {
+        by.evidences.push_back(one(method, m));
+      } catch (const inference::LikelihoodError& error) {
+        by.evidences.push_back({.log_evidence = std::nan(""),
+                                .standard_error = std::nan(""),
+                                .likelihood_evaluations = 0,
+                                .warnings = {std::string("failed: ") + error.what()}});
+      }
+    }
+    out.push_back(std::move(by));
+  }
+  return out;
+}
+
+Findings run_findings(const Posterior& posterior, const inference::Verdict& verdict,
+                      std::uint64_t seed) {
+  const auto& space = *posterior.space;
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  Findings out;
+  for (int m = 0; m < space.size(); ++m) {
+    ModelFinding model{.name = space[m].name,
+                       .prior = std::exp(space[m].log_prior),
+                       .counts = space[m].counts,
+                       .dimension = space[m].dimension,
+                       .standing = verdict.models[static_cast<std::size_t>(m)],
+                       .parameters = {}};
+    const bool drawn = std::ranges::any_of(posterior.chains, [&](const inference::Chain& chain) {
+      return std::ranges::find(chain.model, m) != chain.model.end();
+    });
+    if (drawn) {
+      const std::vector<Unknown> list = unknowns(space, m);
+      for (std::size_t p = 0; p < list.size(); ++p) {
+        model.parameters.push_back(
+            {list[p], estimate(draws_in_model(posterior, m, [&](std::size_t c, std::size_t i) {
+               return posterior.chains[c].theta[i * width + p];
+             }))});
+      }
+    }
+    out.models.push_back(std::move(model));
+  }
+
+  std::vector<std::vector<int>> model_chains;
+  for (const auto& chain : posterior.chains) model_chains.push_back(chain.model);
+  const auto counts = total_counts(posterior);
+  int lowest = std::numeric_limits<int>::max(), highest = std::numeric_limits<int>::min();
+  for (const auto& chain : counts) {
+    for (const int n : chain) lowest = std::min(lowest, n), highest = std::max(highest, n);
+  }
+  out.sampling = {
+      .verdict = verdict,
+      .stationary = inference::stationary_model_probabilities(model_chains, space.size(), seed),
+      .count_round_trips = inference::round_trips(counts, lowest, highest),
+      .moves = posterior.moves,
+      .jumps_proposed = posterior.jumps_proposed,
+      .jumps_accepted = posterior.jumps_accepted,
+      .balanced = !posterior.log_weight.empty(),
+      .tempered_draws = posterior.tempered_draws,
+      .ladder_round_trips = posterior.ladder_round_trips,
+      .barrier = posterior.barrier,
+      .impossible = posterior.impossible,
+      .stopped_early = posterior.stopped_early,
+      .notes = posterior.notes,
+      .likelihood_evaluations = posterior.likelihood_evaluations,
+      .full_model_calls = posterior.full_evaluations > 0 ? posterior.full_evaluations
+                                                         : posterior.likelihood_evaluations,
+      .warmup_evaluations = posterior.warmup_evaluations,
+      .wall_seconds = posterior.wall_seconds,
+      .chains = static_cast<int>(posterior.chains.size()),
+      .draws_a_chain = posterior.draws,
+      .thin = posterior.thin,
+      .warmup_iterations = posterior.warmup};
+  return out;
+}
+
+void add_evidence(Findings& findings, const inference::ModelSpace& space,
+                  const std::vector<MethodEvidence>& evidence) {
+  std::vector<double> sampled, errors;
+  for (const ModelFinding& m : findings.models) {
+    sampled.push_back(m.standing.probability);
+    errors.push_back(m.standing.mcse);
+  }
+  for (const MethodEvidence& by : evidence) {
+    EvidenceFinding found{.method = by.method,
+                          .evidences = by.evidences,
+                          .implied = inference::implied_probabilities(space, by.evidences)};
+    for (std::size_t m = 0; m < by.evidences.size(); ++m) {
+      const inference::Evidence& e = by.evidences[m];
+      if (std::isnan(e.log_evidence) && !e.warnings.empty()) {
+        findings.remarks.push_back(remark::EvidenceFailed{
+            .method = by.method, .model = findings.models[m].name, .reason = e.warnings[0]});
+      }
+    }
+    for (const auto& d : inference::disagreements(sampled, errors, found.implied)) {
+      findings.remarks.push_back(
+          remark::EvidenceDisagrees{.method = by.method,
+                                    .model = space[d.model].name,
+                                    .sampled = d.sampled,
+                                    .sampled_error = d.sampled_error,
+                                    .implied = d.implied,
+                                    .implied_error = d.implied_error});
+    }
+    findings.evidence.push_back(std::move(found));
+  }
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,109 @@
+// What a run found, whatever it was about: models, their parameters, evidences, and how far the draws
+// can be trusted. Terminal, summary and report are writers of it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "identification/estimate.hpp"
+#include "identification/remarks.hpp"
+#include "inference/evidence/comparison.hpp"
+#include "inference/verdict.hpp"
+
+namespace wheeltap::identification {
+
+/// A parameter of a model, told by its place and not by its label.
+struct Unknown {
+  std::string name;   ///< "location", "k"
+  std::string label;  ///< "location[1]"; with its kind's name before it where two kinds share it
+  int kind = -1;      ///< of the component it belongs to; -1: the model's own
+  int component = 0;  ///< which of that kind, 0-based
+  int parameter = 0;  ///< which of the component's parameters, or of the space's
+};
+
+/// The parameters of a model in the order of its parameter vector.
+[[nodiscard]] std::vector<Unknown> unknowns(const inference::ModelSpace& space, int model);
+
+struct ParameterFinding {
+  Unknown unknown;
+  Estimate estimate;
+};
+
+struct ModelFinding {
+  std::string name;
+  double prior = 0.0;       ///< probability
+  std::vector<int> counts;  ///< of each kind of component; empty where models are a list
+  int dimension = 0;
+  inference::ModelStanding standing;
+  std::vector<ParameterFinding> parameters;  ///< empty where no draw was in it
+
+  [[nodiscard]] double probability() const { return standing.probability; }
+  [[nodiscard]] bool drawn() const { return standing.visited > 0; }
+  /// Of a kind of component; nullptr where there is none.
+  [[nodiscard]] const Estimate* find(int kind, int component, int parameter) const;
+  /// Of one of the model's own parameters, by name.
+  [[nodiscard]] const Estimate* find(const std::string& name) const;
+};
+
+/// "tmcmc", "bridge", "laplace".
+[[nodiscard]] std::string method_name(EvidenceMethod method);
+
+/// Evidences by one method, one a model; NaN, with the reason as a warning, where it failed on a
+/// model: a finished run is worth more than a comparison.
+struct MethodEvidence {
+  EvidenceMethod method;
+  std::vector<inference::Evidence> evidences;
+};
+
+/// The evidence of every model of the problem by every method.
+[[nodiscard]] std::vector<MethodEvidence> compute_evidence(
+    const inference::Problem& problem, const std::vector<EvidenceMethod>& methods,
+    std::uint64_t seed, int threads);
+
+/// What they imply beside what was sampled.
+struct EvidenceFinding {
+  EvidenceMethod method;
+  std::vector<inference::Evidence> evidences;  ///< one a model
+  inference::ImpliedProbabilities implied;
+};
+
+/// How the draws were made.
+struct Sampling {
+  inference::Verdict verdict;
+  inference::ModelProbabilities stationary;
+  long count_round_trips = 0;  ///< between the lowest and the highest count
+  std::vector<inference::MoveStatistics> moves;
+  std::vector<std::vector<long>> jumps_proposed, jumps_accepted;
+  bool balanced = false;
+  bool tempered_draws = false;
+  long ladder_round_trips = 0;
+  double barrier = 0.0;
+  long impossible = 0;
+  bool stopped_early = false;
+  std::vector<std::string> notes;
+
+  long likelihood_evaluations = 0;
+  long full_model_calls = 0;
+  long warmup_evaluations = 0;
+  double wall_seconds = 0.0;
+  int chains = 0, draws_a_chain = 0, thin = 1, warmup_iterations = 0;
+};
+
+struct Findings {
+  std::vector<ModelFinding> models;
+  std::vector<EvidenceFinding> evidence;
+  Sampling sampling;
+  std::vector<Remark> remarks;  ///< beside what the verdict does not establish
+};
+
+/// The part of the findings that does not know what the models mean. All chains must be of one
+/// length, at least 4 draws.
+[[nodiscard]] Findings run_findings(const inference::Posterior& posterior,
+                                    const inference::Verdict& verdict, std::uint64_t seed);
+
+/// Adds what the methods found, and remarks where it contradicts the draws or a method failed.
+void add_evidence(Findings& findings, const inference::ModelSpace& space,
+                  const std::vector<MethodEvidence>& evidence);
+
+}  // namespace wheeltap::identification

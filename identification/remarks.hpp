@@ -1,0 +1,140 @@
+// What a reader of the findings should keep in mind: each a type with its numbers. The words are the
+// writers'.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace wheeltap::identification {
+
+/// Ways to a model's evidence that are computed on request, each model on its own.
+enum class EvidenceMethod { tmcmc, bridge, laplace };
+
+namespace remark {
+
+// ---- of any run ------------------------------------------------------------------------------
+
+/// The likelihood was NaN or +∞ at `places` of `evaluated`, which count as impossible.
+struct ImpossibleLikelihoods {
+  long places, evaluated;
+};
+/// A method found no evidence of a model.
+struct EvidenceFailed {
+  EvidenceMethod method;
+  std::string model, reason;
+};
+/// A method's evidences imply another probability of a model than the draws do, by more than 3 of
+/// their combined errors.
+struct EvidenceDisagrees {
+  EvidenceMethod method;
+  std::string model;
+  double sampled, sampled_error, implied, implied_error;
+};
+
+// ---- of damages ------------------------------------------------------------------------------
+
+/// Mirror images are equally good: what prefers a side all the same is the emulator.
+struct MirrorImages {
+  bool emulated;
+};
+/// A model with at least as many unknowns as data, and no simpler one that counts.
+struct FittedNotTested {
+  std::string model;
+  int unknowns, frequencies;
+};
+/// What stands beside a place: an end of the beam, a support, a clamp, another defect.
+struct Landmark {
+  enum class Kind { left_end, right_end, support, clamp, defect };
+  Kind kind;
+  double at;         ///< [m]
+  std::string name;  ///< of a defect's kind
+};
+/// A model with at least as many unknowns as data that cannot be excluded beside a simpler one; where
+/// a further defect of each kind would hide.
+struct CannotExclude {
+  struct Hidden {
+    std::string kind;
+    Landmark below, above;
+    double from, to;  ///< its location's 95 % interval [m]
+  };
+  std::string model;
+  double probability;
+  int unknowns, frequencies;
+  std::vector<Hidden> hidden;
+};
+/// Posterior predictive p below 0.005. `off`: modes (from 1) that are off by more than 3 sd.
+struct NoModelFits {
+  std::vector<int> off;
+  bool emulated;
+};
+/// Half the probability or more is at the largest count allowed.
+struct LargestCount {
+  int kind;  ///< its place in the case's list
+  double probability;
+};
+/// A quarter of a kind's severities lie in the prior's upper 2.3 %.
+struct SeverityAtBound {
+  int kind;
+};
+/// An emulator for this many damages cannot predict these modes (Q² < 0.9).
+struct EmulatorBlind {
+  int damages;
+  std::vector<int> modes;
+};
+/// By the FE solution the answer would be another; see EmulatorCheck.
+struct EmulatorMoved {};
+
+// ---- of equations of motion ------------------------------------------------------------------
+
+/// Steps a quarter as long change the best draw's response by `error` of the noise.
+struct StepsTooLong {
+  std::string model;
+  double error;
+};
+/// The means of the parameters miss the record by more than the best draw does: per channel, NRMSE
+/// of both.
+struct MeansDoNotGoTogether {
+  struct Channel {
+    std::string name;
+    double of_means, of_best;
+  };
+  std::string model;
+  std::vector<Channel> channels;
+};
+/// Residuals are larger or smaller than the stated noise, by these factors.
+struct NoiseMisstated {
+  struct Channel {
+    std::string name;
+    double factor;
+  };
+  std::string model;
+  std::vector<Channel> channels;
+};
+/// Residuals are not white.
+struct ColouredResiduals {
+  struct Channel {
+    std::string name;
+    double lag_1, p_value;
+  };
+  std::string model;
+  std::vector<Channel> channels;
+};
+/// A parameter leans on an end of its prior.
+struct ParameterAtBound {
+  std::string model, parameter, prior;
+  bool upper;
+};
+
+}  // namespace remark
+
+using Remark =
+    std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
+                 remark::MirrorImages, remark::FittedNotTested, remark::CannotExclude,
+                 remark::NoModelFits, remark::LargestCount, remark::SeverityAtBound,
+                 remark::EmulatorBlind, remark::EmulatorMoved, remark::StepsTooLong,
+                 remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::ColouredResiduals,
+                 remark::ParameterAtBound>;
+
+}  // namespace wheeltap::identification
