@@ -5,10 +5,12 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <iterator>
+#include <sstream>
 
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_summary.hpp"
-#include "apps/evidence.hpp"
+#include "apps/damage_terminal.hpp"
 #include "apps/posterior_file.hpp"
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
@@ -19,6 +21,9 @@
 #include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 std::string sparkline(const Eigen::VectorXd& shape) {
@@ -43,12 +48,13 @@ Report options_report(const SamplingOptions& options) {
           {"prior_only", options.prior_only}, {"evidence", options.evidence}};
 }
 
-// The summary of a finished run in `directory`, if it is one of this case with these options.
-std::optional<Report> finished_run(const std::filesystem::path& directory, const Json& case_json,
-                                   std::uint64_t seed, const SamplingOptions& options) {
-  std::ifstream stream(directory / "summary.json");
-  if (!stream || !std::filesystem::exists(directory / "posterior.nc")) return {};
-  Report summary = Report::parse(stream, nullptr, false);
+// The text of a finished run in `directory`, if it is one of this case with these options.
+std::optional<std::string> finished_run(const std::filesystem::path& directory,
+                                        const Json& case_json, std::uint64_t seed,
+                                        const SamplingOptions& options) {
+  std::ifstream stream(directory / "summary.json"), text(directory / "summary.txt");
+  if (!stream || !text || !std::filesystem::exists(directory / "posterior.nc")) return {};
+  const Report summary = Report::parse(stream, nullptr, false);
   if (summary.is_discarded() || !summary.contains("wheeltap")) return {};
   const auto& about = summary["wheeltap"];
   const bool same = about.value("version", "") == WHEELTAP_VERSION &&
@@ -57,7 +63,7 @@ std::optional<Report> finished_run(const std::filesystem::path& directory, const
                     about.contains("case") && Json::parse(about["case"].dump()) == case_json &&
                     !summary["diagnostics"].value("stopped_early", true);
   if (!same) return {};
-  return summary;
+  return std::string(std::istreambuf_iterator<char>(text), {});
 }
 
 void print_where(const std::filesystem::path& directory) {
@@ -69,10 +75,11 @@ void print_where(const std::filesystem::path& directory) {
 }  // namespace
 
 void run_modes(const CommonOptions& common, const ModesOptions& options) {
-  const DamageCase damage_case =
+  const DamageCaseFile parsed =
       parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
+  const DamageCase& damage_case = parsed.damage;
   if (options.truth && !damage_case.simulation) {
-    damage_case.file.refuse(Pointer("/damage/truth"), "is missing: --truth has nothing to show");
+    parsed.file.refuse(Pointer("/damage/truth"), "is missing: --truth has nothing to show");
   }
   const fem::Defects defects = options.truth ? damage_case.true_defects() : fem::Defects{};
   const int wanted = options.modes.value_or((damage_case.modes() > 0 ? damage_case.modes() : 10) +
@@ -81,7 +88,7 @@ void run_modes(const CommonOptions& common, const ModesOptions& options) {
   try {
     modes = fem::modal_analysis(damage_case.beam, defects, {.modes = wanted});
   } catch (const std::invalid_argument& error) {
-    damage_case.file.refuse(Pointer("/beam"), error.what());
+    parsed.file.refuse(Pointer("/beam"), error.what());
   }
   const std::vector<double> frequencies(modes.frequencies_hz.begin(), modes.frequencies_hz.end());
   if (options.json) {
@@ -156,31 +163,31 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     throw Failure(Exit::usage,
                   "--part and --merge: a part is computed or parts are joined, not both");
   }
-  const DamageCase damage_case =
+  const DamageCaseFile parsed =
       parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
+  const DamageCase& damage_case = parsed.damage;
   const Pointer predictor("/predictor");
   if (!damage_case.emulator || damage_case.emulator->table) {
-    damage_case.file.refuse(
+    parsed.file.refuse(
         predictor, "must describe a table to compute: {\"sites\": [...], \"multipliers\": [...]}");
   }
   const EmulatorSpec& spec = *damage_case.emulator;
   const DefectKind& kind = damage_case.kinds[0];
   if (kind.max_count < 1) {
-    damage_case.file.refuse(kind.where / "count" / "max",
-                            "must be at least 1: a table needs a damage");
+    parsed.file.refuse(parsed.kinds[0] / "count" / "max",
+                       "must be at least 1: a table needs a damage");
   }
   const int modes = damage_case.modes();
   if (modes == 0) {
-    damage_case.file.refuse(
-        Pointer("/data"), "says nothing of the number of modes: give \"frequencies\" or \"modes\"");
+    parsed.file.refuse(Pointer("/data"),
+                       "says nothing of the number of modes: give \"frequencies\" or \"modes\"");
   }
   if (spec.runs == EmulatorSpec::Runs::csv && !(options.part.empty() && options.merge.empty())) {
-    damage_case.file.refuse(predictor / "runs_csv",
-                            "are made already: there are no parts to compute");
+    parsed.file.refuse(predictor / "runs_csv", "are made already: there are no parts to compute");
   }
   if (spec.accuracy && !(options.part.empty() && options.merge.empty())) {
-    damage_case.file.refuse(predictor / "accuracy",
-                            "decides on runs by the runs before: they have no parts");
+    parsed.file.refuse(predictor / "accuracy",
+                       "decides on runs by the runs before: they have no parts");
   }
   const auto part = options.part.empty() ? std::pair(0, 1) : parse_part(options.part);
   std::optional<emulator::TableFile> made;
@@ -212,7 +219,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
                          std::to_string(count) + (count == 1 ? " damage" : " damages"));
           },
       .runs = made ? &*made : nullptr};
-  const std::map<std::string, std::string> attributes = {{"case", damage_case.file.json.dump()},
+  const std::map<std::string, std::string> attributes = {{"case", parsed.file.json.dump()},
                                                          {"wheeltap_version", WHEELTAP_VERSION},
                                                          {"command", common.command_line}};
   std::optional<FrequencyEmulator> trained;
@@ -230,7 +237,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     }
   } catch (const std::invalid_argument& error) {
     bar.clear();
-    damage_case.file.refuse(predictor, error.what());
+    parsed.file.refuse(predictor, error.what());
   }
   forget();
   for (const auto& [count, runs] : remembered) {
@@ -246,7 +253,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   }
   const auto intact = reanalysis.intact_frequencies_hz().subspan(
       static_cast<std::size_t>(damage_case.rigid_body_modes));
-  print_emulator(std::cout, emulator_report(*trained, measurement_noise(damage_case, intact)),
+  print_emulator(std::cout, emulator_finding(*trained, measurement_noise(damage_case, intact)),
                  colour_wanted(), true);
   std::cout << "\nTable: " << common.output.string()
             << "  (use it with \"predictor\": {\"table\": \"" << common.output.filename().string()
@@ -254,16 +261,16 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
 }
 
 void run_damage(const CommonOptions& common, const SamplingOptions& options) {
-  static_cast<void>(evidence_methods(options.evidence));  // refuse before anything runs
+  const auto methods = evidence_methods(options.evidence);  // refuse before anything runs
   const auto log = make_log(common.quiet);
-  DamageCase parsed = parse_damage_case(read_case(common.case_path, common.overrides));
+  const DamageCaseFile parsed = parse_damage_case(read_case(common.case_path, common.overrides));
   const std::uint64_t seed = common.seed.value_or(1);
   make_output_folder(common.output);
   if (common.resume) {
-    if (const auto summary = finished_run(common.output, parsed.file.json, seed, options)) {
+    if (const auto text = finished_run(common.output, parsed.file.json, seed, options)) {
       log->info("{} holds a finished run of this case; nothing is run again.",
                 common.output.string());
-      print_damage(std::cout, *summary, colour_wanted());
+      std::cout << *text;
       print_where(common.output);
       return;
     }
@@ -273,17 +280,18 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   io::AtomicFile summary_file(common.output / "summary.json");
 
   ProgressBar bar(common.quiet);
-  const auto problem = make_damage_problem(
-      std::move(parsed), {.threads = base::thread_count(common.threads),
-                          .table_progress = [&](int count, Eigen::Index done, Eigen::Index total) {
-                            bar.show("table",
-                                     static_cast<double>(done) / static_cast<double>(total),
-                                     std::to_string(total) + " FE runs, " + std::to_string(count) +
-                                         (count == 1 ? " damage" : " damages"));
-                          }});
+  const auto problem = explained(parsed, [&] {
+    return make_damage_problem(
+        parsed.damage, {.threads = base::thread_count(common.threads),
+                        .table_progress = [&](int count, Eigen::Index done, Eigen::Index total) {
+                          bar.show("table", static_cast<double>(done) / static_cast<double>(total),
+                                   std::to_string(total) + " FE runs, " + std::to_string(count) +
+                                       (count == 1 ? " damage" : " damages"));
+                        }});
+  });
   bar.clear();
   if (problem->emulator && !common.quiet) {
-    print_emulator(std::cout, emulator_report(*problem->emulator, problem->damage_case.data.sd_hz),
+    print_emulator(std::cout, emulator_finding(*problem->emulator, parsed.damage.data.sd_hz),
                    colour_wanted(), false);
   }
 
@@ -299,19 +307,23 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   const inference::Posterior posterior =
       run_engine(problem->problem, engine, common.case_path, common.quiet);
 
-  const auto evidence =
-      compute_evidence(problem->problem, options.evidence, seed, common.threads, *log);
-  Report summary = summarise_damage(*problem, posterior, evidence,
-                                    {.seed = seed, .command_line = common.command_line});
+  const DamageFindings findings = damage_findings(
+      *problem, posterior, compute_evidence(problem->problem, methods, seed, common.threads, *log),
+      seed);
+  Report summary =
+      damage_summary(parsed, findings, {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
-  write_posterior_file(posterior_file.temporary(), *problem, posterior, seed);
+  std::ostringstream text;
+  print_damage(text, parsed, findings, false);
+  write_posterior_file(posterior_file.temporary(), parsed, *problem, posterior, seed);
   write_text(summary_file, summary.dump(1) + "\n");
   posterior_file.commit();
   summary_file.commit();
+  write_text(common.output / "summary.txt", text.str());
   write_report(common.output);
-  print_damage(std::cout, summary, colour_wanted());
+  print_damage(std::cout, parsed, findings, colour_wanted());
   print_where(common.output);
-  if (!summary["diagnostics"]["converged"].get<bool>()) {
+  if (!findings.sampling.verdict.converged) {
     std::cout << "NOT CONVERGED: do not trust these numbers yet.\n";
   }
 }
@@ -319,13 +331,14 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
 void run_simulate(const CommonOptions& common) {
   CaseFile file = read_case(common.case_path, common.overrides);
   if (file.json.value("kind", Json()) == "sid") return simulate_sid(common, std::move(file));
-  const DamageCase damage_case = parse_damage_case(std::move(file), Needs::structure);
+  const DamageCaseFile parsed = parse_damage_case(std::move(file), Needs::structure);
+  const DamageCase& damage_case = parsed.damage;
   const std::uint64_t seed =
       common.seed.value_or(damage_case.simulation ? damage_case.simulation->seed : 1);
-  const FrequencyData data = simulate(damage_case, seed);
+  const FrequencyData data = explained(parsed, [&] { return simulate(damage_case, seed); });
   std::string text;
   if (common.output.extension() == ".json") {
-    Json json = damage_case.file.json;
+    Json json = parsed.file.json;
     for (const char* key : {"file", "columns", "row", "modes", "seed"}) json["data"].erase(key);
     json["data"]["frequencies"] = data.frequencies_hz;
     text = json.dump(2) + "\n";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/posterior_file.hpp"
 #include "apps/report/answer.hpp"
 
 namespace wheeltap::apps {
@@ -101,6 +102,30 @@ Report json(const EmulatorCheck& check, const std::vector<ModelFinding>& of) {
           {"worst_mode", check.worst_mode}};
 }
 
+// Where posterior.nc keeps each unknown, and where the case states its prior.
+Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
+  Report out = Report::object();
+  for (const ModelFinding& model : findings.models) {
+    Report list = Report::array();
+    for (const ParameterFinding& p : model.parameters) {
+      const Unknown& u = p.unknown;
+      const auto kind = static_cast<std::size_t>(u.kind);
+      const Pointer prior = u.kind < 0 ? Pointer("/data") / u.name : file.kinds[kind] / u.name;
+      Report one = {{"label", u.label},
+                    {"variable", damage_variable(file.damage, u)},
+                    {"prior", prior.to_string()}};
+      if (u.kind >= 0) {
+        one["slot"] = u.component + 1;
+        // Components stand in order of their first parameter.
+        if (u.parameter == 0) one["ordered_among"] = model.counts[kind];
+      }
+      list.push_back(std::move(one));
+    }
+    if (!list.empty()) out[model.name] = std::move(list);
+  }
+  return out;
+}
+
 Report kinds_of(const DamageCase& damage_case) {
   Report kinds = Report::array();
   for (const DefectKind& kind : damage_case.kinds) {
@@ -114,6 +139,7 @@ Report kinds_of(const DamageCase& damage_case) {
                      {"plural", kind.plural},
                      {"severity", kind.severity_prior() ? Report(kind.severity_name()) : Report()},
                      {"unit", kind.severity_unit()},
+                     {"share", kind.type->percent},
                      {"truth", truth}});
   }
   return kinds;
@@ -199,6 +225,7 @@ Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings
         {"supports", supports_of(damage_case.beam)},
         {"shear_coefficient", damage_case.beam.section.shear_coefficient}}},
       {"kinds", kinds_of(damage_case)},
+      {"unknowns", unknowns_of(file, findings)},
       {"diagnostics", diagnosed},
       {"cost", cost(findings.sampling)}};
   if (damage_case.data.discrepancy_cov > 0.0) {

@@ -97,14 +97,13 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
                "", "  ");
   if (!e.check) return;
   const auto& at = e.check->error_to_noise[static_cast<std::size_t>(e.check->worst_mode - 1)];
-  page.wrapped("Check of " + std::to_string(e.check->draws) +
-                   " draws with the FE solution: error up to " + significant(at.rms, 2) +
-                   " of the noise (mode " + std::to_string(e.check->worst_mode) +
-                   "), weights as good as " + percent(e.check->effective_share) +
-                   " of the draws. " +
-                   (e.check->answer_moved() ? "The emulator moved the answer: see below."
-                                            : "The emulator did not move the answer."),
-               "", "  ");
+  page.wrapped(
+      "Check of " + std::to_string(e.check->draws) + " draws with the FE solution: error up to " +
+          significant(at.rms, 2) + " of the noise (mode " + std::to_string(e.check->worst_mode) +
+          "), weights as good as " + percent(e.check->effective_share) + " of the draws. " +
+          (e.check->answer_moved() ? "The emulator moved the answer: see below."
+                                   : "The emulator did not move the answer."),
+      "", "  ");
 }
 
 }  // namespace
@@ -147,8 +146,7 @@ std::string draw_beam(const fem::Beam& beam, const std::vector<double>& inclusio
   return text + labels + "\n";
 }
 
-void print_emulator(std::ostream& out, const EmulatorFinding& emulator, bool colour,
-                    bool in_full) {
+void print_emulator(std::ostream& out, const EmulatorFinding& emulator, bool colour, bool in_full) {
   const Page page{out, colour};
   for (std::size_t c = 0; c < emulator.counts.size(); ++c) {
     const EmulatorFinding::Count& count = emulator.counts[c];
@@ -240,8 +238,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
         << page.bold("Where along the beam are the " + damage_case.kinds[k].plural + "?")
         << " (expected number "
         << significant(std::accumulate(expected.begin(), expected.end(), 0.0), 3)
-        << "; tallest bar " << percent(*std::ranges::max_element(expected))
-        << " in one element)\n";
+        << "; tallest bar " << percent(*std::ranges::max_element(expected)) << " in one element)\n";
     out << draw_beam(damage_case.beam, expected, kTerminalWidth - 4);
   }
   print_closing(page, findings.sampling, warnings(findings, damage_context(file, findings)),

@@ -2,11 +2,13 @@
 
 #include <cmath>
 
-#include "apps/summary.hpp"
 #include "base/random.hpp"
+#include "identification/damage_findings.hpp"
 #include "io/netcdf_writer.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
 
 void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior& posterior,
                         const std::vector<int>& k) {
@@ -53,8 +55,17 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
            NC_BYTE);
 }
 
-void write_posterior_file(const std::filesystem::path& path, const DamageProblem& problem,
-                          const inference::Posterior& posterior, std::uint64_t seed) {
+std::string damage_variable(const DamageCase& damage_case, const Unknown& unknown) {
+  const bool several = damage_case.kinds.size() > 1;
+  return (several && unknown.kind >= 0
+              ? damage_case.kinds[static_cast<std::size_t>(unknown.kind)].name + "_"
+              : "") +
+         unknown.name;
+}
+
+void write_posterior_file(const std::filesystem::path& path, const DamageCaseFile& parsed,
+                          const DamageProblem& problem, const inference::Posterior& posterior,
+                          std::uint64_t seed) {
   const DamageCase& damage_case = problem.damage_case;
   const FrequencyData& data = damage_case.data;
   const auto& space = *posterior.space;
@@ -88,7 +99,7 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
   io::NetcdfWriter file(path);
   file.about(WHEELTAP_VERSION);
   file.text(file.root(), NC_GLOBAL, "title", damage_case.title);
-  file.text(file.root(), NC_GLOBAL, "case", damage_case.file.json.dump());
+  file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
 
   {
     const int group = file.group("posterior");
@@ -114,7 +125,7 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
       const std::string prefix = several ? kind.name + "_" : "";
       const int slot = file.dimension(group, (prefix + "slot").c_str(), slots, 1);
       if (several) file.put(group, "k_" + kind.name, {chain, draw}, count_of(k));
-      const std::size_t parameters = kind.severity_prior() ? 2 : 1;
+      const auto parameters = static_cast<std::size_t>(kind.parameters());
       for (std::size_t p = 0; p < parameters; ++p) {
         std::vector<double> values;
         values.reserve(chains * draws * slots);
@@ -132,7 +143,7 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
         const std::string name = p == 0 ? "location" : kind.severity_name();
         const int id = file.put(group, prefix + name, {chain, draw, slot}, values);
         if (p == 0) file.text(group, id, "units", "m");
-        if (p == 1 && kind.type == DefectKind::Type::support) {
+        if (p == 1 && !kind.severity_unit().empty()) {
           file.text(group, id, "units", kind.severity_unit());
         }
       }
@@ -144,6 +155,8 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
     const int chain = file.dimension(group, "chain", chains, 0);
     const int draw = file.dimension(group, "draw", draws, 0);
     const int mode = file.dimension(group, "mode", modes, 1);
+    const NoiseModel noise = problem.noise();
+    const auto variances = emulator_variances(problem, posterior);
     std::vector<float> values;
     values.reserve(chains * draws * modes);
     for (std::size_t c = 0; c < chains; ++c) {
@@ -152,7 +165,9 @@ void write_posterior_file(const std::filesystem::path& path, const DamageProblem
         base::Random random(seed, c, i, base::Purpose::prediction);
         for (std::size_t m = 0; m < modes; ++m) {
           const double f = from.prediction[i * modes + m];
-          const double sd = data.cov_prior ? from.theta[i * width] * f : data.sd_hz[m];
+          const double sd =
+              noise.replicate_sd(m, f, noise.cv({from.theta.data() + i * width, width}),
+                                 variances.empty() ? 0.0 : variances[c][i * modes + m]);
           values.push_back(static_cast<float>(f + (std::isnan(sd) ? 0.0 : sd) * random.normal()));
         }
       }

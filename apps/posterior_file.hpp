@@ -3,7 +3,9 @@
 
 #include <filesystem>
 
-#include "apps/damage_problem.hpp"
+#include "apps/damage_case.hpp"
+#include "identification/damage_problem.hpp"
+#include "identification/findings.hpp"
 #include "inference/reversible_jump.hpp"
 #include "io/netcdf_writer.hpp"
 
@@ -13,13 +15,20 @@ namespace wheeltap::apps {
 void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior& posterior,
                         const std::vector<int>& k);
 
+/// The variable of the group `posterior` that holds an unknown: "location", "support_location",
+/// "cov".
+[[nodiscard]] std::string damage_variable(const identification::DamageCase& damage_case,
+                                          const identification::Unknown& unknown);
+
 /// Writes a NetCDF-4 file with the groups
 ///   posterior             parameters (chain, draw[, slot]), NaN in unused slots; k, model
 ///   sample_stats          lp, log_likelihood, k, move, accepted (chain, draw)
-///   posterior_predictive  frequency (chain, draw, mode): predicted, with the noise of `seed` added
+///   posterior_predictive  frequency (chain, draw, mode): predicted, with noise of `seed` by the
+///                         likelihood's own noise model
 ///   observed_data         frequency (mode)
 /// and attributes that name models and moves. Throws io::FileError (unwritable).
-void write_posterior_file(const std::filesystem::path& path, const DamageProblem& problem,
+void write_posterior_file(const std::filesystem::path& path, const DamageCaseFile& damage_case,
+                          const identification::DamageProblem& problem,
                           const inference::Posterior& posterior, std::uint64_t seed);
 
 }  // namespace wheeltap::apps

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <sstream>
 
 #include "apps/failure.hpp"
 #include "apps/terminal.hpp"
@@ -93,6 +94,34 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
     bar.clear();
     throw Failure(Exit::bad_input, case_path.string() + ": " + error.what());
   }
+}
+
+std::vector<identification::EvidenceMethod> evidence_methods(const std::string& text) {
+  using identification::EvidenceMethod;
+  std::vector<EvidenceMethod> methods;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, '+');) {
+    bool known = false;
+    for (const auto method :
+         {EvidenceMethod::tmcmc, EvidenceMethod::bridge, EvidenceMethod::laplace}) {
+      if (identification::method_name(method) != word) continue;
+      methods.push_back(method);
+      known = true;
+    }
+    if (!known) {
+      throw Failure(Exit::usage, "--evidence=" + text + ": methods are tmcmc, bridge and laplace");
+    }
+  }
+  return methods;
+}
+
+std::vector<identification::MethodEvidence> compute_evidence(
+    const inference::Problem& problem, const std::vector<identification::EvidenceMethod>& methods,
+    std::uint64_t seed, int threads, spdlog::logger& log) {
+  for (const auto method : methods) {
+    log.info("Evidence of each model by {} ...", identification::method_name(method));
+  }
+  return identification::compute_evidence(problem, methods, seed, threads);
 }
 
 void make_output_folder(const std::filesystem::path& directory) {

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "identification/findings.hpp"
 #include "inference/reversible_jump.hpp"
 #include "io/atomic_file.hpp"
 
@@ -22,6 +24,15 @@ namespace wheeltap::apps {
 [[nodiscard]] inference::Posterior run_engine(const inference::Problem& problem,
                                               inference::Options options,
                                               const std::filesystem::path& case_path, bool quiet);
+
+/// "tmcmc+bridge" → both methods; none for "". Throws Failure (usage) for a method that is neither
+/// tmcmc, bridge nor laplace.
+[[nodiscard]] std::vector<identification::EvidenceMethod> evidence_methods(const std::string& text);
+
+/// identification::compute_evidence, method after method, with a line in the log for each.
+[[nodiscard]] std::vector<identification::MethodEvidence> compute_evidence(
+    const inference::Problem& problem, const std::vector<identification::EvidenceMethod>& methods,
+    std::uint64_t seed, int threads, spdlog::logger& log);
 
 /// Throws io::FileError where it cannot be made.
 void make_output_folder(const std::filesystem::path& directory);

@@ -35,16 +35,18 @@ Report model_table(const Findings& findings) {
   Report table = Report::array();
   for (const ModelFinding& model : findings.models) {
     const inference::ModelStanding& s = model.standing;
-    table.push_back({{"name", model.name},
-                     {"prior", model.prior},
-                     {"probability", s.probability},
-                     {"mcse", finite(s.mcse)},
-                     {"visited", s.visited},
-                     {"proposed", s.proposed},
-                     {"entered", s.entered},
-                     {"log_evidence", finite(s.log_evidence)},
-                     {"log_evidence_se", finite(s.log_evidence_se)},
-                     {"basis", s.basis == inference::Basis::draws ? "draws" : "evidence"}});
+    Report row = {{"name", model.name},
+                  {"prior", model.prior},
+                  {"probability", s.probability},
+                  {"mcse", finite(s.mcse)},
+                  {"visited", s.visited},
+                  {"proposed", s.proposed},
+                  {"entered", s.entered},
+                  {"log_evidence", finite(s.log_evidence)},
+                  {"log_evidence_se", finite(s.log_evidence_se)},
+                  {"basis", s.basis == inference::Basis::draws ? "draws" : "evidence"}};
+    if (const std::string told = told_by_evidence(model); !told.empty()) row["told"] = told;
+    table.push_back(std::move(row));
   }
   return table;
 }
@@ -93,6 +95,7 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
       {"converged", verdict.converged},
       {"not_established", verdict.not_established},
       {"resolution", verdict.resolution},
+      {"resolution_words", resolution_in_words(verdict)},
       {"ess_model", finite(verdict.ess_model)},
       {"ess_log_posterior", finite(verdict.ess_log_posterior)},
       {"round_trips", sampling.count_round_trips},

@@ -31,7 +31,8 @@ struct RunInfo {
 
 /// One row a model: name, prior, probability and its Monte Carlo standard error, and what both rest
 /// on: "visited" (chains that drew it), "proposed" and "entered" (jumps into it), "log_evidence"
-/// and "log_evidence_se", "basis" ("draws" or "evidence"). `mcse` is null where nothing is known.
+/// and "log_evidence_se", "basis" ("draws" or "evidence"), "told": a sentence where draws cannot
+/// speak for it. `mcse` is null where nothing is known.
 [[nodiscard]] Report model_table(const identification::Findings& findings);
 
 /// Estimates of every visited model.

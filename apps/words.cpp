@@ -171,9 +171,9 @@ class Speaker {
                        " it has as many as there are data, or more, and fits them however they "
                        "fall";
     for (const auto& hidden : r.hidden) {
-      text += ". Under it, a further " + hidden.kind + " would hide between " +
-              said(hidden.below) + " and " + said(hidden.above) + ", at " +
-              significant(hidden.from, 2) + " to " + significant(hidden.to, 2) + " m (95 %)";
+      text += ". Under it, a further " + hidden.kind + " would hide between " + said(hidden.below) +
+              " and " + said(hidden.above) + ", at " + significant(hidden.from, 2) + " to " +
+              significant(hidden.to, 2) + " m (95 %)";
     }
     return text +
            ". Measure more frequencies, or rule it out by inspection and lower damage.count.max.";
@@ -238,8 +238,7 @@ class Speaker {
   }
 
   std::string operator()(const remark::StepsTooLong& r) const {
-    return "Under \"" + r.model +
-           "\" steps a quarter as long change the best draw's response by " +
+    return "Under \"" + r.model + "\" steps a quarter as long change the best draw's response by " +
            significant(r.error, 2) +
            " of the noise (root of the sum of squares): parameters may be off by up to " +
            significant(r.error, 2) +

@@ -1,5 +1,5 @@
-// What is asked of a damaged beam: the intact beam, the measured frequencies, what may be wrong with it,
-// and what predicts.
+// What is asked of a damaged beam: the intact beam, the measured frequencies, what may be wrong
+// with it, and what predicts.
 #pragma once
 
 #include <cstdint>

@@ -90,7 +90,8 @@ KindFinding where(const UnpackedDraws& draws, int kind) {
 }
 
 // Stretches of beam that hold a tenth of a defect or more, from the expected number per element.
-std::vector<Place> places(const UnpackedDraws& draws, int kind, const std::vector<double>& overall) {
+std::vector<Place> places(const UnpackedDraws& draws, int kind,
+                          const std::vector<double>& overall) {
   const DamageProblem& problem = draws.problem();
   const fem::Beam& beam = problem.damage_case.beam;
   constexpr double kTenth = 0.1;
@@ -219,8 +220,7 @@ std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& dr
   using remark::Landmark;
   using Kind = Landmark::Kind;
   const fem::Beam& beam = draws.problem().damage_case.beam;
-  std::vector<Landmark> landmarks = {{Kind::left_end, 0.0, {}},
-                                     {Kind::right_end, beam.length, {}}};
+  std::vector<Landmark> landmarks = {{Kind::left_end, 0.0, {}}, {Kind::right_end, beam.length, {}}};
   for (const fem::Support& s : beam.supports) {
     landmarks.push_back({s.deflection && s.rotation ? Kind::clamp : Kind::support, s.at, {}});
   }
@@ -337,13 +337,12 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, std::vector<Remark>& r
         all_draws(posterior, [&](auto c, auto i) { return prediction(c, i, mode); }), weights);
     const bool measured = !std::isnan(data.frequencies_hz[mode]);
     const double residual = mean_residual[mode] / weight_seen;
-    out.modes.push_back(
-        {.observed = data.frequencies_hz[mode],
-         .sd = measured && !data.sd_hz.empty() ? data.sd_hz[mode] : kNaN,
-         .mean = predicted.mean,
-         .q2_5 = predicted.q2_5,
-         .q97_5 = predicted.q97_5,
-         .standardised_residual = measured ? residual : kNaN});
+    out.modes.push_back({.observed = data.frequencies_hz[mode],
+                         .sd = measured && !data.sd_hz.empty() ? data.sd_hz[mode] : kNaN,
+                         .mean = predicted.mean,
+                         .q2_5 = predicted.q2_5,
+                         .q97_5 = predicted.q97_5,
+                         .standardised_residual = measured ? residual : kNaN});
     if (measured && std::abs(residual) > 3.0) off.push_back(static_cast<int>(mode) + 1);
   }
   if (out.posterior_predictive_p < 0.005) {
@@ -476,8 +475,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     watched.push_back({"left less right", difference});
   }
   DamageFindings out;
-  static_cast<Findings&>(out) =
-      run_findings(posterior, inference::judge(posterior, watched), seed);
+  static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior, watched), seed);
   out.symmetry = symmetric;
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     out.kinds.push_back(where(draws, static_cast<int>(k)));

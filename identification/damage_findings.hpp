@@ -21,7 +21,7 @@ struct Place {
 
 /// Where the defects of one kind are.
 struct KindFinding {
-  std::vector<double> expected;  ///< number of defects in each element
+  std::vector<double> expected;                    ///< number of defects in each element
   std::map<int, std::vector<double>> given_count;  ///< the same where there are so many (> 0)
   std::vector<Place> places;
 };
@@ -39,8 +39,8 @@ struct SymmetryFinding {
 
 struct FitFinding {
   struct Mode {
-    double observed, sd;         ///< [Hz]; NaN where not measured, or where the noise is inferred
-    double mean, q2_5, q97_5;    ///< predicted [Hz]
+    double observed, sd;           ///< [Hz]; NaN where not measured, or where the noise is inferred
+    double mean, q2_5, q97_5;      ///< predicted [Hz]
     double standardised_residual;  ///< posterior mean; NaN where not measured
   };
   std::vector<Mode> modes;
@@ -51,8 +51,8 @@ struct FitFinding {
 struct EmulatorFinding {
   struct Mode {
     double rmse, max_error, q2, relative_rmse;
-    double noise;                                                  ///< sd [Hz]; NaN: not known
-    std::optional<double> leave_one_out;                           ///< RMSE
+    double noise;                         ///< sd [Hz]; NaN: not known
+    std::optional<double> leave_one_out;  ///< RMSE
     std::optional<emulator::StandardisedResiduals> standardised;
   };
   struct Count {
@@ -96,8 +96,8 @@ struct DamageFindings : Findings {
                                                     std::span<const double> intact);
 
 /// Variances [Hz²] of the emulator's error at each draw, draws × modes a chain; empty where none
-/// takes part in the likelihood. A slow emulator is asked at every 50th draw of a model, and what it
-/// said last stands for those between.
+/// takes part in the likelihood. A slow emulator is asked at every 50th draw of a model, and what
+/// it said last stands for those between.
 [[nodiscard]] std::vector<std::vector<double>> emulator_variances(
     const DamageProblem& problem, const inference::Posterior& posterior);
 

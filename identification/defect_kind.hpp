@@ -1,5 +1,5 @@
-// What may be wrong with a beam: the types of defect that there are, and so many of one of them as a case
-// allows.
+// What may be wrong with a beam: the types of defect that there are, and so many of one of them as
+// a case allows.
 #pragma once
 
 #include <limits>
@@ -15,8 +15,8 @@ namespace wheeltap::identification {
 
 struct DefectKind;
 
-/// A type of defect: somewhere on the beam, and so severe. Everything that is particular to it stands
-/// here; identification/defects/ has a file for each, and `defect_types` lists them.
+/// A type of defect: somewhere on the beam, and so severe. Everything that is particular to it
+/// stands here; identification/defects/ has a file for each, and `defect_types` lists them.
 struct DefectType {
   std::string_view name;            ///< "kind" in a case
   std::string_view noun;            ///< what it is called where the case does not say

@@ -15,7 +15,7 @@ namespace wheeltap::identification {
 struct Estimate {
   double mean = 0.0;
   double sd = 0.0;
-  double q2_5 = 0.0;   ///< quantiles of 2.5, 50 and 97.5 %
+  double q2_5 = 0.0;  ///< quantiles of 2.5, 50 and 97.5 %
   double q50 = 0.0;
   double q97_5 = 0.0;
   double mode = 0.0;  ///< midpoint of the fullest bin, bins by Freedman & Diaconis (1981)

@@ -204,13 +204,12 @@ void add_evidence(Findings& findings, const inference::ModelSpace& space,
       }
     }
     for (const auto& d : inference::disagreements(sampled, errors, found.implied)) {
-      findings.remarks.push_back(
-          remark::EvidenceDisagrees{.method = by.method,
-                                    .model = space[d.model].name,
-                                    .sampled = d.sampled,
-                                    .sampled_error = d.sampled_error,
-                                    .implied = d.implied,
-                                    .implied_error = d.implied_error});
+      findings.remarks.push_back(remark::EvidenceDisagrees{.method = by.method,
+                                                           .model = space[d.model].name,
+                                                           .sampled = d.sampled,
+                                                           .sampled_error = d.sampled_error,
+                                                           .implied = d.implied,
+                                                           .implied_error = d.implied_error});
     }
     findings.evidence.push_back(std::move(found));
   }

@@ -1,5 +1,5 @@
-// What a run found, whatever it was about: models, their parameters, evidences, and how far the draws
-// can be trusted. Terminal, summary and report are writers of it.
+// What a run found, whatever it was about: models, their parameters, evidences, and how far the
+// draws can be trusted. Terminal, summary and report are writers of it.
 #pragma once
 
 #include <cstdint>

@@ -35,9 +35,7 @@ class NoiseModel {
   explicit NoiseModel(const FrequencyData& data) : data_(&data) {}
 
   /// The coefficient of variation that the parameter vector holds; 0 where it is none.
-  [[nodiscard]] double cv(std::span<const double> x) const {
-    return data_->cov_prior ? x[0] : 0.0;
-  }
+  [[nodiscard]] double cv(std::span<const double> x) const { return data_->cov_prior ? x[0] : 0.0; }
   /// sd [Hz] of a measured mode (0-based). `emulator_variance` [Hz²].
   [[nodiscard]] double sd(std::size_t mode, double cv, double emulator_variance) const {
     return sd_about(mode, data_->frequencies_hz[mode], cv, emulator_variance);

@@ -1,5 +1,5 @@
-// What a reader of the findings should keep in mind: each a type with its numbers. The words are the
-// writers'.
+// What a reader of the findings should keep in mind: each a type with its numbers. The words are
+// the writers'.
 #pragma once
 
 #include <string>
@@ -51,8 +51,8 @@ struct Landmark {
   double at;         ///< [m]
   std::string name;  ///< of a defect's kind
 };
-/// A model with at least as many unknowns as data that cannot be excluded beside a simpler one; where
-/// a further defect of each kind would hide.
+/// A model with at least as many unknowns as data that cannot be excluded beside a simpler one;
+/// where a further defect of each kind would hide.
 struct CannotExclude {
   struct Hidden {
     std::string kind;

@@ -149,7 +149,7 @@ const charts = (() => {
       const kind = run.summary.kinds.find((k) => k.name === joint.kind);
       const given = joint.views.filter((v) => v.count > 0);
       const views = given.length > 1 ? joint.views : given.length ? given : joint.views;
-      const fraction = joint.severity === 'reduction';
+      const fraction = joint.share;
       for (const view of views) {
         const of = view.count ? `given ${view.count} ${view.count === 1 ? kind.name : kind.plural} (${probability(view.probability)})` : 'all counts together';
         const yName = fraction ? 'stiffness reduced by' : joint.severity;

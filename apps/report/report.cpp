@@ -66,7 +66,7 @@ Report read_summary(const fs::path& path) {
 Report told(const Report& models, const std::string& before) {
   Report out = Report::array();
   for (const auto& model : models) {
-    const std::string text = told_by_evidence(model);
+    const auto text = model.value("told", std::string());
     if (!text.empty()) out.push_back(before + model["name"].get<std::string>() + ": " + text + ".");
   }
   return out;
@@ -74,10 +74,7 @@ Report told(const Report& models, const std::string& before) {
 
 // What the scripts draw: the summary, what charts need of the draws, and the answer.
 Report content(const fs::path& directory, const Report& summary, const Answer& said) {
-  Report out = {
-      {"summary", summary},
-      {"answer",
-       {{"caution", said.caution}, {"headline", said.headline}, {"detail", said.detail}}}};
+  Report out = {{"summary", summary}, {"answer", json(said)}};
   try {
     if (summary.contains("sweep")) {  // its runs keep no draws
       const auto path = summary["sweep"]["path"].get<std::string>();
@@ -90,7 +87,7 @@ Report content(const fs::path& directory, const Report& summary, const Answer& s
       return out;
     }
     out["told"] = told(summary["models"], "");
-    out["resolution"] = resolution_in_words(summary["diagnostics"]);
+    out["resolution"] = summary["diagnostics"].value("resolution_words", "");
     out["draws"] = digest(directory / "posterior.nc", summary);
   } catch (const nlohmann::json::exception& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
@@ -189,7 +186,7 @@ void write_report(const fs::path& directory) {
   const Report summary = read_summary(directory / "summary.json");
   Answer said;
   try {
-    said = answer(summary);
+    said = read_answer(summary);
   } catch (const nlohmann::json::exception& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
                     std::string("does not hold what a run writes: ") + error.what());

@@ -17,8 +17,10 @@ inline const DefectType kReduction = {
     .upper = std::nextafter(1.0, 0.0),
     .bounds_words = "a reduction lies in [0, 1): 0 is intact, 1 would be broken",
     .unit = [](const DefectKind&) -> std::string_view { return ""; },
-    .place = [](const DefectKind&, double location, double severity,
-                fem::Defects& out) { out.damages.push_back({location, severity}); },
+    .place =
+        [](const DefectKind&, double location, double severity, fem::Defects& out) {
+          out.damages.push_back({location, severity});
+        },
     .is_elementary = true,
     .compounds = true};
 

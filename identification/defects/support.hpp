@@ -1,5 +1,5 @@
-// A support that should not be there: a spring to ground at x, on the deflection [N/m] or the rotation
-// [N m/rad], or rigid.
+// A support that should not be there: a spring to ground at x, on the deflection [N/m] or the
+// rotation [N m/rad], or rigid.
 #pragma once
 
 #include "identification/defect_kind.hpp"
@@ -17,8 +17,10 @@ inline const DefectType kSupport = {
     .unit = [](const DefectKind& kind) -> std::string_view {
       return kind.rotation ? "N m/rad" : "N/m";
     },
-    .place = [](const DefectKind& kind, double location, double severity,
-                fem::Defects& out) { out.supports.push_back({location, severity, kind.rotation}); },
+    .place =
+        [](const DefectKind& kind, double location, double severity, fem::Defects& out) {
+          out.supports.push_back({location, severity, kind.rotation});
+        },
     .is_elementary = true};
 
 }  // namespace wheeltap::identification::defects

@@ -1,0 +1,145 @@
+#include "apps/report/digest_draws.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+namespace wheeltap::apps {
+
+double compact(double x) {
+  if (!std::isfinite(x) || x == 0.0) return x;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.5g", x);
+  return std::strtod(text, nullptr);
+}
+
+// As many bins as the draws can fill: in proportion to the cube root of their number, as Freedman &
+// Diaconis's rule (1981) has it, but finer, since posteriors here are often several narrow islands.
+std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest, std::size_t most) {
+  const auto wanted = static_cast<std::size_t>(factor * std::cbrt(static_cast<double>(draws)));
+  return std::clamp(wanted, fewest, most);
+}
+
+// Bins over the draws; all alike where they are one value.
+Bins bins_over(const std::vector<double>& values, std::size_t n) {
+  const auto [low, high] = std::ranges::minmax(values);
+  if (!(high > low)) {
+    const double unit = low == 0.0 ? 1.0 : 0.01 * std::abs(low);
+    return {low - 0.5 * unit, unit, 1};
+  }
+  return {low, (high - low) / static_cast<double>(n), n};
+}
+
+// Cells of a two-dimensional histogram that hold anything: [i, j, density].
+Report cells(const std::vector<double>& x, const std::vector<double>& y, const Bins& bx,
+             const Bins& by, double total, const std::vector<double>& weights) {
+  std::vector<double> counts(bx.n * by.n);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    counts[bx.at(x[i]) * by.n + by.at(y[i])] += weights.empty() ? 1.0 : weights[i];
+  }
+  Report out = Report::array();
+  for (std::size_t c = 0; c < counts.size(); ++c) {
+    if (counts[c] == 0.0) continue;
+    out.push_back({c / by.n, c % by.n, compact(counts[c] / (total * bx.width * by.width))});
+  }
+  return out;
+}
+
+StoredDraws::StoredDraws(const PosteriorReader& file, const Report& summary)
+    : unknowns_(summary.contains("unknowns") ? summary["unknowns"] : unknowns_of_older(summary)) {
+  const int group = file.required_group("posterior");
+  const Variable model = file.read(group, "model");
+  if (model.shape.size() != 2 || model.values.empty()) {
+    file.foreign("has no draws of the model");
+  }
+  chains_ = model.shape[0];
+  draws_ = model.shape[1];
+  const auto models = static_cast<double>(summary["models"].size());
+  for (const double m : model.values) {
+    if (!(m >= 0.0 && m < models)) file.foreign("names a model that summary.json does not have");
+    model_.push_back(static_cast<std::size_t>(m));
+  }
+  for (const std::string& name : file.variables(group)) {
+    if (name == "chain" || name == "draw" || name == "model" || name.ends_with("slot")) continue;
+    Variable v = file.read(group, name);
+    if (v.shape.size() < 2 || v.shape[0] != chains_ || v.shape[1] != draws_) continue;
+    variables_.emplace(name, std::move(v));
+  }
+  weights_.assign(model_.size(), 1.0);
+  if (const auto stats = file.group("sample_stats")) {
+    const auto names = file.variables(*stats);
+    if (std::ranges::find(names, "weight") != names.end()) {
+      const Variable weight = file.read(*stats, "weight");
+      if (weight.values.size() == model_.size()) weights_ = weight.values;
+    }
+  }
+}
+
+const Variable* StoredDraws::find(const std::string& name) const {
+  const auto at = variables_.find(name);
+  return at == variables_.end() ? nullptr : &at->second;
+}
+
+std::vector<Series> StoredDraws::series(const std::string& model) const {
+  std::vector<Series> out;
+  if (!unknowns_.contains(model)) return out;
+  for (const Report& u : unknowns_[model]) {
+    const int slot = u.value("slot", 1) - 1;
+    Series one{.label = u.value("label", ""),
+               .slot = static_cast<std::size_t>(std::max(slot, 0)),
+               .prior = u.value("prior", ""),
+               .ordered_among = u.value("ordered_among", 0),
+               .variable = find(u.value("variable", ""))};
+    if (one.variable != nullptr && slot >= 0 && one.slot < one.variable->inner()) {
+      out.push_back(std::move(one));
+    }
+  }
+  return out;
+}
+
+Report unknowns_of_older(const Report& summary) {
+  Report out = Report::object();
+  std::vector<std::string> kinds;
+  for (const auto& kind : summary.value("kinds", Report::array())) {
+    kinds.push_back(kind.value("name", ""));
+  }
+  const bool several = kinds.size() > 1;
+  for (const auto& [model, table] : summary["parameters"].items()) {
+    Report list = Report::array();
+    std::map<std::string, int> most;
+    for (const auto& [label, row] : table.items()) {
+      const std::size_t bracket = label.rfind('[');
+      if (kinds.empty() || bracket == std::string::npos || !label.ends_with(']')) {
+        std::string variable = label;  // a NetCDF name holds no "/"
+        std::ranges::replace(variable, '/', '_');
+        list.push_back({{"label", label},
+                        {"variable", variable},
+                        {"prior", (kinds.empty() ? "/parameters/" : "/data/") + label}});
+        continue;
+      }
+      std::string base = label.substr(0, bracket);
+      std::size_t kind = 0;
+      for (std::size_t k = 0; several && k < kinds.size(); ++k) {
+        if (!base.starts_with(kinds[k] + " ")) continue;
+        base = base.substr(kinds[k].size() + 1);
+        kind = k;
+      }
+      const std::string variable = (several ? kinds[kind] + "_" : "") + base;
+      const int slot = std::atoi(label.c_str() + bracket + 1);
+      most[variable] = std::max(most[variable], slot);
+      list.push_back(
+          {{"label", label},
+           {"variable", variable},
+           {"slot", slot},
+           {"prior", (several ? "/damage/" + std::to_string(kind) + "/" : "/damage/") + base}});
+    }
+    for (Report& one : list) {
+      const std::string variable = one["variable"];
+      if (variable.ends_with("location")) one["ordered_among"] = most[variable];
+    }
+    out[model] = std::move(list);
+  }
+  return out;
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report/digest_draws.hpp"
+#include "signals/residuals.hpp"
+#include "signals/spectra.hpp"
+
+namespace wheeltap::apps {
+
+using identification::quantile;
+
+namespace {
+
+constexpr std::size_t kTimePoints = 8000;  // of all channels together
+constexpr std::size_t kMostDrivers = 2;    // excitations with frequency responses
+constexpr double kExcited = 1e-4;          // of its peak: a spectrum below has no response to show
+
+// What drove the chain, as the run kept it.
+struct Driver {
+  std::string name, role, unit;
+  std::vector<double> values;
+};
+
+std::vector<Driver> drivers(const PosteriorReader& file, std::size_t samples) {
+  std::vector<Driver> out;
+  const auto group = file.group("constant_data");
+  if (!group) return out;
+  for (const std::string& name : file.variables(*group)) {
+    if (name == "sample") continue;
+    Driver one{name, file.text(*group, name, "role"), file.text(*group, name, "units"),
+               file.read(*group, name).values};
+    const auto [low, high] = std::ranges::minmax(one.values);
+    if (one.values.size() == samples && high > low) out.push_back(std::move(one));
+  }
+  // A base displacement beside the base's acceleration is the same motion.
+  if (std::ranges::any_of(out, [](const Driver& d) { return d.role == "base acceleration"; })) {
+    std::erase_if(out, [](const Driver& d) { return d.role == "base displacement"; });
+  }
+  return out;
+}
+
+// Frequency responses H1 of the data and of the predicted median to one excitation, estimated with
+// the same windows: frequency, |H1| and phase of both, coherence of the data; frequencies that
+// nothing excited are left out.
+Report transfer(const Driver& driver, const std::vector<double>& y,
+                const std::vector<double>& median, double rate, const std::string& unit) {
+  // At least fifteen half-overlapping segments: the coherence of few is near 1 whatever the data.
+  const int segment = static_cast<int>(std::clamp<std::size_t>(y.size() / 8, 8, 1024));
+  const auto data = signals::frequency_response(driver.values, y, rate, {.segment = segment});
+  const auto model = signals::frequency_response(driver.values, median, rate, {.segment = segment});
+  const auto excited = signals::welch(driver.values, rate, {.segment = segment});
+  const double enough = kExcited * std::ranges::max(excited.density);
+  Report rows = Report::array();
+  for (std::size_t f = 1; f < data.frequencies_hz.size(); ++f) {
+    if (excited.density[f] < enough) continue;
+    rows.push_back({compact(data.frequencies_hz[f]), compact(std::abs(data.h1[f])),
+                    compact(std::abs(model.h1[f])), compact(std::arg(data.h1[f])),
+                    compact(std::arg(model.h1[f])), compact(data.coherence[f])});
+  }
+  return {{"name", driver.name},
+          {"role", driver.role},
+          {"unit", unit + " / " + driver.unit},
+          {"segments", data.segments},
+          {"rows", rows}};
+}
+
+// Each response channel of a record: data, predictive median and 95 % band over time; spectra of
+// data, median and residual; autocorrelation of the residual. Long records are cut into buckets
+// that keep the extremes.
+}  // namespace
+
+Report digest_responses(const PosteriorReader& file) {
+  Report out = Report::array();
+  const auto group = file.group("posterior_predictive");
+  const auto data = file.group("observed_data");
+  if (!group || !data) return out;
+  const auto observed_names = file.variables(*data);
+  if (std::ranges::find(observed_names, "time") == observed_names.end()) return out;
+  const std::vector<double> time = file.read(*data, "time").values;
+  std::vector<std::string> names;
+  for (const std::string& name : file.variables(*group)) {
+    if (name != "time" && name != "sample" &&
+        std::ranges::find(observed_names, name) != observed_names.end()) {
+      names.push_back(name);
+    }
+  }
+  const std::size_t samples = time.size();
+  if (names.empty() || samples < 4) return out;
+  const std::size_t points = std::min(samples, kTimePoints / names.size());
+  const std::vector<Driver> driven = drivers(file, samples);
+  for (const std::string& name : names) {
+    const std::vector<double> y = file.read(*data, name).values;
+    Report json = {{"name", name}, {"unit", file.text(*group, name, "units")}};
+    std::vector<double> low(samples), median(samples), high(samples);
+    {
+      const Variable replicated = file.read(*group, name);
+      if (replicated.shape.size() != 3 || replicated.inner() != samples || y.size() != samples) {
+        continue;
+      }
+      std::vector<double> column(replicated.shape[0] * replicated.shape[1]);
+      for (std::size_t n = 0; n < samples; ++n) {
+        for (std::size_t d = 0; d < column.size(); ++d) {
+          column[d] = replicated.values[d * samples + n];
+        }
+        std::ranges::sort(column);
+        low[n] = quantile(column, 0.025);
+        median[n] = quantile(column, 0.5);
+        high[n] = quantile(column, 0.975);
+      }
+    }
+    Report rows = Report::array();
+    for (std::size_t b = 0; b < points; ++b) {
+      const std::size_t from = b * samples / points, to = (b + 1) * samples / points;
+      const auto lowest = [&](const std::vector<double>& x) {
+        return *std::min_element(x.begin() + static_cast<long>(from),
+                                 x.begin() + static_cast<long>(to));
+      };
+      const auto highest = [&](const std::vector<double>& x) {
+        return *std::max_element(x.begin() + static_cast<long>(from),
+                                 x.begin() + static_cast<long>(to));
+      };
+      if (to - from == 1) {
+        rows.push_back({time[from], compact(y[from]), compact(low[from]), compact(median[from]),
+                        compact(high[from])});
+      } else {
+        // Lowest, then highest of the bucket: a line through both fills what it spans.
+        const double half = 0.5 * (time[to - 1] - time[from]);
+        rows.push_back({time[from], compact(lowest(y)), compact(lowest(low)),
+                        compact(lowest(median)), compact(highest(high))});
+        rows.push_back({time[from] + half, compact(highest(y)), compact(lowest(low)),
+                        compact(highest(median)), compact(highest(high))});
+      }
+    }
+    json["bucket"] = (samples + points - 1) / points;
+    json["history"] = std::move(rows);
+    std::vector<double> residual(samples);
+    for (std::size_t n = 0; n < samples; ++n) residual[n] = y[n] - median[n];
+    const double rate = static_cast<double>(samples - 1) / (time.back() - time.front());
+    const int segment = static_cast<int>(std::clamp<std::size_t>(samples / 4, 4, 1024));
+    const auto s_y = signals::welch(y, rate, {.segment = segment});
+    const auto s_m = signals::welch(median, rate, {.segment = segment});
+    const auto s_r = signals::welch(residual, rate, {.segment = segment});
+    Report spectrum = Report::array();
+    for (std::size_t f = 1; f < s_y.frequencies_hz.size(); ++f) {
+      spectrum.push_back({compact(s_y.frequencies_hz[f]), compact(s_y.density[f]),
+                          compact(s_m.density[f]), compact(s_r.density[f])});
+    }
+    json["spectrum"] = std::move(spectrum);
+    json["transfer"] = Report::array();
+    for (const Driver& driver : driven) {
+      if (json["transfer"].size() == kMostDrivers) break;
+      json["transfer"].push_back(
+          transfer(driver, y, median, rate, json["unit"].get<std::string>()));
+    }
+    const int lags = static_cast<int>(std::min<std::size_t>(50, samples / 4));
+    Report correlation = Report::array();
+    for (const double rho : signals::autocorrelation(residual, lags)) {
+      correlation.push_back(compact(rho));
+    }
+    json["autocorrelation"] = std::move(correlation);
+    json["samples"] = samples;
+    out.push_back(std::move(json));
+  }
+  return out;
+}
+
+}  // namespace wheeltap::apps
