@@ -15,7 +15,7 @@
 
 namespace wheeltap::apps {
 
-inline constexpr double kCharted = 0.005;          // models with less probability have no charts
+inline constexpr double kCharted = 0.005;           // models with less probability have no charts
 inline constexpr std::size_t kHistoryPoints = 400;  // a chain, in the histories
 
 /// Five digits are more than a chart shows, and shorter to store.
@@ -38,8 +38,9 @@ class PosteriorReader {
       throw io::FileError(io::FileError::Kind::missing, path, "no such file");
     }
     if (const int status = nc_open(path.c_str(), NC_NOWRITE, &file_); status != NC_NOERR) {
-      throw io::FileError(io::FileError::Kind::corrupt, path,
-                      std::string("is truncated or not a NetCDF-4 file: ") + nc_strerror(status));
+      throw io::FileError(
+          io::FileError::Kind::corrupt, path,
+          std::string("is truncated or not a NetCDF-4 file: ") + nc_strerror(status));
     }
   }
   PosteriorReader(const PosteriorReader&) = delete;
@@ -113,8 +114,9 @@ class PosteriorReader {
  private:
   void check(int status) const {
     if (status == NC_NOERR) return;
-    throw io::FileError(io::FileError::Kind::corrupt, path_,
-                    std::string("cannot be read, truncated or damaged: ") + nc_strerror(status));
+    throw io::FileError(
+        io::FileError::Kind::corrupt, path_,
+        std::string("cannot be read, truncated or damaged: ") + nc_strerror(status));
   }
   std::filesystem::path path_;
   int file_ = -1;
@@ -132,8 +134,9 @@ struct Bins {
   }
 };
 
-/// As many bins as the draws can fill: in proportion to the cube root of their number, as Freedman &
-/// Diaconis's rule (1981) has it, but finer, since posteriors here are often several narrow islands.
+/// As many bins as the draws can fill: in proportion to the cube root of their number, as Freedman
+/// & Diaconis's rule (1981) has it, but finer, since posteriors here are often several narrow
+/// islands.
 [[nodiscard]] std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest,
                                    std::size_t most);
 /// Bins over the draws; all alike where they are one value.
@@ -145,9 +148,9 @@ struct Bins {
 
 /// An unknown of a model and the variable that holds its draws.
 struct Series {
-  std::string label;     ///< as in summary.json
-  std::size_t slot = 0;  ///< of the variable's rows, 0-based
-  std::string prior;     ///< where the case states it, a JSON pointer
+  std::string label;      ///< as in summary.json
+  std::size_t slot = 0;   ///< of the variable's rows, 0-based
+  std::string prior;      ///< where the case states it, a JSON pointer
   int ordered_among = 0;  ///< of so many exchangeable ones it is the (slot + 1)-th; 0: of none
   const Variable* variable = nullptr;
 

@@ -48,8 +48,7 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
     Report one = Report::array();
     const std::size_t step = std::max<std::size_t>(1, inside.size() / kHistoryPoints);
     for (std::size_t n = 0; n < inside.size(); n += step) {
-      one.push_back(
-          {inside[n] - c * posterior.draws() + 1, compact(series.at(inside[n]))});
+      one.push_back({inside[n] - c * posterior.draws() + 1, compact(series.at(inside[n]))});
     }
     history.push_back(std::move(one));
   }
@@ -69,7 +68,8 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
     const bool ordered = series.ordered_among > 1;
     const auto prior_density = [&](double x) {
       return ordered && x > prior->lower() && x < prior->upper()
-                 ? order_statistic(*prior, x, static_cast<int>(series.slot) + 1, series.ordered_among)
+                 ? order_statistic(*prior, x, static_cast<int>(series.slot) + 1,
+                                   series.ordered_among)
                  : density(*prior, x);
     };
     for (std::size_t i = 0; i < kCurve; ++i) {

@@ -8,13 +8,16 @@
 #include "program.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 using testing::HasSubstr;
 
 DamageCase parsed(const Json& json, Needs needs = Needs::data) {
   const Workspace where;
-  return parse_damage_case(read_case(where.write_json("c.json", json)), needs);
+  return parse_damage_case(read_case(where.write_json("c.json", json)), needs).damage;
 }
 
 std::string complaint(const Json& json) {

@@ -1,4 +1,5 @@
-#include "apps/damage_problem.hpp"
+#include "identification/damage_problem.hpp"
+#include "apps/damage_case.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,13 +9,17 @@
 #include "program.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 using testing::HasSubstr;
 
 std::unique_ptr<const DamageProblem> problem(const Json& json) {
   const Workspace where;
-  return make_damage_problem(parse_damage_case(read_case(where.write_json("c.json", json))), {});
+  return make_damage_problem(parse_damage_case(read_case(where.write_json("c.json", json))).damage,
+                             {});
 }
 
 double log_normal_density(double observed, double mean, double sd) {
@@ -117,7 +122,7 @@ TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
       after.assign(likelihood->prediction().begin(), likelihood->prediction().end());
       double expected = 0.0;
       for (const std::size_t i : {std::size_t{0}, std::size_t{2}}) {
-        const double sd = p->total_sd(i, inferred ? x[0] : 0.0, 0.0);
+        const double sd = p->noise().sd(i, inferred ? x[0] : 0.0, 0.0);
         expected += (p->damage_case.data.frequencies_hz[i] - f[i]) / (sd * sd) *
                     (after[i] - before[i]) / 0.2;
       }

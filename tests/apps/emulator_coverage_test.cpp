@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/damage_problem.hpp"
+#include "apps/damage_case.hpp"
 #include "base/random.hpp"
+#include "identification/damage_problem.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 constexpr int kCases = 200;
@@ -30,8 +34,8 @@ Misses misses(const std::string& predictor, const char* supports, int modes) {
   json["damage"]["location"] = {{"uniform", {0.04, 0.95}}};
   json["predictor"] = Json::parse(predictor);
   const Workspace where;
-  const auto problem =
-      make_damage_problem(parse_damage_case(read_case(where.write_json("c.json", json))), {});
+  const auto problem = make_damage_problem(
+      parse_damage_case(read_case(where.write_json("c.json", json))).damage, {});
   const fem::Beam& beam = problem->damage_case.beam;
   // What the emulator says anywhere: constant within an element, midpoint rule in the reduction.
   FrequencyPredictor predict(*problem);

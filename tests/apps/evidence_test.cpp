@@ -1,29 +1,40 @@
-#include "apps/evidence.hpp"
-
+// Evidence that is asked for beside the run's own.
 #include <gtest/gtest.h>
-#include <spdlog/sinks/null_sink.h>
 
 #include <cmath>
 
+#include "apps/failure.hpp"
+#include "apps/running.hpp"
+#include "apps/words.hpp"
 #include "tests/inference/evidence/problems.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 TEST(Evidence, AMethodThatFailsLeavesTheRunAndSaysWhy) {
   const inference::Problem problem = inference::never();
-  spdlog::logger log("test", std::make_shared<spdlog::sinks::null_sink_st>());
-  const auto list = compute_evidence(problem, "tmcmc+bridge", 1, 1, log);
+  const auto list =
+      identification::compute_evidence(problem, evidence_methods("tmcmc+bridge"), 1, 1);
   ASSERT_EQ(list.size(), 2U);
-  std::vector<std::string> warnings;
-  const Report report = evidence_report(
-      problem.space, Report::array({{{"probability", 1.0}, {"mcse", 0.0}}}), list, warnings);
-  ASSERT_EQ(warnings.size(), 2U) << "one of each method, and no comparison with nothing";
-  EXPECT_NE(warnings[0].find("by tmcmc failed: model 'only'"), std::string::npos) << warnings[0];
-  for (const std::string method : {"tmcmc", "bridge"}) {
-    EXPECT_TRUE(report[method][0]["log_evidence"].is_null());
-    EXPECT_EQ(report[method][0]["warnings"].size(), 1U);
+  Findings findings;
+  findings.models.push_back({.name = "only", .standing = {.probability = 1.0, .mcse = 0.0}});
+  add_evidence(findings, problem.space, list);
+  ASSERT_EQ(findings.remarks.size(), 2U) << "one of each method, and no comparison with nothing";
+  const std::string said = sentence(findings.remarks[0], {});
+  EXPECT_NE(said.find("by tmcmc failed: model 'only'"), std::string::npos) << said;
+  for (const EvidenceFinding& by : findings.evidence) {
+    EXPECT_TRUE(std::isnan(by.evidences[0].log_evidence));
+    EXPECT_EQ(by.evidences[0].warnings.size(), 1U);
   }
+}
+
+TEST(Evidence, MethodsAreNamedOrRefused) {
+  EXPECT_TRUE(evidence_methods("").empty());
+  EXPECT_EQ(evidence_methods("laplace").at(0), EvidenceMethod::laplace);
+  EXPECT_THROW((void)evidence_methods("tmcmc+guess"), Failure);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "apps/frequency_emulator.hpp"
+#include "identification/frequency_emulator.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,6 +8,9 @@
 #include "program.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 using testing::HasSubstr;
@@ -19,7 +22,7 @@ DamageCase emulated_case(const std::string& more = R"({"symmetrise": false})") {
       Json::parse(R"({"sites": [2, 4, 6, 9], "multipliers": [0.4, 0.7, 1.0], "holdout": 50})");
   json["predictor"].update(Json::parse(more));
   const Workspace where;
-  return parse_damage_case(read_case(where.write_json("c.json", json)));
+  return parse_damage_case(read_case(where.write_json("c.json", json))).damage;
 }
 
 // Up to `max_count` damages anywhere on 20 elements.
@@ -28,7 +31,7 @@ DamageCase case_of(const std::string& predictor, int max_count, const Workspace&
   json["beam"]["elements"] = 20;
   json["damage"]["count"]["max"] = max_count;
   json["predictor"] = Json::parse(predictor);
-  return parse_damage_case(read_case(where.write_json("c.json", json)));
+  return parse_damage_case(read_case(where.write_json("c.json", json))).damage;
 }
 
 std::vector<double> fe(const DamageCase& c, const std::vector<fem::Damage>& damages) {

@@ -1,14 +1,15 @@
 #include "apps/summary.hpp"
 
 #include <gmock/gmock.h>
-#include <spdlog/spdlog.h>
 
 #include <cmath>
 
-#include "apps/evidence.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 using inference::ChainsOf;
@@ -46,13 +47,18 @@ Posterior made_up(double p, int draws, double shift_of_last_chain = 0.0, double 
   return posterior;
 }
 
+Findings found_in(const Posterior& posterior) {
+  return run_findings(posterior, inference::judge(posterior), 1);
+}
+
 Report judged(const Posterior& posterior) {
-  return diagnostics(posterior, inference::judge(posterior), 1, {"known before"});
+  const Findings findings = found_in(posterior);
+  return diagnostics(findings, warnings(findings, {}, {"known before"}));
 }
 
 TEST(Summary, ModelTableOfIndependentDraws) {
   const Posterior posterior = made_up(0.3, 2000);
-  const Report table = model_table(posterior, inference::judge(posterior));
+  const Report table = model_table(found_in(posterior));
   const double mcse = std::sqrt(0.3 * 0.7 / 8000.0);
   EXPECT_EQ(table[1]["name"], "1 damage");
   EXPECT_EQ(table[1]["prior"], 0.5);
@@ -61,7 +67,7 @@ TEST(Summary, ModelTableOfIndependentDraws) {
   EXPECT_EQ(table[1]["visited"], 4);
   EXPECT_EQ(table[1]["basis"], "draws");
   EXPECT_TRUE(table[1]["log_evidence"].is_null());
-  EXPECT_EQ(told_by_evidence(table[1]), "");
+  EXPECT_EQ(table[1].value("told", ""), "");
 }
 
 inference::ModelFindings found(double log_evidence) {
@@ -78,7 +84,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   posterior.jumps_proposed = {{0, 12345}, {0, 0}};
   posterior.jumps_accepted = {{0, 0}, {0, 0}};
   posterior.found = {found(-10.0), found(-12.0)};
-  const Report table = model_table(posterior, inference::judge(posterior));
+  const Report table = model_table(found_in(posterior));
   const double p = std::exp(-2.0) / (1.0 + std::exp(-2.0));
   EXPECT_NEAR(table[1]["probability"], p, 1e-12);
   EXPECT_NEAR(table[1]["mcse"], p * (1.0 - p) * std::hypot(0.1, 0.1), 1e-12);
@@ -86,27 +92,27 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_EQ(table[1]["visited"], 0);
   EXPECT_EQ(table[1]["entered"], 0);
   EXPECT_EQ(table[1]["log_evidence"], -12.0);
-  EXPECT_EQ(told_by_evidence(table[1]),
+  EXPECT_EQ(table[1].value("told", ""),
             "not entered in 12 345 proposals; its evidence puts it at P ≈ 0.119 ± 0.01");
-  EXPECT_FALSE(parameter_tables(posterior).contains("1 damage"));
+  EXPECT_FALSE(parameter_tables(found_in(posterior)).contains("1 damage"));
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
   EXPECT_THAT(d["warnings"][0].get<std::string>(), HasSubstr("'1 damage' was not entered"));
   EXPECT_EQ(d["warnings"][0], d["not_established"][0]);
   EXPECT_EQ(d["warnings"].back(), "known before");
   EXPECT_NEAR(d["resolution"], 1.0 - std::pow(0.01, 1.0 / 200.0), 1e-12);
-  EXPECT_EQ(resolution_in_words(d),
+  EXPECT_EQ(d["resolution_words"],
             "a mode that less than 2.3 % of the prior climbs to would probably not have been seen");
 }
 
 TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {
   const Posterior posterior = made_up(0.0, 1000);
-  const Report table = model_table(posterior, inference::judge(posterior));
+  const Report table = model_table(found_in(posterior));
   EXPECT_TRUE(table[1]["mcse"].is_null());
-  EXPECT_EQ(told_by_evidence(table[1]), "never entered; nothing is known of its evidence");
+  EXPECT_EQ(table[1].value("told", ""), "never entered; nothing is known of its evidence");
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
-  EXPECT_EQ(resolution_in_words(d), "");
+  EXPECT_EQ(d["resolution_words"], "");
 }
 
 // Drawn evenly, but the damage has odds of 1 : 99.
@@ -117,19 +123,18 @@ TEST(Summary, AveragesOverModelsUseTheWeightsOfBalancedDraws) {
   EXPECT_NEAR(weights[0] / weights[1], 99.0, 1e-9);
   const ChainsOf count = all_draws(
       posterior, [&](auto c, auto i) { return static_cast<double>(posterior.chains[c].model[i]); });
-  const Report s = summarise(count, draw_weights(posterior));
+  const Report s = json(estimate(count, draw_weights(posterior)));
   EXPECT_NEAR(s["mean"], 0.01, 0.01 * 4.5 * 2.0 / std::sqrt(8000.0));
   EXPECT_EQ(s["q97.5"], 0.0);
-  EXPECT_NEAR(s["mean"], model_table(posterior, inference::judge(posterior))[1]["probability"],
-              1e-12);
+  EXPECT_NEAR(s["mean"], model_table(found_in(posterior))[1]["probability"], 1e-12);
 }
 
 TEST(Summary, EqualWeightsChangeNothing) {
   base::Random random(3, 0, 0, base::Purpose::test);
   ChainsOf draws(1);
   for (int i = 0; i < 1001; ++i) draws[0].push_back(random.normal());
-  const Report plain = summarise(draws);
-  const Report weighted = summarise(draws, {std::vector<double>(1001, 0.7)});
+  const Report plain = json(estimate(draws));
+  const Report weighted = json(estimate(draws, {std::vector<double>(1001, 0.7)}));
   for (const char* key : {"mean", "sd", "q2.5", "q50", "q97.5", "mode"}) {
     EXPECT_NEAR(plain[key], weighted[key], 1e-12) << key;
   }
@@ -145,24 +150,22 @@ struct Failing final : inference::Likelihood {
 TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
   const inference::Problem problem{.space = coin_space(),
                                    .likelihood = [] { return std::make_unique<Failing>(); }};
-  spdlog::logger silent("silent");
-  const auto list = compute_evidence(problem, "tmcmc", 1, 1, silent);
+  const auto list = compute_evidence(problem, {EvidenceMethod::tmcmc}, 1, 1);
   ASSERT_EQ(list[0].evidences.size(), 2U);
   EXPECT_TRUE(std::isnan(list[0].evidences[1].log_evidence));
-  const Posterior posterior = made_up(0.5, 1000);
-  std::vector<std::string> warnings;
-  const Report report = evidence_report(
-      coin_space(), model_table(posterior, inference::judge(posterior)), list, warnings);
+  Findings findings = found_in(made_up(0.5, 1000));
+  add_evidence(findings, coin_space(), list);
+  const Report report = evidence_report(findings);
   EXPECT_NEAR(report["tmcmc"][0]["log_evidence"], 0.0, 1e-9);
   EXPECT_TRUE(report["tmcmc"][1]["log_evidence"].is_null());
   EXPECT_TRUE(report["tmcmc"][1]["probability"].is_null());
-  ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_THAT(warnings[0], HasSubstr("Evidence of 1 damage by tmcmc failed"));
+  ASSERT_EQ(findings.remarks.size(), 1U);
+  EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("Evidence of 1 damage by tmcmc failed"));
 }
 
 TEST(Summary, ParameterSummary) {
   const Posterior posterior = made_up(0.5, 4000);
-  const Report s = parameter_tables(posterior)["1 damage"]["location[1]"];
+  const Report s = parameter_tables(found_in(posterior))["1 damage"]["location[1]"];
   const double n = 8000.0;
   EXPECT_NEAR(s["mean"], 0.5, 4.5 * std::sqrt(1.0 / 12.0 / n));
   EXPECT_NEAR(s["sd"], std::sqrt(1.0 / 12.0), 0.01);
@@ -177,7 +180,7 @@ TEST(Summary, ModeIsTheFullestBin) {
   std::vector<double> draws;
   for (int i = 0; i < 20000; ++i) draws.push_back(std::exp(0.5 * random.normal()));
   // ln x ~ N(0, ½²): the mode is exp(-1/4).
-  EXPECT_NEAR(summarise({draws})["mode"], std::exp(-0.25), 0.1);
+  EXPECT_NEAR(estimate({draws}).mode, std::exp(-0.25), 0.1);
 }
 
 TEST(Summary, QuantilesAreLinearBetweenOrderStatistics) {

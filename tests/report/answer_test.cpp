@@ -4,7 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "identification/defects/reduction.hpp"
+#include "identification/defects/support.hpp"
+
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 using testing::HasSubstr;
@@ -12,27 +18,56 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
 
-Report row(double low, double middle, double high) {
-  return {{"mean", middle}, {"sd", 0.1}, {"q2.5", low}, {"q50", middle}, {"q97.5", high}};
+Estimate row(double low, double middle, double high) {
+  return {.mean = middle, .sd = 0.1, .q2_5 = low, .q50 = middle, .q97_5 = high};
 }
 
-Report damage_run(std::vector<double> probabilities) {
-  Report models = Report::array();
-  for (std::size_t n = 0; n < probabilities.size(); ++n) {
-    models.push_back({{"name", std::to_string(n) + (n == 1 ? " damage" : " damages")},
-                      {"probability", probabilities[n]}});
+struct Run {
+  DamageCase damage_case;
+  DamageFindings findings;
+
+  Estimate& location(std::size_t model, std::size_t n) {
+    return findings.models[model].parameters[2 * n].estimate;
   }
-  const Report one = {{"location[1]", row(0.082, 0.095, 0.108)},
-                      {"reduction[1]", row(0.15, 0.28, 0.44)}};
-  Report two = one;
-  two["location[2]"] = row(0.41, 0.425, 0.44);
-  two["reduction[2]"] = row(0.55, 0.6, 0.64);
-  return {{"wheeltap", {{"command", "damage"}, {"case", Report::object()}}},
-          {"models", models},
-          {"parameters", {{"1 damage", one}, {"2 damages", two}}},
-          {"damage", {{"folded", {{"1 damage", one}, {"2 damages", two}}}}},
-          {"beam", {{"length", 1.0}}},
-          {"diagnostics", {{"converged", true}}}};
+};
+
+DefectKind kind(const DefectType& type) {
+  DefectKind out{.type = &type,
+                 .name = std::string(type.noun),
+                 .plural = std::string(type.noun) + "s",
+                 .weights = {},
+                 .location = inference::Uniform{0.0, 1.0},
+                 .severity = inference::Prior(inference::Uniform{0.0, 0.9}),
+                 .truth = {}};
+  return out;
+}
+
+// 0, 1, 2 … damages with these probabilities, the first two near .095 and .425.
+Run damage_run(const std::vector<double>& probabilities) {
+  Run run;
+  run.damage_case.beam.length = 1.0;
+  run.damage_case.kinds = {kind(defects::kReduction)};
+  run.findings.sampling.verdict.converged = true;
+  const std::vector<std::pair<Estimate, Estimate>> places = {
+      {row(0.082, 0.095, 0.108), row(0.15, 0.28, 0.44)},
+      {row(0.41, 0.425, 0.44), row(0.55, 0.6, 0.64)}};
+  for (std::size_t n = 0; n < probabilities.size(); ++n) {
+    ModelFinding model{.name = std::to_string(n) + (n == 1 ? " damage" : " damages"),
+                       .counts = {static_cast<int>(n)},
+                       .standing = {.probability = probabilities[n]},
+                       .parameters = {}};
+    for (std::size_t i = 0; i < n; ++i) {
+      const int component = static_cast<int>(i);
+      model.parameters.push_back({{"location", "location", 0, component, 0}, places[i].first});
+      model.parameters.push_back({{"reduction", "reduction", 0, component, 1}, places[i].second});
+    }
+    run.findings.models.push_back(std::move(model));
+  }
+  return run;
+}
+
+Answer answer(const Run& run) {
+  return apps::answer(run.damage_case, run.findings);
 }
 
 TEST(Answer, NoDamage) {
@@ -44,9 +79,8 @@ TEST(Answer, NoDamage) {
 }
 
 TEST(Answer, AProbabilityOfTheEvidenceIsCalledThat) {
-  Report run = damage_run({0.75, 0.25, 0.0});
-  run["models"][0]["basis"] = "evidence";
-  run["models"][1]["basis"] = "draws";
+  Run run = damage_run({0.75, 0.25, 0.0});
+  run.findings.models[0].standing.basis = inference::Basis::evidence;
   EXPECT_EQ(answer(run).headline, "Most likely no damage (75 %, by its evidence).");
 }
 
@@ -76,78 +110,112 @@ TEST(Answer, UndecidedCountNamesAllThatCount) {
 }
 
 TEST(Answer, MirrorImagesAreBothNamed) {
-  Report run = damage_run({0.0, 0.75, 0.25});
-  run["diagnostics"]["symmetry"] = {{"mirror_symmetric", true}};
+  Run run = damage_run({0.0, 0.75, 0.25});
+  run.findings.symmetry = SymmetryFinding{.center = 0.5, .emulated = false, .chains = {}};
   EXPECT_THAT(answer(run).detail, HasSubstr("or its mirror image 0.905 m"));
   EXPECT_THAT(answer(run).detail, HasSubstr("cannot tell a place from its mirror image"));
 }
 
 TEST(Answer, MidspanIsItsOwnMirrorImage) {
-  Report run = damage_run({0.0, 0.9, 0.1});
-  run["diagnostics"]["symmetry"] = {{"mirror_symmetric", true}};
-  run["damage"]["folded"]["1 damage"]["location[1]"] = row(0.49, 0.499, 0.5);
+  Run run = damage_run({0.0, 0.9, 0.1});
+  run.findings.symmetry = SymmetryFinding{.center = 0.5, .emulated = false, .chains = {}};
+  run.location(1, 0) = row(0.49, 0.499, 0.5);
   EXPECT_THAT(answer(run).detail, Not(HasSubstr("mirror image 0.5")));
 }
 
 TEST(Answer, WideLocationIsNotCalledLocated) {
-  Report run = damage_run({0.0, 0.9, 0.1});
-  run["parameters"]["1 damage"]["location[1]"] = row(0.1, 0.4, 0.8);
+  Run run = damage_run({0.0, 0.9, 0.1});
+  run.location(1, 0) = row(0.1, 0.4, 0.8);
   EXPECT_THAT(answer(run).detail, StartsWith("Not located: anywhere from 0.100 to 0.800 m"));
 }
 
 TEST(Answer, NotConvergedComesFirst) {
-  Report run = damage_run({0.0, 0.75, 0.25});
-  run["diagnostics"]["converged"] = false;
+  Run run = damage_run({0.0, 0.75, 0.25});
+  run.findings.sampling.verdict.converged = false;
   const Answer a = answer(run);
   EXPECT_THAT(a.caution, HasSubstr("do not trust these numbers yet"));
   EXPECT_EQ(a.headline, "So far: Most likely one damage (75 %).");
 }
 
 TEST(Answer, SupportsHaveTheirOwnWords) {
-  Report run = damage_run({0.0, 1.0});
-  run["models"][0]["name"] = "0 supports";
-  run["models"][1]["name"] = "1 support";
-  run["parameters"] = {{"1 support", {{"location[1]", row(0.07, 0.079, 0.087)}}}};
+  Run run = damage_run({0.0, 1.0});
+  run.damage_case.kinds = {kind(defects::kSupport)};
+  run.damage_case.kinds[0].severity = DefectKind::Rigid{};
+  run.findings.models[1].parameters = {
+      {{"location", "location[1]", 0, 0, 0}, row(0.07, 0.079, 0.087)}};
   const Answer a = answer(run);
   EXPECT_EQ(a.headline, "One support (> 99.9 %).");
   EXPECT_EQ(a.detail, "Near 0.079 m (95 % interval 0.070 to 0.087 m).");
 }
 
 TEST(Answer, TwoKindsInOneModel) {
-  Report run = damage_run({0.1, 0.9});
-  run["models"][1]["name"] = "2 damages, 1 support";
-  run["parameters"] = Report::object();
+  Run run = damage_run({0.1, 0.9});
+  run.damage_case.kinds = {kind(defects::kReduction), kind(defects::kSupport)};
+  run.findings.models[0].counts = {0, 0};
+  run.findings.models[1].counts = {2, 1};
+  run.findings.models[1].parameters.clear();
   EXPECT_EQ(answer(run).headline, "Most likely two damages and one support (90 %).");
 }
 
+// A kind that is called anything keeps its own severity: a bearing beside cracks used to get the
+// crack's reduction.
+TEST(Answer, AKindCalledAnythingHasItsOwnSeverity) {
+  Run run = damage_run({0.1, 0.9});
+  run.damage_case.kinds = {kind(defects::kReduction), kind(defects::kSupport)};
+  run.damage_case.kinds[0].name = "crack";
+  run.damage_case.kinds[1].name = "bearing";
+  run.findings.models[1].counts = {1, 1};
+  run.findings.models[1].parameters = {
+      {{"location", "crack location[1]", 0, 0, 0}, row(0.082, 0.095, 0.108)},
+      {{"reduction", "reduction[1]", 0, 0, 1}, row(0.15, 0.28, 0.44)},
+      {{"location", "bearing location[1]", 1, 0, 0}, row(0.41, 0.425, 0.44)},
+      {{"stiffness", "stiffness[1]", 1, 0, 1}, row(900, 1000, 1100)}};
+  EXPECT_THAT(answer(run).detail,
+              HasSubstr("(1) crack near 0.095 m (95 % interval 0.082 to 0.108 m), "
+                        "stiffness reduced by 28 %"));
+  EXPECT_THAT(answer(run).detail,
+              HasSubstr("(2) bearing near 0.425 m (95 % interval 0.410 to 0.440 "
+                        "m), stiffness 1000 (900 to 1100)."));
+}
+
 TEST(Answer, EquationOfMotion) {
-  Report run = {
-      {"wheeltap", {{"command", "sid"}, {"case", Report::object()}}},
-      {"models",
-       {{{"name", "linear"}, {"probability", 0.18}}, {{"name", "duffing"}, {"probability", 0.82}}}},
-      {"parameters", {{"duffing", {{"k", row(47.6, 51.4, 55.2)}}}}},
-      {"diagnostics", {{"converged", true}}}};
-  const Answer a = answer(run);
+  Findings found;
+  found.sampling.verdict.converged = true;
+  found.models.push_back({.name = "linear", .standing = {.probability = 0.18}});
+  found.models.push_back({.name = "duffing", .standing = {.probability = 0.82}});
+  found.models[1].parameters = {{{"k", "k"}, row(47.6, 51.4, 55.2)}};
+  const Answer a = apps::answer(found);
   EXPECT_EQ(a.headline, "Most likely “duffing” (82 %).");
   EXPECT_EQ(a.detail, "With 95 % intervals: k = 51.4 (47.6 to 55.2).");
 }
 
 TEST(Answer, SweepSaysWhereTheChoiceChanges) {
-  const auto at = [](double value, double p) {
-    return Report{{"value", value},
-                  {"converged", value < 300},
-                  {"models",
-                   {{{"name", "linear"}, {"probability", 1.0 - p}},
-                    {{"name", "duffing"}, {"probability", p}}}}};
+  const auto at = [](const char* value, double p, bool converged) {
+    SweepRow row{.value = value, .models = {}, .converged = converged};
+    row.models.push_back({.name = "linear", .standing = {.probability = 1.0 - p}});
+    row.models.push_back({.name = "duffing", .standing = {.probability = p}});
+    return row;
   };
-  const Report run = {
-      {"sweep",
-       {{"path", "/record/samples/1"}, {"rows", {at(100, 0.3), at(200, 0.4), at(300, 0.8)}}}}};
-  const Answer a = answer(run);
+  const Answer a =
+      apps::answer("/record/samples/1",
+                   {at("100.0", 0.3, true), at("200.0", 0.4, true), at("300.0", 0.8, false)});
   EXPECT_EQ(a.headline,
             "Most probable over /record/samples/1: “linear” from 100.0 to 200.0 and “duffing” at "
             "300.0.");
   EXPECT_THAT(a.caution, StartsWith("1 of 3 runs have not converged"));
+}
+
+// A summary of before has no answer: the models, in the order of their probability.
+TEST(Answer, OfAnOlderSummaryNamesTheModels) {
+  const Report older = {{"wheeltap", {{"command", "damage"}, {"case", Report::object()}}},
+                        {"models",
+                         {{{"name", "1 damage"}, {"probability", 0.3}},
+                          {{"name", "2 damages"}, {"probability", 0.7}}}},
+                        {"parameters", Report::object()},
+                        {"diagnostics", {{"converged", true}}}};
+  EXPECT_EQ(read_answer(older).headline, "Most likely 2 damages (70 %).");
+  const Report kept = {{"answer", json(Answer{"c", "h", "d"})}};
+  EXPECT_EQ(read_answer(kept).detail, "d");
 }
 
 }  // namespace
