@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "apps/csv_frequencies.hpp"
-#include "fem/modal_analysis.hpp"
 #include "fem/section.hpp"
 #include "identification/defects/reduction.hpp"
 
@@ -538,8 +537,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
 
   const int free = free_degrees_of_freedom(out.beam);
   if (free < 1) f.refuse(at("/beam/supports"), "nothing is left to vibrate");
-  out.rigid_body_modes =
-      fem::modal_analysis(out.beam, {}, {.modes = std::min(3, free)}).rigid_body_modes;
+  out.rigid_body_modes = rigid_body_modes(out.beam);
   int most_supports = 0;
   for (const DefectKind& kind : out.kinds) {
     if (kind.type->may_be_known) {

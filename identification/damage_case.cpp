@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "base/number.hpp"
 #include "base/random.hpp"
 #include "fem/modal_analysis.hpp"
 #include "identification/invalid_input.hpp"
@@ -41,6 +42,63 @@ int free_degrees_of_freedom(const fem::Beam& beam) {
     if (!s.stiffness) n -= (s.deflection ? 1 : 0) + (s.rotation ? 1 : 0);
   }
   return n;
+}
+
+int rigid_body_modes(const fem::Beam& beam) {
+  const int free = free_degrees_of_freedom(beam);
+  return fem::modal_analysis(beam, {}, {.modes = std::min(3, free)}).rigid_body_modes;
+}
+
+void complete(DamageCase& damage_case) {
+  using Part = InvalidInput::Part;
+  try {
+    fem::validate(damage_case.beam);
+  } catch (const std::invalid_argument& error) {
+    throw InvalidInput(Part::beam, error.what());
+  }
+  if (free_degrees_of_freedom(damage_case.beam) < 1) {
+    throw InvalidInput(Part::beam, "nothing is left to vibrate");
+  }
+  damage_case.rigid_body_modes = rigid_body_modes(damage_case.beam);
+  if (damage_case.kinds.empty()) {
+    throw InvalidInput(Part::location, "no kind of defect: nothing is asked");
+  }
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    DefectKind& kind = damage_case.kinds[k];
+    const int index = static_cast<int>(k);
+    if (kind.type == nullptr) throw InvalidInput(Part::severity, "has no type", index);
+    if (kind.min_count < 0 || kind.max_count < kind.min_count) {
+      throw InvalidInput(Part::location,
+                         "counts from " + std::to_string(kind.min_count) + " to " +
+                             std::to_string(kind.max_count) + ": must be 0 <= min <= max",
+                         index);
+    }
+    const auto counts = static_cast<std::size_t>(kind.max_count - kind.min_count + 1);
+    if (kind.weights.empty()) kind.weights.assign(counts, 1.0 / static_cast<double>(counts));
+    if (kind.weights.size() != counts) {
+      throw InvalidInput(Part::location,
+                         std::to_string(kind.weights.size()) + " weights, must be " +
+                             std::to_string(counts) + ", one a count",
+                         index);
+    }
+    if (kind.location.lower() < 0.0 || kind.location.upper() > damage_case.beam.length) {
+      throw InvalidInput(
+          Part::location,
+          "locations lie on the beam, in [0, " + base::number(damage_case.beam.length) + "] m",
+          index);
+    }
+    if (!kind.type->may_be_known && kind.severity_prior() == nullptr) {
+      throw InvalidInput(Part::severity, "is missing: must be a prior", index);
+    }
+  }
+  const FrequencyData& data = damage_case.data;
+  if (data.measured() == 0) throw InvalidInput(Part::data, "not one frequency is given");
+  if (!data.cov_prior && data.sd_hz.size() != data.frequencies_hz.size()) {
+    throw InvalidInput(Part::data, std::to_string(data.sd_hz.size()) +
+                                       " standard deviations, must be " +
+                                       std::to_string(data.frequencies_hz.size()) +
+                                       ", one a mode, or an unknown coefficient of variation");
+  }
 }
 
 fem::Defects DamageCase::true_defects() const {

@@ -72,6 +72,12 @@ struct DamageCase {
 
 /// Degrees of freedom that rigid supports leave.
 [[nodiscard]] int free_degrees_of_freedom(const fem::Beam& beam);
+/// Motions of the intact beam that cost no energy.
+[[nodiscard]] int rigid_body_modes(const fem::Beam& beam);
+
+/// Fills in what follows from the rest (rigid-body modes, equal weights of counts where none are
+/// given) and checks that a run is possible. Throws InvalidInput.
+void complete(DamageCase& damage_case);
 
 /// The elastic frequencies [Hz] of the beam under these defects, by the full solve, `modes` of
 /// them.

@@ -230,6 +230,7 @@ std::vector<DamageProblem::Component> DamageProblem::components(int model,
 
 std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
                                                          const DamageProblemOptions& options) {
+  complete(damage_case);
   std::vector<inference::ComponentKind> kinds;
   for (const DefectKind& kind : damage_case.kinds) {
     inference::ComponentKind component{kind.name, kind.plural, {{"location", kind.location}}};

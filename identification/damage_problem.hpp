@@ -71,7 +71,8 @@ struct DamageProblemOptions {
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> table_progress = {};
 };
 
-/// Trains or reads the emulator where the case asks for one. The log likelihood is
+/// Completes the case, and trains or reads the emulator where it asks for one. The log likelihood
+/// is
 ///
 ///   Σ over measured modes of  -½ ((f_obs - f) / sd)² - ln(sd √2π),
 ///   sd² = (cov f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,

@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""Holds the tree to the house's own rules: house.py RULE ROOT; exit code 1 with a line for each fault.
+
+arrows      a room includes only rooms that it stands on
+json        JSON is named in io/ and apps/ alone
+size        no file has more than 600 lines, but with a reason in its first lines: "Longer than 600 lines: …"
+repetition  no 12 or more lines of code stand twice
+"""
+import collections
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOMS = {
+    'base': set(),
+    'io': {'base'},
+    'signals': {'base', 'io'},
+    'fem': {'base'},
+    'dynamics': {'base', 'io', 'signals'},
+    'emulator': {'base', 'io'},
+    'inference': {'base'},
+    'identification': {'base', 'io', 'signals', 'fem', 'dynamics', 'emulator', 'inference'},
+    'apps': {'base', 'io', 'signals', 'fem', 'dynamics', 'emulator', 'inference', 'identification'},
+}
+LONGEST = 600
+REPEATED = 12
+
+
+def sources(root, rooms):
+    """The C++ files of these folders that git knows or would add."""
+    listed = subprocess.run(['git', '-C', root, 'ls-files', '-co', '--exclude-standard', *rooms],
+                            capture_output=True, text=True)
+    if listed.returncode == 0 and listed.stdout:
+        names = [pathlib.Path(root, name) for name in listed.stdout.splitlines()]
+    else:  # a tarball
+        names = [p for room in rooms for p in pathlib.Path(root, room).rglob('*')]
+    return sorted({p for p in names if p.suffix in ('.hpp', '.cpp') and p.is_file()})
+
+
+def arrows(root):
+    for path in sources(root, ROOMS):
+        name = path.relative_to(root)
+        room = name.parts[0]
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            included = re.match(r'\s*#\s*include\s*"([a-z]+)/', line)
+            if included and included[1] in ROOMS and included[1] not in ROOMS[room] | {room}:
+                yield f'{name}:{number}: {room} must not know {included[1]}'
+
+
+def json(root):
+    for path in sources(root, [room for room in ROOMS if room not in ('io', 'apps')]):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if re.search(r'nlohmann|\bJson\b', line):
+                yield f'{path.relative_to(root)}:{number}: names JSON'
+
+
+def size(root):
+    for path in sources(root, [*ROOMS, 'tests', 'bench', 'examples']):
+        lines = path.read_text().splitlines()
+        if len(lines) > LONGEST and not any('Longer than 600 lines:' in line for line in lines[:12]):
+            yield f'{path.relative_to(root)}: {len(lines)} lines, and no reason why'
+
+
+def repetition(root):
+    places = collections.defaultdict(list)
+    texts = {}
+    for path in sources(root, ROOMS):
+        # Lines that say something: includes and lone brackets may stand anywhere.
+        kept = [(number, line.strip()) for number, line in enumerate(path.read_text().splitlines(), 1)
+                if line.strip() and not line.strip().startswith(('#include', '//'))]
+        texts[path] = kept
+        for i in range(len(kept) - REPEATED + 1):
+            places[tuple(line for _, line in kept[i:i + REPEATED])].append((path, i))
+    told = set()
+    for block, where in places.items():
+        if len(where) < 2:
+            continue
+        (a, i), (b, j) = where[:2]
+        # One line for a run, however long: the one before it is not repeated too.
+        before = (a, i - 1) in told and (b, j - 1) in told
+        told.update([(a, i), (b, j)])
+        if not before:
+            yield (f'{a.relative_to(root)}:{texts[a][i][0]} and {b.relative_to(root)}:{texts[b][j][0]}: '
+                   f'the same {REPEATED} lines or more')
+
+
+def main():
+    rule, root = sys.argv[1], sys.argv[2]
+    faults = list({'arrows': arrows, 'json': json, 'size': size, 'repetition': repetition}[rule](root))
+    print('\n'.join(faults) or f'{rule}: nothing to complain about')
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == '__main__':
+    main()

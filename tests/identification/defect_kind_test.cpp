@@ -1,0 +1,103 @@
+#include "identification/defect_kind.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "identification/damage_findings.hpp"
+#include "identification/defects/support.hpp"
+#include "identification/invalid_input.hpp"
+#include "tests/identification/cases.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+// A damage that spoils the two elements beside each other by the same share.
+const DefectType kTwin = {.name = "twin",
+                          .noun = "twin crack",
+                          .severity = "reduction",
+                          .severity_words = "stiffness lost",
+                          .percent = true,
+                          .lower = 0.0,
+                          .upper = 0.99,
+                          .bounds_words = "a reduction lies in [0, 0.99)",
+                          .unit = [](const DefectKind&) -> std::string_view { return ""; },
+                          .place =
+                              [](const DefectKind&, double location, double severity,
+                                 fem::Defects& out) {
+                                out.damages.push_back({std::max(location - 0.05, 0.0), severity});
+                                out.damages.push_back({location, severity});
+                              }};
+
+TEST(DefectKind, EveryTypeIsFoundByItsName) {
+  for (const DefectType* type : defect_types()) {
+    EXPECT_EQ(find_defect_type(type->name), type);
+    EXPECT_FALSE(type->severity.empty());
+    EXPECT_NE(type->unit, nullptr);
+    EXPECT_NE(type->place, nullptr);
+    EXPECT_LT(type->lower, type->upper);
+  }
+  EXPECT_EQ(find_defect_type("twin"), nullptr);
+}
+
+TEST(DefectKind, ElementaryTypesPlaceOneDefect) {
+  for (const DefectType* type : defect_types()) {
+    if (!type->is_elementary) continue;
+    fem::Defects placed;
+    type->place(DefectKind{.type = type, .location = inference::Uniform{0.0, 1.0}}, 0.3, 0.2,
+                placed);
+    ASSERT_EQ(placed.damages.size() + placed.supports.size(), 1U) << type->name;
+    EXPECT_EQ(placed.damages.empty() ? placed.supports[0].location : placed.damages[0].location,
+              0.3);
+  }
+}
+
+// A type of one's own needs no more than itself: through the whole of a run.
+TEST(DefectKind, ATypeOfOnesOwnIsFoundInABeam) {
+  DamageCase damage_case = small_beam(1, {.damages = {{0.425, 0.5}, {0.475, 0.5}}});
+  damage_case.kinds[0].type = &kTwin;
+  damage_case.kinds[0].name = "twin crack";
+  damage_case.kinds[0].severity = inference::Prior(inference::Uniform{0.0, 0.9});
+  const auto problem = make_damage_problem(damage_case, {});
+  const auto likelihood = problem->problem.likelihood();
+  const double at_truth = likelihood->log_likelihood(1, std::vector<double>{0.475, 0.5});
+  EXPECT_GT(at_truth, likelihood->log_likelihood(1, std::vector<double>{0.675, 0.5}) + 2.0);
+  for (const double r : likelihood->residuals()) EXPECT_TRUE(std::isfinite(r));
+  std::vector<double> slope(2);
+  EXPECT_FALSE(likelihood->gradient(1, std::vector<double>{0.475, 0.5}, slope))
+      << "its derivatives are not those of one damage";
+
+  const auto posterior =
+      inference::reversible_jump(problem->problem, {.seed = 1, .warmup = 2000, .draws = 2000});
+  const DamageFindings found = damage_findings(*problem, posterior, {}, 1);
+  EXPECT_EQ(found.models[1].name, "1 twin crack");
+  EXPECT_NEAR(found.models[1].find(0, 0, 0)->q50, 0.475, 0.1);
+  EXPECT_NEAR(found.models[1].find(0, 0, 1)->q50, 0.5, 0.2);
+}
+
+TEST(DefectKind, WhatCannotBeIsRefusedWithItsPlace) {
+  const auto refusal = [](DamageCase damage_case) -> std::pair<InvalidInput::Part, std::string> {
+    try {
+      (void)make_damage_problem(std::move(damage_case), {});
+    } catch (const InvalidInput& error) {
+      return {error.part(), error.what()};
+    }
+    return {InvalidInput::Part::model, "accepted"};
+  };
+  DamageCase outside = small_beam(1);
+  outside.kinds[0].location = inference::Uniform{0.0, 1.5};
+  EXPECT_EQ(refusal(outside).first, InvalidInput::Part::location);
+  EXPECT_EQ(refusal(outside).second, "locations lie on the beam, in [0, 1] m");
+  DamageCase rigid = small_beam(1);
+  rigid.kinds[0].severity = DefectKind::Rigid{};
+  EXPECT_EQ(refusal(rigid).first, InvalidInput::Part::severity);
+  DamageCase no_sd = small_beam(1);
+  no_sd.data.sd_hz.clear();
+  EXPECT_EQ(refusal(no_sd).first, InvalidInput::Part::data);
+  DamageCase nothing = small_beam(1);
+  nothing.kinds.clear();
+  EXPECT_EQ(refusal(nothing).second, "no kind of defect: nothing is asked");
+}
+
+}  // namespace
+}  // namespace wheeltap::identification
