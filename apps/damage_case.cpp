@@ -165,12 +165,12 @@ void parse_truth(const CaseFile& file, const Pointer& block, double length, Defe
   const Pointer where = t.is_array() ? block / "truth" : block / "truth" / "defects";
   const Json data = file.json.value("data", Json::object());
   Simulation simulation = out.simulation.value_or(Simulation{});
-  if (data.contains("cov") && data["cov"].is_number()) simulation.cov = data["cov"];
+  if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"];
   simulation.modes = data.value("modes", simulation.modes);
   simulation.seed = data.value("seed", simulation.seed);
   if (t.is_object()) {
     simulation.modes = t.value("modes", simulation.modes);
-    simulation.cov = t.value("cov", simulation.cov);
+    simulation.cv = t.value("cov", simulation.cv);
     simulation.seed = t.value("seed", simulation.seed);
   }
   out.simulation = simulation;
@@ -444,14 +444,14 @@ FrequencyData parse_data(const CaseFile& file) {
   }
   if (d.contains("cov")) {
     if (d["cov"].is_number()) {
-      data.cov = d["cov"].get<double>();
-      for (const double f : data.frequencies_hz) data.sd_hz.push_back(*data.cov * f);
+      data.cv = d["cov"].get<double>();
+      for (const double f : data.frequencies_hz) data.sd_hz.push_back(*data.cv * f);
     } else {
-      data.cov_prior =
+      data.cv_prior =
           bounded_prior(file, where / "cov", 0.0, kInfinity, "a coefficient of variation is > 0");
     }
   }
-  if (d.contains("discrepancy")) data.discrepancy_cov = d["discrepancy"]["cov"];
+  if (d.contains("discrepancy")) data.discrepancy_cv = d["discrepancy"]["cov"];
   if (d.contains("sd")) {
     const Json& sd = d["sd"];
     if (!data.frequencies_hz.empty() && sd.size() != data.frequencies_hz.size()) {
@@ -490,7 +490,31 @@ void DamageCaseFile::refuse(const InvalidInput& error) const {
   }
 }
 
+namespace {
+
+// A coefficient of variation is "cov" in a case, or "cv".
+void accept_cv(CaseFile& file) {
+  std::vector<Pointer> places = {at("/data"), at("/data/discrepancy"), at("/damage/truth")};
+  if (file.json.contains("damage") && file.json["damage"].is_array()) {
+    for (std::size_t i = 0; i < file.json["damage"].size(); ++i)
+      places.push_back(at("/damage") / i / "truth");
+  }
+  for (const Pointer& where : places) {
+    if (!file.json.contains(where) || !file.json[where].is_object()) continue;
+    Json& object = file.json[where];
+    if (!object.contains("cv")) continue;
+    if (object.contains("cov")) {
+      file.refuse(where / "cv", "is \"cov\" under its other name: give one of them");
+    }
+    object["cov"] = object["cv"];
+    object.erase("cv");
+  }
+}
+
+}  // namespace
+
 DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
+  accept_cv(file);
   validate_against_schema(file, "damage");
   DamageCaseFile parsed{.file = std::move(file), .notes = {}, .damage = {}, .kinds = {}};
   DamageCase& out = parsed.damage;
@@ -560,20 +584,20 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
                "them from");
     }
     const auto sd = out.data.sd_hz;
-    const auto cov = out.data.cov;
-    const auto cov_prior = out.data.cov_prior;
-    const double discrepancy = out.data.discrepancy_cov;
+    const auto cv = out.data.cv;
+    const auto cv_prior = out.data.cv_prior;
+    const double discrepancy = out.data.discrepancy_cv;
     out.data = explained(parsed, [&] { return simulate(out, out.simulation->seed); });
-    out.data.cov = cov;
-    out.data.cov_prior = cov_prior;
-    out.data.discrepancy_cov = discrepancy;
+    out.data.cv = cv;
+    out.data.cv_prior = cv_prior;
+    out.data.discrepancy_cv = discrepancy;
     if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
       f.refuse(at("/data/sd"), "must have one value a mode: " + std::to_string(out.data.modes()));
     }
     if (!sd.empty()) out.data.sd_hz = sd;
-    if (cov_prior) out.data.sd_hz.clear();
+    if (cv_prior) out.data.sd_hz.clear();
   }
-  if (out.data.sd_hz.empty() && !out.data.cov_prior) {
+  if (out.data.sd_hz.empty() && !out.data.cv_prior) {
     f.refuse(at("/data/cov"),
              "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"");
   }

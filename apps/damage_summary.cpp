@@ -228,8 +228,8 @@ Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings
       {"unknowns", unknowns_of(file, findings)},
       {"diagnostics", diagnosed},
       {"cost", cost(findings.sampling)}};
-  if (damage_case.data.discrepancy_cov > 0.0) {
-    summary["data"]["discrepancy_cov"] = damage_case.data.discrepancy_cov;
+  if (damage_case.data.discrepancy_cv > 0.0) {
+    summary["data"]["discrepancy_cov"] = damage_case.data.discrepancy_cv;
   }
   if (findings.fit) summary["data"].update(json(*findings.fit));
   if (findings.emulator) {

@@ -87,7 +87,7 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
         "", "  ");
     return;
   }
-  const double discrepancy = damage_case.data.discrepancy_cov;
+  const double discrepancy = damage_case.data.discrepancy_cv;
   page.wrapped(std::string("Its error is ") + (e.error_in_likelihood ? "part of" : "NOT part of") +
                    " the likelihood" +
                    (discrepancy > 0.0 ? ", and so is a discrepancy of " +

@@ -1,5 +1,5 @@
-// How many damages does this cantilever have, where and how bad? Its five lowest frequencies were measured
-// with 0.1 % noise; in truth the element at 0.33 m has lost 30 % of its stiffness.
+// How many damages does this cantilever have, where and how bad? Its five lowest frequencies were
+// measured with 0.1 % noise; in truth the element at 0.33 m has lost 30 % of its stiffness.
 #include <cstdio>
 
 #include "fem/section.hpp"

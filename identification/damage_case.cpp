@@ -93,7 +93,7 @@ void complete(DamageCase& damage_case) {
   }
   const FrequencyData& data = damage_case.data;
   if (data.measured() == 0) throw InvalidInput(Part::data, "not one frequency is given");
-  if (!data.cov_prior && data.sd_hz.size() != data.frequencies_hz.size()) {
+  if (!data.cv_prior && data.sd_hz.size() != data.frequencies_hz.size()) {
     throw InvalidInput(Part::data, std::to_string(data.sd_hz.size()) +
                                        " standard deviations, must be " +
                                        std::to_string(data.frequencies_hz.size()) +
@@ -126,7 +126,7 @@ FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed) {
     throw InvalidInput(InvalidInput::Part::truth, "is missing: there is nothing to simulate");
   }
   const Simulation& s = *damage_case.simulation;
-  if (!(s.cov > 0.0) && damage_case.data.cov_prior) {
+  if (!(s.cv > 0.0) && damage_case.data.cv_prior) {
     throw InvalidInput(InvalidInput::Part::truth,
                        "simulated noise needs a number: {\"defects\": [...], \"cov\": 0.001}");
   }
@@ -136,8 +136,8 @@ FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed) {
   base::Random random(seed, 0, 0, base::Purpose::simulation);
   for (const double f :
        elastic_frequencies(damage_case.beam, damage_case.true_defects(), s.modes)) {
-    data.frequencies_hz.push_back(f * (1.0 + s.cov * random.normal()));
-    data.sd_hz.push_back(s.cov * f);
+    data.frequencies_hz.push_back(f * (1.0 + s.cv * random.normal()));
+    data.sd_hz.push_back(s.cv * f);
   }
   return data;
 }

@@ -19,7 +19,7 @@ namespace wheeltap::identification {
 /// A simulation asked for by the case.
 struct Simulation {
   int modes = 10;
-  double cov = 0.0;  ///< noise: sd = cov · true frequency
+  double cv = 0.0;  ///< noise: sd = cv · true frequency
   std::uint64_t seed = 1;
 };
 
@@ -84,7 +84,7 @@ void complete(DamageCase& damage_case);
 [[nodiscard]] std::vector<double> elastic_frequencies(const fem::Beam& beam,
                                                       const fem::Defects& defects, int modes);
 
-/// Frequencies of the true structure with Gaussian noise, sd = cov · true frequency. Throws
+/// Frequencies of the true structure with Gaussian noise, sd = cv · true frequency. Throws
 /// InvalidInput where the case has no truth, or no number for the noise.
 [[nodiscard]] FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed);
 

@@ -408,13 +408,13 @@ std::vector<std::vector<double>> emulator_variances(const DamageProblem& problem
 std::vector<double> measurement_noise(const DamageCase& damage_case,
                                       std::span<const double> intact) {
   if (!damage_case.data.sd_hz.empty()) return damage_case.data.sd_hz;
-  std::optional<double> cov = damage_case.data.cov;
-  if (!cov && damage_case.simulation && damage_case.simulation->cov > 0.0) {
-    cov = damage_case.simulation->cov;
+  std::optional<double> cv = damage_case.data.cv;
+  if (!cv && damage_case.simulation && damage_case.simulation->cv > 0.0) {
+    cv = damage_case.simulation->cv;
   }
   std::vector<double> noise;
-  if (cov && !damage_case.data.cov_prior) {
-    for (const double f : intact) noise.push_back(*cov * f);
+  if (cv && !damage_case.data.cv_prior) {
+    for (const double f : intact) noise.push_back(*cv * f);
   }
   return noise;
 }

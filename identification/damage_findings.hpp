@@ -90,7 +90,7 @@ struct DamageFindings : Findings {
 /// sd of each mode, empty where not known.
 [[nodiscard]] EmulatorFinding emulator_finding(const FrequencyEmulator& emulator,
                                                const std::vector<double>& noise);
-/// The measurement's sd [Hz] of each mode: the data's, or cov times `intact` where there are none
+/// The measurement's sd [Hz] of each mode: the data's, or cv times `intact` where there are none
 /// yet; empty where neither is known.
 [[nodiscard]] std::vector<double> measurement_noise(const DamageCase& damage_case,
                                                     std::span<const double> intact);

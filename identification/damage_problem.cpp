@@ -26,8 +26,8 @@ class FrequencyLikelihood final : public inference::Likelihood {
         gradient_prediction_(prediction_.size()) {}
 
   double log_likelihood(int model, std::span<const double> x) override {
-    const double cov = data_.cov_prior ? x[0] : 0.0;
-    noise_scale_ = data_.cov_prior ? cov : 1.0;
+    const double cv = data_.cv_prior ? x[0] : 0.0;
+    noise_scale_ = data_.cv_prior ? cv : 1.0;
     if (emulated_) {
       predictor_.emulate(model, x, prediction_, variance_);
     } else {
@@ -35,26 +35,26 @@ class FrequencyLikelihood final : public inference::Likelihood {
     }
     residuals_.clear();
     return noise_.log_likelihood(
-        prediction_, emulated_ ? std::span<const double>(variance_) : std::span<const double>(),
-        cov, residuals_);
+        prediction_, emulated_ ? std::span<const double>(variance_) : std::span<const double>(), cv,
+        residuals_);
   }
 
-  // With r = (f_obs - f) / sd:  ∂ ln p/∂f = r / sd,  ∂ ln p/∂cov = (r² - 1) cov f_obs² / sd².
+  // With r = (f_obs - f) / sd:  ∂ ln p/∂f = r / sd,  ∂ ln p/∂cv = (r² - 1) cv f_obs² / sd².
   bool gradient(int model, std::span<const double> x, std::span<double> out) override {
     if (emulated_) return false;
     const std::size_t d = x.size();
     jacobian_.resize(gradient_prediction_.size() * d);
     if (!predictor_.differentiate(model, x, gradient_prediction_, jacobian_)) return false;
-    const double cov = data_.cov_prior ? x[0] : 0.0;
+    const double cv = data_.cv_prior ? x[0] : 0.0;
     std::ranges::fill(out, 0.0);
     for (std::size_t i = 0; i < gradient_prediction_.size(); ++i) {
       const double observed = data_.frequencies_hz[i];
       if (std::isnan(observed)) continue;
-      const double sd = noise_.sd(i, cov, 0.0);
+      const double sd = noise_.sd(i, cv, 0.0);
       const double residual = (observed - gradient_prediction_[i]) / sd;
       for (std::size_t j = 0; j < d; ++j) out[j] += residual / sd * jacobian_[i * d + j];
-      if (data_.cov_prior)
-        out[0] += (residual * residual - 1.0) * cov * (observed / sd) * (observed / sd);
+      if (data_.cv_prior)
+        out[0] += (residual * residual - 1.0) * cv * (observed / sd) * (observed / sd);
     }
     return true;
   }
@@ -240,7 +240,7 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
     kinds.push_back(std::move(component));
   }
   std::vector<inference::Parameter> common;
-  if (damage_case.data.cov_prior) common.push_back({"cov", *damage_case.data.cov_prior});
+  if (damage_case.data.cv_prior) common.push_back({"cov", *damage_case.data.cv_prior});
 
   auto out = std::make_unique<DamageProblem>(
       DamageProblem{.damage_case = damage_case,

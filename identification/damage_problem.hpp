@@ -21,7 +21,7 @@ struct DamageProblem {
   inference::Problem problem;
   inference::LikelihoodFactory fe_likelihood;  ///< of the FE solution, whatever predicts
   bool symmetric = false;  ///< the intact beam and the location priors equal their mirror images
-  int common = 0;          ///< parameters that all models have: 1 where cov is inferred
+  int common = 0;          ///< parameters that all models have: 1 where cv is inferred
 
   /// The components of a parameter vector of `model`, in the order of kinds.
   struct Component {
@@ -75,7 +75,7 @@ struct DamageProblemOptions {
 /// is
 ///
 ///   Σ over measured modes of  -½ ((f_obs - f) / sd)² - ln(sd √2π),
-///   sd² = (cov f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
+///   sd² = (cv f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
 ///
 /// the second term where an emulator predicts and its error is not switched off. Where the emulator
 /// screens only ("exact"), this likelihood with it is the problem's `screen`, and its `likelihood`

@@ -12,8 +12,8 @@ int FrequencyData::measured() const {
 
 double NoiseModel::sd_about(std::size_t mode, double frequency, double cv,
                             double emulator_variance) const {
-  const double measured = data_->cov_prior ? cv * frequency : data_->sd_hz[mode];
-  const double discrepancy = data_->discrepancy_cov * frequency;
+  const double measured = data_->cv_prior ? cv * frequency : data_->sd_hz[mode];
+  const double discrepancy = data_->discrepancy_cv * frequency;
   return std::sqrt(measured * measured + emulator_variance + discrepancy * discrepancy);
 }
 

@@ -13,12 +13,12 @@ namespace wheeltap::identification {
 /// What was measured: the lowest elastic natural frequencies.
 struct FrequencyData {
   std::vector<double> frequencies_hz;  ///< NaN where a mode was not measured
-  std::vector<double> sd_hz;           ///< empty where `cov` is inferred
-  std::optional<double> cov;           ///< coefficient of variation where the case gives a number
-  std::optional<inference::Prior> cov_prior;
-  double discrepancy_cov = 0.0;  ///< of what the beam model itself leaves out, beside the noise
-  bool simulated = false;        ///< made from the case's truth
-  std::string origin;            ///< in words, for the summary
+  std::vector<double> sd_hz;           ///< empty where `cv` is inferred
+  std::optional<double> cv;            ///< coefficient of variation where the case gives a number
+  std::optional<inference::Prior> cv_prior;
+  double discrepancy_cv = 0.0;  ///< of what the beam model itself leaves out, beside the noise
+  bool simulated = false;       ///< made from the case's truth
+  std::string origin;           ///< in words, for the summary
 
   [[nodiscard]] int modes() const { return static_cast<int>(frequencies_hz.size()); }
   [[nodiscard]] int measured() const;
@@ -35,7 +35,7 @@ class NoiseModel {
   explicit NoiseModel(const FrequencyData& data) : data_(&data) {}
 
   /// The coefficient of variation that the parameter vector holds; 0 where it is none.
-  [[nodiscard]] double cv(std::span<const double> x) const { return data_->cov_prior ? x[0] : 0.0; }
+  [[nodiscard]] double cv(std::span<const double> x) const { return data_->cv_prior ? x[0] : 0.0; }
   /// sd [Hz] of a measured mode (0-based). `emulator_variance` [Hz²].
   [[nodiscard]] double sd(std::size_t mode, double cv, double emulator_variance) const {
     return sd_about(mode, data_->frequencies_hz[mode], cv, emulator_variance);

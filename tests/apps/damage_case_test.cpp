@@ -158,12 +158,14 @@ TEST(DamageCase, NoiseAndMissingModes) {
   EXPECT_THAT(complaint(json), HasSubstr("/data/sd"));
   json["data"]["cov"] = 0.01;
   EXPECT_THAT(complaint(json), HasSubstr("either \"cov\" or \"sd\""));
-  json["data"] = Json::parse(R"({"frequencies": [13.8, 12.0], "cov": 0.01})");
+  json["data"] = Json::parse(R"({"frequencies": [13.8, 12.0], "cv": 0.01})");
   EXPECT_THAT(complaint(json), HasSubstr("/data/frequencies/1: 12.0: frequencies must increase"));
   json["data"] = Json::parse(R"({"frequencies": [13.8]})");
   EXPECT_THAT(complaint(json), HasSubstr("/data/cov: is missing"));
-  json["data"] = Json::parse(R"({"frequencies": [13.8], "cov": {"log_uniform": [1e-4, 0.1]}})");
-  EXPECT_TRUE(parsed(json).data.cov_prior);
+  json["data"] = Json::parse(R"({"frequencies": [13.8], "cv": {"log_uniform": [1e-4, 0.1]}})");
+  EXPECT_TRUE(parsed(json).data.cv_prior) << "cv is another name for cov";
+  json["data"]["cov"] = 0.01;
+  EXPECT_THAT(complaint(json), HasSubstr("under its other name"));
 }
 
 TEST(DamageCase, MoreModesThanDegreesOfFreedom) {

@@ -62,14 +62,14 @@ TEST(DamageProblem, InferredNoiseKeepsItsNormaliser) {
   const auto likelihood = p->problem.likelihood();
   const std::vector<double> observed = json["data"]["frequencies"];
   const auto f = elastic_frequencies(p->damage_case.beam, {}, 3);
-  for (const double cov : {0.002, 0.05}) {
+  for (const double cv : {0.002, 0.05}) {
     double expected = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
-      expected += log_normal_density(observed[i], f[i], cov * observed[i]);
+      expected += log_normal_density(observed[i], f[i], cv * observed[i]);
     }
-    EXPECT_NEAR(likelihood->log_likelihood(0, std::vector<double>{cov}), expected,
+    EXPECT_NEAR(likelihood->log_likelihood(0, std::vector<double>{cv}), expected,
                 1e-4 * std::abs(expected));
-    EXPECT_EQ(likelihood->noise_scale(), cov);
+    EXPECT_EQ(likelihood->noise_scale(), cv);
   }
 }
 
@@ -93,7 +93,7 @@ TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
     const auto p = problem(json);
     const auto likelihood = p->problem.likelihood();
     const int model = p->problem.space.find(std::vector<int>{2, 1, 1});
-    // [cov,] two damages, a spring, a rigid support
+    // [cv,] two damages, a spring, a rigid support
     std::vector<double> x = {0.33, 0.4, 0.71, 0.2, 0.42, 3e3, 0.87};
     if (inferred) x.insert(x.begin(), 0.02);
     const std::size_t o = inferred ? 1 : 0;
@@ -243,10 +243,10 @@ TEST(DamageProblem, DiscrepancyIsAddedToTheNoise) {
   Json json = small_case();
   json["data"]["discrepancy"] = {{"cov", 0.02}};
   const std::vector<double> observed = json["data"]["frequencies"];
-  const auto expected = [&](const std::vector<double>& f, double cov) {
+  const auto expected = [&](const std::vector<double>& f, double cv) {
     double sum = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
-      sum += log_normal_density(observed[i], f[i], std::hypot(cov, 0.02) * observed[i]);
+      sum += log_normal_density(observed[i], f[i], std::hypot(cv, 0.02) * observed[i]);
     }
     return sum;
   };

@@ -7,8 +7,8 @@
 
 namespace wheeltap::identification {
 
-/// A cantilever of 20 elements with up to `most` damages in it, of which `truth` is true: four modes
-/// without noise, taken for exact to 1 %.
+/// A cantilever of 20 elements with up to `most` damages in it, of which `truth` is true: four
+/// modes without noise, taken for exact to 1 %.
 inline DamageCase small_beam(int most, const fem::Defects& truth = {}) {
   DamageCase out;
   out.beam = {.length = 1.0,

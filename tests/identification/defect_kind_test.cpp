@@ -13,21 +13,21 @@ namespace wheeltap::identification {
 namespace {
 
 // A damage that spoils the two elements beside each other by the same share.
-const DefectType kTwin = {.name = "twin",
-                          .noun = "twin crack",
-                          .severity = "reduction",
-                          .severity_words = "stiffness lost",
-                          .percent = true,
-                          .lower = 0.0,
-                          .upper = 0.99,
-                          .bounds_words = "a reduction lies in [0, 0.99)",
-                          .unit = [](const DefectKind&) -> std::string_view { return ""; },
-                          .place =
-                              [](const DefectKind&, double location, double severity,
-                                 fem::Defects& out) {
-                                out.damages.push_back({std::max(location - 0.05, 0.0), severity});
-                                out.damages.push_back({location, severity});
-                              }};
+const DefectType kTwin = {
+    .name = "twin",
+    .noun = "twin crack",
+    .severity = "reduction",
+    .severity_words = "stiffness lost",
+    .percent = true,
+    .lower = 0.0,
+    .upper = 0.99,
+    .bounds_words = "a reduction lies in [0, 0.99)",
+    .unit = [](const DefectKind&) -> std::string_view { return ""; },
+    .place =
+        [](const DefectKind&, double location, double severity, fem::Defects& out) {
+          out.damages.push_back({std::max(location - 0.05, 0.0), severity});
+          out.damages.push_back({location, severity});
+        }};
 
 TEST(DefectKind, EveryTypeIsFoundByItsName) {
   for (const DefectType* type : defect_types()) {

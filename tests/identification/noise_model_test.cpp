@@ -13,7 +13,7 @@ FrequencyData two_of_three() {
   FrequencyData data;
   data.frequencies_hz = {10.0, std::numeric_limits<double>::quiet_NaN(), 30.0};
   data.sd_hz = {0.1, std::numeric_limits<double>::quiet_NaN(), 0.3};
-  data.discrepancy_cov = 0.02;
+  data.discrepancy_cv = 0.02;
   return data;
 }
 
@@ -48,7 +48,7 @@ TEST(NoiseModel, ReplicatesHaveTheNoiseOfTheLikelihood) {
   EXPECT_EQ(known.replicate_sd(0, 10.7, 0.0, 0.04), known.sd(0, 0.0, 0.04));
   EXPECT_TRUE(std::isnan(known.replicate_sd(1, 20.0, 0.0, 0.0))) << "nothing says how exactly";
   data.sd_hz.clear();
-  data.cov_prior = inference::LogUniform{1e-4, 1e-1};
+  data.cv_prior = inference::LogUniform{1e-4, 1e-1};
   const NoiseModel inferred(data);
   const std::vector<double> x = {0.01, 0.5};
   EXPECT_EQ(inferred.cv(x), 0.01);
