@@ -22,8 +22,8 @@ struct SpringSupport {
 };
 
 struct Defects {
-  std::vector<Damage> damages;
-  std::vector<SpringSupport> supports;
+  std::vector<Damage> damages = {};
+  std::vector<SpringSupport> supports = {};
 };
 
 }  // namespace wheeltap::fem

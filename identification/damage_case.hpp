@@ -54,14 +54,14 @@ struct EmulatorSpec {
 [[nodiscard]] EmulatorSpec::Rule rule_named(const std::string& text);
 
 struct DamageCase {
-  std::string title;
+  std::string title = {};
   bool balance = false;  ///< sample models evenly and reweight
-  fem::Beam beam;
+  fem::Beam beam = {};
   int rigid_body_modes = 0;  ///< of the intact beam; data and predictions leave them out
-  FrequencyData data;        ///< empty frequencies where it is to be simulated
-  std::optional<Simulation> simulation;
-  std::vector<DefectKind> kinds;
-  std::optional<EmulatorSpec> emulator;  ///< none: the FE solution itself
+  FrequencyData data = {};   ///< empty frequencies where it is to be simulated
+  std::optional<Simulation> simulation = {};
+  std::vector<DefectKind> kinds = {};
+  std::optional<EmulatorSpec> emulator = {};  ///< none: the FE solution itself
 
   /// Modes that predictions are needed for.
   [[nodiscard]] int modes() const {

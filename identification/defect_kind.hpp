@@ -56,14 +56,14 @@ struct DefectKind {
   };
 
   const DefectType* type = nullptr;
-  std::string name, plural;  ///< "damage", "damages"
+  std::string name = {}, plural = {};  ///< "damage", "damages"
   int min_count = 0;
   int max_count = 0;
-  std::vector<double> weights;  ///< prior of min_count … max_count, sums to 1
-  inference::Prior location;    ///< [m]
-  Severity severity;
-  bool rotation = false;    ///< a support that holds the rotation
-  std::vector<True> truth;  ///< what simulations use, by increasing location
+  std::vector<double> weights = {};  ///< prior of min_count … max_count, sums to 1
+  inference::Prior location;         ///< [m]
+  Severity severity = Rigid{};
+  bool rotation = false;         ///< a support that holds the rotation
+  std::vector<True> truth = {};  ///< what simulations use, by increasing location
 
   [[nodiscard]] const inference::Prior* severity_prior() const {
     return std::get_if<inference::Prior>(&severity);

@@ -31,12 +31,12 @@ struct ParameterFinding {
 };
 
 struct ModelFinding {
-  std::string name;
-  double prior = 0.0;       ///< probability
-  std::vector<int> counts;  ///< of each kind of component; empty where models are a list
+  std::string name = {};
+  double prior = 0.0;            ///< probability
+  std::vector<int> counts = {};  ///< of each kind of component; empty where models are a list
   int dimension = 0;
-  inference::ModelStanding standing;
-  std::vector<ParameterFinding> parameters;  ///< empty where no draw was in it
+  inference::ModelStanding standing = {};
+  std::vector<ParameterFinding> parameters = {};  ///< empty where no draw was in it
 
   [[nodiscard]] double probability() const { return standing.probability; }
   [[nodiscard]] bool drawn() const { return standing.visited > 0; }
