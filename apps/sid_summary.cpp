@@ -156,13 +156,6 @@ std::string never_visited(const SidFindings& findings, const BayesFactor& factor
   return against.drawn() ? model.name : "both";
 }
 
-std::string repeat_note(const StepsRefined& refined) {
-  return "The integrator's steps were too long for the noise of this record, so the run was "
-         "repeated with " +
-         (refined.by_series ? "Taylor series."
-                            : "a step limit of " + significant(refined.step_limit, 2) + ".");
-}
-
 Report bayes_factors_report(const SidFindings& findings) {
   Report rows = Report::array();
   for (const BayesFactor& factor : findings.bayes_factors) {

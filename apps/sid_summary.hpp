@@ -23,7 +23,4 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string never_visited(const identification::SidFindings& findings,
                                         const identification::BayesFactor& factor);
 
-/// Why a run was repeated, and with what.
-[[nodiscard]] std::string repeat_note(const identification::StepsRefined& refined);
-
 }  // namespace wheeltap::apps
