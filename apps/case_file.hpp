@@ -48,4 +48,10 @@ void validate_against_schema(const CaseFile& file, std::string_view schema_name)
 /// The prior written at `where`. Throws Failure (65) where it is improper.
 [[nodiscard]] inference::Prior parse_prior(const CaseFile& file, const Pointer& where);
 
+/// "a, b, c", or "none".
+[[nodiscard]] std::string listed(const std::vector<std::string>& names);
+
+/// A text as it is; anything else as JSON, e.g. a column's number.
+[[nodiscard]] std::string text_or_number(const Json& value);
+
 }  // namespace wheeltap::apps

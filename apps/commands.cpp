@@ -12,7 +12,7 @@
 #include "apps/damage_summary.hpp"
 #include "apps/damage_terminal.hpp"
 #include "apps/posterior_file.hpp"
-#include "apps/report/report.hpp"
+#include "apps/run_files.hpp"
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/terminal.hpp"
@@ -64,12 +64,6 @@ std::optional<std::string> finished_run(const std::filesystem::path& directory,
                     !summary["diagnostics"].value("stopped_early", true);
   if (!same) return {};
   return std::string(std::istreambuf_iterator<char>(text), {});
-}
-
-void print_where(const std::filesystem::path& directory) {
-  std::cout << "Results: " << (directory / "summary.json").string() << " (numbers), "
-            << (directory / "posterior.nc").string() << " (every draw), "
-            << (directory / "report.html").string() << " (pictures)\n";
 }
 
 }  // namespace
@@ -265,20 +259,16 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   const auto log = make_log(common.quiet);
   const DamageCaseFile parsed = parse_damage_case(read_case(common.case_path, common.overrides));
   const std::uint64_t seed = common.seed.value_or(1);
-  make_output_folder(common.output);
   if (common.resume) {
     if (const auto text = finished_run(common.output, parsed.file.json, seed, options)) {
       log->info("{} holds a finished run of this case; nothing is run again.",
                 common.output.string());
       std::cout << *text;
-      print_where(common.output);
+      print_results(common.output, true);  // what else there is to say stands in the text
       return;
     }
   }
-  // Reserve the names first: a run that cannot be kept should not start.
-  io::AtomicFile posterior_file(common.output / "posterior.nc");
-  io::AtomicFile summary_file(common.output / "summary.json");
-
+  RunFiles files(common.output);
   ProgressBar bar(common.quiet);
   const auto problem = explained(parsed, [&] {
     return make_damage_problem(
@@ -295,14 +285,7 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
                    colour_wanted(), false);
   }
 
-  inference::Options engine;
-  engine.seed = seed;
-  engine.chains = options.chains;
-  engine.threads = common.threads;
-  engine.warmup = options.warmup;
-  engine.draws = options.draws;
-  engine.prior_only = options.prior_only;
-  engine.searches = options.searches;
+  inference::Options engine = engine_options(common, options);
   engine.balance = problem->damage_case.balance;
   const inference::Posterior posterior =
       run_engine(problem->problem, engine, common.case_path, common.quiet);
@@ -315,17 +298,10 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   summary["wheeltap"]["options"] = options_report(options);
   std::ostringstream text;
   print_damage(text, parsed, findings, false);
-  write_posterior_file(posterior_file.temporary(), parsed, *problem, posterior, seed);
-  write_text(summary_file, summary.dump(1) + "\n");
-  posterior_file.commit();
-  summary_file.commit();
-  write_text(common.output / "summary.txt", text.str());
-  write_report(common.output);
+  write_posterior_file(files.posterior(), parsed, *problem, posterior, seed);
+  files.keep(summary, text.str());
   print_damage(std::cout, parsed, findings, colour_wanted());
-  print_where(common.output);
-  if (!findings.sampling.verdict.converged) {
-    std::cout << "NOT CONVERGED: do not trust these numbers yet.\n";
-  }
+  print_results(common.output, findings.sampling.verdict.converged);
 }
 
 void run_simulate(const CommonOptions& common) {

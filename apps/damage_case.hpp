@@ -2,13 +2,12 @@
 // types.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "apps/case_file.hpp"
+#include "apps/explained.hpp"
 #include "identification/damage_case.hpp"
-#include "identification/invalid_input.hpp"
 
 namespace wheeltap::apps {
 
@@ -30,15 +29,5 @@ enum class Needs {
 
 /// Reads, checks and parses. Throws Failure.
 [[nodiscard]] DamageCaseFile parse_damage_case(CaseFile file, Needs needs = Needs::data);
-
-/// work(), what the library complains about becoming a complaint about the case.
-template <class Work>
-auto explained(const DamageCaseFile& damage_case, const Work& work) {
-  try {
-    return work();
-  } catch (const identification::InvalidInput& error) {
-    damage_case.refuse(error);
-  }
-}
 
 }  // namespace wheeltap::apps

@@ -10,6 +10,7 @@
 #include "apps/running.hpp"
 #include "apps/schema_texts.hpp"
 #include "apps/sid_case.hpp"
+#include "identification/sid_simulation.hpp"
 #include "apps/starter_texts.hpp"
 #include "apps/summary.hpp"
 
@@ -169,11 +170,12 @@ void run_init(const std::string& kind, const fs::path& folder) {
     file.json["record"].erase("file");
     std::erase_if(file.json["record"]["channels"].get_ref<Json::array_t&>(),
                   [](const Json& channel) { return channel["role"] == "time"; });
-    const SidCase sid_case = parse_sid_case(std::move(file), SidNeeds::models);
+    const SidCaseFile truth_case = parse_sid_case(std::move(file), SidNeeds::truth);
     files.push_back(
         {(folder / record).lexically_normal(),
-         record_csv(simulate_record(sid_case, sid_case.truth->seed),
-                    "simulated by wheeltap init " + kind + ": put your own record here")});
+         signals::record_csv(
+             identification::simulate_record(truth_case.sid, truth_case.sid.truth->seed),
+             "simulated by wheeltap init " + kind + ": put your own record here")});
   }
   for (const File& file : files) {
     std::error_code ignored;

@@ -5,8 +5,13 @@
 
 #include "apps/posterior_file.hpp"
 #include "base/random.hpp"
+#include "identification/estimate.hpp"
+#include "identification/sid_fit.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 std::string netcdf_name(std::string name) {
@@ -73,8 +78,14 @@ void write_excitation(const io::NetcdfWriter& file, const SidCase& sid_case, std
 
 }  // namespace
 
-void write_sid_posterior_file(const std::filesystem::path& path, const SidProblem& problem,
-                              const inference::Posterior& posterior,
+std::string sid_variable(const std::string& parameter) {
+  std::string name = netcdf_name(parameter);
+  if (name == "model" || name == "chain" || name == "draw") name += "_";
+  return name;
+}
+
+void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFile& parsed,
+                              const SidProblem& problem, const inference::Posterior& posterior,
                               const SidPredictive& predictive, std::uint64_t seed) {
   const SidCase& sid_case = problem.sid_case;
   const auto& space = *posterior.space;
@@ -91,7 +102,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidProble
   io::NetcdfWriter file(path);
   file.about(WHEELTAP_VERSION);
   file.text(file.root(), NC_GLOBAL, "title", sid_case.title);
-  file.text(file.root(), NC_GLOBAL, "case", sid_case.file.json.dump());
+  file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
   {
     const int group = file.group("posterior");
     const int chain = file.dimension(group, "chain", chains, 0);
@@ -116,9 +127,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidProble
                                   : c.theta[i * width + static_cast<std::size_t>(at)]);
         }
       }
-      std::string name = netcdf_name(space.parameters()[p].name);
-      if (name == "model" || name == "chain" || name == "draw") name += "_";
-      file.put(group, name, {chain, draw}, values);
+      file.put(group, sid_variable(space.parameters()[p].name), {chain, draw}, values);
     }
   }
   write_sample_stats(file, posterior, model_of_draw);

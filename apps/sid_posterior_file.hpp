@@ -2,22 +2,28 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
-#include "apps/sid_summary.hpp"
+#include "apps/sid_case.hpp"
+#include "identification/sid_predictive.hpp"
 
 namespace wheeltap::apps {
+
+/// The variable of the group `posterior` that holds a parameter: its name, with "_" for what NetCDF
+/// forbids.
+[[nodiscard]] std::string sid_variable(const std::string& parameter);
 
 /// Writes a NetCDF-4 file with the groups
 ///   posterior             one variable a parameter (chain, draw), NaN where the model has none;
 ///                         model, the model's number
 ///   sample_stats          as in posterior_file.hpp
 ///   posterior_predictive  one variable a response (chain, draw, sample), noise of `seed` added;
-///   its
-///                         draws are those of `predictive`, numbered in draw_index
+///                         its draws are those of `predictive`, numbered in draw_index
 ///   observed_data         one variable a response (sample) [SI], and time [s]
-/// A name's characters that NetCDF forbids become "_". Throws io::FileError.
-void write_sid_posterior_file(const std::filesystem::path& path, const SidProblem& problem,
+/// Throws io::FileError.
+void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFile& parsed,
+                              const identification::SidProblem& problem,
                               const inference::Posterior& posterior,
-                              const SidPredictive& predictive, std::uint64_t seed);
+                              const identification::SidPredictive& predictive, std::uint64_t seed);
 
 }  // namespace wheeltap::apps

@@ -1,55 +1,26 @@
-// What a system-identification run found: which model, with what parameters, and how well it
-// explains the record.
+// summary.json of a system-identification run.
 #pragma once
 
-#include <optional>
-
-#include "apps/evidence.hpp"
-#include "apps/sid_problem.hpp"
+#include "apps/sid_case.hpp"
 #include "apps/summary.hpp"
+#include "identification/sid_findings.hpp"
 
 namespace wheeltap::apps {
 
-/// Residuals [SI] of draws spread evenly over the run, for predictive checks.
-struct SidPredictive {
-  struct Draw {
-    std::size_t chain = 0, draw = 0;
-    std::vector<float> residuals;  ///< channel by channel, scored samples only
-    std::vector<double> noise;     ///< sd, one a channel
-  };
-  std::vector<Draw> draws;
-};
+/// The whole of summary.json. `problem` is the one that was run: its case has the steps that were
+/// used.
+[[nodiscard]] Report sid_summary(const SidCaseFile& parsed,
+                                 const identification::SidProblem& problem,
+                                 const identification::SidFindings& findings, const RunInfo& info);
 
-/// At most `draws` of them, fewer for long records; in proportion to what they count where models
-/// were balanced, so that all of them count the same.
-[[nodiscard]] SidPredictive predict(const SidProblem& problem,
-                                    const inference::Posterior& posterior, int draws = 200);
+/// [{"model", "against", "log_bayes_factor", "mcse", "basis", "never_visited"}, …].
+[[nodiscard]] Report bayes_factors_report(const identification::SidFindings& findings);
 
-/// The scored samples of a response channel in SI units, under these parameters of the case.
-[[nodiscard]] std::vector<double> observed(const SidProblem& problem, std::size_t response,
-                                           std::span<const double> theta);
+/// {model: [{"channel", "mass", "mse", …}, …], …}, at the means of the models' parameters.
+[[nodiscard]] Report fits_report(const identification::SidFindings& findings);
 
-/// Parameters of the case at the posterior mean of a visited model.
-[[nodiscard]] std::vector<double> posterior_mean(const SidProblem& problem,
-                                                 const inference::Posterior& posterior, int model);
-
-/// What the length of the integrator's steps does to the response of a visited model's best draw,
-/// beside the noise:
-///
-///   ‖(r - r') / σ‖,  r' the residuals with steps a quarter as long,
-///
-/// over all samples and channels, freed of their autoregression where the model has one. To first
-/// order no parameter is off by more than so many of its standard deviations. None where the
-/// solution is exact or the finer steps would be too many.
-[[nodiscard]] std::optional<double> step_error(const SidProblem& problem,
-                                               const inference::Posterior& posterior, int model);
-/// That a run may have before it says so.
-inline constexpr double kLargestStepError = 0.3;
-
-/// The whole of summary.json. `posterior` must have at least 4 draws a chain, all chains the same.
-[[nodiscard]] Report summarise_sid(const SidProblem& problem, const inference::Posterior& posterior,
-                                   const SidPredictive& predictive,
-                                   const std::vector<MethodEvidence>& evidence,
-                                   const RunInfo& info);
+/// Which of the two models no draw was in: a name, "both", or "".
+[[nodiscard]] std::string never_visited(const identification::SidFindings& findings,
+                                        const identification::BayesFactor& factor);
 
 }  // namespace wheeltap::apps

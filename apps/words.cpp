@@ -296,6 +296,13 @@ std::string sentence(const Remark& remark, const Context& context) {
   return std::visit(Speaker(context), remark);
 }
 
+std::string repeat_note(const StepsRefined& refined) {
+  return "The integrator's steps were too long for the noise of this record, so the run was "
+         "repeated with " +
+         (refined.by_series ? "Taylor series."
+                            : "a step limit of " + significant(refined.step_limit, 2) + ".");
+}
+
 std::vector<std::string> warnings(const Findings& findings, const Context& context,
                                   const std::vector<std::string>& of_case) {
   std::vector<std::string> out = findings.sampling.verdict.not_established;

@@ -7,6 +7,7 @@
 #include "base/number.hpp"
 #include "identification/damage_findings.hpp"
 #include "identification/findings.hpp"
+#include "identification/sid_run.hpp"
 
 namespace wheeltap::apps {
 
@@ -44,6 +45,9 @@ struct Context {
   std::vector<std::string> kinds = {};  ///< where the case has them: "damage", "damage.1"
 };
 [[nodiscard]] std::string sentence(const identification::Remark& remark, const Context& context);
+
+/// Why a system identification was repeated, and with what.
+[[nodiscard]] std::string repeat_note(const identification::StepsRefined& refined);
 
 /// What frequencies of a symmetric beam cannot tell.
 [[nodiscard]] std::string symmetry_statement(bool emulated);

@@ -18,7 +18,13 @@ class InvalidInput : public std::invalid_argument {
     location,  ///< prior of kind `index`
     severity,  ///< prior of kind `index`
     models,
-    model  ///< `index`
+    model,       ///< `index`
+    channel,     ///< `index`
+    excitation,  ///< `index` of the truth's
+    sample_rate,
+    samples,  ///< the window of the record
+    lead_in,
+    initial
   };
   InvalidInput(Part part, const std::string& message, int index = 0)
       : std::invalid_argument(message), part_(part), index_(index) {}

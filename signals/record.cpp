@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -363,6 +364,23 @@ std::vector<double> window(const Record& record, int column, int begin, int end)
                       std::to_string(column + 1) + " ('" + source.header +
                       "'): not a finite number");
   return values;
+}
+
+std::string record_csv(const Record& record, const std::string& comment) {
+  std::string text = "# " + comment + "\n";
+  for (std::size_t c = 0; c < record.columns.size(); ++c) {
+    text += (c > 0 ? "," : "") + record.columns[c].header;
+  }
+  text += '\n';
+  char cell[40];
+  for (std::size_t n = 0; n < record.columns[0].values.size(); ++n) {
+    for (std::size_t c = 0; c < record.columns.size(); ++c) {
+      std::snprintf(cell, sizeof cell, "%s%.10g", c > 0 ? "," : "", record.columns[c].values[n]);
+      text += cell;
+    }
+    text += '\n';
+  }
+  return text;
 }
 
 }  // namespace wheeltap::signals

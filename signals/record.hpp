@@ -75,4 +75,7 @@ struct Record {
 /// record, or holds a value that is not finite (naming its line).
 [[nodiscard]] std::vector<double> window(const Record& record, int column, int begin, int end);
 
+/// A record as CSV text, ten digits a number, after a line of comment and one of headers.
+[[nodiscard]] std::string record_csv(const Record& record, const std::string& comment);
+
 }  // namespace wheeltap::signals

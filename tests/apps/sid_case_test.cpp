@@ -2,10 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include "identification/sid_simulation.hpp"
 #include "sid_cases.hpp"
 #include "signals/excitation.hpp"
 
 namespace wheeltap::apps {
+
+using namespace identification;
+
 namespace {
 
 using nlohmann::json;
@@ -41,23 +45,37 @@ TEST(SidCase, EveryShippedCaseParsesAndSimulates) {
        std::filesystem::directory_iterator(std::filesystem::path(WHEELTAP_DATA) / "sid")) {
     if (entry.path().extension() != ".json") continue;
     ++cases;
-    const SidCase sid_case = parse_sid_case(read_case(entry.path()));
-    EXPECT_TRUE(sid_case.simulated) << entry.path();
-    EXPECT_GT(sid_case.end, 0) << entry.path();
-    EXPECT_FALSE(sid_case.notes.empty()) << entry.path();
+    const SidCaseFile parsed = parse_sid_case(read_case(entry.path()));
+    EXPECT_TRUE(parsed.sid.simulated) << entry.path();
+    EXPECT_GT(parsed.sid.end, 0) << entry.path();
+    EXPECT_FALSE(parsed.notes.empty()) << entry.path();
   }
   EXPECT_GE(cases, 20);
 }
 
 TEST(SidCase, ParametersBelongToTheModelsThatUseThem) {
   const Workspace where;
-  const SidCase c = parse_sid(where, small_sid_case());
+  const SidCase c = parse_sid(where, small_sid_case()).sid;
   ASSERT_EQ(c.parameters.size(), 2U);
   EXPECT_EQ(c.models[0].parameters, std::vector<int>{0});
   EXPECT_EQ(c.models[1].parameters, (std::vector<int>{0, 1}));
   EXPECT_EQ(c.responses().size(), 1U);
   EXPECT_DOUBLE_EQ(c.sample_rate_hz, 100.0);
   EXPECT_EQ(c.end - c.begin, 200);
+}
+
+// An initial state that is inferred adds parameters of its own, as do autocorrelations.
+TEST(SidCase, InferredStatesAndCorrelationsAreParameters) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["residuals"] = {{"ar", 1}};
+  c["record"]["initial"] = "inferred";
+  const SidCase parsed = parse_sid(where, c).sid;
+  std::vector<std::string> names;
+  for (const int p : parsed.models[0].parameters) {
+    names.push_back(parsed.parameters[static_cast<std::size_t>(p)].name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"k", "ar[1]", "y0[1]", "v0[1]"}));
 }
 
 TEST(SidCase, TheSchemaKnowsEveryLaw) {
@@ -139,10 +157,10 @@ TEST(SidCase, ASimulatedRecordReadBackIsTheRecordInMemory) {
   json c = small_sid_case();
   c["record"]["channels"][1]["scale"] = 0.001;  // recorded in mm
   c["record"]["channels"][1]["offset"] = 0.2;
-  const SidCase in_memory = parse_sid(where, c);
-  where.write("record.csv", record_csv(simulate_record(in_memory, 1), "simulated"));
+  const SidCase in_memory = parse_sid(where, c).sid;
+  where.write("record.csv", signals::record_csv(simulate_record(in_memory, 1), "simulated"));
   c["record"]["file"] = "record.csv";
-  const SidCase from_disk = parse_sid(where, c);
+  const SidCase from_disk = parse_sid(where, c).sid;
   EXPECT_FALSE(from_disk.simulated);
   for (std::size_t i = 0; i < 2; ++i) {
     const auto& a = in_memory.channels[i].signal.samples;
@@ -157,11 +175,11 @@ TEST(SidCase, ASimulatedRecordReadBackIsTheRecordInMemory) {
 
 TEST(SidCase, WindowsAndLeadInsCutTheRecord) {
   const Workspace where;
-  const SidCase whole = parse_sid(where, small_sid_case());
+  const SidCase whole = parse_sid(where, small_sid_case()).sid;
   json c = small_sid_case();
   c["record"]["samples"] = {50, 120};
   c["record"]["lead_in"] = 20;
-  const SidCase part = parse_sid(where, c);
+  const SidCase part = parse_sid(where, c).sid;
   ASSERT_EQ(part.channels[1].signal.samples.size(), 90U);
   EXPECT_EQ(part.channels[1].signal.samples[0], whole.channels[1].signal.samples[30]);
   EXPECT_EQ(part.channels[1].signal.samples[89], whole.channels[1].signal.samples[119]);
@@ -179,22 +197,22 @@ TEST(SidCase, ComparesTheWindowWithTheRecord) {
     text += std::to_string(0.01 * static_cast<double>(n)) + ',' + value + ',' + value + '\n';
   }
   static_cast<void>(where.write("record.csv", text));
-  const auto told = [](const SidCase& c) {
+  const auto told = [](const SidCaseFile& c) {
     return std::ranges::any_of(c.warnings, [](const std::string& w) {
       return w.find("not like the rest") != std::string::npos;
     });
   };
   json c = from_file("record.csv");
   c["record"]["samples"] = {1000, 2000};
-  const SidCase typical = parse_sid(where, c);
-  ASSERT_TRUE(typical.channels[0].window.has_value());
+  const SidCaseFile typical = parse_sid(where, c);
+  ASSERT_TRUE(typical.sid.channels[0].window.has_value());
   EXPECT_FALSE(told(typical));
   c["record"]["samples"] = {3000, 4000};
-  const SidCase quiet = parse_sid(where, c);
-  EXPECT_LT(quiet.channels[0].window->power_ratio, 0.05);
+  const SidCaseFile quiet = parse_sid(where, c);
+  EXPECT_LT(quiet.sid.channels[0].window->power_ratio, 0.05);
   EXPECT_TRUE(told(quiet));
   c["record"].erase("samples");
-  EXPECT_FALSE(parse_sid(where, c).channels[0].window.has_value());
+  EXPECT_FALSE(parse_sid(where, c).sid.channels[0].window.has_value());
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/sid_problem.hpp"
+#include "apps/sid_case.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {
@@ -27,12 +27,8 @@ inline nlohmann::json small_sid_case() {
   })");
 }
 
-inline SidCase parse_sid(const Workspace& where, const nlohmann::json& json) {
+inline SidCaseFile parse_sid(const Workspace& where, const nlohmann::json& json) {
   return parse_sid_case(read_case(where.write_json("case.json", json)));
-}
-
-inline double log_likelihood(const SidProblem& problem, int model, const std::vector<double>& x) {
-  return problem.problem.likelihood()->log_likelihood(model, x);
 }
 
 }  // namespace wheeltap::apps

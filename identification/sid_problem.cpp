@@ -1,11 +1,12 @@
-#include "apps/sid_problem.hpp"
+#include "identification/sid_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "identification/invalid_input.hpp"
 #include "signals/residuals.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::identification {
 namespace {
 
 using dynamics::Misfit;
@@ -207,19 +208,19 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
       parameters.push_back(sid_case.parameters[p]);
     }
   }
-  const CaseFile& file = sid_case.file;
   const auto space = [&] {
     try {
       return inference::ModelSpace::of_models(parameters, listed);
     } catch (const std::invalid_argument& error) {
-      file.refuse(Pointer("/models"), error.what());
+      throw InvalidInput(InvalidInput::Part::models, error.what());
     }
   };
   auto out = std::make_unique<SidProblem>(SidProblem{
       .sid_case = sid_case, .misfits = {}, .problem = {.space = space(), .likelihood = {}}});
   std::vector<dynamics::Signal> observed;
   for (const SidChannel* channel : sid_case.responses()) observed.push_back(channel->signal);
-  for (const SidModel& model : sid_case.models) {
+  for (std::size_t m = 0; m < sid_case.models.size(); ++m) {
+    const SidModel& model = sid_case.models[m];
     dynamics::SimulatorOptions options = sid_case.integration;
     options.extension = measured_extensions(sid_case, model.chain);
     try {
@@ -227,7 +228,7 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
                                                     sid_case.sensors(), model.initial, options),
                                 observed, sid_case.lead_in);
     } catch (const std::invalid_argument& error) {
-      file.refuse(model.where, error.what());
+      throw InvalidInput(InvalidInput::Part::model, error.what(), static_cast<int>(m));
     }
   }
   out->problem.likelihood = [problem = out.get()] {
@@ -243,4 +244,4 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
   return out;
 }
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::identification

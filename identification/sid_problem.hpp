@@ -1,12 +1,12 @@
-// From a system-identification case to a problem for the engine.
+// From what is asked of chains of masses to a problem for the engine.
 #pragma once
 
 #include <memory>
 
-#include "apps/sid_case.hpp"
+#include "identification/sid_case.hpp"
 #include "inference/target.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::identification {
 
 /// All that a run needs, kept together because the problem's likelihood refers to it.
 struct SidProblem {
@@ -24,8 +24,8 @@ struct SidProblem {
 ///   Σ over channels c of  ln p(r_c | σ_c, π_c) + N ln |scale_c|,
 ///
 /// r_c the N scored residuals of the channel in SI units, white and Gaussian or autoregressive with
-/// the partial autocorrelations π_c (dynamics/residuals.hpp); the last term, the density of the raw
-/// samples, only where the scale is a parameter. Throws Failure.
+/// the partial autocorrelations π_c (signals/residuals.hpp); the last term, the density of the raw
+/// samples, only where the scale is a parameter. Throws InvalidInput (models, model).
 [[nodiscard]] std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case);
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::identification

@@ -1,14 +1,14 @@
-#include "apps/sid_links.hpp"
+#include "identification/link_laws.hpp"
 
 #include <algorithm>
 
-#include "apps/sid_summary.hpp"
 #include "dynamics/link_tension.hpp"
+#include "identification/estimate.hpp"
+#include "identification/sid_fit.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::identification {
 namespace {
 
-constexpr double kWorthTelling = 0.05;  // models with less probability are not drawn
 constexpr std::size_t kMostDraws = 400;
 constexpr int kPoints = 41;
 
@@ -49,10 +49,11 @@ Eigen::MatrixXd displacements(const SidProblem& problem, int model,
       .values;
 }
 
-Report curve(const dynamics::Link& link, const std::vector<std::vector<double>>& draws,
-             const Eigen::VectorXd& extension) {
+LinkCurve curve(const dynamics::Link& link, const std::vector<std::vector<double>>& draws,
+                const Eigen::VectorXd& extension) {
   const double low = extension.minCoeff(), high = extension.maxCoeff();
-  Report x = Report::array(), lower = x, middle = x, upper = x;
+  LinkCurve out;
+  out.a = link.a, out.b = link.b;
   std::vector<double> tension(draws.size());
   for (int i = 0; i < kPoints; ++i) {
     const double e = low + (high - low) * i / (kPoints - 1);
@@ -60,41 +61,31 @@ Report curve(const dynamics::Link& link, const std::vector<std::vector<double>>&
       return dynamics::resting_tension(link, theta, e);
     });
     std::ranges::sort(tension);
-    x.push_back(e);
-    lower.push_back(quantile(tension, 0.025));
-    middle.push_back(quantile(tension, 0.5));
-    upper.push_back(quantile(tension, 0.975));
-  }
-  return {{"between", {link.a, link.b}},
-          {"extension", x},
-          {"tension", {{"q2.5", lower}, {"q50", middle}, {"q97.5", upper}}}};
-}
-
-}  // namespace
-
-Report link_laws(const SidProblem& problem, const inference::Posterior& posterior,
-                 const Report& models) {
-  Report out = Report::object();
-  for (int m = 0; m < problem.problem.space.size(); ++m) {
-    if (models[static_cast<std::size_t>(m)]["probability"].get<double>() < kWorthTelling ||
-        models[static_cast<std::size_t>(m)]["visited"] == 0) {
-      continue;
-    }
-    const Eigen::MatrixXd z = displacements(problem, m, posterior_mean(problem, posterior, m));
-    if (z.rows() == 0) continue;
-    const auto draws = draws_of(problem, posterior, m);
-    const auto mass = [&](int i) -> Eigen::VectorXd {
-      return i == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(z.rows()))
-                    : Eigen::VectorXd(z.col(i - 1));
-    };
-    Report links = Report::array();
-    for (const auto& link : problem.sid_case.models[static_cast<std::size_t>(m)].chain.links) {
-      const Eigen::VectorXd e = mass(link.b) - mass(link.a);
-      if (e.maxCoeff() > e.minCoeff()) links.push_back(curve(link, draws, e));
-    }
-    out[problem.problem.space[m].name] = std::move(links);
+    out.extension.push_back(e);
+    out.q2_5.push_back(quantile(tension, 0.025));
+    out.q50.push_back(quantile(tension, 0.5));
+    out.q97_5.push_back(quantile(tension, 0.975));
   }
   return out;
 }
 
-}  // namespace wheeltap::apps
+}  // namespace
+
+std::optional<std::vector<LinkCurve>> link_laws(const SidProblem& problem,
+                                                const inference::Posterior& posterior, int model) {
+  const Eigen::MatrixXd z = displacements(problem, model, posterior_mean(problem, posterior, model));
+  if (z.rows() == 0) return {};
+  const auto draws = draws_of(problem, posterior, model);
+  const auto mass = [&](int i) -> Eigen::VectorXd {
+    return i == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(z.rows()))
+                  : Eigen::VectorXd(z.col(i - 1));
+  };
+  std::vector<LinkCurve> out;
+  for (const auto& link : problem.sid_case.models[static_cast<std::size_t>(model)].chain.links) {
+    const Eigen::VectorXd e = mass(link.b) - mass(link.a);
+    if (e.maxCoeff() > e.minCoeff()) out.push_back(curve(link, draws, e));
+  }
+  return out;
+}
+
+}  // namespace wheeltap::identification

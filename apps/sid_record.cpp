@@ -1,0 +1,119 @@
+#include "apps/sid_record.hpp"
+
+#include <cmath>
+#include <set>
+
+#include "identification/sid_record.hpp"
+#include "identification/sid_simulation.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+using Role = SidChannel::Role;
+
+constexpr double kWorthWarning = 0.05;  // of an excitation's amplitude
+
+RecordUse parse_use(const CaseFile& file) {
+  const Json& r = file.json["record"];
+  RecordUse use;
+  if (r.contains("sample_rate")) use.sample_rate_hz = r["sample_rate"].get<double>();
+  if (r.contains("samples")) use.samples = {r["samples"][0], r["samples"][1]};
+  use.lead_in = r.value("lead_in", 0);
+  use.band_limited = r.value("between_samples", "linear") == "band-limited";
+  if (r.contains("upsample")) {
+    if (!use.band_limited) {
+      file.refuse(Pointer("/record/upsample"), "goes with \"between_samples\": \"band-limited\"");
+    }
+    use.upsample = r["upsample"].get<int>();
+  }
+  return use;
+}
+
+void warn_of_window(SidCaseFile& parsed, const SidChannel& channel) {
+  if (!channel.window || !is_peculiar(*channel.window)) return;
+  const auto decibel = [](double x) { return std::to_string(std::lround(x)) + " dB"; };
+  parsed.warnings.push_back("The window is not like the rest of the record: the spectrum of \"" +
+                            channel.column + "\" differs by " +
+                            decibel(channel.window->difference_db) + " (scatter alone gives " +
+                            decibel(channel.window->expected_db) +
+                            "). What is found holds for the window; try another, or a longer one.");
+}
+
+void warn_of_interpolation(SidCaseFile& parsed) {
+  if (parsed.sid.simulated || parsed.sid.stride > 1) return;
+  const InterpolationLoss worst = interpolation_loss(parsed.sid);
+  if (worst.share < kWorthWarning) return;
+  parsed.warnings.push_back(
+      "The excitation \"" + worst.channel->column + "\" is taken as linear between its samples; " +
+      "if it was measured behind an anti-alias filter this loses " +
+      std::to_string(std::lround(100.0 * worst.share)) +
+      " % of its amplitude. Then set \"between_samples\": \"band-limited\" in the record.");
+}
+
+void warn_of_units(SidCaseFile& parsed) {
+  static const std::set<std::string> si = {"",      "1",      "N",      "m",     "m/s",
+                                           "m/s^2", "m/s2",   "m/s²",   "s",     "ms^-2",
+                                           "m/s/s", "m s^-2", "m.s^-2", "m/s**2"};
+  for (std::size_t i = 0; i < parsed.sid.channels.size(); ++i) {
+    const SidChannel& channel = parsed.sid.channels[i];
+    if ((channel.is_excitation() || channel.role == Role::response) && !si.contains(channel.unit) &&
+        !parsed.file.json.contains(parsed.channels[i] / "scale")) {
+      parsed.warnings.push_back("Channel \"" + channel.column + "\" is in " + channel.unit +
+                                " and has no \"scale\": its numbers are used as they are, as if "
+                                "they were SI units.");
+    }
+  }
+}
+
+}  // namespace
+
+signals::Record read_record(const CaseFile& file, const Pointer& where) {
+  const auto path = file.resolve(file.json.at(where).get<std::string>());
+  try {
+    return signals::read_record(path);
+  } catch (const signals::FileError& error) {
+    throw Failure(Exit::no_input, error.what());
+  } catch (const signals::DataError& error) {
+    throw Failure(Exit::bad_input, error.what());
+  }
+}
+
+void load_record(SidCaseFile& parsed) {
+  const CaseFile& file = parsed.file;
+  const Json& r = file.json["record"];
+  SidCase& out = parsed.sid;
+  signals::Record record;
+  if (r.contains("file")) {
+    record = read_record(file, Pointer("/record/file"));
+    out.origin = "measured, " + r["file"].get<std::string>();
+  } else if (out.truth) {
+    record = explained(parsed, [&] { return simulate_record(out, out.truth->seed); });
+    record.file = file.path.string() + " (truth)";
+    out.simulated = true;
+    out.origin = "simulated from the case's truth, seed " + std::to_string(out.truth->seed);
+  } else {
+    file.refuse(Pointer("/record/file"),
+                "is missing: give a record, or a \"truth\" to simulate it from");
+  }
+  const RecordUse use = parse_use(file);
+  explained(parsed, [&] {
+    try {
+      take_record(out, record, use);
+    } catch (const signals::DataError& error) {
+      throw Failure(Exit::bad_input, error.what());
+    }
+  });
+  for (const SidChannel& channel : out.channels) warn_of_window(parsed, channel);
+  warn_of_interpolation(parsed);
+  warn_of_units(parsed);
+  if (r.value("initial", Json("rest")) == "inferred") {
+    explained(parsed, [&] {
+      for (SidModel& model : out.models) infer_initial(out, model);
+    });
+  }
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,16 @@
+// The record that a system-identification case names, or simulates.
+#pragma once
+
+#include "apps/sid_case.hpp"
+#include "signals/record.hpp"
+
+namespace wheeltap::apps {
+
+/// The record whose path stands at `where`. Throws Failure.
+[[nodiscard]] signals::Record read_record(const CaseFile& file, const Pointer& where);
+
+/// Reads the record, or simulates it, and puts it into the case, its initial states where they are
+/// to be inferred, and what it makes one doubt. Throws Failure.
+void load_record(SidCaseFile& parsed);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,157 @@
+#include "apps/sid_sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "apps/report/answer.hpp"
+#include "apps/report/report.hpp"
+#include "apps/running.hpp"
+#include "apps/sid_command.hpp"
+#include "apps/sid_summary.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+/// A line of the table, with what heads it.
+struct Row {
+  std::vector<std::string> header, cells;
+
+  void add(const std::string& name, const std::string& cell) {
+    header.push_back(name);
+    cells.push_back(cell);
+  }
+};
+
+std::string line(const std::vector<std::string>& list) {
+  std::string text;
+  for (const auto& cell : list) text += (text.empty() ? "" : ",") + cell;
+  return text + "\n";
+}
+
+std::string csv_number(double x, int digits = 8) {
+  return std::isfinite(x) ? significant(x, digits) : "";
+}
+
+Row table_row(const std::string& value, const SidFindings& findings) {
+  Row row;
+  row.add("value", value);
+  for (const ModelFinding& m : findings.models) {
+    const bool known = std::isfinite(m.standing.mcse);
+    row.add("P(" + m.name + ")", known ? csv_number(m.probability()) : "");
+    row.add("mcse", csv_number(m.standing.mcse));
+    row.add("basis", m.standing.basis == inference::Basis::draws ? "draws" : "evidence");
+  }
+  for (const BayesFactor& b : findings.bayes_factors) {
+    row.add("ln B(" + findings.models[static_cast<std::size_t>(b.model)].name + ":" +
+                findings.models[static_cast<std::size_t>(b.against)].name + ")",
+            b.log ? csv_number(*b.log) : "");
+    row.add("mcse", csv_number(b.error));
+  }
+  for (const EvidenceFinding& by : findings.evidence) {
+    const inference::Evidence& first = by.evidences[0];
+    for (std::size_t m = 1; m < by.evidences.size(); ++m) {
+      const inference::Evidence& e = by.evidences[m];
+      row.add(method_name(by.method) + " ln B(" + findings.models[m].name + ")",
+              csv_number(e.log_evidence - first.log_evidence));
+      row.add("se", csv_number(std::hypot(e.standard_error, first.standard_error), 4));
+    }
+  }
+  row.add("converged", findings.sampling.verdict.converged ? "1" : "0");
+  return row;
+}
+
+Report summary_row(const Json& value, const SidCaseFile& parsed, const SidFindings& findings) {
+  const Report diagnosed = diagnostics(findings, warnings(findings, {}, parsed.warnings));
+  Report row = {{"value", Report::parse(value.dump())},
+                {"models", model_table(findings)},
+                {"log_bayes_factors", bayes_factors_report(findings)},
+                {"parameters", parameter_tables(findings)},
+                {"fit", fits_report(findings)},
+                {"converged", diagnosed["converged"]},
+                {"not_established", diagnosed["not_established"]},
+                {"resolution", diagnosed["resolution"]},
+                {"warnings", diagnosed["warnings"]},
+                {"cost", cost(findings.sampling)}};
+  if (!findings.evidence.empty()) row["evidence"] = evidence_report(findings);
+  return row;
+}
+
+/// What the line above does not say.
+void print_remarks(const SidFindings& findings) {
+  const auto& open = findings.sampling.verdict.not_established;
+  for (const std::string& sentence : open) std::cout << "# " << sentence << '\n';
+  for (const ModelFinding& m : findings.models) {
+    const std::string told = told_by_evidence(m);
+    // A reason that names the model says as much. (To be told by the reason's type.)
+    const bool said = std::ranges::any_of(open, [&](const std::string& sentence) {
+      return sentence.find("'" + m.name + "'") != std::string::npos;
+    });
+    if (!told.empty() && !said) std::cout << "# " << m.name << ": " << told << '\n';
+  }
+  std::cout << std::flush;
+}
+
+}  // namespace
+
+void sweep_sid(const CaseFile& file, const CommonOptions& common, const SamplingOptions& options,
+               spdlog::logger& log) {
+  validate_against_schema(file, "sid");
+  make_output_folder(common.output);
+  const Json sweep = file.json["sweep"];
+  const auto path = sweep["path"].get<std::string>();
+  Pointer pointer;
+  try {
+    pointer = Pointer(path);
+  } catch (const Json::exception&) {
+    file.refuse(Pointer("/sweep/path"), "must be a JSON pointer, e.g. \"/record/samples/1\"");
+  }
+  if (!file.json.contains(pointer)) {
+    file.refuse(Pointer("/sweep/path"), "leads nowhere in this case");
+  }
+  // All of them first, so that a mistake in the last does not cost the runs before it.
+  std::vector<SidCaseFile> cases;
+  for (const Json& value : sweep["values"]) {
+    CaseFile one = file;
+    one.json.erase("sweep");
+    one.json[pointer] = value;
+    cases.push_back(parse_sid_case(std::move(one)));
+  }
+  io::AtomicFile table_file(common.output / "sweep.csv");
+  io::AtomicFile summary_file(common.output / "summary.json");
+  Report rows = Report::array();
+  std::vector<SweepRow> said;
+  std::string table;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Json& value = sweep["values"][i];
+    const SidFindings findings = identify(cases[i], common, options, log).findings;
+    const Row row = table_row(value.dump(), findings);
+    if (i == 0) {
+      const std::string& title = cases[i].sid.title;
+      table = "# " + title + "; value of " + path + "\n" + line(row.header);
+      std::cout << '\n' << title << "\nSweep of " << path << "\n" << line(row.header);
+    }
+    table += line(row.cells);
+    std::cout << line(row.cells);
+    print_remarks(findings);
+    rows.push_back(summary_row(value, cases[i], findings));
+    said.push_back({value.dump(), findings.models, findings.sampling.verdict.converged});
+  }
+  const Report summary = {
+      {"wheeltap",
+       about("sid", {.seed = common.seed.value_or(1), .command_line = common.command_line}, file)},
+      {"answer", json(answer(path, said))},
+      {"sweep", {{"path", path}, {"rows", rows}}}};
+  write_text(table_file, table);
+  write_text(summary_file, summary.dump(1) + "\n");
+  table_file.commit();
+  summary_file.commit();
+  write_report(common.output);
+  std::cout << "Results: " << (common.output / "sweep.csv").string() << " (the table), "
+            << (common.output / "summary.json").string() << " (all numbers)\n";
+}
+
+}  // namespace wheeltap::apps

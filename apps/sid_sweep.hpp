@@ -1,0 +1,16 @@
+// A system identification over values of one number of its case.
+#pragma once
+
+#include <spdlog/logger.h>
+
+#include "apps/case_file.hpp"
+#include "apps/commands.hpp"
+
+namespace wheeltap::apps {
+
+/// Runs the case once a value of its sweep, prints a line each, and writes sweep.csv, summary.json
+/// and report.html. Throws Failure.
+void sweep_sid(const CaseFile& file, const CommonOptions& common, const SamplingOptions& options,
+               spdlog::logger& log);
+
+}  // namespace wheeltap::apps

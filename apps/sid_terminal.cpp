@@ -1,0 +1,85 @@
+#include "apps/sid_terminal.hpp"
+
+#include <cmath>
+#include <ostream>
+
+#include "apps/sid_summary.hpp"
+#include "apps/terminal.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+void print_bayes_factors(std::ostream& out, const SidFindings& findings) {
+  for (const BayesFactor& b : findings.bayes_factors) {
+    out << "  ln Bayes factor of " << findings.models[static_cast<std::size_t>(b.model)].name
+        << " against " << findings.models[static_cast<std::size_t>(b.against)].name << ": ";
+    if (b.log) {
+      out << fixed(*b.log, 2)
+          << (std::isfinite(b.error) ? " ± " + significant(b.error, 2) : std::string())
+          << (b.basis == inference::Basis::evidence ? " (by their evidences)" : "") << '\n';
+    } else {
+      out << "not known (never drawn, and of no known evidence: " << never_visited(findings, b)
+          << ")\n";
+    }
+  }
+}
+
+void print_parameters(const Page& page, const std::vector<ParameterFinding>& parameters) {
+  std::vector<std::vector<std::string>> rows = {{"parameter", "mean", "sd", "95 % interval"}};
+  for (const ParameterFinding& p : parameters) {
+    const Estimate& e = p.estimate;
+    rows.push_back({p.unknown.label, resolved(e.mean, e.width()), number_or_dash(e.sd, 2),
+                    resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width())});
+  }
+  if (rows.size() > 1) page.table(rows);
+}
+
+void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
+  std::vector<std::vector<std::string>> rows = {{"response", "MSE", "NRMSE", "R2", "white?"}};
+  for (const ChannelFit& fit : fits) {
+    const bool varies = std::isfinite(fit.nrmse);
+    rows.push_back({fit.channel, number_or_dash(fit.mse, 3),
+                    varies ? fixed(100.0 * fit.nrmse, 2) + " %" : "-",
+                    varies ? fixed(fit.r2, 5) : "-",
+                    fit.whiteness ? (fit.whiteness->white() ? "yes, p " : "NO, p ") +
+                                        number_or_dash(fit.whiteness->test.p_value, 2)
+                                  : "-"});
+  }
+  if (rows.size() > 1) page.table(rows);
+}
+
+}  // namespace
+
+void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& findings,
+               bool colour) {
+  const Page page{out, colour};
+  const SidCase& sid_case = parsed.sid;
+  page.heading(sid_case.title);
+  out << "Data: " << sid_case.origin << "; samples " << sid_case.begin << " to " << sid_case.end
+      << " at " << number_or_dash(sid_case.sample_rate_hz, 6) << " Hz\n";
+  print_answer(page, answer(findings));
+  page.heading("Which model?");
+  print_models(page, findings.models);
+  print_bayes_factors(out, findings);
+  print_evidence(page, findings);
+  for (std::size_t m = 0; m < findings.models.size(); ++m) {
+    const ModelFinding& model = findings.models[m];
+    if (model.probability() < kWorthPrinting || !findings.of_models[m]) continue;
+    out << '\n' << page.bold("If " + model.name) << " (" << percent(model.probability()) << ")\n";
+    print_parameters(page, model.parameters);
+    print_fits(page, findings.of_models[m]->at_mean);
+  }
+  out << "\nThe " << percent(sid_case.band) << " predictive band holds ";
+  const auto responses = sid_case.responses();
+  for (std::size_t c = 0; c < responses.size(); ++c) {
+    out << (c == 0 ? "" : ", ") << fixed(100.0 * findings.coverage[c], 1) << " % of "
+        << responses[c]->name();
+  }
+  out << ".\n";
+  print_closing(page, findings.sampling, warnings(findings, {}, parsed.warnings), "model");
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,76 @@
+#include "identification/sid_case.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace wheeltap::identification {
+
+using dynamics::Coefficient;
+using Role = SidChannel::Role;
+
+std::vector<const SidChannel*> SidCase::responses() const {
+  std::vector<const SidChannel*> list;
+  for (const SidChannel& channel : channels) {
+    if (channel.role == Role::response) list.push_back(&channel);
+  }
+  return list;
+}
+
+const SidChannel* SidCase::find(Role role) const {
+  const auto found = std::ranges::find(channels, role, &SidChannel::role);
+  return found == channels.end() ? nullptr : &*found;
+}
+
+dynamics::Excitation SidCase::excitation() const {
+  dynamics::Excitation out{.sample_rate_hz = sample_rate_hz * stride};
+  for (const SidChannel& channel : channels) {
+    if (channel.role == Role::force) out.forces.push_back({channel.mass, channel.signal});
+    if (channel.role == Role::base_acceleration || channel.role == Role::base_displacement) {
+      if (!out.base) out.base.emplace();
+      (channel.role == Role::base_acceleration ? out.base->acceleration : out.base->displacement) =
+          channel.signal;
+    }
+  }
+  return out;
+}
+
+std::vector<dynamics::Sensor> SidCase::sensors() const {
+  std::vector<dynamics::Sensor> list;
+  for (const SidChannel* channel : responses()) {
+    list.push_back({channel->mass, channel->quantity, channel->frame});
+  }
+  return list;
+}
+
+std::vector<int> SidCase::parameters_of(const SidModel& model) const {
+  std::set<int> used;
+  const auto use = [&](const Coefficient& c) {
+    if (!c.is_constant()) used.insert(c.parameter);
+  };
+  for (const auto& mass : model.chain.masses) use(mass);
+  for (const auto& link : model.chain.links) {
+    use(link.stiffness), use(link.damping);
+    for (const auto& law : link.laws) {
+      for (const auto& c : law.coefficients) use(c);
+    }
+  }
+  for (const auto& c : model.initial.displacement) use(c);
+  for (const auto& c : model.initial.velocity) use(c);
+  for (const auto& c : model.noise) use(c);
+  for (const auto& channel : model.autocorrelations) {
+    for (const auto& c : channel) use(c);
+  }
+  for (const SidChannel& channel : channels) {
+    use(channel.signal.scale), use(channel.signal.offset);
+  }
+  return {used.begin(), used.end()};
+}
+
+Coefficient SidCase::parameter(const std::string& name, inference::Prior prior) {
+  const auto same = std::ranges::find(parameters, name, &inference::Parameter::name);
+  const auto at = static_cast<int>(same - parameters.begin());
+  if (same == parameters.end()) parameters.push_back({name, std::move(prior)});
+  return Coefficient::of_parameter(at);
+}
+
+}  // namespace wheeltap::identification

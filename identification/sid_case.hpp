@@ -1,0 +1,124 @@
+// What is asked of chains of masses in time: a record, and equations of motion that may explain it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "dynamics/simulate.hpp"
+#include "inference/model_space.hpp"
+#include "signals/excitation.hpp"
+#include "signals/spectra.hpp"
+
+namespace wheeltap::identification {
+
+/// One column of the record and what it means. Coefficients here and below index
+/// SidCase::parameters.
+struct SidChannel {
+  enum class Role { time, force, base_acceleration, base_displacement, response, ignore };
+
+  std::string column;  ///< header text or 1-based number
+  Role role = Role::ignore;
+  int mass = 0;
+  dynamics::Quantity quantity = dynamics::Quantity::displacement;
+  dynamics::Frame frame = dynamics::Frame::absolute;
+  /// Raw samples from the start of the lead-in; an excitation's are upsampled by SidCase::stride.
+  dynamics::Signal signal = {};
+  std::string unit = {};  ///< as the file's header has it
+  /// Where the window is a part of the record: how their spectra compare.
+  std::optional<signals::SpectrumComparison> window = {};
+
+  [[nodiscard]] bool is_excitation() const {
+    return role == Role::force || role == Role::base_acceleration ||
+           role == Role::base_displacement;
+  }
+  /// The column is called by its number.
+  [[nodiscard]] bool is_numbered() const {
+    return column.find_first_not_of("0123456789") == std::string::npos;
+  }
+  /// Its header, or "column 3".
+  [[nodiscard]] std::string name() const { return is_numbered() ? "column " + column : column; }
+};
+
+struct SidModel {
+  std::string name;
+  double weight = 1.0;
+  dynamics::Chain chain = {};
+  dynamics::InitialState initial = {};
+  std::vector<dynamics::Coefficient> noise = {};  ///< sd, one a response channel
+  /// Partial autocorrelations of each response channel's residuals; empty: white.
+  std::vector<std::vector<dynamics::Coefficient>> autocorrelations = {};
+  std::vector<int> parameters = {};  ///< those it uses, increasing
+
+  /// Of a response channel; empty: white.
+  [[nodiscard]] std::vector<dynamics::Coefficient> autocorrelations_of(std::size_t channel) const {
+    return autocorrelations.empty() ? std::vector<dynamics::Coefficient>{}
+                                    : autocorrelations[channel];
+  }
+};
+
+/// What drives a simulated chain, and where: several on one mass (or on the base) add up.
+struct TrueExcitation {
+  struct White {
+    double variance;
+  };
+  struct BandLimited {
+    double low_hz, high_hz, variance;
+  };
+  struct Sine {
+    double amplitude, frequency_hz, phase;
+  };
+  /// Given sample by sample [SI].
+  struct Sampled {
+    std::vector<double> samples;
+  };
+  SidChannel::Role role = SidChannel::Role::force;
+  int mass = 0;  ///< 0: the base
+  std::variant<White, BandLimited, Sine, signals::Multisine, Sampled> signal;
+};
+
+/// A simulation asked for by the case.
+struct SidTruth {
+  int model = 0;
+  std::vector<double> theta = {};  ///< one value a parameter of the case; NaN where not given
+  std::vector<double> noise = {};  ///< sd, one a response channel
+  int samples = 0;
+  double sample_rate_hz = 0.0;
+  std::uint64_t seed = 1;
+  std::vector<TrueExcitation> excitations = {};
+};
+
+struct SidCase {
+  std::string title = {};
+  std::vector<inference::Parameter> parameters = {};
+  std::vector<SidChannel> channels = {};
+  std::vector<SidModel> models = {};
+  std::optional<SidTruth> truth = {};
+
+  double sample_rate_hz = 0.0;
+  int begin = 0, end = 0;  ///< samples scored, in the record
+  int lead_in = 0;         ///< samples before those
+  int stride = 1;          ///< excitation samples a response sample
+  bool simulated = false;
+  std::string origin = {};  ///< in words
+  double band = 0.97;
+  bool balance = false;  ///< sample models evenly and reweight
+  dynamics::SimulatorOptions integration = {};
+  /// The steps are the user's: a run whose steps were too long says so and is not repeated.
+  bool fixed_integration = false;
+
+  [[nodiscard]] std::vector<const SidChannel*> responses() const;
+  /// The first channel of this role, or none.
+  [[nodiscard]] const SidChannel* find(SidChannel::Role role) const;
+  /// Its signals, as loaded.
+  [[nodiscard]] dynamics::Excitation excitation() const;
+  [[nodiscard]] std::vector<dynamics::Sensor> sensors() const;
+  /// Indices of the parameters that a model and the channels use, increasing.
+  [[nodiscard]] std::vector<int> parameters_of(const SidModel& model) const;
+  /// The parameter of this name, added where there is none.
+  dynamics::Coefficient parameter(const std::string& name, inference::Prior prior);
+};
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,177 @@
+#include "identification/sid_findings.hpp"
+
+#include <cmath>
+
+namespace wheeltap::identification {
+namespace {
+
+using inference::Posterior;
+
+constexpr double kWorthTelling = 0.05;  // models with less probability are not judged
+
+/// The models that remarks are about.
+std::vector<int> told(const SidFindings& findings) {
+  std::vector<int> list;
+  for (std::size_t m = 0; m < findings.models.size(); ++m) {
+    if (findings.models[m].probability() >= kWorthTelling && findings.of_models[m]) {
+      list.push_back(static_cast<int>(m));
+    }
+  }
+  return list;
+}
+
+const SidModelFinding& finding(const SidFindings& findings, int m) {
+  return *findings.of_models[static_cast<std::size_t>(m)];
+}
+
+/// Where the mean of the parameters is itself no good set of parameters: it lies in a valley of a
+/// posterior that has several peaks, or on the inside of a bend.
+void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
+  const auto likelihood = problem.problem.likelihood();
+  for (const int m : told(findings)) {
+    const SidModelFinding& found = finding(findings, m);
+    const double lost = likelihood->log_likelihood(m, found.best_draw) -
+                        likelihood->log_likelihood(m, mean_draw(problem, posterior, m));
+    const auto dimension = static_cast<double>(found.best_draw.size());
+    if (lost < 10.0 + 3.0 * dimension) continue;  // of a normal: about d / 2
+    remark::MeansDoNotGoTogether remark{.model = problem.problem.space[m].name, .channels = {}};
+    for (std::size_t c = 0; c < found.at_mean.size(); ++c) {
+      const ChannelFit &mean = found.at_mean[c], &best = found.at_best[c];
+      if (!std::isfinite(mean.nrmse) || !std::isfinite(best.nrmse)) continue;
+      remark.channels.push_back({mean.channel, mean.nrmse, best.nrmse});
+    }
+    findings.remarks.push_back(std::move(remark));
+  }
+}
+
+/// What the forward runs of the models that matter say about the data.
+void judge_fits(const SidProblem& problem, SidFindings& findings) {
+  const double n = static_cast<double>(problem.misfits.front().samples());
+  for (const int m : told(findings)) {
+    const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
+    remark::NoiseMisstated off{.model = model.name, .channels = {}};
+    remark::ColouredResiduals coloured{.model = model.name, .channels = {}};
+    const std::vector<ChannelFit>& fits = finding(findings, m).at_best;
+    for (std::size_t c = 0; c < fits.size(); ++c) {
+      const ChannelFit& fit = fits[c];
+      if (fit.whiteness && !fit.whiteness->white()) {
+        coloured.channels.push_back(
+            {fit.channel, fit.whiteness->lag_1, fit.whiteness->test.p_value});
+      }
+      const double ratio = fit.mse / std::pow(fit.noise_sd, 2);
+      if (model.noise[c].is_constant() && std::abs(ratio - 1.0) > 6.0 * std::sqrt(2.0 / n)) {
+        off.channels.push_back({fit.channel, std::sqrt(ratio)});
+      }
+    }
+    if (!off.channels.empty()) findings.remarks.push_back(std::move(off));
+    if (!coloured.channels.empty()) findings.remarks.push_back(std::move(coloured));
+  }
+}
+
+/// Posteriors that lean on an end of their prior.
+void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
+  const auto& space = problem.problem.space;
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  for (const int m : told(findings)) {
+    for (int p = 0; p < space[m].dimension; ++p) {
+      long above = 0, below = 0, all = 0;
+      const inference::Prior& prior = space.prior(m, p);
+      const double high = prior.from_standard_normal(2.326),
+                   low = prior.from_standard_normal(-2.326);
+      for (const auto& chain : posterior.chains) {
+        for (std::size_t i = 0; i < chain.model.size(); ++i) {
+          if (chain.model[i] != m) continue;
+          const double x = chain.theta[i * width + static_cast<std::size_t>(p)];
+          ++all, above += x > high ? 1 : 0, below += x < low ? 1 : 0;
+        }
+      }
+      const bool leans_up = above > all / 4 && std::isfinite(prior.upper());
+      const bool leans_down = below > all / 4 && std::isfinite(prior.lower()) && prior.lower() != 0;
+      if (leans_up || leans_down) {
+        findings.remarks.push_back(remark::ParameterAtBound{.model = space[m].name,
+                                                            .parameter = space.parameter_name(m, p),
+                                                            .prior = prior.describe(),
+                                                            .upper = leans_up});
+      }
+    }
+  }
+}
+
+/// Steps so long that they move the posterior.
+void judge_integration(SidFindings& findings) {
+  for (const int m : told(findings)) {
+    const double error = finding(findings, m).step_error.value_or(0.0);
+    if (error <= kLargestStepError) continue;
+    findings.remarks.push_back(remark::StepsTooLong{
+        .model = findings.models[static_cast<std::size_t>(m)].name, .error = error});
+  }
+}
+
+/// From the probabilities; from the evidences where either probability rests on them, since these
+/// keep what probabilities lose below the smallest number.
+std::vector<BayesFactor> bayes_factors(const inference::ModelSpace& space,
+                                       const std::vector<ModelFinding>& models) {
+  using inference::Basis;
+  const inference::ModelStanding& first = models[0].standing;
+  std::vector<BayesFactor> out;
+  for (int m = 1; m < space.size(); ++m) {
+    const inference::ModelStanding& one = models[static_cast<std::size_t>(m)].standing;
+    const bool by_evidence = one.basis == Basis::evidence || first.basis == Basis::evidence;
+    BayesFactor factor{.model = m,
+                       .against = 0,
+                       .log = {},
+                       .error = std::nan(""),
+                       .basis = by_evidence ? Basis::evidence : Basis::draws};
+    if (by_evidence && std::isfinite(one.log_evidence) && std::isfinite(first.log_evidence)) {
+      factor.log = one.log_evidence - first.log_evidence;
+      factor.error = std::hypot(one.log_evidence_se, first.log_evidence_se);
+    } else if (!by_evidence && one.probability > 0.0 && first.probability > 0.0) {
+      factor.log = std::log(one.probability) - std::log(first.probability) -
+                   (space[m].log_prior - space[0].log_prior);
+      factor.error = std::hypot(one.mcse / one.probability, first.mcse / first.probability);
+    }
+    out.push_back(factor);
+  }
+  return out;
+}
+
+}  // namespace
+
+SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
+                         const std::vector<MethodEvidence>& evidence) {
+  const SidProblem& problem = *run.problem;
+  const Posterior& posterior = run.posterior;
+  const auto& space = problem.problem.space;
+  SidFindings out;
+  static_cast<Findings&>(out) =
+      run_findings(posterior, inference::judge(posterior), run.engine.seed);
+  out.refined = run.refined;
+  for (int m = 0; m < space.size(); ++m) {
+    const ModelFinding& model = out.models[static_cast<std::size_t>(m)];
+    out.of_models.emplace_back();
+    if (!model.drawn()) continue;
+    const std::span<const double> best = best_draw(problem, posterior, m);
+    const auto mean = posterior_mean(problem, posterior, m);
+    out.of_models.back() = SidModelFinding{
+        .best_draw = {best.begin(), best.end()},
+        .at_mean = forward_run(problem, m, mean),
+        .at_best = forward_run(problem, m, problem.theta(m, best)),
+        .substeps = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(mean),
+        .step_error = step_error(problem, posterior, m),
+        .links = {}};
+    if (model.probability() >= kWorthTelling) {
+      out.of_models.back()->links = link_laws(problem, posterior, m);
+    }
+  }
+  out.bayes_factors = bayes_factors(space, out.models);
+  out.coverage = coverage(problem, predictive);
+  out.predictive_draws = static_cast<int>(predictive.draws.size());
+  judge_means(problem, posterior, out);
+  judge_fits(problem, out);
+  judge_bounds(problem, posterior, out);
+  judge_integration(out);
+  add_evidence(out, space, evidence);
+  return out;
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,200 @@
+#include "identification/sid_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "identification/invalid_input.hpp"
+#include "signals/spectra.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Part = InvalidInput::Part;
+using Role = SidChannel::Role;
+
+constexpr int kComparable = 128;   // samples of a window whose spectrum is worth comparing
+constexpr double kPeculiar = 3.0;  // differences of spectra, in terms of their scatter
+/// Share of an excitation's amplitude that may be lost by holding it to first order.
+constexpr double kUpsampledLoss = 3e-3;
+constexpr int kMostUpsampling = 16;
+
+class RecordTaker {
+ public:
+  RecordTaker(SidCase& out, const signals::Record& record, const RecordUse& use)
+      : out_(out), record_(record), use_(use) {}
+
+  void take() {
+    for (std::size_t i = 0; i < out_.channels.size(); ++i) columns_.push_back(find_column(i));
+    read_rate();
+    read_window();
+    if (use_.band_limited) out_.stride = choose_stride();
+    for (std::size_t i = 0; i < out_.channels.size(); ++i) load_channel(i);
+    out_.integration.stride = out_.stride;
+  }
+
+ private:
+  [[nodiscard]] int find_column(std::size_t channel) const {
+    try {
+      return record_.find(out_.channels[channel].column);
+    } catch (const signals::DataError& error) {
+      throw InvalidInput(Part::channel, error.what(), static_cast<int>(channel));
+    }
+  }
+
+  void read_rate() {
+    const SidChannel* time = out_.find(Role::time);
+    int column = time != nullptr ? columns_[static_cast<std::size_t>(time - out_.channels.data())]
+                                 : record_.find_time();
+    // A column of that name which the case puts to another use is not time.
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (out_.channels[i].role != Role::time && column == columns_[i]) column = -1;
+    }
+    if (column < 0 && !use_.sample_rate_hz) {
+      throw InvalidInput(
+          Part::sample_rate,
+          "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
+    }
+    out_.sample_rate_hz = column < 0
+                              ? *use_.sample_rate_hz
+                              : signals::sample_rate_hz(record_, column, use_.sample_rate_hz);
+  }
+
+  void read_window() {
+    const std::string there =
+        record_.file + " has " + std::to_string(record_.samples()) + " samples";
+    out_.end = record_.samples();
+    if (use_.samples) {
+      std::tie(out_.begin, out_.end) = *use_.samples;
+      if (out_.begin >= out_.end) {
+        throw InvalidInput(Part::samples, "must be [first, one past the last]");
+      }
+      if (out_.end > record_.samples()) {
+        throw InvalidInput(Part::samples, "reaches beyond the record; " + there);
+      }
+    }
+    if (out_.end - out_.begin < 4) {
+      throw InvalidInput(Part::samples, "must be a window of at least 4 samples; " + there);
+    }
+    out_.lead_in = use_.lead_in;
+    if (out_.lead_in > out_.begin) {
+      throw InvalidInput(Part::lead_in, "only " + std::to_string(out_.begin) +
+                                            " samples stand before the window");
+    }
+  }
+
+  [[nodiscard]] std::vector<double> window(std::size_t channel) const {
+    return signals::window(record_, columns_[channel], out_.begin - out_.lead_in, out_.end);
+  }
+
+  /// Amplitude that the worst excitation loses between samples when held at `factor` times the
+  /// rate.
+  [[nodiscard]] double loss(int factor) const {
+    double most = 0.0;
+    for (std::size_t i = 0; i < out_.channels.size(); ++i) {
+      if (!out_.channels[i].is_excitation()) continue;
+      std::vector<double> samples = window(i);
+      signals::detrend(samples, 0);
+      const auto spectrum = signals::welch(samples, out_.sample_rate_hz);
+      most = std::max(most,
+                      signals::linear_interpolation_loss(spectrum, out_.sample_rate_hz * factor));
+    }
+    return most;
+  }
+
+  [[nodiscard]] int choose_stride() const {
+    if (use_.upsample) return *use_.upsample;
+    int factor = 1;
+    while (factor < kMostUpsampling && loss(factor) > kUpsampledLoss) factor *= 2;
+    return factor;
+  }
+
+  void load_channel(std::size_t i) {
+    SidChannel& channel = out_.channels[i];
+    if (channel.role == Role::ignore || channel.role == Role::time) return;
+    const auto& source = record_.columns[static_cast<std::size_t>(columns_[i])];
+    channel.unit = source.unit;
+    const int begin = out_.begin - out_.lead_in;
+    channel.signal.samples = window(i);
+    const bool whole =
+        std::ranges::all_of(source.values, [](double x) { return std::isfinite(x); });
+    const bool part = out_.begin > 0 || out_.end < record_.samples();
+    if (whole && part && !out_.simulated && out_.end - out_.begin >= kComparable) {
+      channel.window = signals::compare_window(source.values, out_.begin, out_.end,
+                                               out_.sample_rate_hz, {.segment = kComparable / 2});
+    }
+    if (channel.is_excitation() && use_.band_limited) {
+      channel.signal.samples =
+          whole ? signals::upsample(source.values, begin, out_.end, out_.stride)
+                : signals::upsample(channel.signal.samples, 0, out_.end - begin, out_.stride);
+    }
+  }
+
+  SidCase& out_;
+  const signals::Record& record_;
+  const RecordUse& use_;
+  std::vector<int> columns_;  ///< of the record, one a channel
+};
+
+}  // namespace
+
+void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use) {
+  RecordTaker(sid_case, record, use).take();
+}
+
+bool is_peculiar(const signals::SpectrumComparison& window) {
+  return window.difference_db >= kPeculiar * window.expected_db;
+}
+
+InterpolationLoss interpolation_loss(const SidCase& sid_case) {
+  InterpolationLoss worst;
+  for (const SidChannel& channel : sid_case.channels) {
+    if (!channel.is_excitation()) continue;
+    std::vector<double> samples = channel.signal.samples;
+    signals::detrend(samples, 0);
+    const double lost = signals::linear_interpolation_loss(
+        signals::welch(samples, sid_case.sample_rate_hz), sid_case.sample_rate_hz);
+    if (lost > worst.share) worst = {.channel = &channel, .share = lost};
+  }
+  return worst;
+}
+
+void infer_initial(SidCase& sid_case, SidModel& model) {
+  const int masses = model.chain.size();
+  std::vector<double> y(static_cast<std::size_t>(masses)), v(y.size());
+  double top_y = 0.0, top_v = 0.0;
+  for (const SidChannel* channel : sid_case.responses()) {
+    std::vector<double> samples = channel->signal.samples;
+    const double scale =
+        channel->signal.scale.is_constant() ? std::abs(channel->signal.scale.value) : 1.0;
+    signals::detrend(samples, 0);
+    const auto spectrum = signals::welch(samples, sid_case.sample_rate_hz);
+    double power = 0.0, moment = 0.0, squares = 0.0;
+    for (std::size_t i = 1; i < spectrum.density.size(); ++i) {
+      const double w = 2.0 * M_PI * spectrum.frequencies_hz[i];
+      power += spectrum.density[i];
+      moment += w * w * spectrum.density[i];
+    }
+    for (const double x : samples) squares += x * x;
+    const double sd = scale * std::sqrt(squares / static_cast<double>(samples.size()));
+    const double omega = power > 0.0 ? std::sqrt(moment / power) : 1.0;
+    const int order = static_cast<int>(channel->quantity);
+    const auto at = static_cast<std::size_t>(channel->mass - 1);
+    y[at] = std::max(y[at], sd / std::pow(omega, order));
+    v[at] = std::max(v[at], sd / std::pow(omega, order - 1));
+    top_y = std::max(top_y, y[at]);
+    top_v = std::max(top_v, v[at]);
+  }
+  if (!(top_y > 0.0)) {
+    throw InvalidInput(Part::initial, "the responses are constant: nothing to infer from");
+  }
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const std::string index = "[" + std::to_string(i + 1) + "]";
+    model.initial.displacement.push_back(
+        sid_case.parameter("y0" + index, inference::Normal{0.0, y[i] > 0.0 ? y[i] : top_y}));
+    model.initial.velocity.push_back(
+        sid_case.parameter("v0" + index, inference::Normal{0.0, v[i] > 0.0 ? v[i] : top_v}));
+  }
+}
+
+}  // namespace wheeltap::identification

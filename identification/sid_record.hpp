@@ -1,0 +1,47 @@
+// From the columns of a record to the signals of a case: its window, its rate, and what stands
+// between its samples.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "identification/sid_case.hpp"
+#include "signals/record.hpp"
+
+namespace wheeltap::identification {
+
+/// Which part of a record to score, and how its excitations are to be taken.
+struct RecordUse {
+  std::optional<double> sample_rate_hz = {};        ///< as stated; must agree with a time column
+  std::optional<std::pair<int, int>> samples = {};  ///< scored: first, one past the last
+  int lead_in = 0;                             ///< samples before those
+  /// Excitations held no frequency above half the rate: they are upsampled by a sinc. Else they are
+  /// linear between their samples.
+  bool band_limited = false;
+  std::optional<int> upsample = {};  ///< none: until linear interpolation loses 0.3 % of the amplitude
+};
+
+/// Puts a record's rate, window and signals into the case, and compares the spectrum of each
+/// channel's window with that of its whole. Throws InvalidInput (channel, sample_rate, samples,
+/// lead_in), and signals::DataError for numbers that are missing in the window or uneven in time.
+void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use);
+
+/// The window's spectrum differs from the record's by more than three times their scatter.
+[[nodiscard]] bool is_peculiar(const signals::SpectrumComparison& window);
+
+/// The excitation that loses most of its amplitude (`share`) by being linear between its samples.
+struct InterpolationLoss {
+  const SidChannel* channel = nullptr;  ///< none where nothing is lost
+  double share = 0.0;
+};
+/// Of signals that were loaded and not upsampled.
+[[nodiscard]] InterpolationLoss interpolation_loss(const SidCase& sid_case);
+
+/// Makes the model's initial state unknown: normal priors about 0. Scales: the sd of the mass's own
+/// displacement, or that of a velocity or acceleration over ω or ω², ω the root mean square
+/// frequency of its spectrum; a mass without a sensor takes the largest of the others'. Throws
+/// InvalidInput (initial) where the responses are constant.
+void infer_initial(SidCase& sid_case, SidModel& model);
+
+}  // namespace wheeltap::identification

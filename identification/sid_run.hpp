@@ -1,0 +1,52 @@
+// A system identification from case to draws: as many as the record's length lets one afford, and
+// again with better steps where those of the integrator were too long for the noise.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "identification/sid_problem.hpp"
+#include "inference/reversible_jump.hpp"
+
+namespace wheeltap::identification {
+
+/// What a run was repeated with, since its steps were too long for the noise of the record.
+struct StepsRefined {
+  bool by_series = false;   ///< Taylor series, where there were none before
+  double step_limit = 0.0;  ///< else; SimulatorOptions::step_limit
+};
+
+struct SidRunOptions {
+  /// Those of the engine; warm-up and draws of 0 are chosen by what a likelihood costs.
+  inference::Options engine = {};
+  /// What samples; reversible_jump by default.
+  std::function<inference::Posterior(const inference::Problem&, const inference::Options&)> sample =
+      {};
+  /// Told before a run is repeated.
+  std::function<void(const StepsRefined&)> repeat = {};
+};
+
+struct SidRun {
+  std::unique_ptr<const SidProblem> problem;
+  inference::Options engine;  ///< as used
+  inference::Posterior posterior;
+  std::optional<StepsRefined> refined;  ///< of the last repeat
+};
+
+/// Samples, and up to twice again with the better steps where the case does not fix them. Throws
+/// InvalidInput, and what `sample` does.
+[[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
+
+/// How to integrate where the steps were too long for the noise (step_error), or none where they
+/// were not: by series where a chain's laws let them, else by shorter steps, whose error goes with
+/// their fourth power.
+[[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
+    const SidProblem& problem, const inference::Posterior& posterior);
+
+/// The engine's options where a likelihood takes so long: its own defaults where they cost less
+/// than about a minute on two cores, else what that minute buys. Cores are never counted: they must
+/// not change a result.
+[[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
+
+}  // namespace wheeltap::identification

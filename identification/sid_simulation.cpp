@@ -1,0 +1,191 @@
+#include "identification/sid_simulation.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "identification/invalid_input.hpp"
+#include "signals/excitation.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Role = SidChannel::Role;
+
+/// So many steps from data of a simulation that its error stays far below any noise.
+constexpr double kTruthStepLimit = 0.05;
+
+/// What acts on one mass, or on the base [SI].
+struct Acting {
+  Role role;
+  int mass;
+  std::vector<double> samples;
+};
+
+std::vector<double> samples_of(const TrueExcitation& excitation, const SidTruth& truth,
+                               signals::Noise& noise) {
+  struct Maker {
+    const SidTruth& truth;
+    signals::Noise& noise;
+
+    std::vector<double> operator()(const TrueExcitation::White& e) const {
+      return signals::white_noise(truth.samples, e.variance, noise);
+    }
+    std::vector<double> operator()(const TrueExcitation::BandLimited& e) const {
+      return signals::band_limited_noise(truth.samples, truth.sample_rate_hz, e.low_hz, e.high_hz,
+                                         e.variance, noise);
+    }
+    std::vector<double> operator()(const TrueExcitation::Sine& e) const {
+      return signals::sine(truth.samples, truth.sample_rate_hz, e.amplitude, e.frequency_hz,
+                           e.phase);
+    }
+    std::vector<double> operator()(const signals::Multisine& e) const {
+      return signals::multisine(truth.samples, truth.sample_rate_hz, e, noise);
+    }
+    std::vector<double> operator()(const TrueExcitation::Sampled& e) const { return e.samples; }
+  };
+  return std::visit(Maker{truth, noise}, excitation.signal);
+}
+
+/// Streams of their own, so that one more channel or excitation leaves the others as they were.
+signals::Noise stream(std::uint64_t seed, std::uint64_t i) {
+  return signals::Noise(seed * 4096 + i);
+}
+
+std::vector<Acting> make_excitations(const SidTruth& truth, std::uint64_t seed) {
+  std::vector<Acting> acting;
+  for (std::size_t i = 0; i < truth.excitations.size(); ++i) {
+    const TrueExcitation& e = truth.excitations[i];
+    signals::Noise noise = stream(seed, i);
+    std::vector<double> x;
+    try {
+      x = samples_of(e, truth, noise);
+    } catch (const std::invalid_argument& error) {
+      throw InvalidInput(InvalidInput::Part::excitation, error.what(), static_cast<int>(i));
+    }
+    const auto same = std::ranges::find_if(
+        acting, [&](const Acting& a) { return a.role == e.role && a.mass == e.mass; });
+    if (same == acting.end()) {
+      acting.push_back({e.role, e.mass, std::move(x)});
+    } else {
+      for (std::size_t n = 0; n < x.size(); ++n) same->samples[n] += x[n];
+    }
+  }
+  return acting;
+}
+
+dynamics::Excitation excitation_of(const std::vector<Acting>& acting, const SidTruth& truth) {
+  dynamics::Excitation out{.sample_rate_hz = truth.sample_rate_hz};
+  for (const Acting& a : acting) {
+    if (a.role == Role::force) {
+      out.forces.push_back({a.mass, {.samples = a.samples}});
+      continue;
+    }
+    if (!out.base) out.base.emplace();
+    (a.role == Role::base_acceleration ? out.base->acceleration : out.base->displacement).samples =
+        a.samples;
+  }
+  if (out.forces.empty() && !out.base) {
+    const auto samples = static_cast<std::size_t>(truth.samples);
+    out.forces.push_back({1, {.samples = std::vector<double>(samples)}});
+  }
+  return out;
+}
+
+/// The true model's noiseless response. Throws std::invalid_argument.
+dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excitation& excitation) {
+  const SidTruth& truth = *sid_case.truth;
+  const SidModel& model = sid_case.models[static_cast<std::size_t>(truth.model)];
+  dynamics::SimulatorOptions options = sid_case.integration;
+  options.stride = 1;
+  options.step_limit = std::min(options.step_limit, kTruthStepLimit);
+  dynamics::Response response;
+  // The extension that nonlinear laws see is known only afterwards; twice is enough.
+  for (int pass = 0; pass < 2; ++pass) {
+    const dynamics::Simulator simulator(model.chain, excitation, sid_case.sensors(), model.initial,
+                                        options);
+    response = simulator.simulate(truth.theta);
+    if (response.failed) break;
+    std::vector<dynamics::Sensor> all;
+    for (int i = 1; i <= model.chain.size(); ++i) {
+      all.push_back({.mass = i, .frame = dynamics::Frame::relative});
+    }
+    const auto motion = dynamics::Simulator(model.chain, excitation, all, model.initial, options)
+                            .simulate(truth.theta);
+    if (motion.failed) break;
+    options.extension.clear();
+    for (const dynamics::Link& link : model.chain.links) {
+      Eigen::VectorXd e = Eigen::VectorXd::Zero(motion.values.rows());
+      if (link.b > 0) e += motion.values.col(link.b - 1);
+      if (link.a > 0) e -= motion.values.col(link.a - 1);
+      options.extension.push_back(e.cwiseAbs().maxCoeff());
+    }
+  }
+  return response;
+}
+
+signals::Column column(const std::string& header, std::vector<double> values) {
+  const auto bracket = header.find(" [");
+  return {.header = header,
+          .name = header.substr(0, bracket),
+          .unit = bracket == std::string::npos
+                      ? ""
+                      : header.substr(bracket + 2, header.size() - bracket - 3),
+          .values = std::move(values)};
+}
+
+}  // namespace
+
+signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
+  if (!sid_case.truth) {
+    throw InvalidInput(InvalidInput::Part::truth, "is missing: there is nothing to simulate");
+  }
+  const SidTruth& truth = *sid_case.truth;
+  const auto samples = static_cast<std::size_t>(truth.samples);
+  const std::vector<Acting> acting = make_excitations(truth, seed);
+  dynamics::Response response;
+  try {
+    response = true_response(sid_case, excitation_of(acting, truth));
+  } catch (const std::invalid_argument& error) {
+    throw InvalidInput(InvalidInput::Part::truth, error.what());
+  }
+  if (response.failed) {
+    throw InvalidInput(InvalidInput::Part::truth,
+                       "the true model's response grows without bound, or its parameters are "
+                       "impossible (a mass <= 0, a gap < 0)");
+  }
+
+  signals::Record record{.file = "truth", .columns = {}, .scalars = {}};
+  std::vector<double> time(samples);
+  for (std::size_t n = 0; n < samples; ++n) {
+    time[n] = static_cast<double>(n) / truth.sample_rate_hz;
+  }
+  const SidChannel* clock = sid_case.find(Role::time);
+  record.columns.push_back(
+      column(clock != nullptr && !clock->is_numbered() ? clock->column : "time [s]", time));
+  std::uint64_t responses = 0;
+  for (const SidChannel& channel : sid_case.channels) {
+    if (channel.role == Role::time) continue;
+    std::vector<double> values(samples, 0.0);
+    if (channel.is_excitation()) {
+      for (const Acting& a : acting) {
+        if (a.role == channel.role && a.mass == channel.mass) values = a.samples;
+      }
+    } else if (channel.role == Role::response) {
+      signals::Noise noise = stream(seed, 2048 + responses);
+      const double sd = truth.noise[responses];
+      for (std::size_t n = 0; n < samples; ++n) {
+        values[n] =
+            response.values(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(responses)) +
+            sd * noise.normal();
+      }
+      ++responses;
+    }
+    const double scale = channel.signal.scale.at(truth.theta);
+    const double offset = channel.signal.offset.at(truth.theta);
+    for (double& x : values) x = (x - offset) / scale;
+    record.columns.push_back(column(channel.name(), std::move(values)));
+  }
+  return record;
+}
+
+}  // namespace wheeltap::identification

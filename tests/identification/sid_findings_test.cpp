@@ -1,0 +1,113 @@
+#include "identification/sid_findings.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "sid_cases.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+inference::Options short_run() {
+  inference::Options engine;
+  engine.chains = 2;
+  engine.warmup = 1000;
+  engine.draws = 1000;
+  return engine;
+}
+
+template <class Kind>
+const Kind* find(const SidFindings& findings) {
+  for (const Remark& remark : findings.remarks) {
+    if (const auto* kind = std::get_if<Kind>(&remark)) return kind;
+  }
+  return nullptr;
+}
+
+SidFindings found(const SidCase& c) {
+  const SidRun run = run_sid(c, {.engine = short_run()});
+  return sid_findings(run, predict(*run.problem, run.posterior));
+}
+
+TEST(SidFindings, SayWhichModelAndHowWellItFits) {
+  const SidFindings f = found(simulated(small_sid_case()));
+  EXPECT_GT(f.models[1].probability(), 0.99);
+  ASSERT_TRUE(f.of_models[1].has_value());
+  const SidModelFinding& duffing = *f.of_models[1];
+  ASSERT_EQ(duffing.at_mean.size(), 1U);
+  EXPECT_NEAR(duffing.at_mean[0].rmse, 0.05, 0.0125);  // sd of an sd: 5 % of it; five of them
+  EXPECT_NEAR(duffing.at_mean[0].r2, 1.0 - std::pow(duffing.at_mean[0].nrmse, 2), 1e-12);
+  ASSERT_TRUE(duffing.at_mean[0].whiteness.has_value());
+  EXPECT_EQ(duffing.best_draw.size(), 2U);
+  ASSERT_TRUE(duffing.links && duffing.links->size() == 1U);
+  EXPECT_EQ(duffing.links->front().extension.size(), duffing.links->front().q50.size());
+  // 97 % of 200 samples, five standard deviations of a binomial below.
+  EXPECT_GT(f.coverage[0], 0.91);
+  ASSERT_EQ(f.bayes_factors.size(), 1U);
+  ASSERT_TRUE(f.bayes_factors[0].log.has_value());
+  EXPECT_GT(*f.bayes_factors[0].log, 5.0);
+  EXPECT_EQ(find<remark::NoiseMisstated>(f), nullptr);
+}
+
+TEST(SidFindings, NoiseThatIsNotAsStatedIsRemarkedOn) {
+  SidCase c = small_sid_case();
+  c.truth->noise = {0.1};
+  const SidFindings f = found(simulated(c));
+  const auto* remark = find<remark::NoiseMisstated>(f);
+  ASSERT_NE(remark, nullptr);
+  EXPECT_NEAR(remark->channels[0].factor, 2.0, 0.5);
+  EXPECT_EQ(remark->channels[0].name, "displacement [m]");
+}
+
+TEST(SidFindings, AParameterAtTheEndOfItsPriorIsRemarkedOn) {
+  SidCase c = small_sid_case();
+  c.models.erase(c.models.begin());
+  c.truth->model = 0;
+  c.parameters[0].prior = inference::Uniform{0.0, 45.0};  // the truth is 50
+  const SidFindings f = found(simulated(c));
+  const auto* remark = find<remark::ParameterAtBound>(f);
+  ASSERT_NE(remark, nullptr);
+  EXPECT_EQ(remark->parameter, "k");
+  EXPECT_TRUE(remark->upper);
+}
+
+// At a noise of a hundred-thousandth of the response Runge-Kutta's own steps are too long.
+TEST(SidRun, RepeatsWithBetterStepsWhereTheyWereTooLong) {
+  SidCase c = small_sid_case();
+  c.truth->noise = {2e-6};
+  for (SidModel& model : c.models) model.noise = {2e-6};
+  c.parameters[0].prior = inference::Normal{50.0, 0.01};
+  c.parameters[1].prior = inference::Normal{1000.0, 0.5};
+  c.models.erase(c.models.begin());
+  c.truth->model = 0;
+  c = simulated(c);
+  int told = 0;
+  const SidRun run = run_sid(c, {.engine = short_run(), .sample = {}, .repeat = [&](const auto& r) {
+                                   ++told;
+                                   EXPECT_TRUE(r.by_series);
+                                 }});
+  EXPECT_GE(told, 1);
+  EXPECT_TRUE(run.refined.has_value());
+  EXPECT_LT(step_error(*run.problem, run.posterior, 0).value_or(0.0), kLargestStepError);
+  c.fixed_integration = true;
+  const SidRun fixed = run_sid(c, {.engine = short_run()});
+  EXPECT_FALSE(fixed.refined.has_value());
+  EXPECT_GT(step_error(*fixed.problem, fixed.posterior, 0).value_or(0.0), kLargestStepError);
+  EXPECT_NE(find<remark::StepsTooLong>(
+                sid_findings(fixed, predict(*fixed.problem, fixed.posterior))),
+            nullptr);
+}
+
+TEST(SidRun, SpendsWhatALikelihoodLetsItAfford) {
+  inference::Options asked;
+  EXPECT_EQ(affordable(asked, 1e-6).warmup, 0) << "the engine's own";
+  const inference::Options slow = affordable(asked, 1.0);
+  EXPECT_GT(slow.draws, 0);
+  EXPECT_LT(slow.draws, affordable(asked, 1e-3).draws);
+  asked.draws = 17;
+  EXPECT_EQ(affordable(asked, 1.0).draws, 17);
+}
+
+}  // namespace
+}  // namespace wheeltap::identification

@@ -1,0 +1,168 @@
+#include "identification/sid_problem.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "identification/invalid_input.hpp"
+#include "sid_cases.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using dynamics::Coefficient;
+using testing::HasSubstr;
+
+double gaussian(double squares, int n, double sigma) {
+  return -0.5 * n * std::log(2.0 * std::numbers::pi * sigma * sigma) -
+         0.5 * squares / (sigma * sigma);
+}
+
+/// The case with a parameter more, which all models use.
+SidCase with_parameter(SidCase c, const std::string& name, const inference::Prior& prior,
+                       double truth) {
+  c.parameters.push_back({name, prior});
+  for (SidModel& model : c.models) {
+    model.parameters.push_back(static_cast<int>(c.parameters.size()) - 1);
+  }
+  c.truth->theta.push_back(truth);
+  return c;
+}
+
+TEST(SidProblem, LogLikelihoodIsGaussianInTheResiduals) {
+  const auto problem = make_sid_problem(simulated(small_sid_case()));
+  std::vector<double> residuals(200);
+  ASSERT_TRUE(
+      problem->misfits[1].residuals(problem->theta(1, std::vector{50.0, 1000.0}), residuals));
+  double squares = 0.0;
+  for (const double r : residuals) squares += r * r;
+  EXPECT_NEAR(log_likelihood(*problem, 1, {50.0, 1000.0}), gaussian(squares, 200, 0.05), 1e-9);
+  // At the truth only the noise is left: χ² of 200 degrees of freedom, sd 20, five sd wide.
+  EXPECT_NEAR(squares / (0.05 * 0.05), 200.0, 100.0);
+  // The linear model is the Duffing model without its cubic spring. Its exact solution and the
+  // Runge-Kutta steps of the other differ by (ωh)⁴/120 of a frequency: 1e-6 here.
+  EXPECT_NEAR(log_likelihood(*problem, 0, {50.0}), log_likelihood(*problem, 1, {50.0, 0.0}), 0.1);
+  EXPECT_EQ(log_likelihood(*problem, 1, {50.0, -1e6}), -std::numeric_limits<double>::infinity());
+}
+
+TEST(SidProblem, NoiseMayBeAParameter) {
+  SidCase c = with_parameter(small_sid_case(), "sigma", inference::HalfNormal{0.1}, 0.05);
+  for (SidModel& model : c.models) model.noise = {Coefficient::of_parameter(2)};
+  const auto inferred = make_sid_problem(simulated(c));
+  const auto known = make_sid_problem(simulated(small_sid_case()));
+  EXPECT_NEAR(log_likelihood(*inferred, 1, {50.0, 1000.0, 0.05}),
+              log_likelihood(*known, 1, {50.0, 1000.0}), 1e-9);
+}
+
+TEST(SidProblem, NoiseMayBeOneAChannel) {
+  SidCase c = small_sid_case();
+  c.channels.push_back({.column = "velocity [m/s]",
+                        .role = SidChannel::Role::response,
+                        .mass = 1,
+                        .quantity = dynamics::Quantity::velocity});
+  for (SidModel& model : c.models) model.noise = {0.05, 0.5};
+  c.truth->noise = {0.05, 0.5};
+  const auto both = make_sid_problem(simulated(c));
+  std::vector<double> residuals(400);
+  ASSERT_TRUE(both->misfits[1].residuals(both->theta(1, std::vector{50.0, 1000.0}), residuals));
+  double first = 0.0, second = 0.0;
+  for (std::size_t n = 0; n < 200; ++n) {
+    first += residuals[n] * residuals[n];
+    second += residuals[200 + n] * residuals[200 + n];
+  }
+  EXPECT_NEAR(log_likelihood(*both, 1, {50.0, 1000.0}),
+              gaussian(first, 200, 0.05) + gaussian(second, 200, 0.5), 1e-9);
+}
+
+TEST(SidProblem, AnUnknownScaleCarriesItsJacobian) {
+  SidCase c = small_sid_case();
+  c.channels[1].signal.scale = 2.0;
+  const auto known = make_sid_problem(simulated(c));
+  c = with_parameter(c, "gain", inference::LogUniform{0.1, 10.0}, 2.0);
+  c.channels[1].signal.scale = Coefficient::of_parameter(2);
+  const auto inferred = make_sid_problem(simulated(c));
+  EXPECT_NEAR(log_likelihood(*inferred, 0, {50.0, 2.0}),
+              log_likelihood(*known, 0, {50.0}) + 200 * std::log(2.0), 1e-8);
+}
+
+TEST(SidProblem, AutoregressionOfNoCorrelationIsWhite) {
+  const auto white = make_sid_problem(simulated(small_sid_case()));
+  SidCase c = with_parameter(small_sid_case(), "ar[1]", inference::Uniform{-1.0, 1.0}, 0.0);
+  c = with_parameter(c, "ar[2]", inference::Uniform{-1.0, 1.0}, 0.0);
+  for (SidModel& model : c.models) {
+    model.autocorrelations = {{Coefficient::of_parameter(2), Coefficient::of_parameter(3)}};
+  }
+  const auto coloured = make_sid_problem(simulated(c));
+  ASSERT_EQ(coloured->problem.space[0].dimension, 3);  // k, ar[1], ar[2]
+  EXPECT_NEAR(log_likelihood(*coloured, 0, {50.0, 0.0, 0.0}), log_likelihood(*white, 0, {50.0}),
+              1e-8);
+  EXPECT_NE(log_likelihood(*coloured, 0, {50.0, 0.5, 0.0}), log_likelihood(*white, 0, {50.0}));
+}
+
+TEST(SidProblem, AContactOutOfReachChangesNothing) {
+  SidCase c = small_sid_case();
+  c.models[1].chain.links[0].laws = {dynamics::make_law<dynamics::laws::Contact>(
+      {Coefficient::of_parameter(1), 1e3}, dynamics::Side::closing)};
+  c.truth->theta[1] = 10.0;
+  const auto problem = make_sid_problem(simulated(c));
+  EXPECT_NEAR(log_likelihood(*problem, 0, {50.0}), log_likelihood(*problem, 1, {50.0, 10.0}), 0.1);
+}
+
+TEST(SidProblem, AnInferredStartExplainsAWindowWithoutItsPast) {
+  const auto rest =
+      make_sid_problem(simulated(small_sid_case(), {.samples = std::pair(100, 200)}));
+  const auto led = make_sid_problem(
+      simulated(small_sid_case(), {.samples = std::pair(100, 200), .lead_in = 100}));
+  EXPECT_GT(log_likelihood(*led, 1, {50.0, 1000.0}),
+            log_likelihood(*rest, 1, {50.0, 1000.0}) + 10.0);
+  SidCase inferred = simulated(small_sid_case(), {.samples = std::pair(100, 200)});
+  for (SidModel& model : inferred.models) {
+    infer_initial(inferred, model);
+    model.parameters = inferred.parameters_of(model);
+  }
+  ASSERT_EQ(inferred.models[0].parameters.size(), 3U);  // k, y0[1], v0[1]
+  EXPECT_EQ(inferred.parameters[2].name, "y0[1]");
+  EXPECT_GT(inferred.parameters[3].prior.sd(), inferred.parameters[2].prior.sd());  // ω > 1 rad/s
+}
+
+TEST(SidProblem, BandLimitedExcitationIsUpsampled) {
+  const SidCase c = simulated(small_sid_case(), {.band_limited = true, .upsample = 4});
+  EXPECT_EQ(c.stride, 4);
+  EXPECT_EQ(c.channels[0].signal.samples.size(), 199U * 4 + 1);
+  EXPECT_EQ(c.channels[1].signal.samples.size(), 200U);
+  EXPECT_TRUE(std::isfinite(log_likelihood(*make_sid_problem(c), 0, {50.0})));
+}
+
+TEST(SidProblem, NamesThePartThatCannotBe) {
+  const auto refused = [](const SidCase& c, InvalidInput::Part part, int index, const char* word) {
+    try {
+      static_cast<void>(make_sid_problem(simulated(c)));
+      FAIL() << "not refused: " << word;
+    } catch (const InvalidInput& error) {
+      EXPECT_EQ(error.part(), part) << error.what();
+      EXPECT_EQ(error.index(), index);
+      EXPECT_THAT(error.what(), HasSubstr(word));
+    }
+  };
+  SidCase c = small_sid_case();
+  c.truth.reset();
+  EXPECT_THROW(static_cast<void>(simulate_record(c, 1)), InvalidInput);
+  c = small_sid_case();
+  c.truth->excitations[0].signal = TrueExcitation::BandLimited{10.0, 60.0, 1.0};  // Nyquist: 50
+  refused(c, InvalidInput::Part::excitation, 0, "50");
+  c = small_sid_case();
+  c.channels[0].column = "forze";
+  c.truth->excitations.clear();
+  const signals::Record record = simulate_record(small_sid_case(), 1);
+  try {
+    take_record(c, record, {});
+    FAIL() << "not refused";
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(error.part(), InvalidInput::Part::channel);
+    EXPECT_THAT(error.what(), HasSubstr("force [N]"));
+  }
+}
+
+}  // namespace
+}  // namespace wheeltap::identification
