@@ -19,10 +19,10 @@ void fill_lists(AnyJson& rules) {
     for (const auto* type : identification::interpolant_types()) {
       rules["enum"].push_back(std::string(type->name));
     }
-    rules["description"] = rules["description"].template get<std::string>() +
-                           "; grids: " + identification::interpolant_names(Runs::grid) +
-                           "; scattered runs: " +
-                           identification::interpolant_names(Runs::scattered);
+    rules["description"] =
+        rules["description"].template get<std::string>() +
+        "; grids: " + identification::interpolant_names(Runs::grid) +
+        "; scattered runs: " + identification::interpolant_names(Runs::scattered);
   }
   for (auto& child : rules) {
     if (child.is_structured()) fill_lists(child);

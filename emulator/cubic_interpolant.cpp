@@ -192,9 +192,14 @@ constinit const InterpolantType kCubic = {
     .most_factors = kMostCubicFactors,
     .train = [](Table& table,
                 const TrainingOptions& options) -> std::unique_ptr<const Interpolant> {
+      if (!options.waves.empty() && options.waves.size() != table.factors.size()) {
+        throw std::invalid_argument(std::to_string(options.waves.size()) +
+                                    " entries of waves for " +
+                                    std::to_string(table.factors.size()) + " factors");
+      }
       std::vector<AxisRule> rules(table.factors.size(), AxisRule::monotone_cubic);
       for (std::size_t j = 0; j < options.waves.size(); ++j) {
-        if (options.waves[j]) rules.at(j) = AxisRule::cubic;
+        if (options.waves[j]) rules[j] = AxisRule::cubic;
       }
       return std::make_unique<CubicInterpolant>(table.factors, table.values, std::move(rules));
     }};

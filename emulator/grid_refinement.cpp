@@ -25,6 +25,8 @@ void check_options(const std::vector<Factor>& factors, Eigen::Index responses,
   require(
       options.interpolant != nullptr && options.interpolant->runs == InterpolantType::Runs::grid,
       "an interpolant on grids is needed");
+  require(options.waves.empty() || options.waves.size() == factors.size(),
+          "one entry of waves per factor is needed");
   require(options.candidates.empty() || options.candidates.size() == factors.size(),
           "candidates for " + std::to_string(options.candidates.size()) + " of " +
               std::to_string(factors.size()) + " factors");

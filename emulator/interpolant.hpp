@@ -60,9 +60,9 @@ struct InterpolantType {
   using Train = std::unique_ptr<const Interpolant> (*)(Table& table,
                                                        const TrainingOptions& options);
 
-  std::string_view name;    ///< "interpolation" in a case and in a table file
-  std::string_view words;   ///< begins a sentence about it: "Gaussian process"
-  Runs runs = Runs::grid;   ///< scattered runs may be a grid; a grid may not be scattered
+  std::string_view name;   ///< "interpolation" in a case and in a table file
+  std::string_view words;  ///< begins a sentence about it: "Gaussian process"
+  Runs runs = Runs::grid;  ///< scattered runs may be a grid; a grid may not be scattered
   std::size_t most_factors = std::numeric_limits<std::size_t>::max();
   /// It answers in the convex hull of its runs, not in the whole box of the factors: designs for it
   /// gain the corners of the box.

@@ -103,9 +103,9 @@ Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
   if (spec.interpolant->runs == InterpolantType::Runs::grid) {
     auto grid = emulator::as_grid(table);
     if (!grid) {
-      refuse("the runs are no full grid, which " +
-             interpolant_names(InterpolantType::Runs::grid) + " need: use \"interpolation\": " +
-             interpolant_names(InterpolantType::Runs::scattered));
+      refuse(
+          "the runs are no full grid, which " + interpolant_names(InterpolantType::Runs::grid) +
+          " need: use \"interpolation\": " + interpolant_names(InterpolantType::Runs::scattered));
     }
     rename(*grid);
     return std::move(*grid);
@@ -139,9 +139,9 @@ Table own_table(const fem::Beam& beam, const EmulatorSpec& spec, int modes, int 
   }
   Table table = own_runs(beam, spec, count);
   if (table.values.cols() < modes) {
-    throw std::invalid_argument(spec.csv[static_cast<std::size_t>(count - 1)].string() +
-                                " holds " + std::to_string(table.values.cols()) +
-                                " modes, the data have " + std::to_string(modes));
+    throw std::invalid_argument(spec.csv[static_cast<std::size_t>(count - 1)].string() + " holds " +
+                                std::to_string(table.values.cols()) + " modes, the data have " +
+                                std::to_string(modes));
   }
   table.values = RowMatrix(table.values.leftCols(modes));
   return table;
@@ -208,8 +208,7 @@ Table frequency_table(std::vector<Factor> factors, RowMatrix points, RowMatrix v
 
 // The table of the grid that `spec` starts from, with the sites and levels that its accuracy needs.
 Table refined(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, const DefectKind& kind,
-              int modes, int count, const RunOptions& options,
-              long& made) {
+              int modes, int count, const RunOptions& options, long& made) {
   const fem::Beam& beam = reanalysis.beam();
   const auto start = damage_design(beam, spec, kind, count).factors;
   emulator::RefinementOptions refinement{.tolerance = {},
@@ -311,9 +310,8 @@ Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec, const Defe
   return tidied(std::move(design), beam);
 }
 
-Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
-                const DefectKind& kind, int modes, int count, const RunOptions& options,
-                long& made) {
+Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, const DefectKind& kind,
+                int modes, int count, const RunOptions& options, long& made) {
   const fem::Beam& beam = reanalysis.beam();
   if (spec.runs == EmulatorSpec::Runs::csv) return own_table(beam, spec, modes, count);
   if (spec.accuracy) return refined(reanalysis, spec, kind, modes, count, options, made);

@@ -14,9 +14,8 @@ namespace wheeltap::identification {
 
 struct RunOptions {
   int threads = 1;
-  std::uint64_t seed = 1;  ///< of the held-out runs
-  std::filesystem::path journal_stem =
-      {};  ///< runs are remembered in STEM.count_K; empty: nowhere
+  std::uint64_t seed = 1;                   ///< of the held-out runs
+  std::filesystem::path journal_stem = {};  ///< runs are remembered in STEM.count_K; empty: nowhere
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
   /// Runs made before, by `run_part`: nothing of the design is run again.
   const emulator::TableFile* runs = nullptr;
@@ -44,10 +43,9 @@ struct RunOptions {
 /// The table of these runs: made now, or before (`options.runs`), or the user's own (`spec.csv`),
 /// or as many as an accuracy needs. Adds those made now to `made`. Throws std::invalid_argument,
 /// and io::FileError for the user's own.
-[[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis,
-                                        const EmulatorSpec& spec, const DefectKind& kind,
-                                        int modes, int count, const RunOptions& options,
-                                        long& made);
+[[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
+                                        const DefectKind& kind, int modes, int count,
+                                        const RunOptions& options, long& made);
 
 /// Part `part` (0-based) of `parts` of all runs that training makes. Throws alike.
 [[nodiscard]] emulator::TableFile run_part(const fem::Reanalysis& reanalysis,

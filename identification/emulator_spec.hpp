@@ -35,9 +35,7 @@ struct EmulatorSpec {
   int holdout = 1000;          ///< fresh FE runs that measure it, a count
 
   /// Tables that serve up to `max_count` damages, one a count: two at most with ANOVA.
-  [[nodiscard]] int tables(int max_count) const {
-    return anova && max_count > 2 ? 2 : max_count;
-  }
+  [[nodiscard]] int tables(int max_count) const { return anova && max_count > 2 ? 2 : max_count; }
 };
 
 }  // namespace wheeltap::identification

@@ -127,8 +127,7 @@ FrequencyTables read_frequency_tables(const std::filesystem::path& path, const f
 }
 
 void write_frequency_tables(const std::filesystem::path& path, const fem::Beam& beam,
-                            FrequencyTables tables,
-                            std::map<std::string, std::string> attributes) {
+                            FrequencyTables tables, std::map<std::string, std::string> attributes) {
   for (std::size_t i = 0; i < tables.errors.size(); ++i) {
     const EmulatorError& error = tables.errors[i];
     Table& home = tables.tables[std::min(i, tables.tables.size() - 1)];

@@ -26,7 +26,7 @@ namespace wheeltap::identification {
 struct FrequencyTables {
   std::vector<emulator::Table> tables;  ///< entry i for i + 1 damages
   std::vector<EmulatorError> errors;    ///< entry i for i + 1 damages; with ANOVA beyond the tables
-  bool symmetrised = false;  ///< answers are means over damages and their mirror images
+  bool symmetrised = false;             ///< answers are means over damages and their mirror images
   /// In which counts beyond two are summed; the table for two then has the intact frequencies.
   std::optional<emulator::Additive> anova;
 };
