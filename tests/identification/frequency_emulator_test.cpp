@@ -154,12 +154,12 @@ TEST(FrequencyEmulator, NamesThePriorThatReachesOutsideItsBox) {
   EXPECT_FALSE(emulator.reaches_outside(c.kinds[0]));
   c.kinds[0].location = inference::Uniform{0.1, 0.95};  // into element 10, beyond site 9
   ASSERT_TRUE(emulator.reaches_outside(c.kinds[0]));
-  EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->prior, "location");
+  EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->part, InvalidInput::Part::location);
   EXPECT_THAT(emulator.reaches_outside(c.kinds[0])->message, HasSubstr("0.15 to 0.85 m"));
   c.kinds[0].location = inference::Uniform{0.1, 0.9};
   c.kinds[0].severity = inference::Prior(inference::Uniform{0.0, 0.7});
   ASSERT_TRUE(emulator.reaches_outside(c.kinds[0]));
-  EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->prior, "reduction");
+  EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->part, InvalidInput::Part::severity);
 }
 
 // A frequency is nearly linear in compliance: with the same levels the error must fall.

@@ -62,7 +62,7 @@ constexpr InterpolantType kOnGrids = nearest_run(InterpolantType::Runs::grid);
 constexpr InterpolantType kScattered = nearest_run(InterpolantType::Runs::scattered);
 
 DamageCase emulated_beam(const EmulatorSpec& spec) {
-  DamageCase out = small_beam(1, {.damages = {{0.325, 0.6}}});
+  DamageCase out = small_beam(1, {.damages = {{0.325, 0.6}}, .supports = {}});
   out.emulator = spec;
   return out;
 }
