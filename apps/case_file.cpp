@@ -15,6 +15,7 @@
 #include <valijson/validator.hpp>
 
 #include "apps/nearest.hpp"
+#include "apps/schema_lists.hpp"
 #include "apps/schema_texts.hpp"
 
 namespace wheeltap::apps {
@@ -329,6 +330,7 @@ Json schema(std::string_view name) {
                   "no schema of the name \"" + std::string(name) + "\"; there are: " + list);
   }
   (*found)["definitions"].update(find("common")->at("definitions"));
+  fill_lists(*found);
   return *found;
 }
 

@@ -201,7 +201,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   const fem::Reanalysis reanalysis(damage_case.beam, modes + damage_case.rigid_body_modes);
   ProgressBar bar(common.quiet);
   std::map<int, Eigen::Index> remembered;
-  const FrequencyEmulator::TrainOptions train = {
+  const RunOptions train = {
       .threads = base::thread_count(common.threads),
       .seed = common.seed.value_or(1),
       .journal_stem = made ? std::string() : stem,
@@ -223,8 +223,8 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
       bar.clear();
       trained->save(common.output, attributes);
     } else {
-      emulator::TableFile file = FrequencyEmulator::run_part(reanalysis, spec, kind, modes,
-                                                             part.first, part.second, train);
+      emulator::TableFile file =
+          run_part(reanalysis, spec, kind, modes, part.first, part.second, train);
       bar.clear();
       file.attributes.insert(attributes.begin(), attributes.end());
       emulator::write_table_file(common.output, file);

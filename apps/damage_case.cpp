@@ -6,8 +6,10 @@
 #include <numeric>
 
 #include "apps/csv_frequencies.hpp"
+#include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
 #include "identification/defects/reduction.hpp"
+#include "identification/interpolants.hpp"
 
 namespace wheeltap::apps {
 
@@ -340,18 +342,20 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
   if (own && p.contains("multipliers")) {
     file.refuse(where / "multipliers", "the levels of \"runs_csv\" are in the file");
   }
-  spec.rule = rule_named(
-      p.value("interpolation", std::string(grid || own ? "multilinear" : "gaussian-process")));
-  const bool scattered_rule = spec.rule == EmulatorSpec::Rule::gaussian_process ||
-                              spec.rule == EmulatorSpec::Rule::delaunay;
-  if (grid && scattered_rule) {
-    file.refuse(where / "interpolation",
-                "is for scattered runs (\"design\", \"runs_csv\"); a grid of sites has "
-                "\"multilinear\", \"cubic\" and \"monotone-cubic\"");
+  if (!grid && !own) spec.interpolant = &emulator::kGaussianProcess;
+  if (p.contains("interpolation")) {
+    // The schema has let no other names pass.
+    spec.interpolant = find_interpolant_type(p["interpolation"].get<std::string>());
   }
-  if (p.contains("design") && !scattered_rule) {
+  using Joined = emulator::InterpolantType::Runs;
+  if (grid && spec.interpolant->runs != Joined::grid) {
     file.refuse(where / "interpolation",
-                "is for grids; a scattered design has \"gaussian-process\" and \"delaunay\"");
+                "is for scattered runs (\"design\", \"runs_csv\"); a grid of sites has " +
+                    interpolant_names(Joined::grid));
+  }
+  if (p.contains("design") && spec.interpolant->runs != Joined::scattered) {
+    file.refuse(where / "interpolation",
+                "is for grids; a scattered design has " + interpolant_names(Joined::scattered));
   }
   if (grid) spec.sites = parse_sites(file, out.beam.elements);
   if (p.contains("accuracy")) {
@@ -383,10 +387,11 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
   } else if (p.contains("additive")) {
     file.refuse(where / "additive", "goes with \"expansion\": \"anova\" only");
   }
-  const int counts = spec.anova ? std::min(2, out.kinds[0].max_count) : out.kinds[0].max_count;
-  if (spec.rule == EmulatorSpec::Rule::delaunay && counts > 2) {
-    file.refuse(where / "interpolation",
-                "\"delaunay\" takes up to two damages; add \"expansion\": \"anova\" for more");
+  const std::size_t most_damages = spec.interpolant->most_factors / 2;
+  if (static_cast<std::size_t>(spec.tables(out.kinds[0].max_count)) > most_damages) {
+    file.refuse(where / "interpolation", '"' + std::string(spec.interpolant->name) +
+                                             "\" takes up to " + std::to_string(most_damages) +
+                                             " damages; add \"expansion\": \"anova\" for more");
   }
   const bool symmetric = fem::is_mirror_symmetric(out.beam);
   spec.symmetrise = p.value("symmetrise", symmetric && spec.emulator_error);

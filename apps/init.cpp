@@ -8,6 +8,7 @@
 #include "apps/failure.hpp"
 #include "apps/nearest.hpp"
 #include "apps/running.hpp"
+#include "apps/schema_lists.hpp"
 #include "apps/schema_texts.hpp"
 #include "apps/sid_case.hpp"
 #include "identification/sid_simulation.hpp"
@@ -129,6 +130,7 @@ Report ordered_schema(const std::string& kind) {
     if (name == "common") common = Report::parse(text);
   }
   found["definitions"].update(common["definitions"]);
+  fill_lists(found);
   return found;
 }
 

@@ -179,4 +179,39 @@ void CubicInterpolant::evaluate(std::span<const double> x, std::span<double> out
   }
 }
 
+namespace {
+
+constexpr std::size_t kMostCubicFactors = 6;
+static_assert(CubicInterpolant::kMostNodes == 1U << 2 * kMostCubicFactors);
+
+}  // namespace
+
+constinit const InterpolantType kCubic = {
+    .name = "cubic",
+    .words = "cubic",
+    .most_factors = kMostCubicFactors,
+    .train = [](Table& table,
+                const TrainingOptions& options) -> std::unique_ptr<const Interpolant> {
+      if (!options.waves.empty() && options.waves.size() != table.factors.size()) {
+        throw std::invalid_argument(std::to_string(options.waves.size()) +
+                                    " entries of waves for " +
+                                    std::to_string(table.factors.size()) + " factors");
+      }
+      std::vector<AxisRule> rules(table.factors.size(), AxisRule::monotone_cubic);
+      for (std::size_t j = 0; j < options.waves.size(); ++j) {
+        if (options.waves[j]) rules[j] = AxisRule::cubic;
+      }
+      return std::make_unique<CubicInterpolant>(table.factors, table.values, std::move(rules));
+    }};
+
+constinit const InterpolantType kMonotoneCubic = {
+    .name = "monotone-cubic",
+    .words = "monotone cubic",
+    .most_factors = kMostCubicFactors,
+    .train = [](Table& table, const TrainingOptions&) -> std::unique_ptr<const Interpolant> {
+      return std::make_unique<CubicInterpolant>(
+          table.factors, table.values,
+          std::vector<AxisRule>(table.factors.size(), AxisRule::monotone_cubic));
+    }};
+
 }  // namespace wheeltap::emulator

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "emulator/grid.hpp"
+#include "emulator/interpolant.hpp"
 
 namespace wheeltap::emulator {
 
@@ -27,7 +28,7 @@ enum class AxisRule {
 /// monotone_cubic flattens an extremum: choose cubic along a factor that the response waves in). A
 /// factor that sits on a level costs nothing. Evaluations do not allocate and may run in several
 /// threads at once.
-class CubicInterpolant {
+class CubicInterpolant final : public Interpolant {
  public:
   /// The most stencil nodes (4 a cubic factor, 2 a linear one) an evaluation gathers.
   static constexpr std::size_t kMostNodes = 4096;
@@ -38,9 +39,9 @@ class CubicInterpolant {
   CubicInterpolant(std::vector<Factor> factors, RowMatrix values, std::vector<AxisRule> rules);
 
   /// All responses at x. Throws std::out_of_range outside the box, as MultilinearInterpolant does.
-  void evaluate(std::span<const double> x, std::span<double> out) const;
+  void evaluate(std::span<const double> x, std::span<double> out) const override;
 
-  [[nodiscard]] bool contains(std::span<const double> x) const {
+  [[nodiscard]] bool contains(std::span<const double> x) const override {
     return emulator::contains(factors_, x);
   }
   [[nodiscard]] const std::vector<Factor>& factors() const { return factors_; }
@@ -53,5 +54,10 @@ class CubicInterpolant {
   RowMatrix values_;
   std::vector<AxisRule> rules_;
 };
+
+/// Cubic along factors that responses wave in, monotone along the others.
+extern const InterpolantType kCubic;
+/// Monotone along every factor.
+extern const InterpolantType kMonotoneCubic;
 
 }  // namespace wheeltap::emulator

@@ -254,4 +254,8 @@ bool DelaunayInterpolant::covers_box() const {
   return true;
 }
 
+std::unique_ptr<const Interpolant> train_delaunay(Table& table, const TrainingOptions&) {
+  return std::make_unique<DelaunayInterpolant>(table.factors, table.points, table.values);
+}
+
 }  // namespace wheeltap::emulator

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "emulator/design.hpp"
+#include "emulator/interpolant.hpp"
 
 namespace wheeltap::emulator {
 
@@ -17,7 +17,7 @@ namespace wheeltap::emulator {
 /// distance between runs. CGAL triangulates (with exact predicates); a lookup then walks from a
 /// simplex near x towards it (Devillers, Pion & Teillaud 2002, Walking in a triangulation), in
 /// plain arithmetic and without allocating. Evaluations may run in several threads at once.
-class DelaunayInterpolant {
+class DelaunayInterpolant final : public Interpolant {
  public:
   /// The number of simplices grows steeply with the dimension.
   static constexpr std::size_t kMostFactors = 5;
@@ -31,10 +31,10 @@ class DelaunayInterpolant {
 
   /// All responses at x. Throws std::out_of_range naming the point where it lies outside the convex
   /// hull of the runs (or is NaN), std::invalid_argument for wrong sizes.
-  void evaluate(std::span<const double> x, std::span<double> out) const;
+  void evaluate(std::span<const double> x, std::span<double> out) const override;
 
   /// True inside the convex hull of the runs.
-  [[nodiscard]] bool contains(std::span<const double> x) const;
+  [[nodiscard]] bool contains(std::span<const double> x) const override;
   /// True where the hull is the factors' whole box, as with designs from `with_corners`. (Along the
   /// box's sides such a design has long thin simplices from corner to corner, and larger errors.)
   [[nodiscard]] bool covers_box() const;
@@ -62,5 +62,19 @@ class DelaunayInterpolant {
   std::size_t cells_a_side_ = 1;
   std::vector<std::int32_t> hints_;  // a simplex near each cell's centre
 };
+
+/// Defined in wheeltap::emulator_delaunay.
+[[nodiscard]] std::unique_ptr<const Interpolant> train_delaunay(Table& table,
+                                                                const TrainingOptions& options);
+
+/// Its description, trained by `train`: `train_delaunay`, or what says that it was not built.
+[[nodiscard]] constexpr InterpolantType delaunay_type(InterpolantType::Train train) {
+  return {.name = "delaunay",
+          .words = "Delaunay interpolation",
+          .runs = InterpolantType::Runs::scattered,
+          .most_factors = DelaunayInterpolant::kMostFactors,
+          .within_hull = true,
+          .train = train};
+}
 
 }  // namespace wheeltap::emulator

@@ -547,4 +547,24 @@ Eigen::Index GaussianProcess::responses() const {
   return impl_->values.cols();
 }
 
+constinit const InterpolantType kGaussianProcess = {
+    .name = "gaussian-process",
+    .words = "Gaussian process",
+    .runs = InterpolantType::Runs::scattered,
+    .slow = true,
+    .has_variance = true,
+    .train = [](Table& table,
+                const TrainingOptions& options) -> std::unique_ptr<const Interpolant> {
+      const auto fitted = table.parameters.find("gaussian_process");
+      if (fitted != table.parameters.end()) {
+        return std::make_unique<GaussianProcess>(table.factors, table.points, table.values,
+                                                 Kernel::matern52, fitted->second);
+      }
+      auto made =
+          std::make_unique<GaussianProcess>(table.factors, table.points, table.values,
+                                            GaussianProcessOptions{.threads = options.threads});
+      table.parameters["gaussian_process"] = made->parameters();
+      return made;
+    }};
+
 }  // namespace wheeltap::emulator

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "emulator/design.hpp"
+#include "emulator/interpolant.hpp"
 
 namespace wheeltap::emulator {
 
@@ -58,19 +58,13 @@ struct GaussianProcessOptions {
   std::uint64_t seed = 1;
 };
 
-/// Leave-one-out predictions: each run from all the others.
-struct LeaveOneOut {
-  RowMatrix mean;      ///< runs × responses
-  RowMatrix variance;  ///< of the run that was left out, its noise included
-};
-
 /// Ordinary Kriging with constant mean β, for each response
 ///   f(x) | y ~ N(β + rᵀR⁻¹(y - β),  σ² [1 - rᵀR⁻¹r + (1 - 1ᵀR⁻¹r)² / 1ᵀR⁻¹1]),  r = k(X, x)
 /// (the last term is what not knowing β adds; Rasmussen & Williams 2006, section 2.7). R is kept
 /// positive definite by a nugget of at least 1e-12 (Matérn; 1e-8 with the squared exponential),
 /// raised tenfold as often as its factorisation needs it. Evaluations may run in several threads at
 /// once.
-class GaussianProcess {
+class GaussianProcess final : public Interpolant {
  public:
   /// Fits lengths (and nugget) to runs by maximum marginal likelihood: the best of a ladder of
   /// common lengths starts a quasi-Newton search with the analytic gradient. `points` (runs ×
@@ -84,29 +78,29 @@ class GaussianProcess {
   /// positive numbers.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   Kernel kernel, const RowMatrix& parameters);
-  ~GaussianProcess();
+  ~GaussianProcess() override;
   GaussianProcess(GaussianProcess&&) noexcept;
   GaussianProcess& operator=(GaussianProcess&&) noexcept;
 
   /// Means of all responses at x. Throws std::out_of_range outside the factors' box, as the other
   /// interpolants do: there is no extrapolation.
-  void evaluate(std::span<const double> x, std::span<double> mean) const;
+  void evaluate(std::span<const double> x, std::span<double> mean) const override;
   /// And the variances of the model's answer, without the runs' own noise.
   void evaluate(std::span<const double> x, std::span<double> mean,
-                std::span<double> variance) const;
+                std::span<double> variance) const override;
 
   /// At the fitted lengths, nugget and variance, with β estimated anew each time (Dubrule 1983,
   /// Cross validation of Kriging in a unique neighborhood): with
   /// Q = R⁻¹ - R⁻¹1 1ᵀR⁻¹ / 1ᵀR⁻¹1, the residual of run i is [Q y]_i / Q_ii, its variance σ² /
   /// Q_ii.
-  [[nodiscard]] LeaveOneOut leave_one_out() const;
+  [[nodiscard]] LeaveOneOut leave_one_out() const override;
 
   /// One row per set of lengths (1, or one a response): ℓ_1 … ℓ_d, η.
   [[nodiscard]] RowMatrix parameters() const;
   [[nodiscard]] Kernel kernel() const;
   [[nodiscard]] const std::vector<Factor>& factors() const;
   [[nodiscard]] Eigen::Index responses() const;
-  [[nodiscard]] bool contains(std::span<const double> x) const {
+  [[nodiscard]] bool contains(std::span<const double> x) const override {
     return emulator::contains(factors(), x);
   }
 
@@ -114,5 +108,9 @@ class GaussianProcess {
   struct Impl;
   std::unique_ptr<const Impl> impl_;
 };
+
+/// With a Matérn kernel and lengths for each response; a table keeps `parameters()` as
+/// "gaussian_process".
+extern const InterpolantType kGaussianProcess;
 
 }  // namespace wheeltap::emulator

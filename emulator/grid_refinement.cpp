@@ -22,7 +22,11 @@ void check_options(const std::vector<Factor>& factors, Eigen::Index responses,
               std::to_string(responses) + " responses");
   for (double t : options.tolerance)
     require(t > 0.0, "the tolerance " + std::to_string(t) + " must be > 0");
-  require(options.rules.size() == factors.size(), "one rule per factor is needed");
+  require(
+      options.interpolant != nullptr && options.interpolant->runs == InterpolantType::Runs::grid,
+      "an interpolant on grids is needed");
+  require(options.waves.empty() || options.waves.size() == factors.size(),
+          "one entry of waves per factor is needed");
   require(options.candidates.empty() || options.candidates.size() == factors.size(),
           "candidates for " + std::to_string(options.candidates.size()) + " of " +
               std::to_string(factors.size()) + " factors");
@@ -101,6 +105,13 @@ double nearest(const std::vector<double>& candidates, double low, double high, d
   return best;
 }
 
+Table grid_table(const std::vector<Factor>& factors, const RowMatrix& values) {
+  Table table;
+  table.factors = factors;
+  table.values = values;
+  return table;
+}
+
 }  // namespace
 
 RefinedGrid refine_grid(const std::vector<Factor>& initial, Eigen::Index responses,
@@ -127,8 +138,10 @@ RefinedGrid refine_grid(const std::vector<Factor>& initial, Eigen::Index respons
   for (;;) {
     const Design grid = full_factorial(factors);
     const RowMatrix values = model(grid.points);
-    const CubicInterpolant f(factors, values, options.rules);
-    const auto answer = [&f](std::span<const double> x, std::span<double> y) { f.evaluate(x, y); };
+    Table table = grid_table(factors, values);
+    const auto f = options.interpolant->train(
+        table, {.threads = options.experiment.threads, .waves = options.waves});
+    const auto answer = [&f](std::span<const double> x, std::span<double> y) { f->evaluate(x, y); };
 
     // One trial an interval: its middle, with the other factors on random levels.
     struct Trial {

@@ -3,14 +3,14 @@
 
 #include <vector>
 
-#include "emulator/cubic_interpolant.hpp"
-#include "emulator/holdout.hpp"
+#include "emulator/multilinear_interpolant.hpp"
 
 namespace wheeltap::emulator {
 
 struct RefinementOptions {
   std::vector<double> tolerance;  ///< largest error aimed at, one per response, in its unit, > 0
-  std::vector<AxisRule> rules;    ///< how the interpolant joins levels, one per factor
+  const InterpolantType* interpolant = &kMultilinear;  ///< what joins the levels, a grid's
+  std::vector<bool> waves = {};  ///< of the factors, as TrainingOptions has it
   /// Per factor, the only values its levels may take, increasing (e.g. element midpoints); empty
   /// where any value will do. None given at all: any value for every factor.
   std::vector<std::vector<double>> candidates = {};
@@ -35,9 +35,9 @@ struct RefinedGrid {
 /// 1/d of the tolerance: to first order the errors of the d factors add. When no interval does, the
 /// grid is checked at random points of the box, and the share is halved for as long as they miss.
 /// No point is run twice. Ends unreached when `most_runs` would be passed or candidates run out.
-/// Throws as `run_experiment` and `CubicInterpolant` do, and std::invalid_argument for options
-/// whose sizes do not fit, a tolerance or count that is not positive, or candidates that do not
-/// increase.
+/// Throws as `run_experiment` and the interpolant's training do, and std::invalid_argument for
+/// options whose sizes do not fit, a tolerance or count that is not positive, or candidates that do
+/// not increase.
 [[nodiscard]] RefinedGrid refine_grid(const std::vector<Factor>& factors, Eigen::Index responses,
                                       const ModelFactory& factory,
                                       const RefinementOptions& options);

@@ -68,4 +68,12 @@ void MultilinearInterpolant::evaluate(std::span<const double> x, std::span<doubl
   weighted_sum(weights.data(), corners.data(), count, out.data(), out.size());
 }
 
+constinit const InterpolantType kMultilinear = {
+    .name = "multilinear",
+    .words = "multilinear",
+    .most_factors = MultilinearInterpolant::kMostFactors,
+    .train = [](Table& table, const TrainingOptions&) -> std::unique_ptr<const Interpolant> {
+      return std::make_unique<MultilinearInterpolant>(table.factors, table.values);
+    }};
+
 }  // namespace wheeltap::emulator

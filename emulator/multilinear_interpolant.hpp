@@ -2,6 +2,7 @@
 #pragma once
 
 #include "emulator/grid.hpp"
+#include "emulator/interpolant.hpp"
 
 namespace wheeltap::emulator {
 
@@ -9,7 +10,7 @@ namespace wheeltap::emulator {
 ///   f(x) = Σ over the 2^d corners c of  Π_j (c_j ? t_j : 1 - t_j) · f_c.
 /// Exact at every node; reproduces functions that are linear in each s_j separately. Evaluations do
 /// not allocate and may run in several threads at once.
-class MultilinearInterpolant {
+class MultilinearInterpolant final : public Interpolant {
  public:
   /// The most factors an interpolant takes: the 2^d corner weights live on the stack.
   static constexpr std::size_t kMostFactors = 12;
@@ -23,9 +24,9 @@ class MultilinearInterpolant {
   /// All responses at x (one value per factor), written to `out` (one value per response).
   /// Throws std::out_of_range naming factor, value and bounds when x lies outside the grid's box or
   /// is NaN: there is no extrapolation. Throws std::invalid_argument for wrong sizes.
-  void evaluate(std::span<const double> x, std::span<double> out) const;
+  void evaluate(std::span<const double> x, std::span<double> out) const override;
 
-  [[nodiscard]] bool contains(std::span<const double> x) const {
+  [[nodiscard]] bool contains(std::span<const double> x) const override {
     return emulator::contains(factors_, x);
   }
   [[nodiscard]] const std::vector<Factor>& factors() const { return factors_; }
@@ -37,5 +38,7 @@ class MultilinearInterpolant {
   std::vector<GridAxis> axes_;
   RowMatrix values_;
 };
+
+extern const InterpolantType kMultilinear;
 
 }  // namespace wheeltap::emulator

@@ -11,31 +11,6 @@
 
 namespace wheeltap::identification {
 
-std::string rule_name(EmulatorSpec::Rule rule) {
-  switch (rule) {
-    case EmulatorSpec::Rule::multilinear:
-      return "multilinear";
-    case EmulatorSpec::Rule::cubic:
-      return "cubic";
-    case EmulatorSpec::Rule::monotone_cubic:
-      return "monotone-cubic";
-    case EmulatorSpec::Rule::gaussian_process:
-      return "gaussian-process";
-    case EmulatorSpec::Rule::delaunay:
-      return "delaunay";
-  }
-  throw std::invalid_argument("unknown interpolation");
-}
-
-EmulatorSpec::Rule rule_named(const std::string& text) {
-  using Rule = EmulatorSpec::Rule;
-  for (const Rule rule : {Rule::multilinear, Rule::cubic, Rule::monotone_cubic,
-                          Rule::gaussian_process, Rule::delaunay}) {
-    if (rule_name(rule) == text) return rule;
-  }
-  throw std::invalid_argument("interpolation \"" + text + "\" is not known");
-}
-
 int free_degrees_of_freedom(const fem::Beam& beam) {
   int n = 2 * beam.nodes();
   for (const fem::Support& s : beam.supports) {

@@ -3,15 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "emulator/anova.hpp"
 #include "fem/beam.hpp"
 #include "fem/defect.hpp"
 #include "identification/defect_kind.hpp"
+#include "identification/emulator_spec.hpp"
 #include "identification/noise_model.hpp"
 
 namespace wheeltap::identification {
@@ -22,36 +21,6 @@ struct Simulation {
   double cv = 0.0;  ///< noise: sd = cv · true frequency
   std::uint64_t seed = 1;
 };
-
-/// The design of an emulator, or the file that holds one.
-struct EmulatorSpec {
-  enum class Runs { grid, latin_hypercube, sobol, csv };
-  enum class Rule { multilinear, cubic, monotone_cubic, gaussian_process, delaunay };
-
-  std::optional<std::filesystem::path> table;  ///< a file; the rest then comes from it
-  Runs runs = Runs::grid;
-  Rule rule = Rule::multilinear;
-  std::vector<std::vector<int>>
-      sites;  ///< 0-based elements; list i serves damage i, the last one all further ones
-  std::vector<double> reductions;  ///< levels, increasing; of scattered runs the range, or empty
-  bool compliance = false;         ///< interpolate in 1/(1-r), else in r
-  std::optional<double>
-      accuracy;  ///< grids gain sites and levels until errors are below so much of the frequencies
-  std::optional<emulator::Additive>
-      anova;  ///< in which more than two damages are summed from pairs; none: a table each
-  std::vector<int> design_runs;   ///< scattered: entry i for i + 1 damages, the last beyond
-  std::uint64_t design_seed = 1;  ///< of scattered designs
-  std::vector<std::filesystem::path> csv;  ///< the user's own runs: file i has i + 1 damages
-  bool symmetrise = false;     ///< answer with the mean over damages and their mirror images
-  bool emulator_error = true;  ///< add its measured error to the noise
-  bool exact = false;          ///< screen proposals only: the posterior is the FE solution's
-  int holdout = 1000;          ///< fresh FE runs that measure it, a count
-};
-
-/// "multilinear", "cubic", "monotone-cubic", "gaussian-process", "delaunay".
-[[nodiscard]] std::string rule_name(EmulatorSpec::Rule rule);
-/// Inverse of `rule_name`. Throws std::invalid_argument for another text.
-[[nodiscard]] EmulatorSpec::Rule rule_named(const std::string& text);
 
 struct DamageCase {
   std::string title = {};

@@ -4,37 +4,14 @@
 
 #include <map>
 #include <memory>
-#include <variant>
+#include <optional>
 
-#include "emulator/anova.hpp"
-#include "emulator/cubic_interpolant.hpp"
-#include "emulator/gaussian_process.hpp"
-#include "emulator/holdout.hpp"
-#include "emulator/multilinear_interpolant.hpp"
-#include "emulator/table_file.hpp"
-#include "fem/reanalysis.hpp"
-#include "identification/damage_case.hpp"
+#include "identification/damage_runs.hpp"
+#include "identification/frequency_tables.hpp"
+#include "identification/interpolants.hpp"
 #include "identification/invalid_input.hpp"
-#ifdef WHEELTAP_WITH_CGAL
-#include "emulator/delaunay_interpolant.hpp"
-#endif
 
 namespace wheeltap::identification {
-
-/// What identifies a beam to its tables: geometry, mesh, supports, material and section as numbers.
-[[nodiscard]] std::string beam_fingerprint(const fem::Beam& beam);
-
-/// How wrong an emulator is for one number of damages, from held-out runs.
-struct EmulatorError {
-  std::vector<emulator::HoldoutError> holdout;  ///< one a mode
-  /// The variance of mode i's error at damages r_1 … r_k is scale[i] · Σ r_j / (1 - r_j): it grows
-  /// with the damage, as the effect itself does. For a Gaussian process it is scale[i] times its
-  /// own variance, scale >= 1.
-  std::vector<double> scale;
-  std::vector<emulator::StandardisedResiduals> standardised;  ///< by that variance, one a mode
-  /// Leave-one-out RMSE, one a mode, where the emulator has it (Gaussian process); else empty.
-  std::vector<double> leave_one_out;
-};
 
 /// An emulator for each number of damages 1 … max. The factors are location[1], reduction[1],
 /// location[2] …; a location is an element's midpoint, and since the FE model damages whole
@@ -42,30 +19,17 @@ struct EmulatorError {
 /// are put in order of location first, so damage i meets the i-th list of sites.
 class FrequencyEmulator {
  public:
-  struct TrainOptions {
-    int threads = 1;
-    std::uint64_t seed = 1;  ///< of the held-out runs
-    std::filesystem::path journal_stem =
-        {};  ///< runs are remembered in STEM.count_K; empty: nowhere
-    std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
-    /// Runs made before, by `run_part`: nothing of the design is run again.
-    const emulator::TableFile* runs = nullptr;
-  };
-
   /// Runs the design of `spec` for 1 … max_count damages (1 and 2 with ANOVA) and measures the
   /// error on fresh runs. `kind` says where scattered designs lie. Throws std::invalid_argument
   /// where a design would pass 10 million runs, does not cover the priors, or `runs` lacks some;
   /// FileError for the user's own runs.
   static FrequencyEmulator train(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
-                                 const DefectKind& kind, int modes, const TrainOptions& options);
-  /// Part `part` (0-based) of `parts` of the runs that `train` would make. Throws alike.
-  static emulator::TableFile run_part(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
-                                      const DefectKind& kind, int modes, int part, int parts,
-                                      const TrainOptions& options);
-  /// Reads a table file made for this beam. Throws io::FileError, and std::invalid_argument
-  /// where it holds too few counts or modes.
+                                 const DefectKind& kind, int modes, const RunOptions& options);
+  /// Reads a table file made for this beam, with one of `types`. Throws io::FileError, and
+  /// std::invalid_argument where it holds too few counts or modes.
   static FrequencyEmulator load(const std::filesystem::path& path, const fem::Beam& beam,
-                                int max_count, int modes);
+                                int max_count, int modes,
+                                InterpolantTypes types = interpolant_types());
   /// As a table file; `attributes` are added to its own.
   void save(const std::filesystem::path& path, std::map<std::string, std::string> attributes) const;
 
@@ -102,32 +66,27 @@ class FrequencyEmulator {
   [[nodiscard]] std::optional<Outside> reaches_outside(const DefectKind& kind) const;
 
  private:
-  using Interpolant = std::variant<emulator::MultilinearInterpolant, emulator::CubicInterpolant,
-                                   emulator::GaussianProcess
-#ifdef WHEELTAP_WITH_CGAL
-                                   ,
-                                   emulator::DelaunayInterpolant
-#endif
-                                   >;
+  /// What answers for one count.
+  struct Part {
+    const emulator::InterpolantType* type;
+    emulator::Table table;
+    std::shared_ptr<const emulator::Interpolant> interpolant;
+  };
 
   explicit FrequencyEmulator(const fem::Beam& beam) : beam_(beam) {}
-  [[nodiscard]] const emulator::Table& table(int count) const {
-    return tables_[static_cast<std::size_t>(count - 1)];
+  [[nodiscard]] const Part& part(int count) const {
+    return parts_[static_cast<std::size_t>(count - 1)];
   }
-  [[nodiscard]] int tables() const {
-    return static_cast<int>(tables_.size());
-  }
-  void add(emulator::Table table, int threads);
+  [[nodiscard]] int tables() const { return static_cast<int>(parts_.size()); }
+  void add(const emulator::InterpolantType& type, emulator::Table table, int threads);
   /// For counts beyond the tables'. Needs tables for one and two, and the intact frequencies in the
   /// latter.
   void add_anova(emulator::Additive additive);
   void measure(const fem::Reanalysis& reanalysis, int count, Eigen::Index runs,
-               const TrainOptions& options);
+               const RunOptions& options);
   [[nodiscard]] double midpoint(double location, const emulator::Factor& factor) const;
   void call(std::span<const fem::Damage> damages, std::span<double> out,
             std::span<double> variance) const;
-  void call_table(int count, std::span<const double> x, std::span<double> out,
-                  std::span<double> variance) const;
   [[nodiscard]] bool contains(std::span<const fem::Damage> damages) const;
   [[nodiscard]] const emulator::Factor& factor(int count, std::size_t i) const;
 
@@ -135,8 +94,7 @@ class FrequencyEmulator {
   int modes_ = 0;
   long trained_runs_ = 0, fresh_runs_ = 0;
   bool symmetrised_ = false;  ///< answers are means over a set of damages and its mirror image
-  std::vector<emulator::Table> tables_;
-  std::vector<std::shared_ptr<const Interpolant>> interpolants_;
+  std::vector<Part> parts_;
   std::vector<EmulatorError> errors_;
   std::optional<emulator::Additive> additive_;
   std::shared_ptr<const emulator::AnovaEmulator> anova_;  ///< for counts beyond the tables'

@@ -211,7 +211,8 @@ int main(int argc, char** argv) {
 
   for (int count : {1, 2}) {
     RefinementOptions options{.tolerance = {},
-                              .rules = {},
+                              .interpolant = &kCubic,
+                              .waves = {},
                               .candidates = {},
                               .most_runs = 200'000,
                               .experiment = {.threads = 2}};
@@ -219,7 +220,7 @@ int main(int argc, char** argv) {
       options.tolerance.push_back(0.5 * kNoise *
                                   beam().intact_frequencies_hz()[static_cast<std::size_t>(mode)]);
     for (int i = 0; i < count; ++i) {
-      options.rules.insert(options.rules.end(), {AxisRule::cubic, AxisRule::monotone_cubic});
+      options.waves.insert(options.waves.end(), {true, false});
       options.candidates.insert(options.candidates.end(), {every_element(), {}});
     }
     std::vector<double> coarse;
@@ -230,14 +231,17 @@ int main(int argc, char** argv) {
       grid = refine_grid(factors(count, coarse, {0.0, 0.6}, Scale::compliance), kModes, make_model,
                          options);
     });
-    const CubicInterpolant f(grid->factors, grid->values, options.rules);
+    Table table;
+    table.factors = grid->factors;
+    table.values = grid->values;
+    const auto f = kCubic.train(table, {.waves = options.waves});
     const std::string kind =
         "refined to half the noise: " + std::to_string(grid->factors[0].levels.size()) +
         " sites, " + std::to_string(grid->factors[1].levels.size()) + " levels" +
         (grid->reached ? "" : " (not reached)");
     report(
         kind.c_str(), count, grid->values.rows(), seconds,
-        [&](std::span<const double> x, std::span<double> y) { f.evaluate(x, y); },
+        [&](std::span<const double> x, std::span<double> y) { f->evaluate(x, y); },
         holdout[static_cast<std::size_t>(count - 1)], truth[static_cast<std::size_t>(count - 1)]);
   }
 

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <set>
 
+#include "emulator/cubic_interpolant.hpp"
+#include "emulator/gaussian_process.hpp"
+
 namespace wheeltap::emulator {
 namespace {
 
@@ -24,8 +27,8 @@ std::vector<Factor> coarse() {
   return {{"a", "", {0, 1}}, {"b", "", {0, 0.5, 1}}};
 }
 
-RefinementOptions options(double tolerance, AxisRule rule = AxisRule::linear) {
-  return {.tolerance = {tolerance, tolerance}, .rules = {rule, rule}};
+RefinementOptions options(double tolerance, const InterpolantType& type = kMultilinear) {
+  return {.tolerance = {tolerance, tolerance}, .interpolant = &type};
 }
 
 TEST(GridRefinement, ReachesTheToleranceWithLevelsWhereTheyAreNeeded) {
@@ -36,7 +39,7 @@ TEST(GridRefinement, ReachesTheToleranceWithLevelsWhereTheyAreNeeded) {
   EXPECT_LT(grid.factors[1].levels.size(), 6u);
   EXPECT_EQ(grid.values.rows(), full_factorial(grid.factors).runs());
   // Fresh points, not those that the refinement looked at.
-  const CubicInterpolant f(grid.factors, grid.values, {AxisRule::linear, AxisRule::linear});
+  const MultilinearInterpolant f(grid.factors, grid.values);
   const auto fresh =
       validate(coarse(), 2, peaked(),
                [&](std::span<const double> x, std::span<double> y) { f.evaluate(x, y); },
@@ -46,8 +49,7 @@ TEST(GridRefinement, ReachesTheToleranceWithLevelsWhereTheyAreNeeded) {
 
 TEST(GridRefinement, CubicNeedsFewerLevels) {
   const RefinedGrid linear = refine_grid(coarse(), 2, peaked(), options(0.002));
-  const RefinedGrid cubic =
-      refine_grid(coarse(), 2, peaked(), options(0.002, AxisRule::monotone_cubic));
+  const RefinedGrid cubic = refine_grid(coarse(), 2, peaked(), options(0.002, kMonotoneCubic));
   EXPECT_TRUE(linear.reached);
   EXPECT_TRUE(cubic.reached);
   EXPECT_LT(cubic.values.rows(), linear.values.rows());
@@ -90,9 +92,12 @@ TEST(GridRefinement, DoesNotDependOnThreads) {
 TEST(GridRefinement, Misuse) {
   EXPECT_THROW((void)refine_grid(coarse(), 3, peaked(), options(0.01)), std::invalid_argument);
   EXPECT_THROW((void)refine_grid(coarse(), 2, peaked(), options(0)), std::invalid_argument);
-  RefinementOptions one_rule = options(0.01);
-  one_rule.rules.pop_back();
-  EXPECT_THROW((void)refine_grid(coarse(), 2, peaked(), one_rule), std::invalid_argument);
+  EXPECT_THROW((void)refine_grid(coarse(), 2, peaked(), options(0.01, kGaussianProcess)),
+               std::invalid_argument)
+      << "it does not take a grid";
+  RefinementOptions one_wave = options(0.01, kCubic);
+  one_wave.waves = {true};
+  EXPECT_THROW((void)refine_grid(coarse(), 2, peaked(), one_wave), std::invalid_argument);
   RefinementOptions twice = options(0.01);
   twice.candidates = {{0, 0.5, 0.5, 1}, {}};
   EXPECT_THROW((void)refine_grid(coarse(), 2, peaked(), twice), std::invalid_argument);

@@ -5,33 +5,72 @@
 #include <cmath>
 #include <numeric>
 
-#include "program.hpp"
+#include "emulator/cubic_interpolant.hpp"
+#include "emulator/gaussian_process.hpp"
+#include "fem/section.hpp"
+#include "identification/damage_case.hpp"
+#include "identification/defects/reduction.hpp"
+#include "tests/emulator/temporary_directory.hpp"
 
-namespace wheeltap::apps {
-
-using namespace identification;
-
+namespace wheeltap::identification {
 namespace {
 
+using test::TemporaryDirectory;
 using testing::HasSubstr;
 
-DamageCase emulated_case(const std::string& more = R"({"symmetrise": false})") {
-  Json json = small_case();
-  json["damage"]["location"] = {{"uniform", {0.1, 0.9}}};
-  json["predictor"] =
-      Json::parse(R"({"sites": [2, 4, 6, 9], "multipliers": [0.4, 0.7, 1.0], "holdout": 50})");
-  json["predictor"].update(Json::parse(more));
-  const Workspace where;
-  return parse_damage_case(read_case(where.write_json("c.json", json))).damage;
+// A beam on two supports with up to `most` damages in it, and an emulator that is its own mirror
+// image.
+DamageCase beam_case(int elements, int most, const EmulatorSpec& spec) {
+  DamageCase out;
+  out.beam = {.length = 1.0,
+              .elements = elements,
+              .supports = fem::named_supports("simply-supported", 1.0),
+              .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
+              .section = fem::section(fem::Rectangle{.width = 0.025, .height = 0.006}, 0.3)};
+  out.kinds.push_back({.type = &defects::kReduction,
+                       .name = "damage",
+                       .plural = "damages",
+                       .max_count = most,
+                       .weights = {},
+                       .location = inference::Uniform{0.0, 1.0},
+                       .severity = inference::Prior(inference::Uniform{0.0, 0.6}),
+                       .truth = {}});
+  out.emulator = spec;
+  out.emulator->symmetrise = true;
+  return out;
 }
 
-// Up to `max_count` damages anywhere on 20 elements.
-DamageCase case_of(const std::string& predictor, int max_count, const Workspace& where) {
-  Json json = small_case();
-  json["beam"]["elements"] = 20;
-  json["damage"]["count"]["max"] = max_count;
-  json["predictor"] = Json::parse(predictor);
-  return parse_damage_case(read_case(where.write_json("c.json", json))).damage;
+EmulatorSpec grid(std::vector<int> sites, std::vector<double> reductions, int holdout = 1000) {
+  EmulatorSpec spec;
+  spec.sites = {std::move(sites)};
+  spec.reductions = std::move(reductions);
+  spec.holdout = holdout;
+  return spec;
+}
+
+EmulatorSpec scattered(EmulatorSpec::Runs design, std::vector<int> runs, int holdout) {
+  EmulatorSpec spec;
+  spec.runs = design;
+  spec.interpolant = &emulator::kGaussianProcess;
+  spec.design_runs = std::move(runs);
+  spec.holdout = holdout;
+  return spec;
+}
+
+EmulatorSpec own_runs(const std::filesystem::path& file, const emulator::InterpolantType& type) {
+  EmulatorSpec spec;
+  spec.runs = EmulatorSpec::Runs::csv;
+  spec.interpolant = &type;
+  spec.csv = {file};
+  return spec;
+}
+
+// Coarse: four sites of ten, up to two damages between 0.1 m and 0.9 m.
+DamageCase emulated_case() {
+  DamageCase out = beam_case(10, 2, grid({1, 3, 5, 8}, {0.0, 0.3, 0.6}, 50));
+  out.kinds[0].location = inference::Uniform{0.1, 0.9};
+  out.emulator->symmetrise = false;
+  return out;
 }
 
 std::vector<double> fe(const DamageCase& c, const std::vector<fem::Damage>& damages) {
@@ -77,7 +116,7 @@ TEST(FrequencyEmulator, FewerModesThanTheTableHas) {
 }
 
 TEST(FrequencyEmulator, ReadsWhatItWrites) {
-  const Workspace where;
+  const TemporaryDirectory where;
   const DamageCase c = emulated_case();
   const FrequencyEmulator written = trained(c);
   written.save(where / "t.nc", {{"command", "test"}});
@@ -115,12 +154,12 @@ TEST(FrequencyEmulator, NamesThePriorThatReachesOutsideItsBox) {
   EXPECT_FALSE(emulator.reaches_outside(c.kinds[0]));
   c.kinds[0].location = inference::Uniform{0.1, 0.95};  // into element 10, beyond site 9
   ASSERT_TRUE(emulator.reaches_outside(c.kinds[0]));
-  EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->prior, "location");
+  EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->part, InvalidInput::Part::location);
   EXPECT_THAT(emulator.reaches_outside(c.kinds[0])->message, HasSubstr("0.15 to 0.85 m"));
   c.kinds[0].location = inference::Uniform{0.1, 0.9};
   c.kinds[0].severity = inference::Prior(inference::Uniform{0.0, 0.7});
   ASSERT_TRUE(emulator.reaches_outside(c.kinds[0]));
-  EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->prior, "reduction");
+  EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->part, InvalidInput::Part::severity);
 }
 
 // A frequency is nearly linear in compliance: with the same levels the error must fall.
@@ -141,7 +180,9 @@ TEST(FrequencyEmulator, ComplianceAndEverySiteLeaveLittleError) {
 
 // A symmetric beam cannot tell a place from its mirror image; sites that are not symmetric would.
 TEST(FrequencyEmulator, AnswersForMirrorImagesAlike) {
-  const FrequencyEmulator both = trained(emulated_case("{}")), one = trained(emulated_case());
+  DamageCase symmetrised = emulated_case();
+  symmetrised.emulator->symmetrise = true;
+  const FrequencyEmulator both = trained(symmetrised), one = trained(emulated_case());
   const std::vector<fem::Damage> here = {{0.25, 0.3}, {0.65, 0.5}},
                                  image = {{0.35, 0.5}, {0.75, 0.3}};
   std::vector<double> a(4), b(4), c(4), d(4);
@@ -154,12 +195,12 @@ TEST(FrequencyEmulator, AnswersForMirrorImagesAlike) {
     EXPECT_NEAR(a[i], 0.5 * (c[i] + d[i]), 1e-12 * a[i]);
     EXPECT_GT(std::abs(c[i] - d[i]), 1e-6 * c[i]);
   }
-  EXPECT_FALSE(emulated_case(R"({"emulator_error": false})").emulator->symmetrise)
-      << "trusted blindly, as it is";
 }
 
 TEST(FrequencyEmulator, VarianceIsHonestOnFreshRuns) {
-  const FrequencyEmulator emulator = trained(emulated_case(R"({"holdout": 2000})"));
+  DamageCase well_measured = emulated_case();
+  well_measured.emulator->holdout = 2000;
+  const FrequencyEmulator emulator = trained(well_measured);
   for (int count = 1; count <= 2; ++count) {
     for (const auto& z : emulator.error(count).standardised) {
       EXPECT_NEAR(z.rms, 1.0, 1e-6) << "what the scale is fitted to";
@@ -173,11 +214,14 @@ TEST(FrequencyEmulator, VarianceIsHonestOnFreshRuns) {
 }
 
 TEST(FrequencyEmulator, AnovaServesAnyCountFromTwoTables) {
-  const Workspace where;
-  const DamageCase c = case_of(R"({"sites": "every-element", "multipliers": [0.4, 0.6, 0.8, 1.0],
-    "interpolation": "monotone-cubic", "coordinate": "compliance", "expansion": "anova",
-    "holdout": 300})",
-                               4, where);
+  const TemporaryDirectory where;
+  std::vector<int> every(20);
+  std::iota(every.begin(), every.end(), 0);
+  EmulatorSpec spec = grid(every, {0.0, 0.2, 0.4, 0.6}, 300);
+  spec.interpolant = &emulator::kMonotoneCubic;
+  spec.compliance = true;
+  spec.anova = emulator::Additive::inverse_square;
+  const DamageCase c = beam_case(20, 4, spec);
   const fem::Reanalysis reanalysis(c.beam, 4);
   const auto made = FrequencyEmulator::train(reanalysis, *c.emulator, c.kinds[0], 4, {});
   EXPECT_EQ(made.max_count(), 4);
@@ -201,12 +245,12 @@ TEST(FrequencyEmulator, AnovaServesAnyCountFromTwoTables) {
 }
 
 TEST(FrequencyEmulator, GrowsUntilItIsAccurate) {
-  const Workspace where;
   for (const double accuracy : {1e-2, 1e-4}) {
-    const DamageCase c = case_of(R"({"sites": [1, 10, 20], "multipliers": [0.4, 1.0], "coordinate":
-      "compliance", "interpolation": "cubic", "accuracy": )" +
-                                     std::to_string(accuracy) + "}",
-                                 1, where);
+    EmulatorSpec spec = grid({0, 9, 19}, {0.0, 0.6});
+    spec.interpolant = &emulator::kCubic;
+    spec.compliance = true;
+    spec.accuracy = accuracy;
+    const DamageCase c = beam_case(20, 1, spec);
     const fem::Reanalysis reanalysis(c.beam, 4);
     const auto made = FrequencyEmulator::train(reanalysis, *c.emulator, c.kinds[0], 4, {});
     const auto intact = reanalysis.intact_frequencies_hz();
@@ -221,11 +265,11 @@ TEST(FrequencyEmulator, GrowsUntilItIsAccurate) {
 class ScatteredEmulator : public testing::TestWithParam<std::string> {};
 
 TEST_P(ScatteredEmulator, IsTrainedStoredAndReadBack) {
-  const Workspace where;
-  const DamageCase c = case_of(R"({"design": {"kind": "latin-hypercube", "runs": [60, 150]},
-    "coordinate": "compliance", "holdout": 100, "interpolation": ")" +
-                                   GetParam() + "\"}",
-                               2, where);
+  const TemporaryDirectory where;
+  EmulatorSpec spec = scattered(EmulatorSpec::Runs::latin_hypercube, {60, 150}, 100);
+  spec.compliance = true;
+  spec.interpolant = find_interpolant_type(GetParam());
+  const DamageCase c = beam_case(20, 2, spec);
 #ifndef WHEELTAP_WITH_CGAL
   if (GetParam() == "delaunay") GTEST_SKIP() << "built without CGAL";
 #endif
@@ -256,9 +300,9 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ScatteredEmulator, testing::Values("gaussian-pro
                          });
 
 TEST(FrequencyEmulator, LearnsFromTheUsersOwnRuns) {
-  const Workspace where;
-  const DamageCase plain = case_of(R"({"sites": [1, 20], "multipliers": [0.4, 1]})", 1, where);
-  std::string grid = "location[1] [m],reduction[1],f1 [Hz],f2 [Hz],f3 [Hz]\n", scattered = grid;
+  const TemporaryDirectory where;
+  const DamageCase plain = beam_case(20, 1, {});
+  std::string full = "location[1] [m],reduction[1],f1 [Hz],f2 [Hz],f3 [Hz]\n", loose = full;
   const auto add = [&](std::string& csv, double x, double r) {
     char line[200];
     const auto f = fe(plain, {{x, r}});
@@ -267,17 +311,17 @@ TEST(FrequencyEmulator, LearnsFromTheUsersOwnRuns) {
   };
   for (int e = 0; e < 20; ++e) {
     for (const double r : {0.0, 0.2, 0.4, 0.6}) {
-      add(grid, 0.025 + 0.05 * e, r);
-      add(scattered, 0.025 + 0.05 * e, r == 0.0 || r == 0.6 ? r : r + 0.004 * e);
+      add(full, 0.025 + 0.05 * e, r);
+      add(loose, 0.025 + 0.05 * e, r == 0.0 || r == 0.6 ? r : r + 0.004 * e);
     }
   }
-  where.write("grid.csv", grid);
-  where.write("scattered.csv", scattered);
-  for (const auto& [predictor, exactness] : std::vector<std::pair<std::string, double>>{
-           {R"({"runs_csv": "grid.csv", "interpolation": "cubic", "coordinate": "compliance"})",
-            3e-4},
-           {R"({"runs_csv": ["scattered.csv"], "interpolation": "gaussian-process"})", 2e-3}}) {
-    const DamageCase c = case_of(predictor, 1, where);
+  test::put_bytes(where / "full.csv", full);
+  test::put_bytes(where / "loose.csv", loose);
+  EmulatorSpec cubic = own_runs(where / "full.csv", emulator::kCubic);
+  cubic.compliance = true;
+  for (const auto& [spec, exactness] : std::vector<std::pair<EmulatorSpec, double>>{
+           {cubic, 3e-4}, {own_runs(where / "loose.csv", emulator::kGaussianProcess), 2e-3}}) {
+    const DamageCase c = beam_case(20, 1, spec);
     const fem::Reanalysis reanalysis(c.beam, 3);
     const auto made = FrequencyEmulator::train(reanalysis, *c.emulator, c.kinds[0], 3, {});
     EXPECT_EQ(made.trained_runs(), 0);
@@ -289,31 +333,28 @@ TEST(FrequencyEmulator, LearnsFromTheUsersOwnRuns) {
                  std::invalid_argument)
         << "the file has three modes";
   }
-  const DamageCase c = case_of(R"({"runs_csv": "scattered.csv"})", 1, where);
+  const DamageCase c = beam_case(20, 1, own_runs(where / "loose.csv", emulator::kMultilinear));
   const fem::Reanalysis reanalysis(c.beam, 3);
   EXPECT_THROW((void)FrequencyEmulator::train(reanalysis, *c.emulator, c.kinds[0], 3, {}),
                io::FileError)
       << "no grid";
-  where.write("twice.csv", scattered + "0.0251,0.0,1,2,3\n");
+  test::put_bytes(where / "twice.csv", loose + "0.0251,0.0,1,2,3\n");
   const DamageCase twice =
-      case_of(R"({"runs_csv": "twice.csv", "interpolation": "gaussian-process"})", 1, where);
+      beam_case(20, 1, own_runs(where / "twice.csv", emulator::kGaussianProcess));
   EXPECT_THROW((void)FrequencyEmulator::train(reanalysis, *twice.emulator, c.kinds[0], 3, {}),
                io::FileError)
       << "one element, one reduction, twice";
 }
 
 TEST(FrequencyEmulator, PartsMakeTheWhole) {
-  const Workspace where;
-  for (const char* predictor :
-       {R"({"sites": [1, 7, 20], "multipliers": [0.4, 0.7, 1.0], "holdout": 20})",
-        R"({"design": {"kind": "sobol", "runs": [20, 30]}, "holdout": 20})"}) {
-    const DamageCase c = case_of(predictor, 2, where);
+  for (const EmulatorSpec& spec : {grid({0, 6, 19}, {0.0, 0.3, 0.6}, 20),
+                                   scattered(EmulatorSpec::Runs::sobol, {20, 30}, 20)}) {
+    const DamageCase c = beam_case(20, 2, spec);
     const fem::Reanalysis reanalysis(c.beam, 4);
     const auto whole = FrequencyEmulator::train(reanalysis, *c.emulator, c.kinds[0], 4, {});
     std::vector<emulator::TableFile> parts;
     for (const int part : {2, 0, 1}) {
-      parts.push_back(
-          FrequencyEmulator::run_part(reanalysis, *c.emulator, c.kinds[0], 4, part, 3, {}));
+      parts.push_back(run_part(reanalysis, *c.emulator, c.kinds[0], 4, part, 3, {}));
     }
     const auto merged = emulator::merge(parts);
     const auto joined =
@@ -334,4 +375,4 @@ TEST(FrequencyEmulator, PartsMakeTheWhole) {
 }
 
 }  // namespace
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::identification

@@ -1,0 +1,32 @@
+// Lists that the library keeps, put into the schemas that refer to them.
+#pragma once
+
+#include <string>
+
+#include "identification/interpolants.hpp"
+
+namespace wheeltap::apps {
+
+/// Wherever `rules` says "x-list": "interpolants", their names take its place as an "enum", and the
+/// description says which of them is for which runs. `AnyJson` is Json, or that which keeps the
+/// order of keys.
+template <class AnyJson>
+void fill_lists(AnyJson& rules) {
+  using Runs = emulator::InterpolantType::Runs;
+  if (rules.is_object() && rules.contains("x-list") && rules["x-list"] == "interpolants") {
+    rules.erase("x-list");
+    rules["enum"] = AnyJson::array();
+    for (const auto* type : identification::interpolant_types()) {
+      rules["enum"].push_back(std::string(type->name));
+    }
+    rules["description"] =
+        rules["description"].template get<std::string>() +
+        "; grids: " + identification::interpolant_names(Runs::grid) +
+        "; scattered runs: " + identification::interpolant_names(Runs::scattered);
+  }
+  for (auto& child : rules) {
+    if (child.is_structured()) fill_lists(child);
+  }
+}
+
+}  // namespace wheeltap::apps
