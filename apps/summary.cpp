@@ -6,6 +6,7 @@
 #include <fstream>
 #include <numeric>
 
+#include "apps/verdict_words.hpp"
 #include "base/parallel.hpp"
 
 namespace wheeltap::apps {
@@ -247,7 +248,8 @@ Report diagnostics(const Posterior& posterior, const inference::Verdict& verdict
                        " of " + grouped(posterior.likelihood_evaluations) +
                        " places: these count as impossible.");
   }
-  warnings.insert(warnings.begin(), verdict.not_established.begin(), verdict.not_established.end());
+  const std::vector<std::string> not_established = in_words(verdict.not_established, space);
+  warnings.insert(warnings.begin(), not_established.begin(), not_established.end());
 
   std::vector<std::vector<int>> model_chains;
   for (const auto& chain : posterior.chains) model_chains.push_back(chain.model);
@@ -286,7 +288,7 @@ Report diagnostics(const Posterior& posterior, const inference::Verdict& verdict
   }
   return {
       {"converged", verdict.converged},
-      {"not_established", verdict.not_established},
+      {"not_established", not_established},
       {"resolution", verdict.resolution},
       {"ess_model", finite(verdict.ess_model)},
       {"ess_log_posterior", finite(verdict.ess_log_posterior)},

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <memory>
 
 #include "apps/evidence.hpp"
 #include "base/random.hpp"
@@ -25,7 +26,7 @@ const inference::ModelSpace& coin_space() {
 // Independent draws: model 1 with probability p, its parameter uniform on [low, high] in chain c.
 Posterior made_up(double p, int draws, double shift_of_last_chain = 0.0, double p_of_last = -1.0) {
   Posterior posterior;
-  posterior.space = &coin_space();
+  posterior.space = std::make_shared<const inference::ModelSpace>(coin_space());
   posterior.dimension = 1;
   posterior.draws = draws;
   posterior.likelihood_evaluations = 1;

@@ -11,6 +11,9 @@
 
 #include "inference/diagnostics.hpp"
 #include "inference/moves/birth_death.hpp"
+#include "inference/stages/explore.hpp"
+#include "inference/stages/sample.hpp"
+#include "inference/stages/tune.hpp"
 #include "inference/verdict.hpp"
 #include "tests/inference/statistics.hpp"
 #include "tests/inference/toy_problems.hpp"
@@ -22,31 +25,17 @@ namespace {
 constexpr double kSigmas = 4.9;
 
 ChainsOf indicator(const Posterior& posterior, int model) {
-  ChainsOf chains;
-  for (const Chain& chain : posterior.chains) {
-    auto& values = chains.emplace_back();
-    for (const int m : chain.model) values.push_back(m == model ? 1.0 : 0.0);
-  }
-  return chains;
-}
-
-double mean_of(const ChainsOf& chains) {
-  double sum = 0.0, n = 0.0;
-  for (const auto& chain : chains) {
-    for (const double v : chain) sum += v;
-    n += static_cast<double>(chain.size());
-  }
-  return sum / n;
+  return posterior.indicator(model);
 }
 
 double probability(const Posterior& posterior, int model) {
-  return mean_of(indicator(posterior, model));
+  return mean(posterior.indicator(model));
 }
 
 void expect_probability(const Posterior& posterior, int model, double exact) {
   const ChainsOf chains = indicator(posterior, model);
   const double error = mcse_mean(chains);
-  EXPECT_NEAR(mean_of(chains), exact, kSigmas * error + 1e-12)
+  EXPECT_NEAR(mean(chains), exact, kSigmas * error + 1e-12)
       << (*posterior.space)[model].name << ", standard error " << error;
 }
 
@@ -58,10 +47,10 @@ double ks_of_draws(const Posterior& posterior, int model, int parameter, F&& cdf
   std::size_t shortest = std::numeric_limits<std::size_t>::max();
   for (const Chain& chain : posterior.chains) {
     auto& values = chains.emplace_back();
-    for (std::size_t i = 0; i < chain.model.size(); ++i) {
-      if (chain.model[i] != model) continue;
-      values.push_back(cdf(chain.theta[i * static_cast<std::size_t>(posterior.dimension) +
-                                       static_cast<std::size_t>(parameter)]));
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      const Draw draw = chain.draw(i, *posterior.space);
+      if (draw.model == model)
+        values.push_back(cdf(draw.theta[static_cast<std::size_t>(parameter)]));
     }
     shortest = std::min(shortest, values.size());
   }
@@ -279,10 +268,10 @@ TEST(ReversibleJump, OrderOfParametersDoesNotMatter) {
 TEST(ReversibleJump, OrderOfChainsDoesNotMatter) {
   const Problem problem = nested_means(1.0);
   ChainsOf chains = indicator(reversible_jump(problem, small()), 1);
-  const double before[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean_of(chains)};
+  const double before[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean(chains)};
   std::swap(chains[0], chains[3]);
   std::swap(chains[1], chains[3]);
-  const double after[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean_of(chains)};
+  const double after[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean(chains)};
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(before[i], after[i], 1e-9 * std::abs(before[i]));
 }
 
@@ -393,18 +382,16 @@ TEST(ReversibleJump, RecordedDensitiesAreTheRecomputedOnes) {
   const Problem problem = bumps();
   const Posterior posterior = reversible_jump(problem, small());
   const auto likelihood = problem.likelihood();
-  const Chain& chain = posterior.chains[1];
-  for (std::size_t i = 0; i < chain.model.size(); i += 97) {
-    const int m = chain.model[i];
-    const std::span<const double> x(
-        chain.theta.data() + i * static_cast<std::size_t>(posterior.dimension),
-        static_cast<std::size_t>(problem.space[m].dimension));
-    EXPECT_EQ(chain.log_likelihood[i], likelihood->log_likelihood(m, x));
+  for (std::size_t i = 0; i < posterior.chains[1].size(); i += 97) {
+    const Draw draw = posterior.draw(1, i);
+    const int m = draw.model;
+    const std::span<const double> x = draw.theta;
+    EXPECT_EQ(draw.log_likelihood, likelihood->log_likelihood(m, x));
     double log_prior = problem.space[m].log_prior + std::lgamma(problem.space[m].counts[0] + 1.0);
     for (std::size_t j = 0; j < x.size(); ++j) {
       log_prior += problem.space.prior(m, static_cast<int>(j)).log_density(x[j]);
     }
-    EXPECT_NEAR(chain.log_prior[i], log_prior, 1e-12 * std::abs(log_prior));
+    EXPECT_NEAR(draw.log_prior, log_prior, 1e-12 * std::abs(log_prior));
   }
 }
 
@@ -515,18 +502,42 @@ TEST(ReversibleJump, CountsLikelihoodCallsWhileTuning) {
   EXPECT_GT(calls.back(), calls.front());
 }
 
-// While tuning, models are visited evenly; the first draws must not show it.
-TEST(ReversibleJump, SettlesAfterTheBiasOfTuningIsGone) {
-  constexpr int kChains = 400;
-  const Problem problem = lopsided();
-  const Posterior posterior = reversible_jump(
-      problem, {.seed = 5, .chains = kChains, .warmup = 1000, .draws = 1, .thin = 1});
+// The first draws of many chains.
+Options one_draw_each() {
+  return {.seed = 5, .chains = 400, .warmup = 1000, .draws = 1, .thin = 1};
+}
+
+int rare_draws(const Posterior& posterior) {
   int rare = 0;
   for (const Chain& chain : posterior.chains) rare += chain.model[0];
+  return rare;
+}
+
+double most_rare_draws() {
   // Z = ∫ N(a; 0, 1) exp(-½ (a - 1)²/s²) da, s = 0.1
   const double z = std::sqrt(0.01 / 1.01) * std::exp(-0.5 / 1.01);
-  const double p = z / (z + 100.0);
-  EXPECT_LE(rare, kChains * p + 4.9 * std::sqrt(kChains * p) + 1.0);  // half of them without it
+  const double expected = one_draw_each().chains * z / (z + 100.0);
+  return expected + 4.9 * std::sqrt(expected) + 1.0;
+}
+
+// While tuning, models are visited evenly; the first draws must not show it.
+TEST(ReversibleJump, SettlesAfterTheBiasOfTuningIsGone) {
+  const Problem problem = lopsided();
+  const Posterior posterior = reversible_jump(problem, one_draw_each());
+  EXPECT_LE(rare_draws(posterior), most_rare_draws());
+}
+
+// The control: the same run, its chains drawing without having settled.
+TEST(ReversibleJumpControl, NoticesThatChainsHaveNotSettled) {
+  const Problem problem = lopsided();
+  const Options options = one_draw_each();
+  RunContext run(problem, options);
+  RunState state = begin(run);
+  explore(run, state);
+  tune(run, state);
+  prepare_draws(run, state);
+  draw(run, state, 1);
+  EXPECT_GT(rare_draws(state.posterior), 10.0 * most_rare_draws());
 }
 
 // With equal prior odds the rare model's probability is known to a tenth of itself; weighted to be
