@@ -19,7 +19,7 @@ std::string metres(double x) {
   return fixed(x, 3);
 }
 
-std::string interval(const Estimate& e, const std::function<std::string(double)>& text) {
+std::string interval(const Marginal& e, const std::function<std::string(double)>& text) {
   return text(e.q2_5) + " to " + text(e.q97_5);
 }
 
@@ -38,13 +38,13 @@ void print_defects(const Page& page, const DamageCase& damage_case,
     const Unknown& u = shown[p].unknown;
     if (u.kind < 0 || u.parameter != 0) continue;
     const DefectKind& kind = damage_case.kinds[static_cast<std::size_t>(u.kind)];
-    const Estimate& x = shown[p].estimate;
+    const Marginal& x = shown[p].estimate;
     std::vector<std::string> row = {kind.name + " " + std::to_string(u.component + 1),
                                     metres(x.q50) + " m"};
     if (folded) row.push_back(metres(damage_case.beam.length - x.q50) + " m");
     row.push_back(interval(x, metres) + " m");
     if (kind.severity_prior()) {
-      const Estimate& s = shown[p + 1].estimate;
+      const Marginal& s = shown[p + 1].estimate;
       const auto text = [&](double value) { return severity_text(kind, value); };
       row.push_back(text(s.q50));
       row.push_back(interval(s, text));
@@ -210,7 +210,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
   }
   for (const ModelFinding& model : findings.models) {
     if (model.probability() < kWorthPrinting || !model.drawn()) continue;
-    if (const Estimate* cv = model.find("cov")) {
+    if (const Marginal* cv = model.find("cov")) {
       out << "\nNoise (coefficient of variation) if " << model.name << ": "
           << significant(cv->q50, 3) << ", 95 % "
           << interval(*cv, [](double x) { return significant(x, 3); }) << '\n';

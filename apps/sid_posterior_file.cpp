@@ -5,7 +5,7 @@
 
 #include "apps/posterior_file.hpp"
 #include "base/random.hpp"
-#include "identification/estimate.hpp"
+#include "identification/marginal.hpp"
 #include "identification/sid_fit.hpp"
 
 namespace wheeltap::apps {

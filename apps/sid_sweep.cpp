@@ -1,5 +1,7 @@
 #include "apps/sid_sweep.hpp"
 
+#include "apps/verdict_words.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -83,14 +85,24 @@ Report summary_row(const Json& value, const SidCaseFile& parsed, const SidFindin
 /// What the line above does not say.
 void print_remarks(const SidFindings& findings) {
   const auto& open = findings.sampling.verdict.not_established;
-  for (const std::string& sentence : open) std::cout << "# " << sentence << '\n';
-  for (const ModelFinding& m : findings.models) {
-    const std::string told = told_by_evidence(m);
-    // A reason that names the model says as much. (To be told by the reason's type.)
-    const bool said = std::ranges::any_of(open, [&](const std::string& sentence) {
-      return sentence.find("'" + m.name + "'") != std::string::npos;
-    });
-    if (!told.empty() && !said) std::cout << "# " << m.name << ": " << told << '\n';
+  for (const std::string& sentence : in_words(open, *findings.space)) {
+    std::cout << "# " << sentence << '\n';
+  }
+  for (std::size_t m = 0; m < findings.models.size(); ++m) {
+    const std::string told = told_by_evidence(findings.models[m]);
+    // A reason that is about the model says as much.
+    const auto about_it = [m](const auto& reason) {
+      if constexpr (requires { reason.model; }) {
+        return reason.model == static_cast<int>(m);
+      } else {
+        return false;
+      }
+    };
+    const bool said = std::ranges::any_of(
+        open, [&](const inference::Reason& reason) { return std::visit(about_it, reason); });
+    if (!told.empty() && !said) {
+      std::cout << "# " << findings.models[m].name << ": " << told << '\n';
+    }
   }
   std::cout << std::flush;
 }

@@ -30,7 +30,7 @@ void print_bayes_factors(std::ostream& out, const SidFindings& findings) {
 void print_parameters(const Page& page, const std::vector<ParameterFinding>& parameters) {
   std::vector<std::vector<std::string>> rows = {{"parameter", "mean", "sd", "95 % interval"}};
   for (const ParameterFinding& p : parameters) {
-    const Estimate& e = p.estimate;
+    const Marginal& e = p.estimate;
     rows.push_back({p.unknown.label, resolved(e.mean, e.width()), number_or_dash(e.sd, 2),
                     resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width())});
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "apps/verdict_words.hpp"
 #include "base/parallel.hpp"
 
 namespace wheeltap::apps {
@@ -13,7 +14,7 @@ Report finite(double x) {
   return std::isfinite(x) ? Report(x) : Report();
 }
 
-Report json(const Estimate& e) {
+Report json(const Marginal& e) {
   return {{"mean", e.mean},
           {"sd", e.sd},
           {"q2.5", e.q2_5},
@@ -93,7 +94,7 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
   }
   return {
       {"converged", verdict.converged},
-      {"not_established", verdict.not_established},
+      {"not_established", in_words(verdict.not_established, *findings.space)},
       {"resolution", verdict.resolution},
       {"resolution_words", resolution_in_words(verdict)},
       {"ess_model", finite(verdict.ess_model)},

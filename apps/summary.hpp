@@ -24,7 +24,7 @@ struct RunInfo {
 [[nodiscard]] Report finite(double x);
 
 /// {"mean", "sd", "q2.5", "q50", "q97.5", "mode", "ess_bulk", "ess_tail", "rhat"}.
-[[nodiscard]] Report json(const identification::Estimate& estimate);
+[[nodiscard]] Report json(const identification::Marginal& estimate);
 
 /// {label: estimate, …}.
 [[nodiscard]] Report json(const std::vector<identification::ParameterFinding>& parameters);

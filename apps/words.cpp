@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/verdict_words.hpp"
+
 namespace wheeltap::apps {
 
 using namespace identification;
@@ -305,7 +307,8 @@ std::string repeat_note(const StepsRefined& refined) {
 
 std::vector<std::string> warnings(const Findings& findings, const Context& context,
                                   const std::vector<std::string>& of_case) {
-  std::vector<std::string> out = findings.sampling.verdict.not_established;
+  std::vector<std::string> out =
+      in_words(findings.sampling.verdict.not_established, *findings.space);
   out.insert(out.end(), of_case.begin(), of_case.end());
   for (const Remark& remark : findings.remarks) out.push_back(sentence(remark, context));
   return out;

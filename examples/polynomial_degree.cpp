@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "inference/diagnostics.hpp"
 #include "inference/reversible_jump.hpp"
 
 using namespace wheeltap::inference;
@@ -59,27 +58,16 @@ int main() {
 
   const Posterior posterior = reversible_jump(problem, {.seed = 1});
 
-  ChainsOf is_parabola, curvature;
-  for (const Chain& chain : posterior.chains) {
-    auto& indicator = is_parabola.emplace_back();
-    auto& c = curvature.emplace_back();
-    for (std::size_t i = 0; i < chain.model.size(); ++i) {
-      indicator.push_back(chain.model[i]);
-      if (chain.model[i] == 1)
-        c.push_back(chain.theta[i * static_cast<std::size_t>(posterior.dimension) + 3]);
-    }
-  }
-  const auto mean = [](const ChainsOf& chains) {
-    double sum = 0.0, n = 0.0;
-    for (const auto& values : chains) {
-      for (const double v : values) sum += v;
-      n += static_cast<double>(values.size());
-    }
-    return sum / n;
-  };
-  std::printf("P(parabola | readings) = %.3f ± %.3f\n", mean(is_parabola), mcse_mean(is_parabola));
-  std::printf("c if it is one: %.2f (the readings were made with 0.35)\n", mean(curvature));
-  std::printf("%ld likelihood calls, R-hat of the model %.4f\n", posterior.likelihood_evaluations,
-              rhat(is_parabola));
+  const Marginal p = posterior.probability("parabola");
+  const Marginal bayes_factor = posterior.log_bayes_factor("parabola", "line");
+  std::printf("P(parabola | readings) = %.3f ± %.3f\n", p.value, p.mcse);
+  std::printf("ln of the Bayes factor against a line: %.2f ± %.2f\n", bayes_factor.value,
+              bayes_factor.mcse);
+  std::printf("c if it is one: %.2f (the readings were made with 0.35)\n",
+              mean(posterior.draws_of("c", "parabola")));
+  std::printf("%ld likelihood calls, %s\n", posterior.likelihood_evaluations,
+              posterior.converged() ? "converged" : "not converged:");
+  for (const Reason& reason : posterior.why_not())
+    std::printf("  %s\n", describe(reason, *posterior.space).c_str());
   return 0;
 }

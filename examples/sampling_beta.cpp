@@ -19,6 +19,7 @@ namespace {
 
 using namespace wheeltap::examples;
 using wheeltap::base::Purpose;
+using wheeltap::inference::ess_mean, wheeltap::inference::mcse_mean, wheeltap::inference::mean;
 
 constexpr double kStart = 0.5, kWalk = 0.4, kSlice = 0.3;
 
@@ -45,10 +46,9 @@ void print_table(int n, std::uint64_t seed) {
   const WeightedMean weighted = importance(polynomial, n, random);
   row("importance", weighted.mean, weighted.standard_error, weighted.effective_draws);
   for (const auto& [name, draws] : all_draws(n, seed)) {
-    std::vector<double> y;
-    double mean = 0.0;
-    for (const double mu : draws) mean += y.emplace_back(polynomial(mu)) / n;
-    row(name, mean, wheeltap::inference::mcse_mean({y}), wheeltap::inference::ess_mean({y}));
+    wheeltap::inference::ChainsOf y(1);
+    for (const double mu : draws) y[0].push_back(polynomial(mu));
+    row(name, mean(y), mcse_mean(y), ess_mean(y));
   }
   std::printf("%-20s %10.5f\n", "exact", 2.0 + 4.0 / 35.0);
 }

@@ -123,10 +123,10 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
       Place place{.from = static_cast<double>(e) * beam.element_length(),
                   .to = static_cast<double>(end) * beam.element_length(),
                   .expected = expected,
-                  .location = estimate({location}, weights),
+                  .location = marginal({location}, weights),
                   .severity = {}};
       const DefectKind& k = problem.damage_case.kinds[static_cast<std::size_t>(kind)];
-      if (k.severity_prior()) place.severity = estimate({severity}, weights);
+      if (k.severity_prior()) place.severity = marginal({severity}, weights);
       list.push_back(std::move(place));
     }
     e = end;
@@ -162,10 +162,10 @@ std::vector<std::vector<ParameterFinding>> folded(const UnpackedDraws& draws) {
         if (std::ranges::all_of(location, [](const auto& chain) { return chain.empty(); }))
           continue;
         const auto at = static_cast<std::size_t>(model.offsets[k] + n * kind.parameters());
-        table.push_back({list[at], estimate(location)});
+        table.push_back({list[at], marginal(location)});
         if (kind.severity_prior()) {
           table.push_back(
-              {list[at + 1], estimate(draws_in_model(draws.posterior(), m, [&](auto c, auto i) {
+              {list[at + 1], marginal(draws_in_model(draws.posterior(), m, [&](auto c, auto i) {
                  return nth(c, i).severity;
                }))});
         }
@@ -263,7 +263,7 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
       const ModelFinding& other = models[static_cast<std::size_t>(smaller)];
       if (other.parameters.empty()) continue;
       // The component that the smaller model explains least is the hidden one.
-      const auto location = [&](const ModelFinding& of, int n) -> const Estimate& {
+      const auto location = [&](const ModelFinding& of, int n) -> const Marginal& {
         return *of.find(static_cast<int>(k), n, 0);
       };
       std::vector<double> means;
@@ -333,7 +333,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, std::vector<Remark>& r
   FitFinding out{.modes = {}, .posterior_predictive_p = mean_p / weight_seen};
   std::vector<int> off;
   for (std::size_t mode = 0; mode < modes; ++mode) {
-    const Estimate predicted = estimate(
+    const Marginal predicted = marginal(
         all_draws(posterior, [&](auto c, auto i) { return prediction(c, i, mode); }), weights);
     const bool measured = !std::isnan(data.frequencies_hz[mode]);
     const double residual = mean_residual[mode] / weight_seen;

@@ -15,8 +15,8 @@ namespace wheeltap::identification {
 struct Place {
   double from, to;  ///< [m]
   double expected;  ///< number of defects
-  Estimate location;
-  std::optional<Estimate> severity;  ///< where it is not known
+  Marginal location;
+  std::optional<Marginal> severity;  ///< where it is not known
 };
 
 /// Where the defects of one kind are.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identification/estimate.hpp"
+#include "identification/marginal.hpp"
 #include "inference/evidence/importance_sampling.hpp"
 
 namespace wheeltap::identification {

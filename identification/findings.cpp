@@ -60,7 +60,7 @@ std::vector<Unknown> unknowns(const inference::ModelSpace& space, int model) {
   return out;
 }
 
-const Estimate* ModelFinding::find(int kind, int component, int parameter) const {
+const Marginal* ModelFinding::find(int kind, int component, int parameter) const {
   for (const ParameterFinding& p : parameters) {
     if (p.unknown.kind == kind && p.unknown.component == component &&
         p.unknown.parameter == parameter) {
@@ -70,7 +70,7 @@ const Estimate* ModelFinding::find(int kind, int component, int parameter) const
   return nullptr;
 }
 
-const Estimate* ModelFinding::find(const std::string& of) const {
+const Marginal* ModelFinding::find(const std::string& of) const {
   for (const ParameterFinding& p : parameters) {
     if (p.unknown.kind < 0 && p.unknown.name == of) return &p.estimate;
   }
@@ -130,6 +130,7 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
   const auto& space = *posterior.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
   Findings out;
+  out.space = posterior.space;
   for (int m = 0; m < space.size(); ++m) {
     ModelFinding model{.name = space[m].name,
                        .prior = std::exp(space[m].log_prior),
@@ -144,7 +145,7 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
       const std::vector<Unknown> list = unknowns(space, m);
       for (std::size_t p = 0; p < list.size(); ++p) {
         model.parameters.push_back(
-            {list[p], estimate(draws_in_model(posterior, m, [&](std::size_t c, std::size_t i) {
+            {list[p], marginal(draws_in_model(posterior, m, [&](std::size_t c, std::size_t i) {
                return posterior.chains[c].theta[i * width + p];
              }))});
       }

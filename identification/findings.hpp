@@ -3,10 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "identification/estimate.hpp"
+#include "identification/marginal.hpp"
 #include "identification/remarks.hpp"
 #include "inference/evidence/comparison.hpp"
 #include "inference/verdict.hpp"
@@ -27,7 +28,7 @@ struct Unknown {
 
 struct ParameterFinding {
   Unknown unknown;
-  Estimate estimate;
+  Marginal estimate;
 };
 
 struct ModelFinding {
@@ -41,9 +42,9 @@ struct ModelFinding {
   [[nodiscard]] double probability() const { return standing.probability; }
   [[nodiscard]] bool drawn() const { return standing.visited > 0; }
   /// Of a kind of component; nullptr where there is none.
-  [[nodiscard]] const Estimate* find(int kind, int component, int parameter) const;
+  [[nodiscard]] const Marginal* find(int kind, int component, int parameter) const;
   /// Of one of the model's own parameters, by name.
-  [[nodiscard]] const Estimate* find(const std::string& name) const;
+  [[nodiscard]] const Marginal* find(const std::string& name) const;
 };
 
 /// "tmcmc", "bridge", "laplace".
@@ -91,6 +92,7 @@ struct Sampling {
 };
 
 struct Findings {
+  std::shared_ptr<const inference::ModelSpace> space;
   std::vector<ModelFinding> models;
   std::vector<EvidenceFinding> evidence;
   Sampling sampling;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "dynamics/link_tension.hpp"
-#include "identification/estimate.hpp"
+#include "identification/marginal.hpp"
 #include "identification/sid_fit.hpp"
 
 namespace wheeltap::identification {

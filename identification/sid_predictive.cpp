@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "identification/estimate.hpp"
+#include "identification/marginal.hpp"
 
 namespace wheeltap::identification {
 namespace {

@@ -343,6 +343,15 @@ double mcse_mean(const ChainsOf& draws) {
   return s.valid ? mcse(s, basic_ess(s)) : kNaN;
 }
 
+double mean(const ChainsOf& draws) {
+  double sum = 0.0, n = 0.0;
+  for (const auto& chain : draws) {
+    for (const double x : chain) sum += x;
+    n += static_cast<double>(chain.size());
+  }
+  return sum / n;
+}
+
 double iact(const ChainsOf& draws) {
   const Split s = split(draws);
   return s.valid ? static_cast<double>(s.values.size()) / basic_ess(s) : kNaN;

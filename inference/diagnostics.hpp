@@ -26,6 +26,8 @@ using ChainsOf = std::vector<std::vector<double>>;
 [[nodiscard]] double ess_mean(const ChainsOf& draws);
 /// Monte Carlo standard error of the mean, sd / √ess_mean; 0 for a constant.
 [[nodiscard]] double mcse_mean(const ChainsOf& draws);
+/// Mean over the draws of all chains, which may be of any lengths; NaN where there are none.
+[[nodiscard]] double mean(const ChainsOf& draws);
 /// Integrated autocorrelation time of the mean, draws / ess_mean.
 [[nodiscard]] double iact(const ChainsOf& draws);
 

@@ -202,14 +202,14 @@ class Climber {
     Matrix b = width.array().square().matrix().asDiagonal();
     double reach =
         2.0 * std::sqrt(static_cast<double>(d_));  // as far as one prior draw is from another
-    bool fresh = true;                             // b is the diagonal of second differences
+    bool diagonal = true;                          // b is the diagonal of second differences
     for (int iteration = 0; iteration < kMostSteps; ++iteration) {
       Vector step = b * at.gradient;
       double slope = at.gradient.dot(step);
       if (!(slope > 0.0) || !std::isfinite(slope)) {
-        if (fresh) break;
+        if (diagonal) break;
         b = width.array().square().matrix().asDiagonal();
-        fresh = true;
+        diagonal = true;
         continue;
       }
       if (const double length = step.norm(); length > reach) {
@@ -236,9 +236,9 @@ class Climber {
         t = next;
       }
       if (!moved) {
-        if (fresh) break;
+        if (diagonal) break;
         b = width.array().square().matrix().asDiagonal();
-        fresh = true;
+        diagonal = true;
         continue;
       }
       const double gain = there - end.value;
@@ -254,10 +254,10 @@ class Climber {
         const Vector by = b * y;
         b += (1.0 + y.dot(by) / sy) / sy * s * s.transpose() -
              (by * s.transpose() + s * by.transpose()) / sy;
-        fresh = false;
+        diagonal = false;
       } else {
         b = width.array().square().matrix().asDiagonal();
-        fresh = true;
+        diagonal = true;
       }
       const double promise = 0.5 * at.gradient.dot(b * at.gradient);
       if (gain < kArrived && promise < kArrived) break;

@@ -347,7 +347,7 @@ ModelExploration explore_model(const Problem& problem, int model,
   if (stopped || (out.modes.empty() && draws.rows() == 0)) return out;
 
   base::Random random(options.seed, static_cast<std::uint64_t>(model), 0, base::Purpose::fit);
-  if (options.glance) {
+  if (options.climbs_only) {
     if (out.modes.empty()) return out;
     double sum = 0.0;
     for (const Mode& mode : out.modes) sum += std::exp(mode.log_mass - out.modes.front().log_mass);

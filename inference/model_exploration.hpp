@@ -19,7 +19,7 @@ struct ExplorationOptions {
   bool anneal = true;    ///< run sequential Monte Carlo from the prior
   /// Climbs alone, for one of very many models: its evidence is Laplace's, taken to be good to a
   /// nat, and its population draws of the normals about its modes.
-  bool glance = false;
+  bool climbs_only = false;
   int particles = 1200;  ///< of that, over four replicates
   int rounds = 5;        ///< of importance sampling, at most
   int threads = 0;       ///< 0: as many as the machine has. Never changes a result.

@@ -154,10 +154,19 @@ std::string ModelSpace::parameter_name(int m, int i) const {
   }
   std::size_t j = kinds_.size() - 1;
   while (i < model.offsets[j]) --j;
-  const int width = to_int(kinds_[j].parameters.size());
+  const int each = to_int(kinds_[j].parameters.size());
   const int within = i - model.offsets[j];
-  return kinds_[j].parameters[static_cast<std::size_t>(within % width)].name + '[' +
-         std::to_string(within / width + 1) + ']';
+  return kinds_[j].parameters[static_cast<std::size_t>(within % each)].name + '[' +
+         std::to_string(within / each + 1) + ']';
+}
+
+int ModelSpace::find(std::string_view name) const {
+  std::string known;
+  for (int m = 0; m < size(); ++m) {
+    if ((*this)[m].name == name) return m;
+    known += (m == 0 ? "'" : ", '") + (*this)[m].name + "'";
+  }
+  throw std::invalid_argument("there is no model '" + std::string(name) + "' among " + known);
 }
 
 int ModelSpace::find(std::span<const int> counts) const {

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "inference/prior.hpp"
@@ -39,6 +40,25 @@ struct Model {
   std::vector<int> offsets;  ///< where each kind's components begin
 };
 
+/// Where one component's parameters lie within a model's parameter vector: [first, first + width).
+struct ComponentRange {
+  std::size_t first = 0, width = 0;
+
+  /// Of a vector that is laid out as in Model.
+  template <class T>
+  [[nodiscard]] std::span<T> of(std::span<T> x) const {
+    return x.subspan(first, width);
+  }
+  template <class T>
+  [[nodiscard]] std::span<T> of(std::vector<T>& x) const {
+    return of(std::span<T>(x));
+  }
+  template <class T>
+  [[nodiscard]] std::span<const T> of(const std::vector<T>& x) const {
+    return of(std::span<const T>(x));
+  }
+};
+
 /// A finite list of models over a table of named parameters, each with counts of exchangeable
 /// components.
 class ModelSpace {
@@ -73,10 +93,24 @@ class ModelSpace {
   [[nodiscard]] const std::vector<ComponentKind>& kinds() const { return kinds_; }
   [[nodiscard]] int max_dimension() const { return max_dimension_; }
 
+  /// The number of parameters of one component.
+  [[nodiscard]] std::size_t width(int kind) const {
+    return kinds_[static_cast<std::size_t>(kind)].parameters.size();
+  }
+  /// Where component c of `kind` lies in the parameter vector of model m. c may be the count of
+  /// them: where one more would go.
+  [[nodiscard]] ComponentRange component(int m, int kind, int c) const {
+    const std::size_t each = width(kind);
+    const int begin = (*this)[m].offsets[static_cast<std::size_t>(kind)];
+    return {static_cast<std::size_t>(begin) + static_cast<std::size_t>(c) * each, each};
+  }
+
   /// Prior of parameter i of model m (own parameters first, then the components').
   [[nodiscard]] const Prior& prior(int m, int i) const;
   /// "k", "location[2]" …: the name of parameter i of model m.
   [[nodiscard]] std::string parameter_name(int m, int i) const;
+  /// The model of this name. Throws std::invalid_argument, listing the names, where there is none.
+  [[nodiscard]] int find(std::string_view name) const;
   /// The model with these counts, or -1.
   [[nodiscard]] int find(std::span<const int> counts) const;
   /// The model with one component of `kind` more (step = +1) or fewer (-1) than m, or -1.

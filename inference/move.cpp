@@ -78,8 +78,8 @@ void KernelMixture::reweigh(const std::vector<double>& factors) {
   }
 }
 
-std::vector<double> kernel_earnings(const KernelMixture& kernels,
-                                    const std::vector<KernelRecord>& records) {
+std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
+                                        const std::vector<KernelRecord>& records) {
   constexpr long kEnough = 100;  // proposals
   constexpr double kLeast = 0.1;
   std::vector<double> rate(records.size(), -1.0);
@@ -94,14 +94,14 @@ std::vector<double> kernel_earnings(const KernelMixture& kernels,
     double& best = jumps ? best_jump : best_within;
     best = std::max(best, rate[k]);
   }
-  std::vector<double> earned(records.size(), 1.0);
+  std::vector<double> efficiency(records.size(), 1.0);
   for (std::size_t k = 0; k < records.size(); ++k) {
     const bool jumps = records[k].jumps_proposed > 0;
     if (rate[k] < 0.0 || kernels[static_cast<int>(k)].work() == 0.0) continue;
     const double best = jumps ? best_jump : best_within;
-    if (best > 0.0) earned[k] = std::clamp(rate[k] / best, kLeast, 1.0);
+    if (best > 0.0) efficiency[k] = std::clamp(rate[k] / best, kLeast, 1.0);
   }
-  return earned;
+  return efficiency;
 }
 
 int KernelMixture::step(State& state, const Step& step, Kernel::Outcome& outcome) {

@@ -140,7 +140,7 @@ class KernelMixture {
 /// between models where it proposes such, per unit of counted work, a likelihood call a proposal
 /// included. Kernels that cost nothing beside their call keep their weight, 1, whatever they bring:
 /// some are there for what the others miss. So does one of which there is too little to go by.
-[[nodiscard]] std::vector<double> kernel_earnings(const KernelMixture& kernels,
-                                                  const std::vector<KernelRecord>& records);
+[[nodiscard]] std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
+                                                      const std::vector<KernelRecord>& records);
 
 }  // namespace wheeltap::inference

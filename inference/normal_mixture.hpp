@@ -93,7 +93,7 @@ class NormalMixture {
   double nu_ = std::numeric_limits<double>::infinity();
   std::vector<Component> components_;
   std::vector<double> cumulative_;
-  std::vector<double> packed_;  ///< see normal_mixture.cpp
+  std::vector<double> packed_;  ///< see packed_mixture.hpp
 };
 
 }  // namespace wheeltap::inference

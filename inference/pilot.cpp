@@ -298,8 +298,8 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
       add_move<Relocation>(*kernels, 0.05 * share, "pilot relocation", kind, propose());
     }
   }
-  if (pilot.earnings.size() == static_cast<std::size_t>(kernels->size()))
-    kernels->reweigh(pilot.earnings);
+  if (pilot.efficiencies.size() == static_cast<std::size_t>(kernels->size()))
+    kernels->reweigh(pilot.efficiencies);
   return kernels;
 }
 

@@ -11,7 +11,7 @@
 #include "inference/moves/differential_evolution.hpp"
 #include "inference/moves/mixture_jump.hpp"
 #include "inference/moves/random_walk.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/options.hpp"
 #include "inference/tempering.hpp"
 
 namespace wheeltap::inference {
@@ -57,7 +57,7 @@ struct Pilot {
   std::shared_ptr<const Archive> archive;
   std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one a kind
   RandomWalk::Scales scales;
-  std::vector<double> earnings;  ///< of each kernel (kernel_earnings); {}: not known yet
+  std::vector<double> efficiencies;  ///< of each kernel (kernel_efficiencies); {}: not known yet
 };
 
 /// Fits the proposals. `by_rung[i]` holds the samples at the i-th temperature, the coldest last: a

@@ -13,53 +13,53 @@ namespace wheeltap::inference {
 
 namespace {
 
-constexpr int kReplicates = 4;       // of TMCMC
-constexpr long kGlance = 5000;       // samples of a long record that a search begins with
-constexpr int kGlanceSamples = 100;  // a replicate, of its posterior
+constexpr int kReplicates = 4;        // of TMCMC
+constexpr long kFirstSamples = 5000;  // samples of a long record that a search begins with
+constexpr int kParticles = 100;       // a replicate, of its posterior
 
 /// One mode of one model, or none: other models will do.
 template <typename Search>
-Laplace find_mode(Reporter& reporter, Search&& search) {
+Laplace find_mode(ProgressMonitor& monitor, Search&& search) {
   Laplace none;
   none.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
-  if (!reporter.advance(0.0)) return none;
+  if (!monitor.advance(0.0)) return none;
   Laplace mode;
   try {
     mode = search();
   } catch (const LikelihoodError&) {
     return none;
   }
-  reporter.evaluated(mode.evidence.likelihood_evaluations);
-  reporter.advance(1.0);
+  monitor.evaluated(mode.evidence.likelihood_evaluations);
+  monitor.advance(1.0);
   return mode;
 }
 
 }  // namespace
 
 std::vector<Laplace> climb_with_record(const Problem& problem, const Options& options,
-                                       Reporter& reporter) {
+                                       ProgressMonitor& monitor) {
   const int models = problem.space.size();
-  reporter.begin("searching", static_cast<double>(models));
-  const std::shared_ptr<const Problem> glance = problem.shortened(kGlance);
+  monitor.begin("searching", static_cast<double>(models));
+  const std::shared_ptr<const Problem> shortened = problem.shortened(kFirstSamples);
   const auto climb = [&](int m) {
-    const Tmcmc samples = tmcmc(*glance, m,
+    const Tmcmc samples = tmcmc(*shortened, m,
                                 {.seed = options.seed,
                                  .replicates = kReplicates,
-                                 .samples = kGlanceSamples,
+                                 .samples = kParticles,
                                  .path = TmcmcPath::growing,
                                  .threads = 1,
-                                 .progress = [&](double) { return reporter.advance(0.0); }});
+                                 .progress = [&](double) { return monitor.advance(0.0); }});
     long evaluations = samples.evidence.likelihood_evaluations;
     ModeOptions mode_options{.check = false};
     double top = -std::numeric_limits<double>::infinity();
-    ModelPosterior posterior(*glance, m);
+    ModelPosterior posterior(*shortened, m);
     for (Eigen::Index i = 0; i < samples.z.rows(); ++i) {
       const std::vector<double> z(samples.z.row(i).begin(), samples.z.row(i).end());
       const double value = posterior(z).log_posterior();
       if (value > top) mode_options.start = z, top = value;
     }
-    for (long n = kGlance; n < problem.samples; n *= 4) {
-      if (reporter.stopped() || mode_options.start.empty())
+    for (long n = kFirstSamples; n < problem.samples; n *= 4) {
+      if (monitor.stopped() || mode_options.start.empty())
         throw LikelihoodError("no place to climb from");
       const Optimum mode = maximum_a_posteriori(*problem.shortened(n), m, mode_options);
       mode_options.start = mode.z;
@@ -71,7 +71,7 @@ std::vector<Laplace> climb_with_record(const Problem& problem, const Options& op
   };
   std::vector<Laplace> modes(static_cast<std::size_t>(models));
   base::parallel_for(models, options.threads, [&](int m) {
-    modes[static_cast<std::size_t>(m)] = find_mode(reporter, [&] { return climb(m); });
+    modes[static_cast<std::size_t>(m)] = find_mode(monitor, [&] { return climb(m); });
   });
   return modes;
 }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "inference/evidence/laplace.hpp"
-#include "inference/reporter.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/options.hpp"
+#include "inference/progress_monitor.hpp"
 
 namespace wheeltap::inference {
 
@@ -15,6 +15,6 @@ namespace wheeltap::inference {
 /// likelihoods that it took; the evidence is NaN where none was found. `problem` must have
 /// `shortened`.
 [[nodiscard]] std::vector<Laplace> climb_with_record(const Problem& problem, const Options& options,
-                                                     Reporter& reporter);
+                                                     ProgressMonitor& monitor);
 
 }  // namespace wheeltap::inference

@@ -43,14 +43,16 @@ Target::Target(const Problem& problem, bool prior_only)
   for (const Model& model : problem.space.models()) {
     double constant = model.log_prior - 0.5 * model.dimension * std::log(2.0 * std::numbers::pi);
     for (const int k : model.counts) constant += std::lgamma(k + 1.0);
-    log_model_.push_back(constant);
+    memory_.log_model.push_back(constant);
   }
-  bias_.assign(log_model_.size(), 0.0);
+  memory_.bias.assign(memory_.log_model.size(), 0.0);
 }
 
 void Target::set_model_bias(const std::vector<double>& bias) {
-  for (std::size_t m = 0; m < bias_.size(); ++m) log_model_[m] += bias[m] - bias_[m];
-  bias_ = bias;
+  for (std::size_t m = 0; m < bias.size(); ++m) {
+    memory_.log_model[m] += bias[m] - memory_.bias[m];
+  }
+  memory_.bias = bias;
 }
 
 double Target::call(Likelihood& likelihood, Tally& tally, const State& state, double floor) {
@@ -108,12 +110,12 @@ void Target::screen_above(double level, double beta, State& state) {
     state.log_likelihood = state.log_screen = 0.0;
     return;
   }
-  ++evaluations_;
+  ++memory_.evaluations;
   Likelihood& cheapest = screen_ ? *screen_ : *likelihood_;
   // The margin is far above the rounding of a log likelihood.
   const double floor = beta > 0.0 ? (level - log_prior(state)) / beta - 1e-6 : -kInfinity;
-  state.log_screen =
-      call(cheapest, screen_ ? stand_in_ : proper_, state, std::isnan(floor) ? -kInfinity : floor);
+  state.log_screen = call(cheapest, screen_ ? memory_.stand_in : memory_.proper, state,
+                          std::isnan(floor) ? -kInfinity : floor);
   const auto residuals = cheapest.residuals();
   state.residuals.assign(residuals.begin(), residuals.end());
   state.noise_scale = cheapest.noise_scale();
@@ -127,8 +129,8 @@ void Target::complete(State& state) {
   if (state.evaluated) return;
   state.evaluated = true;
   if (state.log_screen == -kInfinity) return;
-  ++full_evaluations_;
-  state.log_likelihood = call(*likelihood_, proper_, state, -kInfinity);
+  ++memory_.full_evaluations;
+  state.log_likelihood = call(*likelihood_, memory_.proper, state, -kInfinity);
   const auto prediction = likelihood_->prediction();
   state.prediction.assign(prediction.begin(), prediction.end());
 }
@@ -155,11 +157,11 @@ void Target::evaluate(std::span<State> states) {
   if (possible == 0) return;
   batch_values_.resize(possible);
   likelihood_->log_likelihoods(states.front().model, batch_x_, batch_values_);
-  evaluations_ += static_cast<long>(possible);
+  memory_.evaluations += static_cast<long>(possible);
   std::size_t next = 0;
   for (State& state : states) {
     if (state.log_likelihood == -kInfinity) continue;
-    state.log_likelihood = state.log_screen = checked(batch_values_[next++], proper_, state);
+    state.log_likelihood = state.log_screen = checked(batch_values_[next++], memory_.proper, state);
   }
 }
 
@@ -168,7 +170,7 @@ bool Target::gradient(const State& state, std::span<double> dz) {
   std::ranges::fill(dz, 0.0);
   if (likelihood_) {
     if (!likelihood_->gradient(state.model, state.x, dz)) return false;
-    ++evaluations_;
+    ++memory_.evaluations;
   }
   for (std::size_t i = 0; i < dz.size(); ++i) {
     const double z = state.z[i];
@@ -181,7 +183,8 @@ bool Target::gradient(const State& state, std::span<double> dz) {
 double Target::log_prior(const State& state) const {
   double square = 0.0;
   for (const double z : state.z) square += z * z;
-  return log_model_[static_cast<std::size_t>(state.model)] - 0.5 * square + state.log_prior_factor;
+  return memory_.log_model[static_cast<std::size_t>(state.model)] - 0.5 * square +
+         state.log_prior_factor;
 }
 
 double Target::log_prior_physical(const State& state) const {
@@ -213,12 +216,12 @@ void Target::draw_prior(int model, base::Random& random, State& state) const {
 }
 
 bool Target::is_sorted(const State& state) const {
-  const Model& model = space()[state.model];
-  for (std::size_t j = 0; j < space().kinds().size(); ++j) {
-    const auto width = static_cast<std::ptrdiff_t>(space().kinds()[j].parameters.size());
-    const double* first = state.z.data() + model.offsets[j];
-    for (int c = 1; c < model.counts[j]; ++c) {
-      if (first[c * width] < first[(c - 1) * width]) return false;
+  const std::vector<int>& counts = space()[state.model].counts;
+  for (int kind = 0; kind < static_cast<int>(counts.size()); ++kind) {
+    for (int c = 1; c < counts[static_cast<std::size_t>(kind)]; ++c) {
+      if (state.z[space().component(state.model, kind, c).first] <
+          state.z[space().component(state.model, kind, c - 1).first])
+        return false;
     }
   }
   return true;
@@ -226,14 +229,15 @@ bool Target::is_sorted(const State& state) const {
 
 bool Target::sort_components(State& state) const {
   if (is_sorted(state)) return true;
-  const Model& model = space()[state.model];
-  for (std::size_t j = 0; j < space().kinds().size(); ++j) {
-    const auto width = static_cast<std::ptrdiff_t>(space().kinds()[j].parameters.size());
-    double* first = state.z.data() + model.offsets[j];
+  const std::vector<int>& counts = space()[state.model].counts;
+  for (int kind = 0; kind < static_cast<int>(counts.size()); ++kind) {
+    const auto component = [&](int c) {
+      return space().component(state.model, kind, c).of(state.z);
+    };
     // Insertion sort of whole components: k is small and nearly sorted.
-    for (int c = 1; c < model.counts[j]; ++c) {
-      for (int b = c; b > 0 && first[b * width] < first[(b - 1) * width]; --b) {
-        std::swap_ranges(first + b * width, first + (b + 1) * width, first + (b - 1) * width);
+    for (int c = 1; c < counts[static_cast<std::size_t>(kind)]; ++c) {
+      for (int b = c; b > 0 && component(b)[0] < component(b - 1)[0]; --b) {
+        std::ranges::swap_ranges(component(b), component(b - 1));
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "base/random.hpp"
@@ -80,7 +81,7 @@ struct Reflection {
 class Move;
 
 /// A move of the user's own, e.g. a Transformation that knows the structure of the problem. Made
-/// once a chain and temperature.
+/// anew for each chain and temperature at the start of every round of the engine.
 struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
@@ -139,6 +140,23 @@ class Target {
   /// problem is missing or makes nothing.
   Target(const Problem& problem, bool prior_only);
 
+  /// What one likelihood returned so far.
+  struct Tally {
+    long values = 0;
+    long impossible = 0;  ///< NaN or +∞
+  };
+  /// All that a target carries from one call to the next, as a value: a target of the same problem
+  /// that is given it goes on bit for bit where the other one was.
+  struct Memory {
+    std::vector<double> bias;       ///< of each model, see set_model_bias
+    std::vector<double> log_model;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
+    long evaluations = 0;
+    long full_evaluations = 0;
+    Tally proper{}, stand_in{};
+  };
+  [[nodiscard]] const Memory& memory() const { return memory_; }
+  void set_memory(Memory memory) { memory_ = std::move(memory); }
+
   /// Fills in everything of `state` that follows from model and z. An infinite z is impossible: -∞.
   /// The residuals are those of the stand-in where the problem has one.
   void evaluate(State& state);
@@ -184,19 +202,15 @@ class Target {
   [[nodiscard]] const Problem& problem() const { return *problem_; }
   [[nodiscard]] const ModelSpace& space() const { return problem_->space; }
   /// Of the likelihood, or of its stand-in where there is one.
-  [[nodiscard]] long evaluations() const { return evaluations_; }
+  [[nodiscard]] long evaluations() const { return memory_.evaluations; }
   /// Of the likelihood proper where there is a stand-in; 0 where there is none.
-  [[nodiscard]] long full_evaluations() const { return full_evaluations_; }
+  [[nodiscard]] long full_evaluations() const { return memory_.full_evaluations; }
   /// Values of NaN or +∞ so far, of the likelihood and its stand-in together.
-  [[nodiscard]] long impossible() const { return proper_.impossible + stand_in_.impossible; }
+  [[nodiscard]] long impossible() const {
+    return memory_.proper.impossible + memory_.stand_in.impossible;
+  }
 
  private:
-  /// What one likelihood returned so far.
-  struct Tally {
-    long values = 0;
-    long impossible = 0;  ///< NaN or +∞
-  };
-
   /// x and the prior's factor; false where the prior makes the state impossible.
   bool locate(State& state) const;
   double call(Likelihood& likelihood, Tally& tally, const State& state, double floor);
@@ -205,11 +219,7 @@ class Target {
   const Problem* problem_;
   std::unique_ptr<Likelihood> likelihood_;
   std::unique_ptr<Likelihood> screen_;
-  std::vector<double> bias_;
-  std::vector<double> log_model_;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
-  long evaluations_ = 0;
-  long full_evaluations_ = 0;
-  Tally proper_, stand_in_;
+  Memory memory_;
   std::vector<double> batch_x_, batch_values_;
 };
 

@@ -3,11 +3,34 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "inference/move.hpp"
 
 namespace wheeltap::inference {
+
+/// One chain's replicas at inverse temperatures, as a value: what it has met and learnt so far.
+struct Ladder {
+  std::vector<double> betas;
+  std::vector<State> states;                 ///< at each rung
+  std::vector<double> rejection{};           ///< Σ (1 - α) of each pair
+  std::vector<long> tried{};                 ///< swaps of each pair
+  std::vector<int> direction{};              ///< of each replica: +1 since β = 0, -1 since β = 1
+  std::vector<int> replica{};                ///< which replica is at each rung
+  std::vector<std::vector<double>> weights;  ///< of each rung, one a model
+  bool balancing = false;                    ///< weights are learnt whenever a scan adapts
+  long scans = 0;
+  long round_trips = 0;
+
+  /// Replicas without a state yet, weights of zero.
+  Ladder(std::vector<double> inverse_temperatures, int models);
+
+  [[nodiscard]] int rungs() const { return static_cast<int>(betas.size()); }
+  /// Forgets what was counted of pairs and replicas.
+  void reset_swaps();
+  void reset_round_trips();
+};
 
 /// One chain's ladder of replicas at inverse temperatures 0 = β_0 < … < β_N = 1, each targeting
 ///
@@ -27,8 +50,13 @@ class TemperedChain {
   /// Makes the kernels of one rung.
   using KernelFactory = std::function<std::unique_ptr<KernelMixture>()>;
 
+  /// Goes on from `ladder`; one that has no states yet needs start().
+  TemperedChain(Target& target, Ladder ladder, KernelFactory kernels, std::uint64_t seed,
+                int chain);
   TemperedChain(Target& target, std::vector<double> betas, KernelFactory kernels,
-                std::uint64_t seed, int chain);
+                std::uint64_t seed, int chain)
+      : TemperedChain(target, Ladder(std::move(betas), target.space().size()), std::move(kernels),
+                      seed, chain) {}
 
   /// Starts every replica from the prior. Throws LikelihoodError where no draw of 100 000
   /// has a finite likelihood.
@@ -37,18 +65,15 @@ class TemperedChain {
   using Observer = std::function<void(int kernel, const Kernel::Outcome& outcome, int from_model)>;
 
   /// Learns weights from now on, whenever a scan adapts.
-  void balance_models() { balancing_ = true; }
+  void balance_models() { ladder_.balancing = true; }
   /// w of the coldest rung: zeros where the posterior itself is wanted there.
-  void set_cold_weights(const std::vector<double>& weights) { weights_.back() = weights; }
-  [[nodiscard]] const std::vector<double>& cold_weights() const { return weights_.back(); }
-  /// Puts replicas at the warm end's states where they are not impossible: the coldest rung first.
-  void set_cold(const State& state) { states_.back() = state; }
+  void set_cold_weights(const std::vector<double>& weights) { ladder_.weights.back() = weights; }
+  [[nodiscard]] const std::vector<double>& cold_weights() const { return ladder_.weights.back(); }
+  /// Puts the replica at β = 1 there.
+  void set_cold(const State& state) { ladder_.states.back() = state; }
 
   /// `steps` kernel steps in every rung, then one round of swaps.
   void scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe = nullptr);
-
-  /// Other kernels from now on, for every rung.
-  void set_kernels(KernelFactory kernels);
 
   /// Moves the ladder so that neighbours reject swaps equally often (ibid., algorithm 4), with
   /// `rungs` rungs, from the rejections since the last call. Replicas keep their rung or its
@@ -57,33 +82,24 @@ class TemperedChain {
   /// Σ of the neighbours' rejection rates since the last adaptation: the communication barrier Λ.
   [[nodiscard]] double barrier() const;
 
-  [[nodiscard]] const std::vector<double>& betas() const { return betas_; }
-  [[nodiscard]] int rungs() const { return static_cast<int>(betas_.size()); }
+  [[nodiscard]] const Ladder& ladder() const { return ladder_; }
+  [[nodiscard]] const std::vector<double>& betas() const { return ladder_.betas; }
+  [[nodiscard]] int rungs() const { return ladder_.rungs(); }
   [[nodiscard]] const State& state(int rung) const {
-    return states_[static_cast<std::size_t>(rung)];
+    return ladder_.states[static_cast<std::size_t>(rung)];
   }
-  [[nodiscard]] const State& cold() const { return states_.back(); }
-  [[nodiscard]] const KernelMixture& cold_kernels() const { return *kernels_.back(); }
+  [[nodiscard]] const State& cold() const { return ladder_.states.back(); }
   /// Trips of a replica from β = 0 to β = 1 and back, completed since the last reset.
-  [[nodiscard]] long round_trips() const { return round_trips_; }
-  void reset_round_trips();
+  [[nodiscard]] long round_trips() const { return ladder_.round_trips; }
+  void reset_round_trips() { ladder_.reset_round_trips(); }
 
  private:
   Target& target_;
-  std::vector<double> betas_;
+  Ladder ladder_;
   KernelFactory factory_;
   std::uint64_t seed_;
   int chain_;
-  std::vector<State> states_;
-  std::vector<std::unique_ptr<KernelMixture>> kernels_;
-  std::vector<double> rejection_;  ///< Σ (1 - α) of each pair
-  std::vector<long> tried_;
-  std::vector<int> direction_;                ///< of each replica: +1 since β = 0, -1 since β = 1
-  std::vector<int> replica_;                  ///< which replica is at each rung
-  std::vector<std::vector<double>> weights_;  ///< of each rung, one a model
-  bool balancing_ = false;
-  long scans_ = 0;
-  long round_trips_ = 0;
+  std::vector<std::unique_ptr<KernelMixture>> kernels_;  ///< one a rung
 };
 
 /// A first ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in equal ratios.

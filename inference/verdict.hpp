@@ -7,46 +7,18 @@
 #include <utility>
 #include <vector>
 
-#include "inference/diagnostics.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/mixing.hpp"
+#include "inference/posterior.hpp"
+#include "inference/reason.hpp"
+#include "inference/standing.hpp"
 
 namespace wheeltap::inference {
 
-/// A quantity that means the same in every model, by which convergence is judged too. Counts and
-/// models are watched anyway.
-struct Watched {
-  std::string name;
-  ChainsOf draws;
-};
-
-/// Where a model's probability comes from: the share of its draws, or, where those cannot say
-/// because no chain (or not every chain that should have) was there, its evidence.
-enum class Basis { draws, evidence };
-
-/// How one model stands.
-struct ModelStanding {
-  double probability = 0.0;  ///< 0 where nothing is known; `mcse` is then NaN
-  /// Monte Carlo standard error of it. Of draws, never below 1 / (`ess_model` + 2), what one more
-  /// or less effective visit would change; of the evidence, that of the evidences.
-  double mcse = std::numeric_limits<double>::quiet_NaN();
-  Basis basis = Basis::draws;
-  int visited = 0;    ///< chains that drew it
-  long proposed = 0;  ///< jumps into it that were proposed, after warm-up
-  long entered = 0;   ///< and accepted
-  long left = 0;      ///< accepted jumps out of it
-  /// ln Z and its standard error by the best method that could say (bridge sampling between its
-  /// draws and its mixture; importance sampling from the mixture where it has no draws); NaN where
-  /// none could.
-  double log_evidence = std::numeric_limits<double>::quiet_NaN();
-  double log_evidence_se = std::numeric_limits<double>::quiet_NaN();
-};
-
+/// What was found of a whole run.
 struct Verdict {
-  std::vector<ModelStanding> models;  ///< one a model of the space
-  bool converged = false;             ///< exactly where `not_established` is empty
-  /// Sentences for people, the gravest first, each with what to do about it. Of many models alike
-  /// the first few are named and the rest counted.
-  std::vector<std::string> not_established;
+  std::vector<ModelStanding> models;    ///< one a model of the space
+  bool converged = false;               ///< exactly where `not_established` is empty
+  std::vector<Reason> not_established;  ///< the gravest first, models in order of probability
   /// A mode that a climb from less than this share of the prior leads to would probably (1 in 100)
   /// not have been seen: 1 - 0.01^(1/n) for n climbs, the largest over the models that count; 1
   /// where nothing was searched.
@@ -64,7 +36,8 @@ struct Verdict {
 };
 
 /// Judges draws and what the searches found (Posterior::found) together. Converged needs all of
-/// the following; beside each rule stands how often a healthy run breaks it by chance.
+/// the following, whose limits stand in convergence.hpp; beside each rule stands how often a
+/// healthy run breaks it by chance.
 ///
 /// - Every model whose probability by evidence times the effective draws a chain exceeds 10 was
 ///   visited at β = 1 by every chain (e⁻¹⁰ = 5e-5 a chain); of every other model something is
@@ -77,10 +50,10 @@ struct Verdict {
 ///   many effective draws scatter by (1e-6).
 /// - R-hat < 1.01 and effective sample sizes above 400 of the log posterior and `watched`; the same
 ///   of counts (or models' indicators) where their probabilities are not known to 0.001 anyway.
-/// - Parameters within every model above 1 %, components of a kind by their sums since their slots
-///   are labels: R-hat below 1.01 or within what so few draws scatter by (1e-6), and an effective
-///   sample size above 800 P, at least 20 and at most 400: the parameters of a model that is
-///   improbable need not be known as well. R-hat is judged from 100 draws a chain, the effective
+/// - Parameters within every model above 1 %, components of a kind by their sums since which
+///   is which is a label: R-hat below 1.01 or within what so few draws scatter by (1e-6), and an
+///   effective sample size above 800 P, at least 20 and at most 400: the parameters of a model that
+///   is improbable need not be known as well. R-hat is judged from 100 draws a chain, the effective
 ///   sample size of a model below 5 % from 400.
 /// - Where draws were tempered, 10 round trips of the ladder.
 /// - The run was not stopped early.

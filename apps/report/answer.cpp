@@ -42,20 +42,20 @@ std::string percent_of(double fraction) {
   return fixed(100.0 * fraction, 0) + " %";
 }
 
-std::string median(const Estimate& e) {
+std::string median(const Marginal& e) {
   return resolved(e.q50, e.width());
 }
 
-std::string interval(const Estimate& e) {
+std::string interval(const Marginal& e) {
   return resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width());
 }
 
-std::string metres(const Estimate& x) {
+std::string metres(const Marginal& x) {
   return fixed(x.q2_5, 3) + " to " + fixed(x.q97_5, 3) + " m";
 }
 
 // One component: "near 0.095 m (95 % interval 0.09 to 0.1 m) or its mirror image 0.905 m, …".
-std::string place(const Estimate& x, const Estimate* severity, const DefectKind& kind,
+std::string place(const Marginal& x, const Marginal* severity, const DefectKind& kind,
                   double length, bool mirrored) {
   std::string text;
   if (x.width() > kLocated * length) {
@@ -88,7 +88,7 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
     const Unknown& u = shown[p].unknown;
     if (u.kind < 0 || u.parameter != 0) continue;
     const DefectKind& kind = damage_case.kinds[static_cast<std::size_t>(u.kind)];
-    const Estimate* severity = kind.severity_prior() ? &shown[p + 1].estimate : nullptr;
+    const Marginal* severity = kind.severity_prior() ? &shown[p + 1].estimate : nullptr;
     places.push_back((several ? kind.name + " " : "") +
                      place(shown[p].estimate, severity, kind, damage_case.beam.length, mirrored));
   }

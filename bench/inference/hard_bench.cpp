@@ -28,15 +28,6 @@ ChainsOf of_models(const Posterior& posterior, const std::function<double(int)>&
   return out;
 }
 
-double mean_of(const ChainsOf& chains) {
-  double sum = 0.0, n = 0.0;
-  for (const auto& chain : chains) {
-    for (const double v : chain) sum += v;
-    n += static_cast<double>(chain.size());
-  }
-  return sum / n;
-}
-
 double calls_after_warmup(const Posterior& posterior) {
   return static_cast<double>(posterior.likelihood_evaluations - posterior.warmup_evaluations);
 }
@@ -45,7 +36,7 @@ double calls_after_warmup(const Posterior& posterior) {
 struct Worst {
   double difference = 0.0, errors = 0.0;
   void add(const ChainsOf& draws, double exact, double known_error = 0.0) {
-    const double off = std::fabs(mean_of(draws) - exact);
+    const double off = std::fabs(mean(draws) - exact);
     const double error = std::hypot(mcse_mean(draws), known_error);
     difference = std::max(difference, off);
     if (off > 1e-12) errors = std::max(errors, off / error);
@@ -229,7 +220,7 @@ class MixtureGibbs : public Move {
   }
 
   std::vector<double> y_;
-  Random* random_ = nullptr;
+  base::Random* random_ = nullptr;
   double beta_ = 0.0;
   std::vector<Component> components_;
 };
@@ -269,7 +260,7 @@ void galaxies(benchmark::State& state) {
       const auto i = static_cast<std::size_t>(k - 3);
       const ChainsOf is_k = of_models(posterior, [k](int m) { return m + 1 == k ? 1.0 : 0.0; });
       worst.add(is_k, exact["p_k_3_to_14"][i], exact["p_k_standard_error"][i]);
-      state.counters["P(" + std::to_string(k) + ")"] = mean_of(is_k);
+      state.counters["P(" + std::to_string(k) + ")"] = mean(is_k);
     }
     worst.report(state);
     const ChainsOf k = of_models(posterior, [](int m) { return static_cast<double>(m); });
@@ -354,7 +345,7 @@ void subsets_of_ten(benchmark::State& state) {
           of_models(posterior, [j](int m) { return (m >> j & 1) != 0 ? 1.0 : 0.0; });
       worst.add(in, exact);
       least = std::min(least, ess_mean(in));
-      state.counters["P(x" + std::to_string(j + 1) + ")"] = mean_of(in);
+      state.counters["P(x" + std::to_string(j + 1) + ")"] = mean(in);
     }
     worst.report(state);
     state.counters["ess/Mcall"] = least / calls_after_warmup(posterior) * 1e6;

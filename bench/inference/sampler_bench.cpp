@@ -77,10 +77,10 @@ void report(benchmark::State& state, const Posterior& posterior) {
   for (const Chain& chain : posterior.chains) {
     auto& counts = k.emplace_back();
     auto& halves = left.emplace_back();
-    for (std::size_t i = 0; i < chain.model.size(); ++i) {
-      counts.push_back(chain.model[i]);
-      const double x = chain.theta[i * static_cast<std::size_t>(posterior.dimension)];
-      halves.push_back(chain.model[i] > 0 && x < 0.5 ? 1.0 : 0.0);
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      const Draw draw = chain.draw(i, *posterior.space);
+      counts.push_back(draw.model);
+      halves.push_back(draw.model > 0 && draw.theta[0] < 0.5 ? 1.0 : 0.0);
     }
   }
   const double calls =

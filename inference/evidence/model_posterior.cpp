@@ -88,14 +88,15 @@ bool ModelPosterior::gradient(std::span<const double> z, std::span<double> out) 
   std::ranges::copy(ordered, out.begin());
   const Model& model = target_.space()[state_.model];
   for (std::size_t j = 0; j < model.counts.size(); ++j) {
-    const auto width = static_cast<std::ptrdiff_t>(target_.space().kinds()[j].parameters.size());
-    std::vector<std::ptrdiff_t> from(static_cast<std::size_t>(model.counts[j]));
+    const auto component = [&](int c) {
+      return target_.space().component(state_.model, static_cast<int>(j), c);
+    };
+    std::vector<int> from(static_cast<std::size_t>(model.counts[j]));
     std::iota(from.begin(), from.end(), 0);
-    const auto first = z.begin() + model.offsets[j];
-    std::ranges::stable_sort(from, {}, [&](std::ptrdiff_t c) { return first[c * width]; });
+    std::ranges::stable_sort(from, {}, [&](int c) { return z[component(c).first]; });
     for (std::size_t c = 0; c < from.size(); ++c) {
-      std::copy_n(ordered.begin() + model.offsets[j] + static_cast<std::ptrdiff_t>(c) * width,
-                  width, out.begin() + model.offsets[j] + from[c] * width);
+      std::ranges::copy(component(static_cast<int>(c)).of(ordered),
+                        component(from[c]).of(out).begin());
     }
   }
   return true;

@@ -78,7 +78,7 @@ std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind) {
   atlas->effects.setZero(atlas->total, n);
   State one;
   one.model = space.neighbour(none, kind, +1);
-  const auto offset = static_cast<std::size_t>(space[one.model].offsets[j]);
+  const std::size_t at_first = space.component(one.model, kind, 0).first;
   std::vector<double> centre(width);
   for (int c = 0; c < atlas->total; ++c) {
     for (int i = static_cast<int>(width) - 1, rest = c; i >= 0; --i) {
@@ -87,7 +87,8 @@ std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind) {
       rest /= atlas->cells[axis];
     }
     one.z = reference.z;
-    one.z.insert(one.z.begin() + static_cast<std::ptrdiff_t>(offset), centre.begin(), centre.end());
+    one.z.insert(one.z.begin() + static_cast<std::ptrdiff_t>(at_first), centre.begin(),
+                 centre.end());
     target.screen(one);
     if (!std::isfinite(one.log_screen)) continue;  // no effect known: the defensive part covers it
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -117,11 +118,9 @@ void InformedProposal::condition(const State& context, int kind, int skip, doubl
     residual_[i] = static_cast<float>(context.residuals[static_cast<std::size_t>(i)] * scale);
   }
   if (skip >= 0) {
-    const auto first =
-        static_cast<std::size_t>((*space_)[context.model].offsets[static_cast<std::size_t>(kind)]) +
-        static_cast<std::size_t>(skip) * width_;
-    residual_ -=
-        atlas_->effects.row(atlas_->cell(std::span(context.z).subspan(first, width_))).transpose();
+    const std::span<const double> left_out =
+        space_->component(context.model, kind, skip).of(context.z);
+    residual_ -= atlas_->effects.row(atlas_->cell(left_out)).transpose();
   }
   const auto power = static_cast<float>(beta / (scale * scale));
   // -½ |r + D|² = const - r·D - ½ |D|²

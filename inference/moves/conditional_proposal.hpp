@@ -11,7 +11,7 @@
 namespace wheeltap::inference {
 
 /// The pilot mixture of the model with one component more, Σ_l w_l N(z; μ_l, Σ_l), conditioned on
-/// the rest of the set: with z_I the coordinates that the set has and J those of slot j,
+/// the rest of the set: with z_I the coordinates that the set has and J those of component j,
 ///
 ///   q(c) = ε φ(c) + (1 - ε) Σ_{j,l} p(j, l | z_I) N(c; μ_J + Σ_JI Σ_II⁻¹ (z_I - μ_I), Σ_JJ - Σ_JI
 ///   Σ_II⁻¹ Σ_IJ), p(j, l | z_I) ∝ w_l N(z_I; μ_I, Σ_II).
@@ -21,23 +21,24 @@ class ConditionalMixtures {
  public:
   ConditionalMixtures(const ModelSpace& space, const PilotFit& fit, int kind);
 
-  struct Slot {         ///< one component l of one model's mixture, without slot j
+  /// Normal l of one model's mixture, conditioned on all but component j of the set.
+  struct Conditional {
     double log_weight;  ///< ln w_l - ln |L_I|
-    int first;          ///< coordinates [first, first + width) are the slot's
+    int first;          ///< coordinates [first, first + width) are component j's
     Eigen::VectorXd mean_rest;
     Eigen::MatrixXd inverse_rest;  ///< L_I⁻¹, lower
-    Eigen::VectorXd mean_slot;
+    Eigen::VectorXd mean_own;
     Eigen::MatrixXd regression;  ///< Σ_JI Σ_II⁻¹
     Eigen::MatrixXd factor;      ///< Cholesky factor of the conditional covariance
     Eigen::MatrixXd inverse_factor;
     double log_determinant;  ///< of `factor`
   };
-  [[nodiscard]] const std::vector<Slot>& of_model(int m) const {
-    return slots_[static_cast<std::size_t>(m)];
+  [[nodiscard]] const std::vector<Conditional>& of_model(int m) const {
+    return conditionals_[static_cast<std::size_t>(m)];
   }
 
  private:
-  std::vector<std::vector<Slot>> slots_;
+  std::vector<std::vector<Conditional>> conditionals_;
 };
 
 class ConditionalProposal : public ComponentProposal {
@@ -55,7 +56,7 @@ class ConditionalProposal : public ComponentProposal {
   struct Term {
     double probability;
     Eigen::VectorXd mean;
-    const ConditionalMixtures::Slot* slot;
+    const ConditionalMixtures::Conditional* conditional;
   };
   std::shared_ptr<const ConditionalMixtures> mixtures_;
   const ModelSpace* space_;

@@ -10,8 +10,8 @@ std::optional<double> DifferentialEvolution::propose(const State& from, const St
   const Eigen::MatrixXd& states = (*archive_)[static_cast<std::size_t>(from.model)];
   const int n = static_cast<int>(states.cols());
   if (n < 3 || states.rows() == 0) return std::nullopt;
-  const Model& model = step.target.space()[from.model];
-  const auto& kinds = step.target.space().kinds();
+  const ModelSpace& space = step.target.space();
+  const Model& model = space[from.model];
   // The block: everything, the model's own parameters, or one component.
   Eigen::Index first = 0;
   Eigen::Index size = states.rows();
@@ -24,12 +24,11 @@ std::optional<double> DifferentialEvolution::propose(const State& from, const St
     if (own > 0 && block-- == 0) {
       size = own;
     } else {
-      for (std::size_t j = 0; j < kinds.size(); ++j) {
-        size = static_cast<Eigen::Index>(kinds[j].parameters.size());
-        first = model.offsets[j] + block * size;
-        if (block < model.counts[j]) break;
-        block -= model.counts[j];
-      }
+      std::size_t kind = 0;
+      while (block >= model.counts[kind]) block -= model.counts[kind++];
+      const ComponentRange component = space.component(from.model, static_cast<int>(kind), block);
+      first = static_cast<Eigen::Index>(component.first);
+      size = static_cast<Eigen::Index>(component.width);
     }
   }
   const auto pair = [&] {

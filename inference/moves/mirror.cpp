@@ -20,9 +20,8 @@ std::optional<double> Mirror::propose(const State& from, const Step& step, State
     const Prior& prior = kind.parameters[static_cast<std::size_t>(reflection.parameter)].prior;
     for (int c = 0; c < space[from.model].counts[j]; ++c, ++component) {
       if (!whole_ && component != only) continue;
-      const auto i = static_cast<std::size_t>(space[from.model].offsets[j] +
-                                              c * static_cast<int>(kind.parameters.size()) +
-                                              reflection.parameter);
+      const std::size_t i = space.component(from.model, reflection.kind, c).first +
+                            static_cast<std::size_t>(reflection.parameter);
       const double image = 2.0 * reflection.center - from.x[i];
       to.z[i] = prior.to_standard_normal(image);
       if (!std::isfinite(to.z[i])) return std::nullopt;

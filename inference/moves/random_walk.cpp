@@ -8,7 +8,8 @@ namespace wheeltap::inference {
 
 RandomWalk::Scales RandomWalk::initial_scales(const ModelSpace& space) {
   Scales scales;
-  for (const Model& model : space.models()) {
+  for (int m = 0; m < space.size(); ++m) {
+    const Model& model = space[m];
     std::vector<Block>& blocks = scales.emplace_back();
     const auto add = [&](int first, int size) {
       if (size > 0)
@@ -16,8 +17,10 @@ RandomWalk::Scales RandomWalk::initial_scales(const ModelSpace& space) {
     };
     add(0, static_cast<int>(model.parameters.size()));
     for (std::size_t j = 0; j < space.kinds().size(); ++j) {
-      const int width = static_cast<int>(space.kinds()[j].parameters.size());
-      for (int c = 0; c < model.counts[j]; ++c) add(model.offsets[j] + c * width, width);
+      for (int c = 0; c < model.counts[j]; ++c) {
+        const ComponentRange at = space.component(m, static_cast<int>(j), c);
+        add(static_cast<int>(at.first), static_cast<int>(at.width));
+      }
     }
     if (blocks.size() > 1) add(0, model.dimension);
   }
@@ -38,7 +41,8 @@ std::optional<double> RandomWalk::propose(const State& from, const Step& step, S
     for (Eigen::Index k = 0; k <= i; ++k) sum += block_->factor(i, k) * u_[k];
     to.z[static_cast<std::size_t>(block_->first + i)] += factor_ * sum;
   }
-  // Each slot has a scale of its own, so a step that changes the order would not be symmetric.
+  // Each place in the order has a scale of its own, so a step that changes the order would not be
+  // symmetric.
   if (!step.target.is_sorted(to)) {
     if (step.adapting) adapt(0.0, from);
     return std::nullopt;

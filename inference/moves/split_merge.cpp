@@ -17,8 +17,7 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
   if (model < 0 || (split ? k < 1 : k < 2)) return std::nullopt;
   to.model = model;
   const int chosen = step.random.index(split ? k : k - 1);
-  const auto at = static_cast<std::ptrdiff_t>(space[from.model].offsets[j]) +
-                  chosen * static_cast<std::ptrdiff_t>(width);
+  const auto at = static_cast<std::ptrdiff_t>(space.component(from.model, kind_, chosen).first);
 
   // One component and the two it splits into: one[i], first[i], second[i]; first in the quantity
   // that adds up, later in physical units.

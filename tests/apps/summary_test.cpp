@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <memory>
 
 #include "base/random.hpp"
 
@@ -26,7 +27,7 @@ const inference::ModelSpace& coin_space() {
 // Independent draws: model 1 with probability p, its parameter uniform on [low, high] in chain c.
 Posterior made_up(double p, int draws, double shift_of_last_chain = 0.0, double p_of_last = -1.0) {
   Posterior posterior;
-  posterior.space = &coin_space();
+  posterior.space = std::make_shared<const inference::ModelSpace>(coin_space());
   posterior.dimension = 1;
   posterior.draws = draws;
   posterior.likelihood_evaluations = 1;
@@ -123,7 +124,7 @@ TEST(Summary, AveragesOverModelsUseTheWeightsOfBalancedDraws) {
   EXPECT_NEAR(weights[0] / weights[1], 99.0, 1e-9);
   const ChainsOf count = all_draws(
       posterior, [&](auto c, auto i) { return static_cast<double>(posterior.chains[c].model[i]); });
-  const Report s = json(estimate(count, draw_weights(posterior)));
+  const Report s = json(marginal(count, draw_weights(posterior)));
   EXPECT_NEAR(s["mean"], 0.01, 0.01 * 4.5 * 2.0 / std::sqrt(8000.0));
   EXPECT_EQ(s["q97.5"], 0.0);
   EXPECT_NEAR(s["mean"], model_table(found_in(posterior))[1]["probability"], 1e-12);
@@ -133,8 +134,8 @@ TEST(Summary, EqualWeightsChangeNothing) {
   base::Random random(3, 0, 0, base::Purpose::test);
   ChainsOf draws(1);
   for (int i = 0; i < 1001; ++i) draws[0].push_back(random.normal());
-  const Report plain = json(estimate(draws));
-  const Report weighted = json(estimate(draws, {std::vector<double>(1001, 0.7)}));
+  const Report plain = json(marginal(draws));
+  const Report weighted = json(marginal(draws, {std::vector<double>(1001, 0.7)}));
   for (const char* key : {"mean", "sd", "q2.5", "q50", "q97.5", "mode"}) {
     EXPECT_NEAR(plain[key], weighted[key], 1e-12) << key;
   }
@@ -180,7 +181,7 @@ TEST(Summary, ModeIsTheFullestBin) {
   std::vector<double> draws;
   for (int i = 0; i < 20000; ++i) draws.push_back(std::exp(0.5 * random.normal()));
   // ln x ~ N(0, ½²): the mode is exp(-1/4).
-  EXPECT_NEAR(estimate({draws}).mode, std::exp(-0.25), 0.1);
+  EXPECT_NEAR(marginal({draws}).mode, std::exp(-0.25), 0.1);
 }
 
 TEST(Summary, QuantilesAreLinearBetweenOrderStatistics) {

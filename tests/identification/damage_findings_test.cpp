@@ -17,7 +17,7 @@ inference::Posterior posterior_of(const DamageProblem& problem,
                                   const std::vector<std::vector<double>>& draws,
                                   const std::vector<int>& models) {
   inference::Posterior out;
-  out.space = &problem.problem.space;
+  out.space = std::make_shared<const inference::ModelSpace>(problem.problem.space);
   out.dimension = problem.problem.space.max_dimension();
   out.draws = static_cast<int>(draws.size());
   for (int c = 0; c < 2; ++c) {

@@ -52,7 +52,7 @@ TEST(ModelExploration, OfAModelWithoutParametersIsExact) {
 TEST(ModelExploration, AGlanceHasLaplacesEvidence) {
   const HardProblem& hard = named("nested normal, 5-d");
   const ModelExploration found =
-      explore_model(hard.problem, 1, {.climbs = 2, .anneal = false, .glance = true});
+      explore_model(hard.problem, 1, {.climbs = 2, .anneal = false, .climbs_only = true});
   EXPECT_NEAR(found.annealed.log_evidence, hard.log_evidence[1], 0.05);  // a normal posterior
   EXPECT_TRUE(std::isnan(found.sampled.log_evidence));
   EXPECT_LT(found.likelihood_evaluations, 500);

@@ -532,13 +532,13 @@ TEST(KernelEarnings, CountWorkAndNotTime) {
   const auto jumps = [](long proposed, long accepted) {
     return KernelRecord{proposed, accepted, proposed, accepted};
   };
-  const std::vector<double> earned = kernel_earnings(
+  const std::vector<double> efficiency = kernel_efficiencies(
       kernels, {jumps(1000, 400), jumps(1000, 400), jumps(1000, 4), jumps(1000, 4), jumps(10, 0)});
-  EXPECT_EQ(earned[0], 1.0);
-  EXPECT_DOUBLE_EQ(earned[1], 0.25);
-  EXPECT_DOUBLE_EQ(earned[2], 0.1);
-  EXPECT_EQ(earned[3], 1.0);
-  EXPECT_EQ(earned[4], 1.0);
+  EXPECT_EQ(efficiency[0], 1.0);
+  EXPECT_DOUBLE_EQ(efficiency[1], 0.25);
+  EXPECT_DOUBLE_EQ(efficiency[2], 0.1);
+  EXPECT_EQ(efficiency[3], 1.0);
+  EXPECT_EQ(efficiency[4], 1.0);
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// The whole engine: the prior comes back when the likelihood is off, exact posteriors come back
-// when it is on, and what should not matter does not.
+// The whole engine: exact posteriors come back, and what should not matter does not.
 #include "inference/reversible_jump.hpp"
 
 #include <gtest/gtest.h>
@@ -10,178 +9,16 @@
 #include <numbers>
 
 #include "inference/diagnostics.hpp"
-#include "inference/moves/birth_death.hpp"
+#include "inference/stages/explore.hpp"
+#include "inference/stages/sample.hpp"
+#include "inference/stages/tune.hpp"
 #include "inference/verdict.hpp"
+#include "tests/inference/run_checks.hpp"
 #include "tests/inference/statistics.hpp"
 #include "tests/inference/toy_problems.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-// Tolerances are this many Monte Carlo standard errors: a false alarm once in 10⁶ comparisons.
-constexpr double kSigmas = 4.9;
-
-ChainsOf indicator(const Posterior& posterior, int model) {
-  ChainsOf chains;
-  for (const Chain& chain : posterior.chains) {
-    auto& values = chains.emplace_back();
-    for (const int m : chain.model) values.push_back(m == model ? 1.0 : 0.0);
-  }
-  return chains;
-}
-
-double mean_of(const ChainsOf& chains) {
-  double sum = 0.0, n = 0.0;
-  for (const auto& chain : chains) {
-    for (const double v : chain) sum += v;
-    n += static_cast<double>(chain.size());
-  }
-  return sum / n;
-}
-
-double probability(const Posterior& posterior, int model) {
-  return mean_of(indicator(posterior, model));
-}
-
-void expect_probability(const Posterior& posterior, int model, double exact) {
-  const ChainsOf chains = indicator(posterior, model);
-  const double error = mcse_mean(chains);
-  EXPECT_NEAR(mean_of(chains), exact, kSigmas * error + 1e-12)
-      << (*posterior.space)[model].name << ", standard error " << error;
-}
-
-// The functional f(x) of every draw of one model, thinned to its effective size, against F by
-// Kolmogorov-Smirnov.
-template <typename F>
-double ks_of_draws(const Posterior& posterior, int model, int parameter, F&& cdf) {
-  ChainsOf chains;
-  std::size_t shortest = std::numeric_limits<std::size_t>::max();
-  for (const Chain& chain : posterior.chains) {
-    auto& values = chains.emplace_back();
-    for (std::size_t i = 0; i < chain.model.size(); ++i) {
-      if (chain.model[i] != model) continue;
-      values.push_back(cdf(chain.theta[i * static_cast<std::size_t>(posterior.dimension) +
-                                       static_cast<std::size_t>(parameter)]));
-    }
-    shortest = std::min(shortest, values.size());
-  }
-  std::vector<double> all;
-  for (auto& values : chains) {
-    values.resize(shortest);
-    all.insert(all.end(), values.begin(), values.end());
-  }
-  const double effective = std::min(ess_mean(chains), static_cast<double>(all.size()));
-  std::sort(all.begin(), all.end());
-  double largest = 0.0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    largest = std::max(
-        {largest, std::abs(all[i] - static_cast<double>(i) / static_cast<double>(all.size())),
-         std::abs(all[i] - static_cast<double>(i + 1) / static_cast<double>(all.size()))});
-  }
-  const double t = std::sqrt(effective) * largest;
-  return std::min(1.0, 2.0 * std::exp(-2.0 * t * t));
-}
-
-Options small(std::uint64_t seed = 1) {
-  return {.seed = seed, .warmup = 3000, .draws = 6000};
-}
-
-struct MoveSet {
-  const char* name;
-  Options::Moves moves;
-};
-
-class PriorRecovery : public testing::TestWithParam<MoveSet> {};
-
-// With the likelihood off, the counts follow their prior, and so do locations and heights. Ordered
-// locations: the smallest of k from F is distributed as 1 - (1 - F)^k.
-TEST_P(PriorRecovery, CountsLocationsAndHeights) {
-  const std::vector<double> weights{3, 1, 4, 2};
-  const Problem problem = toy::bump_problem(std::vector<double>(toy::kSensors, 1.0), weights);
-  Options options = small();
-  options.prior_only = true;
-  options.moves = GetParam().moves;
-  const Posterior posterior = reversible_jump(problem, options);
-  for (int k = 0; k < 4; ++k) {
-    expect_probability(posterior, k, weights[static_cast<std::size_t>(k)] / 10.0);
-  }
-  for (int k = 1; k < 4; ++k) {
-    const Prior& location = problem.space.prior(k, 0);
-    const Prior& height = problem.space.prior(k, 1);
-    const auto cdf = [](const Prior& prior, double x) {
-      return 0.5 * std::erfc(-prior.to_standard_normal(x) / std::numbers::sqrt2);
-    };
-    EXPECT_GT(ks_of_draws(posterior, k, 0,
-                          [&](double x) { return 1.0 - std::pow(1.0 - cdf(location, x), k); }),
-              1e-6);
-    EXPECT_GT(ks_of_draws(posterior, k, 1, [&](double x) { return cdf(height, x); }), 1e-6);
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(MoveSets, PriorRecovery,
-                         testing::Values(MoveSet{"All", {}},
-                                         MoveSet{"SourceOnly",
-                                                 {.informed_birth = false,
-                                                  .relocation = false,
-                                                  .reflection = false,
-                                                  .independence = false,
-                                                  .tempering = false}},
-                                         MoveSet{"WithoutIndependence", {.independence = false}},
-                                         MoveSet{"MirrorsAndBirths",
-                                                 {.informed_birth = false,
-                                                  .random_walk = false,
-                                                  .relocation = false,
-                                                  .independence = false}},
-                                         MoveSet{"IndependenceOnly",
-                                                 {.birth_death = false,
-                                                  .informed_birth = false,
-                                                  .random_walk = false,
-                                                  .relocation = false,
-                                                  .reflection = false}}),
-                         [](const auto& set) { return set.param.name; });
-
-// The control: one move that forgets its ratio, among all the right ones, and the prior does not
-// come back.
-TEST(PriorRecoveryControl, NoticesAForgottenRatio) {
-  class Forgetful : public BirthDeath {
-   public:
-    using BirthDeath::BirthDeath;
-    std::optional<double> propose(const State& from, const Step& step, State& to) override {
-      if (!BirthDeath::propose(from, step, to)) return std::nullopt;
-      return 0.0;
-    }
-  };
-  Problem problem = toy::bump_problem(std::vector<double>(toy::kSensors, 1.0), {3, 1, 4, 2});
-  problem.moves.push_back(
-      {"forgetful birth",
-       [] { return std::make_unique<Forgetful>(0, std::make_unique<PriorProposal>()); }});
-  Options options = small();
-  options.prior_only = true;
-  const Posterior posterior = reversible_jump(problem, options);
-  const double error = mcse_mean(indicator(posterior, 0));
-  EXPECT_GT(std::abs(probability(posterior, 0) - 0.3), kSigmas * error);
-}
-
-// A flat likelihood with a Poisson prior returns that Poisson, k = 0 included.
-TEST(ReversibleJump, FlatLikelihoodReturnsThePoissonPrior) {
-  class Flat : public Likelihood {
-   public:
-    double log_likelihood(int, std::span<const double>) override { return -3.0; }
-  };
-  std::vector<double> weights;
-  double term = 1.0;
-  for (int k = 0; k <= 9; ++k) {
-    weights.push_back(term);
-    term *= 3.0 / (k + 1);
-  }
-  double total = 0.0;
-  for (const double w : weights) total += w;
-  const Problem problem{.space = toy::bump_space(weights),
-                        .likelihood = [] { return std::make_unique<Flat>(); }};
-  const Posterior posterior = reversible_jump(problem, {.warmup = 3000, .draws = 10000});
-  for (int k = 0; k <= 9; ++k)
-    expect_probability(posterior, k, weights[static_cast<std::size_t>(k)] / total);
-}
 
 // n = 20, ȳ = 0.5, σ = τ = 1: BF10 = (1 + n)^(-1/2) exp(½ n² ȳ² / (n + 1)) = 2.360070.
 class NormalMean : public Likelihood {
@@ -279,10 +116,10 @@ TEST(ReversibleJump, OrderOfParametersDoesNotMatter) {
 TEST(ReversibleJump, OrderOfChainsDoesNotMatter) {
   const Problem problem = nested_means(1.0);
   ChainsOf chains = indicator(reversible_jump(problem, small()), 1);
-  const double before[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean_of(chains)};
+  const double before[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean(chains)};
   std::swap(chains[0], chains[3]);
   std::swap(chains[1], chains[3]);
-  const double after[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean_of(chains)};
+  const double after[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean(chains)};
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(before[i], after[i], 1e-9 * std::abs(before[i]));
 }
 
@@ -393,18 +230,16 @@ TEST(ReversibleJump, RecordedDensitiesAreTheRecomputedOnes) {
   const Problem problem = bumps();
   const Posterior posterior = reversible_jump(problem, small());
   const auto likelihood = problem.likelihood();
-  const Chain& chain = posterior.chains[1];
-  for (std::size_t i = 0; i < chain.model.size(); i += 97) {
-    const int m = chain.model[i];
-    const std::span<const double> x(
-        chain.theta.data() + i * static_cast<std::size_t>(posterior.dimension),
-        static_cast<std::size_t>(problem.space[m].dimension));
-    EXPECT_EQ(chain.log_likelihood[i], likelihood->log_likelihood(m, x));
+  for (std::size_t i = 0; i < posterior.chains[1].size(); i += 97) {
+    const Draw draw = posterior.draw(1, i);
+    const int m = draw.model;
+    const std::span<const double> x = draw.theta;
+    EXPECT_EQ(draw.log_likelihood, likelihood->log_likelihood(m, x));
     double log_prior = problem.space[m].log_prior + std::lgamma(problem.space[m].counts[0] + 1.0);
     for (std::size_t j = 0; j < x.size(); ++j) {
       log_prior += problem.space.prior(m, static_cast<int>(j)).log_density(x[j]);
     }
-    EXPECT_NEAR(chain.log_prior[i], log_prior, 1e-12 * std::abs(log_prior));
+    EXPECT_NEAR(draw.log_prior, log_prior, 1e-12 * std::abs(log_prior));
   }
 }
 
@@ -515,18 +350,42 @@ TEST(ReversibleJump, CountsLikelihoodCallsWhileTuning) {
   EXPECT_GT(calls.back(), calls.front());
 }
 
-// While tuning, models are visited evenly; the first draws must not show it.
-TEST(ReversibleJump, SettlesAfterTheBiasOfTuningIsGone) {
-  constexpr int kChains = 400;
-  const Problem problem = lopsided();
-  const Posterior posterior = reversible_jump(
-      problem, {.seed = 5, .chains = kChains, .warmup = 1000, .draws = 1, .thin = 1});
+// The first draws of many chains.
+Options one_draw_each() {
+  return {.seed = 5, .chains = 400, .warmup = 1000, .draws = 1, .thin = 1};
+}
+
+int rare_draws(const Posterior& posterior) {
   int rare = 0;
   for (const Chain& chain : posterior.chains) rare += chain.model[0];
+  return rare;
+}
+
+double most_rare_draws() {
   // Z = ∫ N(a; 0, 1) exp(-½ (a - 1)²/s²) da, s = 0.1
   const double z = std::sqrt(0.01 / 1.01) * std::exp(-0.5 / 1.01);
-  const double p = z / (z + 100.0);
-  EXPECT_LE(rare, kChains * p + 4.9 * std::sqrt(kChains * p) + 1.0);  // half of them without it
+  const double expected = one_draw_each().chains * z / (z + 100.0);
+  return expected + 4.9 * std::sqrt(expected) + 1.0;
+}
+
+// While tuning, models are visited evenly; the first draws must not show it.
+TEST(ReversibleJump, SettlesAfterTheBiasOfTuningIsGone) {
+  const Problem problem = lopsided();
+  const Posterior posterior = reversible_jump(problem, one_draw_each());
+  EXPECT_LE(rare_draws(posterior), most_rare_draws());
+}
+
+// The control: the same run, its chains drawing without having settled.
+TEST(ReversibleJumpControl, NoticesThatChainsHaveNotSettled) {
+  const Problem problem = lopsided();
+  const Options options = one_draw_each();
+  RunContext run(problem, options);
+  RunState state = begin(run);
+  explore(run, state);
+  tune(run, state);
+  prepare_draws(run, state);
+  draw(run, state, 1);
+  EXPECT_GT(rare_draws(state.posterior), 10.0 * most_rare_draws());
 }
 
 // With equal prior odds the rare model's probability is known to a tenth of itself; weighted to be

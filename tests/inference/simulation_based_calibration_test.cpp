@@ -86,12 +86,9 @@ std::vector<Replicate> run(const MakeProblem& make, std::size_t data_size,
     Replicate& replicate = all.emplace_back();
     replicate.truth = functionals(problem, truth.model, truth.x);
     const Chain& chain = posterior.chains.front();
-    for (std::size_t i = 0; i < chain.model.size(); ++i) {
-      replicate.draws.push_back(functionals(
-          problem, chain.model[i],
-          std::span(chain.theta)
-              .subspan(i * static_cast<std::size_t>(posterior.dimension),
-                       static_cast<std::size_t>(problem.space[chain.model[i]].dimension))));
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      const Draw draw = chain.draw(i, problem.space);
+      replicate.draws.push_back(functionals(problem, draw.model, draw.theta));
     }
   }
   return all;

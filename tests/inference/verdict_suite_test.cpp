@@ -33,8 +33,8 @@ void check(const HardProblem& problem) {
         verdict.models[m].mcse, problem.probability[m], a.reported_errors,
         verdict.converged ? "converged" : "flagged", verdict.resolution,
         posterior.likelihood_evaluations, posterior.wall_seconds);
-    for (const std::string& sentence : verdict.not_established)
-      std::printf("      %s\n", sentence.c_str());
+    for (const Reason& reason : verdict.not_established)
+      std::printf("      %s\n", describe(reason, *posterior.space).c_str());
     EXPECT_TRUE(a.right) << problem.name << ", seed " << seed;
     if (problem.asked == Asked::found) {
       EXPECT_TRUE(verdict.converged) << problem.name << ", seed " << seed;

@@ -18,7 +18,7 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
 
-Estimate row(double low, double middle, double high) {
+Marginal row(double low, double middle, double high) {
   return {.mean = middle, .sd = 0.1, .q2_5 = low, .q50 = middle, .q97_5 = high};
 }
 
@@ -26,7 +26,7 @@ struct Run {
   DamageCase damage_case;
   DamageFindings findings;
 
-  Estimate& location(std::size_t model, std::size_t n) {
+  Marginal& location(std::size_t model, std::size_t n) {
     return findings.models[model].parameters[2 * n].estimate;
   }
 };
@@ -48,7 +48,7 @@ Run damage_run(const std::vector<double>& probabilities) {
   run.damage_case.beam.length = 1.0;
   run.damage_case.kinds = {kind(defects::kReduction)};
   run.findings.sampling.verdict.converged = true;
-  const std::vector<std::pair<Estimate, Estimate>> places = {
+  const std::vector<std::pair<Marginal, Marginal>> places = {
       {row(0.082, 0.095, 0.108), row(0.15, 0.28, 0.44)},
       {row(0.41, 0.425, 0.44), row(0.55, 0.6, 0.64)}};
   for (std::size_t n = 0; n < probabilities.size(); ++n) {

@@ -1,4 +1,4 @@
-#include "identification/estimate.hpp"
+#include "identification/marginal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -96,7 +96,7 @@ ChainsOf draw_weights(const Posterior& posterior) {
   });
 }
 
-Estimate estimate(const ChainsOf& chains, const ChainsOf& weights) {
+Marginal marginal(const ChainsOf& chains, const ChainsOf& weights) {
   std::vector<double> values, weight;
   for (const auto& chain : chains) values.insert(values.end(), chain.begin(), chain.end());
   for (const auto& chain : weights) weight.insert(weight.end(), chain.begin(), chain.end());

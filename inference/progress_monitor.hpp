@@ -7,21 +7,21 @@
 #include <mutex>
 #include <vector>
 
-#include "inference/reversible_jump.hpp"
+#include "inference/options.hpp"
 
 namespace wheeltap::inference {
 
 /// Shares the caller's progress function between threads, and carries its wish to stop.
-class Reporter {
+class ProgressMonitor {
  public:
-  Reporter(const Options& options, int models)
+  ProgressMonitor(const Options& options, int models)
       : options_(options), visits_(static_cast<std::size_t>(models)) {}
 
   void begin(const char* stage, double total) {
     stage_ = stage;
     total_ = total;
     done_ = 0.0;
-    last_ = {};  // the first report of a stage comes at once
+    last_ = {};  // the first call of a stage comes at once
   }
   void evaluated(long n) { evaluations_ += n; }
   void visited(const std::vector<long>& visits) {

@@ -12,7 +12,7 @@ namespace wheeltap::identification {
 
 /// One quantity, from all chains. Convergence is NaN where the chains are too short to judge it
 /// (fewer than 100 draws).
-struct Estimate {
+struct Marginal {
   double mean = 0.0;
   double sd = 0.0;
   double q2_5 = 0.0;  ///< quantiles of 2.5, 50 and 97.5 %
@@ -25,7 +25,7 @@ struct Estimate {
 };
 
 /// `weights`, one a draw, may be empty: all alike. At least one draw.
-[[nodiscard]] Estimate estimate(const inference::ChainsOf& chains,
+[[nodiscard]] Marginal marginal(const inference::ChainsOf& chains,
                                 const inference::ChainsOf& weights = {});
 
 /// Quantile of sorted draws, linear between order statistics.

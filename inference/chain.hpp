@@ -1,0 +1,56 @@
+// One Markov chain's draws of (model, parameters), and a view of one of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "inference/model_space.hpp"
+
+namespace wheeltap::inference {
+
+/// A view of one draw, good for as long as its chain and its space are.
+struct Draw {
+  const ModelSpace* space = nullptr;
+  int model = 0;
+  std::span<const double> theta;  ///< physical parameters of the model, laid out as in Model
+  double log_prior = 0.0, log_likelihood = 0.0;
+
+  [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
+  /// Components of this kind.
+  [[nodiscard]] int count(int kind) const {
+    return (*space)[model].counts[static_cast<std::size_t>(kind)];
+  }
+  /// The parameters of component c < count(kind).
+  [[nodiscard]] std::span<const double> component(int kind, int c) const {
+    return space->component(model, kind, c).of(theta);
+  }
+};
+
+/// One chain's kept draws; theta is NaN-padded to the largest dimension, row-major draws ×
+/// dimension.
+struct Chain {
+  std::vector<int> model;
+  std::vector<double> theta;      ///< physical parameters, laid out as in Model
+  std::vector<double> log_prior;  ///< ln P(model) + Σ ln p(x) + ln factor, in physical units
+  std::vector<double> log_likelihood;
+  std::vector<std::int16_t> move;  ///< index into Posterior::moves of the last attempted move
+  std::vector<std::uint8_t> accepted;
+  std::vector<float> prediction;  ///< draws × Posterior::predictions, or empty
+
+  [[nodiscard]] std::size_t size() const { return model.size(); }
+  /// Draw i < size() of a chain in this space.
+  [[nodiscard]] Draw draw(std::size_t i, const ModelSpace& space) const {
+    const auto width = static_cast<std::size_t>(space.max_dimension());
+    const auto own = static_cast<std::size_t>(space[model[i]].dimension);
+    return {.space = &space,
+            .model = model[i],
+            .theta = std::span(theta).subspan(i * width, own),
+            .log_prior = log_prior[i],
+            .log_likelihood = log_likelihood[i]};
+  }
+  /// Keeps the first `draws` alone.
+  void truncate(std::size_t draws);
+};
+
+}  // namespace wheeltap::inference

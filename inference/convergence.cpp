@@ -1,0 +1,43 @@
+#include "inference/convergence.hpp"
+
+#include "inference/diagnostics.hpp"
+#include "inference/verdict.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+// Of models that are neither certain nor impossible as far as the draws say.
+template <class Passes>
+bool every_open_model(const Posterior& posterior, const Passes& passes) {
+  for (int m = 0; m < posterior.space->size(); ++m) {
+    const ChainsOf indicator = posterior.indicator(m);
+    const double share = mean(indicator);
+    if (share > kLimits.known && share < 1.0 - kLimits.known && !passes(indicator)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool may_stop(const Posterior& posterior, bool balanced) {
+  const double enough = balanced ? kLimits.known : kLimits.worth_knowing;
+  return every_open_model(
+             posterior,
+             [&](const ChainsOf& indicator) { return mcse_mean(indicator) <= enough; }) &&
+         judge(posterior).converged;
+}
+
+bool chains_agree(const Posterior& posterior) {
+  if (!every_open_model(posterior, [](const ChainsOf& indicator) {
+        return rhat(indicator) < kLimits.rhat_apart;
+      }))
+    return false;
+  ChainsOf log_posterior;
+  for (const Chain& chain : posterior.chains) {
+    std::vector<double>& values = log_posterior.emplace_back(chain.log_likelihood);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += chain.log_prior[i];
+  }
+  return rhat(log_posterior) < kLimits.rhat_apart;
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,42 @@
+// When a run may stop, and what convergence asks for: the one place where its limits stand.
+#pragma once
+
+#include <cstddef>
+
+#include "inference/posterior.hpp"
+
+namespace wheeltap::inference {
+
+/// Limits on R-hat and effective sample sizes are those of Vehtari et al. (2021, Bayesian
+/// Analysis 16:667); the
+/// others are ours, with the false alarms that follow from them beside verdict.hpp's rules.
+struct ConvergenceLimits {
+  double rhat = 1.01;             ///< below it
+  double ess = 400.0;             ///< above it, of all chains together
+  double ess_within = 20.0;       ///< the same of parameters of the least probable model judged
+  double rhat_apart = 1.05;       ///< from here on chains are in different places, or modes unlike
+  double known = 0.001;           ///< an error of a probability that nobody cares about
+  double worth_knowing = 0.004;   ///< an error of a probability that is good enough to stop
+  double expected_visits = 10.0;  ///< effective ones, from which none is no chance: e⁻¹⁰
+  double sigmas = 4.5;            ///< of a difference that is no chance: 7e-6
+  double chance = 1e-6;           ///< of a scatter between chains that is called disagreement
+  double slack_probability = 0.005;  ///< a difference that is none, whatever its error
+  double slack_nats = 0.5;
+  double probable_model = 0.05;
+  double judged_model = 0.01;      ///< probability from which a model's parameters are judged
+  double judged_mode = 0.01;       ///< share of the rarer side from which chains must agree on it
+  std::size_t fewest_draws = 100;  ///< of a chain within a model, for R-hat to be judged
+  std::size_t fewest_for_ess = 400;
+  long round_trips = 10;  ///< of a ladder that the draws are made with
+};
+inline constexpr ConvergenceLimits kLimits{};
+
+/// Good enough to stop: nothing that the verdict misses, and the share of every model among the
+/// draws known to 0.004, to 0.001 where models are drawn `balanced`.
+[[nodiscard]] bool may_stop(const Posterior& posterior, bool balanced);
+
+/// Whether longer chains would do: an R-hat far from 1, of the log posterior or of a model, says
+/// that they are in different places.
+[[nodiscard]] bool chains_agree(const Posterior& posterior);
+
+}  // namespace wheeltap::inference

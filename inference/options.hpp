@@ -1,0 +1,56 @@
+// What a run of the engine may be told: nothing has to be.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace wheeltap::inference {
+
+/// 0 means, wherever it is allowed, that the engine chooses.
+struct Options {
+  std::uint64_t seed = 1;
+  int chains = 4;
+  int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
+  int warmup = 0;   ///< iterations a chain; 0: chosen by the engine, with what a good start takes
+  int draws = 0;  ///< kept a chain, after warm-up; 0: 25 000, extended until the run has converged
+  int thin = 0;   ///< iterations a draw; 0: chosen by the engine
+  bool prior_only = false;  ///< switch the likelihood off: the run must return the prior
+
+  /// Which moves may be used; the engine chooses among these.
+  struct Moves {
+    bool birth_death = true;
+    bool informed_birth = true;
+    bool random_walk = true;
+    bool relocation = true;
+    bool reflection = true;
+    bool independence = true;  ///< jumps within and between models by fitted mixtures
+    bool tempering = true;     ///< parallel tempering during warm-up
+  };
+  Moves moves{};
+
+  /// Parallel tempering while the draws are made, too, on the ladder that warm-up set. The engine
+  /// turns to it by itself where the chains do not agree without it and `draws` is 0.
+  bool tempered_draws = false;
+
+  /// Climbs to modes of each model, from as many draws of its prior; 0: chosen by the engine, as
+  /// many as a share of the run's likelihood calls pays for. A mode whose basin holds a share p of
+  /// the prior is missed by all n with probability (1 - p)^n: `Verdict::resolution`.
+  int searches = 0;
+
+  /// Draw from models weighted to be about equally probable, and reweight (Posterior::log_weight):
+  /// probabilities far from one half are then known as well as those near it.
+  bool balance = false;
+
+  struct Progress {
+    const char* stage;  ///< "exploring", "sampling" …
+    double fraction;    ///< of the stage
+    long likelihood_evaluations;
+    std::vector<double> model_probabilities;  ///< so far; empty during warm-up
+  };
+  /// Called from one thread at a time, a few times a second. Returning false stops the run early;
+  /// what has been sampled is kept.
+  std::function<bool(const Progress&)> progress = nullptr;
+};
+
+}  // namespace wheeltap::inference

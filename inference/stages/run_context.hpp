@@ -1,0 +1,55 @@
+// What a run works with and does not carry: the problem, the options, and one target a chain.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "inference/options.hpp"
+#include "inference/pilot.hpp"
+#include "inference/progress_monitor.hpp"
+#include "inference/stages/run_state.hpp"
+#include "inference/target.hpp"
+
+namespace wheeltap::inference {
+
+/// `problem` and `options` must outlive it. It serves the run state of begin() or resume() only.
+struct RunContext {
+  RunContext(const Problem& of, const Options& with)
+      : problem(of), options(with), monitor(with, of.space.size()) {}
+
+  const Problem& problem;
+  const Options& options;
+  ProgressMonitor monitor;
+  Atlases atlases{};
+  std::vector<std::unique_ptr<Target>> targets{};  ///< one a chain
+
+  [[nodiscard]] const ModelSpace& space() const { return problem.space; }
+  [[nodiscard]] std::size_t models() const { return static_cast<std::size_t>(space().size()); }
+
+  /// job(c, chain, target) for every chain, on a few threads; then each chain knows what its target
+  /// has counted.
+  template <typename Job>
+  void each_chain(RunState& state, Job&& job) {
+    base::parallel_for(options.chains, options.threads, [&](int c) {
+      ChainState& chain = state.chains[static_cast<std::size_t>(c)];
+      Target& target = *targets[static_cast<std::size_t>(c)];
+      job(c, chain, target);
+      chain.target = target.memory();
+    });
+  }
+};
+
+/// A run before its first stage. Throws LikelihoodError where a model is impossible (check_models).
+[[nodiscard]] RunState begin(RunContext& run);
+
+/// Makes a new context ready to go on with a run that another one has brought so far.
+void resume(RunContext& run, const RunState& state);
+
+/// Of the likelihood, or of its stand-in, by all chains and what serves all of them.
+[[nodiscard]] long likelihood_evaluations(const RunState& state);
+
+/// What the run amounts to. The state's own posterior is handed over.
+[[nodiscard]] Posterior finish(const RunContext& run, RunState& state);
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,65 @@
+// A run between two rounds, as a value: what a checkpoint writes and what ranks exchange.
+#pragma once
+
+#include <optional>
+#include <vector>
+#include "base/eigen.hpp"
+
+#include "inference/kept_draws.hpp"
+#include "inference/model_exploration.hpp"
+#include "inference/move.hpp"
+#include "inference/pilot.hpp"
+#include "inference/posterior.hpp"
+#include "inference/target.hpp"
+#include "inference/tempering.hpp"
+
+namespace wheeltap::inference {
+
+/// One chain. Its target and kernels are made of this and of the run's state for each round
+/// (run_context.hpp): between rounds a kernel keeps nothing.
+struct ChainState {
+  State state;                     ///< where it is
+  long iteration = 0;              ///< steps that draws were made with: the key of the next one
+  Target::Memory target{};         ///< what its target has counted
+  std::optional<Ladder> ladder{};  ///< where it has been tempered
+  std::vector<PilotSamples> by_rung{};  ///< met in the last round, at each temperature
+  std::vector<int> models{};            ///< visited in the last round of tuning
+  std::vector<KernelRecord> records{};  ///< of each kernel, in the last round of tuning
+  std::optional<KeptDraws> kept{};      ///< a part of its draws, in standard normal coordinates
+  std::vector<std::vector<long>> at_mode{};  ///< draws nearest to each mode of each model
+  std::vector<MoveStatistics> moves{};       ///< after warm-up
+  std::vector<std::vector<long>> proposed{}, accepted{};  ///< jumps, models × models
+};
+
+/// The modes of a model whose shares the draws are counted for.
+struct WeightyModes {
+  std::vector<Mode> modes;
+  std::vector<Eigen::MatrixXd> precisions;
+  std::vector<double> shares;
+};
+
+/// All of a run. Copies are independent: what they share is constant (Pilot's mixtures, Posterior's
+/// space). A stage that is given a copy, with the same problem, options and seed, makes the same
+/// draws bit for bit.
+struct RunState {
+  std::vector<ChainState> chains;
+
+  // What exploring found, one a model.
+  std::vector<ModelExploration> explorations;
+  std::vector<double> log_probability;  ///< up to a constant, as far as is known
+  std::vector<double> probability;      ///< the same, normalised
+  std::vector<PilotSamples> by_rung;    ///< of all chains' ladders, the coldest last
+
+  // What tuning learnt.
+  Pilot pilot;
+  std::vector<double> tuning_bias;    ///< ln, of each model, of the last round
+  std::vector<double> sampling_bias;  ///< the same of the draws: zeros, or what balances them
+
+  // What the draws have come to.
+  std::vector<WeightyModes> weighty_modes;
+  std::vector<std::vector<double>> at_mixture;  ///< ln π - ln q at draws of each model's mixture
+  Posterior posterior;
+  long shared_evaluations = 0;  ///< of the likelihood, by no chain in particular
+};
+
+}  // namespace wheeltap::inference

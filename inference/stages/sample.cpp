@@ -1,0 +1,274 @@
+#include "inference/stages/sample.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "inference/convergence.hpp"
+#include "inference/stages/temper.hpp"
+#include "inference/stages/weigh.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr int kSettling = 500;     // iterations
+constexpr int kLadderScans = 620;  // where the proposals have been fitted before
+constexpr int kDefaultDraws = 25000;
+constexpr int kMaxDraws = 200000;
+constexpr int kTogether = 256;               // draws between two calls of the monitor
+constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
+
+std::unique_ptr<KernelMixture> kernels_of(const RunContext& run, const RunState& state) {
+  return sampling_kernels(run.problem, run.options, run.atlases, state.pilot);
+}
+
+// The modes that matter, where a model has several.
+void choose_modes(RunState& state) {
+  constexpr double kLeast = 1e-3;  // of a model's probability
+  state.weighty_modes.assign(state.explorations.size(), {});
+  for (std::size_t m = 0; m < state.explorations.size(); ++m) {
+    const ModelExploration& found = state.explorations[m];
+    WeightyModes& of = state.weighty_modes[m];
+    for (std::size_t k = 0; k < found.modes.size(); ++k) {
+      if (k > 0 && found.shares[k] < kLeast) continue;
+      of.modes.push_back(found.modes[k]);
+      of.shares.push_back(found.shares[k]);
+    }
+    of.precisions = precisions_of(of.modes);
+  }
+}
+
+// One chain through a round of draws: with the fixed kernel at β = 1, or on its ladder.
+class Sampler {
+ public:
+  Sampler(const RunContext& run, const RunState& state, int c, ChainState& chain, Target& target)
+      : run_(run), state_(state), c_(c), chain_(chain), target_(target) {
+    if (state.posterior.tempered_draws) {
+      tempered_ = std::make_unique<TemperedChain>(
+          target, *chain.ladder, [&] { return kernels_of(run, state); }, run.options.seed, c);
+    } else {
+      kernels_ = kernels_of(run, state);
+    }
+  }
+  Sampler(const Sampler&) = delete;
+  Sampler& operator=(const Sampler&) = delete;
+  ~Sampler() {
+    if (tempered_) chain_.ladder = tempered_->ladder();
+  }
+
+  void settle(int iterations) {
+    for (int i = 0; i < iterations; ++i) {
+      if (tempered_) {
+        if (i % kStepsAScan == 0) tempered_->scan(1, false, base::Purpose::settling);
+        continue;
+      }
+      base::Random random(run_.options.seed, static_cast<std::uint64_t>(c_),
+                          static_cast<std::uint64_t>(i), base::Purpose::settling);
+      Kernel::Outcome outcome;
+      kernels_->step(chain_.state, {target_, random, 1.0, false}, outcome);
+    }
+  }
+
+  // `thin` iterations and the draw that they lead to.
+  void draw(Chain& out) {
+    int move = -1;
+    bool accepted = false;
+    const auto observe = [&](int kernel, const Kernel::Outcome& outcome, int from_model) {
+      move = kernel;
+      accepted = outcome.accepted;
+      if (!outcome.proposed) return;  // and so kernel >= 0
+      MoveStatistics& statistics = chain_.moves[static_cast<std::size_t>(kernel)];
+      ++statistics.proposed;
+      statistics.accepted += outcome.accepted ? 1 : 0;
+      const auto from = static_cast<std::size_t>(from_model);
+      const auto to = static_cast<std::size_t>(outcome.to_model);
+      ++chain_.proposed[from][to];
+      chain_.accepted[from][to] += outcome.accepted ? 1 : 0;
+    };
+    if (tempered_) {
+      tempered_->scan(state_.posterior.thin, false, base::Purpose::sampling, observe);
+      chain_.state = tempered_->cold();
+    }
+    for (int t = 0; !tempered_ && t < state_.posterior.thin; ++t) {
+      base::Random random(run_.options.seed, static_cast<std::uint64_t>(c_),
+                          static_cast<std::uint64_t>(chain_.iteration++), base::Purpose::sampling);
+      Kernel::Outcome outcome;
+      const int from = chain_.state.model;
+      const int kernel = kernels_->step(chain_.state, {target_, random, 1.0, false}, outcome);
+      observe(kernel, outcome, from);
+    }
+    record(out, move, accepted);
+  }
+
+ private:
+  void record(Chain& out, int move, bool accepted) {
+    const State& at = chain_.state;
+    out.model.push_back(at.model);
+    out.theta.insert(out.theta.end(), at.x.begin(), at.x.end());
+    out.theta.resize(out.size() * static_cast<std::size_t>(state_.posterior.dimension),
+                     std::numeric_limits<double>::quiet_NaN());
+    out.log_prior.push_back(target_.log_prior_physical(at));
+    out.log_likelihood.push_back(at.log_likelihood);
+    out.move.push_back(static_cast<std::int16_t>(move));
+    out.accepted.push_back(accepted ? 1 : 0);
+    const auto m = static_cast<std::size_t>(at.model);
+    const WeightyModes& of = state_.weighty_modes[m];
+    if (const int k = nearest_mode(of.modes, of.precisions, at.z); k >= 0) {
+      ++chain_.at_mode[m][static_cast<std::size_t>(k)];
+    }
+    chain_.kept->add(at, target_.log_prior(at) + at.log_likelihood -
+                             run_.space()[at.model].log_prior - state_.sampling_bias[m]);
+    if (at.prediction.size() <= kMaxPredictions) {
+      for (const double value : at.prediction) out.prediction.push_back(static_cast<float>(value));
+    }
+  }
+
+  const RunContext& run_;
+  const RunState& state_;
+  int c_;
+  ChainState& chain_;
+  Target& target_;
+  std::unique_ptr<KernelMixture> kernels_;
+  std::unique_ptr<TemperedChain> tempered_;
+};
+
+// What the chains have counted so far.
+void collect(RunState& state) {
+  Posterior& posterior = state.posterior;
+  posterior.moves.clear();
+  posterior.ladder_round_trips = 0;
+  for (const ChainState& chain : state.chains) {
+    if (posterior.tempered_draws) posterior.ladder_round_trips += chain.ladder->round_trips;
+    if (posterior.moves.empty()) {
+      posterior.moves = chain.moves;
+      posterior.jumps_proposed = chain.proposed;
+      posterior.jumps_accepted = chain.accepted;
+      continue;
+    }
+    for (std::size_t i = 0; i < chain.moves.size(); ++i) {
+      posterior.moves[i].proposed += chain.moves[i].proposed;
+      posterior.moves[i].accepted += chain.moves[i].accepted;
+    }
+    for (std::size_t a = 0; a < chain.proposed.size(); ++a) {
+      for (std::size_t b = 0; b < chain.proposed.size(); ++b) {
+        posterior.jumps_proposed[a][b] += chain.proposed[a][b];
+        posterior.jumps_accepted[a][b] += chain.accepted[a][b];
+      }
+    }
+  }
+  const Chain& any = posterior.chains.front();
+  posterior.predictions =
+      any.model.empty() ? 0 : static_cast<int>(any.prediction.size() / any.size());
+}
+
+void draw_and_weigh(RunContext& run, RunState& state, int n, const char* stage) {
+  run.monitor.begin(stage, static_cast<double>(n) * run.options.chains);
+  draw(run, state, n);
+  weigh(run, state);
+}
+
+void set_up_ladder(RunContext& run, RunState& state) {
+  temper(
+      run, state,
+      {.scans = kLadderScans, .balanced = run.space().size() <= kBalancedModels, .fitted = true});
+  run.each_chain(
+      state, [&](int, ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
+}
+
+// Chains that disagree have not met the same modes: what they drew becomes warm-up, and a ladder is
+// in use from here on.
+void restart_tempered(RunContext& run, RunState& state) {
+  Posterior& posterior = state.posterior;
+  posterior.tempered_draws = true;
+  posterior.notes.push_back(
+      "The chains disagreed, so they were restarted with parallel tempering throughout.");
+  posterior.warmup += posterior.draws * posterior.thin;
+  set_up_ladder(run, state);
+  posterior.warmup_evaluations = likelihood_evaluations(state);
+  posterior.draws = 0;
+  if (run.options.thin == 0) posterior.thin = 1;  // a scan is a step of every rung already
+  for (Chain& chain : posterior.chains) chain = Chain{};
+  prepare_draws(run, state);
+  settle(run, state);
+  draw_and_weigh(run, state, kDefaultDraws, "sampling with tempering");
+}
+
+}  // namespace
+
+void prepare_draws(RunContext& run, RunState& state) {
+  choose_modes(state);
+  const auto kernels = kernels_of(run, state);
+  for (ChainState& chain : state.chains) {
+    chain.kept.emplace(run.space());
+    chain.at_mode.clear();
+    for (const WeightyModes& of : state.weighty_modes) chain.at_mode.emplace_back(of.modes.size());
+    if (state.posterior.tempered_draws) {
+      chain.ladder->weights.back() = state.sampling_bias;
+      chain.ladder->states.back() = chain.state;
+      chain.ladder->reset_round_trips();
+    }
+    chain.moves.clear();
+    for (int i = 0; i < kernels->size(); ++i) chain.moves.push_back({.name = (*kernels)[i].name()});
+    chain.proposed.assign(run.models(), std::vector<long>(run.models()));
+    chain.accepted = chain.proposed;
+  }
+}
+
+void settle(RunContext& run, RunState& state) {
+  const int iterations =
+      run.options.warmup > 0 ? std::min(kSettling, run.options.warmup) : kSettling;
+  run.each_chain(state, [&](int c, ChainState& chain, Target& target) {
+    Sampler(run, state, c, chain, target).settle(iterations);
+  });
+  state.posterior.warmup += kSettling;
+}
+
+void draw(RunContext& run, RunState& state, int n) {
+  run.each_chain(state, [&](int c, ChainState& chain, Target& target) {
+    Sampler sampler(run, state, c, chain, target);
+    Chain& out = state.posterior.chains[static_cast<std::size_t>(c)];
+    std::vector<long> visits(run.models(), 0);
+    long before = target.evaluations();
+    for (int i = 0; i < n; ++i) {
+      sampler.draw(out);
+      ++visits[static_cast<std::size_t>(chain.state.model)];
+      if (i % kTogether == kTogether - 1) {
+        run.monitor.evaluated(target.evaluations() - before);
+        before = target.evaluations();
+        run.monitor.visited(visits);
+        std::fill(visits.begin(), visits.end(), 0);
+        if (!run.monitor.advance(static_cast<double>(kTogether))) break;
+      }
+    }
+  });
+  // A run that was stopped keeps what every chain has.
+  std::vector<Chain>& chains = state.posterior.chains;
+  std::size_t common = chains.front().size();
+  for (const Chain& chain : chains) common = std::min(common, chain.size());
+  for (Chain& chain : chains) chain.truncate(common);
+  state.posterior.draws = static_cast<int>(common);
+  collect(state);
+}
+
+void sample(RunContext& run, RunState& state) {
+  const Options& options = run.options;
+  Posterior& posterior = state.posterior;
+  posterior.tempered_draws = options.tempered_draws;
+  if (posterior.tempered_draws && !state.chains.front().ladder) set_up_ladder(run, state);
+  prepare_draws(run, state);
+  settle(run, state);
+  draw_and_weigh(run, state, options.draws > 0 ? options.draws : kDefaultDraws, "sampling");
+  while (options.draws == 0 && !run.monitor.stopped() && posterior.draws < kMaxDraws &&
+         !may_stop(posterior, options.balance)) {
+    if (!posterior.tempered_draws && options.moves.tempering && !options.prior_only &&
+        !chains_agree(posterior)) {
+      restart_tempered(run, state);
+    } else {
+      draw_and_weigh(run, state, std::min(posterior.draws, kMaxDraws - posterior.draws),
+                     "sampling on");
+    }
+  }
+}
+
+}  // namespace wheeltap::inference

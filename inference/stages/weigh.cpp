@@ -1,0 +1,123 @@
+#include "inference/stages/weigh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "inference/diagnostics.hpp"
+#include "inference/evidence/bridge_sampling.hpp"
+#include "inference/evidence/importance_sampling.hpp"
+#include "inference/stages/explore.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kEvidenceDraws = 4000;  // of each model's mixture
+
+Evidence by_importance(const std::vector<double>& log_ratios) {
+  Evidence evidence = kNoEvidence;
+  const double top = *std::ranges::max_element(log_ratios);
+  if (top == -kInfinity) return evidence;
+  double sum = 0.0, squares = 0.0;
+  for (const double r : log_ratios) {
+    const double w = std::exp(r - top);
+    sum += w;
+    squares += w * w;
+  }
+  const auto n = static_cast<double>(log_ratios.size());
+  evidence.log_evidence = top + std::log(sum / n);
+  evidence.standard_error = std::sqrt(std::max(0.0, (n * squares / (sum * sum) - 1.0) / (n - 1)));
+  return evidence;
+}
+
+Evidence by_bridge(const RunState& state, int model, const std::vector<double>& at_mixture) {
+  constexpr std::size_t kLeast = 100;  // draws of a chain
+  Evidence evidence = kNoEvidence;
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (const ChainState& chain : state.chains) {
+    const std::size_t n = chain.kept->of(model).size();
+    if (n >= kLeast) least = std::min(least, n);
+  }
+  if (least == std::numeric_limits<std::size_t>::max()) return evidence;
+  ChainsOf at_draws;
+  const NormalMixture& mixture = *state.pilot.fit->density[static_cast<std::size_t>(model)];
+  for (const ChainState& chain : state.chains) {
+    const KeptDraws::OfModel& kept = chain.kept->of(model);
+    if (kept.size() < kLeast) continue;
+    std::vector<double>& ratios = at_draws.emplace_back();
+    for (std::size_t i = 0; i < least; ++i) {
+      const std::size_t row = i * kept.size() / least;
+      ratios.push_back(kept.log_posterior[row] - mixture.log_density(kept.row(row)));
+    }
+  }
+  const Bridge bridged = bridge(at_draws, at_mixture);
+  if (!bridged.settled || !std::isfinite(bridged.log_evidence)) return evidence;
+  evidence.log_evidence = bridged.log_evidence;
+  evidence.standard_error = bridged.standard_error;
+  return evidence;
+}
+
+void describe_modes(const RunContext& run, const RunState& state, int model, ModelFindings& found) {
+  const auto at = static_cast<std::size_t>(model);
+  const WeightyModes& of = state.weighty_modes[at];
+  Target target(run.problem, true);
+  for (std::size_t k = 0; k < of.modes.size(); ++k) {
+    State there;
+    there.model = model;
+    there.z = of.modes[k].z;
+    target.evaluate(there);
+    FoundMode& mode = found.modes.emplace_back();
+    mode.x = there.x;
+    mode.log_posterior = of.modes[k].log_posterior;
+    mode.climbs = of.modes[k].climbs;
+    mode.share = of.shares[k];
+    for (const ChainState& chain : state.chains) {
+      const long visits = chain.kept->of(model).visits;
+      mode.drawn.push_back(visits == 0 ? kNaN
+                                       : static_cast<double>(chain.at_mode[at][k]) /
+                                             static_cast<double>(visits));
+    }
+  }
+}
+
+}  // namespace
+
+void weigh(RunContext& run, RunState& state) {
+  if (run.options.prior_only) return;
+  state.posterior.found.assign(run.models(), {});
+  state.at_mixture.resize(run.models());
+  for (int m = 0; m < run.space().size(); ++m) {
+    const auto at = static_cast<std::size_t>(m);
+    const ModelExploration& explored = state.explorations[at];
+    ModelFindings& found = state.posterior.found[at];
+    found.annealed = explored.annealed;
+    found.climbs = explored.climbs;
+    describe_modes(run, state, m, found);
+    if (run.space()[m].dimension == 0) {
+      found.sampled = explored.sampled;
+      found.bridged = explored.sampled;
+      continue;
+    }
+    const bool matters = explored.population.cols() > 0 || run.space().size() <= kFewModels;
+    if (!matters || !state.pilot.fit->density[at] || run.monitor.stopped()) continue;
+    std::vector<double>& at_mixture = state.at_mixture[at];
+    if (at_mixture.empty()) {
+      long calls = 0;
+      at_mixture =
+          log_importance_ratios(run.problem, m, *state.pilot.fit->density[at], kEvidenceDraws,
+                                run.options.seed, run.options.threads, calls);
+      state.shared_evaluations += calls;
+      run.monitor.evaluated(calls);
+    }
+    found.sampled = by_importance(at_mixture);
+    // The exploration's own sample may be the better one.
+    if (std::isfinite(explored.sampled.standard_error) &&
+        !(found.sampled.standard_error < explored.sampled.standard_error))
+      found.sampled = explored.sampled;
+    found.bridged = by_bridge(state, m, at_mixture);
+  }
+}
+
+}  // namespace wheeltap::inference

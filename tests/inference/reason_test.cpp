@@ -1,0 +1,47 @@
+#include "inference/reason.hpp"
+
+#include <gmock/gmock.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "inference/model_space.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+// Each reason has a phrase of its own, which names its model or its quantity and ends in no stop.
+TEST(Reason, IsDescribedInAShortPhrase) {
+  const auto space =
+      ModelSpace::of_models({{"a", Normal{0.0, 1.0}}}, {{"one", 1.0, {}}, {"two", 1.0, {"a"}}});
+  const std::vector<Reason> of_a_model{
+      ModelNotEntered{.model = 1, .by_evidence = {.value = 0.25}},
+      ModelNotInEveryChain{.model = 1, .visited = 3, .chains = 4},
+      ModelUnknown{.model = 1},
+      ModeNotInEveryChain{.model = 1, .share = 0.3, .visited = 3, .chains = 4},
+      ModeSharesDisagree{.model = 1, .rhat = 1.2, .limit = 1.05},
+      AnnealingFindsMore{.model = 1, .annealed = {.value = -3.0}, .drawn = {.value = -5.0}},
+      EvidenceDisagrees{.model = 1, .by_draws = {.value = 0.1}, .by_evidence = {.value = 0.2}},
+      ParameterDisagrees{.model = 1, .parameter = "a", .rhat = 1.2, .limit = 1.01},
+      ParameterMovesSlowly{.model = 1, .parameter = "a", .ess = 12.0, .limit = 400.0}};
+  std::set<std::string> phrases;
+  for (const Reason& reason : of_a_model) {
+    const std::string phrase = describe(reason, space);
+    EXPECT_THAT(phrase, testing::StartsWith("model 'two': "));
+    EXPECT_THAT(phrase, testing::Not(testing::EndsWith(".")));
+    phrases.insert(phrase);
+  }
+  EXPECT_EQ(phrases.size(), of_a_model.size());
+  EXPECT_EQ(
+      describe(ChainsDisagree{.quantity = "log posterior", .rhat = 1.02, .limit = 1.01}, space),
+      "R-hat of log posterior 1.02 >= 1.01");
+  EXPECT_EQ(describe(TooFewEffectiveDraws{.quantity = "count", .ess = 12.5, .limit = 400.0}, space),
+            "effective draws of the count 12.5 <= 400");
+  EXPECT_EQ(describe(TooFewRoundTrips{.completed = 3, .limit = 10}, space),
+            "round trips of the ladder 3 < 10");
+  EXPECT_EQ(describe(StoppedEarly{}, space), "stopped early");
+}
+
+}  // namespace
+}  // namespace wheeltap::inference

@@ -1,0 +1,125 @@
+// A run between two rounds is a value: a copy goes on bit for bit, in another context, with another
+// copy of the problem, and what happens to the copy does not happen to the original.
+#include "inference/stages/run_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+#include "inference/stages/explore.hpp"
+#include "inference/stages/run_context.hpp"
+#include "inference/stages/sample.hpp"
+#include "inference/stages/tune.hpp"
+#include "inference/stages/weigh.hpp"
+#include "tests/inference/toy_problems.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+static_assert(std::is_copy_constructible_v<RunState> && std::is_copy_assignable_v<RunState>);
+
+Problem bumps() {
+  std::vector<double> data(toy::kSensors);
+  toy::predict(std::vector<double>{0.3, 1.2}, data);
+  data[1] += 0.3;
+  data[4] -= 0.4;
+  return toy::bump_problem(data, {1, 1, 1, 1});
+}
+
+constexpr int kDraws = 300;
+
+using Round = void (*)(RunContext&, RunState&);
+
+// All rounds of a run, in order.
+std::vector<Round> rounds(bool tempered) {
+  return {explore,
+          tune,
+          tempered ? Round([](RunContext& run, RunState& state) {
+            state.posterior.tempered_draws = true;
+            prepare_draws(run, state);
+          })
+                   : Round(prepare_draws),
+          settle,
+          [](RunContext& run, RunState& state) { draw(run, state, kDraws); },
+          [](RunContext& run, RunState& state) { draw(run, state, kDraws); },
+          [](RunContext& run, RunState& state) { weigh(run, state); }};
+}
+
+void expect_same(const Posterior& a, const Posterior& b) {
+  ASSERT_EQ(a.chains.size(), b.chains.size());
+  for (std::size_t c = 0; c < a.chains.size(); ++c) {
+    EXPECT_EQ(a.chains[c].model, b.chains[c].model);
+    EXPECT_EQ(a.chains[c].log_likelihood, b.chains[c].log_likelihood);
+    EXPECT_EQ(a.chains[c].log_prior, b.chains[c].log_prior);
+    EXPECT_EQ(a.chains[c].move, b.chains[c].move);
+    for (std::size_t i = 0; i < a.chains[c].size(); ++i) {
+      const Draw one = a.draw(c, i), other = b.draw(c, i);
+      ASSERT_TRUE(std::ranges::equal(one.theta, other.theta));
+    }
+  }
+  EXPECT_EQ(a.likelihood_evaluations, b.likelihood_evaluations);
+  EXPECT_EQ(a.warmup, b.warmup);
+  EXPECT_EQ(a.ladder_round_trips, b.ladder_round_trips);
+  EXPECT_EQ(a.jumps_accepted, b.jumps_accepted);
+  ASSERT_EQ(a.found.size(), b.found.size());
+  for (std::size_t m = 0; m < a.found.size(); ++m) {
+    if (std::isfinite(a.found[m].bridged.log_evidence)) {
+      EXPECT_EQ(a.found[m].bridged.log_evidence, b.found[m].bridged.log_evidence);
+    }
+  }
+}
+
+class RunStateOf : public testing::TestWithParam<bool> {};
+
+TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
+  const Options options{.seed = 3, .chains = 2, .warmup = 1000, .draws = 2 * kDraws};
+  const Problem problem = bumps();
+  RunContext context(problem, options);
+  RunState straight = begin(context);
+  for (const Round round : rounds(GetParam())) round(context, straight);
+
+  RunState state;
+  {
+    const Problem first = bumps();
+    RunContext run(first, options);
+    state = begin(run);
+  }
+  for (const Round round : rounds(GetParam())) {
+    const Problem again = bumps();  // of the context before nothing is left
+    RunContext run(again, options);
+    resume(run, state);
+    round(run, state);
+  }
+  EXPECT_GT(straight.posterior.draws, 0);
+  expect_same(finish(context, straight), [&] {
+    RunContext run(problem, options);
+    return finish(run, state);
+  }());
+}
+
+TEST_P(RunStateOf, CopiesDoNotKnowOfEachOther) {
+  const Options options{.seed = 4, .chains = 2, .warmup = 1000, .draws = kDraws};
+  const Problem problem = bumps();
+  RunContext run(problem, options);
+  RunState state = begin(run);
+  const std::vector<Round> all = rounds(GetParam());
+  for (std::size_t i = 0; i < 4; ++i) all[i](run, state);
+  const RunState before = state;
+  all[4](run, state);
+  EXPECT_EQ(before.posterior.draws, 0);
+  EXPECT_EQ(before.posterior.chains[0].size(), 0U);
+
+  RunState again = before;
+  RunContext other(problem, options);
+  resume(other, again);
+  all[4](other, again);
+  expect_same(finish(run, state), finish(other, again));
+}
+
+INSTANTIATE_TEST_SUITE_P(Draws, RunStateOf, testing::Bool(),
+                         [](const auto& at) { return at.param ? "Tempered" : "Plain"; });
+
+}  // namespace
+}  // namespace wheeltap::inference
