@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "dynamics/lane_math.hpp"
 #include "dynamics/simulate.hpp"
 
 namespace {
@@ -89,21 +88,6 @@ TEST(Laws, HaveTheirOwnNamesAndDefaults) {
   EXPECT_THROW((void)make_law("coulomb", {}), std::invalid_argument);
   EXPECT_THROW((void)make_law("cubic", std::vector<Coefficient>{1.0, 2.0}), std::invalid_argument);
   EXPECT_THROW((void)make_law("friction", std::vector<Coefficient>{1.0}), std::invalid_argument);
-}
-
-TEST(LaneMath, AgreesWithTheStandardLibrary) {
-  using Pair __attribute__((vector_size(16))) = double;
-  for (int i = -3000; i <= 3000; ++i) {
-    const double x = 0.00731 * i;
-    const Pair both{x, 30.0 * x};
-    const Pair e = lanes::exp(both), t = lanes::tanh(both);
-    for (int lane = 0; lane < 2; ++lane) {
-      EXPECT_NEAR(e[lane] / std::exp(both[lane]), 1.0, 7e-16) << both[lane];
-      EXPECT_NEAR(t[lane], std::tanh(both[lane]), 4e-16) << both[lane];
-    }
-    EXPECT_EQ(lanes::exp(x), e[0]);
-    EXPECT_EQ(lanes::tanh(x), t[0]);
-  }
 }
 
 }  // namespace
