@@ -58,7 +58,10 @@ class PacedRungeKutta {
       if (watch.over(sample, output)) break;
     }
     WHEELTAP_UNROLL
-    for (int i = 1; i <= n; ++i) watch.saw_last(x.v[i]);
+    for (int i = 1; i <= n; ++i) {
+      watch.saw_last(x.y[i]);
+      watch.saw_last(x.v[i]);
+    }
     for (int m = 0; m < task_.memories; ++m) watch.saw_last(x.q[m]);
     watch.finish();
   }

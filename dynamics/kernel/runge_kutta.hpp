@@ -60,7 +60,10 @@ class RungeKutta {
       if (watch.over(sample, output)) break;
     }
     WHEELTAP_UNROLL
-    for (int i = 1; i <= n; ++i) watch.saw_last(v[i]);
+    for (int i = 1; i <= n; ++i) {
+      watch.saw_last(y[i]);
+      watch.saw_last(v[i]);
+    }
     watch.finish();
   }
 

@@ -77,7 +77,10 @@ class Series {
       if (watch.over(sample, output)) break;
     }
     WHEELTAP_UNROLL
-    for (int i = 1; i <= m; ++i) watch.saw_last(v[i]);
+    for (int i = 1; i <= m; ++i) {
+      watch.saw_last(y[i]);
+      watch.saw_last(v[i]);
+    }
     watch.finish();
   }
 

@@ -64,7 +64,7 @@ class Watch {
     outside_ = lanes::abs(displacement) <= bound_ ? outside_ : V{} + 1.0;
   }
 
-  /// For what `saw` is not given, at the last sample: velocities, and the laws' own states.
+  /// For the whole state at the last sample, the laws' own included.
   WHEELTAP_INLINE void saw_last(V x) {
     outside_ = lanes::max(outside_, outside(x, std::numeric_limits<double>::max()));
   }
