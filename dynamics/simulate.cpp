@@ -11,7 +11,8 @@
 
 namespace wheeltap::dynamics {
 
-using detail::fail, detail::Key, detail::kInfeasible, detail::kTooManySteps, detail::Lane;
+using detail::fail, detail::Key, detail::kInfeasible, detail::kTooManySteps,
+    detail::kUsualStepLimit, detail::Lane;
 
 namespace {
 
@@ -46,10 +47,6 @@ ThreadMemory& thread_memory() {
   thread_local ThreadMemory memory;
   return memory;
 }
-
-/// At which γ h <= 1 for damping rates γ; where it is lower, they have steps shorter in
-/// proportion.
-constexpr double kUsualStepLimit = 0.2;
 
 /// The longest piece of a series [1/ω], at the usual step limit or more.
 constexpr double kLongestPiece = 0.7;

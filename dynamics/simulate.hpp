@@ -75,6 +75,8 @@ enum class Integrator {
 using base::Instructions;
 
 inline constexpr int kMaxSubsteps = 4096;
+/// Of those that follow the motion, in its fastest sample.
+inline constexpr int kMaxPacedSubsteps = 4 * kMaxSubsteps;
 
 struct SimulatorOptions {
   Integrator integrator = Integrator::automatic;
@@ -85,9 +87,9 @@ struct SimulatorOptions {
   /// as the next of 1, 2, 3, 4, 6, 8, 12, … 4096 that keeps ω h <= step_limit and γ h <= 1 for the
   /// bounds of stiffest_rates, and γ h <= 5 step_limit where that is less. Laws whose rate grows
   /// with the speed of their link (LawInfo::paced) shorten these steps where the motion asks for
-  /// it, so that the product of their rate and a step is at most step_limit. A vector that would
-  /// need more than 4096 fails. For `series` and `piecewise` these are the pieces of a sample, with
-  /// ω h and γ h <= 0.7 (and <= 3.5 step_limit).
+  /// it, so that the product of their rate and a step is at most 1 and 5 step_limit, up to
+  /// kMaxPacedSubsteps. A vector that would need more fails. For `series` and `piecewise` these are
+  /// the pieces of a sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
   /// One step of length h shifts a frequency ω by the factor 1 - (ω h)⁴/120 and adds a damping
   /// ratio (ω h)⁵/144: 1.3e-5 and 2.2e-6 at 0.2.
@@ -106,8 +108,8 @@ struct SimulatorOptions {
 enum class Outcome {
   complete,
   impossible,      ///< parameters that make no sense: a mass <= 0, a gap < 0
-  steps_too_long,  ///< more than kMaxSubsteps steps would be needed, or the given ones were
-                   ///< unstable
+  steps_too_long,  ///< there would have to be more of them than may be, or a given number was too
+                   ///< few for the scheme to be stable
   diverged         ///< grown beyond the displacement bound, or not finite
 };
 

@@ -24,6 +24,10 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 
 [[nodiscard]] int count_thresholds(const Chain& chain);
 
+/// At which γ h <= 1 for damping rates γ; where it is lower, they have steps shorter in
+/// proportion.
+inline constexpr double kUsualStepLimit = 0.2;
+
 /// What a group of parameter vectors must have in common.
 struct Key {
   int substeps = 0, halvings = 0, degree = 0;

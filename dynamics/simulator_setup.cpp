@@ -158,10 +158,10 @@ void Simulator::Impl::compile() {
   for (const Coefficient& mass : chain.masses) add({mass});
   int memories = 0;
   task.paced = is_paced(chain);
-  task.pace = options.substeps > 0 ? std::numeric_limits<double>::infinity()
-                                   : std::min(1.0, options.step_limit);
-  // Of a fixed number the last may be halved.
-  task.most_steps = kMaxSubsteps + 2;
+  const bool fixed = options.substeps > 0;
+  task.pace = fixed ? std::numeric_limits<double>::infinity()
+                    : std::min(1.0, options.step_limit / detail::kUsualStepLimit);
+  task.most_steps = kMaxPacedSubsteps;
   for (const Link& link : chain.links) {
     kernel::LinkTerm term{.a = link.a, .b = link.b, .slot = add({link.stiffness, link.damping})};
     if (task.paced) term.pace_slot = add({0.0});

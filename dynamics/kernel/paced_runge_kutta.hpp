@@ -8,8 +8,9 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// The scheme of RungeKutta for chains with laws whose rate grows with the speed of their link
 /// (LawInfo::paced): no step chosen beforehand suits both the rest and the stroke. With s the sum
-/// over the links of (rate a unit of speed) · |ė|, and s' that of (rate a unit of speed) · |ë|, a
-/// step τ is at most that of task.substeps and keeps
+/// over the links of (rate a unit of speed) · |ė|, and s' that of (rate a unit of speed) · (|ë| and
+/// by how much the drive may change it within a step), a step τ is at most that of task.substeps
+/// and keeps
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
 ///
@@ -126,7 +127,7 @@ class PacedRungeKutta {
       // k1, at the beginning
       at(1.0 - left);
       rates(x, drive, k1);
-      const V length = pace(x, k1, left < longest ? left : longest, watch);
+      const V length = pace(x, k1, now, next, left < longest ? left : longest, watch);
       const V part = left > 2.0 * length ? length : left > 1.000001 * length ? 0.5 * left : left;
       const V h = part * task_.step, half = 0.5 * h, begin = 1.0 - left;
 
@@ -165,13 +166,19 @@ class PacedRungeKutta {
   }
 
   /// The length of the next step, in samples.
-  WHEELTAP_INLINE V pace(const State& x, const Rates& k, V longest, Watch& watch) const {
+  WHEELTAP_INLINE V pace(const State& x, const Rates& k, const V* now, const V* next, V longest,
+                         Watch& watch) const {
+    // Where a law holds its link against the drive, ė and ë say nothing: what is to come does.
+    const auto coming = [&](int mass) __attribute__((always_inline)) {
+      return mass == 0 ? V{} : next[mass] - now[mass];
+    };
     V rate{}, growth{};
     for (int l = 0; l < task_.links; ++l) {
       const LinkTerm& link = task_.link[l];
       const V quickness = c_[link.pace_slot];
       rate += quickness * lanes::abs(x.v[link.b] - x.v[link.a]);
-      growth += quickness * lanes::abs(k.v[link.b] - k.v[link.a]);
+      growth += quickness * (lanes::abs(k.v[link.b] - k.v[link.a]) +
+                             longest * lanes::abs(coming(link.b) - coming(link.a)));
     }
     V root = task_.pace * growth;
     for (int lane = 0; lane < WHEELTAP_LANES; ++lane) root[lane] = __builtin_sqrt(root[lane]);

@@ -36,7 +36,7 @@ inline std::vector<Sensor> displacements(int masses) {
 /// One unit mass on one link, released from displacement A without force. Unit mass, sampled at
 /// `rate`.
 inline Simulator released(Link link, double amplitude, double rate, std::size_t samples,
-                   SimulatorOptions options) {
+                          SimulatorOptions options) {
   Chain chain{.masses = {1.0}, .links = {std::move(link)}};
   return Simulator(chain,
                    {.sample_rate_hz = rate,

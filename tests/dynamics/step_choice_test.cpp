@@ -79,7 +79,7 @@ TEST(Watch, SeesANaNInEveryIntegrator) {
 // Of five laws' kinds none knew what its own state needs: 30 to 40 % of the response was wrong.
 TEST(StepChoice, CoversBoucWenHoweverSmallItsYield) {
   for (double yield : {1e-1, 1e-2, 1e-3})
-    for (double exponent : {1.0, 2.0, 3.7}) {
+    for (double exponent : {1.0, 10.0}) {
       const Law law = make_law<laws::BoucWen>({500.0, yield, exponent});
       const Response fine = one_mass(law, 10.0, {.substeps = 4096}).simulate({});
       const Response chosen = one_mass(law, 10.0).simulate({});
@@ -100,9 +100,9 @@ TEST(StepChoice, PassiveDragDoesNotBlowUp) {
     EXPECT_LT(difference(chosen, fine), 1e-3) << drag;
   }
   // A Misfit, through which priors are cut, sees the same.
-  const Misfit misfit(one_mass(make_law<laws::QuadraticDamping>({Coefficient::of_parameter(0)}),
-                               100.0),
-                      {{noise(100, 3)}, {noise(100, 4)}});
+  const Misfit misfit(
+      one_mass(make_law<laws::QuadraticDamping>({Coefficient::of_parameter(0)}), 100.0),
+      {{noise(100, 3)}, {noise(100, 4)}});
   const std::vector<double> thetas{1e4, 1.0, 1e3};
   std::vector<double> sums(6);
   misfit.sums_of_squares(thetas, 3, sums);
@@ -115,21 +115,18 @@ TEST(StepChoice, TellsStepsTooLongFromDivergence) {
   // A well that ends: the mass leaves it, with any steps.
   EXPECT_EQ(outcome(one_mass(make_law<laws::Cubic>({-500.0}), 100.0)), Outcome::diverged);
   // Drag that drives.
-  EXPECT_EQ(outcome(one_mass(make_law<laws::QuadraticDamping>({-50.0}), 100.0)),
-            Outcome::diverged);
+  EXPECT_EQ(outcome(one_mass(make_law<laws::QuadraticDamping>({-50.0}), 100.0)), Outcome::diverged);
   // 4096 steps a sample are too few, or the given ones are.
-  EXPECT_EQ(outcome(one_mass(make_law<laws::BoucWen>({500.0, 1e-7}), 10.0)),
+  EXPECT_EQ(outcome(one_mass(make_law<laws::BoucWen>({500.0, 1e-8}), 10.0)),
             Outcome::steps_too_long);
-  EXPECT_EQ(outcome(one_mass(make_law<laws::Coulomb>({1e9, 1e-6}), 10.0)),
-            Outcome::steps_too_long);
+  EXPECT_EQ(outcome(one_mass(make_law<laws::Coulomb>({1e9, 1e-6}), 10.0)), Outcome::steps_too_long);
   EXPECT_EQ(outcome(one_mass(make_law<laws::BoucWen>({500.0, 1e-4, 10.0}), 10.0, {.substeps = 8})),
             Outcome::steps_too_long);
   const double negative[] = {-1.0};
-  EXPECT_EQ(
-      one_mass(make_law<laws::BoucWen>({500.0, Coefficient::of_parameter(0)}), 10.0)
-          .simulate(negative)
-          .outcome,
-      Outcome::impossible);
+  EXPECT_EQ(one_mass(make_law<laws::BoucWen>({500.0, Coefficient::of_parameter(0)}), 10.0)
+                .simulate(negative)
+                .outcome,
+            Outcome::impossible);
 }
 
 // Where damping chose the steps, refined ones were as long as before, and a check of them blind.
