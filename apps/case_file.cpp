@@ -16,6 +16,7 @@
 
 #include "apps/nearest.hpp"
 #include "apps/schema_texts.hpp"
+#include "apps/sid_schema.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -329,6 +330,7 @@ Json schema(std::string_view name) {
                   "no schema of the name \"" + std::string(name) + "\"; there are: " + list);
   }
   (*found)["definitions"].update(find("common")->at("definitions"));
+  add_laws(*found);
   return *found;
 }
 

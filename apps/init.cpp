@@ -9,6 +9,7 @@
 #include "apps/nearest.hpp"
 #include "apps/running.hpp"
 #include "apps/schema_texts.hpp"
+#include "apps/sid_schema.hpp"
 #include "apps/sid_case.hpp"
 #include "apps/starter_texts.hpp"
 #include "apps/summary.hpp"
@@ -128,6 +129,7 @@ Report ordered_schema(const std::string& kind) {
     if (name == "common") common = Report::parse(text);
   }
   found["definitions"].update(common["definitions"]);
+  add_laws(found);
   return found;
 }
 
