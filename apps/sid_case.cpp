@@ -133,7 +133,7 @@ class Parser {
   }
   Coefficient coefficient(const Pointer& where) { return coefficient(where, {}); }
   Coefficient positive(const Pointer& where) {
-    return coefficient(where, {.lower = 0.0, .above_lower = true});
+    return coefficient(where, {.name = {}, .unit = {}, .lower = 0.0, .above_lower = true});
   }
 
   Coefficient added(const std::string& name, inference::Prior prior) {
