@@ -9,8 +9,8 @@
 #include "apps/nearest.hpp"
 #include "apps/running.hpp"
 #include "apps/schema_texts.hpp"
-#include "apps/sid_schema.hpp"
 #include "apps/sid_case.hpp"
+#include "apps/sid_schema.hpp"
 #include "apps/starter_texts.hpp"
 #include "apps/summary.hpp"
 
