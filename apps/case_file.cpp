@@ -331,6 +331,7 @@ Json schema(std::string_view name) {
   }
   (*found)["definitions"].update(find("common")->at("definitions"));
   fill_lists(*found);
+  add_laws(*found);
   return *found;
 }
 

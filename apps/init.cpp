@@ -131,6 +131,7 @@ Report ordered_schema(const std::string& kind) {
   }
   found["definitions"].update(common["definitions"]);
   fill_lists(found);
+  add_laws(found);
   return found;
 }
 

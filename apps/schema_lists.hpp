@@ -3,9 +3,19 @@
 
 #include <string>
 
+#include "dynamics/laws.hpp"
 #include "identification/interpolants.hpp"
 
 namespace wheeltap::apps {
+
+/// Adds a key for every law there is to the links of a schema that has links.
+template <class AnyJson>
+void add_laws(AnyJson& rules) {
+  if (!rules.at("definitions").contains("link")) return;
+  auto& keys = rules["definitions"]["link"]["properties"];
+  for (const dynamics::LawInfo& law : dynamics::law_infos())
+    keys[std::string(law.name)] = {{"$ref", "#/definitions/law"}};
+}
 
 /// Wherever `rules` says "x-list": "interpolants", their names take its place as an "enum", and the
 /// description says which of them is for which runs. `AnyJson` is Json, or that which keeps the

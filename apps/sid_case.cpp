@@ -66,27 +66,44 @@ class Parser {
     file_.refuse(where, "no parameter has this name; /parameters holds: " + listed(names));
   }
 
-  /// A number or a parameter, held to [low, ∞), or (0, ∞) for a number where `positive`.
-  Coefficient coefficient(const Pointer& where, double low = -kInfinity, bool positive = false) {
+  /// A number or a parameter, held to the bounds.
+  Coefficient coefficient(const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const Json& value = file_.json.at(where);
-    const std::string bound = positive ? "positive" : "not negative";
+    const auto number = [](double x) { return Json(x).dump(); };
+    const bool below = bounds.lower > -kInfinity, above = bounds.upper < kInfinity;
+    std::string range;
+    if (below && bounds.lower == 0.0) {
+      range = bounds.above_lower ? "positive" : "not negative";
+    } else if (below) {
+      range = (bounds.above_lower ? "above " : "at least ") + number(bounds.lower);
+    }
+    if (above) range += (below ? " and at most " : "at most ") + number(bounds.upper);
     if (value.is_number()) {
       const double x = value;
-      if (x < low || (positive && !(x > 0.0))) file_.refuse(where, "must be " + bound);
+      if (!bounds.allows(x)) file_.refuse(where, "must be " + range);
       return x;
     }
     if (!value.is_string()) file_.refuse(where, "must be a number, or the name of a parameter");
     const int p = find_parameter(where);
     const inference::Prior& prior = out_.parameters[static_cast<std::size_t>(p)].prior;
-    if (prior.lower() < low) {
-      const auto& name = out_.parameters[static_cast<std::size_t>(p)].name;
-      file_.refuse(Pointer("/parameters") / name,
-                   "reaches down to " + Json(prior.lower()).dump() + ", but " + where.to_string() +
-                       " must be " + bound +
-                       ": use a prior on [0, ∞), e.g. \"truncated_normal\" or \"log_normal\"");
+    const auto refuse = [&](const std::string& reaches, const std::string& advice) {
+      file_.refuse(Pointer("/parameters") / out_.parameters[static_cast<std::size_t>(p)].name,
+                   reaches + ", but " + where.to_string() + " must be " + range + ": " + advice);
+    };
+    if (prior.lower() < bounds.lower) {
+      refuse("reaches down to " + number(prior.lower()),
+             "use a prior on [" + number(bounds.lower) +
+                 ", ∞), e.g. \"truncated_normal\" or \"log_normal\"");
+    }
+    if (prior.upper() > bounds.upper) {
+      refuse("reaches up to " + number(prior.upper()), "use a prior that ends there");
     }
     used_[static_cast<std::size_t>(p)] = true;
     return Coefficient::of_parameter(p);
+  }
+  Coefficient coefficient(const Pointer& where) { return coefficient(where, {}); }
+  Coefficient positive(const Pointer& where) {
+    return coefficient(where, {.name = {}, .unit = {}, .lower = 0.0, .above_lower = true});
   }
 
   Coefficient added(const std::string& name, inference::Prior prior) {
@@ -188,10 +205,6 @@ class Parser {
   dynamics::Law parse_law(const Pointer& here, const dynamics::LawInfo& info) {
     const Json& value = json_.at(here);
     const std::string name(info.name);
-    // What must not be negative, whatever the law.
-    const auto low = [](std::string_view c) {
-      return c == "gap" || c == "velocity" || c == "yield" ? 0.0 : -kInfinity;
-    };
     std::vector<std::string> keys;
     for (int i = 0; i < info.size(); ++i) {
       keys.emplace_back(info.coefficients[static_cast<std::size_t>(i)].name);
@@ -203,7 +216,7 @@ class Parser {
         file_.refuse(here, name + " must be an object with " + listed(keys) +
                                (info.one_sided ? " and side" : ""));
       }
-      coefficients.push_back(coefficient(here, low(keys[0])));
+      coefficients.push_back(coefficient(here, info.coefficients[0]));
     } else {
       for (const auto& [key, ignored] : value.items()) {
         if (std::ranges::find(keys, key) == keys.end() && !(info.one_sided && key == "side")) {
@@ -213,7 +226,7 @@ class Parser {
       }
       for (std::size_t i = 0; i < keys.size(); ++i) {
         if (value.contains(keys[i])) {
-          coefficients.push_back(coefficient(here / keys[i], low(keys[i])));
+          coefficients.push_back(coefficient(here / keys[i], info.coefficients[i]));
         } else if (info.coefficients[i].required()) {
           file_.refuse(here / keys[i], "is missing: " + name + " has " + listed(keys));
         } else {
@@ -238,7 +251,7 @@ class Parser {
       if (other.name == model.name) file_.refuse(where / "name", "two models have this name");
     }
     for (std::size_t i = 0; i < m["masses"].size(); ++i) {
-      model.chain.masses.push_back(coefficient(where / "masses" / i, 0.0, true));
+      model.chain.masses.push_back(positive(where / "masses" / i));
     }
     const int masses = model.chain.size();
     for (std::size_t l = 0; l < m["links"].size(); ++l) {
@@ -267,10 +280,10 @@ class Parser {
                      "must have one value a response channel: " + std::to_string(responses));
       }
       for (std::size_t c = 0; c < responses; ++c) {
-        model.noise.push_back(coefficient(where / "noise" / c, 0.0, true));
+        model.noise.push_back(positive(where / "noise" / c));
       }
     } else {
-      model.noise.assign(responses, coefficient(where / "noise", 0.0, true));
+      model.noise.assign(responses, positive(where / "noise"));
     }
     const int order = m.value("residuals", json_.value("residuals", Json::object())).value("ar", 0);
     for (std::size_t c = 0; order > 0 && c < responses; ++c) {

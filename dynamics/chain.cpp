@@ -29,15 +29,16 @@ std::array<double, kMaxLawCoefficients> values(const Law& law, std::span<const d
 
 /// Whether the law's known coefficients make sense, whatever its unknown ones.
 bool constants_feasible(const Law& law) {
-  std::array<double, kMaxLawCoefficients> c;
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    if (!law.coefficients[i].is_constant()) return true;
-    c[i] = law.coefficients[i].value;
-    if (!std::isfinite(c[i])) return false;
+  const LawInfo& info = law_infos()[static_cast<std::size_t>(law.kind)];
+  std::array<double, kMaxLawCoefficients> c{};
+  bool all_known = true;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(info.size()); ++i) {
+    const Coefficient& coefficient = law.coefficients[i];
+    all_known = all_known && coefficient.is_constant();
+    c[i] = coefficient.value;
+    if (coefficient.is_constant() && !info.coefficients[i].allows(c[i])) return false;
   }
-  bool feasible = false;
-  return LawList::visit(law.kind, [&](auto l) { feasible = decltype(l)::feasible(c.data()); }) &&
-         feasible;
+  return !all_known || is_feasible(law.kind, c.data());
 }
 
 }  // namespace
@@ -109,8 +110,9 @@ LinearMatrices linear_matrices(const Chain& chain, std::span<const double> theta
 Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                      std::span<const double> extension) {
   // Row i of M⁻¹ K has absolute sum (Σ k over links at i + Σ k over links to other masses) / m_i.
-  constexpr std::size_t kMax = 64;
-  std::array<Slopes, kMax + 1> rows{};
+  // The memory is the thread's, since a likelihood is not to allocate.
+  thread_local std::vector<Slopes> rows;
+  rows.assign(chain.masses.size() + 1, {});
   for (std::size_t l = 0; l < chain.links.size(); ++l) {
     const Link& link = chain.links[l];
     Slopes slopes{std::abs(link.stiffness.at(theta)), std::abs(link.damping.at(theta))};
@@ -136,6 +138,32 @@ Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
     rates.damping = std::max(rates.damping, rows[i].damping / mass);
   }
   return rates;
+}
+
+bool is_paced(const Chain& chain) {
+  return std::any_of(chain.links.begin(), chain.links.end(), [](const Link& link) {
+    return std::any_of(link.laws.begin(), link.laws.end(), [](const Law& law) {
+      return law_infos()[static_cast<std::size_t>(law.kind)].paced;
+    });
+  });
+}
+
+void paces(const Chain& chain, std::span<const double> theta, std::span<double> pace) {
+  const auto inverse_mass = [&](int mass) {
+    return mass == 0 ? 0.0 : 1.0 / chain.masses[static_cast<std::size_t>(mass - 1)].at(theta);
+  };
+  for (std::size_t l = 0; l < chain.links.size(); ++l) {
+    const Link& link = chain.links[l];
+    pace[l] = 0.0;
+    for (const Law& law : link.laws) {
+      const auto c = values(law, theta);
+      LawList::visit(law.kind, [&](auto instance) {
+        const Slopes slopes = decltype(instance)::slopes(c.data(), 0.0);
+        pace[l] += slopes.memory_per_speed +
+                   slopes.damping_per_speed * (inverse_mass(link.a) + inverse_mass(link.b));
+      });
+    }
+  }
 }
 
 }  // namespace wheeltap::dynamics

@@ -56,8 +56,16 @@ struct Rates {
 
 /// Gershgorin's bounds over the rows of M⁻¹ K and M⁻¹ C, every law taken at its stiffest branch for
 /// extensions up to `extension[link]` [m] (empty: 0, so that a cubic spring counts nothing). Exact
-/// for one mass.
+/// for one mass. What grows with the speed of a link is left to `paces`.
 [[nodiscard]] Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                                    std::span<const double> extension = {});
+
+/// Whether a law is among the chain's whose rates grow with the speed of its link (LawInfo::paced).
+[[nodiscard]] bool is_paced(const Chain& chain);
+
+/// The same growth as one number a link [1/m]: at the speeds ė the fastest rate of the paced laws,
+/// be it a damping rate, an eigenvalue of M⁻¹ C, or that of a law's own state, is at most
+/// Σ pace[link] |ė_link| [1/s], pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed).
+void paces(const Chain& chain, std::span<const double> theta, std::span<double> pace);
 
 }  // namespace wheeltap::dynamics

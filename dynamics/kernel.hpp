@@ -16,7 +16,8 @@ struct LawTerm {
 
 struct LinkTerm {
   int a = 0, b = 0;
-  int slot = 0;  ///< stiffness, damping
+  int slot = 0;       ///< stiffness, damping
+  int pace_slot = 0;  ///< rate of its laws a unit of its speed [1/m], see chain.hpp
   int law_begin = 0, law_end = 0;
 };
 
@@ -50,8 +51,11 @@ struct Task {
   int stride = 1;
   std::int64_t lead_in = 0;  ///< samples of the response that are not scored
   int substeps = 1;
-  int degree = 0;    ///< of the Taylor series, 2 … kMaxDegree
-  int halvings = 0;  ///< of the step, in the exponential of the exact solution
+  bool paced = false;  ///< laws whose rate grows with the speed of their link are among them
+  double pace = 0.0;   ///< largest product of their rates and a step
+  int most_steps = 1;  ///< that a lane may take in a sample
+  int degree = 0;      ///< of the Taylor series, 2 … kMaxDegree
+  int halvings = 0;    ///< of the step, in the exponential of the exact solution
   double bound = 0.0;
   int initial_slot = 0;  ///< displacements, then velocities; masses are slots 0, 1, …
 
@@ -64,8 +68,11 @@ struct Task {
   const double* weights = nullptr;
   double limit = 0.0;
   double* trajectory = nullptr;  ///< [sample of the response][sensor][lane]
-  double* failed = nullptr;      ///< [lane]: 0 or 1
+  double* failed = nullptr;      ///< [lane]: 0, or why
 };
+
+/// What `failed` says.
+inline constexpr double kDiverged = 1.0, kStepsTooLong = 2.0;
 
 inline constexpr int kMaxMasses = 64;
 inline constexpr int kMaxMemories = 64;
@@ -94,10 +101,10 @@ struct Kernel {
   void (*series)(const Task&) = nullptr;
 };
 
-Kernel baseline_kernel();
+extern const Kernel kBaselineKernel;
 #ifdef WHEELTAP_X86_KERNELS
-Kernel avx2_kernel();
-Kernel avx512_kernel();
+extern const Kernel kAvx2Kernel;
+extern const Kernel kAvx512Kernel;
 #endif
 
 }  // namespace wheeltap::dynamics::kernel

@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <string_view>
+#include <type_traits>
 
 namespace wheeltap::dynamics {
 
@@ -34,14 +35,22 @@ enum class Side { opening, closing };
 
 inline constexpr int kMaxLawCoefficients = 5;
 
-/// How one coefficient of a law is called in a case file, its SI unit, and what it is when left
-/// out.
+/// How one coefficient of a law is called in a case file, its SI unit, what it is when left out,
+/// and within which bounds the law makes sense.
 struct LawCoefficient {
   std::string_view name;
   std::string_view unit;
   double otherwise = std::numeric_limits<double>::quiet_NaN();  ///< NaN: must be given
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  bool above_lower = false;  ///< `lower` itself makes no sense (a division by it)
 
   [[nodiscard]] constexpr bool required() const { return otherwise != otherwise; }
+  /// Whether the value is finite and within the bounds.
+  [[nodiscard]] constexpr bool allows(double value) const {
+    return value >= lower && value <= upper && !(above_lower && value == lower) &&
+           value - value == 0.0;
+  }
 };
 
 /// A law's own description. Coefficients are listed in the order in which the law reads them.
@@ -51,6 +60,7 @@ struct LawInfo {
   bool one_sided =
       false;  ///< takes a side; written for opening, closing is T(e, ė) = -T_open(-e, -ė)
   bool memory = false;  ///< carries one state of its own
+  bool paced = false;   ///< has rates that grow with the speed of its link (Slopes)
 
   [[nodiscard]] constexpr int size() const {
     int n = 0;
@@ -59,14 +69,35 @@ struct LawInfo {
   }
 };
 
-/// The steepest slopes |∂T/∂e| [N/m] and |∂T/∂ė| [N s/m] of a law over |e| <= e_max: what the
-/// choice of the time step needs.
+/// What the choice of the time step needs: the steepest slopes of a law over |e| <= e_max, and for
+/// a paced law what grows with |ė|.
 struct Slopes {
-  double stiffness = 0.0;
-  double damping = 0.0;
+  double stiffness = 0.0;          ///< |∂T/∂e| [N/m]
+  double damping = 0.0;            ///< |∂T/∂ė| at ė = 0 or wherever it is bounded [N s/m]
+  double damping_per_speed = 0.0;  ///< by which |∂T/∂ė| grows with |ė| [N s²/m²]
+  double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's own state [1/m]
 };
 
-/// One law on a link: `kind` indexes the list in laws.hpp, which also makes laws.
+/// A list of types, here of laws.
+template <class... Laws>
+struct TypeList {
+  static constexpr int kSize = static_cast<int>(sizeof...(Laws));
+
+  /// Calls visit(Law{}) for the law at `kind`; returns whether there is one.
+  template <class Visitor>
+  [[gnu::always_inline]] static constexpr bool visit(int kind, Visitor&& visitor) {
+    int i = 0;
+    return ((kind == i++ && (visitor(Laws{}), true)) || ...);
+  }
+  template <class Law>
+  static constexpr int index_of() {
+    int i = 0, found = -1;
+    ((std::is_same_v<Law, Laws> ? found = i++ : i++), ...);
+    return found;
+  }
+};
+
+/// One law on a link: `kind` indexes the list in laws/list.hpp; laws.hpp makes laws.
 struct Law {
   int kind = 0;
   std::array<Coefficient, kMaxLawCoefficients> coefficients{};

@@ -20,6 +20,12 @@ std::span<const LawInfo> law_infos() {
   return kInfos;
 }
 
+bool is_feasible(int kind, const double* c) {
+  bool feasible = false;
+  LawList::visit(kind, [&](auto law) { feasible = is_feasible<decltype(law)>(c); });
+  return feasible;
+}
+
 Law make_law(std::string_view name, std::span<const Coefficient> coefficients, Side side) {
   for (std::size_t kind = 0; kind < kInfos.size(); ++kind) {
     const LawInfo& info = kInfos[kind];

@@ -8,6 +8,7 @@
 #include <vector>
 #include "base/eigen.hpp"
 
+#include "base/simd.hpp"
 #include "dynamics/chain.hpp"
 
 namespace wheeltap::dynamics {
@@ -71,9 +72,11 @@ enum class Integrator {
 };
 
 /// The vector instructions to use. Results are the same to the last bit for all of them.
-enum class Instructions { automatic, baseline, avx2, avx512 };
+using base::Instructions;
 
 inline constexpr int kMaxSubsteps = 4096;
+/// Of those that follow the motion, in its fastest sample.
+inline constexpr int kMaxPacedSubsteps = 4 * kMaxSubsteps;
 
 struct SimulatorOptions {
   Integrator integrator = Integrator::automatic;
@@ -82,9 +85,11 @@ struct SimulatorOptions {
   bool prefer_series = false;
   /// Runge-Kutta steps between two samples of the excitation; 0: chosen for every parameter vector,
   /// as the next of 1, 2, 3, 4, 6, 8, 12, … 4096 that keeps ω h <= step_limit and γ h <= 1 for the
-  /// bounds of stiffest_rates. A vector that would need more fails. For `series`
-  /// and `piecewise` these are the pieces of a sample, with ω h and γ h <= 0.7 (and <= 3.5
-  /// step_limit).
+  /// bounds of stiffest_rates, and γ h <= 5 step_limit where that is less. Laws whose rate grows
+  /// with the speed of their link (LawInfo::paced) shorten these steps where the motion asks for
+  /// it, so that the product of their rate and a step is at most 1 and 5 step_limit, up to
+  /// kMaxPacedSubsteps. A vector that would need more fails. For `series` and `piecewise` these are
+  /// the pieces of a sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
   /// One step of length h shifts a frequency ω by the factor 1 - (ω h)⁴/120 and adds a damping
   /// ratio (ω h)⁵/144: 1.3e-5 and 2.2e-6 at 0.2.
@@ -99,10 +104,20 @@ struct SimulatorOptions {
   Instructions instructions = Instructions::automatic;
 };
 
+/// How an integration ended.
+enum class Outcome {
+  complete,
+  impossible,      ///< parameters that make no sense: a mass <= 0, a gap < 0
+  steps_too_long,  ///< there would have to be more of them than may be, or a given number was too
+                   ///< few for the scheme to be stable
+  diverged         ///< grown beyond the displacement bound, or not finite
+};
+
 struct Response {
   Eigen::MatrixXd values;  ///< samples × sensors; empty if failed
-  bool failed = false;     ///< blown up, or parameters that make no sense (a mass <= 0, a gap < 0)
-  int substeps = 0;        ///< steps a sample, where taken; 0 for the exact solution
+  Outcome outcome = Outcome::complete;
+  bool failed = false;  ///< outcome other than complete
+  int substeps = 0;     ///< steps a sample, where taken; 0 for the exact solution
 };
 
 /// Whether Integrator::series can integrate the chain.
@@ -134,6 +149,8 @@ class Simulator {
   /// The same with steps a `factor`-th as long, to see what their length does to a response. Throws
   /// std::invalid_argument where fixed sub-steps would become more than kMaxSubsteps.
   [[nodiscard]] Simulator refined(int factor) const;
+  /// The same chain under the same excitation, looked at and integrated otherwise.
+  [[nodiscard]] Simulator with(std::vector<Sensor> sensors, SimulatorOptions options) const;
 
   [[nodiscard]] Response simulate(std::span<const double> theta) const;
   /// Several parameter vectors at once, one after the other in `thetas`.

@@ -1,22 +1,24 @@
 #include "fem/secular.hpp"
 
+#include <algorithm>
+
+#include "base/simd.hpp"
+
 namespace wheeltap::fem::detail {
 
 const SecularKernel* const* secular_kernels() {
-  static const struct Available {
-    const SecularKernel* kernels[4] = {};
-    Available() {
-      int count = 0;
+  static const std::vector<const SecularKernel*> kernels = [] {
+    base::Compiled<SecularKernel> compiled{.baseline = &kBaselineKernel};
 #ifdef WHEELTAP_X86_KERNELS
-      if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-          __builtin_cpu_supports("avx512vl"))
-        kernels[count++] = &kAvx512Kernel;
-      if (__builtin_cpu_supports("avx2")) kernels[count++] = &kAvx2Kernel;
+    compiled.avx2 = &kAvx2Kernel;
+    compiled.avx512 = &kAvx512Kernel;
 #endif
-      kernels[count] = &kBaselineKernel;
-    }
-  } available;
-  return available.kernels;
+    std::vector<const SecularKernel*> found = base::runnable(compiled);
+    std::reverse(found.begin(), found.end());
+    found.push_back(nullptr);
+    return found;
+  }();
+  return kernels.data();
 }
 
 const SecularKernel& secular_kernel() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "dynamics/step_check.hpp"
 #include "identification/invalid_input.hpp"
 #include "signals/excitation.hpp"
 
@@ -91,34 +92,41 @@ dynamics::Excitation excitation_of(const std::vector<Acting>& acting, const SidT
   return out;
 }
 
-/// The true model's noiseless response. Throws std::invalid_argument.
+/// The true model's noiseless response. Throws InvalidInput where it cannot be had.
 dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excitation& excitation) {
   const SidTruth& truth = *sid_case.truth;
   const SidModel& model = sid_case.models[static_cast<std::size_t>(truth.model)];
   dynamics::SimulatorOptions options = sid_case.integration;
   options.stride = 1;
   options.step_limit = std::min(options.step_limit, kTruthStepLimit);
+  const auto refuse = [](const std::string& message) {
+    throw InvalidInput(InvalidInput::Part::truth, message);
+  };
   dynamics::Response response;
-  // The extension that nonlinear laws see is known only afterwards; twice is enough.
-  for (int pass = 0; pass < 2; ++pass) {
+  try {
     const dynamics::Simulator simulator(model.chain, excitation, sid_case.sensors(), model.initial,
                                         options);
-    response = simulator.simulate(truth.theta);
-    if (response.failed) break;
-    std::vector<dynamics::Sensor> all;
-    for (int i = 1; i <= model.chain.size(); ++i) {
-      all.push_back({.mass = i, .frame = dynamics::Frame::relative});
-    }
-    const auto motion = dynamics::Simulator(model.chain, excitation, all, model.initial, options)
-                            .simulate(truth.theta);
-    if (motion.failed) break;
-    options.extension.clear();
-    for (const dynamics::Link& link : model.chain.links) {
-      Eigen::VectorXd e = Eigen::VectorXd::Zero(motion.values.rows());
-      if (link.b > 0) e += motion.values.col(link.b - 1);
-      if (link.a > 0) e -= motion.values.col(link.a - 1);
-      options.extension.push_back(e.cwiseAbs().maxCoeff());
-    }
+    response = dynamics::checked_response(simulator, truth.theta).response;
+  } catch (const std::invalid_argument& error) {
+    refuse(error.what());
+  }
+  switch (response.outcome) {
+    case dynamics::Outcome::complete:
+      break;
+    case dynamics::Outcome::impossible:
+      refuse("the true model's parameters are impossible (a mass <= 0, a gap < 0)");
+      break;
+    case dynamics::Outcome::diverged:
+      refuse(
+          "the true model's response grows without bound, also with steps a quarter as long");
+      break;
+    case dynamics::Outcome::steps_too_long:
+      refuse(
+          "the true model's response cannot be had to a thousandth: steps as short as they may be "
+          "are too long for it (a law too stiff or a motion too fast for the sample rate, or a "
+          "chaotic one over so long a time). Raise \"sample_rate\", shorten the record, or take "
+          "responsibility for the steps by \"integration\": {\"substeps\": …}");
+      break;
   }
   return response;
 }
@@ -142,17 +150,7 @@ signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
   const SidTruth& truth = *sid_case.truth;
   const auto samples = static_cast<std::size_t>(truth.samples);
   const std::vector<Acting> acting = make_excitations(truth, seed);
-  dynamics::Response response;
-  try {
-    response = true_response(sid_case, excitation_of(acting, truth));
-  } catch (const std::invalid_argument& error) {
-    throw InvalidInput(InvalidInput::Part::truth, error.what());
-  }
-  if (response.failed) {
-    throw InvalidInput(InvalidInput::Part::truth,
-                       "the true model's response grows without bound, or its parameters are "
-                       "impossible (a mass <= 0, a gap < 0)");
-  }
+  const dynamics::Response response = true_response(sid_case, excitation_of(acting, truth));
 
   signals::Record record{.file = "truth", .columns = {}, .scalars = {}};
   std::vector<double> time(samples);

@@ -20,7 +20,6 @@ struct Bilinear {
     return V{};
   }
   static Slopes slopes(const double* c, double /*e_max*/) { return {.stiffness = std::abs(c[0])}; }
-  static bool feasible(const double* /*c*/) { return true; }
 };
 
 }  // namespace wheeltap::dynamics::laws

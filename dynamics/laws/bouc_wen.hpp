@@ -1,8 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
-#include "dynamics/lane_math.hpp"
+#include "base/lanes.hpp"
 #include "dynamics/law.hpp"
 
 namespace wheeltap::dynamics::laws {
@@ -14,13 +15,15 @@ namespace wheeltap::dynamics::laws {
 /// k the stiffness before yield, e_y the yield extension. |ζ| <= (β + γ)^(-1/n); the loop
 /// dissipates for -β <= γ <= β.
 struct BoucWen {
-  static constexpr LawInfo kInfo{.name = "bouc_wen",
-                                 .coefficients = {{{"stiffness", "N/m"},
-                                                   {"yield", "m"},
-                                                   {"exponent", "1", 1.0},
-                                                   {"beta", "1", 0.5},
-                                                   {"gamma", "1", 0.5}}},
-                                 .memory = true};
+  static constexpr LawInfo kInfo{
+      .name = "bouc_wen",
+      .coefficients = {{{"stiffness", "N/m"},
+                        {.name = "yield", .unit = "m", .lower = 0.0, .above_lower = true},
+                        {.name = "exponent", .unit = "1", .otherwise = 1.0, .lower = 1.0},
+                        {"beta", "1", 0.5},
+                        {"gamma", "1", 0.5}}},
+      .memory = true,
+      .paced = true};
 
   template <class V>
   static V tension(const V* c, V /*e*/, V /*rate*/, V zeta) {
@@ -29,10 +32,20 @@ struct BoucWen {
   template <class V>
   static V memory_rate(const V* c, V /*e*/, V rate, V zeta) {
     const V direction = rate * zeta > 0.0 ? c[3] : -c[3];
-    return rate / c[1] * (1.0 - lanes::power(zeta > 0.0 ? zeta : -zeta, c[2]) * (direction + c[4]));
+    return rate / c[1] *
+           (1.0 - base::lanes::power(zeta > 0.0 ? zeta : -zeta, c[2]) * (direction + c[4]));
   }
-  static Slopes slopes(const double* c, double /*e_max*/) { return {.stiffness = std::abs(c[0])}; }
-  static bool feasible(const double* c) { return c[1] > 0.0 && c[2] >= 1.0 && c[3] + c[4] > 0.0; }
+  /// At the largest |ζ|: with z = (β + γ)^(-1/n) |∂ζ̇/∂ζ| <= |ė|/e_y n zⁿ⁻¹ (|β| + |γ|), and
+  /// |dζ/de| <= (1 + (β - γ) zⁿ) / e_y where the motion turns back. The yield itself is passed at
+  /// the rate |ė|/e_y.
+  static Slopes slopes(const double* c, double /*e_max*/) {
+    const double sum = c[3] + c[4], turning = std::max(1.0, 2.0 * c[3] / sum);
+    const double yielding =
+        c[2] * std::pow(sum, (1.0 - c[2]) / c[2]) * (std::abs(c[3]) + std::abs(c[4]));
+    return {.stiffness = std::abs(c[0]) * turning,
+            .memory_per_speed = std::max(1.0, yielding) / c[1]};
+  }
+  static bool feasible(const double* c) { return c[3] + c[4] > 0.0; }
 };
 
 }  // namespace wheeltap::dynamics::laws

@@ -10,7 +10,9 @@ namespace wheeltap::dynamics::laws {
 /// Tiboaca 2016 (section 6.3), its sign mended. The force is continuous at the stop.
 struct Contact {
   static constexpr LawInfo kInfo{
-      .name = "contact", .coefficients = {{{"stiffness", "N/m"}, {"gap", "m"}}}, .one_sided = true};
+      .name = "contact",
+      .coefficients = {{{"stiffness", "N/m"}, {.name = "gap", .unit = "m", .lower = 0.0}}},
+      .one_sided = true};
 
   template <class V>
   static V tension(const V* c, V e, V /*rate*/) {
@@ -22,7 +24,6 @@ struct Contact {
     return c[1];
   }
   static Slopes slopes(const double* c, double /*e_max*/) { return {.stiffness = std::abs(c[0])}; }
-  static bool feasible(const double* c) { return c[1] >= 0.0; }
 };
 
 }  // namespace wheeltap::dynamics::laws

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "dynamics/lane_math.hpp"
+#include "base/lanes.hpp"
 #include "dynamics/law.hpp"
 
 namespace wheeltap::dynamics::laws {
@@ -12,16 +12,20 @@ namespace wheeltap::dynamics::laws {
 /// steps.
 struct Coulomb {
   static constexpr LawInfo kInfo{.name = "coulomb",
-                                 .coefficients = {{{"force", "N"}, {"velocity", "m/s", 1e-3}}}};
+                                 .coefficients = {{{"force", "N"},
+                                                   {.name = "velocity",
+                                                    .unit = "m/s",
+                                                    .otherwise = 1e-3,
+                                                    .lower = 0.0,
+                                                    .above_lower = true}}}};
 
   template <class V>
   static V tension(const V* c, V /*e*/, V rate) {
-    return c[0] * lanes::tanh(rate / c[1]);
+    return c[0] * base::lanes::tanh(rate / c[1]);
   }
   static Slopes slopes(const double* c, double /*e_max*/) {
     return {.damping = std::abs(c[0] / c[1])};
   }
-  static bool feasible(const double* c) { return c[1] > 0.0; }
 };
 
 }  // namespace wheeltap::dynamics::laws

@@ -19,7 +19,6 @@ struct Cubic {
   static Slopes slopes(const double* c, double e_max) {
     return {.stiffness = 3.0 * std::abs(c[0]) * e_max * e_max};
   }
-  static bool feasible(const double* /*c*/) { return true; }
 };
 
 }  // namespace wheeltap::dynamics::laws

@@ -18,7 +18,6 @@ struct Quadratic {
   static Slopes slopes(const double* c, double e_max) {
     return {.stiffness = 2.0 * std::abs(c[0]) * e_max};
   }
-  static bool feasible(const double* /*c*/) { return true; }
 };
 
 }  // namespace wheeltap::dynamics::laws

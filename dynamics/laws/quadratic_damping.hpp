@@ -6,18 +6,18 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// T = c₂ ė |ė|: drag of a fluid. Its slope grows with the speed, which no step choice knows in
-/// advance; the choice disregards it.
+/// T = c₂ ė |ė|: drag of a fluid. Its slope 2 |c₂ ė| grows with the speed.
 struct QuadraticDamping {
-  static constexpr LawInfo kInfo{.name = "quadratic_damping",
-                                 .coefficients = {{{"damping", "N s^2/m^2"}}}};
+  static constexpr LawInfo kInfo{
+      .name = "quadratic_damping", .coefficients = {{{"damping", "N s^2/m^2"}}}, .paced = true};
 
   template <class V>
   static V tension(const V* c, V /*e*/, V rate) {
     return c[0] * rate * (rate > 0.0 ? rate : -rate);
   }
-  static Slopes slopes(const double* /*c*/, double /*e_max*/) { return {}; }
-  static bool feasible(const double* /*c*/) { return true; }
+  static Slopes slopes(const double* c, double /*e_max*/) {
+    return {.damping_per_speed = 2.0 * std::abs(c[0])};
+  }
 };
 
 }  // namespace wheeltap::dynamics::laws

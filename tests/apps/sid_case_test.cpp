@@ -109,6 +109,12 @@ TEST(SidCase, NamesThePlaceOfEveryMistake) {
   expect(with("/models/1/links/0/bilinear", {{"stiffness", 1}}), {"/bilinear/side", "closing"});
   expect(with("/models/1/links/0/contact", {{"stiffness", 1}, {"gap", -1e-3}, {"side", "closing"}}),
          {"/contact/gap", "not negative"});
+  const json hysteresis = {{"stiffness", 1}, {"yield", 0.1}, {"exponent", 0.5}};
+  expect(with("/models/1/links/0/bouc_wen", hysteresis), {"/bouc_wen/exponent", "at least 1"});
+  json reaching = with("/models/1/links/0/bouc_wen", hysteresis);
+  reaching["models"][1]["links"][0]["bouc_wen"]["exponent"] = "n";
+  reaching["parameters"]["n"] = {{"uniform", {0.5, 3}}};
+  expect(reaching, {"/parameters/n", "reaches down to 0.5", "/bouc_wen/exponent", "at least 1"});
   expect(with("/record/channels/1/mass", 2), {"/record/channels/1/mass", "masses 1 to 1"});
   expect(with("/record/channels/0/role", "ignore"), {"/record/channels/0/mass"});
   expect(with("/record/samples", {0, 201}), {"/record/samples", "[0,201]", "200 samples"});
@@ -171,6 +177,40 @@ TEST(SidCase, ASimulatedRecordReadBackIsTheRecordInMemory) {
   // Another seed is another record.
   EXPECT_NE(simulate_record(in_memory, 2).columns[1].values,
             simulate_record(in_memory, 1).columns[1].values);
+}
+
+// Of the responses that were written with exit 0, the first had 86 of 100 samples that were no
+// numbers, the second was wrong by a third; the third was refused as growing without bound.
+TEST(SidCase, ASimulationChecksItsSteps) {
+  const Workspace where;
+  const auto simulated = [&](const char* law, const json& coefficients, double rate) {
+    json c = with("/truth/sample_rate", rate);
+    c["truth"]["noise"] = 0.0;
+    c["models"][1]["links"][0].erase("cubic");
+    c["models"][1]["links"][0][law] = coefficients;
+    c["parameters"].erase("k3");
+    c["truth"]["parameters"].erase("k3");
+    return c;
+  };
+  const json yielding =
+      simulated("bouc_wen", {{"stiffness", 500}, {"yield", 1e-8}, {"exponent", 10}}, 20.0);
+  EXPECT_THAT(refusal(where, yielding),
+              testing::AllOf(HasSubstr("/truth"), HasSubstr("steps as short as they may be")));
+  for (const json& c : {simulated("bouc_wen", {{"stiffness", 500}, {"yield", 1e-3}}, 20.0),
+                        simulated("quadratic_damping", 1000.0, 20.0)}) {
+    ASSERT_EQ(refusal(where, c), "not refused");
+    json fine = c;
+    fine["integration"] = {{"step_limit", 0.01}};
+    const auto a = simulate_record(parse_sid(where, c), 1).columns[2].values;
+    const auto b = simulate_record(parse_sid(where, fine), 1).columns[2].values;
+    double difference = 0.0, size = 0.0;
+    for (std::size_t n = 0; n < a.size(); ++n) {
+      difference += (a[n] - b[n]) * (a[n] - b[n]);
+      size += b[n] * b[n];
+    }
+    EXPECT_LT(std::sqrt(difference / size), 1e-5);
+  }
+  EXPECT_THAT(refusal(where, with("/truth/parameters/k3", -1e9)), HasSubstr("grows without bound"));
 }
 
 TEST(SidCase, WindowsAndLeadInsCutTheRecord) {

@@ -18,6 +18,7 @@ namespace {
 
 using namespace wheeltap;
 using namespace wheeltap::dynamics;
+using namespace wheeltap::signals;
 using nlohmann::json;
 
 // ln N(record; simulated, noise²), a model its own simulator. Coefficients are parameters of the

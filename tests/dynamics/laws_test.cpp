@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "dynamics/lane_math.hpp"
 #include "dynamics/simulate.hpp"
 
 namespace {
@@ -91,19 +90,72 @@ TEST(Laws, HaveTheirOwnNamesAndDefaults) {
   EXPECT_THROW((void)make_law("friction", std::vector<Coefficient>{1.0}), std::invalid_argument);
 }
 
-TEST(LaneMath, AgreesWithTheStandardLibrary) {
-  using Pair __attribute__((vector_size(16))) = double;
-  for (int i = -3000; i <= 3000; ++i) {
-    const double x = 0.00731 * i;
-    const Pair both{x, 30.0 * x};
-    const Pair e = lanes::exp(both), t = lanes::tanh(both);
-    for (int lane = 0; lane < 2; ++lane) {
-      EXPECT_NEAR(e[lane] / std::exp(both[lane]), 1.0, 7e-16) << both[lane];
-      EXPECT_NEAR(t[lane], std::tanh(both[lane]), 4e-16) << both[lane];
+// Every coefficient says its unit and bounds; a constant beyond them is refused, also beside
+// unknown ones, and an unknown one is impossible there.
+TEST(Laws, CoefficientsAreHeldToTheBoundsOfTheLaw) {
+  for (const LawInfo& info : law_infos())
+    for (int i = 0; i < info.size(); ++i) {
+      const LawCoefficient& c = info.coefficients[static_cast<std::size_t>(i)];
+      EXPECT_FALSE(c.unit.empty()) << info.name << ' ' << c.name;
+      EXPECT_LT(c.lower, c.upper);
+      EXPECT_FALSE(c.allows(std::nan("")));
+      EXPECT_FALSE(c.allows(HUGE_VAL));
+      EXPECT_EQ(c.allows(c.lower), std::isfinite(c.lower) && !c.above_lower);
+      EXPECT_TRUE(c.required() || c.allows(c.otherwise));
     }
-    EXPECT_EQ(lanes::exp(x), e[0]);
-    EXPECT_EQ(lanes::tanh(x), t[0]);
-  }
+  const auto chain = [](const Law& law) {
+    return Chain{.masses = {1.0}, .links = {{.laws = {law}}}};
+  };
+  const Coefficient unknown = Coefficient::of_parameter(0);
+  EXPECT_NO_THROW(validate(chain(make_law<laws::Contact>({unknown, 0.0}))));
+  EXPECT_THROW(validate(chain(make_law<laws::Contact>({unknown, -0.1}))), std::invalid_argument);
+  EXPECT_THROW(validate(chain(make_law<laws::BoucWen>({unknown, 0.0}))), std::invalid_argument);
+  EXPECT_THROW(validate(chain(make_law<laws::BoucWen>({unknown, 1.0, 0.9}))),
+               std::invalid_argument);
+  EXPECT_THROW(validate(chain(make_law<laws::BoucWen>({1.0, 1.0, 1.0, 0.5, -0.5}))),
+               std::invalid_argument);
+  EXPECT_THROW(validate(chain(make_law<laws::Coulomb>({unknown, 0.0}))), std::invalid_argument);
+}
+
+// The step choice relies on them: |∂T/∂e|, |∂T/∂ė| and |∂ζ̇/∂ζ| by differences are within the
+// slopes.
+TEST(Laws, SlopesBoundTheDerivatives) {
+  const auto check = []<class L>(L, std::initializer_list<double> coefficients) {
+    double c[kMaxLawCoefficients] = {};
+    std::copy(coefficients.begin(), coefficients.end(), c);
+    const double e_max = 0.8, h = 1e-6;
+    const Slopes slopes = L::slopes(c, e_max);
+    for (double e = -e_max; e <= e_max; e += 0.05)
+      for (double v : {-2.03, -0.5, -0.011, 0.013, 0.7, 1.9}) {
+        const double speed = std::abs(v) + h;
+        if constexpr (L::kInfo.memory) {
+          const double z = std::pow(c[3] + c[4], -1.0 / c[2]);
+          for (double zeta = -0.99 * z; zeta < z; zeta += 0.0987 * z) {
+            const double rate = L::memory_rate(c, e, v, zeta);
+            const double slope = (L::memory_rate(c, e, v, zeta + h) - rate) / h;
+            EXPECT_LE(std::abs(slope), slopes.memory_per_speed * speed * (1.0 + 1e-3));
+            EXPECT_LE(std::abs(L::tension(c, e, v, rate) / v), slopes.stiffness * (1.0 + 1e-9));
+          }
+        } else {
+          const double stiffness = (L::tension(c, e + h, v) - L::tension(c, e, v)) / h;
+          const double damping = (L::tension(c, e, v + h) - L::tension(c, e, v)) / h;
+          if (e + h <= e_max) {
+            EXPECT_LE(std::abs(stiffness), slopes.stiffness * (1.0 + 1e-4) + 1e-6);
+          }
+          EXPECT_LE(std::abs(damping),
+                    (slopes.damping + slopes.damping_per_speed * speed) * (1.0 + 1e-4) + 1e-6);
+        }
+      }
+  };
+  check(laws::Quadratic{}, {-3.0});
+  check(laws::Cubic{}, {7.0});
+  check(laws::Bilinear{}, {5.0});
+  check(laws::Contact{}, {5.0, 0.2});
+  check(laws::QuadraticDamping{}, {4.0});
+  check(laws::Coulomb{}, {4.0, 0.1});
+  check(laws::BoucWen{}, {50.0, 0.02, 1.0, 0.5, 0.5});
+  check(laws::BoucWen{}, {50.0, 0.02, 3.0, 0.9, 0.1});
+  check(laws::BoucWen{}, {50.0, 0.02, 10.0, 0.4, -0.1});
 }
 
 }  // namespace

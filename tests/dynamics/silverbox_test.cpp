@@ -14,6 +14,7 @@
 namespace {
 
 using namespace wheeltap::dynamics;
+using namespace wheeltap::signals;
 
 /// Root mean square of the residual over that of the output. `stiffness` is in input volts per
 /// output volt.

@@ -6,11 +6,16 @@
 #include <cstddef>
 #include <type_traits>
 
-namespace wheeltap::dynamics::lanes {
+namespace wheeltap::base::lanes {
 
 template <class V>
 [[gnu::always_inline]] inline V abs(V x) {
-  return x < 0.0 ? -x : x;
+  if constexpr (std::is_same_v<V, double>) {
+    return __builtin_fabs(x);
+  } else {
+    using Bits = decltype(x < x);
+    return (V)((Bits)x & 0x7fffffffffffffff);
+  }
 }
 
 template <class V>
@@ -62,4 +67,4 @@ template <class V>
   }
 }
 
-}  // namespace wheeltap::dynamics::lanes
+}  // namespace wheeltap::base::lanes

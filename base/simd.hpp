@@ -1,0 +1,57 @@
+// Loops that are compiled once for each width of the vector registers and chosen at run time.
+//
+// A loop that should use wide registers in a portable build lives in an implementation file that is
+// compiled several times, each time with the flags of one instruction set and into a table of
+// functions (plain pointers: nothing there may pull library code into a file compiled for wide
+// registers, where the linker could pick its instance for every processor). `runnable` says which
+// of the tables this processor can run. All are compiled without contraction to fused multiply-add,
+// so that they give the same bits; tests ask for each in turn.
+#pragma once
+
+#include <vector>
+
+namespace wheeltap::base {
+
+/// The vector instructions to use; `automatic` is whatever the processor has.
+enum class Instructions { automatic, baseline, avx2, avx512 };
+
+/// Whether this processor has what the files of these instructions are compiled with: for avx2
+/// -mavx2, for avx512 -mavx512f -mavx512dq -mavx512vl.
+[[nodiscard]] inline bool processor_has(Instructions instructions) {
+  if (instructions == Instructions::automatic || instructions == Instructions::baseline)
+    return true;
+#if defined(__x86_64__) && defined(__GNUC__)
+  if (instructions == Instructions::avx2) return __builtin_cpu_supports("avx2") != 0;
+  return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
+         __builtin_cpu_supports("avx512vl") != 0;
+#else
+  return false;
+#endif
+}
+
+/// The tables of one set of loops; null where a build has none of these instructions.
+template <class Table>
+struct Compiled {
+  const Table* baseline;
+  const Table* avx2 = nullptr;
+  const Table* avx512 = nullptr;
+};
+
+/// Those that this processor can run, the narrowest first: of `wanted` alone, or all. Empty if
+/// `wanted` cannot be had.
+template <class Table>
+[[nodiscard]] std::vector<const Table*> runnable(const Compiled<Table>& compiled,
+                                                 Instructions wanted = Instructions::automatic) {
+  std::vector<const Table*> tables;
+  const auto add = [&](Instructions offered, const Table* table) {
+    if ((wanted == offered || wanted == Instructions::automatic) && table != nullptr &&
+        processor_has(offered))
+      tables.push_back(table);
+  };
+  add(Instructions::baseline, compiled.baseline);
+  add(Instructions::avx2, compiled.avx2);
+  add(Instructions::avx512, compiled.avx512);
+  return tables;
+}
+
+}  // namespace wheeltap::base

@@ -1,0 +1,317 @@
+// Taylor series from switch to switch.
+// Part of kernel_impl.hpp, which says what it is compiled for.
+#pragma once
+
+#include "dynamics/kernel/equation_of_motion.hpp"
+
+namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
+
+/// Springs that are polynomials, or linear beyond a threshold, by Taylor series in time: the
+/// solution between two samples is analytic but for the times at which a law switches. A sample is
+/// gone through in pieces, each a series that ends at its length or where the first law reaches its
+/// threshold. (A step across a switch would be wrong by the square of its length, and by more or
+/// less of it as the switch moves within the step: a likelihood is then rugged where it is not.)
+template <int N, bool kSerial>
+class Series {
+ public:
+  using Motion = EquationOfMotion<N, kSerial, AnyLaw>;
+  static constexpr int M = Motion::M;
+
+  explicit Series(const Task& task)
+      : task_(task),
+        c_(vectors(task.coefficients)),
+        motion_(task),
+        masses_(N > 0 ? N : task.masses) {
+    for_each_threshold(task, [&](int i, const LinkTerm& link, V stiffness, V threshold, V side) {
+      thresholds_[i] = {link.a, link.b, side, threshold, stiffness};
+      switches_ = i + 1;
+    });
+    for (int l = 0; l < task.links; ++l) {
+      const LinkTerm& link = task.link[l];
+      V powers[kMaxPower + 1] = {};
+      bool any_power = false;
+      for (int j = link.law_begin; j < link.law_end; ++j) {
+        LawList::visit(task.law[j].kind, [&](auto law) {
+          using Law = decltype(law);
+          if constexpr (kPolynomial<Law>) {
+            static_assert(2 <= Law::kPower && Law::kPower <= kMaxPower,
+                          "series expand squares and cubes of the extension; a higher power needs "
+                          "its Cauchy product in expand()");
+            static_assert(!Law::kInfo.one_sided && !Law::kInfo.memory && Law::kInfo.size() == 1,
+                          "a power of the extension is T = c[0] e^power on both sides");
+            powers[Law::kPower] += c_[task.law[j].slot];
+            any_power = true;
+            cubes_ |= Law::kPower == 3;
+          }
+        });
+      }
+      if (any_power) polynomials_[polynomial_count_++] = {link.a, link.b, powers[2], powers[3]};
+    }
+    for (int i = 1; i <= masses(); ++i) scaled_inverse_[i] = task.step * task.step / c_[i - 1];
+    for (int i = 0; i < task.sensors; ++i) accelerometers_ |= task.sensor[i].quantity == 2;
+  }
+
+  void run() {
+    const int m = masses();
+    V y[M], v[M], now[M], then[M];
+    y[0] = v[0] = now[0] = then[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= m; ++i) {
+      y[i] = c_[task_.initial_slot + i - 1];
+      v[i] = task_.step * c_[task_.initial_slot + m + i - 1];
+    }
+    start(y);
+    Output output(task_);
+    Watch watch(task_);
+    motion_.excite(0, now);
+    for (std::int64_t sample = 0;; ++sample) {
+      if (output.due(sample)) show(output, sample, y, v);
+      if (sample + 1 == task_.samples) break;
+      motion_.excite(sample + 1, then);
+      advance(y, v, now, then, V{} + 1.0);
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= m; ++i) {
+        now[i] = then[i];
+        watch.saw(y[i]);
+      }
+      if (watch.over(sample, output)) break;
+    }
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= m; ++i) {
+      watch.saw_last(y[i]);
+      watch.saw_last(v[i]);
+    }
+    watch.finish();
+  }
+
+  struct Threshold {
+    int a, b;
+    V side, threshold, stiffness;
+  };
+  [[nodiscard]] WHEELTAP_INLINE int switches() const { return switches_; }
+  [[nodiscard]] WHEELTAP_INLINE const Threshold& threshold(int i) const { return thresholds_[i]; }
+  /// 1 in the lanes in which a law acts, -1 where it does not.
+  [[nodiscard]] WHEELTAP_INLINE V sign(int i) const { return sign_[i]; }
+
+  /// The regime at y.
+  WHEELTAP_INLINE void start(const V* y) {
+    for (int i = 0; i < switches_; ++i)
+      sign_[i] = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
+  }
+
+  /// y and v (in units of a sample's time) one sample on, in the lanes that move; `now` and `then`
+  /// are the drives at its ends.
+  WHEELTAP_INLINE void advance(V* y, V* v, const V* now, const V* then, V moving) {
+    const int m = masses(), degree = task_.degree;
+    const V piece = V{} + 1.0 / task_.substeps;
+    V terms[kMaxDegree + 1][M], fresh[kMaxThresholds], root[kMaxThresholds];
+    for (int i = 0; i < switches_; ++i) fresh[i] = V{};
+    V left = moving;  // of the sample
+    for (int pieces = 0; any(left); ++pieces) {
+      const bool watching = pieces < task_.substeps + kMostSwitches;
+      const V length = left > 1.000001 * piece ? piece : left;
+      expand(y, v, now, then, left, terms);
+      V until = length;
+      for (int i = 0; i < switches_; ++i) {
+        root[i] = watching ? first_root(i, fresh[i], terms, length) : V{} + 2.0;
+        until = root[i] < until ? root[i] : until;
+      }
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= m; ++i) {
+        V position = terms[degree][i], growth = degree * terms[degree][i];
+        for (int k = degree - 1; k > 0; --k) {
+          position = terms[k][i] + until * position;
+          growth = k * terms[k][i] + until * growth;
+        }
+        position = terms[0][i] + until * position;
+        y[i] = left > 0.0 ? position : y[i];
+        v[i] = left > 0.0 ? growth : v[i];
+      }
+      for (int i = 0; i < switches_; ++i) {
+        const V crossed = left > 0.0 ? (root[i] <= until ? V{} + 1.0 : V{}) : V{};
+        sign_[i] = crossed > 0.0 ? -sign_[i] : sign_[i];
+        fresh[i] = crossed > 0.0 ? V{} + 1.0 : until > 0.0 ? V{} : fresh[i];
+      }
+      left = left > 0.0 ? left - until : left;
+      for (int i = 0; i < switches_ && !watching; ++i) {
+        const V now_acts = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
+        sign_[i] = moving > 0.0 ? now_acts : sign_[i];
+      }
+    }
+  }
+
+  /// `v` in units of a sample's time.
+  WHEELTAP_INLINE void show(Output& output, std::int64_t sample, const V* y, const V* v) const {
+    const double rate = 1.0 / task_.step;
+    V speed[M], a[M];
+    const int m = masses();
+    speed[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= m; ++i) speed[i] = rate * v[i];
+    if (accelerometers_) {
+      motion_.accelerations(sample, y, speed, a);
+    } else {
+      for (int i = 0; i <= m; ++i) a[i] = V{};
+    }
+    motion_.emit(output, sample, y, speed, a);
+  }
+
+  WHEELTAP_INLINE void excite(std::int64_t sample, V* drive) const {
+    motion_.excite(sample, drive);
+  }
+
+ private:
+  /// Switches in one sample; a law that chatters about its threshold ends there.
+  static constexpr int kMostSwitches = 32;
+  static constexpr int kMaxPower = 3;
+  struct Polynomial {
+    int a, b;
+    V square, cube;  ///< T = square e² + cube e³
+  };
+
+  [[nodiscard]] WHEELTAP_INLINE int masses() const { return N > 0 ? N : masses_; }
+
+  /// side · e - threshold.
+  WHEELTAP_INLINE static V reach(const Threshold& t, const V* y) {
+    return t.side * (y[t.b] - y[t.a]) - t.threshold;
+  }
+
+  /// y_i(τ) = Σ terms[k][i] τᵏ, τ in samples from the time when `left` of this one is to come, by
+  /// the equation of motion of the regime that `sign_` says:
+  ///   (k + 1)(k + 2) y_{k+2} = h² (drive_k + M⁻¹ [-K y_k - C (k + 1) y_{k+1} / h - T(e)_k]),
+  /// the powers of e by Cauchy products.
+  WHEELTAP_INLINE void expand(const V* y, const V* v, const V* now, const V* then, V left,
+                              V terms[][M]) const {
+    const int m = masses(), links = kSerial && N > 0 ? N : task_.links, degree = task_.degree;
+    const double h2 = task_.step * task_.step, per_step = 1.0 / task_.step;
+    V stretch[kMaxPolynomials][kMaxDegree], square[kMaxPolynomials][kMaxDegree];
+    terms[0][0] = terms[1][0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= m; ++i) {
+      terms[0][i] = y[i];
+      terms[1][i] = v[i];
+    }
+    for (int k = 0; k + 2 <= degree; ++k) {
+      V pull[M];
+      WHEELTAP_UNROLL
+      for (int i = 0; i <= m; ++i) pull[i] = V{};
+      WHEELTAP_UNROLL
+      for (int l = 0; l < links; ++l) {
+        const LinkTerm& link = task_.link[l];
+        const int from = kSerial ? l : link.a, to = kSerial ? l + 1 : link.b;
+        const V e = terms[k][to] - terms[k][from], rate = terms[k + 1][to] - terms[k + 1][from];
+        const V tension = c_[link.slot] * e + ((k + 1) * per_step) * c_[link.slot + 1] * rate;
+        pull[from] += tension;
+        pull[to] -= tension;
+      }
+      for (int i = 0; i < switches_; ++i) {
+        const Threshold& t = thresholds_[i];
+        V e = terms[k][t.b] - terms[k][t.a];
+        if (k == 0) e -= t.side * t.threshold;
+        const V tension = sign_[i] > 0.0 ? t.stiffness * e : V{};
+        pull[t.a] += tension;
+        pull[t.b] -= tension;
+      }
+      for (int p = 0; p < polynomial_count_; ++p) {
+        const Polynomial& law = polynomials_[p];
+        V *e = stretch[p], *q = square[p];
+        e[k] = terms[k][law.b] - terms[k][law.a];
+        V twice{};
+        for (int j = 0; 2 * j < k; ++j) twice += e[j] * e[k - j];
+        q[k] = 2.0 * twice;
+        if (k % 2 == 0) q[k] += e[k / 2] * e[k / 2];
+        V tension = law.square * q[k];
+        if (cubes_) {
+          V third{};
+          for (int j = 0; j <= k; ++j) third += e[j] * q[k - j];
+          tension += law.cube * third;
+        }
+        pull[law.a] += tension;
+        pull[law.b] -= tension;
+      }
+      const double share = 1.0 / ((k + 1) * (k + 2));
+      terms[k + 2][0] = V{};
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= m; ++i) {
+        V sum = scaled_inverse_[i] * pull[i];
+        if (k == 0) sum += h2 * (then[i] + left * (now[i] - then[i]));
+        if (k == 1) sum += h2 * (then[i] - now[i]);
+        terms[k + 2][i] = share * sum;
+      }
+    }
+  }
+
+  /// The first time in [0, length] at which law i, which keeps its state while sign · (side · e -
+  /// threshold) > 0, has to change it; 2 where there is none. One that has just changed begins at
+  /// its threshold, which is taken out of the polynomial.
+  WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
+    const Threshold& t = thresholds_[i];
+    const int degree = task_.degree;
+    V g[kMaxDegree + 2], falls[kMaxDegree + 1];
+    for (int k = 0; k <= degree; ++k) {
+      g[k] = terms[k][t.b] - terms[k][t.a];
+      g[k] = sign_[i] * (t.side * g[k] - (k == 0 ? t.threshold : V{}));
+    }
+    g[degree + 1] = V{};
+    for (int k = 0; k <= degree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
+    for (int k = 0; k < degree; ++k) falls[k] = -(k + 1) * g[k + 1];
+    const V end = horner(g, degree, length), fall = horner(falls, degree - 1, length);
+    V high = length, at_high = end, found = end < 0.0 ? V{} + 1.0 : V{};
+    // Between ends that are both above, where the tangents at both go below.
+    const V tangents = lanes::max(g[0] + length * g[1], end + length * fall);
+    const V dips = found > 0.0 ? V{} : tangents < 0.0 ? V{} + 1.0 : V{};
+    if (any(dips)) {
+      const V bottom = turn(falls, degree - 1, length, fall, dips);
+      const V depth = horner(g, degree, bottom);
+      const V reached = depth < 0.0 ? dips : V{};
+      high = reached > 0.0 ? bottom : high;
+      at_high = reached > 0.0 ? depth : at_high;
+      found = reached > 0.0 ? reached : found;
+    }
+    if (!any(found)) return V{} + 2.0;
+    const V root = turn(g, degree, high, at_high, found);
+    return found > 0.0 ? root : V{} + 2.0;
+  }
+
+  WHEELTAP_INLINE static V horner(const V* g, int degree, V x) {
+    V sum = g[degree];
+    for (int k = degree - 1; k >= 0; --k) sum = g[k] + x * sum;
+    return sum;
+  }
+
+  /// Where g turns negative in [0, high], g(high) = at_high < 0, in the lanes that are wanted:
+  /// Newton's method, kept between the ends by halving. The last step is at most 1e-4 of a sample
+  /// and leaves about its square; since a tension is continuous at its threshold, the state that
+  /// follows is wrong by the square of that.
+  static V turn(const V* g, int degree, V high, V at_high, V wanted) {
+    V low{}, x = g[0] > 0.0 ? high * g[0] / (g[0] - at_high) : 0.5 * high, open = wanted;
+    for (int i = 0; i < 60 && any(open); ++i) {
+      V value = g[degree], slope{};
+      for (int k = degree - 1; k >= 0; --k) {
+        slope = value + x * slope;
+        value = g[k] + x * value;
+      }
+      low = value >= 0.0 ? x : low;
+      high = value >= 0.0 ? high : x;
+      const V newton = x - value / slope, middle = 0.5 * (low + high);
+      const V inside = newton > low ? (newton < high ? newton : middle) : middle;  // NaN: outside
+      const V moved = lanes::abs(inside - x);
+      x = open > 0.0 ? inside : x;
+      open = moved > 1e-4 ? open : V{};
+    }
+    return x;
+  }
+
+  const Task& task_;
+  const V* c_;
+  Motion motion_;
+  int masses_;
+  V scaled_inverse_[M];  ///< h² / m
+  int switches_ = 0, polynomial_count_ = 0;
+  bool cubes_ = false, accelerometers_ = false;
+  Threshold thresholds_[kMaxThresholds];
+  V sign_[kMaxThresholds];
+  Polynomial polynomials_[kMaxPolynomials];
+};
+
+}  // namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL

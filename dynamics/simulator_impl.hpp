@@ -1,0 +1,106 @@
+// What simulate.cpp, simulator_setup.cpp and misfit.cpp share. Internal.
+#pragma once
+
+#include <compare>
+#include <initializer_list>
+#include <string>
+#include <utility>
+
+#include "dynamics/kernel.hpp"
+#include "dynamics/simulate.hpp"
+
+namespace wheeltap::dynamics {
+
+namespace detail {
+
+/// Throws std::invalid_argument.
+[[noreturn]] void fail(const std::string& what);
+
+/// Throws unless there are `sets` vectors of at least so many parameters each.
+void require_parameters(std::span<const double> thetas, int sets, int parameters);
+
+/// The kernels to choose from, narrowest first: the one asked for, or all that this processor has.
+[[nodiscard]] std::vector<const kernel::Kernel*> make_kernels(Instructions instructions);
+
+[[nodiscard]] int count_thresholds(const Chain& chain);
+
+/// At which γ h <= 1 for damping rates γ; where it is lower, they have steps shorter in
+/// proportion.
+inline constexpr double kUsualStepLimit = 0.2;
+
+/// What a group of parameter vectors must have in common.
+struct Key {
+  int substeps = 0, halvings = 0, degree = 0;
+  auto operator<=>(const Key&) const = default;
+};
+
+inline constexpr Key kInfeasible{-1, -1, -1};
+/// Steps would be more than kMaxSubsteps.
+inline constexpr Key kTooManySteps{-2, -1, -1};
+
+/// What became of one set, and where it is in the memory of `task`.
+struct Lane {
+  std::size_t set = 0;
+  Key key;
+  Outcome outcome = Outcome::complete;
+  std::size_t lane = 0, lanes = 1;
+};
+
+/// A reference to what is called for every set.
+class Receiver {
+ public:
+  template <class F>
+  Receiver(const F& f)  // NOLINT: stands for the function
+      : object_(&f), call_([](const void* object, const Lane& lane, const kernel::Task& task) {
+          (*static_cast<const F*>(object))(lane, task);
+        }) {}
+  void operator()(const Lane& lane, const kernel::Task& task) const { call_(object_, lane, task); }
+
+ private:
+  const void* object_;
+  void (*call_)(const void*, const Lane&, const kernel::Task&);
+};
+
+}  // namespace detail
+
+struct Simulator::Impl {
+  Chain chain;
+  Excitation excitation;
+  std::vector<Sensor> sensors;
+  InitialState initial;
+  SimulatorOptions options;
+
+  std::vector<double> base_velocity;
+  std::vector<Coefficient> slots;
+  std::vector<kernel::LinkTerm> links;
+  std::vector<kernel::LawTerm> laws;
+  std::vector<kernel::DriveTerm> drives;
+  std::vector<kernel::SensorTerm> terms;
+  kernel::Task task;
+  std::vector<const kernel::Kernel*> kernels;
+  Integrator integrator = Integrator::runge_kutta;
+  int samples = 0;  ///< of the excitation
+  int parameters = 0;
+  int no_offset = 0;  ///< slots (1, 0)
+
+  int add(std::initializer_list<Coefficient> coefficients) {
+    const int first = static_cast<int>(slots.size());
+    slots.insert(slots.end(), coefficients);
+    return first;
+  }
+  int add(const Signal& signal) { return add({signal.scale, signal.offset}); }
+
+  void check();
+  void compile();
+  [[nodiscard]] detail::Key key(std::span<const double> theta) const;
+  [[nodiscard]] int response_samples() const { return (samples - 1) / options.stride + 1; }
+
+  /// Runs the sets in groups of equal key; receive(lane, task) for each of them after its group.
+  /// With `sums` false the trajectory is left in task.trajectory.
+  void run(std::span<const double> thetas, int sets,
+           const std::vector<kernel::SensorTerm>& sensor_terms,
+           std::span<const Coefficient> all_slots, int lead_in, bool sums, detail::Receiver receive,
+           std::span<const double> weights = {}, double limit = 0.0) const;
+};
+
+}  // namespace wheeltap::dynamics
