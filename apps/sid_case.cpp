@@ -5,6 +5,7 @@
 
 #include "apps/sid_record.hpp"
 #include "apps/sid_truth.hpp"
+#include "io/columns.hpp"
 
 namespace wheeltap::apps {
 
@@ -149,7 +150,12 @@ class Parser {
       }
       if (channel.role == Role::time || channel.role == Role::ignore) {
         for (const char* key : {"scale", "offset"}) {
-          if (c.contains(key)) file_.refuse(where / key, "does not go with this role");
+          const bool of_time = channel.role == Role::time && std::string_view(key) == "scale";
+          if (c.contains(key) && !of_time) file_.refuse(where / key, "does not go with this role");
+        }
+        if (c.contains("scale") && !(c["scale"].is_number() && c["scale"].get<double>() > 0.0)) {
+          file_.refuse(where / "scale",
+                       "must be a positive number: how many seconds one of time is");
         }
       }
       if (c.contains("scale")) {
@@ -157,7 +163,9 @@ class Parser {
           file_.refuse(where / "scale", "must not be 0");
         }
         channel.signal.scale = coefficient(where / "scale");
+        channel.scale_given = true;
       }
+      channel.take_unit(io::column_of_header(channel.column).unit);
       if (c.contains("offset")) channel.signal.offset = coefficient(where / "offset");
       if (channel.role == Role::time && out_.find(Role::time) != nullptr) {
         file_.refuse(where, "there is a time channel already");

@@ -1,7 +1,6 @@
 #include "apps/sid_record.hpp"
 
 #include <cmath>
-#include <set>
 
 #include "identification/sid_record.hpp"
 #include "identification/sid_simulation.hpp"
@@ -54,30 +53,30 @@ void warn_of_interpolation(SidCaseFile& parsed) {
 }
 
 void warn_of_units(SidCaseFile& parsed) {
-  static const std::set<std::string> si = {"",      "1",      "N",      "m",     "m/s",
-                                           "m/s^2", "m/s2",   "m/s²",   "s",     "ms^-2",
-                                           "m/s/s", "m s^-2", "m.s^-2", "m/s**2"};
-  for (std::size_t i = 0; i < parsed.sid.channels.size(); ++i) {
-    const SidChannel& channel = parsed.sid.channels[i];
-    if ((channel.is_excitation() || channel.role == Role::response) && !si.contains(channel.unit) &&
-        !parsed.file.json.contains(parsed.channels[i] / "scale")) {
-      parsed.warnings.push_back("Channel \"" + channel.column + "\" is in " + channel.unit +
-                                " and has no \"scale\": its numbers are used as they are, as if "
-                                "they were SI units.");
-    }
+  for (const SidChannel& channel : parsed.sid.channels) {
+    if (!channel.is_excitation() && channel.role != Role::response) continue;
+    const auto known = signals::find_unit(channel.unit);
+    const bool converted = known && known->dimension == channel.dimension();
+    const bool plain = channel.unit.empty() || channel.unit == "1";
+    if (plain || converted || channel.scale_given) continue;
+    parsed.warnings.push_back(
+        "Channel \"" + channel.column + "\" is in " + channel.unit +
+        " and has no \"scale\": its numbers are used as they are, as if they were SI units. Known "
+        "units of " +
+        std::string(name(channel.dimension())) + ": " + known_units(channel.dimension()) + ".");
   }
 }
 
 }  // namespace
 
-signals::Record read_record(const CaseFile& file, const Pointer& where) {
+signals::Record read_record(const CaseFile& file, const Pointer& where,
+                            std::vector<std::string> columns) {
   const auto path = file.resolve(file.json.at(where).get<std::string>());
   try {
-    return signals::read_record(path);
-  } catch (const signals::FileError& error) {
-    throw Failure(Exit::no_input, error.what());
-  } catch (const signals::DataError& error) {
-    throw Failure(Exit::bad_input, error.what());
+    return signals::read_record(path, std::move(columns));
+  } catch (const io::FileError& error) {
+    throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
+                  error.what());
   }
 }
 
@@ -87,7 +86,11 @@ void load_record(SidCaseFile& parsed) {
   SidCase& out = parsed.sid;
   signals::Record record;
   if (r.contains("file")) {
-    record = read_record(file, Pointer("/record/file"));
+    std::vector<std::string> columns;
+    for (const SidChannel& channel : out.channels) {
+      if (channel.role != Role::ignore) columns.push_back(channel.column);
+    }
+    record = read_record(file, Pointer("/record/file"), std::move(columns));
     out.origin = "measured, " + r["file"].get<std::string>();
   } else if (out.truth) {
     record = explained(parsed, [&] { return simulate_record(out, out.truth->seed); });
@@ -102,7 +105,7 @@ void load_record(SidCaseFile& parsed) {
   explained(parsed, [&] {
     try {
       take_record(out, record, use);
-    } catch (const signals::DataError& error) {
+    } catch (const io::FileError& error) {
       throw Failure(Exit::bad_input, error.what());
     }
   });

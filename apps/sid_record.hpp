@@ -6,8 +6,9 @@
 
 namespace wheeltap::apps {
 
-/// The record whose path stands at `where`. Throws Failure.
-[[nodiscard]] signals::Record read_record(const CaseFile& file, const Pointer& where);
+/// These columns of the record whose path stands at `where`, all where none are named. Throws Failure.
+[[nodiscard]] signals::Record read_record(const CaseFile& file, const Pointer& where,
+                                          std::vector<std::string> columns = {});
 
 /// Reads the record, or simulates it, and puts it into the case, its initial states where they are
 /// to be inferred, and what it makes one doubt. Throws Failure.

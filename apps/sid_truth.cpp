@@ -60,13 +60,16 @@ void add_true_excitations(SidCaseFile& parsed) {
 
 std::vector<double> read_excitation(const SidCaseFile& parsed, const Json& e,
                                     const Pointer& where) {
-  const signals::Record record = read_record(parsed.file, where / "file");
+  const std::string name = text_or_number(e["column"]);
+  const signals::Record record = read_record(parsed.file, where / "file", {name});
   try {
-    std::vector<double> x = signals::window(record, record.find(text_or_number(e["column"])), 0,
-                                            parsed.sid.truth->samples);
-    for (double& sample : x) sample *= e.value("scale", 1.0);
+    const int column = record.find(name);
+    std::vector<double> x = signals::window(record, column, 0, parsed.sid.truth->samples);
+    SidChannel channel{.column = name, .role = role_of(e)};
+    channel.take_unit(record.columns[static_cast<std::size_t>(column)].unit);
+    for (double& sample : x) sample *= e.value("scale", channel.signal.scale.value);
     return x;
-  } catch (const signals::DataError& error) {
+  } catch (const io::FileError& error) {
     parsed.file.refuse(where, error.what());
   }
 }

@@ -5,6 +5,37 @@
 
 namespace wheeltap::identification {
 
+signals::Dimension SidChannel::dimension() const {
+  using signals::Dimension;
+  switch (role) {
+    case Role::time:
+      return Dimension::time;
+    case Role::force:
+      return Dimension::force;
+    case Role::base_acceleration:
+      return Dimension::acceleration;
+    case Role::base_displacement:
+      return Dimension::length;
+    default:
+      break;
+  }
+  switch (quantity) {
+    case dynamics::Quantity::displacement:
+      return Dimension::length;
+    case dynamics::Quantity::velocity:
+      return Dimension::velocity;
+    default:
+      return Dimension::acceleration;
+  }
+}
+
+void SidChannel::take_unit(const std::string& header_unit) {
+  unit = header_unit;
+  if (role == Role::ignore || scale_given) return;
+  const auto known = signals::find_unit(unit);
+  if (known && known->dimension == dimension()) signal.scale = known->si;
+}
+
 using dynamics::Coefficient;
 using Role = SidChannel::Role;
 

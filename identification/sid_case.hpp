@@ -11,6 +11,7 @@
 #include "inference/model_space.hpp"
 #include "signals/excitation.hpp"
 #include "signals/spectra.hpp"
+#include "signals/units.hpp"
 
 namespace wheeltap::identification {
 
@@ -26,7 +27,8 @@ struct SidChannel {
   dynamics::Frame frame = dynamics::Frame::absolute;
   /// Raw samples from the start of the lead-in; an excitation's are upsampled by SidCase::stride.
   dynamics::Signal signal = {};
-  std::string unit = {};  ///< as the file's header has it
+  std::string unit = {};     ///< as the file's header has it
+  bool scale_given = false;  ///< `signal.scale` was asked for, whatever the unit
   /// Where the window is a part of the record: how their spectra compare.
   std::optional<signals::SpectrumComparison> window = {};
 
@@ -34,6 +36,10 @@ struct SidChannel {
     return role == Role::force || role == Role::base_acceleration ||
            role == Role::base_displacement;
   }
+  /// What its samples are; meaningless for what is ignored.
+  [[nodiscard]] signals::Dimension dimension() const;
+  /// A scale is the header's unit where none was asked for, and the unit is known.
+  void take_unit(const std::string& header_unit);
   /// The column is called by its number.
   [[nodiscard]] bool is_numbered() const {
     return column.find_first_not_of("0123456789") == std::string::npos;

@@ -37,7 +37,7 @@ class RecordTaker {
   [[nodiscard]] int find_column(std::size_t channel) const {
     try {
       return record_.find(out_.channels[channel].column);
-    } catch (const signals::DataError& error) {
+    } catch (const io::FileError& error) {
       throw InvalidInput(Part::channel, error.what(), static_cast<int>(channel));
     }
   }
@@ -55,9 +55,11 @@ class RecordTaker {
           Part::sample_rate,
           "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
     }
-    out_.sample_rate_hz = column < 0
-                              ? *use_.sample_rate_hz
-                              : signals::sample_rate_hz(record_, column, use_.sample_rate_hz);
+    std::optional<double> seconds;  // that one of time is, where the case says so
+    if (time != nullptr && time->scale_given) seconds = time->signal.scale.value;
+    out_.sample_rate_hz =
+        column < 0 ? *use_.sample_rate_hz
+                   : signals::sample_rate_hz(record_, column, use_.sample_rate_hz, seconds);
   }
 
   void read_window() {
@@ -113,7 +115,7 @@ class RecordTaker {
     SidChannel& channel = out_.channels[i];
     if (channel.role == Role::ignore || channel.role == Role::time) return;
     const auto& source = record_.columns[static_cast<std::size_t>(columns_[i])];
-    channel.unit = source.unit;
+    channel.take_unit(source.unit);
     const int begin = out_.begin - out_.lead_in;
     channel.signal.samples = window(i);
     const bool whole =

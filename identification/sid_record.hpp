@@ -24,7 +24,7 @@ struct RecordUse {
 
 /// Puts a record's rate, window and signals into the case, and compares the spectrum of each
 /// channel's window with that of its whole. Throws InvalidInput (channel, sample_rate, samples,
-/// lead_in), and signals::DataError for numbers that are missing in the window or uneven in time.
+/// lead_in), and io::FileError for numbers that are missing in the window or uneven in time.
 void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use);
 
 /// The window's spectrum differs from the record's by more than three times their scatter.

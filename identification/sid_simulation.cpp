@@ -131,14 +131,10 @@ dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excita
   return response;
 }
 
-signals::Column column(const std::string& header, std::vector<double> values) {
-  const auto bracket = header.find(" [");
-  return {.header = header,
-          .name = header.substr(0, bracket),
-          .unit = bracket == std::string::npos
-                      ? ""
-                      : header.substr(bracket + 2, header.size() - bracket - 3),
-          .values = std::move(values)};
+io::Column column(const std::string& header, std::vector<double> values) {
+  io::Column out = io::column_of_header(header);
+  out.values = std::move(values);
+  return out;
 }
 
 }  // namespace
@@ -152,12 +148,16 @@ signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
   const std::vector<Acting> acting = make_excitations(truth, seed);
   const dynamics::Response response = true_response(sid_case, excitation_of(acting, truth));
 
-  signals::Record record{.file = "truth", .columns = {}, .scalars = {}};
+  signals::Record record;
+  record.file = "truth";
   std::vector<double> time(samples);
   for (std::size_t n = 0; n < samples; ++n) {
     time[n] = static_cast<double>(n) / truth.sample_rate_hz;
   }
   const SidChannel* clock = sid_case.find(Role::time);
+  if (clock != nullptr) {
+    for (double& t : time) t /= clock->signal.scale.value;
+  }
   record.columns.push_back(
       column(clock != nullptr && !clock->is_numbered() ? clock->column : "time [s]", time));
   std::uint64_t responses = 0;

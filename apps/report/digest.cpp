@@ -66,8 +66,8 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
     const std::string prefix = several ? name + "_" : "";
     const bool share = kind.value("share", kind["severity"] == "reduction");
     const std::string severity = kind["severity"];
-    const Variable* x = posterior.find(prefix + "location");
-    const Variable* y = posterior.find(prefix + severity);
+    const io::NetcdfArray* x = posterior.find(prefix + "location");
+    const io::NetcdfArray* y = posterior.find(prefix + severity);
     if (x == nullptr || y == nullptr || x->values.size() != y->values.size()) continue;
     const std::size_t slots = x->inner();
     struct Cloud {
@@ -115,22 +115,22 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
 }
 
 // Quantiles of replicated frequencies, one row a mode.
-Report predictive(const PosteriorReader& file, const std::vector<double>& weights) {
+Report predictive(const io::NetcdfReader& file, const std::vector<double>& weights) {
   const auto group = file.group("posterior_predictive");
   const auto observed = file.group("observed_data");
   Report out = Report::object();
   if (!group || !observed) return out;
   const auto names = file.variables(*group);
   if (std::ranges::find(names, "frequency") == names.end()) return out;
-  const Variable replicated = file.read(*group, "frequency");
-  const Variable measured = file.read(*observed, "frequency");
+  const io::NetcdfArray replicated = file.read(*group, "frequency");
+  const io::NetcdfArray measured = file.read(*observed, "frequency");
   const std::size_t modes = replicated.inner();
   if (replicated.shape.size() != 3 || measured.values.size() != modes ||
       replicated.values.size() != modes * weights.size()) {
     return out;
   }
   const auto observed_names = file.variables(*observed);
-  std::optional<Variable> sd;
+  std::optional<io::NetcdfArray> sd;
   if (std::ranges::find(observed_names, "sd") != observed_names.end()) {
     sd = file.read(*observed, "sd");
   }
@@ -155,7 +155,7 @@ Report predictive(const PosteriorReader& file, const std::vector<double>& weight
 }  // namespace
 
 Report digest(const std::filesystem::path& posterior_file, const Report& summary) {
-  const PosteriorReader file(posterior_file);
+  const io::NetcdfReader file(posterior_file, "a posterior of wheeltap");
   Report out = Report::object();
   {
     const StoredDraws posterior(file, summary);
@@ -167,7 +167,7 @@ Report digest(const std::filesystem::path& posterior_file, const Report& summary
     out["predictive"] = predictive(file, posterior.weights());
   }
   if (const auto group = file.group("sample_stats")) {
-    const Variable lp = file.read(*group, "lp");
+    const io::NetcdfArray lp = file.read(*group, "lp");
     if (lp.shape.size() != 2) file.foreign("has a log posterior of another shape");
     const std::size_t step = std::max<std::size_t>(1, lp.shape[1] / kHistoryPoints);
     Report chains = Report::array();

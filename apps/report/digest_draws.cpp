@@ -45,10 +45,10 @@ Report cells(const std::vector<double>& x, const std::vector<double>& y, const B
   return out;
 }
 
-StoredDraws::StoredDraws(const PosteriorReader& file, const Report& summary)
+StoredDraws::StoredDraws(const io::NetcdfReader& file, const Report& summary)
     : unknowns_(summary.contains("unknowns") ? summary["unknowns"] : unknowns_of_older(summary)) {
   const int group = file.required_group("posterior");
-  const Variable model = file.read(group, "model");
+  const io::NetcdfArray model = file.read(group, "model");
   if (model.shape.size() != 2 || model.values.empty()) {
     file.foreign("has no draws of the model");
   }
@@ -61,7 +61,7 @@ StoredDraws::StoredDraws(const PosteriorReader& file, const Report& summary)
   }
   for (const std::string& name : file.variables(group)) {
     if (name == "chain" || name == "draw" || name == "model" || name.ends_with("slot")) continue;
-    Variable v = file.read(group, name);
+    io::NetcdfArray v = file.read(group, name);
     if (v.shape.size() < 2 || v.shape[0] != chains_ || v.shape[1] != draws_) continue;
     variables_.emplace(name, std::move(v));
   }
@@ -69,13 +69,13 @@ StoredDraws::StoredDraws(const PosteriorReader& file, const Report& summary)
   if (const auto stats = file.group("sample_stats")) {
     const auto names = file.variables(*stats);
     if (std::ranges::find(names, "weight") != names.end()) {
-      const Variable weight = file.read(*stats, "weight");
+      const io::NetcdfArray weight = file.read(*stats, "weight");
       if (weight.values.size() == model_.size()) weights_ = weight.values;
     }
   }
 }
 
-const Variable* StoredDraws::find(const std::string& name) const {
+const io::NetcdfArray* StoredDraws::find(const std::string& name) const {
   const auto at = variables_.find(name);
   return at == variables_.end() ? nullptr : &at->second;
 }

@@ -21,7 +21,7 @@ struct Driver {
   std::vector<double> values;
 };
 
-std::vector<Driver> drivers(const PosteriorReader& file, std::size_t samples) {
+std::vector<Driver> drivers(const io::NetcdfReader& file, std::size_t samples) {
   std::vector<Driver> out;
   const auto group = file.group("constant_data");
   if (!group) return out;
@@ -69,7 +69,7 @@ Report transfer(const Driver& driver, const std::vector<double>& y,
 // that keep the extremes.
 }  // namespace
 
-Report digest_responses(const PosteriorReader& file) {
+Report digest_responses(const io::NetcdfReader& file) {
   Report out = Report::array();
   const auto group = file.group("posterior_predictive");
   const auto data = file.group("observed_data");
@@ -93,7 +93,7 @@ Report digest_responses(const PosteriorReader& file) {
     Report json = {{"name", name}, {"unit", file.text(*group, name, "units")}};
     std::vector<double> low(samples), median(samples), high(samples);
     {
-      const Variable replicated = file.read(*group, name);
+      const io::NetcdfArray replicated = file.read(*group, name);
       if (replicated.shape.size() != 3 || replicated.inner() != samples || y.size() != samples) {
         continue;
       }
