@@ -11,9 +11,9 @@
 #include "apps/schema_lists.hpp"
 #include "apps/schema_texts.hpp"
 #include "apps/sid_case.hpp"
-#include "identification/sid_simulation.hpp"
 #include "apps/starter_texts.hpp"
 #include "apps/summary.hpp"
+#include "identification/sid_simulation.hpp"
 
 namespace wheeltap::apps {
 namespace {

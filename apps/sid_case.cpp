@@ -330,17 +330,16 @@ class Parser {
       for (const SidModel& model : out_.models) {
         if (channel.mass > model.chain.size()) {
           file_.refuse(where / "mass", "no such mass; model \"" + model.name +
-                                                   "\" has masses 1 to " +
-                                                   std::to_string(model.chain.size()));
+                                           "\" has masses 1 to " +
+                                           std::to_string(model.chain.size()));
         }
       }
       if (channel.role == Role::response && base && channel.frame == dynamics::Frame::absolute &&
           channel.quantity != dynamics::Quantity::acceleration &&
           out_.find(Role::base_displacement) == nullptr && !truth_displaces_base(json_)) {
-        file_.refuse(where, "an absolute " +
-                                        json_.at(where / "quantity").get<std::string>() +
-                                        " of a base-driven chain needs a channel with the role "
-                                        "\"base-displacement\"; or say \"frame\": \"relative\"");
+        file_.refuse(where, "an absolute " + json_.at(where / "quantity").get<std::string>() +
+                                " of a base-driven chain needs a channel with the role "
+                                "\"base-displacement\"; or say \"frame\": \"relative\"");
       }
     }
   }

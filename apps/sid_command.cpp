@@ -73,8 +73,7 @@ void simulate_sid(const CommonOptions& common, CaseFile file) {
   const SidCaseFile parsed = parse_sid_case(std::move(file), SidNeeds::truth);
   const SidCase& sid_case = parsed.sid;
   const std::uint64_t seed = common.seed.value_or(sid_case.truth ? sid_case.truth->seed : 1);
-  const signals::Record record =
-      explained(parsed, [&] { return simulate_record(sid_case, seed); });
+  const signals::Record record = explained(parsed, [&] { return simulate_record(sid_case, seed); });
   write_text(common.output,
              signals::record_csv(record, sid_case.title + ", simulated by wheeltap " +
                                              WHEELTAP_VERSION + ", seed " + std::to_string(seed)));

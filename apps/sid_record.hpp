@@ -6,7 +6,8 @@
 
 namespace wheeltap::apps {
 
-/// These columns of the record whose path stands at `where`, all where none are named. Throws Failure.
+/// These columns of the record whose path stands at `where`, all where none are named. Throws
+/// Failure.
 [[nodiscard]] signals::Record read_record(const CaseFile& file, const Pointer& where,
                                           std::vector<std::string> columns = {});
 

@@ -40,10 +40,9 @@ Report json(const std::vector<ChannelFit>& fits) {
 Report json(const std::vector<LinkCurve>& links) {
   Report rows = Report::array();
   for (const LinkCurve& link : links) {
-    rows.push_back(
-        {{"between", {link.a, link.b}},
-         {"extension", link.extension},
-         {"tension", {{"q2.5", link.q2_5}, {"q50", link.q50}, {"q97.5", link.q97_5}}}});
+    rows.push_back({{"between", {link.a, link.b}},
+                    {"extension", link.extension},
+                    {"tension", {{"q2.5", link.q2_5}, {"q50", link.q50}, {"q97.5", link.q97_5}}}});
   }
   return rows;
 }
@@ -171,8 +170,7 @@ Report bayes_factors_report(const SidFindings& findings) {
 }
 
 Report fits_report(const SidFindings& findings) {
-  return of_drawn(findings,
-                  [](const SidModelFinding& f, std::size_t) { return json(f.at_mean); });
+  return of_drawn(findings, [](const SidModelFinding& f, std::size_t) { return json(f.at_mean); });
 }
 
 Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,

@@ -43,9 +43,8 @@ void add_true_excitations(SidCaseFile& parsed) {
       file.refuse(where / "mass",
                   "no such mass; the true model has masses 1 to " + std::to_string(masses));
     }
-    if (std::ranges::any_of(out.channels, [&](const SidChannel& c) {
-          return c.role == role && c.mass == mass;
-        })) {
+    if (std::ranges::any_of(
+            out.channels, [&](const SidChannel& c) { return c.role == role && c.mass == mass; })) {
       continue;
     }
     out.channels.push_back({.column = role == Role::force ? "force " + std::to_string(mass) + " [N]"
@@ -118,8 +117,7 @@ void parse_truth(SidCaseFile& parsed) {
     const bool noise_only =
         std::ranges::any_of(found->noise, [&](const Coefficient& c) { return c.parameter == p; });
     if (std::isnan(truth.theta[at]) && noise_only && t.contains("noise")) continue;
-    if (std::isnan(truth.theta[at]) &&
-        file.json["parameters"].contains(out.parameters[at].name)) {
+    if (std::isnan(truth.theta[at]) && file.json["parameters"].contains(out.parameters[at].name)) {
       file.refuse(where / "parameters" / out.parameters[at].name,
                   "is missing: the true model uses it");
     }

@@ -9,9 +9,9 @@ namespace wheeltap::apps {
 [[nodiscard]] bool truth_moves_base(const Json& json);
 [[nodiscard]] bool truth_displaces_base(const Json& json);
 
-/// The true model and its parameters, where the case has a truth; channels of its excitations, which
-/// are measured exactly, also where no channel asks for it. Parameters, channels and models must be
-/// there already.
+/// The true model and its parameters, where the case has a truth; channels of its excitations,
+/// which are measured exactly, also where no channel asks for it. Parameters, channels and models
+/// must be there already.
 void parse_truth(SidCaseFile& parsed);
 
 /// What drives the true model; reads the files that it names.

@@ -73,7 +73,8 @@ LinkCurve curve(const dynamics::Link& link, const std::vector<std::vector<double
 
 std::optional<std::vector<LinkCurve>> link_laws(const SidProblem& problem,
                                                 const inference::Posterior& posterior, int model) {
-  const Eigen::MatrixXd z = displacements(problem, model, posterior_mean(problem, posterior, model));
+  const Eigen::MatrixXd z =
+      displacements(problem, model, posterior_mean(problem, posterior, model));
   if (z.rows() == 0) return {};
   const auto draws = draws_of(problem, posterior, model);
   const auto mass = [&](int i) -> Eigen::VectorXd {

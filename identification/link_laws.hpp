@@ -19,7 +19,8 @@ struct LinkCurve {
 
 /// One a link of a drawn model, but for links that no draw can move; none where the model's
 /// response fails at the posterior mean. At most 400 draws, evenly spread over the chains.
-[[nodiscard]] std::optional<std::vector<LinkCurve>> link_laws(
-    const SidProblem& problem, const inference::Posterior& posterior, int model);
+[[nodiscard]] std::optional<std::vector<LinkCurve>> link_laws(const SidProblem& problem,
+                                                              const inference::Posterior& posterior,
+                                                              int model);
 
 }  // namespace wheeltap::identification

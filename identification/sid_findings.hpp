@@ -1,5 +1,5 @@
-// What a system identification found: which model, with what parameters, and how well it explains the
-// record.
+// What a system identification found: which model, with what parameters, and how well it explains
+// the record.
 #pragma once
 
 #include <optional>
@@ -32,8 +32,8 @@ struct BayesFactor {
 
 struct SidFindings : Findings {
   std::vector<std::optional<SidModelFinding>> of_models;  ///< none where no draw was in it
-  std::vector<BayesFactor> bayes_factors;                 ///< of each further model against the first
-  std::vector<double> coverage;  ///< of each response by the predictive band, a share
+  std::vector<BayesFactor> bayes_factors;  ///< of each further model against the first
+  std::vector<double> coverage;            ///< of each response by the predictive band, a share
   int predictive_draws = 0;
   std::optional<StepsRefined> refined;  ///< where the run was repeated
 };

@@ -25,8 +25,7 @@ std::size_t reached(const std::vector<double>& weights, double share) {
 
 }  // namespace
 
-SidPredictive predict(const SidProblem& problem, const inference::Posterior& posterior,
-                      int draws) {
+SidPredictive predict(const SidProblem& problem, const inference::Posterior& posterior, int draws) {
   const std::size_t length = problem.sid_case.responses().size() *
                              static_cast<std::size_t>(problem.misfits.front().samples());
   const std::size_t chains = posterior.chains.size();

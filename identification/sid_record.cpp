@@ -80,8 +80,8 @@ class RecordTaker {
     }
     out_.lead_in = use_.lead_in;
     if (out_.lead_in > out_.begin) {
-      throw InvalidInput(Part::lead_in, "only " + std::to_string(out_.begin) +
-                                            " samples stand before the window");
+      throw InvalidInput(Part::lead_in,
+                         "only " + std::to_string(out_.begin) + " samples stand before the window");
     }
   }
 

@@ -15,11 +15,12 @@ namespace wheeltap::identification {
 struct RecordUse {
   std::optional<double> sample_rate_hz = {};        ///< as stated; must agree with a time column
   std::optional<std::pair<int, int>> samples = {};  ///< scored: first, one past the last
-  int lead_in = 0;                             ///< samples before those
+  int lead_in = 0;                                  ///< samples before those
   /// Excitations held no frequency above half the rate: they are upsampled by a sinc. Else they are
   /// linear between their samples.
   bool band_limited = false;
-  std::optional<int> upsample = {};  ///< none: until linear interpolation loses 0.3 % of the amplitude
+  std::optional<int> upsample =
+      {};  ///< none: until linear interpolation loses 0.3 % of the amplitude
 };
 
 /// Puts a record's rate, window and signals into the case, and compares the spectrum of each

@@ -83,7 +83,10 @@ std::optional<dynamics::SimulatorOptions> better_integration(
 }
 
 SidRun run_sid(SidCase sid_case, const SidRunOptions& options) {
-  SidRun run{.problem = make_sid_problem(std::move(sid_case)), .engine = {}, .posterior = {}, .refined = {}};
+  SidRun run{.problem = make_sid_problem(std::move(sid_case)),
+             .engine = {},
+             .posterior = {},
+             .refined = {}};
   for (int repeats = 0;; ++repeats) {
     const SidCase& now = run.problem->sid_case;
     run.engine = options.engine;
@@ -94,9 +97,8 @@ SidRun run_sid(SidCase sid_case, const SidRunOptions& options) {
     if (now.fixed_integration || run.engine.prior_only || run.posterior.stopped_early) break;
     const auto better = better_integration(*run.problem, run.posterior);
     if (!better || repeats == kMostRepeats) break;
-    run.refined = StepsRefined{
-        .by_series = better->prefer_series && !now.integration.prefer_series,
-        .step_limit = better->step_limit};
+    run.refined = StepsRefined{.by_series = better->prefer_series && !now.integration.prefer_series,
+                               .step_limit = better->step_limit};
     if (options.repeat) options.repeat(*run.refined);
     SidCase finer = now;
     finer.integration = *better;

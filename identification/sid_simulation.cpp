@@ -117,8 +117,7 @@ dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excita
       refuse("the true model's parameters are impossible (a mass <= 0, a gap < 0)");
       break;
     case dynamics::Outcome::diverged:
-      refuse(
-          "the true model's response grows without bound, also with steps a quarter as long");
+      refuse("the true model's response grows without bound, also with steps a quarter as long");
       break;
     case dynamics::Outcome::steps_too_long:
       refuse(

@@ -57,9 +57,9 @@ Simulator rig(bool contact, int substeps, double rms, std::vector<Sensor> sensor
     chain.links[1].laws.push_back(make_law<laws::Contact>(
         {Coefficient::of_parameter(4), Coefficient::of_parameter(5)}, Side::closing));
   wheeltap::signals::Noise noise(1);
-  Excitation drive{
-      .sample_rate_hz = 1024.0,
-      .base = BaseMotion{.acceleration = {wheeltap::signals::white_noise(kRigSamples, rms * rms, noise)}}};
+  Excitation drive{.sample_rate_hz = 1024.0,
+                   .base = BaseMotion{.acceleration = {wheeltap::signals::white_noise(
+                                          kRigSamples, rms * rms, noise)}}};
   return Simulator(chain, drive, std::move(sensors), {}, {.substeps = substeps});
 }
 

@@ -93,9 +93,9 @@ TEST(Interpolants, EveryTypeIsFoundByItsNameAndTrained) {
     emulator::Table table;
     table.factors = {{"x", "m", {0.0, 0.3, 0.7, 1.0}}, {"r", "", {0.0, 0.2, 0.6}}};
     table.response_name = "frequency";
-    emulator::Design design = grid ? emulator::full_factorial(table.factors)
-                                   : emulator::with_corners(
-                                         emulator::latin_hypercube(table.factors, 12, 1));
+    emulator::Design design =
+        grid ? emulator::full_factorial(table.factors)
+             : emulator::with_corners(emulator::latin_hypercube(table.factors, 12, 1));
     table.values = RowMatrix(design.runs(), 2);
     for (Eigen::Index i = 0; i < design.runs(); ++i) {
       const auto x = design.point(i);
@@ -169,8 +169,7 @@ TEST(Interpolants, ATypeOfOnesOwnJoinsScatteredRunsAndRefinesGrids) {
   spec.holdout = 50;
   const DamageCase loose = emulated_beam(spec);
   const fem::Reanalysis reanalysis(loose.beam, 4);
-  const auto made =
-      FrequencyEmulator::train(reanalysis, *loose.emulator, loose.kinds[0], 4, {});
+  const auto made = FrequencyEmulator::train(reanalysis, *loose.emulator, loose.kinds[0], 4, {});
   EXPECT_EQ(made.describe(1), "nearest run in r");
 
   EmulatorSpec grid = every_tenth_of_a_reduction();

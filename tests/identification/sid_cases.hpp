@@ -14,8 +14,7 @@ inline SidCase small_sid_case() {
   const dynamics::Link linear{
       .a = 0, .b = 1, .stiffness = Coefficient::of_parameter(0), .damping = 0.1, .laws = {}};
   dynamics::Link duffing = linear;
-  duffing.laws.push_back(
-      dynamics::make_law<dynamics::laws::Cubic>({Coefficient::of_parameter(1)}));
+  duffing.laws.push_back(dynamics::make_law<dynamics::laws::Cubic>({Coefficient::of_parameter(1)}));
   SidCase out;
   out.title = "small";
   out.parameters = {{"k", inference::Uniform{0.0, 100.0}}, {"k3", inference::Uniform{0.0, 1e4}}};

@@ -94,9 +94,9 @@ TEST(SidRun, RepeatsWithBetterStepsWhereTheyWereTooLong) {
   const SidRun fixed = run_sid(c, {.engine = short_run()});
   EXPECT_FALSE(fixed.refined.has_value());
   EXPECT_GT(step_error(*fixed.problem, fixed.posterior, 0).value_or(0.0), kLargestStepError);
-  EXPECT_NE(find<remark::StepsTooLong>(
-                sid_findings(fixed, predict(*fixed.problem, fixed.posterior))),
-            nullptr);
+  EXPECT_NE(
+      find<remark::StepsTooLong>(sid_findings(fixed, predict(*fixed.problem, fixed.posterior))),
+      nullptr);
 }
 
 TEST(SidRun, SpendsWhatALikelihoodLetsItAfford) {

@@ -110,8 +110,7 @@ TEST(SidProblem, AContactOutOfReachChangesNothing) {
 }
 
 TEST(SidProblem, AnInferredStartExplainsAWindowWithoutItsPast) {
-  const auto rest =
-      make_sid_problem(simulated(small_sid_case(), {.samples = std::pair(100, 200)}));
+  const auto rest = make_sid_problem(simulated(small_sid_case(), {.samples = std::pair(100, 200)}));
   const auto led = make_sid_problem(
       simulated(small_sid_case(), {.samples = std::pair(100, 200), .lead_in = 100}));
   EXPECT_GT(log_likelihood(*led, 1, {50.0, 1000.0}),
