@@ -23,9 +23,15 @@ struct FrequencyTable {
   std::vector<double> sd_hz;           ///< empty where the file has none
 };
 
-/// Reads a CSV file with a header line; lines that start with # are skipped. Throws Failure: 66 for
-/// a file that cannot be read; 65 naming line and column for a cell that is no positive finite
-/// number, a row or column that is not there.
+/// Frequencies in delimited text (io/delimited_text.hpp) with a header line. `name` stands for the
+/// file in messages. Throws Failure (65) naming line and column for a cell that is no positive
+/// finite number, a row or column that is not there, and io::FileError (corrupt) for what is no
+/// such text.
+[[nodiscard]] FrequencyTable parse_frequency_csv(std::string bytes,
+                                                 const std::filesystem::path& name,
+                                                 const FrequencyCells& cells);
+
+/// The same of a file. Throws Failure (66) for one that cannot be read besides.
 [[nodiscard]] FrequencyTable read_frequency_csv(const std::filesystem::path& path,
                                                 const FrequencyCells& cells);
 

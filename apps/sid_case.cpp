@@ -7,6 +7,7 @@
 
 #include "signals/excitation.hpp"
 #include "signals/spectra.hpp"
+#include "signals/units.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -44,15 +45,30 @@ auto explained(const CaseFile& file, const Pointer& where, const Work& work) {
   }
 }
 
-signals::Record read(const CaseFile& file, const Pointer& where) {
+signals::Record read(const CaseFile& file, const Pointer& where, std::vector<std::string> columns) {
   const auto path = file.resolve(file.json.at(where).get<std::string>());
   try {
-    return signals::read_record(path);
-  } catch (const signals::FileError& error) {
-    throw Failure(Exit::no_input, error.what());
-  } catch (const signals::DataError& error) {
-    throw Failure(Exit::bad_input, error.what());
+    return signals::read_record(path, std::move(columns));
+  } catch (const io::FileError& error) {
+    throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
+                  error.what());
   }
+}
+
+signals::Dimension dimension_of(Role role, dynamics::Quantity quantity) {
+  if (role == Role::force) return signals::Dimension::force;
+  if (role == Role::base_acceleration) return signals::Dimension::acceleration;
+  if (role == Role::base_displacement || quantity == dynamics::Quantity::displacement)
+    return signals::Dimension::length;
+  return quantity == dynamics::Quantity::velocity ? signals::Dimension::velocity
+                                                  : signals::Dimension::acceleration;
+}
+
+/// What a unit is in SI where it is one of this dimension.
+std::optional<double> si_of(const std::string& unit, signals::Dimension dimension) {
+  const auto known = signals::find_unit(unit);
+  if (!known || known->dimension != dimension) return std::nullopt;
+  return known->si;
 }
 
 class Parser {
@@ -165,7 +181,12 @@ class Parser {
       }
       if (channel.role == Role::time || channel.role == Role::ignore) {
         for (const char* key : {"scale", "offset"}) {
-          if (c.contains(key)) file_.refuse(where / key, "does not go with this role");
+          const bool of_time = channel.role == Role::time && std::string_view(key) == "scale";
+          if (c.contains(key) && !of_time) file_.refuse(where / key, "does not go with this role");
+        }
+        if (c.contains("scale") && !(c["scale"].is_number() && c["scale"].get<double>() > 0.0)) {
+          file_.refuse(where / "scale",
+                       "must be a positive number: how many seconds one of time is");
         }
       }
       if (c.contains("scale")) {
@@ -174,6 +195,8 @@ class Parser {
         }
         channel.signal.scale = coefficient(where / "scale");
       }
+      channel.unit = io::column_of_header(channel.column).unit;
+      convert_unit(channel);
       if (c.contains("offset")) channel.signal.offset = coefficient(where / "offset");
       if (channel.role == Role::time && find(Role::time) != nullptr) {
         file_.refuse(where, "there is a time channel already");
@@ -189,6 +212,15 @@ class Parser {
     if (out_.responses().empty()) {
       file_.refuse(list, "no channel has the role \"response\": there is nothing to explain");
     }
+  }
+
+  /// A scale is the header's unit where the case gives none.
+  void convert_unit(SidChannel& channel) const {
+    if (channel.role == Role::ignore || json_.contains(channel.where / "scale")) return;
+    const auto dimension = channel.role == Role::time
+                               ? signals::Dimension::time
+                               : dimension_of(channel.role, channel.quantity);
+    if (const auto si = si_of(channel.unit, dimension)) channel.signal.scale = *si;
   }
 
   [[nodiscard]] const SidChannel* find(Role role) const {
@@ -491,7 +523,11 @@ class Parser {
     const Json& r = json_["record"];
     signals::Record record;
     if (r.contains("file")) {
-      record = read(file_, Pointer("/record/file"));
+      std::vector<std::string> columns;
+      for (const SidChannel& channel : out_.channels) {
+        if (channel.role != Role::ignore) columns.push_back(channel.column);
+      }
+      record = read(file_, Pointer("/record/file"), std::move(columns));
       out_.origin = "measured, " + r["file"].get<std::string>();
     } else if (out_.truth) {
       record = simulate_record(out_, out_.truth->seed);
@@ -510,7 +546,7 @@ class Parser {
     try {
       if (band_limited) out_.stride = choose_stride(record);
       for (SidChannel& channel : out_.channels) load_channel(record, channel, band_limited);
-    } catch (const signals::DataError& error) {
+    } catch (const io::FileError& error) {
       throw Failure(Exit::bad_input, error.what());
     }
     out_.integration.stride = out_.stride;
@@ -519,7 +555,7 @@ class Parser {
   int find_column(const signals::Record& record, const SidChannel& channel) const {
     try {
       return record.find(channel.column);
-    } catch (const signals::DataError& error) {
+    } catch (const io::FileError& error) {
       file_.refuse(
           json_.contains(channel.where / "column") ? channel.where / "column" : channel.where,
           error.what());
@@ -546,8 +582,12 @@ class Parser {
       return;
     }
     try {
-      out_.sample_rate_hz = signals::sample_rate_hz(record, column, stated);
-    } catch (const signals::DataError& error) {
+      std::optional<double> scale;
+      if (time != nullptr && json_.contains(time->where / "scale")) {
+        scale = time->signal.scale.value;
+      }
+      out_.sample_rate_hz = signals::sample_rate_hz(record, column, stated, scale);
+    } catch (const io::FileError& error) {
       throw Failure(Exit::bad_input, error.what());
     }
   }
@@ -617,6 +657,7 @@ class Parser {
     const int column = find_column(record, channel);
     const auto& source = record.columns[static_cast<std::size_t>(column)];
     channel.unit = source.unit;
+    convert_unit(channel);
     const int begin = out_.begin - out_.lead_in;
     channel.signal.samples = signals::window(record, column, begin, out_.end);
     const bool whole =
@@ -683,16 +724,17 @@ class Parser {
   }
 
   void warn_of_units() {
-    static const std::set<std::string> si = {"",      "1",      "N",      "m",     "m/s",
-                                             "m/s^2", "m/s2",   "m/s²",   "s",     "ms^-2",
-                                             "m/s/s", "m s^-2", "m.s^-2", "m/s**2"};
     for (const SidChannel& channel : out_.channels) {
-      if ((channel.is_excitation() || channel.role == Role::response) &&
-          !si.contains(channel.unit) && !json_.contains(channel.where / "scale")) {
-        out_.warnings.push_back("Channel \"" + channel.column + "\" is in " + channel.unit +
-                                " and has no \"scale\": its numbers are used as they are, as if "
-                                "they were SI units.");
+      if (!channel.is_excitation() && channel.role != Role::response) continue;
+      const bool plain = channel.unit.empty() || channel.unit == "1";
+      const auto dimension = dimension_of(channel.role, channel.quantity);
+      if (plain || si_of(channel.unit, dimension) || json_.contains(channel.where / "scale")) {
+        continue;
       }
+      out_.warnings.push_back("Channel \"" + channel.column + "\" is in " + channel.unit +
+                              " and has no \"scale\": its numbers are used as they are, as if they "
+                              "were SI units. Known units of " +
+                              std::string(name(dimension)) + ": " + known_units(dimension) + ".");
     }
   }
 
@@ -768,13 +810,19 @@ std::vector<double> make_excitation(const SidCase& sid_case, std::size_t i, sign
   const int samples = sid_case.truth->samples;
   const double rate = sid_case.truth->sample_rate_hz;
   if (kind == "file") {
-    const signals::Record record = read(file, where / "file");
+    const std::string name = text_or_number(e["column"]);
+    const signals::Record record = read(file, where / "file", {name});
     try {
-      std::vector<double> x =
-          signals::window(record, record.find(text_or_number(e["column"])), 0, samples);
-      for (double& sample : x) sample *= e.value("scale", 1.0);
+      const int column = record.find(name);
+      std::vector<double> x = signals::window(record, column, 0, samples);
+      const bool moved = e.value("quantity", "") == "displacement";
+      const auto si = si_of(record.columns[static_cast<std::size_t>(column)].unit,
+                            !e.contains("base") ? signals::Dimension::force
+                            : moved             ? signals::Dimension::length
+                                                : signals::Dimension::acceleration);
+      for (double& sample : x) sample *= e.value("scale", si.value_or(1.0));
       return x;
-    } catch (const signals::DataError& error) {
+    } catch (const io::FileError& error) {
       file.refuse(where, error.what());
     }
   }
@@ -856,16 +904,11 @@ signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
   // Streams of their own, so that one more channel or excitation leaves the others as they were.
   const auto stream = [&](std::uint64_t i) { return signals::Noise(seed * 4096 + i); };
 
-  signals::Record record{
-      .file = sid_case.file.path.string() + " (truth)", .columns = {}, .scalars = {}};
+  signals::Record record;
+  record.file = sid_case.file.path.string() + " (truth)";
   const auto add = [&](const std::string& header, std::vector<double> values) {
-    const auto bracket = header.find(" [");
-    record.columns.push_back({.header = header,
-                              .name = header.substr(0, bracket),
-                              .unit = bracket == std::string::npos
-                                          ? ""
-                                          : header.substr(bracket + 2, header.size() - bracket - 3),
-                              .values = std::move(values)});
+    record.columns.push_back(io::column_of_header(header));
+    record.columns.back().values = std::move(values);
   };
 
   // Excitations in SI, summed by where they act.
@@ -943,6 +986,9 @@ signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
   const SidChannel* clock = nullptr;
   for (const SidChannel& channel : sid_case.channels) {
     if (channel.role == Role::time) clock = &channel;
+  }
+  if (clock != nullptr) {
+    for (double& t : time) t /= clock->signal.scale.value;
   }
   const auto numbered = [](const std::string& column) {
     return column.find_first_not_of("0123456789") == std::string::npos;

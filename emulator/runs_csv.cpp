@@ -1,14 +1,16 @@
 #include "emulator/runs_csv.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "io/atomic_file.hpp"
+#include "io/bytes.hpp"
+#include "io/delimited_text.hpp"
 
 namespace wheeltap::emulator {
 namespace {
@@ -16,43 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Kind = io::FileError::Kind;
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-/// The fields of one line, trimmed and without their quotes.
-std::vector<std::string> fields(std::string_view line) {
-  std::vector<std::string> out;
-  std::string field;
-  bool quoted = false;
-  for (std::size_t i = 0; i <= line.size(); ++i) {
-    if (i == line.size() || (line[i] == ',' && !quoted)) {
-      out.emplace_back(trimmed(field));
-      field.clear();
-    } else if (line[i] != '"') {
-      field += line[i];
-    } else if (quoted && i + 1 < line.size() && line[i + 1] == '"') {
-      field += line[i++];
-    } else {
-      quoted = !quoted;
-    }
-  }
-  return out;
-}
-
-struct Column {
-  std::string name, unit;
-};
-
-/// "frequency [Hz]" → frequency, Hz. Only a bracket after a space is a unit: location[1] is a name.
-Column column(const std::string& text) {
-  const auto open = text.rfind(" [");
-  if (open == std::string::npos || text.back() != ']') return {.name = text, .unit = ""};
-  return {.name = std::string(trimmed(std::string_view(text).substr(0, open))),
-          .unit = text.substr(open + 2, text.size() - open - 3)};
-}
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 std::string heading(const Factor& factor) {
   return factor.unit.empty() ? factor.name : factor.name + " [" + factor.unit + "]";
@@ -60,43 +26,28 @@ std::string heading(const Factor& factor) {
 
 }  // namespace
 
-Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
-                    const std::string& response_name) {
-  std::ifstream stream(path);
-  std::error_code error;
-  if (!stream || fs::is_directory(path, error))
-    throw io::FileError(Kind::missing, path, "no such file, or it cannot be read");
-  std::size_t line_number = 0;
+Table parse_runs_csv(std::string bytes, const fs::path& name, std::vector<Factor> factors,
+                     const std::string& response_name) {
+  const io::DelimitedText text(std::move(bytes), name, io::FirstRow::header);
+  if (text.header_line() == 0)
+    throw io::FileError(Kind::corrupt, name, "no line with column names");
+  int line_number = text.header_line();
   const auto fail = [&](const std::string& reason) {
-    throw io::FileError(Kind::corrupt, path, "line " + std::to_string(line_number) + ": " + reason);
+    throw io::FileError(Kind::corrupt, name, "line " + std::to_string(line_number) + ": " + reason);
   };
-  const auto next_line = [&](std::string& line) {
-    while (std::getline(stream, line)) {
-      ++line_number;
-      const auto content = trimmed(line);
-      if (!content.empty() && content.front() != '#') return true;
-    }
-    return false;
-  };
-
-  std::string line;
-  if (!next_line(line)) throw io::FileError(Kind::corrupt, path, "no line with column names");
-  if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // a byte order mark
-  std::vector<Column> columns;
+  const std::vector<io::Column>& columns = text.headers();
   std::set<std::string> names;
-  for (const std::string& text : fields(line)) {
-    columns.push_back(column(text));
-    if (columns.back().name.empty())
-      fail("column " + std::to_string(columns.size()) + " has no name");
-    if (!names.insert(columns.back().name).second)
-      fail("the column \"" + columns.back().name + "\" is there twice");
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].name.empty()) fail("column " + std::to_string(c + 1) + " has no name");
+    if (!names.insert(columns[c].name).second)
+      fail("the column \"" + columns[c].name + "\" is there twice");
   }
 
   // Which factor a column is; -1 for a response.
   std::vector<std::ptrdiff_t> factor_of(columns.size(), -1);
   for (std::size_t j = 0; j < factors.size(); ++j) {
     const auto found = std::find_if(columns.begin(), columns.end(),
-                                    [&](const Column& c) { return c.name == factors[j].name; });
+                                    [&](const io::Column& c) { return c.name == factors[j].name; });
     if (found == columns.end()) fail("no column for the factor \"" + factors[j].name + "\"");
     factor_of[static_cast<std::size_t>(found - columns.begin())] = static_cast<std::ptrdiff_t>(j);
     if (factors[j].unit.empty()) factors[j].unit = found->unit;
@@ -124,18 +75,17 @@ Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
   if (first_response) fail("no column is a response");
 
   std::vector<double> points, values;
-  std::map<std::vector<double>, std::size_t> line_of;
-  while (next_line(line)) {
-    const auto cells = fields(line);
+  std::map<std::vector<double>, int> line_of;
+  for (int run = 0; run < text.rows(); ++run) {
+    line_number = text.line(run);
+    const auto cells = text.cells(run);
     if (cells.size() != columns.size())
       fail(std::to_string(cells.size()) + " fields under " + std::to_string(columns.size()) +
            " column names");
     std::vector<double> point(factors.size());
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      const char* const last = cells[c].data() + cells[c].size();
-      double value = 0.0;
-      const auto [end, status] = std::from_chars(cells[c].data(), last, value);
-      if (status != std::errc() || end != last || !std::isfinite(value))
+      const double value = io::parse_number(cells[c]).value_or(kNoNumber);
+      if (!std::isfinite(value))
         fail("column \"" + columns[c].name + "\" holds \"" + cells[c] +
              "\", which is not a finite number");
       if (factor_of[c] < 0) {
@@ -152,7 +102,7 @@ Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
       fail("the same point as line " + std::to_string(other->second));
     points.insert(points.end(), point.begin(), point.end());
   }
-  if (line_of.empty()) throw io::FileError(Kind::corrupt, path, "no runs");
+  if (line_of.empty()) throw io::FileError(Kind::corrupt, name, "no runs");
   const auto runs = static_cast<Eigen::Index>(line_of.size());
   table.points =
       Eigen::Map<RowMatrix>(points.data(), runs, static_cast<Eigen::Index>(factors.size()));
@@ -162,13 +112,18 @@ Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
     if (!factors[j].levels.empty()) continue;
     const auto own = table.points.col(static_cast<Eigen::Index>(j));
     if (!(own.minCoeff() < own.maxCoeff()))
-      throw io::FileError(Kind::corrupt, path,
+      throw io::FileError(Kind::corrupt, name,
                           "the factor \"" + factors[j].name + "\" never varies");
     factors[j].levels = {own.minCoeff(), own.maxCoeff()};
   }
   table.factors = std::move(factors);
   check_table(response_name, table);
   return table;
+}
+
+Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
+                    const std::string& response_name) {
+  return parse_runs_csv(io::read_bytes(path), path, std::move(factors), response_name);
 }
 
 void write_design_csv(const fs::path& path, const Design& design) {

@@ -1,14 +1,11 @@
 #include "emulator/table_file.hpp"
 
-#include <hdf5.h>
-#include <netcdf.h>
-
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
-#include <mutex>
 
 #include "io/atomic_file.hpp"
+#include "io/bytes.hpp"
+#include "io/netcdf_library.hpp"
 
 namespace wheeltap::emulator {
 namespace {
@@ -31,41 +28,6 @@ constexpr struct {
                          {"holdout_max_error", &HoldoutError::max_error},
                          {"holdout_spread", &HoldoutError::spread},
                          {"holdout_q2", &HoldoutError::q2}};
-
-/// The NetCDF and HDF5 C libraries keep global state without locks: hold one of these while in
-/// them.
-class LibraryLock {
- public:
-  // HDF5 keeps its error printing a thread, and NetCDF turns it off in the first thread only.
-  LibraryLock() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex mutex;
-    return mutex;
-  }
-  std::lock_guard<std::mutex> lock_;
-};
-
-/// An open NetCDF file, closed when it goes out of scope.
-class Handle {
- public:
-  Handle() = default;
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() {
-    if (open_) nc_close(id);
-  }
-  void opened() { open_ = true; }
-  [[nodiscard]] int close() {
-    open_ = false;
-    return nc_close(id);
-  }
-  int id = -1;
-
- private:
-  bool open_ = false;
-};
 
 /// Of everything a file holds, so that no damage passes unseen, wherever in the file it is.
 std::string checksum(const TableFile& file) {
@@ -333,6 +295,69 @@ struct Reader {
   }
 };
 
+/// Refuses what is no NetCDF-4 file by its first bytes.
+void check_beginning(const fs::path& path, std::string_view bytes) {
+  if (!bytes.starts_with(io::kNetcdfMagic))
+    throw io::FileError(Kind::foreign, path, "not a NetCDF-4 table file");
+}
+
+void check_open(const fs::path& path, int status) {
+  if (status != NC_NOERR)
+    Reader{path}.fail(std::string("truncated or damaged NetCDF-4 file: ") + nc_strerror(status));
+}
+
+/// All of an open file.
+TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
+  const Reader in{path};
+  std::size_t length = 0;
+  nc_type type = NC_NAT;
+  if (nc_inq_att(id, NC_GLOBAL, kFormatAttribute, &type, &length) != NC_NOERR || type != NC_CHAR ||
+      in.text(id, NC_GLOBAL, kFormatAttribute) != kFormatName)
+    throw io::FileError(Kind::foreign, path, "a NetCDF file, but not a table written by wheeltap");
+  int version = 0;
+  in.check(nc_get_att_int(id, NC_GLOBAL, kVersionAttribute, &version), kVersionAttribute);
+  if (version != kTableFormatVersion)
+    throw io::FileError(Kind::version, path,
+                        "table format version " + std::to_string(version) +
+                            "; this wheeltap reads " + std::to_string(kTableFormatVersion) +
+                            ": compute the table again");
+
+  TableFile file;
+  file.attributes = in.texts(id);
+  if (!options.expected_fingerprint.empty()) {
+    const auto found = file.attributes.find("fingerprint");
+    if (found == file.attributes.end() || found->second != options.expected_fingerprint)
+      throw io::FileError(Kind::mismatch, path,
+                          "this table was computed for another case (fingerprint " +
+                              (found == file.attributes.end() ? "absent" : found->second) +
+                              ", expected " + options.expected_fingerprint + ")");
+  }
+  int count = 0;
+  in.check(nc_inq_grps(id, &count, nullptr), "groups");
+  std::vector<int> groups(static_cast<std::size_t>(count));
+  in.check(nc_inq_grps(id, &count, groups.data()), "groups");
+  for (const int group : groups) {
+    char name[NC_MAX_NAME + 1] = {};
+    in.check(nc_inq_grpname(group, name), "group name");
+    try {
+      file.tables[name] = in.table(group);
+    } catch (const io::FileError&) {
+      throw;
+    } catch (const std::exception& contradiction) {  // std::bad_alloc for an absurd size, too
+      in.fail("damaged table file: group " + std::string(name) + ": " + contradiction.what());
+    }
+  }
+  if (checksum(file) != in.text(id, NC_GLOBAL, kChecksumAttribute))
+    in.fail("damaged table file: its checksum does not fit its content");
+  for (const auto& [name, table] : file.tables)
+    if (const Eigen::Index missing = table.missing_runs(); missing > 0 && !options.allow_incomplete)
+      throw io::FileError(Kind::incomplete, path,
+                          std::to_string(missing) + " of the " +
+                              std::to_string(table.values.rows()) + " runs of " + name +
+                              " are not done: resume them, or merge the other parts");
+  return file;
+}
+
 }  // namespace
 
 void write_table_file(const fs::path& path, const TableFile& file) {
@@ -340,9 +365,9 @@ void write_table_file(const fs::path& path, const TableFile& file) {
   // Its error says more than NetCDF's where the directory is absent or closed.
   io::AtomicFile target(path);
   {
-    const LibraryLock lock;
+    const io::NetcdfLock lock;
     const Writer out{path};
-    Handle handle;
+    io::NetcdfHandle handle;
     out.check(nc_create(target.temporary().c_str(), NC_NETCDF4 | NC_CLOBBER, &handle.id));
     handle.opened();
     out.text(handle.id, NC_GLOBAL, kFormatAttribute, kFormatName);
@@ -357,73 +382,25 @@ void write_table_file(const fs::path& path, const TableFile& file) {
   target.commit();
 }
 
+TableFile parse_table_file(std::string bytes, const fs::path& name,
+                           const TableReadOptions& options) {
+  check_beginning(name, bytes);
+  const io::NetcdfLock lock;
+  io::NetcdfHandle handle;
+  check_open(name, nc_open_mem(name.c_str(), NC_NOWRITE, bytes.size(), bytes.data(), &handle.id));
+  handle.opened();
+  return read(name, handle.id, options);
+}
+
 TableFile read_table_file(const fs::path& path, const TableReadOptions& options) {
   std::error_code error;
   if (!fs::exists(path, error)) throw io::FileError(Kind::missing, path, "no such file");
-  char magic[8] = {};
-  std::ifstream stream(path, std::ios::binary);
-  if (fs::is_directory(path, error) || !stream)
-    throw io::FileError(Kind::missing, path, "cannot be read");
-  stream.read(magic, sizeof magic);
-  if (std::string_view(magic, sizeof magic) != std::string_view("\x89HDF\r\n\x1a\n", 8))
-    throw io::FileError(Kind::foreign, path, "not a NetCDF-4 table file");
-  stream.close();
-
-  const LibraryLock lock;
-  const Reader in{path};
-  Handle handle;
-  const int status = nc_open(path.c_str(), NC_NOWRITE, &handle.id);
-  if (status != NC_NOERR)
-    in.fail(std::string("truncated or damaged NetCDF-4 file: ") + nc_strerror(status));
+  check_beginning(path, io::first_bytes(path, sizeof io::kNetcdfMagic));
+  const io::NetcdfLock lock;
+  io::NetcdfHandle handle;
+  check_open(path, nc_open(path.c_str(), NC_NOWRITE, &handle.id));
   handle.opened();
-
-  std::size_t length = 0;
-  nc_type type = NC_NAT;
-  if (nc_inq_att(handle.id, NC_GLOBAL, kFormatAttribute, &type, &length) != NC_NOERR ||
-      type != NC_CHAR || in.text(handle.id, NC_GLOBAL, kFormatAttribute) != kFormatName)
-    throw io::FileError(Kind::foreign, path, "a NetCDF file, but not a table written by wheeltap");
-  int version = 0;
-  in.check(nc_get_att_int(handle.id, NC_GLOBAL, kVersionAttribute, &version), kVersionAttribute);
-  if (version != kTableFormatVersion)
-    throw io::FileError(Kind::version, path,
-                        "table format version " + std::to_string(version) +
-                            "; this wheeltap reads " + std::to_string(kTableFormatVersion) +
-                            ": compute the table again");
-
-  TableFile file;
-  file.attributes = in.texts(handle.id);
-  if (!options.expected_fingerprint.empty()) {
-    const auto found = file.attributes.find("fingerprint");
-    if (found == file.attributes.end() || found->second != options.expected_fingerprint)
-      throw io::FileError(Kind::mismatch, path,
-                          "this table was computed for another case (fingerprint " +
-                              (found == file.attributes.end() ? "absent" : found->second) +
-                              ", expected " + options.expected_fingerprint + ")");
-  }
-  int count = 0;
-  in.check(nc_inq_grps(handle.id, &count, nullptr), "groups");
-  std::vector<int> groups(static_cast<std::size_t>(count));
-  in.check(nc_inq_grps(handle.id, &count, groups.data()), "groups");
-  for (const int group : groups) {
-    char name[NC_MAX_NAME + 1] = {};
-    in.check(nc_inq_grpname(group, name), "group name");
-    try {
-      file.tables[name] = in.table(group);
-    } catch (const io::FileError&) {
-      throw;
-    } catch (const std::exception& contradiction) {  // std::bad_alloc for an absurd size, too
-      in.fail("damaged table file: group " + std::string(name) + ": " + contradiction.what());
-    }
-  }
-  if (checksum(file) != in.text(handle.id, NC_GLOBAL, kChecksumAttribute))
-    in.fail("damaged table file: its checksum does not fit its content");
-  for (const auto& [name, table] : file.tables)
-    if (const Eigen::Index missing = table.missing_runs(); missing > 0 && !options.allow_incomplete)
-      throw io::FileError(Kind::incomplete, path,
-                          std::to_string(missing) + " of the " +
-                              std::to_string(table.values.rows()) + " runs of " + name +
-                              " are not done: resume them, or merge the other parts");
-  return file;
+  return read(path, handle.id, options);
 }
 
 }  // namespace wheeltap::emulator

@@ -32,7 +32,12 @@ struct TableReadOptions {
   bool allow_incomplete = false;  ///< else a table with missing runs is refused
 };
 
-/// Reads everything. Throws FileError.
+/// Everything that the bytes of such a file hold; `name` stands for it in messages. Throws
+/// FileError.
+[[nodiscard]] TableFile parse_table_file(std::string bytes, const std::filesystem::path& name,
+                                         const TableReadOptions& options = {});
+
+/// The same of a file. Throws FileError (missing) besides.
 [[nodiscard]] TableFile read_table_file(const std::filesystem::path& path,
                                         const TableReadOptions& options = {});
 

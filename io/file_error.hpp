@@ -1,13 +1,34 @@
-// Why a file could not be used.
+// Why a file could not be used, and where in it.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 
 namespace wheeltap::io {
 
-/// A file that could not be read or written, and why.
+/// Where in a file: lines and columns from 1, rows from 0; negative, 0 or empty where there is no
+/// such thing.
+struct Place {
+  std::ptrdiff_t line = 0;
+  std::ptrdiff_t sample = -1;  ///< of a file without lines
+  std::ptrdiff_t column = 0;
+  std::string header = {};  ///< of the column
+
+  /// ", line 3, column 2 ('force [N]')": what follows the file's name.
+  [[nodiscard]] std::string text() const {
+    std::string out;
+    if (line > 0) out += ", line " + std::to_string(line);
+    if (sample >= 0) out += ", sample " + std::to_string(sample);
+    if (column > 0) out += ", column " + std::to_string(column);
+    if (!header.empty()) out += " ('" + header + "')";
+    return out;
+  }
+};
+
+/// A file that could not be read or written, and why: "FILE, line 3, column 2 ('force [N]'):
+/// REASON".
 class FileError : public std::runtime_error {
  public:
   enum class Kind {
@@ -20,17 +41,22 @@ class FileError : public std::runtime_error {
     unwritable   ///< cannot be created there
   };
   FileError(Kind kind, std::filesystem::path path, std::string reason)
-      : std::runtime_error(path.string() + ": " + reason),
+      : FileError(kind, std::move(path), {}, std::move(reason)) {}
+  FileError(Kind kind, std::filesystem::path path, Place place, std::string reason)
+      : std::runtime_error(path.string() + place.text() + ": " + reason),
         kind_(kind),
         path_(std::move(path)),
+        place_(std::move(place)),
         reason_(std::move(reason)) {}
   [[nodiscard]] Kind kind() const { return kind_; }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] const Place& place() const { return place_; }
   [[nodiscard]] const std::string& reason() const { return reason_; }
 
  private:
   Kind kind_;
   std::filesystem::path path_;
+  Place place_;
   std::string reason_;
 };
 

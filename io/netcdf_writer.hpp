@@ -1,8 +1,6 @@
 // NetCDF-4 files with groups, one call a variable.
 #pragma once
 
-#include <netcdf.h>
-
 #include <ctime>
 #include <filesystem>
 #include <string>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "io/file_error.hpp"
+#include "io/netcdf_library.hpp"
 
 namespace wheeltap::io {
 

@@ -52,7 +52,7 @@ struct Case {
 Case read_case(const std::filesystem::path& folder) {
   const json file = json::parse(std::ifstream(folder / "shared_or_own.case.json"));
   const json exact = json::parse(std::ifstream(folder / "shared_or_own.exact.json"));
-  const Record record = read_csv(folder / file["record"]["file"].get<std::string>());
+  const Record record = read_record(folder / file["record"]["file"].get<std::string>());
   const int first = file["record"]["samples"][0], last = file["record"]["samples"][1];
   Excitation excitation{.sample_rate_hz = sample_rate_hz(record, record.find_time())};
   std::vector<Sensor> sensors;

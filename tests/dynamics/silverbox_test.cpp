@@ -46,7 +46,7 @@ TEST(Silverbox, BandLimitedExcitationExplainsWhatLinearInterpolationCannot) {
   const std::filesystem::path file =
       std::filesystem::path(WHEELTAP_SHARED_DIR) / "data/silverbox/snls80mv_multisine_train.csv";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
-  const Record record = read_csv(file);
+  const Record record = read_record(file);
   const double banded = simulation_error(record, 4, 0.9883);
   const double linear = simulation_error(record, 1, 0.9525);
   RecordProperty("nrmse_band_limited", std::to_string(banded));

@@ -203,9 +203,8 @@ TEST_F(TableFileTest, ADamagedByteNeverChangesWhatIsRead) {
   for (std::size_t at = 8; at < whole.size(); at += whole.size() / 150) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
-    put(damaged);
     try {
-      const TableFile read = read_table_file(path());
+      const TableFile read = parse_table_file(damaged, path());
       EXPECT_EQ(read.attributes, file.attributes);
       ASSERT_EQ(read.tables.size(), 2u);
       for (const auto& [name, t] : file.tables)

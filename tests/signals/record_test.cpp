@@ -10,7 +10,9 @@
 
 namespace {
 
+using namespace wheeltap;
 using namespace wheeltap::signals;
+using Kind = io::FileError::Kind;
 namespace fs = std::filesystem;
 
 /// A file that goes with the test.
@@ -33,12 +35,12 @@ class RecordFile : public ::testing::Test {
   fs::path folder_;
 };
 
-/// What an error says.
-template <class Error>
+/// What an error about a file's content says.
 std::string message(const std::function<void()>& action) {
   try {
     action();
-  } catch (const Error& error) {
+  } catch (const io::FileError& error) {
+    EXPECT_EQ(error.kind(), Kind::corrupt);
     return error.what();
   }
   return "(nothing thrown)";
@@ -50,8 +52,8 @@ bool contains(const std::string& text, const std::string& part) {
 
 TEST_F(RecordFile, ReadsHeadersWithUnits) {
   const Record r =
-      read_csv(write("# a comment\r\ntime [s],force [N],\"tip "
-                     "(mm)\"\r\n0.00,1,-2e-3\r\n0.01,+2,nan\r\n0.02,3,\r\n\r\n"));
+      read_record(write("# a comment\r\ntime [s],force [N],\"tip "
+                        "(mm)\"\r\n0.00,1,-2e-3\r\n0.01,+2,nan\r\n0.02,3,\r\n\r\n"));
   ASSERT_EQ(r.columns.size(), 3U);
   ASSERT_EQ(r.samples(), 3);
   EXPECT_EQ(r.columns[1].name, "force");
@@ -67,17 +69,17 @@ TEST_F(RecordFile, ReadsHeadersWithUnits) {
   EXPECT_EQ(r.find("2"), 1);
   EXPECT_EQ(r.find_time(), 0);
   EXPECT_NEAR(sample_rate_hz(r, 0), 100.0, 1e-9);
-  EXPECT_TRUE(contains(message<DataError>([&] { (void)r.find("velocity"); }), "'force [N]'"));
-  EXPECT_THROW((void)r.find("4"), DataError);
+  EXPECT_TRUE(contains(message([&] { (void)r.find("velocity"); }), "'force [N]'"));
+  EXPECT_THROW((void)r.find("4"), io::FileError);
 }
 
 TEST_F(RecordFile, RefusesDecimalCommas) {
-  const std::string what = message<DataError>([&] { (void)read_csv(write("a;b\n0;1,5\n")); });
+  const std::string what = message([&] { (void)read_record(write("a;b\n0;1,5\n")); });
   EXPECT_TRUE(contains(what, "line 2, column 2 ('b'): '1,5' is not a number")) << what;
 }
 
 TEST_F(RecordFile, NumbersColumnsWithoutHeader) {
-  const Record r = read_csv(write("0\t1.5\n1\t2.5\n"));
+  const Record r = read_record(write("0\t1.5\n1\t2.5\n"));
   ASSERT_EQ(r.samples(), 2);
   EXPECT_EQ(r.columns[1].header, "2");
   EXPECT_EQ(r.find("2"), 1);
@@ -86,50 +88,108 @@ TEST_F(RecordFile, NumbersColumnsWithoutHeader) {
 }
 
 TEST_F(RecordFile, NamesFileLineAndColumn) {
-  std::string what = message<DataError>([&] { (void)read_csv(write("t,x\n0,1\n1\n")); });
+  std::string what = message([&] { (void)read_record(write("t,x\n0,1\n1\n")); });
   EXPECT_TRUE(contains(what, "r.csv, line 3: 1 columns, must be 2")) << what;
-  what = message<DataError>([&] { (void)read_csv(write("t,x\n0,1\n1,2,3\n")); });
+  what = message([&] { (void)read_record(write("t,x\n0,1\n1,2,3\n")); });
   EXPECT_TRUE(contains(what, "line 3: 3 columns")) << what;
-  what = message<DataError>([&] { (void)read_csv(write("t,x\n0,1\n1,2.5.1\n")); });
+  what = message([&] { (void)read_record(write("t,x\n0,1\n1,2.5.1\n")); });
   EXPECT_TRUE(contains(what, "line 3, column 2 ('x'): '2.5.1' is not a number")) << what;
-  what = message<DataError>([&] { (void)read_csv(write("t,x\n0,1\n\n1,2\n")); });
+  what = message([&] { (void)read_record(write("t,x\n0,1\n\n1,2\n")); });
   EXPECT_TRUE(contains(what, "line 3: empty line")) << what;
-  EXPECT_THROW((void)read_csv(write("")), DataError);
-  EXPECT_THROW((void)read_csv(write("t,x\n")), DataError);
-  EXPECT_THROW((void)read_csv(folder_ / "missing.csv"), FileError);
-  EXPECT_THROW((void)read_csv(folder_), FileError);
+  EXPECT_THROW((void)read_record(write("")), io::FileError);
+  EXPECT_THROW((void)read_record(write("t,x\n")), io::FileError);
+  EXPECT_THROW((void)read_record(folder_ / "missing.csv"), io::FileError);
+  EXPECT_THROW((void)read_record(folder_), io::FileError);
 }
 
 TEST_F(RecordFile, TimeMustBeUniform) {
   const auto rate = [&](const std::string& times, std::optional<double> stated = std::nullopt) {
-    const Record r = read_csv(write("time [s]\n" + times));
+    const Record r = read_record(write("time [s]\n" + times));
     return sample_rate_hz(r, 0, stated);
   };
   EXPECT_NEAR(rate("0\n0.5\n1\n1.5\n", 2.0), 2.0, 1e-12);
   // 1/64 s printed with five digits.
   EXPECT_NEAR(rate("0\n0.015625\n0.03125\n0.046875\n"), 64.0, 1e-9);
   EXPECT_NEAR(rate("10.984\n11\n11.016\n11.031\n11.047\n", 64.0), 63.49, 0.01);
-  std::string what = message<DataError>([&] { (void)rate("0\n0.5\nnan\n1.5\n"); });
+  std::string what = message([&] { (void)rate("0\n0.5\nnan\n1.5\n"); });
   EXPECT_TRUE(contains(what, "line 4, column 1 ('time [s]'): time is not a finite number")) << what;
-  what = message<DataError>([&] { (void)rate("0.0\n0.5\n1.0\n2.0\n2.5\n3.0\n"); });  // a gap
+  what = message([&] { (void)rate("0.0\n0.5\n1.0\n2.0\n2.5\n3.0\n"); });  // a gap
   EXPECT_TRUE(contains(what, "line 5, column 1 ('time [s]'): time goes from 1 to 2 s")) << what;
-  what = message<DataError>([&] { (void)rate("0.00\n0.50\n1.02\n1.50\n2.00\n"); });
+  what = message([&] { (void)rate("0.00\n0.50\n1.02\n1.50\n2.00\n"); });
   EXPECT_TRUE(contains(what, "line 4")) << what;
-  EXPECT_THROW((void)rate("0.0\n0.5\n0.4\n1.5\n"), DataError);
-  EXPECT_THROW((void)rate("3\n2\n1\n"), DataError);
-  EXPECT_THROW((void)rate("3\n"), DataError);
-  what = message<DataError>([&] { (void)rate("0.000\n0.500\n1.000\n1.500\n", 2.1); });
+  EXPECT_THROW((void)rate("0.0\n0.5\n0.4\n1.5\n"), io::FileError);
+  EXPECT_THROW((void)rate("3\n2\n1\n"), io::FileError);
+  EXPECT_THROW((void)rate("3\n"), io::FileError);
+  what = message([&] { (void)rate("0.000\n0.500\n1.000\n1.500\n", 2.1); });
   EXPECT_TRUE(contains(what, "says 2 Hz, which contradicts the stated sampling rate of 2.1 Hz"))
       << what;
 }
 
 TEST_F(RecordFile, WindowsMustLieInTheRecordAndBeFinite) {
-  const Record r = read_csv(write("x\n1\n2\nnan\n4\n5\n"));
+  const Record r = read_record(write("x\n1\n2\nnan\n4\n5\n"));
   EXPECT_EQ(window(r, 0, 3, 5), (std::vector<double>{4, 5}));
-  EXPECT_TRUE(contains(message<DataError>([&] { (void)window(r, 0, 1, 4); }), "line 4, column 1"));
-  EXPECT_TRUE(contains(message<DataError>([&] { (void)window(r, 0, 3, 6); }), "within [0, 5)"));
-  EXPECT_THROW((void)window(r, 0, 3, 3), DataError);
-  EXPECT_THROW((void)window(r, 0, -1, 3), DataError);
+  EXPECT_TRUE(contains(message([&] { (void)window(r, 0, 1, 4); }), "line 4, column 1"));
+  EXPECT_TRUE(contains(message([&] { (void)window(r, 0, 3, 6); }), "within [0, 5)"));
+  EXPECT_THROW((void)window(r, 0, 3, 3), io::FileError);
+  EXPECT_THROW((void)window(r, 0, -1, 3), io::FileError);
+}
+
+// Fault: "time [ms]" was read as seconds.
+TEST_F(RecordFile, TimeInMillisecondsIsNotReadAsSeconds) {
+  const auto rate = [&](const std::string& header, std::optional<double> stated = std::nullopt,
+                        std::optional<double> scale = std::nullopt) {
+    const Record r = read_record(write(header + "\n0\n5\n10\n15\n"));
+    return sample_rate_hz(r, 0, stated, scale);
+  };
+  EXPECT_DOUBLE_EQ(rate("time [ms]"), 200.0);
+  EXPECT_DOUBLE_EQ(rate("time (µs)"), 200e3);
+  EXPECT_DOUBLE_EQ(rate("t[us]"), 200e3);
+  EXPECT_DOUBLE_EQ(rate("Time [min]"), 1.0 / 300.0);
+  EXPECT_DOUBLE_EQ(rate("time [s]"), 0.2);
+  EXPECT_DOUBLE_EQ(rate("time"), 0.2);
+  EXPECT_DOUBLE_EQ(rate("time [ms]", 200.0), 200.0);
+  EXPECT_DOUBLE_EQ(rate("time [ms]", std::nullopt, 1e-6), 200e3) << "a stated scale wins";
+  EXPECT_DOUBLE_EQ(rate("time [ticks]", std::nullopt, 1e-3), 200.0);
+  EXPECT_TRUE(contains(message([&] { (void)rate("time [ms]", 0.2); }), "says 200 Hz"));
+  for (const char* unit : {"ticks", "V", "mm", "1"}) {
+    const std::string what = message([&] { (void)rate("time [" + std::string(unit) + "]"); });
+    EXPECT_TRUE(contains(what, "column 1 ('time [" + std::string(unit) + "]'): time is in '" +
+                                   unit + "', must be one of s, ms, us, ns, min, h, d"))
+        << what;
+  }
+}
+
+// Fault: a fit of a short window took a record's every cell, of columns that no channel names, too.
+// What is not read may be text: that it is not read shows there.
+TEST_F(RecordFile, OnlyTheColumnsOfALongRecordThatAreNeededAreRead) {
+  std::string text = "time [s],remark,force [N],x [m]\n";
+  for (int n = 0; n < 1000; ++n)
+    text += std::to_string(n) + ",at " + std::to_string(n) + "," + std::to_string(2 * n) + ",1\n";
+  const auto path = write(text);
+  const Record r = read_record(path, {"force"});
+  EXPECT_EQ(r.samples(), 1000);
+  EXPECT_EQ(window(r, r.find("force"), 2, 4), (std::vector<double>{4, 6}));
+  EXPECT_EQ(sample_rate_hz(r, r.find_time()), 1.0) << "time is always read";
+  EXPECT_TRUE(r.columns[1].values.empty());
+  EXPECT_THROW((void)window(r, r.find("x"), 2, 4), std::invalid_argument);
+  EXPECT_TRUE(contains(message([&] { (void)read_record(path); }), "line 2, column 2 ('remark')"));
+  EXPECT_EQ(read_record(path, {"4"}).columns[3].values.size(), 1000U) << "by its number";
+}
+
+TEST_F(RecordFile, ARecordInAFormatOfOnesOwn) {
+  std::vector<io::Format> known(io::formats().begin(), io::formats().end());
+  known.push_back({.name = "count",
+                   .endings = {".count"},
+                   .parse = [](std::string bytes, const fs::path& name, const io::Wanted&) {
+                     io::Columns table{.file = name.string(),
+                                       .columns = {io::column_of_header("byte")}};
+                     for (const char c : bytes) table.columns[0].values.push_back(c);
+                     return table;
+                   }});
+  std::ofstream(folder_ / "r.count") << "abc";
+  const Record r = read_record(folder_ / "r.count", {}, known);
+  EXPECT_EQ(window(r, r.find("byte"), 0, 3), (std::vector<double>{'a', 'b', 'c'}));
+  EXPECT_THROW((void)read_record(folder_ / "r.count"), io::FileError);
 }
 
 // The measured sets beside the repository.
@@ -166,11 +226,11 @@ TEST_F(SharedData, BistableX) {
   EXPECT_THROW(                                           // complex numbers as text
       (void)read_record(folder_ /
                         "bistablex/base_rotation_phi=0/swept_sine/mag_vr=0_vl=0/left_eq_point.csv"),
-      DataError);
+      io::FileError);
   Record mat;
   try {
     mat = read_record(folder_ / "bistablex/poincare_analysis/chaos_symmetric/DPsv00001.mat");
-  } catch (const FileError& error) {
+  } catch (const io::FileError& error) {
     GTEST_SKIP() << error.what();
   }
   EXPECT_EQ(mat.samples(), 8192);
@@ -187,7 +247,7 @@ TEST_F(SharedData, SilverboxInBothFormats) {
   Record mat;
   try {
     mat = read_record(folder_ / "silverbox/snls80mv_multisine_train_v5.mat");
-  } catch (const FileError& error) {
+  } catch (const io::FileError& error) {
     GTEST_SKIP() << error.what();
   }
   ASSERT_EQ(mat.samples(), 40000);

@@ -1,0 +1,48 @@
+// A table as measured files hold it: named columns of numbers with their units, and single numbers.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/file_error.hpp"
+
+namespace wheeltap::io {
+
+struct Column {
+  std::string header = {};  ///< as in the file: "force [N]", "X1(:,2)"; "3" in a file without any
+  std::string name = {};    ///< "force"
+  std::string unit = {};    ///< "N", or empty
+  std::vector<double> values = {};
+  /// How finely the file prints a number: its most digits after the point and most significant
+  /// digits. Negative for binary files.
+  int decimals = -1;
+  int digits = -1;
+};
+
+/// "force [N]" and "force (N)" are the name "force" and the unit "N". A bracket that holds an index
+/// belongs to the name unless a blank stands before it: "location[1]", "X1(:,2)".
+[[nodiscard]] Column column_of_header(std::string_view header);
+
+struct Columns {
+  std::string file = {};
+  std::vector<Column> columns = {};  ///< of equal length, but for those that were not wanted
+  std::map<std::string, double> scalars = {};
+  int first_line = 0;             ///< line of row 0; 0 for binary files
+  std::vector<int> skipped = {};  ///< rows before which a comment stands, increasing
+
+  [[nodiscard]] int rows() const;
+  /// Index of the column with this header, or this name, or (a number) at this place from 1. Throws
+  /// FileError (corrupt), naming what there is, if there is none or several.
+  [[nodiscard]] int find(std::string_view column) const;
+  /// Where a row stands in the file, and a column of it; for messages.
+  [[nodiscard]] Place place(std::size_t row, int column = -1) const;
+};
+
+/// Which columns are to be read: called once a column with the table's headers. The others keep
+/// their headers and have no values. Empty: all.
+using Wanted = std::function<bool(const Columns&, std::size_t column)>;
+
+}  // namespace wheeltap::io

@@ -1,0 +1,68 @@
+#include "io/formats.hpp"
+
+#include <algorithm>
+
+#include "io/bytes.hpp"
+#include "io/delimited_text.hpp"
+#include "io/matlab_file.hpp"
+
+namespace wheeltap::io {
+namespace {
+
+constexpr std::size_t kBeginning = 512;  // longer than any magic
+
+std::string lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+}  // namespace
+
+std::span<const Format> formats() {
+  static const Format list[] = {
+      {.name = "delimited text",
+       .endings = {".csv", ".tsv", ".txt", ".dat", ".asc", ".data", ".tab", ".prn", ""},
+       .parse = parse_delimited_text},
+      {.name = "MATLAB",
+       .endings = {".mat"},
+       .magic = {"MATLAB 5.0 MAT-file", "MATLAB 7.3 MAT-file"},
+       .read = read_matlab_file},
+  };
+  return list;
+}
+
+const Format& format_of(const std::filesystem::path& path, std::string_view beginning,
+                        std::span<const Format> known) {
+  for (const Format& format : known)
+    for (const std::string_view magic : format.magic)
+      if (beginning.starts_with(magic)) return format;
+  const std::string ending = lower(path.extension().string());
+  for (const Format& format : known)
+    if (std::ranges::count(format.endings, ending) > 0) return format;
+  std::string list;
+  for (const Format& format : known) {
+    list += list.empty() ? "" : "; ";
+    list += std::string(format.name) + " (";
+    for (std::size_t i = 0; i < format.endings.size(); ++i)
+      list += (i > 0 ? ", " : "") +
+              (format.endings[i].empty() ? "no ending" : std::string(format.endings[i]));
+    list += ")";
+  }
+  throw FileError(FileError::Kind::foreign, path,
+                  "no format with the ending '" + ending + "' is known, there are " + list);
+}
+
+Columns read_columns(const std::filesystem::path& path, const Wanted& wanted,
+                     std::span<const Format> known) {
+  std::error_code unknown;
+  const bool regular = std::filesystem::is_regular_file(path, unknown);
+  // A pipe can be read once only.
+  std::string bytes = regular ? first_bytes(path, kBeginning) : read_bytes(path);
+  const Format& format = format_of(path, bytes, known);
+  if (format.read != nullptr) return format.read(path, wanted);
+  if (regular) bytes = read_bytes(path);
+  return format.parse(std::move(bytes), path, wanted);
+}
+
+}  // namespace wheeltap::io

@@ -1,0 +1,51 @@
+// The NetCDF library's own ways.
+#pragma once
+
+#include <hdf5.h>
+#include <netcdf.h>
+#include <netcdf_mem.h>
+
+#include <mutex>
+
+namespace wheeltap::io {
+
+/// The NetCDF and HDF5 C libraries keep global state without locks: hold one of these while in
+/// them. Not recursive: NetcdfWriter and NetcdfReader take none, their users do where threads write
+/// or read at the same time.
+class NetcdfLock {
+ public:
+  // HDF5 keeps its error printing a thread, and NetCDF turns it off in the first thread only.
+  NetcdfLock() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  std::lock_guard<std::mutex> lock_;
+};
+
+/// An open NetCDF file, closed when it goes out of scope.
+class NetcdfHandle {
+ public:
+  NetcdfHandle() = default;
+  NetcdfHandle(const NetcdfHandle&) = delete;
+  NetcdfHandle& operator=(const NetcdfHandle&) = delete;
+  ~NetcdfHandle() {
+    if (open_) nc_close(id);
+  }
+  void opened() { open_ = true; }
+  [[nodiscard]] int close() {
+    open_ = false;
+    return nc_close(id);
+  }
+  int id = -1;
+
+ private:
+  bool open_ = false;
+};
+
+/// What the first bytes of a NetCDF-4 file are (HDF5's signature).
+inline constexpr char kNetcdfMagic[] = "\x89HDF\r\n\x1a\n";
+
+}  // namespace wheeltap::io

@@ -1,0 +1,129 @@
+#include "signals/units.hpp"
+
+#include <algorithm>
+
+namespace wheeltap::signals {
+namespace {
+
+// The foot, the pound and standard gravity are exact by definition (NIST Special Publication 811,
+// 2008, appendix B): 1 in = 0.0254 m, 1 lb = 0.453 592 37 kg, g = 9.806 65 m/s².
+constexpr double kInch = 0.0254;
+constexpr double kFoot = 0.3048;
+constexpr double kGravity = 9.80665;
+constexpr double kPoundForce = 0.45359237 * kGravity;
+
+constexpr Unit kUnits[] = {
+    {"s", Dimension::time, 1.0},
+    {"ms", Dimension::time, 1e-3},
+    {"us", Dimension::time, 1e-6},
+    {"ns", Dimension::time, 1e-9},
+    {"min", Dimension::time, 60.0},
+    {"h", Dimension::time, 3600.0},
+    {"d", Dimension::time, 86400.0},
+    {"N", Dimension::force, 1.0},
+    {"kN", Dimension::force, 1e3},
+    {"MN", Dimension::force, 1e6},
+    {"mN", Dimension::force, 1e-3},
+    {"uN", Dimension::force, 1e-6},
+    {"kgf", Dimension::force, kGravity},
+    {"lbf", Dimension::force, kPoundForce},
+    {"kip", Dimension::force, 1e3 * kPoundForce},
+    {"m", Dimension::length, 1.0},
+    {"cm", Dimension::length, 1e-2},
+    {"mm", Dimension::length, 1e-3},
+    {"um", Dimension::length, 1e-6},
+    {"nm", Dimension::length, 1e-9},
+    {"km", Dimension::length, 1e3},
+    {"in", Dimension::length, kInch},
+    {"ft", Dimension::length, kFoot},
+    {"m/s", Dimension::velocity, 1.0},
+    {"cm/s", Dimension::velocity, 1e-2},
+    {"mm/s", Dimension::velocity, 1e-3},
+    {"um/s", Dimension::velocity, 1e-6},
+    {"km/h", Dimension::velocity, 1.0 / 3.6},
+    {"in/s", Dimension::velocity, kInch},
+    {"ft/s", Dimension::velocity, kFoot},
+    {"m/s^2", Dimension::acceleration, 1.0},
+    {"cm/s^2", Dimension::acceleration, 1e-2},
+    {"mm/s^2", Dimension::acceleration, 1e-3},
+    {"um/s^2", Dimension::acceleration, 1e-6},
+    {"in/s^2", Dimension::acceleration, kInch},
+    {"ft/s^2", Dimension::acceleration, kFoot},
+    {"g", Dimension::acceleration, kGravity},
+    {"mg", Dimension::acceleration, 1e-3 * kGravity},
+    {"Gal", Dimension::acceleration, 1e-2},
+};
+
+/// Other spellings of whole units.
+constexpr std::pair<std::string_view, std::string_view> kSynonyms[] = {
+    {"S", "s"},     {"sec", "s"},   {"secs", "s"},          {"second", "s"},    {"seconds", "s"},
+    {"msec", "ms"}, {"usec", "us"}, {"milliseconds", "ms"}, {"minutes", "min"}, {"hours", "h"},
+    {"hr", "h"},    {"days", "d"},  {"microseconds", "us"}, {"inch", "in"},     {"gal", "Gal"},
+};
+
+void replace(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+/// One spelling of all that mean the same.
+std::string canonical(std::string_view text) {
+  std::string out(text);
+  for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC"}) replace(out, micro, "u");  // µ, μ
+  replace(out, "\xC2\xB2", "^2");                                                          // ²
+  replace(out, "\xE2\x81\xBB\xC2\xB9", "^-1");                                             // ⁻¹
+  replace(out, "\xE2\x81\xBB^2", "^-2");                                                   // ⁻²
+  replace(out, "\xC2\xB7", " ");                                                           // ·
+  replace(out, "**", "^");
+  for (const auto& [power, quotient] : {std::pair{"^-2", "/s^2"}, std::pair{"^-1", "/s"}}) {
+    if (!out.ends_with(std::string("s") + power)) continue;
+    out.resize(out.size() - 4);
+    out.resize(out.find_last_not_of(" .*") + 1);
+    out += quotient;
+  }
+  std::erase(out, ' ');
+  replace(out, "/s/s", "/s^2");
+  if (out.ends_with("/s2")) out.replace(out.size() - 3, 3, "/s^2");
+  std::string small = out;
+  for (char& c : small)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  for (const auto& [other, name] : kSynonyms)
+    if (out == other || (other.size() > 2 && small == other)) return std::string(name);
+  return out;
+}
+
+}  // namespace
+
+std::string_view name(Dimension dimension) {
+  switch (dimension) {
+    case Dimension::time:
+      return "a time";
+    case Dimension::force:
+      return "a force";
+    case Dimension::length:
+      return "a length";
+    case Dimension::velocity:
+      return "a velocity";
+    case Dimension::acceleration:
+      return "an acceleration";
+  }
+  return "";
+}
+
+std::optional<Unit> find_unit(std::string_view text) {
+  const std::string wanted = canonical(text);
+  const auto found = std::ranges::find(kUnits, wanted, &Unit::name);
+  if (found == std::end(kUnits)) return std::nullopt;
+  return *found;
+}
+
+std::string known_units(Dimension dimension) {
+  std::string list;
+  for (const Unit& unit : kUnits) {
+    if (unit.dimension != dimension) continue;
+    list += (list.empty() ? "" : ", ") + std::string(unit.name);
+  }
+  return list;
+}
+
+}  // namespace wheeltap::signals

@@ -1,0 +1,77 @@
+#include "io/matlab_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include "io/formats.hpp"
+#include "tests/emulator/temporary_directory.hpp"
+
+#ifdef WHEELTAP_MATIO
+#include <matio.h>
+#endif
+
+namespace wheeltap::io {
+namespace {
+
+using Kind = FileError::Kind;
+
+#ifdef WHEELTAP_MATIO
+
+void put(mat_t* file, const char* name, std::vector<double> values, std::size_t rows,
+         std::size_t columns) {
+  std::size_t dims[] = {rows, columns};
+  matvar_t* variable = Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0);
+  ASSERT_EQ(Mat_VarWrite(file, variable, MAT_COMPRESSION_NONE), 0);
+  Mat_VarFree(variable);
+}
+
+TEST(MatlabFile, VectorsMatricesAndScalars) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "r.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  ASSERT_NE(file, nullptr);
+  put(file, "fs", {100.0}, 1, 1);
+  put(file, "u", {1, 2, 3}, 1, 3);
+  put(file, "X1", {4, 5, 6, 7, 8, 9}, 3, 2);
+  put(file, "short", {1, 2}, 2, 1);
+  Mat_Close(file);
+  Columns t = read_columns(path);
+  EXPECT_EQ(t.scalars.at("fs"), 100.0);
+  EXPECT_EQ(t.rows(), 3);
+  ASSERT_EQ(t.columns.size(), 3U) << "an array shorter than the others is left out";
+  EXPECT_EQ(t.columns[static_cast<std::size_t>(t.find("u"))].values,
+            (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(t.columns[static_cast<std::size_t>(t.find("X1(:,2)"))].values,
+            (std::vector<double>{7, 8, 9}));
+  EXPECT_EQ(t.columns[0].digits, -1);
+  t = read_matlab_file(path,
+                       [](const Columns& c, std::size_t i) { return c.columns[i].name == "u"; });
+  EXPECT_TRUE(t.columns[static_cast<std::size_t>(t.find("X1(:,1)"))].values.empty());
+  // What it is shows in how it begins, not in its name.
+  std::filesystem::copy_file(path, directory / "r.csv");
+  EXPECT_EQ(read_columns(directory / "r.csv").rows(), 3);
+}
+
+TEST(MatlabFile, WhatIsNoneIsRefused) {
+  const test::TemporaryDirectory directory;
+  test::put_bytes(directory / "text.mat", "x\n1\n");
+  EXPECT_THROW((void)read_columns(directory / "text.mat"), FileError);
+  const auto path = directory / "empty.mat";
+  Mat_Close(Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5));
+  try {
+    (void)read_columns(path);
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.kind(), Kind::corrupt);
+  }
+}
+
+#else
+
+TEST(MatlabFile, WithoutLibmatioIsRefusedByName) {
+  EXPECT_THROW((void)read_matlab_file("r.mat"), FileError);
+}
+
+#endif
+
+}  // namespace
+}  // namespace wheeltap::io

@@ -1,0 +1,92 @@
+#include "io/netcdf_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "io/netcdf_writer.hpp"
+#include "tests/emulator/temporary_directory.hpp"
+
+namespace wheeltap::io {
+namespace {
+
+using Kind = FileError::Kind;
+
+class NetcdfReaderTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    NetcdfWriter out(path);
+    out.about("1.2.3");
+    const int group = out.group("posterior");
+    const int chain = out.dimension(group, "chain", 2, 0),
+              draw = out.dimension(group, "draw", 3, 0);
+    const int slot = out.dimension(group, "slot", 2, 1);
+    const int id = out.put(group, "location", {chain, draw, slot}, std::vector<double>(12, 0.25));
+    out.text(group, id, "units", "m");
+    out.put(group, "model", {chain, draw}, std::vector<int>{0, 1, 2, 3, 4, 5});
+    out.close();
+  }
+  Kind error(const std::function<void()>& action) const {
+    try {
+      action();
+    } catch (const FileError& e) {
+      EXPECT_EQ(e.path(), path);
+      text_ = e.reason();
+      return e.kind();
+    }
+    return Kind::version;  // never thrown here
+  }
+  void expect_content(const NetcdfReader& in) const {
+    const int group = in.required_group("posterior");
+    EXPECT_FALSE(in.group("prior"));
+    const NetcdfArray location = in.read(group, "location");
+    EXPECT_EQ(location.shape, (std::vector<std::size_t>{2, 3, 2}));
+    EXPECT_EQ(location.inner(), 2U);
+    EXPECT_EQ(location.values, std::vector<double>(12, 0.25));
+    const NetcdfArray model = in.read(group, "model");
+    EXPECT_EQ(model.inner(), 1U);
+    EXPECT_EQ(model.values, (std::vector<double>{0, 1, 2, 3, 4, 5})) << "integers as numbers";
+    EXPECT_EQ(in.variables(group),
+              (std::vector<std::string>{"chain", "draw", "slot", "location", "model"}));
+    EXPECT_TRUE(in.has(group, "model"));
+    EXPECT_FALSE(in.has(group, "weight"));
+    EXPECT_EQ(in.text("inference_library"), "wheeltap");
+    EXPECT_EQ(in.text("inference_library_version"), "1.2.3");
+    EXPECT_EQ(in.text("no such"), "");
+    EXPECT_EQ(in.text(group, "location", "units"), "m");
+    EXPECT_EQ(in.text(group, "location", "no such"), "");
+    EXPECT_EQ(in.text(group, "no such", "units"), "");
+  }
+  test::TemporaryDirectory directory;
+  const std::filesystem::path path = directory / "posterior.nc";
+  mutable std::string text_;
+};
+
+TEST_F(NetcdfReaderTest, ReadsWhatTheWriterWrote) {
+  expect_content(NetcdfReader(path));
+  expect_content(NetcdfReader(test::bytes_of(path), path));
+}
+
+TEST_F(NetcdfReaderTest, NamesWhatIsWrong) {
+  const NetcdfReader in(path, "a posterior of wheeltap");
+  EXPECT_EQ(error([&] { (void)in.required_group("prior"); }), Kind::foreign);
+  EXPECT_EQ(text_, "has no group \"prior\": not a posterior of wheeltap");
+  EXPECT_EQ(error([&] { (void)in.read(in.required_group("posterior"), "weight"); }), Kind::foreign);
+  EXPECT_EQ(text_, "has no variable \"weight\": not a posterior of wheeltap");
+}
+
+TEST_F(NetcdfReaderTest, DamagedFilesAreCorrupt) {
+  const std::string whole = test::bytes_of(path);
+  for (std::size_t size = 0; size < whole.size(); size += whole.size() / 20) {
+    test::put_bytes(path, whole.substr(0, size));
+    EXPECT_EQ(error([&] { (void)NetcdfReader(path); }), Kind::corrupt) << size;
+    EXPECT_EQ(error([&] { (void)NetcdfReader(whole.substr(0, size), path); }), Kind::corrupt);
+  }
+  test::put_bytes(path, "chain,draw\n0,1\n");
+  EXPECT_EQ(error([&] { (void)NetcdfReader(path); }), Kind::corrupt);
+  std::filesystem::remove(path);
+  EXPECT_EQ(error([&] { (void)NetcdfReader(path); }), Kind::missing);
+}
+
+}  // namespace
+}  // namespace wheeltap::io
