@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fem/section.hpp"
+#include "identification/interpolants.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {
@@ -227,6 +228,40 @@ TEST(DamageCase, EmulatorDesigns) {
   EXPECT_THAT(complaint(json), HasSubstr("the beam has 10 elements"));
   json["predictor"] = {{"sites", {1, 5}}};
   EXPECT_THAT(complaint(json), HasSubstr("/predictor/multipliers: is missing"));
+}
+
+TEST(DamageCase, InterpolantsAreThoseOfTheList) {
+  Json json = small_case();
+  std::vector<std::string> names;
+  for (const auto* type : interpolant_types()) {
+    names.emplace_back(type->name);
+    json["predictor"] = type->runs == emulator::InterpolantType::Runs::grid
+                            ? Json::parse(R"({"sites": [1, 10], "multipliers": [1, 0.4]})")
+                            : Json::parse(R"({"design": {"kind": "sobol", "runs": 20}})");
+    json["predictor"]["interpolation"] = names.back();
+    EXPECT_EQ(parsed(json).emulator->interpolant, type);
+  }
+  EXPECT_EQ(schema("damage").flatten().dump().find("x-list"), std::string::npos);
+  json["predictor"] = Json::parse(R"({"sites": [1, 10], "multipliers": [1, 0.4]})");
+  json["predictor"]["interpolation"] = "spline";
+  for (const std::string& name : names) EXPECT_THAT(complaint(json), HasSubstr(name));
+  json["predictor"]["interpolation"] = "gaussian-process";
+  EXPECT_THAT(complaint(json), HasSubstr("\"multilinear\", \"cubic\" and \"monotone-cubic\""));
+
+  // Before the runs are made, not after.
+  json["damage"]["count"]["max"] = 4;
+  json["predictor"]["interpolation"] = "cubic";
+  EXPECT_THAT(complaint(json), HasSubstr("\"cubic\" takes up to 3 damages"));
+  json["predictor"]["expansion"] = "anova";
+  EXPECT_EQ(parsed(json).emulator->tables(4), 2);
+}
+
+TEST(DamageCase, SymmetricBeamsHaveSymmetricEmulators) {
+  Json json = small_case();
+  json["predictor"] = Json::parse(R"({"sites": [1, 10], "multipliers": [1, 0.4]})");
+  EXPECT_TRUE(parsed(json).emulator->symmetrise);
+  json["predictor"]["emulator_error"] = false;
+  EXPECT_FALSE(parsed(json).emulator->symmetrise) << "trusted blindly, as it is";
 }
 
 }  // namespace
