@@ -99,13 +99,22 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
   if (!std::isfinite(frequency) || !std::isfinite(damping)) return kInfeasible;
   if (exact) return with_halvings({}, frequency, damping);
   const double fastest = std::max(frequency, damping);
+  // Counts come in few numbers: those of a refined simulator are its factor times as many, even
+  // where the limit alone would not change them.
+  const auto at_least_refined = [&](const auto& steps) {
+    const int coarse = ladder(steps(options.step_limit * options.refinement));
+    const int count = std::max(ladder(steps(options.step_limit)), options.refinement * coarse);
+    return coarse > 0 && count <= kMaxSubsteps ? count : -1;
+  };
   if (integrator == Integrator::runge_kutta) {
-    const double shortening = std::max(1.0, kUsualStepLimit / options.step_limit);
-    const int substeps = ladder(std::max(frequency / options.step_limit, damping * shortening));
+    const int substeps = at_least_refined([&](double limit) {
+      return std::max(frequency / limit, damping * std::max(1.0, kUsualStepLimit / limit));
+    });
     return substeps > 0 ? Key{.substeps = substeps} : kTooManySteps;
   }
-  const double longest = kLongestPiece * std::min(1.0, options.step_limit / kUsualStepLimit);
-  const int pieces = options.substeps > 0 ? options.substeps : ladder(fastest / longest);
+  const int pieces = options.substeps > 0 ? options.substeps : at_least_refined([&](double limit) {
+    return fastest / (kLongestPiece * std::min(1.0, limit / kUsualStepLimit));
+  });
   if (pieces < 0) return kTooManySteps;
   const Key key{.substeps = pieces, .degree = degree_of_series(fastest / pieces)};
   return integrator == Integrator::series ? key : with_halvings(key, frequency, damping);
@@ -219,6 +228,7 @@ Simulator Simulator::refined(int factor) const {
   if (factor < 1) fail("factor = " + std::to_string(factor) + ", must be at least 1");
   SimulatorOptions options = impl_->options;
   options.step_limit /= factor;
+  options.refinement *= factor;
   options.substeps *= factor;
   return with(impl_->sensors, std::move(options));
 }

@@ -94,6 +94,9 @@ struct SimulatorOptions {
   /// One step of length h shifts a frequency ω by the factor 1 - (ω h)⁴/120 and adds a damping
   /// ratio (ω h)⁵/144: 1.3e-5 and 2.2e-6 at 0.2.
   double step_limit = 0.2;
+  /// Of Simulator::refined: at least so many times the steps that the limit, so many times as long,
+  /// would choose.
+  int refinement = 1;
   /// The extension [m] of each link up to which stiffest_rates considers nonlinear laws; empty: 0.
   std::vector<double> extension = {};
   /// Every `stride`-th sample of the excitation is a sample of the response (for an excitation that

@@ -137,6 +137,18 @@ TEST(StepChoice, RefinedStepsAreShorterWhereDampingChoseThem) {
   EXPECT_GE(simulator.refined(4).substeps({}), 4 * coarse / 2);
 }
 
+// Where one step a sample was chosen and would do at half the limit, "half as long" was as long,
+// and a check of the steps found nothing.
+TEST(StepChoice, RefinedStepsAreShorterWhereOneASampleWasChosen) {
+  const Chain chain{.masses = {1.0}, .links = {{.laws = {make_law<laws::Coulomb>({1e-3, 1.0})}}}};
+  const Simulator simulator(
+      chain, {.sample_rate_hz = 100.0, .forces = {{.mass = 1, .signal = {noise(50, 1)}}}},
+      displacements(1));
+  EXPECT_EQ(simulator.substeps({}), 1);
+  EXPECT_EQ(simulator.refined(2).substeps({}), 2);
+  EXPECT_EQ(simulator.refined(2).refined(4).substeps({}), 8);
+}
+
 // Rates were summed in an array of 65 rows.
 TEST(StepChoice, StiffestRatesOfManyMasses) {
   Chain chain = uniform_chain(300);
