@@ -1,5 +1,5 @@
-// The prior comes back when the likelihood is off, whatever the moves: a move that does not leave it
-// invariant cannot leave a posterior so.
+// The prior comes back when the likelihood is off, whatever the moves: a move that does not leave
+// it invariant cannot leave a posterior so.
 #include <gtest/gtest.h>
 
 #include <cmath>
