@@ -105,7 +105,7 @@ std::optional<double> Relocation::propose(const State& from, const Step& step, S
   const ComponentRange at = space.component(from.model, kind_, taken);
   const std::span<const double> old_component = at.of(from.z);
 
-  std::vector<double> component(at.width);
+  std::vector<double> component(old_component.begin(), old_component.end());
   proposal_->condition(from, kind_, taken, step.beta);
   proposal_->draw(step.random, component);
   const double log_forward =
