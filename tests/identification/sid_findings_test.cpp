@@ -62,9 +62,10 @@ TEST(SidFindings, NoiseThatIsNotAsStatedIsRemarkedOn) {
 
 TEST(SidFindings, AParameterAtTheEndOfItsPriorIsRemarkedOn) {
   SidCase c = small_sid_case();
-  c.models.erase(c.models.begin());
+  c.models.pop_back();
   c.truth->model = 0;
-  c.parameters[0].prior = inference::Uniform{0.0, 45.0};  // the truth is 50
+  c.parameters = {{"k", inference::Uniform{0.0, 45.0}}};  // the truth is 50, known to a percent
+  c.truth->theta = {50.0};
   const SidFindings f = found(simulated(c));
   const auto* remark = find<remark::ParameterAtBound>(f);
   ASSERT_NE(remark, nullptr);
