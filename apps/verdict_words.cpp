@@ -17,11 +17,11 @@ constexpr std::size_t kNamed = 4;  // of many models alike
 const char* const kRunLonger = " Run longer (--warmup, --draws).";
 const char* const kSearchMore = " Search more (--search), or run longer (--warmup, --draws).";
 
-std::string plus_minus(const Marginal& x) {
+std::string plus_minus(const inference::Estimate& x) {
   return significant(x.value, 3) + (std::isfinite(x.mcse) ? " ± " + significant(x.mcse, 1) : "");
 }
 
-std::string fixed_plus_minus(const Marginal& x) {
+std::string fixed_plus_minus(const inference::Estimate& x) {
   return fixed(x.value, 2) + " ± " + fixed(x.mcse, 2);
 }
 
@@ -34,7 +34,7 @@ std::string jumps(long proposed) {
                       : "was never entered";
 }
 
-std::string implied(const Marginal& p) {
+std::string implied(const inference::Estimate& p) {
   return "; its evidence puts it at P ≈ " + plus_minus(p);
 }
 
