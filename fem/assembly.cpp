@@ -48,7 +48,7 @@ class Constraints {
     Real size = 0;
     for (int i = 0; i < 4; ++i) {
       const int dof = motion.first_dof + i;
-      if (motion.coefficients[i] != 0) row[dof] = motion.coefficients[i];
+      if (motion.coefficients[i] != Real{0}) row[dof] = motion.coefficients[i];
       size = std::max(size, weight(row, dof, element_length));
     }
     for (const auto& [pivot, solved] : solved_) subtract(row, solved, pivot);
@@ -75,7 +75,8 @@ class Constraints {
   static Real weight(const Row& row, int dof, Real element_length) {
     const auto found = row.find(dof);
     if (found == row.end()) return 0;
-    return std::abs(found->second) / (dof % 2 == 1 ? element_length : Real{1});
+    using std::abs;
+    return abs(found->second) / (dof % 2 == 1 ? element_length : Real{1});
   }
 
   static void subtract(Row& row, const Row& solved, int pivot) {
@@ -124,13 +125,14 @@ MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& elem
   return row;
 }
 
-Eigen::VectorXd lost_stiffness(const Beam& beam, const Defects& defects) {
-  Eigen::VectorXd lost = Eigen::VectorXd::Zero(beam.elements);
-  for (const Damage& d : defects.damages) {
-    double& here = lost[beam.element_at(d.location)];
-    here += d.reduction - here * d.reduction;
-  }
-  return lost;
+template <class Real>
+Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
+                                                           const Defects& defects) {
+  Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining =
+      Eigen::Matrix<Real, Eigen::Dynamic, 1>::Ones(beam.elements);
+  for (const Damage& d : defects.damages)
+    remaining[beam.element_at(d.location)] *= Real{1} - Real{d.reduction};
+  return remaining;
 }
 
 int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added) {
@@ -163,13 +165,13 @@ Assembly<Real> assemble(const Beam& beam, const Defects& defects) {
   const TimoshenkoElement<Real> element(beam);
   const auto stiffness = element.stiffness();
   const auto mass = element.mass();
-  const Eigen::VectorXd lost = lost_stiffness(beam, defects);
+  const auto remaining = remaining_stiffness<Real>(beam, defects);
   const int dofs = 2 * beam.nodes();
   std::vector<Eigen::Triplet<Real>> k, m;
   for (int e = 0; e < beam.elements; ++e)
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j) {
-        k.emplace_back(2 * e + i, 2 * e + j, (1 - static_cast<Real>(lost[e])) * stiffness(i, j));
+        k.emplace_back(2 * e + i, 2 * e + j, remaining[e] * stiffness(i, j));
         m.emplace_back(2 * e + i, 2 * e + j, mass(i, j));
       }
 
@@ -183,20 +185,22 @@ Assembly<Real> assemble(const Beam& beam, const Defects& defects) {
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j)
         k.emplace_back(row.first_dof + i, row.first_dof + j,
-                       h.stiffness * row.coefficients[i] * row.coefficients[j]);
+                       Real{h.stiffness} * row.coefficients[i] * row.coefficients[j]);
   }
 
   std::vector<int> free_index(static_cast<std::size_t>(dofs), -1);
   std::vector<Eigen::Triplet<Real>> t;
+  std::vector<int> free_dofs;
   int free = 0;
   for (int dof = 0; dof < dofs; ++dof)
     if (!constraints.solved().contains(dof)) {
       free_index[static_cast<std::size_t>(dof)] = free;
       t.emplace_back(dof, free++, Real{1});
+      free_dofs.push_back(dof);
     }
   for (const auto& [pivot, row] : constraints.solved())
     for (const auto& [dof, value] : row)
-      if (dof != pivot && value != 0)
+      if (dof != pivot && value != Real{0})
         t.emplace_back(pivot, free_index[static_cast<std::size_t>(dof)], -value);
 
   using Sparse = typename Assembly<Real>::Sparse;
@@ -207,13 +211,18 @@ Assembly<Real> assemble(const Beam& beam, const Defects& defects) {
   const Sparse transposed = transform.transpose();
   return {.stiffness = transposed * (all_k * transform),
           .mass = transposed * (all_m * transform),
-          .free_to_all = transform};
+          .free_to_all = transform,
+          .free_dofs = free_dofs};
 }
 
-template MotionRow<double> motion_row(const Beam&, const TimoshenkoElement<double>&, double, bool);
-template MotionRow<long double> motion_row(const Beam&, const TimoshenkoElement<long double>&,
-                                           double, bool);
-template Assembly<double> assemble(const Beam&, const Defects&);
-template Assembly<long double> assemble(const Beam&, const Defects&);
+#define WHEELTAP_INSTANTIATE(Real)                                                               \
+  template MotionRow<Real> motion_row(const Beam&, const TimoshenkoElement<Real>&, double, bool); \
+  template Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam&,                \
+                                                                      const Defects&);            \
+  template Assembly<Real> assemble(const Beam&, const Defects&);
+WHEELTAP_INSTANTIATE(double)
+WHEELTAP_INSTANTIATE(long double)
+WHEELTAP_INSTANTIATE(DoubleDouble)
+#undef WHEELTAP_INSTANTIATE
 
 }  // namespace wheeltap::fem

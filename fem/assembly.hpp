@@ -4,6 +4,7 @@
 #include <Eigen/SparseCore>
 
 #include <span>
+#include <vector>
 #include "base/eigen.hpp"
 
 #include "fem/beam.hpp"
@@ -26,8 +27,11 @@ template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);
 
-/// 1 - Π (1 - r) of the damages in each element: what the element lost of its stiffness.
-[[nodiscard]] Eigen::VectorXd lost_stiffness(const Beam& beam, const Defects& defects);
+/// Π (1 - r) of the damages in each element: what is left of its stiffness. A product, since
+/// 1 minus what was lost keeps no digits where little is left.
+template <class Real>
+[[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
+                                                                         const Defects& defects);
 
 /// How many rigid motions (of two: translation and rotation) the beam's and these supports leave
 /// free.
@@ -42,6 +46,7 @@ struct Assembly {
   Sparse stiffness;    ///< Tᵀ K T, n × n, symmetric (both triangles)
   Sparse mass;         ///< Tᵀ M T, n × n
   Sparse free_to_all;  ///< T, 2 (elements + 1) × n
+  std::vector<int> free_dofs;  ///< n: which degree of freedom each of q is
 };
 
 /// Throws std::invalid_argument for an invalid beam, or a defect outside the beam or out of range.

@@ -46,6 +46,7 @@ class SkylineLdlt {
 
   /// Factors K - σ M; returns the number of eigenvalues below σ.
   int factor(Real sigma) {
+    using std::abs;
     int negative = 0;
     growth_ = 0;
     for (std::size_t i = 0; i < l_.size(); ++i) l_[i] = k_[i] - sigma * m_[i];
@@ -62,12 +63,12 @@ class SkylineLdlt {
         const Real scaled = row[j];
         row[j] /= l_[start_[j + 1] - 1];
         row[i] -= scaled * row[j];
-        removed = std::max(removed, std::abs(scaled * row[j]));
+        removed = std::max(removed, abs(scaled * row[j]));
       }
-      const Real size = std::abs(k_[diagonal]) + std::abs(sigma * m_[diagonal]);
+      const Real size = abs(k_[diagonal]) + abs(sigma * m_[diagonal]);
       growth_ = std::max(growth_, removed / size);
-      if (row[i] == 0) row[i] = std::numeric_limits<Real>::epsilon() * size;
-      negative += row[i] < 0;
+      if (row[i] == Real{0}) row[i] = std::numeric_limits<Real>::epsilon() * size;
+      negative += row[i] < Real{0};
     }
     return negative;
   }
@@ -75,7 +76,7 @@ class SkylineLdlt {
   /// False where σ nearly is an eigenvalue of a leading block, whose tiny pivot drowned the rows
   /// below it in rounding: the count and solutions are then not to be trusted, and σ should move a
   /// little.
-  [[nodiscard]] bool stable() const { return growth_ < Real{1e4}; }
+  [[nodiscard]] bool stable() const { return growth_ < Real{kLargestGrowth}; }
 
   /// Overwrites x with (K - σ M)⁻¹ x of the last factorisation.
   template <class Vector>
@@ -90,6 +91,9 @@ class SkylineLdlt {
   }
 
  private:
+  /// Four digits of double or long double; of 106 bits there are more to spare.
+  static constexpr double kLargestGrowth = std::numeric_limits<Real>::digits > 100 ? 1e12 : 1e4;
+
   [[nodiscard]] std::size_t place(std::size_t i, std::size_t j) const {
     return start_[i] + j - first_[i];
   }

@@ -14,7 +14,7 @@ class StrainEnergy {
   using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
   StrainEnergy(const Beam& beam, const Defects& defects)
-      : element_(beam), remaining_(1 - lost_stiffness(beam, defects).array()) {
+      : element_(beam), remaining_(remaining_stiffness<Real>(beam, defects)) {
     const auto add = [&](double at, bool rotation, double stiffness) {
       if (std::isfinite(stiffness))
         springs_.push_back({motion_row(beam, element_, at, rotation), stiffness});
@@ -34,18 +34,18 @@ class StrainEnergy {
     for (Eigen::Index e = 0; e < remaining_.size(); ++e) {
       const Real b = bending.dot(u.template segment<4>(2 * e));
       const Real a = shear.dot(u.template segment<4>(2 * e));
-      sum += static_cast<Real>(remaining_[e]) * (b * b + a * a);
+      sum += remaining_[e] * (b * b + a * a);
     }
     for (const auto& [row, stiffness] : springs_) {
       const Real motion = row.coefficients.dot(u.template segment<4>(row.first_dof));
-      sum += stiffness * motion * motion;
+      sum += Real{stiffness} * motion * motion;
     }
     return sum;
   }
 
  private:
   TimoshenkoElement<Real> element_;
-  Eigen::ArrayXd remaining_;  // 1 - r of each element
+  Vector remaining_;  // Π (1 - r) of each element
   std::vector<std::pair<MotionRow<Real>, double>> springs_;
 };
 

@@ -18,13 +18,15 @@ TimoshenkoElement<Real>::TimoshenkoElement(const Beam& beam)
 
 template <class Real>
 auto TimoshenkoElement<Real>::bending() const -> Vector {
-  const Real root = std::sqrt(bending_ / l_);
+  using std::sqrt;
+  const Real root = sqrt(bending_ / l_);
   return {0, -root, 0, root};
 }
 
 template <class Real>
 auto TimoshenkoElement<Real>::shear() const -> Vector {
-  const Real root = std::sqrt(12 * bending_ / (l_ * l_ * l_ * (1 + phi_)));
+  using std::sqrt;
+  const Real root = sqrt(12 * bending_ / (l_ * l_ * l_ * (1 + phi_)));
   return {root, root * l_ / 2, -root, root * l_ / 2};
 }
 
@@ -68,5 +70,6 @@ auto TimoshenkoElement<Real>::rotation_row(Real xi) const -> Vector {
 
 template class TimoshenkoElement<double>;
 template class TimoshenkoElement<long double>;
+template class TimoshenkoElement<DoubleDouble>;
 
 }  // namespace wheeltap::fem

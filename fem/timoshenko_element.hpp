@@ -4,6 +4,7 @@
 #include "base/eigen.hpp"
 
 #include "fem/beam.hpp"
+#include "fem/double_double.hpp"
 
 namespace wheeltap::fem {
 
@@ -12,7 +13,7 @@ namespace wheeltap::fem {
 /// element does not lock (Friedman & Kosmatka 1993, Computers & Structures 47:473). Degrees of
 /// freedom are (w₁, θ₁, w₂, θ₂), θ = w' for Φ = 0.
 ///
-/// `Real` is double, or long double where a reference solution needs it.
+/// `Real` is double, or wider where low modes of fine meshes need it.
 template <class Real>
 class TimoshenkoElement {
  public:
@@ -48,5 +49,6 @@ class TimoshenkoElement {
 
 extern template class TimoshenkoElement<double>;
 extern template class TimoshenkoElement<long double>;
+extern template class TimoshenkoElement<DoubleDouble>;
 
 }  // namespace wheeltap::fem

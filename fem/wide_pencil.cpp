@@ -1,0 +1,105 @@
+#include "fem/wide_pencil.hpp"
+
+namespace wheeltap::fem {
+
+using Real = DoubleDouble;
+using Vector = WidePencil::Vector;
+
+Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(const Beam& beam,
+                                                                const Defects& defects) {
+  const int count = rigid_body_freedom(beam, defects.supports);
+  const int dofs = 2 * beam.nodes();
+  Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> modes(dofs, count);
+  if (count == 0) return modes;
+  const TimoshenkoElement<Real> element(beam);
+  // About the middle of the beam, translation and rotation are orthogonal; about a held place only
+  // the rotation is left, and where a rotation is held only the translation.
+  bool rotation_held = false;
+  std::optional<double> held_at;
+  const auto hold = [&](double at, bool rotation) {
+    if (rotation)
+      rotation_held = true;
+    else
+      held_at = at;
+  };
+  for (const Support& s : beam.supports) {
+    if (s.deflection) hold(s.at, false);
+    if (s.rotation) hold(s.at, true);
+  }
+  for (const SpringSupport& s : defects.supports) hold(s.location, s.rotation);
+  const auto fill = [&](Eigen::Index column, bool turn, Real about) {
+    for (int node = 0; node < beam.nodes(); ++node) {
+      modes(2 * node, column) = turn ? element.length() * Real(node) - about : Real(1);
+      modes(2 * node + 1, column) = turn ? Real(1) : Real(0);
+    }
+  };
+  if (count == 2) {
+    fill(0, false, 0.0);
+    fill(1, true, element.length() * Real(beam.elements) / Real(2));
+  } else if (rotation_held) {
+    fill(0, false, 0.0);
+  } else {
+    fill(0, true, *held_at);
+  }
+  const auto mass = element.mass();
+  for (auto mode : modes.colwise()) {
+    Real sum = 0;
+    for (int e = 0; e < beam.elements; ++e) {
+      const Eigen::Matrix<Real, 4, 1> u = mode.segment<4>(2 * e);
+      sum += u.dot(mass * u);
+    }
+    mode /= sqrt(sum);
+  }
+  return modes;
+}
+
+WidePencil::WidePencil(const Beam& beam, const Defects& defects)
+    : assembly_(assemble<Real>(beam, defects)),
+      ldlt_(assembly_.stiffness, assembly_.mass),
+      energy_(beam, defects) {
+  const auto modes = rigid_modes(beam, defects);
+  for (const auto& mode : modes.colwise()) {
+    rigid_.push_back(mode(assembly_.free_dofs));
+    rigid_momentum_.push_back(assembly_.mass * rigid_.back());
+  }
+}
+
+std::optional<int> WidePencil::count_below(Real sigma) {
+  const int below = ldlt_.factor(sigma);
+  if (!ldlt_.stable()) return std::nullopt;
+  return below;
+}
+
+bool WidePencil::holds(int index, Real lambda, double error) {
+  const auto low = count_below(lambda * (Real(1) - Real(error)));
+  if (!low || *low > index) return false;
+  const auto high = count_below(lambda * (Real(1) + Real(error)));
+  return high && *high > index;
+}
+
+Real WidePencil::normalise(Vector& q) const {
+  for (std::size_t i = 0; i < rigid_.size(); ++i) q -= rigid_momentum_[i].dot(q) * rigid_[i];
+  q /= sqrt(q.dot(assembly_.mass * q));
+  return energy_.twice(all_dofs(q));
+}
+
+std::optional<Real> WidePencil::refine(Vector& q) {
+  constexpr double kDone = 1e-14;  // the step after it would be smaller than its cube
+  Real quotient = normalise(q);
+  for (int step = 0; step < 12; ++step) {
+    ldlt_.factor(quotient);
+    // Aside by a little where the eigenvalue makes a leading block singular too.
+    for (int attempt = 1; !ldlt_.stable() && attempt < 4; ++attempt)
+      ldlt_.factor(quotient * (Real(1) + Real(1e-9 * attempt)));
+    Vector next = assembly_.mass * q;
+    ldlt_.solve(next);
+    const Real last = quotient;
+    quotient = normalise(next);
+    if (!isfinite(quotient)) return std::nullopt;
+    q = next;
+    if (abs(quotient - last) <= Real(kDone) * quotient) return quotient;
+  }
+  return std::nullopt;
+}
+
+}  // namespace wheeltap::fem
