@@ -15,20 +15,27 @@ struct alignas(64) Pack {
   double lane[kLanes];
 };
 
-/// One set of defects, in the coordinates of the intact modes: F(λ) = Σ_j c_j c_jᵀ / (λ_j - λ), m ×
-/// m. The modes far above the wanted range, j >= `near`, enter through a Chebyshev series in λ over
-/// [0, cap], exact to rounding.
+/// One set of defects, in the coordinates of the intact modes. Mode j counts with its static part
+/// taken out, which a support's column needs of rigid-body modes, too:
+///
+///   S(λ) = J - Σ_j κ_j e_j e_jᵀ,   κ_j = s_j / (λ_j - λ) - 1,   e_j = c_j / √s_j,
+///
+/// m × m, with s_j = λ_j, so that κ_j = λ / (λ_j - λ) vanishes with λ and nothing cancels where a
+/// damage leaves next to no stiffness; s_j is the lowest elastic eigenvalue for rigid-body modes.
+/// J = S at κ = 0 is -1 for supports, which come first, and 1 for damages: `DefectColumns` scales the
+/// columns c so. The modes far above the wanted range, j >= `near`, enter through a Chebyshev series
+/// of κ / λ in λ over [0, cap], exact to rounding.
 struct Secular {
   int columns = 0;                      ///< m
+  int supports = 0;                     ///< columns of supports, the first ones
   int near = 0;                         ///< modes summed explicitly
   int terms = 0;                        ///< of the Chebyshev series
   double cap = 0.0;                     ///< largest λ that may be asked for
   const double* eigenvalues = nullptr;  ///< λ_j of all modes
+  const double* scales = nullptr;       ///< s_j of all modes
   std::size_t stride = 0;               ///< between columns of c
   const double* c = nullptr;            ///< c[a * stride + j]
-  const double* inverse_gamma =
-      nullptr;  ///< diag Γ⁻¹: 1/r for damages, -1/k for supports, 0 if rigid
-  /// Entry (a, b <= a) number t of c cᵀ, row j (a near mode, then a term of the series), is at
+  /// Entry (a, b <= a) number t of e eᵀ, row j (a near mode, then a term of the series), is at
   /// pairs[((t / kPairChunk) * rows() + j) * kPairChunk + t % kPairChunk].
   const double* pairs = nullptr;
 
@@ -38,27 +45,36 @@ struct Secular {
   }
 };
 
-/// With modes p and p + 1 (`lower_pole`) left out of F, A(λ) = Γ⁻¹ - F(λ) has no pole near λ, and
+/// With modes p and p + 1 (`lower_pole`) left out of S, what remains, A(λ), has no pole near λ, and
 /// the damaged modes solve H(λ) v = 0,
 ///
-///   H(λ) = diag(λ_p - λ, λ_{p+1} - λ) - [c_p c_{p+1}]ᵀ A⁻¹ [c_p c_{p+1}],   N = -H' positive
-///   definite.
+///   H(λ) = diag(1/κ_p, 1/κ_{p+1}) - [e_p e_{p+1}]ᵀ A⁻¹ [e_p e_{p+1}],   N = -H' positive definite.
 ///
-/// det(H - d N) = 0 gives two steps d from λ to roots, right to second order.
+/// Each v of H v = δ N v, with η = A⁻¹ [e_p e_{p+1}] v, is a shape φ = Σ_j a_j φ_j,
+///
+///   a_j = c_jᵀ η / (λ_j - λ), j ≠ p, p + 1,   a_p = (√s_p / (s_p - λ_p + λ)) v_p - (H v)_p / √s_p,
+///
+/// which satisfies the damaged problem but for the residual g_p = (s_p - λ_p + λ) (H v)_p / √s_p on
+/// those two modes. So its Rayleigh quotient is λ + aᵀ g / |a|², right to second order, and an
+/// eigenvalue lies within r of it, r² = |g|² / |a|² - (aᵀ g / |a|²)² (Parlett 1998, theorem 4.5.1).
 struct SecularSteps {
-  Pack low, high;  ///< the two steps, low <= high
-  Pack negative;   ///< negative inertia of A
-  Pack h11, h12, h22, n11, n12, n22;
+  Pack negative;                        ///< negative inertia of A
+  Pack smallest_pivot;                  ///< of A's factors, relative to the diagonal
+  Pack low, high;                       ///< δ, low <= high
+  Pack low_step, high_step;             ///< Rayleigh quotients - λ
+  Pack low_residual, high_residual;     ///< r²
+  Pack low_v1, low_v2, low_a1, low_a2;  ///< v and (a_p, a_{p+1}), |a| = 1
+  Pack high_v1, high_v2, high_a1, high_a2;
 };
 
 /// Memory of `evaluate`.
 struct SecularScratch {
-  Pack* weights = nullptr;       ///< rows(): 1/(λ_j - λ), then T_p
-  Pack* slopes = nullptr;        ///< rows(): their derivatives
-  Pack* matrix = nullptr;        ///< chunks() · kPairChunk: F, then A, then its factors
-  Pack* slope_matrix = nullptr;  ///< as `matrix`: F' of the series
+  Pack* weights = nullptr;       ///< rows(): κ_j, then λ T_p
+  Pack* slopes = nullptr;        ///< rows(): 1/(λ_j - λ)², then (λ T_p)'
+  Pack* matrix = nullptr;        ///< chunks() · kPairChunk: Σ κ e eᵀ, then A, then its factors
+  Pack* slope_matrix = nullptr;  ///< as `matrix`: -A' of the series
   Pack* forward = nullptr;       ///< 2 m
-  Pack* forces = nullptr;        ///< 2 m, a result too: A⁻¹ c_p, then A⁻¹ c_{p+1}
+  Pack* forces = nullptr;        ///< 2 m, a result too: A⁻¹ e_p, then A⁻¹ e_{p+1}
 };
 
 /// The loops that count, compiled for one instruction set. All sets give the same bits.
@@ -79,6 +95,12 @@ struct SecularKernel {
   /// the two modes from `pole` on are left to the caller.
   void (*coordinates)(const Secular& secular, int modes, const double* eta, double lambda, int pole,
                       double* out);
+
+  /// to[j] -= factor from[j], j < size.
+  void (*subtract)(double* to, const double* from, double factor, int size);
+
+  /// Σ_j a[j] b[j] w[j], j < size.
+  double (*weighted_dot)(const double* a, const double* b, const double* w, int size);
 
   /// out[r] = Σ_j rows[r * stride + j] x[j], j < size.
   void (*project)(const double* rows, int count, std::size_t stride, const double* x, int size,

@@ -64,7 +64,7 @@ inline void accumulate(const Secular& s, int lanes, const Pack* weights, int fir
   }
 }
 
-/// weights[j] = 1/(λ_j - λ), zero for the two poles left out, then T_p(x); slopes likewise dλ.
+/// weights[j] = κ_j, zero for the two poles left out, then λ T_p(x); slopes as in SecularScratch.
 inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_pole,
                   const SecularScratch& scratch) {
   Vec pole;
@@ -74,7 +74,7 @@ inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_po
     const double index = j;
     const Vec inverse = 1.0 / (s.eigenvalues[j] - z);
     const Vec kept = (pole == index) | (pole == index - 1.0) ? zero : inverse;
-    at(scratch.weights[j], lanes) = kept;
+    at(scratch.weights[j], lanes) = kept * (z + (s.scales[j] - s.eigenvalues[j]));
     at(scratch.slopes[j], lanes) = kept * kept;
   }
   if (s.terms == 0) return;
@@ -84,17 +84,53 @@ inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_po
   Vec t_last = zero + 1.0, t = x, u_last = zero, u = zero + 1.0;
   Pack* weights = scratch.weights + s.near;
   Pack* slopes = scratch.slopes + s.near;
-  at(weights[0], lanes) = t_last;
-  at(slopes[0], lanes) = zero;
+  at(weights[0], lanes) = z;
+  at(slopes[0], lanes) = t_last;
   for (int p = 1; p < s.terms; ++p) {
-    at(weights[p], lanes) = t;
-    at(slopes[p], lanes) = u * (scale * p);
+    at(weights[p], lanes) = z * t;
+    at(slopes[p], lanes) = t + z * u * (scale * p);
     const Vec t_next = 2.0 * x * t - t_last, u_next = 2.0 * x * u - u_last;
     t_last = t;
     t = t_next;
     u_last = u;
     u = u_next;
   }
+}
+
+/// H, N and the part B of N that the modes besides the poles have.
+struct Small {
+  Vec h11, h12, h22, n11, n12, n22, b11, b12, b22;
+  Vec root1, root2;    // √s of the poles
+  Vec above1, above2;  // s_p - λ_p + λ
+};
+
+/// What the shape of one δ says; see SecularSteps.
+inline void shape(const Small& k, const Vec& delta, bool low, Pack& step, Pack& residual, Pack& v1,
+                  Pack& v2, Pack& a1, Pack& a2, int lanes) {
+  const Vec zero{};
+  const Vec r11 = k.h11 - delta * k.n11, r12 = k.h12 - delta * k.n12, r22 = k.h22 - delta * k.n22;
+  const Vec m11 = r11 < zero ? -r11 : r11, m22 = r22 < zero ? -r22 : r22;
+  Vec x = m11 < m22 ? r22 : -r12, y = m11 < m22 ? -r12 : r11;
+  // A double root: any two N-orthogonal vectors.
+  const auto none = (x == zero) & (y == zero);
+  x = none ? (low ? zero + 1.0 : -k.n12) : x;
+  y = none ? (low ? zero : k.n11) : y;
+  const Vec hv1 = k.h11 * x + k.h12 * y, hv2 = k.h12 * x + k.h22 * y;
+  const Vec g1 = k.above1 * hv1 / k.root1, g2 = k.above2 * hv2 / k.root2;
+  const Vec p1 = k.root1 * x / k.above1 - hv1 / k.root1,
+            p2 = k.root2 * y / k.above2 - hv2 / k.root2;
+  const Vec inverse = 1.0 / (p1 * p1 + p2 * p2 +
+                             (k.b11 * x * x + 2.0 * (k.b12 * x * y) + k.b22 * y * y));
+  const Vec gain = (p1 * g1 + p2 * g2) * inverse;
+  const Vec rest = (g1 * g1 + g2 * g2) * inverse - gain * gain;
+  Vec size = inverse;
+  for (int l = 0; l < kWidth; ++l) size[l] = __builtin_sqrt(size[l]);
+  at(step, lanes) = gain;
+  at(residual, lanes) = rest < zero ? zero : rest;
+  at(v1, lanes) = x * size;
+  at(v2, lanes) = y * size;
+  at(a1, lanes) = p1 * size;
+  at(a2, lanes) = p2 * size;
 }
 
 inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, const int* lower_pole,
@@ -105,30 +141,43 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
   accumulate(s, lanes, scratch.weights, 0, s.rows(), scratch.matrix);
   if (s.terms > 0) accumulate(s, lanes, scratch.slopes, s.near, s.rows(), scratch.slope_matrix);
 
-  // The two poles' columns, gathered; y = A⁻¹ c replaces them.
+  // The two poles' columns, gathered; y = A⁻¹ e replaces them.
   Pack* y1 = scratch.forces;
   Pack* y2 = y1 + m;
   Pack* u1 = scratch.forward;
   Pack* u2 = u1 + m;
+  Small k;
   Vec gap1, gap2;
   for (int l = 0; l < kWidth; ++l) {
     const int p = lower_pole[lanes + l];
-    gap1[l] = s.eigenvalues[p] - lambda.lane[lanes + l];
-    gap2[l] = s.eigenvalues[p + 1] - lambda.lane[lanes + l];
+    const double here = lambda.lane[lanes + l];
+    gap1[l] = s.eigenvalues[p] - here;
+    gap2[l] = s.eigenvalues[p + 1] - here;
+    k.above1[l] = s.scales[p] - s.eigenvalues[p] + here;
+    k.above2[l] = s.scales[p + 1] - s.eigenvalues[p + 1] + here;
+    const double root1 = __builtin_sqrt(s.scales[p]), root2 = __builtin_sqrt(s.scales[p + 1]);
+    k.root1[l] = root1;
+    k.root2[l] = root2;
+    const double inverse1 = 1.0 / root1, inverse2 = 1.0 / root2;
     for (int a = 0; a < m; ++a) {
       const double* c = s.c + static_cast<std::size_t>(a) * s.stride + p;
-      y1[a].lane[lanes + l] = c[0];
-      y2[a].lane[lanes + l] = c[1];
+      y1[a].lane[lanes + l] = c[0] * inverse1;
+      y2[a].lane[lanes + l] = c[1] * inverse2;
     }
   }
 
-  // A = Γ⁻¹ - F, then A = L D Lᵀ in place (row a starts at a (a + 1) / 2, D inverted), and L u = c.
+  // A = J - Σ κ e eᵀ, then A = L D Lᵀ in place (row a starts at a (a + 1) / 2, D inverted), and
+  // L u = e.
   const auto row = [&](int a) { return scratch.matrix + a * (a + 1) / 2; };
   const Vec zero{};
-  Vec h11 = gap1, h12 = zero, h22 = gap2, negative = zero;
+  k.h11 = gap1 / k.above1;
+  k.h12 = zero;
+  k.h22 = gap2 / k.above2;
+  Vec negative = zero, smallest = zero + 1.0;
   for (int a = 0; a < m; ++a) {
     Pack* ra = row(a);
-    Vec pivot = s.inverse_gamma[a] - at(ra[a], lanes);
+    const Vec diagonal = (a < s.supports ? -1.0 : 1.0) - at(ra[a], lanes);
+    Vec pivot = diagonal;
     Vec c1 = at(y1[a], lanes), c2 = at(y2[a], lanes);
     for (int b = 0; b < a; ++b) {
       const Pack* rb = row(b);
@@ -149,9 +198,12 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
     at(u1[a], lanes) = c1;
     at(u2[a], lanes) = c2;
     negative += pivot < zero ? zero + 1.0 : zero;
-    h11 -= c1 * c1 * inverse;
-    h12 -= c1 * c2 * inverse;
-    h22 -= c2 * c2 * inverse;
+    const Vec size = diagonal < zero ? 1.0 - diagonal : 1.0 + diagonal;
+    const Vec left = (pivot < zero ? -pivot : pivot) / size;
+    smallest = left < smallest ? left : smallest;
+    k.h11 -= c1 * c1 * inverse;
+    k.h12 -= c1 * c2 * inverse;
+    k.h22 -= c2 * c2 * inverse;
   }
   for (int a = m; a-- > 0;) {
     const Vec inverse = at(row(a)[a], lanes);
@@ -165,8 +217,8 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
     at(y2[a], lanes) = second;
   }
 
-  // N = I + Yᵀ F' Y.
-  Vec n11 = zero + 1.0, n12 = zero, n22 = zero + 1.0;
+  // B = -Yᵀ A' Y.
+  k.b11 = k.b12 = k.b22 = zero;
   for (int j = 0; j < s.near; ++j) {
     Vec first = zero, second = zero;
     for (int a = 0; a < m; ++a) {
@@ -175,13 +227,13 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
       second += c * at(y2[a], lanes);
     }
     const Vec slope = at(scratch.slopes[j], lanes);
-    n11 += slope * first * first;
-    n12 += slope * first * second;
-    n22 += slope * second * second;
+    k.b11 += slope * first * first;
+    k.b12 += slope * first * second;
+    k.b22 += slope * second * second;
   }
   if (s.terms > 0)
     for (int a = 0, t = 0; a < m; ++a) {
-      Vec first = zero, second = zero;  // Σ_{b<a} F'_ab y_b
+      Vec first = zero, second = zero;  // Σ_{b<a} A'_ab y_b
       for (int b = 0; b < a; ++b, ++t) {
         const Vec f = at(scratch.slope_matrix[t], lanes);
         first += f * at(y1[b], lanes);
@@ -189,32 +241,36 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
       }
       const Vec f = at(scratch.slope_matrix[t++], lanes);
       const Vec a1 = at(y1[a], lanes), a2 = at(y2[a], lanes);
-      n11 += a1 * (2.0 * first + f * a1);
-      n12 += a1 * (second + f * a2) + a2 * first;
-      n22 += a2 * (2.0 * second + f * a2);
+      k.b11 += a1 * (2.0 * first + f * a1);
+      k.b12 += a1 * (second + f * a2) + a2 * first;
+      k.b22 += a2 * (2.0 * second + f * a2);
     }
+  const Vec per1 = k.root1 / k.above1, per2 = k.root2 / k.above2;
+  k.n11 = per1 * per1 + k.b11;
+  k.n12 = k.b12;
+  k.n22 = per2 * per2 + k.b22;
 
-  // Both d of H v = d N v, through N's Cholesky factor; the smaller one as determinant / larger, so
+  // Both δ of H v = δ N v, through N's Cholesky factor; the smaller one as determinant / larger, so
   // that it keeps its relative accuracy at convergence.
-  const Vec r = n12 / n11;
-  const Vec rest = n22 - n12 * r;
-  const Vec b21 = h12 - r * h11, b22 = h22 - 2.0 * r * h12 + r * r * h11;
-  const Vec g11 = h11 / n11, g22 = b22 / rest, g12_squared = b21 * b21 / (n11 * rest);
+  const Vec r = k.n12 / k.n11;
+  const Vec rest = k.n22 - k.n12 * r;
+  const Vec b21 = k.h12 - r * k.h11, b22 = k.h22 - 2.0 * r * k.h12 + r * r * k.h11;
+  const Vec g11 = k.h11 / k.n11, g22 = b22 / rest, g12_squared = b21 * b21 / (k.n11 * rest);
   const Vec mean = 0.5 * (g11 + g22), half = 0.5 * (g11 - g22);
   Vec root = half * half + g12_squared;
   for (int l = 0; l < kWidth; ++l) root[l] = __builtin_sqrt(root[l]);
   const Vec large = mean < zero ? mean - root : mean + root;
   const Vec determinant = g11 * g22 - g12_squared;
   const Vec small = large == zero ? zero : determinant / large;
-  at(steps.low, lanes) = mean < zero ? large : small;
-  at(steps.high, lanes) = mean < zero ? small : large;
+  const Vec low = mean < zero ? large : small, high = mean < zero ? small : large;
+  at(steps.low, lanes) = low;
+  at(steps.high, lanes) = high;
   at(steps.negative, lanes) = negative;
-  at(steps.h11, lanes) = h11;
-  at(steps.h12, lanes) = h12;
-  at(steps.h22, lanes) = h22;
-  at(steps.n11, lanes) = n11;
-  at(steps.n12, lanes) = n12;
-  at(steps.n22, lanes) = n22;
+  at(steps.smallest_pivot, lanes) = smallest;
+  shape(k, low, true, steps.low_step, steps.low_residual, steps.low_v1, steps.low_v2, steps.low_a1,
+        steps.low_a2, lanes);
+  shape(k, high, false, steps.high_step, steps.high_residual, steps.high_v1, steps.high_v2,
+        steps.high_a1, steps.high_a2, lanes);
 }
 
 void evaluate(const Secular& s, const Pack& lambda, const int (&lower_pole)[kLanes],
@@ -233,7 +289,7 @@ void fill_pairs(const Secular& s, int modes, const double* series, const int* se
       const double* ca = s.c + static_cast<std::size_t>(a) * s.stride;
       const double* cb = s.c + static_cast<std::size_t>(b) * s.stride;
       double* to = pairs + (t / kPairChunk) * rows * kPairChunk + t % kPairChunk;
-      for (int j = 0; j < s.near; ++j) to[j * kPairChunk] = ca[j] * cb[j];
+      for (int j = 0; j < s.near; ++j) to[j * kPairChunk] = ca[j] * cb[j] / s.scales[j];
       to += static_cast<std::ptrdiff_t>(s.near) * kPairChunk;
       for (int j = 0; j < far; ++j) product[j] = ca[s.near + j] * cb[s.near + j];
       for (int p = 0; p < s.terms; ++p)
@@ -257,6 +313,25 @@ void coordinates(const Secular& s, int modes, const double* eta, double lambda, 
     if (j != pole && j != pole + 1) out[j] /= s.eigenvalues[j] - lambda;
 }
 
+void subtract(double* to, const double* from, double factor, int size) {
+  for (int j = 0; j < size; ++j) to[j] -= factor * from[j];
+}
+
+/// As `dot`, of three.
+double weighted_dot(const double* a, const double* b, const double* w, int size) {
+  constexpr int kParts = kLanes / kWidth;
+  Vec part[kParts] = {};
+  int j = 0;
+  for (; j + kLanes <= size; j += kLanes)
+    for (int i = 0; i < kParts; ++i)
+      part[i] += load(a + j + i * kWidth) * load(b + j + i * kWidth) * load(w + j + i * kWidth);
+  double sum = 0.0;
+  for (; j < size; ++j) sum += a[j] * b[j] * w[j];
+  for (int i = 0; i < kParts; ++i)
+    for (int l = 0; l < kWidth; ++l) sum += part[i][l];
+  return sum;
+}
+
 void project(const double* rows, int count, std::size_t stride, const double* x, int size,
              double* out) {
   for (int r = 0; r < count; ++r)
@@ -269,6 +344,8 @@ extern const SecularKernel WHEELTAP_SECULAR_KERNEL = {.name = WHEELTAP_SECULAR_N
                                                       .evaluate = evaluate,
                                                       .fill_pairs = fill_pairs,
                                                       .coordinates = coordinates,
+                                                      .subtract = subtract,
+                                                      .weighted_dot = weighted_dot,
                                                       .project = project};
 
 }  // namespace wheeltap::fem::detail

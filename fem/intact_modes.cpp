@@ -1,0 +1,127 @@
+#include "fem/intact_modes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "fem/assembly.hpp"
+#include "fem/full_spectrum.hpp"
+#include "fem/secular.hpp"
+#include "fem/self_stress.hpp"
+
+namespace wheeltap::fem::detail {
+namespace {
+
+/// Added supports may raise root i as far as intact eigenvalue i + their number; this many are
+/// served by a short sum over the near modes, more by the sum over all.
+constexpr int kFewSupports = 8;
+/// Modes above kFarRatio · cap enter through the Chebyshev series.
+constexpr double kFarRatio = 3.0;
+/// Truncation of that series, relative.
+constexpr double kSeriesError = 1e-17;
+/// Where a beam of one mode gets its second one, relative: no spring raises the first so far.
+constexpr double kOutOfReach = 1e30;
+
+std::size_t index(Eigen::Index i) {
+  return static_cast<std::size_t>(i);
+}
+
+}  // namespace
+
+/// 1/(ξ - x) = (1 + 2 Σ_p ρ^-p T_p(x)) / √(ξ² - 1), ρ = ξ + √(ξ² - 1), for |x| <= 1 < ξ; the terms
+/// are of κ_j e_j e_jᵀ / λ = c_j c_jᵀ / (λ_j (λ_j - λ)).
+Window::Window(const std::vector<double>& eigenvalues, int modes, int highest_root) {
+  if (highest_root + 2 >= modes) {
+    near = std::max(modes, 2);
+    cap = std::numeric_limits<double>::infinity();
+    return;
+  }
+  cap = eigenvalues[index(highest_root)];
+  near = highest_root + 2;
+  while (near < modes && eigenvalues[index(near)] < kFarRatio * cap) ++near;
+  const int far = modes - near;
+  if (far == 0) return;
+  const auto ratio = [&](int j) {
+    const double xi = 2.0 * eigenvalues[index(near + j)] / cap - 1.0;
+    return std::pair{xi, std::sqrt(xi * xi - 1.0)};
+  };
+  const auto [xi0, root0] = ratio(0);
+  terms = 2 + static_cast<int>(-std::log(kSeriesError) / std::log(xi0 + root0));
+  series.resize(index(terms) * index(far));
+  series_end.assign(index(terms), 0);
+  for (int j = 0; j < far; ++j) {
+    const auto [xi, root] = ratio(j);
+    double weight = 2.0 / cap / root;
+    for (int p = 0; p < terms; ++p) {
+      series[index(p) * index(far) + index(j)] = weight / eigenvalues[index(near + j)];
+      if (weight * cap > kSeriesError) series_end[index(p)] = j + 1;
+      weight *= (p == 0 ? 2.0 : 1.0) / (xi + root);
+    }
+  }
+}
+
+IntactModes::IntactModes(const Beam& intact_beam, int wanted_modes)
+    : beam(intact_beam), element((validate(intact_beam), intact_beam)), wanted(wanted_modes) {
+  const FullSpectrum spectrum = full_spectrum(beam);
+  modes = static_cast<int>(spectrum.eigenvalues.size());
+  rigid = spectrum.rigid_body_modes;
+  if (wanted < 1 || wanted > modes)
+    throw std::invalid_argument("modes = " + std::to_string(wanted) + ": must be between 1 and " +
+                                std::to_string(modes) + ", the free degrees of freedom of the mesh");
+  stride = index(std::max(modes, 2));
+  eigenvalues.resize(stride);
+  for (int j = 0; j < modes; ++j)
+    eigenvalues[index(j)] = static_cast<double>(spectrum.eigenvalues[j]);
+  // Unmoved by any defect.
+  if (modes < 2) eigenvalues[1] = kOutOfReach * eigenvalues[0];
+  for (int j = 0; j < static_cast<int>(stride); ++j) {
+    scales.push_back(eigenvalues[index(std::max(j, std::min(rigid, modes - 1)))]);
+    compliances.push_back(1.0 / scales.back());
+  }
+  for (int j = 0; j < wanted; ++j)
+    frequencies.push_back(std::sqrt(eigenvalues[index(j)]) / (2.0 * std::numbers::pi));
+
+  element_rows.assign(2 * index(beam.elements) * stride, 0.0);
+  dof_rows.assign(2 * index(beam.nodes()) * stride, 0.0);
+  for (int j = 0; j < modes; ++j) {
+    for (Eigen::Index dof = 0; dof < spectrum.shapes.rows(); ++dof)
+      dof_rows[index(dof) * stride + index(j)] = static_cast<double>(spectrum.shapes(dof, j));
+    for (Eigen::Index row = 0; row < spectrum.strains.rows(); ++row)
+      element_rows[index(row) * stride + index(j)] = spectrum.strains(row, j);
+  }
+  const Eigen::MatrixXd stresses = fem::self_stresses(beam);
+  self_stresses = static_cast<int>(stresses.cols());
+  for (Eigen::Index row = 0; row < stresses.rows(); ++row)
+    for (Eigen::Index k = 0; k < stresses.cols(); ++k) stress_rows.push_back(stresses(row, k));
+  // One root more than is wanted: where it lies proves the last wanted one.
+  for (const int supports : {0, kFewSupports, modes})
+    windows.emplace_back(eigenvalues, modes, std::min(wanted + supports, modes));
+}
+
+const Window& IntactModes::window(int supports) const {
+  return windows[supports == 0 ? 0 : supports <= kFewSupports ? 1 : 2];
+}
+
+double IntactModes::compliance(const double* a, const double* b) const {
+  return secular_kernel().weighted_dot(a, b, compliances.data(), static_cast<int>(stride));
+}
+
+double IntactModes::motion(double at, bool rotation, double* row) const {
+  const MotionRow<double> motion = motion_row(beam, element, at, rotation);
+  std::fill_n(row, stride, 0.0);
+  double uncancelled = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    const double coefficient = motion.coefficients[i];
+    if (coefficient == 0.0) continue;
+    const double* dof = dof_rows.data() + index(motion.first_dof + i) * stride;
+    for (std::size_t j = 0; j < stride; ++j) row[j] += coefficient * dof[j];
+    uncancelled += coefficient * coefficient * compliance(dof, dof);
+  }
+  return uncancelled;
+}
+
+}  // namespace wheeltap::fem::detail

@@ -1,0 +1,309 @@
+#include "fem/root_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace wheeltap::fem::detail {
+namespace {
+
+/// Predicted relative error in λ at which a root is accepted.
+constexpr double kRootError = 2e-13;
+/// Evaluations after which a root is left to bisection by the inertia count.
+constexpr int kPatience = 20;
+/// Evaluations after which even that has met nothing but singular blocks: the bracket is the answer.
+constexpr int kGiveUp = 500;
+/// Smaller pivots of A, relative, have drowned what comes after them in rounding.
+constexpr double kSmallestPivot = 1e-10;
+/// Rounding of the intact eigenvalues that bound the damaged ones.
+constexpr double kMargin = 1e-12;
+
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+}  // namespace
+
+void RootSearch::set(const IntactModes& intact, const DefectColumns& columns,
+                     const SecularKernel& kernel) {
+  intact_ = &intact;
+  columns_ = &columns;
+  kernel_ = &kernel;
+  const Window& window = intact.window(columns.supports());
+  secular_ = {.columns = columns.count(),
+              .supports = columns.supports(),
+              .near = window.near,
+              .terms = window.terms,
+              .cap = window.cap,
+              .eigenvalues = intact.eigenvalues.data(),
+              .scales = intact.scales.data(),
+              .stride = intact.stride,
+              .c = columns.columns()};
+  reserve();
+  secular_.pairs = pairs_.data();
+  kernel.fill_pairs(secular_, static_cast<int>(intact.stride), window.series.data(),
+                    window.series_end.data(), product_.data(), pairs_.data());
+}
+
+/// Shares out the memory that `secular_` needs.
+void RootSearch::reserve() {
+  const std::size_t m = index(secular_.columns), rows = index(secular_.rows());
+  const std::size_t pairs = index(secular_.chunks()) * kPairChunk;
+  const std::size_t needed = 2 * rows + 2 * pairs + 4 * m;
+  if (packs_.size() < needed) packs_.resize(needed);
+  Pack* next = packs_.data();
+  const auto take = [&next](std::size_t count) { return std::exchange(next, next + count); };
+  scratch_.weights = take(rows);
+  scratch_.slopes = take(rows);
+  scratch_.matrix = take(pairs);
+  scratch_.slope_matrix = take(pairs);
+  scratch_.forward = take(2 * m);
+  scratch_.forces = take(2 * m);
+  if (pairs_.size() < pairs * rows) pairs_.resize(pairs * rows);
+  product_.resize(intact_->stride);
+  eta_.resize(m);
+}
+
+RootSearch::Search RootSearch::begin(int root) const {
+  const IntactModes& intact = *intact_;
+  Search search;
+  search.root = root;
+  const double own = intact.eigenvalues[index(root)];
+  const double scale = intact.scales[index(root)];
+  // Interlacing: each support raises a root to the next intact one at most.
+  const int lifted = root + columns_->supports();
+  const double top =
+      lifted < intact.modes
+          ? intact.eigenvalues[index(lifted)]
+          : intact.eigenvalues[index(intact.modes - 1)] + columns_->added_stiffness();
+  search.low = std::max(columns_->least_remaining() * own * (1.0 - kMargin), 1e-20 * scale);
+  search.high = (1.0 + kMargin) * top;
+  // 1 / κ = eᵀ J e where the mode is moved by itself: first order in added compliance.
+  double softer = 1.0, stiffer = 0.0;
+  for (int a = 0; a < secular_.columns; ++a) {
+    const double c = secular_.c[index(a) * intact.stride + index(root)];
+    if (a < secular_.supports)
+      stiffer += c * c;
+    else
+      softer += c * c / scale;
+  }
+  search.z = std::clamp((own + stiffer) / softer, search.low, search.high);
+  if (std::isnan(search.z)) search.z = 0.5 * (search.low + search.high);
+  return search;
+}
+
+RootSearch::Search RootSearch::confirm(int root) const {
+  Search search = begin(root);
+  search.confirming = true;
+  search.lambda = found(root).lambda;
+  search.z = search.lambda * (1.0 - kConfirmed);
+  return search;
+}
+
+/// The two modes nearest to z.
+int RootSearch::lower_pole(double z, int guess) const {
+  const double* value = secular_.eigenvalues;
+  int p = std::clamp(guess, 0, secular_.near - 2);
+  while (p > 0 && z - value[p - 1] < value[p + 1] - z) --p;
+  while (p + 2 < secular_.near && value[p + 2] - z < z - value[p]) ++p;
+  return p;
+}
+
+void RootSearch::evaluate(const Pack& z, const int (&poles)[kLanes]) {
+  kernel_->evaluate(secular_, z, poles, scratch_, steps_);
+}
+
+/// Digests one evaluation; true once the root is found.
+bool RootSearch::advance(Search& search, int pole, int lane) {
+  const double low_sign = steps_.low.lane[lane], high_sign = steps_.high.lane[lane];
+  const double* value = secular_.eigenvalues;
+  ++search.evaluations;
+  const auto bisect = [&search] {
+    search.z = search.high > 4.0 * search.low ? std::sqrt(search.high * search.low)
+                                              : 0.5 * (search.high + search.low);
+    return false;
+  };
+  const bool finite = std::isfinite(low_sign) && std::isfinite(high_sign);
+  if (!finite || (steps_.smallest_pivot.lane[lane] < kSmallestPivot && search.evaluations < 4)) {
+    // A leading block of A was singular just here: look a little aside.
+    if (search.evaluations > kGiveUp) {
+      found(search.root) = {.lambda = 0.5 * (search.low + search.high),
+                            .radius = 0.5 * (search.high - search.low),
+                            .at = search.low,
+                            .below = search.root};
+      return true;
+    }
+    const bool up = search.high - search.z > search.z - search.low;
+    search.z += (search.confirming ? 1e-2 * kConfirmed * search.z
+                                   : 1e-3 * ((up ? search.high : search.low) - search.z)) *
+                (search.confirming && !up ? -1.0 : 1.0);
+    return false;
+  }
+  // Damaged eigenvalues below the two that H follows, and below z.
+  const int first = pole + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports;
+  const int below = first + (low_sign < 0.0) + (high_sign < 0.0);
+  (search.root < below ? search.high : search.low) = search.z;
+
+  const bool is_low = search.root == first, followed = is_low || search.root == first + 1;
+  const double step = (is_low ? steps_.low_step : steps_.high_step).lane[lane];
+  const double squared = (is_low ? steps_.low_residual : steps_.high_residual).lane[lane];
+  const double other = (is_low ? steps_.high_step : steps_.low_step).lane[lane];
+  const double next = search.z + step;
+  if (search.confirming) return advance_confirmation(search, followed, next);
+
+  const Found here{.lambda = next, .radius = std::sqrt(squared), .at = search.z, .below = below};
+  if (search.root == last_) {  // only looked at
+    found(search.root) = here;
+    if (!followed) found(search.root).radius = std::numeric_limits<double>::infinity();
+    return true;
+  }
+  if (search.high - search.low <= 4e-16 * search.high) {
+    found(search.root) = here;
+    found(search.root).lambda = 0.5 * (search.high + search.low);
+    found(search.root).radius += std::abs(found(search.root).lambda - next);
+    return true;
+  }
+  if (followed && search.evaluations < kPatience && next >= search.low && next <= search.high) {
+    // Other eigenvalues are hardly nearer than the other one here and the modes next to the poles.
+    double gap = std::abs(other - step);
+    if (pole > 0) gap = std::min(gap, std::abs(next - value[pole - 1]));
+    if (pole + 2 < secular_.near) gap = std::min(gap, std::abs(value[pole + 2] - next));
+    const double error = std::min(squared / gap, here.radius);
+    if (error <= kRootError * next) {
+      found(search.root) = here;
+      return true;
+    }
+    search.z = next;
+    return false;
+  }
+  return bisect();
+}
+
+/// Counts on both sides of `lambda`; where they disagree, of what the last evaluation offers instead,
+/// and at last by bisection.
+bool RootSearch::advance_confirmation(Search& search, bool followed, double next) const {
+  const auto accept = [&](double lambda) {
+    search.lambda = lambda;
+    return true;
+  };
+  const double low = search.lambda * (1.0 - kConfirmed), high = search.lambda * (1.0 + kConfirmed);
+  if (search.low >= low && search.high <= high) return accept(search.lambda);
+  if (search.high - search.low <= 2.0 * kConfirmed * search.high)
+    return accept(0.5 * (search.low + search.high));
+  if (search.lambda >= search.low && search.lambda <= search.high) {  // nothing against it so far
+    search.z = search.low < low ? low : high;
+    return false;
+  }
+  if (search.evaluations < kPatience && followed && next > search.low && next < search.high) {
+    search.lambda = next;
+    const double aside = next * (1.0 - kConfirmed);
+    search.z = aside > search.low ? aside : next * (1.0 + kConfirmed);
+  } else {
+    search.lambda = 0.5 * (search.low + search.high);
+    search.z = search.lambda;
+  }
+  return false;
+}
+
+void RootSearch::run(bool confirming) {
+  std::size_t next = 0;
+  int active = 0;
+  Search lanes[kLanes];
+  const auto refill = [&](Search& lane) {
+    lane = {};
+    if (next >= queue_.size()) return;
+    lane = confirming ? confirm(queue_[next]) : begin(queue_[next]);
+    ++next;
+    ++active;
+  };
+  for (Search& lane : lanes) refill(lane);
+  int poles[kLanes] = {};
+  Pack z;
+  while (active > 0) {
+    const Search* some = std::find_if(lanes, lanes + kLanes, [](const Search& s) { return s.root >= 0; });
+    for (int l = 0; l < kLanes; ++l) {
+      const Search& lane = lanes[l].root < 0 ? *some : lanes[l];
+      poles[l] = lower_pole(lane.z, lane.root);
+      z.lane[l] = lane.z;
+    }
+    evaluate(z, poles);
+    for (int l = 0; l < kLanes; ++l) {
+      Search& lane = lanes[l];
+      if (lane.root < 0 || !advance(lane, poles[l], l)) continue;
+      if (confirming) found(lane.root).lambda = lane.lambda;
+      --active;
+      refill(lane);
+    }
+  }
+}
+
+/// Queues the roots that r² / gap does not prove; `total` eigenvalues there are.
+void RootSearch::queue_unproven(int first, int count, int total) {
+  const auto low = [&](int i) { return i < first ? 0.0 : found(i).lambda - found(i).radius; };
+  const auto high = [&](int i) { return i < first ? 0.0 : found(i).lambda + found(i).radius; };
+  // b disjoint intervals below a place with b eigenvalues below it: each holds one.
+  const int known = std::min(count + 1, total);
+  int disjoint = first;
+  while (disjoint < known && low(disjoint) > (disjoint == 0 ? 0.0 : high(disjoint - 1))) ++disjoint;
+  int located = first;
+  double above = 0.0;  // nothing between the last located one and here
+  const auto anchor = [&](double at, int below) {
+    if (below < located || below > disjoint || (below > 0 && high(below - 1) > at)) return;
+    above = below > located ? at : std::max(above, at);
+    located = below;
+  };
+  for (int i = first; i < known; ++i) anchor(found(i).at, found(i).below);
+  if (disjoint == total) anchor(std::numeric_limits<double>::infinity(), total);
+  queue_.clear();
+  for (int i = first; i < count; ++i) {
+    const Found& f = found(i);
+    bool proven = false;
+    if (i < located) {
+      double gap = i + 1 < located ? low(i + 1) - f.lambda : above - f.lambda;
+      if (i > 0) gap = std::min(gap, f.lambda - high(i - 1));
+      proven = std::min(f.radius * f.radius / gap, f.radius) <= kConfirmed * f.lambda;
+    }
+    if (!proven) queue_.push_back(i);
+  }
+}
+
+void RootSearch::find(int first, std::span<double> lambda) {
+  const int count = static_cast<int>(lambda.size());
+  const int total = intact_->modes - columns_->held();
+  found_.resize(index(count) + 1);
+  last_ = count < total ? count : -1;
+  queue_.clear();
+  for (int root = first; root < std::min(count + 1, total); ++root) queue_.push_back(root);
+  run(false);
+  queue_unproven(first, count, total);
+  if (!queue_.empty()) run(true);
+  for (int root = first; root < count; ++root) lambda[index(root)] = found(root).lambda;
+}
+
+RootSearch::Mode RootSearch::mode_at(int root, double lambda, int pole, int lane) {
+  const auto at = [lane](const Pack& pack) { return pack.lane[lane]; };
+  const int first = pole + static_cast<int>(at(steps_.negative)) - secular_.supports;
+  const bool is_low =
+      root == first || (root != first + 1 && std::abs(at(steps_.low)) < std::abs(at(steps_.high)));
+  const double v1 = at(is_low ? steps_.low_v1 : steps_.high_v1);
+  const double v2 = at(is_low ? steps_.low_v2 : steps_.high_v2);
+  const std::size_t m = index(secular_.columns);
+  for (std::size_t a = 0; a < m; ++a)
+    eta_[a] = at(scratch_.forces[a]) * v1 + at(scratch_.forces[m + a]) * v2;
+  return {.root = root,
+          .lambda = lambda,
+          .pole = pole,
+          .a1 = at(is_low ? steps_.low_a1 : steps_.high_a1),
+          .a2 = at(is_low ? steps_.low_a2 : steps_.high_a2),
+          .eta = eta_};
+}
+
+void RootSearch::coordinates(const Mode& mode, double* coordinates) const {
+  kernel_->coordinates(secular_, static_cast<int>(intact_->stride), mode.eta.data(), mode.lambda,
+                       mode.pole, coordinates);
+  coordinates[mode.pole] = mode.a1;
+  coordinates[mode.pole + 1] = mode.a2;
+}
+
+}  // namespace wheeltap::fem::detail

@@ -1,0 +1,115 @@
+// Finds the damaged eigenvalues as roots of the secular problem, and proves them. Internal to the
+// reanalysis.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "fem/defect_columns.hpp"
+#include "fem/intact_modes.hpp"
+#include "fem/secular.hpp"
+
+namespace wheeltap::fem::detail {
+
+/// How far a root may lie from where it is said to be, relative: proven, but for rounding.
+inline constexpr double kConfirmed = 1e-12;
+
+/// What one evaluation says of the root it follows.
+struct Found {
+  double lambda = 0.0;  ///< the Rayleigh quotient
+  double radius = 0.0;  ///< an eigenvalue lies within it of lambda
+  double at = 0.0;      ///< where the secular problem was evaluated
+  int below = 0;        ///< eigenvalues below `at`
+};
+
+/// Eight roots are followed at a time, each in a lane of `SecularKernel`. The inertia of S brackets a
+/// root, and Rayleigh quotients converge to it quadratically from a first-order start.
+///
+/// A root is accepted where r² / gap, r its residual, promises 2e-13; the gap to the next eigenvalue
+/// is a guess there. Afterwards the guess is replaced: each root has an interval that must hold an
+/// eigenvalue, and where b of these are disjoint and lie below a place at which the inertia counts b
+/// eigenvalues, each holds exactly one, and the others' intervals are the gap. So
+///
+///   |λ - lambda| <= r² / gap (Temple 1928; Parlett 1998, The Symmetric Eigenvalue Problem, section
+///   10.5)
+///
+/// is proven for nearly every root without another evaluation. A root for which it does not give
+/// `kConfirmed` is confirmed by the counts at λ (1 ± kConfirmed), and bisected where they disagree.
+class RootSearch {
+ public:
+  /// Points to the problem's memory; call for each set of defects.
+  void set(const IntactModes& intact, const DefectColumns& columns, const SecularKernel& kernel);
+
+  /// Writes eigenvalues first … lambda.size() - 1; those before `first` are at zero.
+  void find(int first, std::span<double> lambda);
+
+  /// One root's mode: its coordinates at the two poles, and the forces η of `DefectColumns`.
+  struct Mode {
+    int root;
+    double lambda;
+    int pole;
+    double a1, a2;
+    std::span<double> eta;
+  };
+  /// Calls visit(mode) for each root from `first` on, in order.
+  template <class Visit>
+  void modes(int first, std::span<const double> lambda, Visit&& visit);
+
+  /// coordinates[j] of the mode in every intact mode.
+  void coordinates(const Mode& mode, double* coordinates) const;
+
+ private:
+  /// One root being refined in one lane.
+  struct Search {
+    int root = -1;   // 0-based index among the damaged eigenvalues; -1 when idle
+    double z = 0.0;  // where the secular problem is evaluated next
+    double low = 0.0, high = 0.0;
+    int evaluations = 0;
+    bool confirming = false;
+    double lambda = 0.0;  // to be confirmed
+  };
+
+  [[nodiscard]] Search begin(int root) const;
+  [[nodiscard]] Search confirm(int root) const;
+  void run(bool confirming);
+  [[nodiscard]] int lower_pole(double z, int guess) const;
+  void evaluate(const Pack& z, const int (&poles)[kLanes]);
+  [[nodiscard]] bool advance(Search& search, int pole, int lane);
+  [[nodiscard]] bool advance_confirmation(Search& search, bool followed, double next) const;
+  [[nodiscard]] Found& found(int root) { return found_[static_cast<std::size_t>(root)]; }
+  [[nodiscard]] const Found& found(int root) const { return found_[static_cast<std::size_t>(root)]; }
+  void queue_unproven(int first, int count, int total);
+  Mode mode_at(int root, double lambda, int pole, int lane);
+  void reserve();
+
+  const IntactModes* intact_ = nullptr;
+  const DefectColumns* columns_ = nullptr;
+  const SecularKernel* kernel_ = nullptr;
+  Secular secular_;
+  SecularScratch scratch_;  // parts of `packs_`
+  SecularSteps steps_;
+  std::vector<Pack> packs_;
+  std::vector<double> pairs_, product_, eta_;
+  std::vector<Found> found_;  // of each root, and of one more
+  std::vector<int> queue_;
+  int last_ = 0;  // the root that is only looked at
+};
+
+template <class Visit>
+void RootSearch::modes(int first, std::span<const double> lambda, Visit&& visit) {
+  const int count = static_cast<int>(lambda.size());
+  for (int root = first; root < count; root += kLanes) {
+    Pack z;
+    int poles[kLanes];
+    for (int l = 0; l < kLanes; ++l) {
+      const int mine = root + l < count ? root + l : root;
+      z.lane[l] = lambda[static_cast<std::size_t>(mine)];
+      poles[l] = lower_pole(z.lane[l], mine);
+    }
+    evaluate(z, poles);
+    for (int l = 0; l < kLanes && root + l < count; ++l)
+      visit(mode_at(root + l, z.lane[l], poles[l], l));
+  }
+}
+
+}  // namespace wheeltap::fem::detail
