@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "fem/assembly.hpp"
 
@@ -81,9 +80,7 @@ bool DefectColumns::add_support(const IntactModes& intact, const SecularKernel& 
   const bool rigid = s.stiffness * own > kRigidSpring;
   bool keep = rigid == rigid_ones && own > 1e-20 * uncancelled;
   if (keep) {
-    if (rigid) {
-      added_stiffness_ = std::numeric_limits<double>::infinity();
-    } else {
+    if (!rigid) {
       double sum = 0.0;
       for (std::size_t j = 0; j < n; ++j) sum += c[j] * c[j];
       added_stiffness_ += s.stiffness * sum;

@@ -39,7 +39,7 @@ class DefectColumns {
   [[nodiscard]] int rigid_body_modes() const { return rigid_; }
   /// The least of q: λ_i damaged >= q λ_i intact.
   [[nodiscard]] double least_remaining() const { return least_remaining_; }
-  /// Σ k Σ_j c_j²: bounds the rise of any eigenvalue; infinite if a support is rigid.
+  /// Σ k Σ_j c_j² of the springs: bounds what they raise any eigenvalue by.
   [[nodiscard]] double added_stiffness() const { return added_stiffness_; }
   /// L⁻¹ C, a column after the other.
   [[nodiscard]] const double* columns() const { return columns_.data(); }

@@ -7,21 +7,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include "fem/assembly.hpp"
-#include "fem/strain_energy.hpp"
-#include "fem/sturm_certificate.hpp"
+#include "fem/lowest_modes.hpp"
 
 namespace wheeltap::fem {
 namespace {
 
 using Sparse = Assembly<double>::Sparse;
-
-/// Modes computed above the wanted ones, among which the Sturm count looks for a gap.
-constexpr Eigen::Index kSpareModes = 3;
 
 /// y = (K - σ M)⁻¹ x for Spectra, by CHOLMOD's simplicial L D Lᵀ.
 class ShiftInvert {
@@ -68,29 +64,26 @@ Eigen::MatrixXd dense_vectors(const Assembly<double>& a, double shift) {
   return solver.eigenvectors().rowwise().reverse();
 }
 
-/// Turns eigenvectors into modes: exact Rayleigh quotients in place of computed eigenvalues,
-/// ascending, mass-normalised and sign-fixed.
-Modes finish(const Beam& beam, const Defects& defects, const Assembly<double>& a,
-             const Eigen::MatrixXd& vectors) {
-  const StrainEnergy<double> energy(beam, defects);
-  const Eigen::Index count = vectors.cols();
-  Eigen::MatrixXd shapes = a.free_to_all * vectors;
-  Eigen::VectorXd eigenvalues(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::VectorXd q = vectors.col(i);
-    shapes.col(i) /= std::sqrt(q.dot(a.mass * q));
-    eigenvalues[i] = energy.twice(shapes.col(i));
-  }
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(count));
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](Eigen::Index i, Eigen::Index j) { return eigenvalues[i] < eigenvalues[j]; });
+/// The start vectors in 106 bits.
+std::vector<WidePencil::Vector> widened(const Eigen::MatrixXd& vectors) {
+  std::vector<WidePencil::Vector> wide;
+  for (const auto& column : vectors.colwise()) wide.emplace_back(column.cast<DoubleDouble>());
+  return wide;
+}
 
+/// Rounds to double, the sign of each shape fixed.
+Modes rounded(const LowestModes& lowest, const WidePencil& pencil) {
+  const auto count = static_cast<Eigen::Index>(lowest.modes.size());
   Modes modes;
-  modes.rigid_body_modes = rigid_body_freedom(beam, defects.supports);
-  modes.eigenvalues = eigenvalues(order);
-  modes.eigenvalues.head(std::min<Eigen::Index>(modes.rigid_body_modes, count)).setZero();
-  modes.shapes = shapes(Eigen::all, order);
+  modes.rigid_body_modes = static_cast<int>(pencil.rigid_modes().size());
+  modes.certified = lowest.proven;
+  modes.eigenvalues.resize(count);
+  modes.shapes.resize(pencil.assembly().free_to_all.rows(), count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    modes.eigenvalues[i] = static_cast<double>(lowest.eigenvalues[k]);
+    modes.shapes.col(i) = pencil.all_dofs(lowest.modes[k]).cast<double>();
+  }
   for (auto shape : modes.shapes.colwise()) {
     const Eigen::VectorXd deflections = shape(Eigen::seq(0, Eigen::last, 2));
     // Of equal extremes, as in antisymmetric shapes, the first decides.
@@ -105,44 +98,45 @@ Modes finish(const Beam& beam, const Defects& defects, const Assembly<double>& a
   return modes;
 }
 
-/// Keeps the lowest `count` modes, certified or not.
-void certify_and_trim(Modes& modes, const Assembly<double>& a, Eigen::Index count) {
-  modes.certified = nothing_missed(a, modes.eigenvalues, count);
-  modes.eigenvalues.conservativeResize(count);
-  modes.frequencies_hz.conservativeResize(count);
-  modes.shapes.conservativeResize(Eigen::NoChange, count);
-}
-
 }  // namespace
 
 Modes modal_analysis(const Beam& beam, const Defects& defects, const ModalOptions& options) {
-  const Assembly<double> a = assemble<double>(beam, defects);
+  Assembly<double> a = assemble<double>(beam, defects);
   const Eigen::Index n = a.stiffness.rows();
   if (options.modes < 1 || options.modes > n)
     throw std::invalid_argument("modes = " + std::to_string(options.modes) +
                                 ": must be between 1 and " + std::to_string(n) +
                                 ", the free degrees of freedom of the mesh");
-  // Below every eigenvalue, at the distance of the lowest elastic ones.
-  const double shift = -10.0 * beam.material.young * beam.section.second_moment /
-                       (beam.material.density * beam.section.area * std::pow(beam.length, 4));
-  const Eigen::Index wanted = std::min<Eigen::Index>(n, options.modes + kSpareModes);
+  // The lowest elastic eigenvalues are a few times this, by bending and shear in series. As the unit
+  // of λ it keeps 1 / (λ - σ) near 1: Spectra takes what is below 4e-11 for converged to that.
+  const double flexural = beam.material.young * beam.section.second_moment;
+  const double shear =
+      beam.section.shear_coefficient * beam.material.shear_modulus() * beam.section.area;
+  const double square = beam.length * beam.length;
+  const double unit = 10.0 * flexural /
+                      (beam.material.density * beam.section.area * square * square *
+                       (1.0 + 12.0 * flexural / (shear * square)));
+  a.mass *= unit;
+  constexpr double kShift = -1.0;  // below every eigenvalue
 
-  std::string why_dense = options.dense ? "as asked" : "";
-  if (!options.dense && 3 * wanted > n) why_dense = "most modes of the mesh are wanted";
-  if (why_dense.empty()) {
-    if (const auto vectors = sparse_vectors(a, shift, wanted)) {
-      Modes modes = finish(beam, defects, a, *vectors);
-      certify_and_trim(modes, a, options.modes);
-      modes.solver = "spectra";
-      if (modes.certified) return modes;
-      why_dense = "the Sturm count found a mode that Spectra missed";
-    } else {
-      why_dense = "Spectra did not converge";
-    }
+  WidePencil pencil(beam, defects);
+  std::string solver;
+  std::optional<LowestModes> lowest;
+  const bool most = 3 * options.modes > n;
+  if (!options.dense && !most) {
+    const auto vectors = sparse_vectors(a, kShift, options.modes);
+    if (vectors) lowest = finish(pencil, widened(*vectors));
+    solver = "spectra";
+    if (!lowest || !lowest->proven)
+      solver = vectors ? "bisection (Spectra missed a mode)" : "bisection (Spectra did not converge)";
+  } else {
+    lowest = finish(pencil, widened(dense_vectors(a, kShift).leftCols(options.modes)));
+    solver = options.dense ? "dense (as asked)" : "dense (most modes of the mesh are wanted)";
+    if (!lowest || !lowest->proven) solver = "bisection (the dense solver missed a mode)";
   }
-  Modes modes = finish(beam, defects, a, dense_vectors(a, shift).leftCols(wanted));
-  certify_and_trim(modes, a, options.modes);
-  modes.solver = "dense (" + why_dense + ")";
+  if (!lowest || !lowest->proven) lowest = lowest_modes(beam, defects, options.modes, pencil);
+  Modes modes = rounded(*lowest, pencil);
+  modes.solver = solver;
   return modes;
 }
 

@@ -10,6 +10,8 @@ namespace {
 
 /// Predicted relative error in λ at which a root is accepted.
 constexpr double kRootError = 2e-13;
+/// Rounding of a Rayleigh quotient, relative to where it was evaluated.
+constexpr double kRounding = 1e-15;
 /// Evaluations after which a root is left to bisection by the inertia count.
 constexpr int kPatience = 20;
 /// Evaluations after which even that has met nothing but singular blocks: the bracket is the answer.
@@ -71,12 +73,11 @@ RootSearch::Search RootSearch::begin(int root) const {
   search.root = root;
   const double own = intact.eigenvalues[index(root)];
   const double scale = intact.scales[index(root)];
-  // Interlacing: each support raises a root to the next intact one at most.
-  const int lifted = root + columns_->supports();
-  const double top =
-      lifted < intact.modes
-          ? intact.eigenvalues[index(lifted)]
-          : intact.eigenvalues[index(intact.modes - 1)] + columns_->added_stiffness();
+  // Interlacing: each support raises a root to the next intact one at most, and springs by no more
+  // than they add to K.
+  const int lifted = root + columns_->supports(), held = root + columns_->held();
+  double top = intact.eigenvalues[index(held)] + columns_->added_stiffness();
+  if (lifted < intact.modes) top = std::min(top, intact.eigenvalues[index(lifted)]);
   search.low = std::max(columns_->least_remaining() * own * (1.0 - kMargin), 1e-20 * scale);
   search.high = (1.0 + kMargin) * top;
   // 1 / κ = eᵀ J e where the mode is moved by itself: first order in added compliance.
@@ -152,7 +153,11 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
   const double next = search.z + step;
   if (search.confirming) return advance_confirmation(search, followed, next);
 
-  const Found here{.lambda = next, .radius = std::sqrt(squared), .at = search.z, .below = below};
+  const double rounding = kRounding * std::max(search.z, next);
+  const Found here{.lambda = next,
+                   .radius = std::sqrt(squared) + rounding,
+                   .at = search.z,
+                   .below = below};
   if (search.root == last_) {  // only looked at
     found(search.root) = here;
     if (!followed) found(search.root).radius = std::numeric_limits<double>::infinity();
@@ -169,7 +174,7 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
     double gap = std::abs(other - step);
     if (pole > 0) gap = std::min(gap, std::abs(next - value[pole - 1]));
     if (pole + 2 < secular_.near) gap = std::min(gap, std::abs(value[pole + 2] - next));
-    const double error = std::min(squared / gap, here.radius);
+    const double error = std::min(squared / gap + rounding, here.radius);
     if (error <= kRootError * next) {
       found(search.root) = here;
       return true;

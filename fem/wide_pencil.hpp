@@ -26,7 +26,8 @@ class WidePencil {
   WidePencil(const Beam& beam, const Defects& defects);
 
   [[nodiscard]] int size() const { return ldlt_.size(); }
-  [[nodiscard]] int rigid_body_modes() const { return static_cast<int>(rigid_.size()); }
+  /// The rigid motions left free, in the free degrees of freedom.
+  [[nodiscard]] const std::vector<Vector>& rigid_modes() const { return rigid_; }
   [[nodiscard]] const Assembly<Real>& assembly() const { return assembly_; }
 
   /// How many eigenvalues lie below σ; nothing where the factorisation is unstable (σ nearly is an
@@ -40,6 +41,9 @@ class WidePencil {
   /// Rayleigh quotient iteration from q, which becomes mass-normalised and free of rigid motions.
   /// Returns the eigenvalue it ends at, or nothing where it does not end.
   [[nodiscard]] std::optional<Real> refine(Vector& q);
+
+  /// How much of q's momentum is of the rigid motions, from 0 to 1.
+  [[nodiscard]] double rigid_share(const Vector& q) const;
 
   /// u = T q on all degrees of freedom of the mesh.
   [[nodiscard]] Vector all_dofs(const Vector& q) const { return assembly_.free_to_all * q; }
