@@ -215,7 +215,7 @@ Assembly<Real> assemble(const Beam& beam, const Defects& defects) {
           .free_dofs = free_dofs};
 }
 
-#define WHEELTAP_INSTANTIATE(Real)                                                               \
+#define WHEELTAP_INSTANTIATE(Real)                                                                \
   template MotionRow<Real> motion_row(const Beam&, const TimoshenkoElement<Real>&, double, bool); \
   template Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam&,                \
                                                                       const Defects&);            \

@@ -43,9 +43,9 @@ template <class Real>
 template <class Real>
 struct Assembly {
   using Sparse = Eigen::SparseMatrix<Real>;
-  Sparse stiffness;    ///< Tᵀ K T, n × n, symmetric (both triangles)
-  Sparse mass;         ///< Tᵀ M T, n × n
-  Sparse free_to_all;  ///< T, 2 (elements + 1) × n
+  Sparse stiffness;            ///< Tᵀ K T, n × n, symmetric (both triangles)
+  Sparse mass;                 ///< Tᵀ M T, n × n
+  Sparse free_to_all;          ///< T, 2 (elements + 1) × n
   std::vector<int> free_dofs;  ///< n: which degree of freedom each of q is
 };
 

@@ -164,6 +164,13 @@ void DefectColumns::add_damages(const IntactModes& intact, const SecularKernel& 
     });
     rotate_in(row_.data());
   }
+  if (first > 0)
+    for (std::size_t j = index(intact.rigid); j < index(intact.stiff); ++j) {
+      const double share = std::sqrt(1.0 / intact.eigenvalues[j] - intact.compliances[j]);
+      for (int d = 0; d < damage_columns_; ++d)
+        row_[index(d)] = share * columns_[(first + index(d)) * n + j];
+      rotate_in(row_.data());
+    }
   // L⁻¹ C, forwards.
   for (std::size_t a = first; a < inverse_gamma_.size(); ++a) {
     double* c = columns_.data() + a * n;

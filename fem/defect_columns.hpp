@@ -22,14 +22,15 @@ namespace wheeltap::fem::detail {
 ///   L_s L_sᵀ = 1/k + Σ_j c_j c_jᵀ / s_j (supports),   W = Σ_j c_j (L_s⁻¹ c_j)ᵀ / s_j,
 ///   Rᵀ R = q / (1 - q) + Q Qᵀ + W Wᵀ (damages),   q = Π (1 - r),
 ///
-/// Q the self-stresses (`self_stresses`). Every term of R is a square and R is built by rotations, row
-/// by row, so that it keeps its digits however little is left of the elements. `Secular` sees the
-/// columns L⁻¹ C.
+/// Q the self-stresses (`self_stresses`), and R gains Σ_j c_j c_jᵀ (1/λ_j - 1/s_j) of soft modes,
+/// whose s_j > λ_j where supports are added. Every term of R is a square and R is built by
+/// rotations, row by row, so that it keeps its digits however little is left of the elements.
+/// `Secular` sees the columns L⁻¹ C.
 class DefectColumns {
  public:
   /// Throws std::invalid_argument for defects outside the beam or out of range.
-  void set(const IntactModes& intact, const SecularKernel& kernel,
-           std::span<const Damage> damages, std::span<const SpringSupport> supports);
+  void set(const IntactModes& intact, const SecularKernel& kernel, std::span<const Damage> damages,
+           std::span<const SpringSupport> supports);
 
   [[nodiscard]] int count() const { return support_columns_ + damage_columns_; }
   [[nodiscard]] int supports() const { return support_columns_; }
@@ -65,7 +66,7 @@ class DefectColumns {
   void add_damages(const IntactModes& intact, const SecularKernel& kernel);
   void rotate_in(double* row);
 
-  std::vector<Element> elements_;      // ascending; the order of the damages must not matter
+  std::vector<Element> elements_;  // ascending; the order of the damages must not matter
   std::vector<int> support_column_;
   std::vector<double> columns_;        // count × stride
   std::vector<double> inverse_gamma_;  // 1/lost, -1/k, or 0 of a rigid support

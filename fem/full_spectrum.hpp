@@ -18,10 +18,10 @@ struct FullSpectrum {
   int rigid_body_modes = 0;
 };
 
-/// By `lowest_modes`, O(n²) in all. Long double alone leaves an error of 2⁻⁶⁴ λ_max / λ_j in the low
-/// modes' vectors, 1e-8 on soft springs, which the reanalysis would divide by what a damage leaves of
-/// the stiffness. A beam that is held everywhere has no modes. Throws std::invalid_argument for an
-/// invalid beam, std::runtime_error should an iteration not end.
+/// By `lowest_modes`, O(n²) in all. Long double alone leaves an error of 2⁻⁶⁴ λ_max / λ_j in the
+/// low modes' vectors, 1e-8 on soft springs, which the reanalysis would divide by what a damage
+/// leaves of the stiffness. A beam that is held everywhere has no modes. Throws
+/// std::invalid_argument for an invalid beam, std::runtime_error should an iteration not end.
 [[nodiscard]] FullSpectrum full_spectrum(const Beam& beam);
 
 }  // namespace wheeltap::fem

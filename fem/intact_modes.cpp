@@ -23,6 +23,9 @@ constexpr int kFewSupports = 8;
 constexpr double kFarRatio = 3.0;
 /// Truncation of that series, relative.
 constexpr double kSeriesError = 1e-17;
+/// Share of the strain energy in the elements, rather than in springs, of a mode that bends the
+/// beam.
+constexpr double kBends = 0.1;
 /// Where a beam of one mode gets its second one, relative: no spring raises the first so far.
 constexpr double kOutOfReach = 1e30;
 
@@ -71,17 +74,14 @@ IntactModes::IntactModes(const Beam& intact_beam, int wanted_modes)
   rigid = spectrum.rigid_body_modes;
   if (wanted < 1 || wanted > modes)
     throw std::invalid_argument("modes = " + std::to_string(wanted) + ": must be between 1 and " +
-                                std::to_string(modes) + ", the free degrees of freedom of the mesh");
+                                std::to_string(modes) +
+                                ", the free degrees of freedom of the mesh");
   stride = index(std::max(modes, 2));
   eigenvalues.resize(stride);
   for (int j = 0; j < modes; ++j)
     eigenvalues[index(j)] = static_cast<double>(spectrum.eigenvalues[j]);
   // Unmoved by any defect.
   if (modes < 2) eigenvalues[1] = kOutOfReach * eigenvalues[0];
-  for (int j = 0; j < static_cast<int>(stride); ++j) {
-    scales.push_back(eigenvalues[index(std::max(j, std::min(rigid, modes - 1)))]);
-    compliances.push_back(1.0 / scales.back());
-  }
   for (int j = 0; j < wanted; ++j)
     frequencies.push_back(std::sqrt(eigenvalues[index(j)]) / (2.0 * std::numbers::pi));
 
@@ -92,6 +92,19 @@ IntactModes::IntactModes(const Beam& intact_beam, int wanted_modes)
       dof_rows[index(dof) * stride + index(j)] = static_cast<double>(spectrum.shapes(dof, j));
     for (Eigen::Index row = 0; row < spectrum.strains.rows(); ++row)
       element_rows[index(row) * stride + index(j)] = spectrum.strains(row, j);
+  }
+  // On soft springs the lowest modes are nearly rigid; what they add to the compliance of a support
+  // would drown the beam's own.
+  stiff = rigid;
+  const auto bends = [&](int j) {
+    return spectrum.strains.col(j).squaredNorm() > kBends * eigenvalues[index(j)];
+  };
+  while (stiff < modes - 1 && !bends(stiff)) ++stiff;
+  stiff = std::min(stiff, modes - 1);
+  for (int j = 0; j < static_cast<int>(stride); ++j) {
+    scales.push_back(eigenvalues[index(j < rigid ? stiff : j)]);
+    held_scales.push_back(eigenvalues[index(std::max(j, stiff))]);
+    compliances.push_back(1.0 / held_scales.back());
   }
   const Eigen::MatrixXd stresses = fem::self_stresses(beam);
   self_stresses = static_cast<int>(stresses.cols());

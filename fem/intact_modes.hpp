@@ -22,14 +22,16 @@ struct Window {
 struct IntactModes {
   Beam beam;
   TimoshenkoElement<double> element;
-  int wanted;                        // lowest modes that may be asked for
-  int modes;                         // all modes of the mesh, n
-  int rigid;                         // of them at λ = 0
-  std::size_t stride;                // n, and at least two
-  std::vector<double> eigenvalues;   // stride
-  std::vector<double> scales;        // s_j: λ_j, or the lowest elastic one for rigid-body modes
-  std::vector<double> compliances;   // 1 / s_j
-  std::vector<double> frequencies;   // wanted
+  int wanted;                       // lowest modes that may be asked for
+  int modes;                        // all modes of the mesh, n
+  int rigid;                        // of them at λ = 0
+  std::size_t stride;               // n, and at least two
+  std::vector<double> eigenvalues;  // stride
+  int stiff;                        // first mode that bends the beam; those before move its springs
+  std::vector<double> scales;       // s_j: λ_j, or that of `stiff` for rigid-body modes
+  std::vector<double> held_scales;  // with added supports: that of `stiff` for soft modes, too
+  std::vector<double> compliances;  // 1 / held_scales
+  std::vector<double> frequencies;  // wanted
   std::vector<double> element_rows;  // 2 elements × stride: b·φ_j, a·φ_j of each element
   std::vector<double> dof_rows;      // 2 nodes × stride: φ_j at each degree of freedom
   int self_stresses = 0;             // how many

@@ -188,8 +188,7 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
     const bool twin = i > rigid && lambda - result.eigenvalues.back() <= Real(kTwins) * lambda;
     twins = twin ? twins + 1 : 0;
     if (!twin) momenta.clear();
-    for (std::size_t k = 0; k < twins; ++k)
-      q -= momenta[k].dot(q) * result.modes[i - twins + k];
+    for (std::size_t k = 0; k < twins; ++k) q -= momenta[k].dot(q) * result.modes[i - twins + k];
     WidePencil::Vector momentum = pencil.assembly().mass * q;
     const Real size = sqrt(momentum.dot(q));
     if (!(size > Real(1e-6))) return std::nullopt;  // the same mode twice

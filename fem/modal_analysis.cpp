@@ -107,8 +107,8 @@ Modes modal_analysis(const Beam& beam, const Defects& defects, const ModalOption
     throw std::invalid_argument("modes = " + std::to_string(options.modes) +
                                 ": must be between 1 and " + std::to_string(n) +
                                 ", the free degrees of freedom of the mesh");
-  // The lowest elastic eigenvalues are a few times this, by bending and shear in series. As the unit
-  // of λ it keeps 1 / (λ - σ) near 1: Spectra takes what is below 4e-11 for converged to that.
+  // The lowest elastic eigenvalues are a few times this, by bending and shear in series. As the
+  // unit of λ it keeps 1 / (λ - σ) near 1: Spectra takes what is below 4e-11 for converged to that.
   const double flexural = beam.material.young * beam.section.second_moment;
   const double shear =
       beam.section.shear_coefficient * beam.material.shear_modulus() * beam.section.area;
@@ -128,7 +128,8 @@ Modes modal_analysis(const Beam& beam, const Defects& defects, const ModalOption
     if (vectors) lowest = finish(pencil, widened(*vectors));
     solver = "spectra";
     if (!lowest || !lowest->proven)
-      solver = vectors ? "bisection (Spectra missed a mode)" : "bisection (Spectra did not converge)";
+      solver =
+          vectors ? "bisection (Spectra missed a mode)" : "bisection (Spectra did not converge)";
   } else {
     lowest = finish(pencil, widened(dense_vectors(a, kShift).leftCols(options.modes)));
     solver = options.dense ? "dense (as asked)" : "dense (most modes of the mesh are wanted)";

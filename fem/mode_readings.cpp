@@ -39,10 +39,9 @@ void ModeReadings::set(const IntactModes& intact, const SecularKernel& kernel,
   wanted_ = !results.damage_gradients_hz.empty() || !results.element_gradients_hz.empty() ||
             !results.shapes.empty() || !results.support_gradients_hz.empty();
   if (!wanted_) return;
-  need_coordinates_ =
-      !results.element_gradients_hz.empty() || !results.shapes.empty() ||
-      std::any_of(columns.elements().begin(), columns.elements().end(),
-                  [](const DefectColumns::Element& e) { return e.lost == 0.0; });
+  need_coordinates_ = !results.element_gradients_hz.empty() || !results.shapes.empty() ||
+                      std::any_of(columns.elements().begin(), columns.elements().end(),
+                                  [](const DefectColumns::Element& e) { return e.lost == 0.0; });
   column_strains_.assign(index(columns.count()), 0.0);
   coordinates_.resize(intact.stride);
   if (results.shapes.empty()) return;
@@ -135,9 +134,8 @@ void ModeReadings::write_shape(int root) {
   const std::span<double> shape(to, count);
   double largest = 0.0;
   for (const double w : shape) largest = std::max(largest, std::abs(w));
-  const auto first = std::find_if(shape.begin(), shape.end(), [&](double w) {
-    return std::abs(w) >= (1.0 - 1e-6) * largest;
-  });
+  const auto first = std::find_if(shape.begin(), shape.end(),
+                                  [&](double w) { return std::abs(w) >= (1.0 - 1e-6) * largest; });
   if (*first < 0.0)
     for (double& w : shape) w = -w;
 }

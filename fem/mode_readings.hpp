@@ -37,7 +37,7 @@ class ModeReadings {
   std::span<const Damage> damages_;
   const Reanalysis::Results* results_ = nullptr;
   bool wanted_ = false;
-  bool need_coordinates_ = false;    // of modes, for more than gradients of the defects
+  bool need_coordinates_ = false;  // of modes, for more than gradients of the defects
   std::vector<double> column_strains_, coordinates_, element_strains_, point_rows_;
 };
 

@@ -102,9 +102,8 @@ void Reanalysis::solve(std::span<const Damage> damages, std::span<const SpringSu
     search.set(intact, columns, kernel);
     search.find(first, lambda);
     if (readings.wanted())
-      search.modes(first, lambda, [&](const detail::RootSearch::Mode& mode) {
-        readings.read(search, mode);
-      });
+      search.modes(first, lambda,
+                   [&](const detail::RootSearch::Mode& mode) { readings.read(search, mode); });
   }
   std::transform(lambda.begin(), lambda.end(), results.frequencies_hz.begin(),
                  [](double value) { return std::sqrt(value) / (2.0 * std::numbers::pi); });

@@ -14,7 +14,8 @@ constexpr double kRootError = 2e-13;
 constexpr double kRounding = 1e-15;
 /// Evaluations after which a root is left to bisection by the inertia count.
 constexpr int kPatience = 20;
-/// Evaluations after which even that has met nothing but singular blocks: the bracket is the answer.
+/// Evaluations after which even that has met nothing but singular blocks: the bracket is the
+/// answer.
 constexpr int kGiveUp = 500;
 /// Smaller pivots of A, relative, have drowned what comes after them in rounding.
 constexpr double kSmallestPivot = 1e-10;
@@ -39,7 +40,7 @@ void RootSearch::set(const IntactModes& intact, const DefectColumns& columns,
               .terms = window.terms,
               .cap = window.cap,
               .eigenvalues = intact.eigenvalues.data(),
-              .scales = intact.scales.data(),
+              .scales = (columns.supports() > 0 ? intact.held_scales : intact.scales).data(),
               .stride = intact.stride,
               .c = columns.columns()};
   reserve();
@@ -72,7 +73,7 @@ RootSearch::Search RootSearch::begin(int root) const {
   Search search;
   search.root = root;
   const double own = intact.eigenvalues[index(root)];
-  const double scale = intact.scales[index(root)];
+  const double scale = secular_.scales[root];
   // Interlacing: each support raises a root to the next intact one at most, and springs by no more
   // than they add to K.
   const int lifted = root + columns_->supports(), held = root + columns_->held();
@@ -154,10 +155,8 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
   if (search.confirming) return advance_confirmation(search, followed, next);
 
   const double rounding = kRounding * std::max(search.z, next);
-  const Found here{.lambda = next,
-                   .radius = std::sqrt(squared) + rounding,
-                   .at = search.z,
-                   .below = below};
+  const Found here{
+      .lambda = next, .radius = std::sqrt(squared) + rounding, .at = search.z, .below = below};
   if (search.root == last_) {  // only looked at
     found(search.root) = here;
     if (!followed) found(search.root).radius = std::numeric_limits<double>::infinity();
@@ -185,8 +184,8 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
   return bisect();
 }
 
-/// Counts on both sides of `lambda`; where they disagree, of what the last evaluation offers instead,
-/// and at last by bisection.
+/// Counts on both sides of `lambda`; where they disagree, of what the last evaluation offers
+/// instead, and at last by bisection.
 bool RootSearch::advance_confirmation(Search& search, bool followed, double next) const {
   const auto accept = [&](double lambda) {
     search.lambda = lambda;
@@ -226,7 +225,8 @@ void RootSearch::run(bool confirming) {
   int poles[kLanes] = {};
   Pack z;
   while (active > 0) {
-    const Search* some = std::find_if(lanes, lanes + kLanes, [](const Search& s) { return s.root >= 0; });
+    const Search* some =
+        std::find_if(lanes, lanes + kLanes, [](const Search& s) { return s.root >= 0; });
     for (int l = 0; l < kLanes; ++l) {
       const Search& lane = lanes[l].root < 0 ? *some : lanes[l];
       poles[l] = lower_pole(lane.z, lane.root);

@@ -22,13 +22,13 @@ struct Found {
   int below = 0;        ///< eigenvalues below `at`
 };
 
-/// Eight roots are followed at a time, each in a lane of `SecularKernel`. The inertia of S brackets a
-/// root, and Rayleigh quotients converge to it quadratically from a first-order start.
+/// Eight roots are followed at a time, each in a lane of `SecularKernel`. The inertia of S brackets
+/// a root, and Rayleigh quotients converge to it quadratically from a first-order start.
 ///
-/// A root is accepted where r² / gap, r its residual, promises 2e-13; the gap to the next eigenvalue
-/// is a guess there. Afterwards the guess is replaced: each root has an interval that must hold an
-/// eigenvalue, and where b of these are disjoint and lie below a place at which the inertia counts b
-/// eigenvalues, each holds exactly one, and the others' intervals are the gap. So
+/// A root is accepted where r² / gap, r its residual, promises 2e-13; the gap to the next
+/// eigenvalue is a guess there. Afterwards the guess is replaced: each root has an interval that
+/// must hold an eigenvalue, and where b of these are disjoint and lie below a place at which the
+/// inertia counts b eigenvalues, each holds exactly one, and the others' intervals are the gap. So
 ///
 ///   |λ - lambda| <= r² / gap (Temple 1928; Parlett 1998, The Symmetric Eigenvalue Problem, section
 ///   10.5)
@@ -77,7 +77,9 @@ class RootSearch {
   [[nodiscard]] bool advance(Search& search, int pole, int lane);
   [[nodiscard]] bool advance_confirmation(Search& search, bool followed, double next) const;
   [[nodiscard]] Found& found(int root) { return found_[static_cast<std::size_t>(root)]; }
-  [[nodiscard]] const Found& found(int root) const { return found_[static_cast<std::size_t>(root)]; }
+  [[nodiscard]] const Found& found(int root) const {
+    return found_[static_cast<std::size_t>(root)];
+  }
   void queue_unproven(int first, int count, int total);
   Mode mode_at(int root, double lambda, int pole, int lane);
   void reserve();

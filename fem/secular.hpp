@@ -22,9 +22,9 @@ struct alignas(64) Pack {
 ///
 /// m × m, with s_j = λ_j, so that κ_j = λ / (λ_j - λ) vanishes with λ and nothing cancels where a
 /// damage leaves next to no stiffness; s_j is the lowest elastic eigenvalue for rigid-body modes.
-/// J = S at κ = 0 is -1 for supports, which come first, and 1 for damages: `DefectColumns` scales the
-/// columns c so. The modes far above the wanted range, j >= `near`, enter through a Chebyshev series
-/// of κ / λ in λ over [0, cap], exact to rounding.
+/// J = S at κ = 0 is -1 for supports, which come first, and 1 for damages: `DefectColumns` scales
+/// the columns c so. The modes far above the wanted range, j >= `near`, enter through a Chebyshev
+/// series of κ / λ in λ over [0, cap], exact to rounding.
 struct Secular {
   int columns = 0;                      ///< m
   int supports = 0;                     ///< columns of supports, the first ones

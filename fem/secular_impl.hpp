@@ -119,8 +119,8 @@ inline void shape(const Small& k, const Vec& delta, bool low, Pack& step, Pack& 
   const Vec g1 = k.above1 * hv1 / k.root1, g2 = k.above2 * hv2 / k.root2;
   const Vec p1 = k.root1 * x / k.above1 - hv1 / k.root1,
             p2 = k.root2 * y / k.above2 - hv2 / k.root2;
-  const Vec inverse = 1.0 / (p1 * p1 + p2 * p2 +
-                             (k.b11 * x * x + 2.0 * (k.b12 * x * y) + k.b22 * y * y));
+  const Vec inverse =
+      1.0 / (p1 * p1 + p2 * p2 + (k.b11 * x * x + 2.0 * (k.b12 * x * y) + k.b22 * y * y));
   const Vec gain = (p1 * g1 + p2 * g2) * inverse;
   const Vec rest = (g1 * g1 + g2 * g2) * inverse - gain * gain;
   Vec size = inverse;

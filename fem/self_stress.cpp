@@ -39,12 +39,12 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
       }
 
   const Eigen::Index elements = beam.elements;
-  const Real bending = element.bending()[3], shear = element.shear()[0],
-             turn = element.shear()[1];
+  const Real bending = element.bending()[3], shear = element.shear()[0], turn = element.shear()[1];
   std::vector<Reaction> reactions;
   Eigen::Index spring = 0;
   for (const Hold& hold : holds) {
-    Reaction r{.stresses = Vector::Zero(2 * elements + springs), .force = 0, .moment = 0, .size = 0};
+    Reaction r{
+        .stresses = Vector::Zero(2 * elements + springs), .force = 0, .moment = 0, .size = 0};
     Vector load = Vector::Zero(2 * beam.nodes());
     for (int i = 0; i < 4; ++i)
       if (hold.row.coefficients[i] != 0) load[hold.row.first_dof + i] = hold.row.coefficients[i];
@@ -70,7 +70,7 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
   constexpr Real kDependent = 1e-10L;  // of `size`: rounding
 
   // Combinations in equilibrium: eliminate one reaction for the force, one for the moment.
-  for (Real Reaction::* const left : {&Reaction::force, &Reaction::moment}) {
+  for (Real Reaction::*const left : {&Reaction::force, &Reaction::moment}) {
     std::size_t pivot = reactions.size();
     Real largest = kDependent;
     for (std::size_t i = 0; i < reactions.size(); ++i) {

@@ -10,14 +10,14 @@
 
 namespace wheeltap::fem {
 
-/// The rigid motions that the supports leave free, mass-normalised, one column each: exactly, not as
-/// null vectors of a rounded K. Rows are all degrees of freedom of the mesh.
+/// The rigid motions that the supports leave free, mass-normalised, one column each: exactly, not
+/// as null vectors of a rounded K. Rows are all degrees of freedom of the mesh.
 [[nodiscard]] Eigen::Matrix<DoubleDouble, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(
     const Beam& beam, const Defects& defects);
 
-/// The banded matrices in double-double. Rounding moves an eigenvalue λ of the assembled matrices by
-/// about 2⁻¹⁰⁴ λ_max, so that λ keeps 15 digits up to λ_max / λ = 10¹⁶; meshes of 150 elements have
-/// 10¹².
+/// The banded matrices in double-double. Rounding moves an eigenvalue λ of the assembled matrices
+/// by about 2⁻¹⁰⁴ λ_max, so that λ keeps 15 digits up to λ_max / λ = 10¹⁶; meshes of 150 elements
+/// have 10¹².
 class WidePencil {
  public:
   using Real = DoubleDouble;
@@ -34,8 +34,8 @@ class WidePencil {
   /// eigenvalue of a leading block, too).
   [[nodiscard]] std::optional<int> count_below(Real sigma);
 
-  /// True where eigenvalue number `index` (from 0, ascending) lies in λ (1 ± error): at most `index`
-  /// eigenvalues lie below λ (1 - error), and more than `index` below λ (1 + error).
+  /// True where eigenvalue number `index` (from 0, ascending) lies in λ (1 ± error): at most
+  /// `index` eigenvalues lie below λ (1 - error), and more than `index` below λ (1 + error).
   [[nodiscard]] bool holds(int index, Real lambda, double error);
 
   /// Rayleigh quotient iteration from q, which becomes mass-normalised and free of rigid motions.

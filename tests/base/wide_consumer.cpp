@@ -7,11 +7,12 @@
 
 int main() {
   namespace fem = wheeltap::fem;
-  const fem::Beam beam = {.length = 1.0,
-                          .elements = 20,
-                          .supports = fem::named_supports("cantilever", 1.0),
-                          .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
-                          .section = fem::section(fem::Rectangle{.width = 0.025, .height = 0.006}, 0.3)};
+  const fem::Beam beam = {
+      .length = 1.0,
+      .elements = 20,
+      .supports = fem::named_supports("cantilever", 1.0),
+      .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
+      .section = fem::section(fem::Rectangle{.width = 0.025, .height = 0.006}, 0.3)};
   for (int modes = 1; modes < 12; ++modes) {
     fem::Modes found = fem::modal_analysis(beam, {}, {.modes = modes});
     found.frequencies_hz.conservativeResize(modes + 5);

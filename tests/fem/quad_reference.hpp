@@ -13,9 +13,9 @@ namespace wheeltap::fem {
 
 __extension__ typedef __float128 Quad;  // of GCC and Clang; software, a hundred times slower
 
-/// Counts eigenvalues of the damaged beam below a given one. The element's matrices are integrals of
-/// its shape functions, which solve the static equations of a Timoshenko beam; rigid supports are
-/// held by Lagrange multipliers; nothing is reduced or factored as the library does it.
+/// Counts eigenvalues of the damaged beam below a given one. The element's matrices are integrals
+/// of its shape functions, which solve the static equations of a Timoshenko beam; rigid supports
+/// are held by Lagrange multipliers; nothing is reduced or factored as the library does it.
 class QuadReference {
  public:
   QuadReference(const Beam& beam, const Defects& defects) : beam_(beam) {
@@ -65,7 +65,8 @@ class QuadReference {
     for (std::size_t e = 0; e < static_cast<std::size_t>(beam.elements); ++e) {
       Quad left = 1;
       for (const Damage& d : defects.damages)
-        if (static_cast<std::size_t>(beam.element_at(d.location)) == e) left *= 1 - Quad(d.reduction);
+        if (static_cast<std::size_t>(beam.element_at(d.location)) == e)
+          left *= 1 - Quad(d.reduction);
       for (std::size_t i = 0; i < 4; ++i)
         for (std::size_t j = 0; j <= i; ++j) {
           add(k_, place[2 * e + i], place[2 * e + j], left * stiffness[i][j]);
@@ -186,17 +187,16 @@ class QuadReference {
         for (std::size_t i = 0; i < 4; ++i)
           for (std::size_t j = 0; j < 4; ++j) {
             const Shape p = shape(a[i], x), q = shape(a[j], x);
-            stiffness[i][j] += weight * (flexural_ * p.curvature * q.curvature +
-                                         shear_ * p.strain * q.strain);
+            stiffness[i][j] +=
+                weight * (flexural_ * p.curvature * q.curvature + shear_ * p.strain * q.strain);
             mass[i][j] += weight * (ra * p.w * q.w + ri * p.theta * q.theta);
           }
       }
   }
 
   void hold(double at, bool rotation, double k) {
-    const auto e = static_cast<std::size_t>(
-        std::clamp(static_cast<int>(std::floor(static_cast<double>(at / l_))), 0,
-                   beam_.elements - 1));
+    const auto e = static_cast<std::size_t>(std::clamp(
+        static_cast<int>(std::floor(static_cast<double>(at / l_))), 0, beam_.elements - 1));
     const Quad x = at - e * l_;
     Row row{.first = 2 * e, .coefficients = {}};
     for (std::size_t i = 0; i < 4; ++i) {

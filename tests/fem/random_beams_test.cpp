@@ -41,9 +41,8 @@ class Draw {
                            .density = log_uniform(300.0, 2e4)},
               .section = {}};
     const double height = chance(0.3) ? 0.006 : length * log_uniform(1e-4, 0.5);
-    beam.section =
-        section(Rectangle{.width = height * log_uniform(0.2, 5.0), .height = height},
-                beam.material.poisson);
+    beam.section = section(Rectangle{.width = height * log_uniform(0.2, 5.0), .height = height},
+                           beam.material.poisson);
     const auto which = static_cast<std::size_t>(uniform(0.0, 7.0));
     if (which < std::size(kNamedSupports)) {
       beam.supports = named_supports(kNamedSupports[which], length);
@@ -100,7 +99,8 @@ class Draw {
 
   double spring(const Beam& beam, bool rotation) {
     const double l = beam.length;
-    const double own = beam.material.young * beam.section.second_moment / (rotation ? l : l * l * l);
+    const double own =
+        beam.material.young * beam.section.second_moment / (rotation ? l : l * l * l);
     return own * log_uniform(1e-6, 1e6);
   }
 
@@ -117,7 +117,8 @@ std::string describe(const Case& c) {
   for (const Support& s : b.supports)
     out << "  support " << s.at << (s.deflection ? " w" : "") << (s.rotation ? " θ " : " ")
         << s.stiffness.value_or(INFINITY) << "\n";
-  for (const Damage& d : c.defects.damages) out << "  damage " << d.location << " " << d.reduction << "\n";
+  for (const Damage& d : c.defects.damages)
+    out << "  damage " << d.location << " " << d.reduction << "\n";
   for (const SpringSupport& s : c.defects.supports)
     out << "  added " << s.location << (s.rotation ? " θ " : " w ") << s.stiffness << "\n";
   return out.str();
@@ -149,7 +150,8 @@ TEST(RandomBeams, AgreeWithAReferenceIn113Bits) {
 
     const int rigid = rigid_body_freedom(c.beam, c.defects.supports);
     const int step = full ? 1 : std::max(1, c.modes / 5);
-    for (int mode = 0; mode < c.modes; mode += mode + step < c.modes || mode + 1 == c.modes ? step : c.modes - 1 - mode) {
+    for (int mode = 0; mode < c.modes;
+         mode += mode + step < c.modes || mode + 1 == c.modes ? step : c.modes - 1 - mode) {
       const double first = f[static_cast<std::size_t>(mode)], second = modal.frequencies_hz[mode];
       if (mode < rigid) {
         EXPECT_EQ(first, 0.0);
