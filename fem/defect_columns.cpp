@@ -29,7 +29,7 @@ void DefectColumns::set(const IntactModes& intact, const SecularKernel& kernel,
   row_.resize(std::max(most_, intact.stride));
   inverse_gamma_.clear();
   held_ = 0;
-  added_stiffness_ = 0.0;
+  added_stiffness_ = stiffest_spring_ = 0.0;
   support_column_.assign(supports.size(), -1);
   for (const bool rigid_ones : {false, true})
     for (std::size_t i = 0; i < supports.size(); ++i) {
@@ -84,6 +84,7 @@ bool DefectColumns::add_support(const IntactModes& intact, const SecularKernel& 
       double sum = 0.0;
       for (std::size_t j = 0; j < n; ++j) sum += c[j] * c[j];
       added_stiffness_ += s.stiffness * sum;
+      stiffest_spring_ = std::max(stiffest_spring_, s.stiffness * own);
       inverse_gamma_.back() = -1.0 / s.stiffness;
     }
     const std::size_t width = support_column_.size();

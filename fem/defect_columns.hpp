@@ -42,6 +42,8 @@ class DefectColumns {
   [[nodiscard]] double least_remaining() const { return least_remaining_; }
   /// Σ k Σ_j c_j² of the springs: bounds what they raise any eigenvalue by.
   [[nodiscard]] double added_stiffness() const { return added_stiffness_; }
+  /// The greatest k Σ_j c_j² / s_j of the springs: stiffness over the beam's own at their place.
+  [[nodiscard]] double stiffest_spring() const { return stiffest_spring_; }
   /// L⁻¹ C, a column after the other.
   [[nodiscard]] const double* columns() const { return columns_.data(); }
 
@@ -75,7 +77,7 @@ class DefectColumns {
   std::vector<double> row_;            // scratch
   std::size_t most_ = 0;               // columns there could be
   int support_columns_ = 0, damage_columns_ = 0, held_ = 0, rigid_ = 0;
-  double least_remaining_ = 1.0, added_stiffness_ = 0.0;
+  double least_remaining_ = 1.0, added_stiffness_ = 0.0, stiffest_spring_ = 0.0;
 };
 
 }  // namespace wheeltap::fem::detail

@@ -109,6 +109,16 @@ void Reanalysis::solve(std::span<const Damage> damages, std::span<const SpringSu
                  [](double value) { return std::sqrt(value) / (2.0 * std::numbers::pi); });
 }
 
+double Reanalysis::error_bound(std::span<const Damage> damages,
+                               std::span<const SpringSupport> supports,
+                               Workspace& workspace) const {
+  detail::DefectColumns& columns = workspace.impl_->columns;
+  columns.set(impl_->intact, detail::secular_kernel(), damages, supports);
+  double bound = 1e-10 + 1e-16 * columns.stiffest_spring();
+  if (impl_->intact.rigid > 0 && columns.supports() > 0) bound += 4e-15 / columns.least_remaining();
+  return bound;
+}
+
 void Reanalysis::location_slopes(std::span<const Damage> damages,
                                  std::span<const SpringSupport> supports, Workspace& workspace,
                                  const LocationSlopes& slopes) const {
