@@ -101,6 +101,7 @@ std::optional<Real> WidePencil::refine(Vector& q) {
   // A vector off by δ towards a mode at the relative distance g moves the quotient by g δ², and the
   // step that found so leaves δ³: 3e-14 where g is 1e-13, closer than which modes are twins.
   constexpr double kDone = 1e-22;
+  constexpr double kRounding = 1e-14;  // on very soft springs it gets no better
   Real quotient = normalise(q);
   for (int step = 0; step < 12; ++step) {
     ldlt_.factor(quotient);
@@ -113,7 +114,9 @@ std::optional<Real> WidePencil::refine(Vector& q) {
     quotient = normalise(next);
     if (!isfinite(quotient)) return std::nullopt;
     q = next;
-    if (abs(quotient - last) <= Real(kDone) * quotient) return quotient;
+    const Real change = abs(quotient - last);
+    if (change <= Real(kDone) * quotient) return quotient;
+    if (step >= 3 && change <= Real(kRounding) * quotient) return quotient;
   }
   return std::nullopt;
 }
