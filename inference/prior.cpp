@@ -54,7 +54,8 @@ void require_positive(const char* family, const char* name, double value) {
 void require_interval(const char* family, double lower, double upper) {
   require_finite(family, "lower", lower);
   require_finite(family, "upper", upper);
-  if (!(lower < upper)) refuse(family, "lower", lower, ("< upper = " + base::number(upper)).c_str());
+  if (!(lower < upper))
+    refuse(family, "lower", lower, ("< upper = " + base::number(upper)).c_str());
   if (!std::isfinite(upper - lower)) refuse(family, "upper", upper, "within range of lower");
 }
 
