@@ -113,12 +113,12 @@ template <class Real>
 MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element, double x,
                            bool rotation) {
   const int e = beam.element_at(x);
-  const double xi = x / beam.element_length() - e;
-  const double snap = 1e-9 * beam.elements;
+  const Real xi = static_cast<Real>(x) / element.length() - static_cast<Real>(e);
+  const double place = static_cast<double>(xi), snap = 1e-9 * beam.elements;
   MotionRow<Real> row{.first_dof = 2 * e, .coefficients = Eigen::Matrix<Real, 4, 1>::Zero()};
-  if (std::abs(xi) <= snap)
+  if (std::abs(place) <= snap)
     row.coefficients[rotation ? 1 : 0] = 1;
-  else if (std::abs(xi - 1.0) <= snap)
+  else if (std::abs(place - 1.0) <= snap)
     row.coefficients[rotation ? 3 : 2] = 1;
   else
     row.coefficients = rotation ? element.rotation_row(xi) : element.deflection_row(xi);

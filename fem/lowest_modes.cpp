@@ -13,6 +13,8 @@ namespace {
 
 /// Eigenvalues closer than this fraction are treated as one, their vectors made orthogonal.
 constexpr double kTwins = 1e-13;
+/// Closer than this, long double may have mixed two modes.
+constexpr double kClose = 1e-4;
 
 /// Sturm counts isolate the eigenvalues above zero, and Rayleigh quotient iteration finishes each.
 template <class Real>
@@ -168,8 +170,27 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
     return pencil.rigid_share(a) > pencil.rigid_share(b);
   });
   std::vector<Real> values(count, Real(-1.0));
-  for (std::size_t i = rigid; i < count; ++i)
-    values[i] = pencil.refine(starts[i]).value_or(Real(-1.0));
+  for (std::size_t i = rigid; i < count; ++i) {
+    WidePencil::Vector q = starts[i];
+    auto lambda = pencil.refine(q);
+    // Mixtures of close modes may all end at the same one: then without those found.
+    std::vector<WidePencil::Vector> close;
+    if (lambda) {
+      const WidePencil::Vector momentum = pencil.assembly().mass * q;
+      bool met = false;
+      for (std::size_t k = rigid; k < i; ++k)
+        if (abs(values[k] - *lambda) <= Real(kClose) * *lambda) {
+          close.push_back(starts[k]);
+          met = met || abs(momentum.dot(starts[k])) > Real(1e-3);
+        }
+      if (met) {
+        q = starts[i];
+        lambda = pencil.refine(q, close);
+      }
+    }
+    starts[i] = q;
+    values[i] = lambda.value_or(Real(-1.0));
+  }
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin() + static_cast<std::ptrdiff_t>(rigid), order.end(),

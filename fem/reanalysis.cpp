@@ -110,13 +110,17 @@ void Reanalysis::solve(std::span<const Damage> damages, std::span<const SpringSu
 }
 
 double Reanalysis::error_bound(std::span<const Damage> damages,
-                               std::span<const SpringSupport> supports,
+                               std::span<const SpringSupport> supports, double frequency_hz,
                                Workspace& workspace) const {
+  const detail::IntactModes& intact = impl_->intact;
   detail::DefectColumns& columns = workspace.impl_->columns;
-  columns.set(impl_->intact, detail::secular_kernel(), damages, supports);
-  double bound = 1e-10 + 1e-16 * columns.stiffest_spring();
-  if (impl_->intact.rigid > 0 && columns.supports() > 0) bound += 4e-15 / columns.least_remaining();
-  return bound;
+  columns.set(intact, detail::secular_kernel(), damages, supports);
+  const double bound = 1e-10 + 1e-16 * columns.stiffest_spring();
+  const bool held_by_added = intact.rigid > 0 && columns.supports() > 0;
+  if (!held_by_added && intact.modes > columns.count() + 2) return bound;
+  const double omega = 2.0 * std::numbers::pi * frequency_hz;
+  return bound + 4e-15 * (1.0 / columns.least_remaining() +
+                          intact.eigenvalues[index(intact.stiff)] / (omega * omega));
 }
 
 void Reanalysis::location_slopes(std::span<const Damage> damages,

@@ -67,14 +67,19 @@ class Reanalysis {
     std::span<double> supports_hz_m;  ///< n × supports
   };
 
-  /// Bounds the relative error of every frequency under these defects, against exact arithmetic on
-  /// the same mesh: 1e-10, and 4e-15 / q more where the beam by itself can move rigidly and only
-  /// added supports or springs hold it, q = Π (1 - r) of the element with least left: there the
-  /// compliance of a hinge cancels against that of the supports. From rounding analysis with
-  /// constants from 4000 random beams (tests/fem/random_beams_test.cpp). Springs 1e9 times stiffer
-  /// than the beam at their place and stiffer count as (1e-16 k / k_beam).
+  /// Bounds the relative error of a frequency [Hz] under these defects, against exact arithmetic on
+  /// the same mesh:
+  ///
+  ///   1e-10 + 1e-16 k/k_beam + 4e-15 (1/q + λ_1/λ),
+  ///
+  /// k the stiffest added spring, k_beam the beam's own stiffness at its place, q = Π (1 - r) of
+  /// the element with least left, λ_1 the intact beam's lowest elastic eigenvalue. The last term
+  /// only of beams that move rigidly by themselves and are held by added supports, where the
+  /// compliances of hinges and soft springs cancel against those of the supports, and of meshes
+  /// with hardly more modes than damaged strains. How rounding enters is from analysis, the factors
+  /// are those that 4000 random beams need (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
-                                   std::span<const SpringSupport> supports,
+                                   std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
 
   [[nodiscard]] Workspace make_workspace() const;

@@ -91,18 +91,20 @@ double WidePencil::rigid_share(const Vector& q) const {
   return static_cast<double>(sum / q.dot(assembly_.mass * q));
 }
 
-Real WidePencil::normalise(Vector& q) const {
+/// Returns the Rayleigh quotient.
+Real WidePencil::normalise(Vector& q, const std::vector<Vector>& others) const {
   for (std::size_t i = 0; i < rigid_.size(); ++i) q -= rigid_momentum_[i].dot(q) * rigid_[i];
+  for (const Vector& other : others) q -= other.dot(assembly_.mass * q) * other;
   q /= sqrt(q.dot(assembly_.mass * q));
   return energy_.twice(all_dofs(q));
 }
 
-std::optional<Real> WidePencil::refine(Vector& q) {
+std::optional<Real> WidePencil::refine(Vector& q, const std::vector<Vector>& others) {
   // A vector off by δ towards a mode at the relative distance g moves the quotient by g δ², and the
   // step that found so leaves δ³: 3e-14 where g is 1e-13, closer than which modes are twins.
   constexpr double kDone = 1e-22;
   constexpr double kRounding = 1e-14;  // on very soft springs it gets no better
-  Real quotient = normalise(q);
+  Real quotient = normalise(q, others);
   for (int step = 0; step < 12; ++step) {
     ldlt_.factor(quotient);
     // Aside by a little where the eigenvalue makes a leading block singular too.
@@ -111,7 +113,7 @@ std::optional<Real> WidePencil::refine(Vector& q) {
     Vector next = assembly_.mass * q;
     ldlt_.solve(next);
     const Real last = quotient;
-    quotient = normalise(next);
+    quotient = normalise(next, others);
     if (!isfinite(quotient)) return std::nullopt;
     q = next;
     const Real change = abs(quotient - last);

@@ -38,9 +38,9 @@ class WidePencil {
   /// `index` eigenvalues lie below λ (1 - error), and more than `index` below λ (1 + error).
   [[nodiscard]] bool holds(int index, Real lambda, double error);
 
-  /// Rayleigh quotient iteration from q, which becomes mass-normalised and free of rigid motions.
-  /// Returns the eigenvalue it ends at, or nothing where it does not end.
-  [[nodiscard]] std::optional<Real> refine(Vector& q);
+  /// Rayleigh quotient iteration from q, which becomes mass-normalised and orthogonal to the rigid
+  /// motions and to `others`. Returns the eigenvalue it ends at, or nothing where it does not end.
+  [[nodiscard]] std::optional<Real> refine(Vector& q, const std::vector<Vector>& others = {});
 
   /// How much of q's momentum is of the rigid motions, from 0 to 1.
   [[nodiscard]] double rigid_share(const Vector& q) const;
@@ -49,7 +49,7 @@ class WidePencil {
   [[nodiscard]] Vector all_dofs(const Vector& q) const { return assembly_.free_to_all * q; }
 
  private:
-  [[nodiscard]] Real normalise(Vector& q) const;  // returns the Rayleigh quotient
+  [[nodiscard]] Real normalise(Vector& q, const std::vector<Vector>& others) const;
 
   Assembly<Real> assembly_;
   SkylineLdlt<Real> ldlt_;
