@@ -12,6 +12,7 @@
 #include "inference/reversible_jump.hpp"
 
 using namespace wheeltap::inference;
+namespace base = wheeltap::base;
 
 // Twelve readings of -0.2 + 0.9 t + 0.35 t² with noise of sd 0.2 (Philox stream of seed 2016).
 std::vector<double> readings() {

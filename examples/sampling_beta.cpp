@@ -18,7 +18,7 @@
 namespace {
 
 using namespace wheeltap::examples;
-using wheeltap::base::Purpose;
+namespace base = wheeltap::base;
 using wheeltap::inference::ess_mean, wheeltap::inference::mcse_mean, wheeltap::inference::mean;
 
 constexpr double kStart = 0.5, kWalk = 0.4, kSlice = 0.3;
