@@ -241,8 +241,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
         << "; tallest bar " << percent(*std::ranges::max_element(expected)) << " in one element)\n";
     out << draw_beam(damage_case.beam, expected, kTerminalWidth - 4);
   }
-  print_closing(page, findings.sampling, warnings(findings, damage_context(file, findings)),
-                "count");
+  print_closing(page, findings, warnings(findings, damage_context(file, findings)), "count");
 }
 
 }  // namespace wheeltap::apps

@@ -79,7 +79,7 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
         << responses[c]->name();
   }
   out << ".\n";
-  print_closing(page, findings.sampling, warnings(findings, {}, parsed.warnings), "model");
+  print_closing(page, findings, warnings(findings, {}, parsed.warnings), "model");
 }
 
 }  // namespace wheeltap::apps

@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <ostream>
 
+#include "apps/verdict_words.hpp"
+
 namespace wheeltap::apps {
 
 using namespace identification;
@@ -140,11 +142,12 @@ void print_evidence(const Page& page, const Findings& findings) {
   }
 }
 
-void print_closing(const Page& page, const Sampling& sampling,
+void print_closing(const Page& page, const Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what) {
   if (!warnings.empty()) page.heading("What to keep in mind");
   for (const std::string& w : warnings) page.wrapped(w, page.warn("! "), "  ");
 
+  const Sampling& sampling = findings.sampling;
   const inference::Verdict& verdict = sampling.verdict;
   page.out << '\n'
            << sampling.chains << (sampling.chains == 1 ? " chain of " : " chains of ")
@@ -160,10 +163,11 @@ void print_closing(const Page& page, const Sampling& sampling,
     page.out << "The draws were tempered: " << sampling.ladder_round_trips
              << " round trips between prior and posterior.\n";
   }
-  page.out << (verdict.converged ? "Converged."
-                                 : page.warn(verdict.not_established.size() > 1
-                                                 ? "NOT CONVERGED: see the first points above."
-                                                 : "NOT CONVERGED: see the first point above."))
+  page.out << (verdict.converged
+                   ? "Converged."
+                   : page.warn(in_words(verdict.not_established, *findings.space).size() > 1
+                                   ? "NOT CONVERGED: see the first points above."
+                                   : "NOT CONVERGED: see the first point above."))
            << '\n';
 }
 

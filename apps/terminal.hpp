@@ -53,7 +53,7 @@ void print_answer(const Page& page, const Answer& said);
 void print_models(const Page& page, const std::vector<identification::ModelFinding>& models);
 void print_evidence(const Page& page, const identification::Findings& findings);
 /// Warnings, cost and convergence; `what` the models count.
-void print_closing(const Page& page, const identification::Sampling& sampling,
+void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
 /// One line on standard error that overwrites itself; silent unless that is a terminal.

@@ -177,17 +177,17 @@ json from_units(const Workspace& where, const std::string& header, double time, 
 TEST(SidCase, TimeInMillisecondsIsNotReadAsSeconds) {
   const Workspace where;
   json c = from_units(where, "time [ms],force [N],displacement [m]", 10, 2, 0.003);
-  EXPECT_DOUBLE_EQ(parse_sid(where, c).sample_rate_hz, 100.0);
+  EXPECT_DOUBLE_EQ(parse_sid(where, c).sid.sample_rate_hz, 100.0);
   c["record"]["channels"].push_back({{"column", "time"}, {"role", "time"}});
-  EXPECT_DOUBLE_EQ(parse_sid(where, c).sample_rate_hz, 100.0);
+  EXPECT_DOUBLE_EQ(parse_sid(where, c).sid.sample_rate_hz, 100.0);
   c["record"]["channels"][2]["scale"] = 1e-6;
-  EXPECT_DOUBLE_EQ(parse_sid(where, c).sample_rate_hz, 1e5) << "the case's scale wins";
+  EXPECT_DOUBLE_EQ(parse_sid(where, c).sid.sample_rate_hz, 1e5) << "the case's scale wins";
   c["record"]["channels"][2]["scale"] = "k";
   EXPECT_THAT(refusal(where, c), HasSubstr("/record/channels/2/scale"));
   c = from_units(where, "time [ticks],force [N],displacement [m]", 10, 2, 0.003);
   EXPECT_THAT(refusal(where, c), testing::AllOf(HasSubstr("'ticks'"), HasSubstr("s, ms, us")));
   c["record"]["channels"].push_back({{"column", "time"}, {"role", "time"}, {"scale", 0.001}});
-  EXPECT_DOUBLE_EQ(parse_sid(where, c).sample_rate_hz, 100.0);
+  EXPECT_DOUBLE_EQ(parse_sid(where, c).sid.sample_rate_hz, 100.0);
 }
 
 // Fault: kN and mm were only warned about.
@@ -197,19 +197,19 @@ TEST(SidCase, KnownUnitsConvertWhereNoScaleIsGiven) {
     return channel.signal.scale.value * channel.signal.samples[7];
   };
   json c = from_units(where, "time [s],force [kN],displacement [mm]", 0.01, 0.002, 3);
-  const SidCase converted = parse_sid(where, c);
-  EXPECT_DOUBLE_EQ(si(converted.channels[0]), 2.0);
-  EXPECT_DOUBLE_EQ(si(converted.channels[1]), 0.003);
+  const SidCaseFile converted = parse_sid(where, c);
+  EXPECT_DOUBLE_EQ(si(converted.sid.channels[0]), 2.0);
+  EXPECT_DOUBLE_EQ(si(converted.sid.channels[1]), 0.003);
   EXPECT_THAT(converted.warnings, testing::Not(testing::Contains(HasSubstr("\"scale\""))));
   c["record"]["channels"][1]["scale"] = 2.0;
-  EXPECT_DOUBLE_EQ(si(parse_sid(where, c).channels[1]), 6.0) << "the case's scale wins";
+  EXPECT_DOUBLE_EQ(si(parse_sid(where, c).sid.channels[1]), 6.0) << "the case's scale wins";
 
   // Unknown, or of something else: said once a channel, and used as they are.
   for (const char* unit : {"V", "N"}) {
     c = from_units(where, std::string("time [s],force [N],displacement [") + unit + "]", 0.01, 2,
                    3);
-    const SidCase warned = parse_sid(where, c);
-    EXPECT_DOUBLE_EQ(si(warned.channels[1]), 3.0);
+    const SidCaseFile warned = parse_sid(where, c);
+    EXPECT_DOUBLE_EQ(si(warned.sid.channels[1]), 3.0);
     EXPECT_EQ(std::ranges::count_if(warned.warnings,
                                     [&](const std::string& w) {
                                       return w.find(std::string("is in ") + unit) != w.npos;
@@ -222,15 +222,15 @@ TEST(SidCase, KnownUnitsConvertWhereNoScaleIsGiven) {
 TEST(SidCase, SimulatesInTheUnitsOfTheHeaders) {
   const Workspace where;
   json c = small_sid_case();
-  const SidCase si = parse_sid(where, c);
+  const SidCase si = parse_sid(where, c).sid;
   c["record"]["channels"][0]["column"] = "force [mN]";
   c["record"]["channels"][1]["column"] = "displacement [mm]";
   c["record"]["channels"].push_back({{"column", "time [ms]"}, {"role", "time"}});
-  const SidCase milli = parse_sid(where, c);
+  const SidCase milli = parse_sid(where, c).sid;
   EXPECT_NEAR(milli.sample_rate_hz, si.sample_rate_hz, 1e-9);
   static_cast<void>(where.write("record.csv", record_csv(simulate_record(milli, 1), "simulated")));
   c["record"]["file"] = "record.csv";
-  const SidCase back = parse_sid(where, c);
+  const SidCase back = parse_sid(where, c).sid;
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(back.channels[i].signal.scale.value, 1e-3);
     for (std::size_t n = 0; n < 200; ++n) {
@@ -286,8 +286,8 @@ TEST(SidCase, ASimulationChecksItsSteps) {
     ASSERT_EQ(refusal(where, c), "not refused");
     json fine = c;
     fine["integration"] = {{"step_limit", 0.01}};
-    const auto a = simulate_record(parse_sid(where, c), 1).columns[2].values;
-    const auto b = simulate_record(parse_sid(where, fine), 1).columns[2].values;
+    const auto a = simulate_record(parse_sid(where, c).sid, 1).columns[2].values;
+    const auto b = simulate_record(parse_sid(where, fine).sid, 1).columns[2].values;
     double difference = 0.0, size = 0.0;
     for (std::size_t n = 0; n < a.size(); ++n) {
       difference += (a[n] - b[n]) * (a[n] - b[n]);

@@ -22,7 +22,7 @@ Marginal row(double low, double middle, double high) {
   return {.mean = middle, .sd = 0.1, .q2_5 = low, .q50 = middle, .q97_5 = high};
 }
 
-struct Run {
+struct MadeUp {
   DamageCase damage_case;
   DamageFindings findings;
 
@@ -43,8 +43,8 @@ DefectKind kind(const DefectType& type) {
 }
 
 // 0, 1, 2 … damages with these probabilities, the first two near .095 and .425.
-Run damage_run(const std::vector<double>& probabilities) {
-  Run run;
+MadeUp damage_run(const std::vector<double>& probabilities) {
+  MadeUp run;
   run.damage_case.beam.length = 1.0;
   run.damage_case.kinds = {kind(defects::kReduction)};
   run.findings.sampling.verdict.converged = true;
@@ -66,7 +66,7 @@ Run damage_run(const std::vector<double>& probabilities) {
   return run;
 }
 
-Answer answer(const Run& run) {
+Answer answer(const MadeUp& run) {
   return apps::answer(run.damage_case, run.findings);
 }
 
@@ -79,7 +79,7 @@ TEST(Answer, NoDamage) {
 }
 
 TEST(Answer, AProbabilityOfTheEvidenceIsCalledThat) {
-  Run run = damage_run({0.75, 0.25, 0.0});
+  MadeUp run = damage_run({0.75, 0.25, 0.0});
   run.findings.models[0].standing.basis = inference::Basis::evidence;
   EXPECT_EQ(answer(run).headline, "Most likely no damage (75 %, by its evidence).");
 }
@@ -110,27 +110,27 @@ TEST(Answer, UndecidedCountNamesAllThatCount) {
 }
 
 TEST(Answer, MirrorImagesAreBothNamed) {
-  Run run = damage_run({0.0, 0.75, 0.25});
+  MadeUp run = damage_run({0.0, 0.75, 0.25});
   run.findings.symmetry = SymmetryFinding{.center = 0.5, .emulated = false, .chains = {}};
   EXPECT_THAT(answer(run).detail, HasSubstr("or its mirror image 0.905 m"));
   EXPECT_THAT(answer(run).detail, HasSubstr("cannot tell a place from its mirror image"));
 }
 
 TEST(Answer, MidspanIsItsOwnMirrorImage) {
-  Run run = damage_run({0.0, 0.9, 0.1});
+  MadeUp run = damage_run({0.0, 0.9, 0.1});
   run.findings.symmetry = SymmetryFinding{.center = 0.5, .emulated = false, .chains = {}};
   run.location(1, 0) = row(0.49, 0.499, 0.5);
   EXPECT_THAT(answer(run).detail, Not(HasSubstr("mirror image 0.5")));
 }
 
 TEST(Answer, WideLocationIsNotCalledLocated) {
-  Run run = damage_run({0.0, 0.9, 0.1});
+  MadeUp run = damage_run({0.0, 0.9, 0.1});
   run.location(1, 0) = row(0.1, 0.4, 0.8);
   EXPECT_THAT(answer(run).detail, StartsWith("Not located: anywhere from 0.100 to 0.800 m"));
 }
 
 TEST(Answer, NotConvergedComesFirst) {
-  Run run = damage_run({0.0, 0.75, 0.25});
+  MadeUp run = damage_run({0.0, 0.75, 0.25});
   run.findings.sampling.verdict.converged = false;
   const Answer a = answer(run);
   EXPECT_THAT(a.caution, HasSubstr("do not trust these numbers yet"));
@@ -138,7 +138,7 @@ TEST(Answer, NotConvergedComesFirst) {
 }
 
 TEST(Answer, SupportsHaveTheirOwnWords) {
-  Run run = damage_run({0.0, 1.0});
+  MadeUp run = damage_run({0.0, 1.0});
   run.damage_case.kinds = {kind(defects::kSupport)};
   run.damage_case.kinds[0].severity = DefectKind::Rigid{};
   run.findings.models[1].parameters = {
@@ -149,7 +149,7 @@ TEST(Answer, SupportsHaveTheirOwnWords) {
 }
 
 TEST(Answer, TwoKindsInOneModel) {
-  Run run = damage_run({0.1, 0.9});
+  MadeUp run = damage_run({0.1, 0.9});
   run.damage_case.kinds = {kind(defects::kReduction), kind(defects::kSupport)};
   run.findings.models[0].counts = {0, 0};
   run.findings.models[1].counts = {2, 1};
@@ -160,7 +160,7 @@ TEST(Answer, TwoKindsInOneModel) {
 // A kind that is called anything keeps its own severity: a bearing beside cracks used to get the
 // crack's reduction.
 TEST(Answer, AKindCalledAnythingHasItsOwnSeverity) {
-  Run run = damage_run({0.1, 0.9});
+  MadeUp run = damage_run({0.1, 0.9});
   run.damage_case.kinds = {kind(defects::kReduction), kind(defects::kSupport)};
   run.damage_case.kinds[0].name = "crack";
   run.damage_case.kinds[1].name = "bearing";
