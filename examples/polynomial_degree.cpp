@@ -59,8 +59,8 @@ int main() {
 
   const Posterior posterior = reversible_jump(problem, {.seed = 1});
 
-  const Marginal p = posterior.probability("parabola");
-  const Marginal bayes_factor = posterior.log_bayes_factor("parabola", "line");
+  const Estimate p = posterior.probability("parabola");
+  const Estimate bayes_factor = posterior.log_bayes_factor("parabola", "line");
   std::printf("P(parabola | readings) = %.3f ± %.3f\n", p.value, p.mcse);
   std::printf("ln of the Bayes factor against a line: %.2f ± %.2f\n", bayes_factor.value,
               bayes_factor.mcse);

@@ -38,7 +38,8 @@ struct SidChannel {
   }
   /// What its samples are; meaningless for what is ignored.
   [[nodiscard]] signals::Dimension dimension() const;
-  /// A scale is the header's unit where none was asked for, and the unit is known.
+  /// The scale becomes the header's unit where it is 1 and was not asked for, and the unit is
+  /// known.
   void take_unit(const std::string& header_unit);
   /// The column is called by its number.
   [[nodiscard]] bool is_numbered() const {

@@ -18,8 +18,8 @@ using testing::HasSubstr;
 
 std::unique_ptr<const DamageProblem> problem(const Json& json) {
   const Workspace where;
-  return make_damage_problem(parse_damage_case(read_case(where.write_json("c.json", json))).damage,
-                             {});
+  const DamageCaseFile parsed = parse_damage_case(read_case(where.write_json("c.json", json)));
+  return explained(parsed, [&] { return make_damage_problem(parsed.damage, {}); });
 }
 
 double log_normal_density(double observed, double mean, double sd) {

@@ -1,8 +1,8 @@
 // Each problem is a density of known mass g as likelihood: ln L = c + ln g - ln p under the prior
 // p, so that Z = e^c · (mass of g where p > 0), against a model without parameters and with Z = 1.
 //
-// Long, because it is one list: each entry stands by itself, and what two families share
-// (densities, the making of a problem) is used by all of them.
+// Longer than 600 lines: it is one list, of which entry stands by itself, and what two families
+// share (densities, the making of a problem) is used by all of them.
 #include "tests/inference/hard_problems.hpp"
 
 #include <Eigen/Dense>
