@@ -39,4 +39,23 @@ void fill_lists(AnyJson& rules) {
   }
 }
 
+/// Whole numbers are held to what the program counts with, unless the schema says less: larger ones
+/// wrapped without a word. Seeds may have 64 bits.
+template <class AnyJson>
+void bound_integers(AnyJson& rules, const std::string& key = {}) {
+  if (rules.is_object() && rules.contains("type") && rules["type"] == "integer" &&
+      !rules.contains("maximum") && key != "seed") {
+    rules["maximum"] = 2147483647;
+  }
+  if (rules.is_object()) {
+    for (auto& [name, child] : rules.items()) {
+      if (child.is_structured()) bound_integers(child, name);
+    }
+  } else {
+    for (auto& child : rules) {
+      if (child.is_structured()) bound_integers(child, key);
+    }
+  }
+}
+
 }  // namespace wheeltap::apps

@@ -3,8 +3,8 @@
 
 #include <span>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "dynamics/law.hpp"
 #include "dynamics/laws.hpp"
 

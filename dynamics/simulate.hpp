@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "base/simd.hpp"
 #include "dynamics/chain.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <span>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "fem/beam.hpp"
 #include "fem/defect.hpp"
 #include "fem/timoshenko_element.hpp"

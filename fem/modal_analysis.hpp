@@ -2,8 +2,8 @@
 #pragma once
 
 #include <string>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "fem/beam.hpp"
 #include "fem/defect.hpp"
 

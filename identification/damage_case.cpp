@@ -62,6 +62,21 @@ void complete(DamageCase& damage_case) {
           "locations lie on the beam, in [0, " + base::number(damage_case.beam.length) + "] m",
           index);
     }
+    for (const double weight : kind.weights) {
+      if (!(weight >= 0.0)) {
+        throw InvalidInput(Part::location, "a weight of " + base::number(weight) + ": must be >= 0",
+                           index);
+      }
+    }
+    if (const inference::Prior* severity = kind.severity_prior();
+        severity != nullptr &&
+        (severity->lower() < kind.type->lower || severity->upper() > kind.type->upper)) {
+      throw InvalidInput(Part::severity,
+                         "reaches from " + base::number(severity->lower()) + " to " +
+                             base::number(severity->upper()) + ", but " +
+                             std::string(kind.type->bounds_words),
+                         index);
+    }
     if (!kind.type->may_be_known && kind.severity_prior() == nullptr) {
       throw InvalidInput(Part::severity, "is missing: must be a prior", index);
     }
@@ -73,6 +88,18 @@ void complete(DamageCase& damage_case) {
                                        " standard deviations, must be " +
                                        std::to_string(data.frequencies_hz.size()) +
                                        ", one a mode, or an unknown coefficient of variation");
+  }
+  for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i) {
+    const double f = data.frequencies_hz[i];
+    if (std::isnan(f)) continue;
+    const std::string mode = "mode " + std::to_string(i + 1) + ": ";
+    if (!(f > 0.0 && std::isfinite(f))) {
+      throw InvalidInput(Part::data, mode + base::number(f) + " Hz, must be positive");
+    }
+    if (!data.cv_prior && !(data.sd_hz[i] > 0.0 && std::isfinite(data.sd_hz[i]))) {
+      throw InvalidInput(Part::data, mode + "a standard deviation of " +
+                                         base::number(data.sd_hz[i]) + " Hz, must be positive");
+    }
   }
 }
 

@@ -513,11 +513,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     }
   }
   out.remarks = std::move(remarks);
-  add_evidence(out, draws.space(), evidence);
-  if (out.sampling.impossible > 0) {
-    out.remarks.push_back(remark::ImpossibleLikelihoods{out.sampling.impossible,
-                                                        out.sampling.likelihood_evaluations});
-  }
+  conclude(out, draws.space(), evidence);
   return out;
 }
 

@@ -186,8 +186,8 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
   return out;
 }
 
-void add_evidence(Findings& findings, const inference::ModelSpace& space,
-                  const std::vector<MethodEvidence>& evidence) {
+void conclude(Findings& findings, const inference::ModelSpace& space,
+              const std::vector<MethodEvidence>& evidence) {
   std::vector<double> sampled, errors;
   for (const ModelFinding& m : findings.models) {
     sampled.push_back(m.standing.probability);
@@ -213,6 +213,10 @@ void add_evidence(Findings& findings, const inference::ModelSpace& space,
                                                            .implied_error = d.implied_error});
     }
     findings.evidence.push_back(std::move(found));
+  }
+  if (findings.sampling.impossible > 0) {
+    findings.remarks.push_back(remark::ImpossibleLikelihoods{
+        findings.sampling.impossible, findings.sampling.likelihood_evaluations});
   }
 }
 

@@ -104,8 +104,9 @@ struct Findings {
 [[nodiscard]] Findings run_findings(const inference::Posterior& posterior,
                                     const inference::Verdict& verdict, std::uint64_t seed);
 
-/// Adds what the methods found, and remarks where it contradicts the draws or a method failed.
-void add_evidence(Findings& findings, const inference::ModelSpace& space,
-                  const std::vector<MethodEvidence>& evidence);
+/// Adds what any run may have to say last: what the methods found, with remarks where it
+/// contradicts the draws or a method failed, and that likelihoods were impossible.
+void conclude(Findings& findings, const inference::ModelSpace& space,
+              const std::vector<MethodEvidence>& evidence);
 
 }  // namespace wheeltap::identification

@@ -109,8 +109,9 @@ void judge_integration(SidFindings& findings) {
 
 /// From the probabilities; from the evidences where either probability rests on them, since these
 /// keep what probabilities lose below the smallest number.
-std::vector<BayesFactor> bayes_factors(const inference::ModelSpace& space,
+std::vector<BayesFactor> bayes_factors(const Posterior& posterior,
                                        const std::vector<ModelFinding>& models) {
+  const inference::ModelSpace& space = *posterior.space;
   using inference::Basis;
   const inference::ModelStanding& first = models[0].standing;
   std::vector<BayesFactor> out;
@@ -128,7 +129,8 @@ std::vector<BayesFactor> bayes_factors(const inference::ModelSpace& space,
     } else if (!by_evidence && one.probability > 0.0 && first.probability > 0.0) {
       factor.log = std::log(one.probability) - std::log(first.probability) -
                    (space[m].log_prior - space[0].log_prior);
-      factor.error = std::hypot(one.mcse / one.probability, first.mcse / first.probability);
+      // Shares of one sum are not independent: the library knows how they go together.
+      factor.error = inference::log_bayes_factor(posterior, m, 0).mcse;
     }
     out.push_back(factor);
   }
@@ -163,14 +165,14 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
       out.of_models.back()->links = link_laws(problem, posterior, m);
     }
   }
-  out.bayes_factors = bayes_factors(space, out.models);
+  out.bayes_factors = bayes_factors(posterior, out.models);
   out.coverage = coverage(problem, predictive);
   out.predictive_draws = static_cast<int>(predictive.draws.size());
   judge_means(problem, posterior, out);
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);
   judge_integration(out);
-  add_evidence(out, space, evidence);
+  conclude(out, space, evidence);
   return out;
 }
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "inference/target.hpp"
 
 namespace wheeltap::inference {

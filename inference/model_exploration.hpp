@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <functional>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/mode_search.hpp"
 

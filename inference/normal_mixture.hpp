@@ -5,8 +5,8 @@
 #include <limits>
 #include <span>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::inference {

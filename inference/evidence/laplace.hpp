@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "inference/evidence/metropolis.hpp"
 #include "inference/optimum.hpp"
 

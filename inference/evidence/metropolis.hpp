@@ -4,8 +4,8 @@
 
 #include <cstdint>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/normal_mixture.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <functional>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/normal_mixture.hpp"
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <span>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "base/random.hpp"
 #include "inference/move.hpp"
 #include "inference/target.hpp"

@@ -3,8 +3,8 @@
 
 #include <memory>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "inference/moves/component_proposal.hpp"
 #include "inference/moves/mixture_jump.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "inference/move.hpp"
 
 namespace wheeltap::inference {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "inference/move.hpp"
 
 namespace wheeltap::inference {

@@ -3,8 +3,8 @@
 
 #include <optional>
 #include <vector>
-#include "base/eigen.hpp"
 
+#include "base/eigen.hpp"
 #include "inference/kept_draws.hpp"
 #include "inference/model_exploration.hpp"
 #include "inference/move.hpp"

@@ -39,6 +39,16 @@ TEST(CaseFile, AcceptsAGoodCase) {
   EXPECT_EQ(complaint(small_case()), "");
 }
 
+// Fault: 4294967297 modes were one.
+TEST(CaseFile, WholeNumbersBeyondWhatIsCountedWithAreRefused) {
+  Json json = small_case();
+  json["data"]["modes"] = 4294967297;
+  EXPECT_THAT(complaint(json), HasSubstr("/data/modes: 4294967297: must be"));
+  json["data"]["modes"] = 3;
+  json["data"]["seed"] = 18446744073709551615ULL;
+  EXPECT_EQ(complaint(json), "") << "seeds have 64 bits";
+}
+
 TEST(CaseFile, NamesLineAndColumnOfASyntaxError) {
   EXPECT_THAT(reading("{\n  \"a\": 1,\n  \"b\" 2\n}"), HasSubstr("c.json:3:7: not JSON"));
   EXPECT_THAT(reading("{\"a\": [1, NaN]}"), HasSubstr("null is a mode not measured"));

@@ -21,7 +21,7 @@ TEST(Evidence, AMethodThatFailsLeavesTheRunAndSaysWhy) {
   ASSERT_EQ(list.size(), 2U);
   Findings findings;
   findings.models.push_back({.name = "only", .standing = {.probability = 1.0, .mcse = 0.0}});
-  add_evidence(findings, problem.space, list);
+  conclude(findings, problem.space, list);
   ASSERT_EQ(findings.remarks.size(), 2U) << "one of each method, and no comparison with nothing";
   const std::string said = sentence(findings.remarks[0], {});
   EXPECT_NE(said.find("by tmcmc failed: model 'only'"), std::string::npos) << said;

@@ -155,13 +155,24 @@ TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
   ASSERT_EQ(list[0].evidences.size(), 2U);
   EXPECT_TRUE(std::isnan(list[0].evidences[1].log_evidence));
   Findings findings = found_in(made_up(0.5, 1000));
-  add_evidence(findings, coin_space(), list);
+  conclude(findings, coin_space(), list);
   const Report report = evidence_report(findings);
   EXPECT_NEAR(report["tmcmc"][0]["log_evidence"], 0.0, 1e-9);
   EXPECT_TRUE(report["tmcmc"][1]["log_evidence"].is_null());
   EXPECT_TRUE(report["tmcmc"][1]["probability"].is_null());
   ASSERT_EQ(findings.remarks.size(), 1U);
   EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("Evidence of 1 damage by tmcmc failed"));
+}
+
+// Of any run: equations of motion had lost it when damages kept it.
+TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
+  Posterior posterior = made_up(0.5, 1000);
+  posterior.impossible = 12;
+  posterior.likelihood_evaluations = 34567;
+  Findings findings = found_in(posterior);
+  conclude(findings, coin_space(), {});
+  ASSERT_EQ(findings.remarks.size(), 1U);
+  EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("at 12 of 34 567 places"));
 }
 
 TEST(Summary, ParameterSummary) {

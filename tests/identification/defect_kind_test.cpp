@@ -94,6 +94,15 @@ TEST(DefectKind, WhatCannotBeIsRefusedWithItsPlace) {
   DamageCase no_sd = small_beam(1);
   no_sd.data.sd_hz.clear();
   EXPECT_EQ(refusal(no_sd).first, InvalidInput::Part::data);
+  DamageCase certain = small_beam(1);
+  certain.data.sd_hz[2] = 0.0;
+  EXPECT_EQ(refusal(certain).second, "mode 3: a standard deviation of 0 Hz, must be positive");
+  DamageCase broken = small_beam(1);
+  broken.kinds[0].severity = inference::Prior(inference::Uniform{0.0, 1.5});
+  EXPECT_EQ(refusal(broken).first, InvalidInput::Part::severity);
+  DamageCase negative = small_beam(1);
+  negative.kinds[0].weights = {1.5, -0.5};
+  EXPECT_EQ(refusal(negative).second, "a weight of -0.5: must be >= 0");
   DamageCase nothing = small_beam(1);
   nothing.kinds.clear();
   EXPECT_EQ(refusal(nothing).second, "no kind of defect: nothing is asked");

@@ -9,8 +9,8 @@
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
 #include "identification/damage_case.hpp"
-#include "identification/defects/reduction.hpp"
 #include "tests/emulator/temporary_directory.hpp"
+#include "tests/identification/cases.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -21,20 +21,11 @@ using testing::HasSubstr;
 // A beam on two supports with up to `most` damages in it, and an emulator that is its own mirror
 // image.
 DamageCase beam_case(int elements, int most, const EmulatorSpec& spec) {
-  DamageCase out;
-  out.beam = {.length = 1.0,
-              .elements = elements,
-              .supports = fem::named_supports("simply-supported", 1.0),
-              .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
-              .section = fem::section(fem::Rectangle{.width = 0.025, .height = 0.006}, 0.3)};
-  out.kinds.push_back({.type = &defects::kReduction,
-                       .name = "damage",
-                       .plural = "damages",
-                       .max_count = most,
-                       .weights = {},
-                       .location = inference::Uniform{0.0, 1.0},
-                       .severity = inference::Prior(inference::Uniform{0.0, 0.6}),
-                       .truth = {}});
+  DamageCase out = small_beam(most);
+  out.beam.elements = elements;
+  out.beam.supports = fem::named_supports("simply-supported", 1.0);
+  out.kinds[0].severity = inference::Prior(inference::Uniform{0.0, 0.6});
+  out.data = {};
   out.emulator = spec;
   out.emulator->symmetrise = true;
   return out;

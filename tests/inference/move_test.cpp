@@ -517,7 +517,7 @@ TEST(Invariance, DelayedRejection) {
 }
 
 // Dear kernels are worth what they have accepted for their work; cheap ones keep their weight.
-TEST(KernelEarnings, CountWorkAndNotTime) {
+TEST(KernelEfficiencies, CountWorkAndNotTime) {
   class Idle : public Kernel {
    public:
     Idle(const char* name, double work) : Kernel(name, work) {}
