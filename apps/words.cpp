@@ -305,6 +305,55 @@ std::string repeat_note(const StepsRefined& refined) {
                             : "a step limit of " + significant(refined.step_limit, 2) + ".");
 }
 
+std::string coefficients_in_words(const TermFinding& term) {
+  std::string text;
+  for (const ParameterFinding& p : term.parameters) {
+    const Marginal& e = p.estimate;
+    text += text.empty() ? "" : ", ";
+    if (term.parameters.size() > 1) text += p.unknown.label + " ";
+    text += resolved(e.q50, e.width()) + " (" + resolved(e.q2_5, e.width()) + " to " +
+            resolved(e.q97_5, e.width()) + ")";
+  }
+  return text.empty() ? "-" : text;
+}
+
+std::string terms_in_words(const std::vector<TermFinding>& terms) {
+  std::string text;
+  for (std::size_t first = 0; first < terms.size();) {
+    std::size_t last = first;
+    std::vector<const TermFinding*> of_link;
+    for (;
+         last < terms.size() && terms[last].a == terms[first].a && terms[last].b == terms[first].b;
+         ++last) {
+      of_link.push_back(&terms[last]);
+    }
+    std::ranges::stable_sort(of_link, std::ranges::greater{}, &TermFinding::inclusion);
+    std::vector<std::string> in, open, out;
+    for (const TermFinding* term : of_link) {
+      std::string name = term->name;
+      std::ranges::replace(name, '_', ' ');
+      (term->is_in()    ? in
+       : term->is_out() ? out
+                        : open)
+          .push_back(name + " (" + percent(term->inclusion) + ")");
+    }
+    const std::string link = std::to_string(terms[first].a) + "-" + std::to_string(terms[first].b);
+    std::string sentence;
+    if (!in.empty()) {
+      sentence = "The link " + link + " has " + in_words(in) +
+                 (in.size() == 1 ? " as a term" : " as terms");
+    } else {
+      sentence = "The link " + link +
+                 (open.empty() ? " needs none of the terms" : " has no term for certain");
+    }
+    if (!open.empty()) sentence += "; undecided: " + in_words(open);
+    if (!out.empty()) sentence += "; nothing speaks for " + in_words(out, "or");
+    text += (text.empty() ? "" : " ") + sentence + ".";
+    first = last;
+  }
+  return text;
+}
+
 std::vector<std::string> warnings(const Findings& findings, const Context& context,
                                   const std::vector<std::string>& of_case) {
   std::vector<std::string> out =

@@ -99,6 +99,11 @@ struct Findings {
   std::vector<Remark> remarks;  ///< beside what the verdict does not establish
 };
 
+/// More models than these are not all told of in full: those of at least kWorthFull are.
+inline constexpr std::size_t kFewModelsTold = 40;
+inline constexpr double kWorthFull = 0.005;
+[[nodiscard]] bool told_in_full(const Findings& findings, const ModelFinding& model);
+
 /// The part of the findings that does not know what the models mean. All chains must be of one
 /// length, at least 4 draws.
 [[nodiscard]] Findings run_findings(const inference::Posterior& posterior,

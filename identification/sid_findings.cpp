@@ -1,6 +1,7 @@
 #include "identification/sid_findings.hpp"
 
 #include <cmath>
+#include <set>
 
 namespace wheeltap::identification {
 namespace {
@@ -137,6 +138,26 @@ std::vector<BayesFactor> bayes_factors(const Posterior& posterior,
   return out;
 }
 
+/// The terms, and the laws of their links as all models together have them.
+Discovery discovered(const SidProblem& problem, const Posterior& posterior,
+                     const Findings& findings) {
+  Discovery out{.terms = term_findings(problem.sid_case, posterior, findings), .laws = {}};
+  if (out.terms.empty()) return out;
+  std::set<int> links;
+  for (const SidTerm& term : problem.sid_case.discovery->terms) links.insert(term.link);
+  int shown = -1;
+  for (int m = 0; m < problem.problem.space.size(); ++m) {
+    const ModelFinding& model = findings.models[static_cast<std::size_t>(m)];
+    if (!model.drawn()) continue;
+    if (shown < 0 ||
+        model.probability() > findings.models[static_cast<std::size_t>(shown)].probability()) {
+      shown = m;
+    }
+  }
+  out.laws = averaged_laws(problem, posterior, shown, {links.begin(), links.end()});
+  return out;
+}
+
 }  // namespace
 
 SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
@@ -168,6 +189,7 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   out.bayes_factors = bayes_factors(posterior, out.models);
   out.coverage = coverage(problem, predictive);
   out.predictive_draws = static_cast<int>(predictive.draws.size());
+  out.discovery = discovered(problem, posterior, out);
   judge_means(problem, posterior, out);
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);

@@ -334,6 +334,7 @@ ModelExploration explore_model(const Problem& problem, int model,
   ModeSearchOptions search{.seed = options.seed,
                            .climbs = options.climbs,
                            .budget = options.budget,
+                           .starts = options.starts,
                            .threads = options.threads,
                            .progress = [&](double done) { return report(0.5 + 0.4 * done); }};
   for (Eigen::Index k = 0; draws.rows() > 0 && k < kClimbsFromDraws; ++k) {

@@ -14,9 +14,10 @@ namespace wheeltap::inference {
 
 struct ExplorationOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;       ///< ModeSearchOptions::climbs
-  long budget = 100000;  ///< likelihood calls for climbs
-  bool anneal = true;    ///< run sequential Monte Carlo from the prior
+  std::vector<std::vector<double>> starts{};  ///< climbed from besides draws of the prior
+  long climbs = 0;                            ///< ModeSearchOptions::climbs
+  long budget = 100000;                       ///< likelihood calls for climbs
+  bool anneal = true;                         ///< run sequential Monte Carlo from the prior
   /// Climbs alone, for one of very many models: its evidence is Laplace's, taken to be good to a
   /// nat, and its population draws of the normals about its modes.
   bool climbs_only = false;

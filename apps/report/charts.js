@@ -87,6 +87,92 @@ const charts = (() => {
     };
   }
 
+  // Names of the models by index: of very many the seven most probable, the others as one.
+  function fewNames(models) {
+    if (models.length <= 14) return models.map((m) => m.name);
+    const top = [...models].sort((a, b) => b.probability - a.probability).slice(0, 7);
+    return models.map((m) => (top.includes(m) ? m.name : 'others'));
+  }
+
+  // ---- which terms, and the laws that they make -------------------------------------------
+  function terms(run) {
+    const all = run.summary.terms || [];
+    if (!all.length) return [];
+    const rows = all.map((t, i) => ({ ...t, i, said: percent(t.inclusion), low: Math.max(0, t.inclusion - 2 * (t.mcse || 0)), high: Math.min(1, t.inclusion + 2 * (t.mcse || 0)) }));
+    return [{
+      id: 'terms', section: 'models', wide: true, title: 'Probability of each term',
+      caption: 'Dots: the probability that the link has the term, over all subsets of the terms; whiskers: twice its Monte Carlo error; short strokes: the prior.',
+      table: () => ({ head: ['term', 'link', 'inclusion', 'mcse', 'prior'], rows: all.map((t) => [t.name, t.link.join(' – '), t.inclusion, t.mcse, t.prior]) }),
+      spec: (width, theme) => frame(width, 26 * rows.length, theme, {
+        data: [{ name: 't', values: rows }],
+        scales: [linear('x', [0, 1], [6, { signal: 'width - 58' }]), { name: 'y', type: 'band', domain: rows.map((t) => t.i), range: 'height', padding: 0.3 },
+          { name: 'names', type: 'ordinal', domain: rows.map((t) => t.i), range: rows.map((t) => short(t.label.replace(/_/g, ' '), 40)) }],
+        axes: [axisX(null, { format: '%', grid: true, tickCount: width < 480 ? 3 : 5, labelFlush: false }),
+          { orient: 'left', scale: 'y', domain: false, ticks: false, labelLimit: Math.max(80, width * 0.36), labelFontSize: 12, labelColor: theme.ink,
+            labelPadding: 6, encode: { labels: { update: { text: { signal: "scale('names', datum.value)" } } } } }],
+        marks: [
+          { type: 'rule', from: { data: 't' }, encode: { enter: { x: { scale: 'x', field: 'prior' }, y: { scale: 'y', field: 'i', offset: -2 },
+            y2: { scale: 'y', field: 'i', band: 1, offset: 2 }, stroke: { value: theme.other }, strokeWidth: { value: 2 } } } },
+          { type: 'rule', from: { data: 't' }, encode: { enter: { x: { scale: 'x', field: 'low' }, x2: { scale: 'x', field: 'high' },
+            y: { scale: 'y', field: 'i', band: 0.5 }, stroke: { value: theme.ink }, strokeWidth: { value: 1.5 } } } },
+          { type: 'symbol', from: { data: 't' }, encode: { enter: { x: { scale: 'x', field: 'inclusion' }, y: { scale: 'y', field: 'i', band: 0.5 },
+            size: { value: 90 }, fill: { value: theme.main }, tooltip: { signal: "datum.label + ': ' + datum.said" } } } },
+          { type: 'text', from: { data: 't' }, encode: { enter: { x: { signal: 'width - 46' }, y: { scale: 'y', field: 'i', band: 0.5 }, baseline: { value: 'middle' },
+            text: { field: 'said' }, fontSize: { value: 12 }, fontWeight: { value: 600 } } } },
+        ],
+      }),
+    }];
+  }
+  // A law over all models, at rest or at no extension, over the forces that the record asks for.
+  function foundLaw(law, at) {
+    const key = law.between.join(' – '), resting = at === 'extension';
+    const bands = resting ? law.tension : law.resistance;
+    const values = law[at].map((x, i) => ({ x, a: bands['q2.5'][i], m: bands.q50[i], b: bands['q97.5'][i] }));
+    const points = (law.map || []).map(([e, v, t]) => ({ x: resting ? e : v, t }));
+    const ends = (list) => [Math.min(...list), Math.max(...list)];
+    const [low, high] = ends([...values.flatMap((v) => [v.a, v.b]), ...points.map((p) => p.t)]);
+    const unit = resting ? 'extension [m]' : 'rate [m/s]';
+    return {
+      id: `found-law-${at}-` + slug(key), section: 'where', title: resting ? `Law of link ${key}, all models together` : `Resistance of link ${key}, all models together`,
+      caption: (resting ? 'Tension at rest: median and 95 % band over all models, each as probable as it is.' : 'Tension at no extension: median and 95 % band over all models. What has a memory (hysteresis) is not in it.')
+        + (points.length ? ` Dots: the tension that the measured motion asks for (force less mass times acceleration); they scatter about the line by what the other of extension and rate brings.` : ''),
+      table: () => ({ head: [unit, '2.5 % [N]', '50 % [N]', '97.5 % [N]'], rows: values.map((v) => [v.x, v.a, v.m, v.b]) }),
+      spec: (width, theme) => frame(width, 190, theme, {
+        data: [{ name: 'd', values }, { name: 'p', values: points }],
+        scales: [linear('x', ends([...values.map((v) => v.x), ...points.map((p) => p.x)]), 'width'), linear('y', low < high ? [low, high] : [low - 1, high + 1], 'height')],
+        axes: [axisX(unit), axisY('tension [N]')],
+        marks: [
+          { type: 'symbol', from: { data: 'p' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { scale: 'y', field: 't' }, size: { value: 7 }, fill: { value: theme.soft }, fillOpacity: { value: 0.5 } } } },
+          { type: 'area', from: { data: 'd' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { scale: 'y', field: 'a' }, y2: { scale: 'y', field: 'b' }, fill: { value: theme.main }, fillOpacity: { value: 0.3 } } } },
+          { type: 'line', from: { data: 'd' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { scale: 'y', field: 'm' }, stroke: { value: theme.main }, strokeWidth: { value: 1.8 } } } },
+        ],
+      }),
+    };
+  }
+  // Masri and Caughey's map: the tension that the record asks for, over extension and rate.
+  function forceMap(law) {
+    const key = law.between.join(' – ');
+    const points = law.map.map(([e, v, t]) => ({ e, v, t }));
+    const most = Math.max(...points.map((p) => Math.abs(p.t)));
+    return {
+      id: 'force-map-' + slug(key), section: 'where', title: `Restoring force of link ${key} over its states`,
+      caption: 'Each dot is a sample of the record: where the link was, how fast it opened, and the tension that force less mass times acceleration leaves for it (Masri and Caughey 1979).',
+      table: () => ({ head: ['extension [m]', 'rate [m/s]', 'tension [N]'], rows: law.map }),
+      spec: (width, theme) => frame(width, 220, theme, {
+        data: [{ name: 'p', values: points }],
+        scales: [linear('x', [Math.min(...points.map((p) => p.e)), Math.max(...points.map((p) => p.e))], 'width'), linear('y', [Math.min(...points.map((p) => p.v)), Math.max(...points.map((p) => p.v))], 'height'),
+          linear('c', [-most, 0, most], [theme.main, theme.grid, theme.other], { interpolate: 'rgb' })],
+        axes: [axisX('extension [m]'), axisY('rate [m/s]')],
+        legends: [{ fill: 'c', title: 'tension [N]', type: 'gradient', gradientLength: Math.max(80, Math.min(200, width / 2)) }],
+        marks: [{ type: 'symbol', from: { data: 'p' }, encode: { enter: { x: { scale: 'x', field: 'e' }, y: { scale: 'y', field: 'v' }, size: { value: 26 }, fill: { scale: 'c', field: 't' } } } }],
+      }),
+    };
+  }
+  function discovery(run) {
+    const found = run.summary.discovery?.laws || [];
+    return [...terms(run), ...found.flatMap((law) => [foundLaw(law, 'extension'), foundLaw(law, 'rate'), ...(law.map?.length ? [forceMap(law)] : [])])];
+  }
+
   // ---- where ------------------------------------------------------------------------------
   function beam(run, kind, inclusion, several) {
     const { length, supports } = run.summary.beam;
@@ -180,10 +266,18 @@ const charts = (() => {
     const zigzag = Array.from({ length: turns }, (_, i) => `L${x + (i % 2 ? -5 : 5)},${y0 - lead - (i + 0.5) * step}`).join('');
     return `M${x},${y0}L${x},${y0 - lead}${zigzag}L${x},${y1 + lead}L${x},${y1}`;
   };
+  // The base model of a discovery with the terms of the subset of this name.
+  function withTerms(run, base, name) {
+    if (!run.summary.terms || !base) return undefined;
+    const labels = name.slice(base.name.length).split(' + ');
+    const added = (between) => run.summary.terms.filter((t) => labels.includes(t.label) && t.link.join() === between.join())
+      .map((t) => [t.name, Object.keys(t.parameters).length === 1 ? Object.keys(t.parameters)[0] : {}]);
+    return { ...base, links: base.links.map((l) => ({ ...l, ...Object.fromEntries(added(l.between)) })) };
+  }
   function chain(run) {
     const cased = run.summary.wheeltap.case.models || [];
     const best = [...run.summary.models].sort((a, b) => b.probability - a.probability)[0];
-    const model = cased.find((m) => m.name === best.name);
+    const model = cased.find((m) => m.name === best.name) || withTerms(run, cased[0], best.name);
     if (!model || !Array.isArray(model.masses)) return [];
     const n = model.masses.length;
     const links = (model.links || []).map((l, i) => ({ i, a: Math.min(...l.between), b: Math.max(...l.between), words: linkWords(l, run.summary.parameters[best.name] || {}), between: l.between }));
@@ -270,8 +364,8 @@ const charts = (() => {
   }
   function visits(run) {
     const { step, chains } = run.draws.visits;
-    const names = run.summary.models.map((m) => m.name);
-    const used = [...new Set(chains.flat())].sort((a, b) => a - b);
+    const names = fewNames(run.summary.models);
+    const used = [...new Set(chains.flat().sort((a, b) => a - b).map((m) => names[m]))];
     // Neighbouring draws in one model are one bar.
     const values = chains.flatMap((c, i) => {
       const bars = [];
@@ -289,7 +383,7 @@ const charts = (() => {
       spec: (width, theme) => frame(width, Math.max(60, 22 * chains.length), theme, {
         data: [{ name: 'v', values }],
         scales: [linear('x', [0, run.draws.draws], 'width'), { name: 'y', type: 'band', domain: chains.map((_, i) => i + 1), range: 'height', padding: 0.2 },
-          { name: 'm', type: 'ordinal', domain: used.map((m) => names[m]), range: theme.series }],
+          { name: 'm', type: 'ordinal', domain: used, range: theme.series }],
         axes: [axisX('draw'), { orient: 'left', scale: 'y', title: 'chain', domain: false, ticks: false }],
         legends: [{ fill: 'm', symbolType: 'square' }],
         marks: [{ type: 'rect', from: { data: 'v' }, encode: { enter: { x: { scale: 'x', field: 'from' }, x2: { scale: 'x', field: 'to' }, y: { scale: 'y', field: 'c' }, height: { scale: 'y', band: 1 }, fill: { scale: 'm', field: 'm' } } } }],
@@ -299,7 +393,8 @@ const charts = (() => {
   function running(run) {
     const { draws, probability } = run.draws.visits.running;
     const names = run.summary.models.map((m) => m.name);
-    const used = names.map((_, m) => m).filter((m) => probability.some((row) => row[m] > 0));
+    const few = fewNames(run.summary.models);
+    const used = names.map((_, m) => m).filter((m) => few[m] === names[m] && probability.some((row) => row[m] > 0));
     return {
       id: 'running-probability', section: 'sampling', wide: true, title: 'Probability of each model as draws accumulate',
       caption: 'Lines that have become level say that more draws would change little.',
@@ -585,7 +680,7 @@ const charts = (() => {
   function figures(run) {
     if (run.summary.sweep) return sweep(run);
     const { summary, draws } = run;
-    const out = [modelProbabilities(run)];
+    const out = [...discovery(run), modelProbabilities(run)];
     if (summary.damage) {
       const several = summary.kinds.length > 1;
       for (const kind of summary.kinds) {
@@ -594,7 +689,8 @@ const charts = (() => {
       }
       out.push(...jointFigures(run));
     } else {
-      out.push(...chain(run), ...laws(run));
+      // Of a discovery the law over all models stands for those of each.
+      out.push(...chain(run), ...(summary.terms ? [] : laws(run)));
     }
     out.push(...evidence(run));
     out.push(...residuals(run), ...responses(run));

@@ -8,6 +8,7 @@
 
 #include "inference/model_exploration.hpp"
 #include "inference/stages/model_probabilities.hpp"
+#include "inference/stages/nested_starts.hpp"
 #include "inference/stages/temper.hpp"
 #include "inference/stages/tune.hpp"
 #include "inference/starting_points.hpp"
@@ -83,15 +84,17 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
   }
 }
 
-// Climbs alone in each of very many models, and a look at those that this makes probable.
+// Climbs alone in each of very many models, the smaller first, and a look at those that this makes
+// probable.
 void explore_many(RunContext& run, RunState& state) {
   const Problem& problem = run.problem;
   run.monitor.begin("searching", static_cast<double>(run.models()));
-  for (const int m : every_model(run)) {
+  for (const int m : by_dimension(problem.space)) {
     if (!std::isfinite(problem.space[m].log_prior)) continue;
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)] =
         explore_model(problem, m,
                       {.seed = run.options.seed,
+                       .starts = nested_starts(problem.space, m, state.explorations),
                        .climbs = run.options.searches > 0 ? run.options.searches : kClimbsInMany,
                        .anneal = false,
                        .climbs_only = true,

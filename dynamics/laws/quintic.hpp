@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cmath>
+
+#include "dynamics/law.hpp"
+
+namespace wheeltap::dynamics::laws {
+
+/// T = k₅ e⁵: what hardens (k₅ > 0) or softens beyond the reach of a cubic spring. Series expand no
+/// fifth power: a chain with it is integrated by Runge-Kutta.
+struct Quintic {
+  static constexpr LawInfo kInfo{.name = "quintic", .coefficients = {{{"stiffness", "N/m^5"}}}};
+
+  template <class V>
+  static V tension(const V* c, V e, V /*rate*/) {
+    const V square = e * e;
+    return c[0] * e * (square * square);
+  }
+  static Slopes slopes(const double* c, double e_max) {
+    const double square = e_max * e_max;
+    return {.stiffness = 5.0 * std::abs(c[0]) * square * square};
+  }
+};
+
+}  // namespace wheeltap::dynamics::laws

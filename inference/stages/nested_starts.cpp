@@ -1,0 +1,52 @@
+#include "inference/stages/nested_starts.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr std::size_t kMostNested = 3;
+constexpr double kLittle = -1.5;  // z
+
+}  // namespace
+
+std::vector<int> by_dimension(const ModelSpace& space) {
+  std::vector<int> order(static_cast<std::size_t>(space.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, [&](int m) { return space[m].dimension; });
+  return order;
+}
+
+std::vector<std::vector<double>> nested_starts(const ModelSpace& space, int model,
+                                               const std::vector<ModelExploration>& explorations) {
+  const std::vector<int>& own = space[model].parameters;
+  std::vector<int> nested;
+  for (int m = 0; m < space.size(); ++m) {
+    const std::vector<int>& theirs = space[m].parameters;
+    if (theirs.size() >= own.size() || explorations[static_cast<std::size_t>(m)].modes.empty())
+      continue;
+    const bool all = std::ranges::all_of(
+        theirs, [&](int p) { return std::ranges::find(own, p) != own.end(); });
+    if (all) nested.push_back(m);
+  }
+  std::ranges::stable_sort(nested, [&](int a, int b) {
+    if (space[a].dimension != space[b].dimension) return space[a].dimension > space[b].dimension;
+    return explorations[static_cast<std::size_t>(a)].log_evidence() >
+           explorations[static_cast<std::size_t>(b)].log_evidence();
+  });
+  if (nested.size() > kMostNested) nested.resize(kMostNested);
+  std::vector<std::vector<double>> starts;
+  for (const int m : nested) {
+    const std::vector<int>& theirs = space[m].parameters;
+    const std::vector<double>& mode = explorations[static_cast<std::size_t>(m)].modes.front().z;
+    for (const double fill : {0.0, kLittle}) {
+      std::vector<double>& z = starts.emplace_back(own.size(), fill);
+      for (std::size_t i = 0; i < theirs.size(); ++i)
+        z[static_cast<std::size_t>(std::ranges::find(own, theirs[i]) - own.begin())] = mode[i];
+    }
+  }
+  return starts;
+}
+
+}  // namespace wheeltap::inference

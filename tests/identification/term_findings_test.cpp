@@ -1,0 +1,120 @@
+#include "identification/term_findings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "identification/sid_discovery.hpp"
+#include "identification/sid_findings.hpp"
+#include "inference/standard_normal.hpp"
+#include "sid_cases.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using dynamics::Coefficient;
+
+// A Duffing oscillator, 120 samples, asked about three terms of which the cubic one is there and
+// the friction is too weak to be certain of.
+SidCase duffing_asked_about(double inclusion, double noise = 0.05) {
+  SidCase c = small_sid_case();
+  c.models[0].noise = {noise};
+  c.truth->noise = {noise};
+  c.models.resize(1);
+  c.parameters = {{"k", inference::Uniform{0.0, 100.0}}};
+  c.discovery.emplace();
+  c.discovery->inclusion = inclusion;
+  const dynamics::Link& link = c.models.front().chain.links.front();
+  for (const std::string name : {"cubic", "quadratic", "quadratic_damping"}) {
+    const Coefficient p = c.parameter(name, inference::Normal{0.0, 1.0});
+    SidTerm term{.link = 0, .law = dynamics::make_law(name, std::vector<Coefficient>{p})};
+    term.name = term_name(term.law, link, false);
+    term.by_default = {0};
+    c.discovery->terms.push_back(std::move(term));
+  }
+  add_subsets(c);
+  for (SidModel& model : c.models) model.parameters = c.parameters_of(model);
+  c.truth->model = 5;  // cubic and quadratic_damping
+  c.truth->theta = {50.0, 1000.0, 0.0, 0.12};
+  c.truth->samples = 120;
+  c = simulated(std::move(c));
+  set_term_priors(c);
+  return c;
+}
+
+SidFindings found(const SidCase& c, bool prior_only = false) {
+  inference::Options engine;
+  engine.warmup = 4000;
+  engine.draws = 4000;
+  engine.prior_only = prior_only;
+  const SidRun run = run_sid(c, {.engine = engine});
+  return sid_findings(run, predict(*run.problem, run.posterior));
+}
+
+// Against the evidence of every subset by bridge sampling, each by itself.
+TEST(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
+  const SidCase c = duffing_asked_about(0.4);
+  const SidFindings f = found(c);
+  const auto problem = make_sid_problem(c);
+  const auto evidence =
+      compute_evidence(problem->problem, {EvidenceMethod::bridge}, 5, 0).front().evidences;
+  double all = -HUGE_VAL;
+  std::vector<double> log_mass;
+  for (std::size_t m = 0; m < evidence.size(); ++m) {
+    log_mass.push_back(evidence[m].log_evidence + std::log(c.models[m].weight));
+    all = inference::log_sum_exp(all, log_mass.back());
+  }
+  ASSERT_EQ(f.discovery.terms.size(), 3U);
+  double least_decided = 1.0;
+  for (std::size_t t = 0; t < 3; ++t) {
+    double want = 0.0, variance = 0.0;
+    for (std::size_t m = 0; m < evidence.size(); ++m) {
+      const double p = std::exp(log_mass[m] - all);
+      const bool in = std::ranges::count(c.models[m].terms, static_cast<int>(t)) > 0;
+      want += in ? p : 0.0;
+      variance += std::pow(p * evidence[m].standard_error, 2.0);
+    }
+    const TermFinding& term = f.discovery.terms[t];
+    EXPECT_NEAR(term.inclusion, want, 4.5 * std::hypot(term.mcse, std::sqrt(variance)) + 1e-4)
+        << term.label;
+    EXPECT_EQ(term.prior, 0.4);
+    least_decided = std::min(least_decided, std::abs(want - 0.5));
+  }
+  EXPECT_LT(least_decided, 0.49);  // or this would show little
+  EXPECT_TRUE(f.discovery.terms[0].is_in());
+  ASSERT_EQ(f.discovery.terms[0].parameters.size(), 1U);
+  const Marginal& cubic = f.discovery.terms[0].parameters[0].estimate;
+  EXPECT_NEAR(cubic.mean, 1000.0, 4.0 * cubic.sd);
+}
+
+TEST(TermFindings, WithoutTheLikelihoodInclusionIsThePrior) {
+  const SidFindings f = found(duffing_asked_about(0.3), true);
+  for (const TermFinding& term : f.discovery.terms) {
+    EXPECT_NEAR(term.inclusion, 0.3, 4.5 * term.mcse) << term.label;
+    EXPECT_LT(term.mcse, 0.03);
+  }
+}
+
+// The law over all models holds the true one, and the map of forces scatters about it.
+TEST(TermFindings, TheAveragedLawHoldsTheTrueOne) {
+  const SidFindings f = found(duffing_asked_about(0.5, 0.002));
+  ASSERT_EQ(f.discovery.laws.size(), 1U);
+  const LinkLaw& law = f.discovery.laws.front();
+  ASSERT_EQ(law.at_rest.extension.size(), law.at_rest.q50.size());
+  int held = 0;
+  for (std::size_t i = 0; i < law.at_rest.extension.size(); ++i) {
+    const double e = law.at_rest.extension[i], truth = 50.0 * e + 1000.0 * e * e * e;
+    held += truth >= law.at_rest.q2_5[i] && truth <= law.at_rest.q97_5[i] ? 1 : 0;
+  }
+  EXPECT_GT(held, 20);  // of 41: points of one curve stand or fall together
+  ASSERT_FALSE(law.map.empty());
+  double squares = 0.0, misses = 0.0;
+  for (const LinkLaw::Point& p : law.map) {
+    squares += p.tension * p.tension;
+    misses += std::pow(p.tension - (50.0 * p.extension + 1000.0 * std::pow(p.extension, 3)), 2);
+  }
+  EXPECT_LT(misses, 0.1 * squares);  // noise over differences, and what damping carries
+}
+
+}  // namespace
+}  // namespace wheeltap::identification
