@@ -80,7 +80,7 @@ Report terms_report(const SidFindings& findings) {
                     {"inclusion", term.inclusion},
                     {"probability", term.inclusion},
                     {"mcse", finite(term.mcse)},
-                    {"parameters", json(term.parameters)}});
+                    {"parameters", apps::json(term.parameters)}});
   }
   return rows;
 }

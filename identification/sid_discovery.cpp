@@ -21,10 +21,10 @@ using dynamics::Link;
 using dynamics::Side;
 using Role = SidChannel::Role;
 
-constexpr double kBand = 0.99;         // of the displacement's power
-constexpr double kCrest = 3.0;         // of a motion whose displacement was not measured
-constexpr double kStop = 10.0;         // how much stiffer a stop may be than its link
-constexpr double kYieldSpread = 1.0;   // ln
+constexpr double kBand = 0.99;        // of the displacement's power
+constexpr double kCrest = 3.0;        // of a motion whose displacement was not measured
+constexpr double kStop = 10.0;        // how much stiffer a stop may be than its link
+constexpr double kYieldSpread = 1.0;  // ln
 
 const LawInfo& info_of(const Law& law) {
   return dynamics::law_infos()[static_cast<std::size_t>(law.kind)];
@@ -204,8 +204,7 @@ class Motions {
   }
 
   [[nodiscard]] double rms_within(const SidChannel& channel, double band_hz) const {
-    std::vector<double> samples =
-        in_si(channel.signal, static_cast<std::size_t>(case_.stride));
+    std::vector<double> samples = in_si(channel.signal, static_cast<std::size_t>(case_.stride));
     signals::detrend(samples, 0);
     const auto spectrum = signals::welch(samples, case_.sample_rate_hz,
                                          {.segment = static_cast<int>(samples.size())});
@@ -218,7 +217,7 @@ class Motions {
 
   const SidCase& case_;
   const dynamics::Chain& chain_;
-  std::vector<Series> series_;    // one a mass, from the ground on
+  std::vector<Series> series_;  // one a mass, from the ground on
   std::vector<Motion> motions_;
   Motion most_;
 };
@@ -337,9 +336,8 @@ void set_term_priors(SidCase& sid_case) {
   for (const SidTerm& term : asked.terms) {
     for (const std::size_t c : term.by_default) {
       const int p = term.law.coefficients[c].parameter;
-      sid_case.parameters[static_cast<std::size_t>(p)].prior =
-          default_prior(info_of(term.law), c, term.law.side,
-                        asked.motions[static_cast<std::size_t>(term.link)]);
+      sid_case.parameters[static_cast<std::size_t>(p)].prior = default_prior(
+          info_of(term.law), c, term.law.side, asked.motions[static_cast<std::size_t>(term.link)]);
     }
   }
 }

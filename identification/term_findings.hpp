@@ -11,13 +11,13 @@ namespace wheeltap::identification {
 
 /// One term of SidCase::discovery.
 struct TermFinding {
-  std::string label;           ///< "cubic 0-1", as in the names of models
-  std::string name;            ///< of the law, with its side: "contact closing"
-  int a = 0, b = 0;            ///< the masses its link joins
-  double prior = 0.5;          ///< probability
-  double inclusion = 0.0;      ///< probability: that of the models that have it
-  double mcse = 0.0;           ///< Monte Carlo standard error of it
-  bool drawn = false;          ///< by any chain
+  std::string label;                              ///< "cubic 0-1", as in the names of models
+  std::string name;                               ///< of the law, with its side: "contact closing"
+  int a = 0, b = 0;                               ///< the masses its link joins
+  double prior = 0.5;                             ///< probability
+  double inclusion = 0.0;                         ///< probability: that of the models that have it
+  double mcse = 0.0;                              ///< Monte Carlo standard error of it
+  bool drawn = false;                             ///< by any chain
   std::vector<ParameterFinding> parameters = {};  ///< its unknown coefficients, given that it is in
 
   /// In (above the limit), out (below one less the limit), or neither.

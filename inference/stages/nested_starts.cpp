@@ -9,7 +9,20 @@ namespace {
 constexpr std::size_t kMostNested = 3;
 constexpr double kLittle = -1.5;  // z
 
+bool is_within(const Model& inner, const Model& outer) {
+  return std::ranges::all_of(inner.parameters, [&](int p) {
+    return std::ranges::find(outer.parameters, p) != outer.parameters.end();
+  });
+}
+
 }  // namespace
+
+bool is_nested(const ModelSpace& space) {
+  if (!space.kinds().empty()) return false;
+  const Model& least = space[by_dimension(space).front()];
+  return std::ranges::all_of(space.models(),
+                             [&](const Model& model) { return is_within(least, model); });
+}
 
 std::vector<int> by_dimension(const ModelSpace& space) {
   std::vector<int> order(static_cast<std::size_t>(space.size()));
@@ -23,12 +36,10 @@ std::vector<std::vector<double>> nested_starts(const ModelSpace& space, int mode
   const std::vector<int>& own = space[model].parameters;
   std::vector<int> nested;
   for (int m = 0; m < space.size(); ++m) {
-    const std::vector<int>& theirs = space[m].parameters;
-    if (theirs.size() >= own.size() || explorations[static_cast<std::size_t>(m)].modes.empty())
+    if (space[m].parameters.size() >= own.size() ||
+        explorations[static_cast<std::size_t>(m)].modes.empty())
       continue;
-    const bool all = std::ranges::all_of(
-        theirs, [&](int p) { return std::ranges::find(own, p) != own.end(); });
-    if (all) nested.push_back(m);
+    if (is_within(space[m], space[model])) nested.push_back(m);
   }
   std::ranges::stable_sort(nested, [&](int a, int b) {
     if (space[a].dimension != space[b].dimension) return space[a].dimension > space[b].dimension;

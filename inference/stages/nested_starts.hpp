@@ -11,6 +11,10 @@ namespace wheeltap::inference {
 /// The models of a list in order of dimension, so that each comes after those nested in it.
 [[nodiscard]] std::vector<int> by_dimension(const ModelSpace& space);
 
+/// Whether one model of the list is nested in every other, as the empty subset is in all subsets of
+/// some terms.
+[[nodiscard]] bool is_nested(const ModelSpace& space);
+
 /// Starts for climbs in `model`, from the best modes of the explored models nested in it: at most
 /// three, those of the highest evidence among the ones that lack the fewest of its parameters. What
 /// a nested model lacks starts at its prior's median, and again at its quantile of 7 % (z = -1.5):

@@ -15,6 +15,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kEvidenceDraws = 4000;  // of each model's mixture
+constexpr double kWorthWeighing = 1e-4;
 
 Evidence by_importance(const std::vector<double>& log_ratios) {
   Evidence evidence = kNoEvidence;
@@ -100,7 +101,11 @@ void weigh(RunContext& run, RunState& state) {
       found.bridged = explored.sampled;
       continue;
     }
-    const bool matters = explored.population.cols() > 0 || run.space().size() <= kFewModels;
+    // Of many models most had a glance only, and are as improbable as that says.
+    const bool glanced = std::isnan(explored.sampled.log_evidence);
+    const bool matters =
+        (explored.population.cols() > 0 || run.space().size() <= kFewModels) &&
+        !(glanced && explored.modes.size() > 0 && state.probability[at] < kWorthWeighing);
     if (!matters || !state.pilot.fit->density[at] || run.monitor.stopped()) continue;
     std::vector<double>& at_mixture = state.at_mixture[at];
     if (at_mixture.empty()) {

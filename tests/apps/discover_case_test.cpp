@@ -50,9 +50,8 @@ TEST(DiscoverCase, EverySubsetOfTheTermsCompetes) {
       parse_sid(where, discovery({"cubic", "coulomb", {{"contact", {{"side", "closing"}}}}})).sid;
   ASSERT_EQ(c.models.size(), 8U);
   EXPECT_EQ(c.models.back().name, "linear + cubic + coulomb + contact closing");
-  EXPECT_THAT(names(c),
-              testing::ElementsAre("k", "cubic", "coulomb force", "contact stiffness closing",
-                                   "contact gap closing"));
+  EXPECT_THAT(names(c), testing::ElementsAre("k", "cubic", "coulomb force",
+                                             "contact stiffness closing", "contact gap closing"));
   ASSERT_TRUE(c.discovery);
   EXPECT_EQ(c.discovery->inclusion, 0.5);
   // Priors that the record scales: friction is positive, and nowhere is the placeholder left.

@@ -25,9 +25,7 @@ SidCase asked_about(const std::vector<std::string>& laws, double inclusion = 0.5
   out.parameters = {{"k", inference::Uniform{0.0, 100.0}}};
   const dynamics::Link link{
       .a = 0, .b = 1, .stiffness = Coefficient::of_parameter(0), .damping = 0.5, .laws = {}};
-  out.models = {{.name = "linear",
-                 .chain = {.masses = {2.0}, .links = {link}},
-                 .noise = {0.01}}};
+  out.models = {{.name = "linear", .chain = {.masses = {2.0}, .links = {link}}, .noise = {0.01}}};
   out.discovery.emplace();
   out.discovery->inclusion = inclusion;
   for (const std::string& name : laws) {
@@ -46,9 +44,8 @@ SidCase moving(SidCase sid_case, dynamics::Quantity quantity, double amplitude, 
   channel.quantity = quantity;
   const int order = static_cast<int>(quantity);
   for (int n = 0; n < 1000; ++n) {
-    channel.signal.samples.push_back(
-        amplitude * std::pow(omega, order) *
-        std::sin(omega * n / 100.0 + 0.5 * std::numbers::pi * order));
+    channel.signal.samples.push_back(amplitude * std::pow(omega, order) *
+                                     std::sin(omega * n / 100.0 + 0.5 * std::numbers::pi * order));
   }
   sid_case.channels = {channel};
   sid_case.sample_rate_hz = 100.0;

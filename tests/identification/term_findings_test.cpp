@@ -37,9 +37,9 @@ SidCase duffing_asked_about(double inclusion, double noise = 0.05) {
   c.truth->model = 5;  // cubic and quadratic_damping
   c.truth->theta = {50.0, 1000.0, 0.0, 0.12};
   c.truth->samples = 120;
-  c = simulated(std::move(c));
-  set_term_priors(c);
-  return c;
+  SidCase out = simulated(c);
+  set_term_priors(out);
+  return out;
 }
 
 SidFindings found(const SidCase& c, bool prior_only = false) {

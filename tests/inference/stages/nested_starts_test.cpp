@@ -33,6 +33,12 @@ TEST(NestedStarts, SmallerModelsComeFirst) {
   EXPECT_THAT(by_dimension(subsets()), testing::ElementsAre(1, 2, 3, 4, 0));
 }
 
+TEST(NestedStarts, AListIsNestedWhereOneModelIsInAll) {
+  EXPECT_TRUE(is_nested(subsets()));
+  EXPECT_FALSE(is_nested(ModelSpace::of_models({{"a", Normal{0.0, 1.0}}, {"b", Normal{0.0, 1.0}}},
+                                               {{"a", 1.0, {"a"}}, {"b", 1.0, {"b"}}})));
+}
+
 TEST(NestedStarts, TakeTheBestModesOfTheLargestModelsWithin) {
   const ModelSpace space = subsets();
   std::vector<ModelExploration> found(5);
