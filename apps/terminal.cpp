@@ -132,9 +132,14 @@ void print_models(const Page& page, const std::vector<ModelFinding>& all) {
              << percent(std::max(0.0, 1.0 - shown)) << '\n';
   }
   page.out << "  (± is the Monte Carlo error of this run; a priori";
-  for (std::size_t i = 0; i < models.size(); ++i) {
+  const bool alike =
+      models.size() < all.size() && std::ranges::all_of(models, [&](const ModelFinding& m) {
+        return m.prior == models.front().prior;
+      });
+  for (std::size_t i = 0; i < (alike ? 1 : models.size()); ++i) {
     page.out << (i > 0 ? ", " : " ") << percent(models[i].prior);
   }
+  if (alike) page.out << " each";
   page.out << ")\n";
 }
 

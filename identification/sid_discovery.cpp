@@ -23,6 +23,7 @@ using Role = SidChannel::Role;
 
 constexpr double kBand = 0.99;        // of the displacement's power
 constexpr double kCrest = 3.0;        // of a motion whose displacement was not measured
+constexpr double kRunaway = 30.0;     // times what was seen: no draw of the posterior gets there
 constexpr double kStop = 10.0;        // how much stiffer a stop may be than its link
 constexpr double kYieldSpread = 1.0;  // ln
 
@@ -333,6 +334,10 @@ inference::Prior default_prior(const LawInfo& law, std::size_t coefficient, Side
 void set_term_priors(SidCase& sid_case) {
   SidDiscovery& asked = *sid_case.discovery;
   asked.motions = link_motions(sid_case);
+  double reach = 0.0;
+  for (const LinkMotion& m : asked.motions) reach += std::max(m.opening, m.closing);
+  sid_case.integration.displacement_bound =
+      std::min(sid_case.integration.displacement_bound, kRunaway * reach);
   for (const SidTerm& term : asked.terms) {
     for (const std::size_t c : term.by_default) {
       const int p = term.law.coefficients[c].parameter;

@@ -55,7 +55,10 @@ void add_subsets(SidCase& sid_case);
 [[nodiscard]] inference::Prior default_prior(const dynamics::LawInfo& law, std::size_t coefficient,
                                              dynamics::Side side, const LinkMotion& motion);
 
-/// Sets SidDiscovery::motions and the priors that the case leaves to the record.
+/// Sets SidDiscovery::motions and the priors that the case leaves to the record. Springs that
+/// soften without end run away under their priors, in ever shorter steps where something drags: a
+/// trajectory that goes 30 times as far as the record counts as grown beyond bounds
+/// (SimulatorOptions::displacement_bound).
 void set_term_priors(SidCase& sid_case);
 
 }  // namespace wheeltap::identification

@@ -532,6 +532,14 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     evaluations += found.likelihood_evaluations;
     if (options.progress && !options.progress(1.0)) break;
   }
+  // Few climbs from the prior may all begin at impossible places: what else was given must not be
+  // lost with them.
+  if (found.modes.empty() && !options.starts.empty()) {
+    Search whole(problem, model, options);
+    whole.run(options.starts);
+    found = whole.result();
+    evaluations += found.likelihood_evaluations;
+  }
   found.climbs = climbs;
   found.likelihood_evaluations = evaluations;
   return found;

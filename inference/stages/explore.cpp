@@ -79,6 +79,9 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
         .threads = run.options.threads,
         .progress = [&](double share) { return run.monitor.advance(share); }};
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
+    // What a first glance found is not to be found again by chance.
+    for (const Mode& mode : state.explorations[static_cast<std::size_t>(m)].modes)
+      how.starts.push_back(mode.z);
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)] =
         explore_model(problem, m, how);
     state.shared_evaluations += found.likelihood_evaluations;
