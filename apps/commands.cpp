@@ -18,6 +18,7 @@
 #include "apps/terminal.hpp"
 #include "base/parallel.hpp"
 #include "fem/modal_analysis.hpp"
+#include "identification/plausibility.hpp"
 #include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
@@ -285,6 +286,7 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
                    colour_wanted(), false);
   }
 
+  for (const Remark& doubt : implausible(*problem)) log->warn(sentence(doubt, {}));
   inference::Options engine = engine_options(common, options);
   engine.balance = problem->damage_case.balance;
   const inference::Posterior posterior =

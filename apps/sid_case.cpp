@@ -384,7 +384,7 @@ void SidCaseFile::refuse(const InvalidInput& error) const {
 
 SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
   validate_against_schema(file, "sid");
-  SidCaseFile out{.file = std::move(file), .notes = {}, .warnings = {}, .sid = {}, .channels = {}};
+  SidCaseFile out{.file = std::move(file), .notes = {}, .sid = {}, .channels = {}};
   const Json& json = out.file.json;
   SidCase& sid_case = out.sid;
   sid_case.title = json.value("title", out.file.path.stem().string());

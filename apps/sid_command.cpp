@@ -36,6 +36,10 @@ SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
           [&](const inference::Problem& problem, const inference::Options& engine) {
             return run_engine(problem, engine, common.case_path, common.quiet);
           },
+      .doubt =
+          [&](const std::vector<Remark>& doubts) {
+            for (const Remark& doubt : doubts) log.warn(sentence(doubt, {}));
+          },
       .repeat = [&](const StepsRefined& refined) { log.info(repeat_note(refined)); }};
   SidOutcome out{.run = explained(parsed, [&] { return identification::run_sid(parsed.sid, how); }),
                  .predictive = {},

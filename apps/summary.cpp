@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "apps/fit_words.hpp"
 #include "apps/verdict_words.hpp"
 #include "base/parallel.hpp"
 
@@ -28,7 +29,10 @@ Report json(const Marginal& e) {
 
 Report json(const std::vector<ParameterFinding>& parameters) {
   Report table = Report::object();
-  for (const ParameterFinding& p : parameters) table[p.unknown.label] = json(p.estimate);
+  for (const ParameterFinding& p : parameters) {
+    Report& row = table[p.unknown.label] = json(p.estimate);
+    if (std::isfinite(p.prior_overlap)) row["prior_overlap"] = p.prior_overlap;
+  }
   return table;
 }
 
@@ -117,6 +121,13 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
       {"stopped_early", sampling.stopped_early},
       {"notes", sampling.notes},
       {"warnings", warnings}};
+}
+
+Report fit_report(const FitVerdict& verdict) {
+  return {{"ok", verdict.ok()},
+          {"r2", finite(verdict.r2)},
+          {"p", finite(verdict.p)},
+          {"why", in_words(verdict)}};
 }
 
 Report evidence_report(const Findings& findings) {

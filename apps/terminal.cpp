@@ -100,7 +100,7 @@ std::string number_or_dash(double x, int digits) {
 void print_answer(const Page& page, const Answer& said) {
   page.out << '\n';
   if (!said.caution.empty()) page.wrapped(said.caution, page.warn("! "), "  ");
-  page.wrapped(said.headline, "", "");
+  page.wrapped(said.headline, said.misfit ? page.warn("! ") : "", said.misfit ? "  " : "");
   if (!said.detail.empty()) page.wrapped(said.detail, "", "");
 }
 

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "identification/fit_verdict.hpp"
 #include "identification/marginal.hpp"
 #include "identification/remarks.hpp"
 #include "inference/evidence/comparison.hpp"
@@ -29,6 +31,12 @@ struct Unknown {
 struct ParameterFinding {
   Unknown unknown;
   Marginal estimate;
+  /// The probability that posterior and prior share, Σ min over twenty parts of the prior: 1 where
+  /// the data said nothing. NaN where not computed.
+  double prior_overlap = std::numeric_limits<double>::quiet_NaN();
+
+  /// A posterior that repeats what the case assumed.
+  [[nodiscard]] bool is_nearly_prior() const { return prior_overlap > 0.85; }
 };
 
 struct ModelFinding {
@@ -96,8 +104,15 @@ struct Findings {
   std::vector<ModelFinding> models;
   std::vector<EvidenceFinding> evidence;
   Sampling sampling;
+  FitVerdict fit_verdict;
   std::vector<Remark> remarks;  ///< beside what the verdict does not establish
+
+  /// Models in the order of their probability.
+  [[nodiscard]] std::vector<std::size_t> by_probability() const;
 };
+
+/// The same of a list of them.
+[[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
 
 /// The part of the findings that does not know what the models mean. All chains must be of one
 /// length, at least 4 draws.
@@ -105,7 +120,8 @@ struct Findings {
                                     const inference::Verdict& verdict, std::uint64_t seed);
 
 /// Adds what any run may have to say last: what the methods found, with remarks where it
-/// contradicts the draws or a method failed, and that likelihoods were impossible.
+/// contradicts the draws or a method failed, that posteriors are nearly their priors, and that
+/// likelihoods were impossible.
 void conclude(Findings& findings, const inference::ModelSpace& space,
               const std::vector<MethodEvidence>& evidence);
 

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "identification/sid_fit_verdict.hpp"
+#include "identification/sid_record.hpp"
+
 namespace wheeltap::identification {
 namespace {
 
@@ -55,8 +58,12 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const ChannelFit& fit = fits[c];
       if (fit.whiteness && !fit.whiteness->white()) {
-        coloured.channels.push_back(
-            {fit.channel, fit.whiteness->lag_1, fit.whiteness->test.p_value});
+        coloured.channels.push_back({fit.channel, fit.whiteness->worst_lag, fit.whiteness->worst,
+                                     fit.nrmse, fit.whiteness->test.p_value});
+      }
+      const bool white = fit.plain_whiteness && fit.plain_whiteness->test.p_value >= kMisfit;
+      if (fit.r2 < 0.5 && white) {
+        findings.remarks.push_back(remark::MostlyNoise{model.name, fit.channel, fit.r2});
       }
       const double ratio = fit.mse / std::pow(fit.noise_sd, 2);
       if (model.noise[c].is_constant() && std::abs(ratio - 1.0) > 6.0 * std::sqrt(2.0 / n)) {
@@ -160,14 +167,19 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
         .at_best = forward_run(problem, m, problem.theta(m, best)),
         .substeps = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(mean),
         .step_error = step_error(problem, posterior, m),
-        .links = {}};
+        .links = {},
+        .modes = {}};
     if (model.probability() >= kWorthTelling) {
       out.of_models.back()->links = link_laws(problem, posterior, m);
+      out.of_models.back()->modes = chain_modes(problem, posterior, m);
     }
   }
   out.bayes_factors = bayes_factors(posterior, out.models);
   out.coverage = coverage(problem, predictive);
   out.predictive_draws = static_cast<int>(predictive.draws.size());
+  out.remarks = run.doubts;
+  for (Remark& remark : record_remarks(problem.sid_case)) out.remarks.push_back(std::move(remark));
+  out.fit_verdict = judge_fit(problem, posterior, predictive, out);
   judge_means(problem, posterior, out);
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);

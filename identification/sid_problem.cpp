@@ -150,7 +150,9 @@ SidCase shortened(SidCase sid_case, int first) {
                                  ? (samples - 1) * static_cast<std::size_t>(sid_case.stride) + 1
                                  : samples;
     if (channel.signal.samples.size() > kept) channel.signal.samples.resize(kept);
+    channel.beyond.clear();
   }
+  sid_case.beyond = 0;
   sid_case.end = sid_case.begin + first;
   return sid_case;
 }

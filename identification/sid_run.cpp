@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "identification/marginal.hpp"
+#include "identification/plausibility.hpp"
 #include "identification/sid_fit.hpp"
 
 namespace wheeltap::identification {
@@ -87,6 +88,8 @@ SidRun run_sid(SidCase sid_case, const SidRunOptions& options) {
              .engine = {},
              .posterior = {},
              .refined = {}};
+  run.doubts = implausible(*run.problem);
+  if (options.doubt && !run.doubts.empty()) options.doubt(run.doubts);
   for (int repeats = 0;; ++repeats) {
     const SidCase& now = run.problem->sid_case;
     run.engine = options.engine;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "identification/remarks.hpp"
 #include "identification/sid_problem.hpp"
 #include "inference/reversible_jump.hpp"
 
@@ -23,6 +24,8 @@ struct SidRunOptions {
   /// What samples; reversible_jump by default.
   std::function<inference::Posterior(const inference::Problem&, const inference::Options&)> sample =
       {};
+  /// Told before anything is sampled what the case can hardly mean (plausibility.hpp), if anything.
+  std::function<void(const std::vector<Remark>&)> doubt = {};
   /// Told before a run is repeated.
   std::function<void(const StepsRefined&)> repeat = {};
 };
@@ -32,6 +35,7 @@ struct SidRun {
   inference::Options engine;  ///< as used
   inference::Posterior posterior;
   std::optional<StepsRefined> refined;  ///< of the last repeat
+  std::vector<Remark> doubts = {};      ///< as told before it began
 };
 
 /// Samples, and up to twice again with the better steps where the case does not fix them. Throws

@@ -200,7 +200,7 @@ TEST(SidCase, KnownUnitsConvertWhereNoScaleIsGiven) {
   const SidCaseFile converted = parse_sid(where, c);
   EXPECT_DOUBLE_EQ(si(converted.sid.channels[0]), 2.0);
   EXPECT_DOUBLE_EQ(si(converted.sid.channels[1]), 0.003);
-  EXPECT_THAT(converted.warnings, testing::Not(testing::Contains(HasSubstr("\"scale\""))));
+  EXPECT_TRUE(record_remarks(converted.sid).empty());
   c["record"]["channels"][1]["scale"] = 2.0;
   EXPECT_DOUBLE_EQ(si(parse_sid(where, c).sid.channels[1]), 6.0) << "the case's scale wins";
 
@@ -210,11 +210,9 @@ TEST(SidCase, KnownUnitsConvertWhereNoScaleIsGiven) {
                    3);
     const SidCaseFile warned = parse_sid(where, c);
     EXPECT_DOUBLE_EQ(si(warned.sid.channels[1]), 3.0);
-    EXPECT_EQ(std::ranges::count_if(warned.warnings,
-                                    [&](const std::string& w) {
-                                      return w.find(std::string("is in ") + unit) != w.npos;
-                                    }),
-              1);
+    const auto remarks = record_remarks(warned.sid);
+    ASSERT_EQ(remarks.size(), 1U);
+    EXPECT_EQ(std::get<remark::UnknownUnits>(remarks[0]).channels.at(0).unit, unit);
   }
 }
 
@@ -323,8 +321,8 @@ TEST(SidCase, ComparesTheWindowWithTheRecord) {
   }
   static_cast<void>(where.write("record.csv", text));
   const auto told = [](const SidCaseFile& c) {
-    return std::ranges::any_of(c.warnings, [](const std::string& w) {
-      return w.find("not like the rest") != std::string::npos;
+    return std::ranges::any_of(record_remarks(c.sid), [](const Remark& remark) {
+      return std::holds_alternative<remark::PeculiarWindow>(remark);
     });
   };
   json c = from_file("record.csv");
