@@ -74,8 +74,8 @@ Report modes_report(const SidFindings& findings) {
     if (!found || found->modes.empty()) continue;
     Report& rows = out[findings.models[m].name] = Report::array();
     for (const ChainMode& mode : found->modes) {
-      rows.push_back(
-          {{"frequency_hz", json(mode.frequency_hz)}, {"damping_ratio", json(mode.damping_ratio)}});
+      rows.push_back({{"frequency_hz", apps::json(mode.frequency_hz)},
+                      {"damping_ratio", apps::json(mode.damping_ratio)}});
     }
   }
   return out;

@@ -74,11 +74,13 @@ std::vector<Range> predicted_sizes(const SidProblem& problem) {
 void judge_sizes(const SidProblem& problem, std::vector<Remark>& remarks) {
   const auto responses = problem.sid_case.responses();
   const std::vector<Range> predicted = predicted_sizes(problem);
+  // Offsets may be parameters; they count nothing about the mean.
+  const auto any = problem.theta(0, prior_draw(problem.problem.space, 0, 0));
   remark::ResponsesOutOfReach out_of_reach;
   remark::NoiseAboveResponse noisy;
   for (std::size_t c = 0; c < responses.size(); ++c) {
     if (!responses[c]->signal.scale.is_constant()) continue;
-    const double measured = rms_about_mean(observed(problem, c, problem.theta(0, {})));
+    const double measured = rms_about_mean(observed(problem, c, any));
     const Range& range = predicted[c];
     if (measured > kOtherSize * range.high || measured * kOtherSize < range.low) {
       out_of_reach.channels.push_back({responses[c]->name(), measured, range.low, range.high});
