@@ -55,12 +55,12 @@ void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
   std::vector<std::vector<std::string>> rows = {{"response", "MSE", "NRMSE", "R2", "white?"}};
   for (const ChannelFit& fit : fits) {
     const bool varies = std::isfinite(fit.nrmse);
-    rows.push_back({fit.channel, number_or_dash(fit.mse, 3),
-                    varies ? fixed(100.0 * fit.nrmse, 2) + " %" : "-",
-                    varies ? fixed(fit.r2, 5) : "-",
-                    fit.whiteness ? (fit.whiteness->white() ? "yes, p " : "NO, p ") +
-                                        number_or_dash(fit.whiteness->test.p_value, 2)
-                                  : "-"});
+    rows.push_back(
+        {fit.channel, number_or_dash(fit.mse, 3), varies ? fixed(100.0 * fit.nrmse, 2) + " %" : "-",
+         varies ? fixed(fit.r2, 5) : "-",
+         fit.whiteness
+             ? (fit.whiteness->white() ? "yes, " : "NO, ") + p_value(fit.whiteness->test.p_value)
+             : "-"});
   }
   if (rows.size() > 1) page.table(rows);
 }

@@ -1,5 +1,6 @@
 #include "identification/sid_findings.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "identification/sid_fit_verdict.hpp"
@@ -47,6 +48,18 @@ void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindi
   }
 }
 
+/// The verdict on fit names this response of the model already.
+bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
+  return verdict.model == model && std::ranges::any_of(verdict.why, [&](const auto& reason) {
+           return std::visit(
+               [&](const auto& r) {
+                 if constexpr (requires { r.channel; }) return r.channel == fit.channel;
+                 return false;
+               },
+               reason);
+         });
+}
+
 /// What the forward runs of the models that matter say about the data.
 void judge_fits(const SidProblem& problem, SidFindings& findings) {
   const double n = static_cast<double>(problem.misfits.front().samples());
@@ -57,7 +70,7 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
     const std::vector<ChannelFit>& fits = finding(findings, m).at_best;
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const ChannelFit& fit = fits[c];
-      if (fit.whiteness && !fit.whiteness->white()) {
+      if (fit.whiteness && !fit.whiteness->white() && !is_told(findings.fit_verdict, m, fit)) {
         coloured.channels.push_back({fit.channel, fit.whiteness->worst_lag, fit.whiteness->worst,
                                      fit.nrmse, fit.whiteness->test.p_value});
       }

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "identification/sid_record.hpp"
 #include "identification/sid_simulation.hpp"
 #include "sid_cases.hpp"
 #include "signals/excitation.hpp"
