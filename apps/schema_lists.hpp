@@ -59,12 +59,12 @@ void fill_lists(AnyJson& rules) {
 }
 
 /// Whole numbers are held to what the program counts with, unless the schema says less: larger ones
-/// wrapped without a word. Seeds may have 64 bits.
+/// wrapped without a word. Seeds may have 63 bits.
 template <class AnyJson>
 void bound_integers(AnyJson& rules, const std::string& key = {}) {
   if (rules.is_object() && rules.contains("type") && rules["type"] == "integer" &&
-      !rules.contains("maximum") && key != "seed") {
-    rules["maximum"] = 2147483647;
+      !rules.contains("maximum")) {
+    rules["maximum"] = key == "seed" ? 9223372036854775807 : 2147483647;
   }
   if (rules.is_object()) {
     for (auto& [name, child] : rules.items()) {

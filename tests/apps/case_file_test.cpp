@@ -45,8 +45,10 @@ TEST(CaseFile, WholeNumbersBeyondWhatIsCountedWithAreRefused) {
   json["data"]["modes"] = 4294967297;
   EXPECT_THAT(complaint(json), HasSubstr("/data/modes: 4294967297: must be"));
   json["data"]["modes"] = 3;
+  json["data"]["seed"] = 9223372036854775807;
+  EXPECT_EQ(complaint(json), "") << "seeds have 63 bits";
   json["data"]["seed"] = 18446744073709551615ULL;
-  EXPECT_EQ(complaint(json), "") << "seeds have 64 bits";
+  EXPECT_THAT(complaint(json), HasSubstr("/data/seed: 18446744073709551615: must be"));
 }
 
 TEST(CaseFile, NamesLineAndColumnOfASyntaxError) {

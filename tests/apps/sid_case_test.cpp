@@ -14,7 +14,7 @@ using namespace identification;
 namespace {
 
 using nlohmann::json;
-using testing::HasSubstr;
+using testing::AllOf, testing::HasSubstr;
 
 /// What parsing `c` says, which must be of this exit code.
 std::string refusal(const Workspace& where, const json& c, Exit exit = Exit::bad_input) {
@@ -84,6 +84,30 @@ TEST(SidCase, TheSchemaKnowsEveryLaw) {
   for (const auto& info : dynamics::law_infos()) {
     EXPECT_TRUE(properties.contains(std::string(info.name))) << info.name;
   }
+}
+
+// Issue 14, finding 3: "coulomb": 3 was taken for friction over a creep speed of 1 mm/s that no
+// document named. Friction without a velocity is exact, as a number or as a parameter.
+TEST(SidCase, FrictionIsExactUnlessAVelocityIsGiven) {
+  const Workspace where;
+  const auto law = [&](const json& coulomb) {
+    json c = with("/models/1/links/0/coulomb", coulomb);
+    c["parameters"]["F"] = {{"uniform", {0, 1}}};
+    c["parameters"]["v"] = {{"uniform", {0, 1}}};
+    c["models"][0]["links"][0]["coulomb"] = {{"force", "F"}, {"velocity", "v"}};  // uses both
+    return parse_sid(where, c).sid.models[1].chain.links[0].laws.back();
+  };
+  for (const json& coulomb : {json(3), json("F"), json({{"force", 3}}), json({{"force", "F"}}),
+                              json({{"force", 3}, {"velocity", 0}})}) {
+    EXPECT_TRUE(dynamics::is_dry(law(coulomb))) << coulomb;
+    EXPECT_EQ(law(coulomb).coefficients[0].is_constant(),
+              coulomb.dump().find('F') == std::string::npos);
+  }
+  EXPECT_EQ(law(3).coefficients[0].value, 3.0);
+  EXPECT_FALSE(dynamics::is_dry(law({{"force", 3}, {"velocity", 1e-3}})));
+  EXPECT_FALSE(dynamics::is_dry(law({{"force", 3}, {"velocity", "v"}})));
+  EXPECT_THAT(refusal(where, with("/models/1/links/0/coulomb", -3)),
+              AllOf(HasSubstr("/models/1/links/0/coulomb"), HasSubstr("not negative")));
 }
 
 TEST(SidCase, NamesThePlaceOfEveryMistake) {
