@@ -58,14 +58,19 @@ void judge_residuals(const SidProblem& problem, const std::vector<ChannelFit>& f
       verdict.why.emplace_back(misfit::Unexplained{.channel = fit.channel, .r2 = fit.r2});
       continue;
     }
-    const bool noise = !fit.whiteness || fit.whiteness->test.p_value >= kMisfit;
-    if (noise && !(verdict.p < kMisfit)) continue;
-    if (fit.nrmse <= kSmallResidual && !asked) {
+    const bool loud = verdict.p < kMisfit;
+    const bool coloured = fit.plain_whiteness && fit.plain_whiteness->test.p_value < kMisfit;
+    if (!loud && !coloured) continue;
+    // An autoregression takes whatever a model leaves for noise, be it most of the response.
+    const bool taken_for_noise =
+        !loud && fit.whiteness && fit.whiteness->test.p_value >= kMisfit;
+    const bool large = fit.nrmse > kSmallResidual && !taken_for_noise;
+    if (!large && !asked) {
       free = free_cubic_residual(problem, verdict.model, theta);
       asked = true;
     }
     const double of_free = c < free.size() ? free[c] : std::nan("");
-    if (fit.nrmse > kSmallResidual || fit.nrmse > kMuchMoreThanFree * of_free) {
+    if (large || fit.nrmse > kMuchMoreThanFree * of_free) {
       verdict.why.emplace_back(
           misfit::NotNoise{.channel = fit.channel,
                            .share = fit.nrmse,

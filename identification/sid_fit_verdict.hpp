@@ -13,7 +13,7 @@ namespace wheeltap::identification {
 ///   noise is no misfit);
 /// - a residual that is no noise (portmanteau or predictive p below kMisfit) and above
 ///   kSmallResidual of its response, or kMuchMoreThanFree times what a free cubic chain leaves
-///   (free_cubic.hpp);
+///   (free_cubic.hpp); the latter alone where an autoregression whitens it;
 /// - a residual beyond the window (SidCase::beyond) more than twice that in it, absolutely and in
 ///   terms of the response, and above kSmallResidual, under every one of some twenty draws: what
 ///   the window alone leaves open is no misfit.
