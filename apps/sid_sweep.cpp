@@ -139,7 +139,8 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
   Report rows = Report::array();
   std::vector<SweepRow> said;
   std::string table;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
+  const StopOnInterrupt stop;
+  for (std::size_t i = 0; i < cases.size() && !was_interrupted(); ++i) {
     const Json& value = sweep["values"][i];
     const SidFindings findings = identify(cases[i], common, options, log).findings;
     const Row row = table_row(value.dump(), findings);

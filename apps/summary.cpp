@@ -119,6 +119,7 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
       {"impossible", sampling.impossible},
       {"balanced", sampling.balanced},
       {"stopped_early", sampling.stopped_early},
+      {"quick", sampling.quick},
       {"notes", sampling.notes},
       {"warnings", warnings}};
 }
@@ -174,9 +175,17 @@ Report about(const std::string& command, const RunInfo& info, const CaseFile& fi
 }
 
 Report cost(const Sampling& sampling) {
+  const inference::Calls& calls = sampling.calls;
   return {{"likelihood_evaluations", sampling.likelihood_evaluations},
           {"full_model_calls", sampling.full_model_calls},
           {"warmup_evaluations", sampling.warmup_evaluations},
+          {"calls",
+           {{"explore", calls.explore},
+            {"tune", calls.tune},
+            {"sample", calls.sample},
+            {"evidence", calls.evidence},
+            {"of_explore",
+             {{"search", calls.search}, {"anneal", calls.anneal}, {"weigh", calls.weigh}}}}},
           {"wall_seconds", sampling.wall_seconds},
           {"chains", sampling.chains},
           {"draws_a_chain", sampling.draws_a_chain},

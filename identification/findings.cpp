@@ -144,14 +144,18 @@ std::string method_name(EvidenceMethod method) {
 
 std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
                                              const std::vector<EvidenceMethod>& methods,
-                                             std::uint64_t seed, int threads) {
+                                             std::uint64_t seed, int threads,
+                                             const std::function<bool()>& stopped) {
+  const auto go_on = [&] { return !stopped || !stopped(); };
   std::vector<MethodEvidence> out;
   std::vector<std::optional<inference::Tmcmc>> tempered(
       static_cast<std::size_t>(problem.space.size()));
   const auto one = [&](EvidenceMethod method, int m) -> inference::Evidence {
     auto& pilot = tempered[static_cast<std::size_t>(m)];
     if (method == EvidenceMethod::tmcmc) {
-      pilot = inference::tmcmc(problem, m, {.seed = seed, .threads = threads});
+      pilot = inference::tmcmc(
+          problem, m,
+          {.seed = seed, .threads = threads, .progress = [&](double) { return go_on(); }});
       return pilot->evidence;
     }
     if (method == EvidenceMethod::bridge) {
@@ -163,7 +167,7 @@ std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
   };
   for (const EvidenceMethod method : methods) {
     MethodEvidence by{.method = method, .evidences = {}};
-    for (int m = 0; m < problem.space.size(); ++m) {
+    for (int m = 0; m < problem.space.size() && go_on(); ++m) {
       try {
         by.evidences.push_back(one(method, m));
       } catch (const inference::LikelihoodError& error) {
@@ -173,7 +177,7 @@ std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
                                 .warnings = {std::string("failed: ") + error.what()}});
       }
     }
-    out.push_back(std::move(by));
+    if (go_on()) out.push_back(std::move(by));
   }
   return out;
 }
@@ -233,11 +237,13 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
       .barrier = posterior.barrier,
       .impossible = posterior.impossible,
       .stopped_early = posterior.stopped_early,
+      .quick = posterior.quick,
       .notes = posterior.notes,
       .likelihood_evaluations = posterior.likelihood_evaluations,
       .full_model_calls = posterior.full_evaluations > 0 ? posterior.full_evaluations
                                                          : posterior.likelihood_evaluations,
       .warmup_evaluations = posterior.warmup_evaluations,
+      .calls = posterior.calls,
       .wall_seconds = posterior.wall_seconds,
       .chains = static_cast<int>(posterior.chains.size()),
       .draws_a_chain = posterior.draws,

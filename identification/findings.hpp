@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -65,10 +66,11 @@ struct MethodEvidence {
   std::vector<inference::Evidence> evidences;
 };
 
-/// The evidence of every model of the problem by every method.
+/// The evidence of every model of the problem by every method; once `stopped` says so, by those
+/// alone that are done.
 [[nodiscard]] std::vector<MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<EvidenceMethod>& methods,
-    std::uint64_t seed, int threads);
+    std::uint64_t seed, int threads, const std::function<bool()>& stopped = {});
 
 /// What they imply beside what was sampled.
 struct EvidenceFinding {
@@ -90,11 +92,13 @@ struct Sampling {
   double barrier = 0.0;
   long impossible = 0;
   bool stopped_early = false;
+  bool quick = false;  ///< a look, not a posterior
   std::vector<std::string> notes;
 
   long likelihood_evaluations = 0;
   long full_model_calls = 0;
   long warmup_evaluations = 0;
+  inference::Calls calls{};
   double wall_seconds = 0.0;
   int chains = 0, draws_a_chain = 0, thin = 1, warmup_iterations = 0;
 };

@@ -142,7 +142,8 @@ std::vector<double> measured_extensions(const SidCase& sid_case, const dynamics:
   return extensions;
 }
 
-/// The case of the first scored samples alone.
+}  // namespace
+
 SidCase shortened(SidCase sid_case, int first) {
   const auto samples = static_cast<std::size_t>(sid_case.lead_in + first);
   for (SidChannel& channel : sid_case.channels) {
@@ -156,6 +157,8 @@ SidCase shortened(SidCase sid_case, int first) {
   sid_case.end = sid_case.begin + first;
   return sid_case;
 }
+
+namespace {
 
 /// Nanoseconds that a mass costs, about, in a Runge-Kutta step, a piece of a series and a step of
 /// the exact solution.

@@ -38,7 +38,12 @@ struct SidRun {
   std::vector<Remark> doubts = {};      ///< as told before it began
 };
 
-/// Samples, and up to twice again with the better steps where the case does not fix them. Throws
+/// Of the scored samples, as many as a look can afford: its work is fixed, so is what one of its
+/// likelihoods may cost.
+[[nodiscard]] int samples_of_a_look(int samples, double seconds_a_likelihood);
+
+/// Samples, and up to twice again with the better steps where the case does not fix them. A look is
+/// taken at the first samples alone where all of them would be expensive, and not repeated. Throws
 /// InvalidInput, and what `sample` does.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
 

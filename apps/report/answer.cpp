@@ -139,7 +139,10 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
   Answer out;
   const bool converged = findings.sampling.verdict.converged;
   if (!converged) {
-    out.caution = findings.sampling.stopped_early
+    out.caution = findings.sampling.quick
+                      ? "Quick look: modes and short chains, not a posterior. Run without --quick "
+                        "before these numbers are used."
+                  : findings.sampling.stopped_early
                       ? "This run was stopped before it had converged: do not trust these numbers "
                         "yet."
                       : "The chains have not converged: do not trust these numbers yet.";
@@ -282,6 +285,7 @@ Answer read_answer(const Report& summary) {
   const Report& diagnosed = summary["diagnostics"];
   findings.sampling.verdict.converged = diagnosed.value("converged", false);
   findings.sampling.stopped_early = diagnosed.value("stopped_early", false);
+  findings.sampling.quick = diagnosed.value("quick", false);
   return verdict_on(findings, ": ", [](const ModelFinding& m) { return m.name; }, {});
 }
 
