@@ -332,6 +332,7 @@ Json schema(std::string_view name) {
   (*found)["definitions"].update(find("common")->at("definitions"));
   fill_lists(*found);
   add_laws(*found);
+  add_defects(*found);
   bound_integers(*found);
   return *found;
 }

@@ -132,6 +132,7 @@ Report ordered_schema(const std::string& kind) {
   found["definitions"].update(common["definitions"]);
   fill_lists(found);
   add_laws(found);
+  add_defects(found);
   return found;
 }
 

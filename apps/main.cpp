@@ -96,6 +96,10 @@ int main(int argc, char** argv) {
     CLI::Option* prior_only = command->add_flag("--prior-only", sampling.prior_only,
                                                 "leave the data out: must return the prior");
     command
+        ->add_flag("--quick", sampling.quick,
+                   "a look in seconds: modes and short chains, never a posterior")
+        ->excludes(prior_only);
+    command
         ->add_flag("--evidence{tmcmc+bridge}", sampling.evidence,
                    "also the evidence of each model on its own: --evidence, or "
                    "--evidence=METHODS of tmcmc, bridge, laplace, joined by +")

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "dynamics/laws.hpp"
+#include "identification/defect_kind.hpp"
 #include "identification/interpolants.hpp"
 
 namespace wheeltap::apps {
@@ -15,6 +16,24 @@ void add_laws(AnyJson& rules) {
   auto& keys = rules["definitions"]["link"]["properties"];
   for (const dynamics::LawInfo& law : dynamics::law_infos())
     keys[std::string(law.name)] = {{"$ref", "#/definitions/law"}};
+}
+
+/// Names the types of defect there are, and adds a key for the severity of each, to a schema that
+/// has defects.
+template <class AnyJson>
+void add_defects(AnyJson& rules) {
+  if (!rules.at("definitions").contains("defects")) return;
+  auto& keys = rules["definitions"]["defects"]["properties"];
+  auto& of_truth = rules["definitions"]["true_defect"]["properties"];
+  auto& names = keys["kind"]["enum"] = AnyJson::array();
+  for (const auto* type : identification::defect_types()) {
+    names.push_back(std::string(type->name));
+    const std::string severity(type->severity);
+    if (!keys.contains(severity)) keys[severity] = {{"$ref", "#/definitions/prior"}};
+    if (!of_truth.contains(severity)) {
+      of_truth[severity] = {{"description", std::string(type->bounds_words)}, {"type", "number"}};
+    }
+  }
 }
 
 /// Wherever `rules` says "x-list": "interpolants", their names take its place as an "enum", and the

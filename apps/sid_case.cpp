@@ -464,7 +464,8 @@ class Parser {
       }
       if (channel.role == Role::response && base && channel.frame == dynamics::Frame::absolute &&
           channel.quantity != dynamics::Quantity::acceleration &&
-          out_.find(Role::base_displacement) == nullptr && !truth_displaces_base(json_)) {
+          out_.find(Role::base_displacement) == nullptr && !truth_displaces_base(json_) &&
+          !json_["record"].contains("file")) {
         file_.refuse(where, "an absolute " + json_.at(where / "quantity").get<std::string>() +
                                 " of a base-driven chain needs a channel with the role "
                                 "\"base-displacement\"; or say \"frame\": \"relative\"");
@@ -512,7 +513,7 @@ void SidCaseFile::refuse(const InvalidInput& error) const {
 
 SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
   validate_against_schema(file, "sid");
-  SidCaseFile out{.file = std::move(file), .notes = {}, .warnings = {}, .sid = {}, .channels = {}};
+  SidCaseFile out{.file = std::move(file), .notes = {}, .sid = {}, .channels = {}};
   const Json& json = out.file.json;
   SidCase& sid_case = out.sid;
   sid_case.title = json.value("title", out.file.path.stem().string());

@@ -20,6 +20,7 @@ Report json(const ResidualWhiteness& whiteness) {
           {"degrees_of_freedom", whiteness.test.degrees_of_freedom},
           {"p_value", whiteness.test.p_value},
           {"lag_1_autocorrelation", whiteness.lag_1},
+          {"largest", {{"lag", whiteness.worst_lag}, {"autocorrelation", whiteness.worst}}},
           {"white", whiteness.white()}};
 }
 
@@ -111,6 +112,20 @@ Report discovery_report(const SidCase& sid_case, const SidFindings& findings) {
                        {"tension_rms", m.tension}});
   }
   return {{"inclusion", sid_case.discovery->inclusion}, {"scales", motions}, {"laws", laws}};
+}
+
+Report modes_report(const SidFindings& findings) {
+  Report out = Report::object();
+  for (std::size_t m = 0; m < findings.models.size(); ++m) {
+    const auto& found = findings.of_models[m];
+    if (!found || found->modes.empty()) continue;
+    Report& rows = out[findings.models[m].name] = Report::array();
+    for (const ChainMode& mode : found->modes) {
+      rows.push_back({{"frequency_hz", apps::json(mode.frequency_hz)},
+                      {"damping_ratio", apps::json(mode.damping_ratio)}});
+    }
+  }
+  return out;
 }
 
 Report best_draws(const SidFindings& findings) {
@@ -224,7 +239,7 @@ Report fits_report(const SidFindings& findings) {
 Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
                    const SidFindings& findings, const RunInfo& info) {
   const SidCase& sid_case = problem.sid_case;
-  Report diagnosed = diagnostics(findings, warnings(findings, {}, parsed.warnings));
+  Report diagnosed = diagnostics(findings, warnings(findings, {}));
   if (findings.refined) diagnosed["notes"].push_back(repeat_note(*findings.refined));
   Report summary = {
       {"wheeltap", about("sid", info, parsed.file)},
@@ -236,8 +251,10 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
       {"parameters", parameter_tables(findings)},
       {"priors", priors_of(sid_case)},
       {"unknowns", unknowns_of(findings)},
-      {"fit", fits_report(findings)},
+      {"fit", fit_report(findings.fit_verdict)},
+      {"fit_at_mean", fits_report(findings)},
       {"links", links_report(findings)},
+      {"modes", modes_report(findings)},
       {"best_draw", best_draws(findings)},
       {"fit_at_best_draw",
        of_drawn(findings, [](const SidModelFinding& f, std::size_t) { return json(f.at_best); })},

@@ -55,7 +55,9 @@ struct LawCoefficient {
 
 /// A law's own description. Coefficients are listed in the order in which the law reads them.
 struct LawInfo {
-  std::string_view name;  ///< its key in a case file
+  std::string_view name;         ///< its key in a case file
+  std::string_view formula;      ///< plain text, e the extension, ė its rate, T > 0 pulls
+  std::string_view description;  ///< what it stands for, half a sentence
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
   bool one_sided =
       false;  ///< takes a side; written for opening, closing is T(e, ė) = -T_open(-e, -ė)

@@ -27,6 +27,9 @@ struct SidChannel {
   dynamics::Frame frame = dynamics::Frame::absolute;
   /// Raw samples from the start of the lead-in; an excitation's are upsampled by SidCase::stride.
   dynamics::Signal signal = {};
+  /// What follows the window in the record and is not used: SidCase::beyond samples, raw; an
+  /// excitation's upsampled as in the window.
+  std::vector<double> beyond = {};
   std::string unit = {};     ///< as the file's header has it
   bool scale_given = false;  ///< `signal.scale` was asked for, whatever the unit
   /// Where the window is a part of the record: how their spectra compare.
@@ -135,8 +138,13 @@ struct SidCase {
   int begin = 0, end = 0;  ///< samples scored, in the record
   int lead_in = 0;         ///< samples before those
   int stride = 1;          ///< excitation samples a response sample
+  int beyond = 0;          ///< samples kept of what follows the window, to predict
   bool simulated = false;
-  std::string origin = {};  ///< in words
+  /// Why the initial state is inferred though the case does not ask: how far the responses move at
+  /// the window's start (moves_at_start).
+  std::optional<double> starts_moving = {};
+  bool base_integrated = false;  ///< the base's displacement was (base_integration.hpp)
+  std::string origin = {};       ///< in words
   double band = 0.97;
   bool balance = false;  ///< sample models evenly and reweight
   dynamics::SimulatorOptions integration = {};

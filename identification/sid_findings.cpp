@@ -1,7 +1,11 @@
 #include "identification/sid_findings.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
+
+#include "identification/sid_fit_verdict.hpp"
+#include "identification/sid_record.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -45,6 +49,18 @@ void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindi
   }
 }
 
+/// The verdict on fit names this response of the model already.
+bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
+  return verdict.model == model && std::ranges::any_of(verdict.why, [&](const auto& reason) {
+           return std::visit(
+               [&](const auto& r) {
+                 if constexpr (requires { r.channel; }) return r.channel == fit.channel;
+                 return false;
+               },
+               reason);
+         });
+}
+
 /// What the forward runs of the models that matter say about the data.
 void judge_fits(const SidProblem& problem, SidFindings& findings) {
   const double n = static_cast<double>(problem.misfits.front().samples());
@@ -55,9 +71,13 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
     const std::vector<ChannelFit>& fits = finding(findings, m).at_best;
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const ChannelFit& fit = fits[c];
-      if (fit.whiteness && !fit.whiteness->white()) {
-        coloured.channels.push_back(
-            {fit.channel, fit.whiteness->lag_1, fit.whiteness->test.p_value});
+      if (fit.whiteness && !fit.whiteness->white() && !is_told(findings.fit_verdict, m, fit)) {
+        coloured.channels.push_back({fit.channel, fit.whiteness->worst_lag, fit.whiteness->worst,
+                                     fit.nrmse, fit.whiteness->test.p_value});
+      }
+      const bool white = fit.plain_whiteness && fit.plain_whiteness->test.p_value >= kMisfit;
+      if (fit.r2 < 0.5 && white) {
+        findings.remarks.push_back(remark::MostlyNoise{model.name, fit.channel, fit.r2});
       }
       const double ratio = fit.mse / std::pow(fit.noise_sd, 2);
       if (model.noise[c].is_constant() && std::abs(ratio - 1.0) > 6.0 * std::sqrt(2.0 / n)) {
@@ -181,15 +201,20 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
         .at_best = forward_run(problem, m, problem.theta(m, best)),
         .substeps = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(mean),
         .step_error = step_error(problem, posterior, m),
-        .links = {}};
+        .links = {},
+        .modes = {}};
     if (model.probability() >= kWorthTelling) {
       out.of_models.back()->links = link_laws(problem, posterior, m);
+      out.of_models.back()->modes = chain_modes(problem, posterior, m);
     }
   }
   out.bayes_factors = bayes_factors(posterior, out.models);
   out.coverage = coverage(problem, predictive);
   out.predictive_draws = static_cast<int>(predictive.draws.size());
   out.discovery = discovered(problem, posterior, out);
+  out.remarks = run.doubts;
+  for (Remark& remark : record_remarks(problem.sid_case)) out.remarks.push_back(std::move(remark));
+  out.fit_verdict = judge_fit(problem, posterior, predictive, out);
   judge_means(problem, posterior, out);
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);

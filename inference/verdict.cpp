@@ -41,11 +41,14 @@ class Judge {
   }
 
   Verdict verdict() {
+    if (posterior_.quick) add(QuickLook{});
     judge_models();
     judge_modes();
     judge_evidence();
-    judge_chains();
-    judge_parameters();
+    if (!posterior_.quick) {
+      judge_chains();
+      judge_parameters();
+    }
     if (posterior_.tempered_draws && posterior_.ladder_round_trips < kLimits.round_trips) {
       add(TooFewRoundTrips{.completed = posterior_.ladder_round_trips,
                            .limit = kLimits.round_trips});
@@ -294,6 +297,11 @@ class Judge {
     for (std::size_t m = 0; m < models_; ++m) {
       if (space_[static_cast<int>(m)].dimension == 0 || prior(m) == 0.0) continue;
       const long climbs = m < posterior_.found.size() ? posterior_.found[m].climbs : 0;
+      if (m < posterior_.found.size() && posterior_.found[m].glanced &&
+          standing(m).probability < kLimits.searched_model) {
+        ++out_.glanced;
+        continue;
+      }
       if (climbs == 0 && standing(m).probability < kLimits.judged_model) continue;
       resolution = std::max(
           resolution, climbs > 0 ? 1.0 - std::pow(0.01, 1.0 / static_cast<double>(climbs)) : 1.0);

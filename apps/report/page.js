@@ -175,12 +175,7 @@
   }
   function runSections() {
     const d = summary.diagnostics;
-    const warnings = [...(d.warnings || [])];
-    const loose = [];
-    for (const [model, list] of Object.entries(draws.parameters)) {
-      for (const p of list) if (p.prior && p.prior.overlap > 0.85) loose.push(`${p.name} under “${model}” (overlap ${percent(p.prior.overlap)})`);
-    }
-    if (loose.length) warnings.push(`Nearly the prior: the data say little about ${loose.join(', ')}. Such a posterior repeats what the case assumed; do not report it as a finding.`);
+    const warnings = d.warnings || [];
     const p = summary.data?.posterior_predictive_p;
     section('warnings', 'What to keep in mind', null,
       element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
@@ -201,7 +196,7 @@
     section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${number(p, 3)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
       of('fit').length ? grid(of('fit')) : null);
 
-    const fits = Object.entries(summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
+    const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
     if (fits.length) {
       document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
         head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],

@@ -9,7 +9,11 @@ namespace wheeltap::dynamics::laws {
 /// T = k max(0, e), opening: a crack that bears on one side only. Closing: k min(0, e).
 struct Bilinear {
   static constexpr LawInfo kInfo{
-      .name = "bilinear", .coefficients = {{{"stiffness", "N/m"}}}, .one_sided = true};
+      .name = "bilinear",
+      .formula = "opening: T = k max(0, e); closing: T = k min(0, e)",
+      .description = "a spring on one side only, e.g. a crack that bears when it closes",
+      .coefficients = {{{"stiffness", "N/m"}}},
+      .one_sided = true};
 
   template <class V>
   static V tension(const V* c, V e, V /*rate*/) {

@@ -17,6 +17,8 @@ namespace wheeltap::dynamics::laws {
 struct BoucWen {
   static constexpr LawInfo kInfo{
       .name = "bouc_wen",
+      .formula = "T = k y z, z' = (ė/y) (1 - |z|^n (beta sgn(ė z) + gamma)), z = 0 at the start",
+      .description = "smooth hysteresis, elastic with stiffness k before it yields at about e = y",
       .coefficients = {{{"stiffness", "N/m"},
                         {.name = "yield", .unit = "m", .lower = 0.0, .above_lower = true},
                         {.name = "exponent", .unit = "1", .otherwise = 1.0, .lower = 1.0},

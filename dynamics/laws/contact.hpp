@@ -11,6 +11,8 @@ namespace wheeltap::dynamics::laws {
 struct Contact {
   static constexpr LawInfo kInfo{
       .name = "contact",
+      .formula = "opening: T = k max(0, e - g); closing: T = k min(0, e + g)",
+      .description = "a stop at distance g, as behind a backlash",
       .coefficients = {{{"stiffness", "N/m"}, {.name = "gap", .unit = "m", .lower = 0.0}}},
       .one_sided = true};
 

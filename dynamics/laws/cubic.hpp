@@ -9,7 +9,10 @@ namespace wheeltap::dynamics::laws {
 /// T = k₃ e³ (Duffing): k₃ > 0 hardens, k₃ < 0 softens. With a negative linear stiffness beside it
 /// the link has two wells at e = ±√(-k/k₃).
 struct Cubic {
-  static constexpr LawInfo kInfo{.name = "cubic", .coefficients = {{{"stiffness", "N/m^3"}}}};
+  static constexpr LawInfo kInfo{.name = "cubic",
+                                 .formula = "T = k3 e^3",
+                                 .description = "a Duffing spring: k3 > 0 hardens, k3 < 0 softens",
+                                 .coefficients = {{{"stiffness", "N/m^3"}}}};
   static constexpr int kPower = 3;
 
   template <class V>

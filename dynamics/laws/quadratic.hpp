@@ -8,7 +8,10 @@ namespace wheeltap::dynamics::laws {
 
 /// T = k₂ e²: the even part of an asymmetric spring (two wells of unequal depth).
 struct Quadratic {
-  static constexpr LawInfo kInfo{.name = "quadratic", .coefficients = {{{"stiffness", "N/m^2"}}}};
+  static constexpr LawInfo kInfo{.name = "quadratic",
+                                 .formula = "T = k2 e^2",
+                                 .description = "the even part of an asymmetric spring",
+                                 .coefficients = {{{"stiffness", "N/m^2"}}}};
   static constexpr int kPower = 2;
 
   template <class V>

@@ -8,8 +8,11 @@ namespace wheeltap::dynamics::laws {
 
 /// T = c₂ ė |ė|: drag of a fluid. Its slope 2 |c₂ ė| grows with the speed.
 struct QuadraticDamping {
-  static constexpr LawInfo kInfo{
-      .name = "quadratic_damping", .coefficients = {{{"damping", "N s^2/m^2"}}}, .paced = true};
+  static constexpr LawInfo kInfo{.name = "quadratic_damping",
+                                 .formula = "T = c2 ė |ė|",
+                                 .description = "drag of a fluid",
+                                 .coefficients = {{{"damping", "N s^2/m^2"}}},
+                                 .paced = true};
 
   template <class V>
   static V tension(const V* c, V /*e*/, V rate) {

@@ -9,7 +9,11 @@ namespace wheeltap::dynamics::laws {
 /// T = k₅ e⁵: what hardens (k₅ > 0) or softens beyond the reach of a cubic spring. Series expand no
 /// fifth power: a chain with it is integrated by Runge-Kutta.
 struct Quintic {
-  static constexpr LawInfo kInfo{.name = "quintic", .coefficients = {{{"stiffness", "N/m^5"}}}};
+  static constexpr LawInfo kInfo{
+      .name = "quintic",
+      .formula = "T = k5 e^5",
+      .description = "a spring that hardens (k5 > 0) or softens beyond the reach of a cubic one",
+      .coefficients = {{{"stiffness", "N/m^5"}}}};
 
   template <class V>
   static V tension(const V* c, V e, V /*rate*/) {

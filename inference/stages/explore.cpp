@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "inference/convergence.hpp"
 #include "inference/model_exploration.hpp"
 #include "inference/stages/model_probabilities.hpp"
 #include "inference/stages/nested_starts.hpp"
@@ -26,12 +27,17 @@ constexpr long kClimbsInMany = 2;    // in each of those
 // Models of a nested list of a record: climbs that start from one another's modes find more, for
 // a tenth of the calls, than annealing each from its prior.
 constexpr int kManyNested = 8;
-constexpr int kReachedModels = 12;  // of many: those explored by themselves when they are reached
-constexpr double kReached = 0.01;   // share of the visits
+constexpr std::size_t kSearchedModels = 60;  // of those: no more than these are searched in full
+constexpr int kSearchRounds = 4;
+constexpr std::size_t kReachedModels =
+    12;                            // of many: those explored by themselves when they are reached
+constexpr double kReached = 0.01;  // share of the visits
 constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all models together
-constexpr long kRecordBudget = 120000;  // where a record grows: modes are then followed besides
+constexpr long kRecordBudget = 50000;   // where a record grows: modes are then followed besides
 constexpr long kLeastBudget = 3000;     // a model's
-constexpr double kLive = 30.0;          // ln: chains start in models this far below the best
+constexpr double kBriefAnnealing = 50000.0;  // likelihood calls, a model, about
+constexpr double kHopeless = 50.0;           // ln: models this far below the best are not annealed
+constexpr double kLive = 30.0;               // ln: chains start in models this far below the best
 
 std::vector<int> every_model(const RunContext& run) {
   std::vector<int> all(run.models());
@@ -52,8 +58,21 @@ std::vector<int> reached(const RunContext& run, const RunState& state) {
   return list;
 }
 
-// Each model of the list by itself.
-void explore_each(RunContext& run, RunState& state, const std::vector<int>& list, bool anneal) {
+void count(RunContext& run, RunState& state, const ModelExploration& found,
+           const ExplorationCalls& before) {
+  const long more = found.calls.sum() - before.sum();
+  state.shared_evaluations += more;
+  state.posterior.calls.search += found.calls.search - before.search;
+  state.posterior.calls.anneal += found.calls.anneal - before.anneal;
+  state.posterior.calls.weigh += found.calls.weigh - before.weigh;
+  run.monitor.evaluated(more);
+}
+
+// Each model of the list by itself: all are surveyed before any is annealed, since a hopeless one
+// of a record, whose likelihoods are dear, needs no more than a survey. Models of a nested list
+// have each the budget that one has alone, and start from the modes of those within them as well.
+void explore_each(RunContext& run, RunState& state, const std::vector<int>& list, bool anneal,
+                  bool nested = false) {
   const Problem& problem = run.problem;
   const auto with_parameters =
       std::ranges::count_if(list, [&](int m) { return problem.space[m].dimension > 0; });
@@ -65,67 +84,123 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
       kLeastBudget,
       static_cast<long>(brief *
                         static_cast<double>(problem.shortened ? kRecordBudget : kSearchBudget) /
-                        static_cast<double>(std::max<long>(1, with_parameters))));
-  run.monitor.begin("searching", static_cast<double>(std::max<long>(1, with_parameters)));
-  for (const int m : list) {
-    if (!std::isfinite(problem.space[m].log_prior)) continue;
+                        static_cast<double>(nested ? 1 : std::max<long>(1, with_parameters))));
+  const auto options = [&](int m) {
     ExplorationOptions how{
         .seed = run.options.seed,
         .climbs = run.options.searches,
-        .budget = problem.space.size() > kFewModels ? kLeastBudget : budget,
+        .budget = problem.space.size() > kFewModels && !nested ? kLeastBudget : budget,
         .anneal = anneal,
         .particles = static_cast<int>(
             std::clamp(brief * 12000.0 / static_cast<double>(with_parameters + 1), 400.0, 1200.0)),
         .threads = run.options.threads,
         .progress = [&](double share) { return run.monitor.advance(share); }};
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
+    if (nested) how.starts = nested_starts(problem.space, m, state.explorations);
     // What a first glance found is not to be found again by chance.
     for (const Mode& mode : state.explorations[static_cast<std::size_t>(m)].modes)
       how.starts.push_back(mode.z);
+    return how;
+  };
+  double best = -kInfinity;
+  const auto log_mass = [&](int m) {
+    return problem.space[m].log_prior +
+           state.explorations[static_cast<std::size_t>(m)].log_evidence();
+  };
+  const double parts = static_cast<double>(std::max<long>(1, with_parameters));
+  const double later = planned_tuning(run) + planned_draws(run) + planned_evidence(run);
+  run.monitor.begin("searching", parts, later + (anneal ? kBriefAnnealing * parts : 0.0));
+  for (const int m : list) {
+    if (!std::isfinite(problem.space[m].log_prior)) continue;
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)] =
-        explore_model(problem, m, how);
-    state.shared_evaluations += found.likelihood_evaluations;
-    run.monitor.evaluated(found.likelihood_evaluations);
+        survey_model(problem, m, options(m));
+    count(run, state, found, {});
+    best = std::max(best, log_mass(m));
+    if (run.monitor.stopped()) return;
+  }
+  if (!anneal) return;
+  run.monitor.begin("annealing", parts, later);
+  for (const int m : list) {
+    ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
+    if (!std::isfinite(problem.space[m].log_prior) || problem.space[m].dimension == 0) continue;
+    const bool hopeless = problem.shortened && log_mass(m) < best - kHopeless;
+    if (hopeless && found.settled()) {
+      if (!run.monitor.advance(1.0)) return;
+      continue;
+    }
+    const ExplorationCalls before = found.calls;
+    anneal_model(problem, m, options(m), hopeless ? Annealing::brief : Annealing::as_needed, found);
+    count(run, state, found, before);
+    best = std::max(best, log_mass(m));
     if (run.monitor.stopped()) return;
   }
 }
 
-// Climbs alone in each of very many models, the smaller first, and a look at those that this makes
+// One of many models: climbs alone.
+void glance(RunContext& run, RunState& state, int m) {
+  const Problem& problem = run.problem;
+  ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
+  found = explore_model(problem, m,
+                        {.seed = run.options.seed,
+                         .starts = nested_starts(problem.space, m, state.explorations),
+                         .climbs = run.options.searches > 0 ? run.options.searches : kClimbsInMany,
+                         .anneal = false,
+                         .climbs_only = true,
+                         .threads = run.options.threads});
+  count(run, state, found, {});
+}
+
+// Models that had a glance and hold more than `least`, the most probable first.
+std::vector<int> probable(const RunContext& run, const RunState& state, double least) {
+  const auto probability = [&](int m) { return state.probability[static_cast<std::size_t>(m)]; };
+  std::vector<int> list = every_model(run);
+  std::ranges::stable_sort(list, std::ranges::greater{}, probability);
+  std::erase_if(list, [&](int m) {
+    return probability(m) < least || !state.explorations[static_cast<std::size_t>(m)].glanced;
+  });
+  return list;
+}
+
+// A glance at each of very many models, the smaller first, and a look at those that this makes
 // probable.
 void explore_many(RunContext& run, RunState& state) {
   const Problem& problem = run.problem;
   run.monitor.begin("searching", static_cast<double>(run.models()));
   for (const int m : by_dimension(problem.space)) {
     if (!std::isfinite(problem.space[m].log_prior)) continue;
-    ModelExploration& found = state.explorations[static_cast<std::size_t>(m)] =
-        explore_model(problem, m,
-                      {.seed = run.options.seed,
-                       .starts = nested_starts(problem.space, m, state.explorations),
-                       .climbs = run.options.searches > 0 ? run.options.searches : kClimbsInMany,
-                       .anneal = false,
-                       .climbs_only = true,
-                       .threads = run.options.threads});
-    state.shared_evaluations += found.likelihood_evaluations;
-    run.monitor.evaluated(found.likelihood_evaluations);
+    glance(run, state, m);
     if (!run.monitor.advance(1.0)) return;
   }
   estimate_probabilities(run, state);
-  const auto probability = [&](int m) { return state.probability[static_cast<std::size_t>(m)]; };
-  std::vector<int> probable = every_model(run);
-  std::ranges::stable_sort(probable, std::ranges::greater{}, probability);
-  if (probable.size() > kReachedModels) probable.resize(kReachedModels);
-  std::erase_if(probable, [&](int m) { return probability(m) < kReached; });
-  explore_each(run, state, probable, false);
+  if (!(problem.shortened && is_nested(problem.space))) {
+    std::vector<int> list = probable(run, state, kReached);
+    if (list.size() > kReachedModels) list.resize(kReachedModels);
+    return explore_each(run, state, list, false);
+  }
+  // What holds the probability is searched as a single model would be, the smaller first: their
+  // modes are starts of the larger. A look may show more than the glance did, and then others hold
+  // it.
+  std::size_t left = kSearchedModels;
+  for (int round = 0; round < kSearchRounds && left > 0; ++round) {
+    std::vector<int> list = probable(run, state, kLimits.searched_model);
+    if (list.empty()) return;
+    if (list.size() > left) list.resize(left);
+    left -= list.size();
+    std::ranges::stable_sort(list, {}, [&](int m) { return problem.space[m].dimension; });
+    explore_each(run, state, list, false, true);
+    if (run.monitor.stopped()) return;
+    estimate_probabilities(run, state);
+  }
 }
 
 // Where a long record makes exploring from the prior cost more than it finds.
 void explore_growing(RunContext& run, RunState& state) {
   const std::vector<Laplace> modes = climb_with_record(run.problem, run.options, run.monitor);
-  if (run.monitor.stopped()) return;
   bool any = false;
   for (std::size_t m = 0; m < run.models(); ++m) {
     const Laplace& mode = modes[m];
     state.shared_evaluations += mode.evidence.likelihood_evaluations;
+    state.posterior.calls.search += mode.evidence.likelihood_evaluations;
     if (!std::isfinite(mode.evidence.log_evidence)) continue;
     any = true;
     ModelExploration& found = state.explorations[m];
@@ -152,6 +227,7 @@ void explore_growing(RunContext& run, RunState& state) {
           Eigen::Map<const Eigen::VectorXd>(mode.z.data(), factor.rows()) + factor * u;
     }
   }
+  if (!any && run.monitor.stopped()) return;
   if (!any) throw LikelihoodError("no model has a mode that a search on growing records finds");
   state.posterior.notes.push_back(
       "The record is long, so the chains were started near modes that were found on its first "
@@ -212,7 +288,7 @@ void explore(RunContext& run, RunState& state) {
   } else if (list && problem.space.size() <= kFewModels &&
              !(problem.shortened && problem.space.size() >= kManyNested &&
                is_nested(problem.space))) {
-    explore_each(run, state, every_model(run), true);
+    explore_each(run, state, every_model(run), !run.options.quick);
   } else if (list && problem.space.size() <= kManyModels) {
     explore_many(run, state);
   } else {

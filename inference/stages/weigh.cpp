@@ -14,8 +14,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kEvidenceDraws = 4000;  // of each model's mixture
-constexpr double kWorthWeighing = 1e-4;
+constexpr double kWorthWeighing = 1e-4;  // of a model that had a glance
 
 Evidence by_importance(const std::vector<double>& log_ratios) {
   Evidence evidence = kNoEvidence;
@@ -95,32 +94,34 @@ void weigh(RunContext& run, RunState& state) {
     ModelFindings& found = state.posterior.found[at];
     found.annealed = explored.annealed;
     found.climbs = explored.climbs;
+    found.glanced = explored.glanced;
     describe_modes(run, state, m, found);
     if (run.space()[m].dimension == 0) {
       found.sampled = explored.sampled;
       found.bridged = explored.sampled;
       continue;
     }
+    found.sampled = explored.sampled;
     // Of many models most had a glance only, and are as improbable as that says.
-    const bool glanced = std::isnan(explored.sampled.log_evidence);
     const bool matters =
         (explored.population.cols() > 0 || run.space().size() <= kFewModels) &&
-        !(glanced && explored.modes.size() > 0 && state.probability[at] < kWorthWeighing);
+        !(explored.glanced && !explored.modes.empty() && state.probability[at] < kWorthWeighing);
     if (!matters || !state.pilot.fit->density[at] || run.monitor.stopped()) continue;
     std::vector<double>& at_mixture = state.at_mixture[at];
     if (at_mixture.empty()) {
       long calls = 0;
-      at_mixture =
-          log_importance_ratios(run.problem, m, *state.pilot.fit->density[at], kEvidenceDraws,
-                                run.options.seed, run.options.threads, calls);
+      at_mixture = log_importance_ratios(run.problem, m, *state.pilot.fit->density[at],
+                                         run.options.quick ? kLookDraws : kEvidenceDraws,
+                                         run.options.seed, run.options.threads, calls);
       state.shared_evaluations += calls;
+      state.posterior.calls.evidence += calls;
       run.monitor.evaluated(calls);
     }
-    found.sampled = by_importance(at_mixture);
     // The exploration's own sample may be the better one.
-    if (std::isfinite(explored.sampled.standard_error) &&
-        !(found.sampled.standard_error < explored.sampled.standard_error))
-      found.sampled = explored.sampled;
+    const Evidence sampled = by_importance(at_mixture);
+    if (!std::isfinite(explored.sampled.standard_error) ||
+        sampled.standard_error < explored.sampled.standard_error)
+      found.sampled = sampled;
     found.bridged = by_bridge(state, m, at_mixture);
   }
 }

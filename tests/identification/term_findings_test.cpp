@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
-#include <cstdlib>
 
 #include "identification/sid_discovery.hpp"
 #include "identification/sid_findings.hpp"
+#include "inference/evidence/importance_sampling.hpp"
+#include "inference/mode_search.hpp"
 #include "inference/standard_normal.hpp"
 #include "sid_cases.hpp"
 
@@ -15,7 +17,8 @@ namespace {
 
 using dynamics::Coefficient;
 
-// A Duffing oscillator, 120 samples, asked about three terms of which the cubic one is there.
+// A Duffing oscillator, 120 samples, asked about three terms of which the cubic one is there and
+// the friction is too weak to be certain of.
 SidCase duffing_asked_about(double inclusion, double noise = 0.05) {
   SidCase c = small_sid_case();
   c.models[0].noise = {noise};
@@ -25,7 +28,7 @@ SidCase duffing_asked_about(double inclusion, double noise = 0.05) {
   c.discovery.emplace();
   c.discovery->inclusion = inclusion;
   const dynamics::Link& link = c.models.front().chain.links.front();
-  for (const std::string name : {"cubic", "quadratic", "quintic"}) {
+  for (const std::string name : {"cubic", "quadratic", "quadratic_damping"}) {
     const Coefficient p = c.parameter(name, inference::Normal{0.0, 1.0});
     SidTerm term{.link = 0, .law = dynamics::make_law(name, std::vector<Coefficient>{p})};
     term.name = term_name(term.law, link, false);
@@ -34,39 +37,52 @@ SidCase duffing_asked_about(double inclusion, double noise = 0.05) {
   }
   add_subsets(c);
   for (SidModel& model : c.models) model.parameters = c.parameters_of(model);
-  c.truth->model = 1;
-  c.truth->theta = {50.0, 1000.0, 0.0, 0.0};
+  c.truth->model = 5;  // cubic and quadratic_damping
+  c.truth->theta = {50.0, 1000.0, 0.0, 0.12};
   c.truth->samples = 120;
-  SidCase out = simulated(c);
-  set_term_priors(out);
-  return out;
+  c = simulated(std::move(c));
+  set_term_priors(c);
+  return c;
 }
 
 SidFindings found(const SidCase& c, bool prior_only = false) {
   inference::Options engine;
-  engine.chains = 2;
-  engine.warmup = 2000;
-  engine.draws = 2000;
+  engine.warmup = 4000;
+  engine.draws = 4000;
   engine.prior_only = prior_only;
   const SidRun run = run_sid(c, {.engine = engine});
   return sid_findings(run, predict(*run.problem, run.posterior));
 }
 
-// Each takes more than a minute: scripts/test --long.
-class TermFindings : public testing::Test {
- protected:
-  void SetUp() override {
-    if (std::getenv("WHEELTAP_LONG_TESTS") == nullptr) GTEST_SKIP() << "a long test";
+// ln Z of every subset by itself: importance sampling from normals about the modes that many climbs
+// find, and from the prior. (Annealing each from its prior says the same for a hundred times the
+// calls, most of them of trajectories that run away.)
+std::vector<inference::Evidence> evidence_of_all(const inference::Problem& problem) {
+  std::vector<inference::Evidence> out;
+  for (int m = 0; m < problem.space.size(); ++m) {
+    const auto d = static_cast<Eigen::Index>(problem.space[m].dimension);
+    const auto found = inference::search_modes(problem, m, {.seed = 11, .climbs = 100});
+    std::vector<inference::NormalMixture::Component> components = {
+        {0.1, Eigen::VectorXd::Zero(d), Eigen::MatrixXd::Identity(d, d)}};
+    for (const inference::Mode& mode : found.modes) {
+      components.push_back({std::exp(mode.log_mass - found.modes.front().log_mass),
+                            Eigen::Map<const Eigen::VectorXd>(mode.z.data(), d),
+                            Eigen::LLT<Eigen::MatrixXd>(2.0 * mode.covariance).matrixL()});
+    }
+    const auto sampled = inference::importance_sampling(
+        problem, m, inference::NormalMixture(components), {.seed = 11, .draws = 10000});
+    EXPECT_LT(sampled.pareto_k, 0.7) << problem.space[m].name;
+    EXPECT_LT(sampled.evidence.standard_error, 0.05) << problem.space[m].name;
+    out.push_back(sampled.evidence);
   }
-};
+  return out;
+}
 
-// Against the evidence of every subset by bridge sampling, each by itself.
-TEST_F(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
+TEST(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
   const SidCase c = duffing_asked_about(0.4);
   const SidFindings f = found(c);
   const auto problem = make_sid_problem(c);
-  const auto evidence =
-      compute_evidence(problem->problem, {EvidenceMethod::bridge}, 5, 0).front().evidences;
+  const std::vector<inference::Evidence> evidence = evidence_of_all(problem->problem);
   double all = -HUGE_VAL;
   std::vector<double> log_mass;
   for (std::size_t m = 0; m < evidence.size(); ++m) {
@@ -90,22 +106,22 @@ TEST_F(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
     least_decided = std::min(least_decided, std::abs(want - 0.5));
   }
   EXPECT_LT(least_decided, 0.49);  // or this would show little
-  EXPECT_TRUE(f.discovery.terms[1].is_out() || f.discovery.terms[1].inclusion < 0.4);
+  EXPECT_TRUE(f.discovery.terms[0].is_in());
   ASSERT_EQ(f.discovery.terms[0].parameters.size(), 1U);
   const Marginal& cubic = f.discovery.terms[0].parameters[0].estimate;
-  EXPECT_GT(cubic.sd, 0.0);
+  EXPECT_NEAR(cubic.mean, 1000.0, 4.0 * cubic.sd);
 }
 
-TEST_F(TermFindings, WithoutTheLikelihoodInclusionIsThePrior) {
+TEST(TermFindings, WithoutTheLikelihoodInclusionIsThePrior) {
   const SidFindings f = found(duffing_asked_about(0.3), true);
   for (const TermFinding& term : f.discovery.terms) {
     EXPECT_NEAR(term.inclusion, 0.3, 4.5 * term.mcse) << term.label;
-    EXPECT_LT(term.mcse, 0.05);
+    EXPECT_LT(term.mcse, 0.03);
   }
 }
 
 // The law over all models holds the true one, and the map of forces scatters about it.
-TEST_F(TermFindings, TheAveragedLawHoldsTheTrueOne) {
+TEST(TermFindings, TheAveragedLawHoldsTheTrueOne) {
   const SidFindings f = found(duffing_asked_about(0.5, 0.002));
   ASSERT_EQ(f.discovery.laws.size(), 1U);
   const LinkLaw& law = f.discovery.laws.front();
