@@ -164,6 +164,17 @@ Eigen::VectorXd driven(const SidProblem& problem, const SidChannel& channel,
   return out;
 }
 
+// ∫f dt, and ∫∫f dt² with `twice`, of what is straight between samples.
+Eigen::VectorXd integral(const Eigen::VectorXd& f, double rate_hz, bool twice) {
+  const double dt = 1.0 / rate_hz;
+  Eigen::VectorXd once = Eigen::VectorXd::Zero(f.size()), both = once;
+  for (Eigen::Index i = 0; i + 1 < f.size(); ++i) {
+    once(i + 1) = once(i) + 0.5 * dt * (f(i) + f(i + 1));
+    both(i + 1) = both(i) + dt * once(i) + dt * dt * (2.0 * f(i) + f(i + 1)) / 6.0;
+  }
+  return twice ? both : once;
+}
+
 // The map of forces over states that a link's mass went through (LinkLaw::map).
 std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dynamics::Chain& chain,
                                             const dynamics::Link& link,
@@ -195,23 +206,32 @@ std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dyn
   const double hz = sid_case.sample_rate_hz;
   const Eigen::Index step = difference_step(extension, rate, hz);
   const bool relative = !moving || sensor->frame == dynamics::Frame::relative;
-  Eigen::VectorXd acceleration = measured;
+  if (sensor->quantity != dynamics::Quantity::acceleration && !relative) return {};
+  // Differences of a response average its acceleration over their steps: the same of the integrals
+  // of what drives it average that alike.
+  const auto as_accelerations = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    return sensor->quantity == dynamics::Quantity::displacement ? second_derivative(x, hz, step)
+           : sensor->quantity == dynamics::Quantity::velocity   ? derivative(x, hz, step)
+                                                                : x;
+  };
+  const auto averaged = [&](const SidChannel& channel) -> Eigen::VectorXd {
+    const Eigen::VectorXd f = driven(problem, channel, theta, n);
+    if (sensor->quantity == dynamics::Quantity::acceleration) return f;
+    return as_accelerations(integral(f, hz, sensor->quantity == dynamics::Quantity::displacement));
+  };
   if (sensor->quantity == dynamics::Quantity::displacement) {
-    if (!relative) return {};
     extension = sign * measured;
     rate = sign * derivative(measured, hz, step);
-    acceleration = second_derivative(measured, hz, step);
   } else if (sensor->quantity == dynamics::Quantity::velocity) {
-    if (!relative) return {};
     rate = sign * measured;
-    acceleration = derivative(measured, hz, step);
   }
-  if (moving && relative) acceleration += driven(problem, *base, theta, n);
+  Eigen::VectorXd acceleration = as_accelerations(measured);
+  if (moving && relative) acceleration += averaged(*base);
   const double m = chain.masses[static_cast<std::size_t>(mass - 1)].at(theta);
   Eigen::VectorXd force = -m * acceleration;
   for (const SidChannel& channel : sid_case.channels) {
     if (channel.role == Role::force && channel.mass == mass) {
-      force += driven(problem, channel, theta, n);
+      force += averaged(channel);
     }
   }
   constexpr Eigen::Index kMostPoints = 500;

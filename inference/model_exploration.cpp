@@ -471,6 +471,7 @@ ModelExploration survey_model(const Problem& problem, int model,
                                    .climbs = options.climbs,
                                    .budget = options.budget,
                                    .starts = std::move(starts),
+                                   .brief = options.brief,
                                    .threads = options.threads,
                                    .progress = [&](double done) { return report(0.8 * done); }});
   out.modes = std::move(found.modes);

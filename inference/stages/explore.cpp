@@ -29,6 +29,7 @@ constexpr long kClimbsInMany = 2;    // in each of those
 constexpr int kManyNested = 8;
 constexpr std::size_t kSearchedModels = 60;  // of those: no more than these are searched in full
 constexpr int kSearchRounds = 4;
+constexpr std::size_t kNestedStarts = 3;  // models within another whose modes it is searched from
 constexpr std::size_t kReachedModels =
     12;                            // of many: those explored by themselves when they are reached
 constexpr double kReached = 0.01;  // share of the visits
@@ -96,7 +97,7 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
         .threads = run.options.threads,
         .progress = [&](double share) { return run.monitor.advance(share); }};
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
-    if (nested) how.starts = nested_starts(problem.space, m, state.explorations);
+    if (nested) how.starts = nested_starts(problem.space, m, state.explorations, kNestedStarts);
     // What a first glance found is not to be found again by chance.
     for (const Mode& mode : state.explorations[static_cast<std::size_t>(m)].modes)
       how.starts.push_back(mode.z);
@@ -136,16 +137,19 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
   }
 }
 
-// One of many models: climbs alone.
-void glance(RunContext& run, RunState& state, int m) {
+// One of many models: climbs alone. Of a nested list the least, which all others start from, has
+// what a search gives a mode as the record grows; the others would spend on that most of what
+// they cost.
+void glance(RunContext& run, RunState& state, int m, bool nested) {
   const Problem& problem = run.problem;
   ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
   found = explore_model(problem, m,
                         {.seed = run.options.seed,
-                         .starts = nested_starts(problem.space, m, state.explorations),
+                         .starts = nested_starts(problem.space, m, state.explorations, 1),
                          .climbs = run.options.searches > 0 ? run.options.searches : kClimbsInMany,
                          .anneal = false,
                          .climbs_only = true,
+                         .brief = nested && m != by_dimension(problem.space).front(),
                          .threads = run.options.threads});
   count(run, state, found, {});
 }
@@ -165,14 +169,15 @@ std::vector<int> probable(const RunContext& run, const RunState& state, double l
 // probable.
 void explore_many(RunContext& run, RunState& state) {
   const Problem& problem = run.problem;
+  const bool nested = problem.shortened && is_nested(problem.space);
   run.monitor.begin("searching", static_cast<double>(run.models()));
   for (const int m : by_dimension(problem.space)) {
     if (!std::isfinite(problem.space[m].log_prior)) continue;
-    glance(run, state, m);
+    glance(run, state, m, nested);
     if (!run.monitor.advance(1.0)) return;
   }
   estimate_probabilities(run, state);
-  if (!(problem.shortened && is_nested(problem.space))) {
+  if (!nested) {
     std::vector<int> list = probable(run, state, kReached);
     if (list.size() > kReachedModels) list.resize(kReachedModels);
     return explore_each(run, state, list, false);

@@ -6,7 +6,6 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr std::size_t kMostNested = 3;
 constexpr double kLittle = -1.5;  // z
 
 bool is_within(const Model& inner, const Model& outer) {
@@ -32,7 +31,8 @@ std::vector<int> by_dimension(const ModelSpace& space) {
 }
 
 std::vector<std::vector<double>> nested_starts(const ModelSpace& space, int model,
-                                               const std::vector<ModelExploration>& explorations) {
+                                               const std::vector<ModelExploration>& explorations,
+                                               std::size_t most) {
   const std::vector<int>& own = space[model].parameters;
   std::vector<int> nested;
   for (int m = 0; m < space.size(); ++m) {
@@ -46,7 +46,7 @@ std::vector<std::vector<double>> nested_starts(const ModelSpace& space, int mode
     return explorations[static_cast<std::size_t>(a)].log_evidence() >
            explorations[static_cast<std::size_t>(b)].log_evidence();
   });
-  if (nested.size() > kMostNested) nested.resize(kMostNested);
+  if (nested.size() > most) nested.resize(most);
   std::vector<std::vector<double>> starts;
   for (const int m : nested) {
     const std::vector<int>& theirs = space[m].parameters;

@@ -46,13 +46,14 @@ TEST(NestedStarts, TakeTheBestModesOfTheLargestModelsWithin) {
   found[2] = with_mode({0.2, 1.2}, -5.0);
   found[3] = with_mode({0.3, 1.3}, -1.0);
   found[4] = with_mode({0.4, 1.4}, 9.0);  // not nested in the first
-  const auto starts = nested_starts(space, 0, found);
+  const auto starts = nested_starts(space, 0, found, 3);
   ASSERT_EQ(starts.size(), 6U);
+  EXPECT_EQ(nested_starts(space, 0, found, 1).size(), 2U);
   EXPECT_EQ(starts[0], (std::vector<double>{0.3, 1.3, 0.0}));
   EXPECT_EQ(starts[1], (std::vector<double>{0.3, 1.3, -1.5}));
   EXPECT_EQ(starts[2], (std::vector<double>{0.2, 0.0, 1.2}));
   EXPECT_EQ(starts[4], (std::vector<double>{0.1, 0.0, 0.0}));
-  EXPECT_TRUE(nested_starts(space, 1, found).empty());
+  EXPECT_TRUE(nested_starts(space, 1, found, 3).empty());
 }
 
 // y = A sin(k t) + Σ terms: two climbs from the prior of k rarely end at its narrow peak, and
