@@ -97,8 +97,7 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
     text += "; so of the models that hold " +
             significant(100.0 * inference::kLimits.searched_model, 1) + " % or more, while " +
             (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
-            " had a glance: few climbs from the prior, and some from the modes of models within "
-            "them";
+            " had a glance: climbs from the modes of models within them";
   }
   return text;
 }

@@ -118,7 +118,6 @@ class Search {
     merge(climb(static_cast<long>(modes.size()), [&](long i, Surface&, Vector& z) {
       z = Eigen::Map<const Vector>(modes[static_cast<std::size_t>(i)].z.data(), z.size());
     }));
-    if (options_.brief) return;
     std::vector<Matrix> factors;
     for (const Mode& m : modes) factors.push_back(Eigen::LLT<Matrix>(m.covariance).matrixL());
     merge(climb(static_cast<long>(modes.size()) * kDrawsAMode, [&](long i, Surface&, Vector& z) {
@@ -278,7 +277,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     next.follow(found.modes, level);
     if (n == problem.samples) {
       next.run(options.starts);
-      if (!options.brief) next.run_likeliest();
+      next.run_likeliest();
     }
     found = next.result();
     evaluations += found.likelihood_evaluations;

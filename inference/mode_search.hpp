@@ -25,9 +25,6 @@ struct ModeSearchOptions {
   long budget = 100000;  ///< likelihood calls; what has been begun is finished
   /// Also climbed from, e.g. draws of another method; not counted.
   std::vector<std::vector<double>> starts{};
-  /// Of a record: none but these climbs, neither from draws about modes as it grows nor from the
-  /// likeliest of many draws of the prior.
-  bool brief = false;
   int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
   /// Called from one thread with the share done so far; returning false ends the search.
   std::function<bool(double share)> progress = nullptr;

@@ -414,6 +414,23 @@ bool climb_from(const Problem& problem, int model, const ExplorationOptions& opt
   return more;
 }
 
+// Climbs from the prior, and from what is known.
+void search_from_prior(const Problem& problem, int model, const ExplorationOptions& options,
+                       Reporter& report, ModelExploration& out) {
+  std::vector<std::vector<double>> starts = options.starts;
+  std::ranges::move(some_of(options.draws), std::back_inserter(starts));
+  ModeSearch found = search_modes(problem, model,
+                                  {.seed = options.seed,
+                                   .climbs = options.climbs,
+                                   .budget = options.budget,
+                                   .starts = std::move(starts),
+                                   .threads = options.threads,
+                                   .progress = [&](double done) { return report(0.8 * done); }});
+  out.modes = std::move(found.modes);
+  out.climbs = found.climbs;
+  out.calls.search += found.likelihood_evaluations;
+}
+
 // Draws by sequential Monte Carlo from the prior; none where it fails.
 Matrix anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
               Reporter& report, ModelExploration& found) {
@@ -464,20 +481,9 @@ ModelExploration survey_model(const Problem& problem, int model,
     return out;
   }
   Reporter report(options);
-  std::vector<std::vector<double>> starts = options.starts;
-  std::ranges::move(some_of(options.draws), std::back_inserter(starts));
-  ModeSearch found = search_modes(problem, model,
-                                  {.seed = options.seed,
-                                   .climbs = options.climbs,
-                                   .budget = options.budget,
-                                   .starts = std::move(starts),
-                                   .brief = options.brief,
-                                   .threads = options.threads,
-                                   .progress = [&](double done) { return report(0.8 * done); }});
-  out.modes = std::move(found.modes);
-  out.climbs = found.climbs;
+  if (options.from_starts) climb_from(problem, model, options, options.starts, out);
+  if (out.modes.empty()) search_from_prior(problem, model, options, report, out);
   out.glanced = options.climbs_only;
-  out.calls.search = found.likelihood_evaluations;
   if (options.climbs_only || report.stopped()) {
     take_laplace(model, options, out);
     return out;

@@ -21,10 +21,10 @@ struct ExplorationOptions {
   /// Climbs alone, for one of very many models: its evidence is Laplace's, taken to be good to a
   /// nat, and its population draws of the normals about its modes.
   bool climbs_only = false;
-  bool brief = false;    ///< ModeSearchOptions::brief
-  int particles = 1200;  ///< of that where it is needed in full, over four replicates
-  int rounds = 5;        ///< of importance sampling, at most
-  int threads = 0;       ///< 0: as many as the machine has. Never changes a result.
+  bool from_starts = false;  ///< none from the prior, unless those lead nowhere
+  int particles = 1200;      ///< of that where it is needed in full, over four replicates
+  int rounds = 5;            ///< of importance sampling, at most
+  int threads = 0;           ///< 0: as many as the machine has. Never changes a result.
   /// Draws that another method has made, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};
   /// Called with the share done since the last call; returning false ends the exploration.

@@ -137,21 +137,50 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
   }
 }
 
-// One of many models: climbs alone. Of a nested list the least, which all others start from, has
-// what a search gives a mode as the record grows; the others would spend on that most of what
-// they cost.
+// One of many models: climbs alone; of a nested list from the best mode of the models within it,
+// and from what an earlier glance found.
 void glance(RunContext& run, RunState& state, int m, bool nested) {
   const Problem& problem = run.problem;
   ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
-  found = explore_model(problem, m,
-                        {.seed = run.options.seed,
-                         .starts = nested_starts(problem.space, m, state.explorations, 1),
-                         .climbs = run.options.searches > 0 ? run.options.searches : kClimbsInMany,
-                         .anneal = false,
-                         .climbs_only = true,
-                         .brief = nested && m != by_dimension(problem.space).front(),
-                         .threads = run.options.threads});
+  ExplorationOptions how{
+      .seed = run.options.seed,
+      .starts = nested_starts(problem.space, m, state.explorations, nested ? 1 : kNestedStarts),
+      .climbs = run.options.searches > 0 ? run.options.searches : kClimbsInMany,
+      .budget = kLeastBudget,
+      .anneal = false,
+      .climbs_only = true,
+      .threads = run.options.threads};
+  // The least of a nested list is where the others begin.
+  if (nested && how.starts.empty() && run.options.searches == 0) how.climbs = 0;
+  how.from_starts = nested && !how.starts.empty() && run.options.searches == 0;
+  for (const Mode& mode : found.modes) how.starts.push_back(mode.z);
+  found = explore_model(problem, m, how);
   count(run, state, found, {});
+}
+
+// A better mode of a model may be one of those around it as well, which had a glance before it was
+// known.
+void glance_again(RunContext& run, RunState& state, const std::vector<double>& before) {
+  constexpr double kBetter = 3.0;  // ln
+  const ModelSpace& space = run.space();
+  std::vector<int> better;
+  for (int m = 0; m < space.size(); ++m) {
+    const auto at = static_cast<std::size_t>(m);
+    if (state.explorations[at].log_evidence() > before[at] + kBetter) better.push_back(m);
+  }
+  for (const int m : by_dimension(space)) {
+    if (!state.explorations[static_cast<std::size_t>(m)].glanced ||
+        std::ranges::none_of(better, [&](int b) { return is_within(space[b], space[m]); }))
+      continue;
+    glance(run, state, m, true);
+    if (run.monitor.stopped()) return;
+  }
+}
+
+std::vector<double> log_evidences(const RunState& state) {
+  std::vector<double> out;
+  for (const ModelExploration& found : state.explorations) out.push_back(found.log_evidence());
+  return out;
 }
 
 // Models that had a glance and hold more than `least`, the most probable first.
@@ -192,8 +221,10 @@ void explore_many(RunContext& run, RunState& state) {
     if (list.size() > left) list.resize(left);
     left -= list.size();
     std::ranges::stable_sort(list, {}, [&](int m) { return problem.space[m].dimension; });
+    const std::vector<double> before = log_evidences(state);
     explore_each(run, state, list, false, true);
     if (run.monitor.stopped()) return;
+    glance_again(run, state, before);
     estimate_probabilities(run, state);
   }
 }

@@ -8,13 +8,13 @@ namespace {
 
 constexpr double kLittle = -1.5;  // z
 
+}  // namespace
+
 bool is_within(const Model& inner, const Model& outer) {
   return std::ranges::all_of(inner.parameters, [&](int p) {
     return std::ranges::find(outer.parameters, p) != outer.parameters.end();
   });
 }
-
-}  // namespace
 
 bool is_nested(const ModelSpace& space) {
   if (!space.kinds().empty()) return false;

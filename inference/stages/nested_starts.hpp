@@ -11,6 +11,9 @@ namespace wheeltap::inference {
 /// The models of a list in order of dimension, so that each comes after those nested in it.
 [[nodiscard]] std::vector<int> by_dimension(const ModelSpace& space);
 
+/// Whether `outer` has every parameter of `inner`.
+[[nodiscard]] bool is_within(const Model& inner, const Model& outer);
+
 /// Whether one model of the list is nested in every other, as the empty subset is in all subsets of
 /// some terms.
 [[nodiscard]] bool is_nested(const ModelSpace& space);

@@ -25,7 +25,9 @@ ModelSpace subsets() {
 
 ModelExploration with_mode(std::vector<double> z, double log_mass) {
   ModelExploration out;
-  out.modes.push_back({.z = std::move(z), .log_mass = log_mass});
+  Mode& mode = out.modes.emplace_back();
+  mode.z = std::move(z);
+  mode.log_mass = log_mass;
   return out;
 }
 
