@@ -406,7 +406,10 @@ bool climb_from(const Problem& problem, int model, const ExplorationOptions& opt
                 std::vector<std::vector<double>> starts, ModelExploration& found) {
   ModeSearch known{.modes = found.modes, .climbs = found.climbs, .likelihood_evaluations = 0};
   extend_search(problem, model,
-                {.seed = options.seed, .starts = std::move(starts), .threads = options.threads},
+                {.seed = options.seed,
+                 .starts = std::move(starts),
+                 .fine = options.from_starts,
+                 .threads = options.threads},
                 known);
   found.calls.search += known.likelihood_evaluations;
   const bool more = known.modes.size() > found.modes.size();
@@ -424,6 +427,7 @@ void search_from_prior(const Problem& problem, int model, const ExplorationOptio
                                    .climbs = options.climbs,
                                    .budget = options.budget,
                                    .starts = std::move(starts),
+                                   .fine = !options.starts.empty(),
                                    .threads = options.threads,
                                    .progress = [&](double done) { return report(0.8 * done); }});
   out.modes = std::move(found.modes);

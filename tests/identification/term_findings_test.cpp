@@ -120,6 +120,23 @@ TEST(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
   EXPECT_NEAR(cubic.mean, 1000.0, 4.0 * cubic.sd);
 }
 
+// Fault: climbs whose first differences were a prior's wide did not leave the mode of the model
+// without the term, though the one with it had its mode elsewhere.
+TEST(TermFindings, ATermIsFoundFromTheModeOfTheModelWithoutIt) {
+  const auto sid = make_sid_problem(duffing_asked_about(0.4, 0.04));
+  const inference::Problem& problem = sid->problem;
+  constexpr int kCubic = 1, kBoth = 4;
+  ASSERT_EQ(problem.space[kBoth].name, "linear + cubic + quadratic");
+  std::vector<double> start =
+      inference::search_modes(problem, kCubic, {.seed = 3, .climbs = 30}).modes.front().z;
+  start.push_back(0.0);
+  inference::ModeSearch found;
+  inference::extend_search(problem, kBoth, {.seed = 3, .starts = {start}, .fine = true}, found);
+  const auto all = inference::search_modes(problem, kBoth, {.seed = 3, .climbs = 30});
+  ASSERT_FALSE(found.modes.empty());
+  EXPECT_GT(found.modes.front().log_mass, all.modes.front().log_mass - 0.5);
+}
+
 TEST(TermFindings, WithoutTheLikelihoodInclusionIsThePrior) {
   const SidFindings f = found(duffing_asked_about(0.3), true);
   for (const TermFinding& term : f.discovery.terms) {
