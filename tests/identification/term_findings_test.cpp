@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <cstdio>
 
 #include "identification/sid_discovery.hpp"
 #include "identification/sid_findings.hpp"
