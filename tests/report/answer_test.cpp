@@ -273,7 +273,7 @@ TEST(Answer, OfADiscoverySaysWhichTermsALinkHas) {
                          term("bouc_wen", 0.4)};
   run.discovery.terms[1].parameters = {
       {.unknown = {.name = "cubic", .label = "cubic"}, .estimate = row(990.0, 1000.0, 1012.0)}};
-  const Answer a = answer(run);
+  const Answer a = apps::answer(run);
   EXPECT_EQ(a.headline,
             "The link 0-1 has cubic (> 99.9 %) and quadratic (98 %) as terms; undecided: bouc wen "
             "(40 %); nothing speaks for coulomb (3 %).");
@@ -281,15 +281,16 @@ TEST(Answer, OfADiscoverySaysWhichTermsALinkHas) {
   run.discovery.terms = {term("cubic", 0.01), term("cubic", 0.95, 1, 2)};
   run.sampling.verdict.converged = false;
   EXPECT_EQ(
-      answer(run).headline,
+      apps::answer(run).headline,
       "So far: The link 0-1 needs none of the terms; nothing speaks for cubic (1 %). The link "
       "1-2 has cubic (95 %) as a term.");
-  EXPECT_FALSE(answer(run).caution.empty());
+  EXPECT_FALSE(apps::answer(run).caution.empty());
   run.sampling.verdict.converged = true;
   run.fit_verdict.why = {misfit::Unexplained{"force", -0.28}};
-  EXPECT_EQ(answer(run).headline.find("No subset of these terms explains the record (R² -0.28"),
-            0U);
-  EXPECT_TRUE(answer(run).misfit);
+  EXPECT_EQ(
+      apps::answer(run).headline.find("No subset of these terms explains the record (R² -0.28"),
+      0U);
+  EXPECT_TRUE(apps::answer(run).misfit);
 }
 
 }  // namespace
