@@ -9,7 +9,7 @@
 namespace wheeltap::apps {
 
 /// The motion of every picture: a centimetre at 5 Hz, as in the examples.
-inline constexpr dynamics::Cycle kPictured{.amplitude = 0.01, .period = 0.2};
+inline constexpr dynamics::Cycle kPictured{.amplitude = 0.01, .period = 0.2, .points = 121};
 
 /// Tension against extension, and beside it against the rate where it depends on that and on no
 /// memory: an SVG document. Coefficients are the law's examples; a one-sided law has both sides.

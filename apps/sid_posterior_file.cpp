@@ -101,7 +101,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
     for (const auto& model : space.models()) names += (names.empty() ? "" : ";") + model.name;
     const int model = file.put(group, "model", {chain, draw}, model_of_draw);
     file.text(group, model, "names", names);
-    const std::vector<std::string> units = parameter_units(sid_case);
+    const auto units = parameter_units(sid_case);
     for (std::size_t p = 0; p < space.parameters().size(); ++p) {
       std::vector<int> slot;  // of this parameter in each model
       for (const auto& m : space.models()) {
@@ -120,7 +120,8 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
       }
       const int id =
           file.put(group, sid_variable(space.parameters()[p].name), {chain, draw}, values);
-      if (!units[p].empty()) file.text(group, id, "units", units[p]);
+      const std::string& unit = units.at(space.parameters()[p].name);
+      if (!unit.empty()) file.text(group, id, "units", unit);
     }
   }
   write_sample_stats(file, posterior, model_of_draw);

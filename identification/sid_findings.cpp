@@ -168,10 +168,10 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   SidFindings out;
   static_cast<Findings&>(out) =
       run_findings(posterior, inference::judge(posterior), run.engine.seed);
-  const std::vector<std::string> units = parameter_units(problem.sid_case);
+  const auto units = parameter_units(problem.sid_case);
   for (ModelFinding& model : out.models) {
     for (ParameterFinding& p : model.parameters) {
-      p.unknown.unit = units[static_cast<std::size_t>(p.unknown.parameter)];
+      p.unknown.unit = units.at(p.unknown.name);
     }
   }
   out.refined = run.refined;

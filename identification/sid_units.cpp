@@ -1,6 +1,7 @@
 #include "identification/sid_units.hpp"
 
 #include <cctype>
+#include <vector>
 
 #include "dynamics/laws.hpp"
 
@@ -44,10 +45,8 @@ class Uses {
   void add(const dynamics::Coefficient& c, const std::string& unit) {
     if (!c.is_constant()) of_[static_cast<std::size_t>(c.parameter)].add(unit);
   }
-  [[nodiscard]] std::vector<std::string> units() const {
-    std::vector<std::string> out;
-    for (const Agreement& use : of_) out.push_back(use.disagree ? std::string() : use.unit);
-    return out;
+  [[nodiscard]] std::string unit(std::size_t parameter) const {
+    return of_[parameter].disagree ? std::string() : of_[parameter].unit;
   }
 
  private:
@@ -85,7 +84,7 @@ std::optional<UnitSystem> unit_system(const SidCase& sid_case) {
   return out;
 }
 
-std::vector<std::string> parameter_units(const SidCase& sid_case) {
+std::map<std::string, std::string> parameter_units(const SidCase& sid_case) {
   Uses uses(sid_case.parameters.size());
   const auto system = unit_system(sid_case);
   const auto unit = [&](const std::string& si) { return system ? system->in_place_of(si) : ""; };
@@ -120,7 +119,11 @@ std::vector<std::string> parameter_units(const SidCase& sid_case) {
     uses.add(channel.signal.scale,
              channel.unit.empty() ? "" : used + "/" + as_factor(channel.unit));
   }
-  return uses.units();
+  std::map<std::string, std::string> out;
+  for (std::size_t p = 0; p < sid_case.parameters.size(); ++p) {
+    out[sid_case.parameters[p].name] = uses.unit(p);
+  }
+  return out;
 }
 
 }  // namespace wheeltap::identification

@@ -2,9 +2,9 @@
 // units of the channels: SI, unless a channel is used in a unit that is not.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "identification/sid_case.hpp"
 
@@ -24,8 +24,8 @@ struct UnitSystem {
 /// its length.
 [[nodiscard]] std::optional<UnitSystem> unit_system(const SidCase& sid_case);
 
-/// One a parameter of the case: "N/m", "kg", "1" for a plain number; empty where it is used in
-/// places of different units, or the channels' units say nothing of it.
-[[nodiscard]] std::vector<std::string> parameter_units(const SidCase& sid_case);
+/// Of each parameter of the case, by its name: "N/m", "kg", "1" for a plain number; empty where it
+/// is used in places of different units, or the channels' units say nothing of it.
+[[nodiscard]] std::map<std::string, std::string> parameter_units(const SidCase& sid_case);
 
 }  // namespace wheeltap::identification

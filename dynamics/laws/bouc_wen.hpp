@@ -18,7 +18,7 @@ struct BoucWen {
   static constexpr LawInfo kInfo{
       .name = "bouc_wen",
       .formula = "T = kh y z, z' = (ė/y) (1 - |z|^n (beta sgn(ė z) + gamma)), z = 0 at the start",
-      .description = "smooth hysteresis, elastic with stiffness k before it yields at about e = y",
+      .description = "smooth hysteresis, elastic with stiffness kh before it yields at about e = y",
       .notes =
           "z is the law's own state: the tension depends on how the link got where it is. With "
           "beta + "
