@@ -304,7 +304,8 @@ class Parser {
       }
       if (channel.role == Role::response && base && channel.frame == dynamics::Frame::absolute &&
           channel.quantity != dynamics::Quantity::acceleration &&
-          out_.find(Role::base_displacement) == nullptr && !truth_displaces_base(json_)) {
+          out_.find(Role::base_displacement) == nullptr && !truth_displaces_base(json_) &&
+          !json_["record"].contains("file")) {
         file_.refuse(where, "an absolute " + json_.at(where / "quantity").get<std::string>() +
                                 " of a base-driven chain needs a channel with the role "
                                 "\"base-displacement\"; or say \"frame\": \"relative\"");

@@ -121,7 +121,8 @@ struct SidCase {
   /// Why the initial state is inferred though the case does not ask: how far the responses move at
   /// the window's start (moves_at_start).
   std::optional<double> starts_moving = {};
-  std::string origin = {};  ///< in words
+  bool base_integrated = false;  ///< the base's displacement was (base_integration.hpp)
+  std::string origin = {};       ///< in words
   double band = 0.97;
   bool balance = false;  ///< sample models evenly and reweight
   dynamics::SimulatorOptions integration = {};

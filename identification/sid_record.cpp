@@ -233,6 +233,7 @@ std::vector<Remark> record_remarks(const SidCase& sid_case) {
         signals::welch(samples, sid_case.sample_rate_hz), sid_case.sample_rate_hz);
     if (lost > linear.loss) linear = {channel.name(), lost};
   }
+  if (sid_case.base_integrated) out.emplace_back(remark::BaseIntegrated{});
   if (sid_case.starts_moving) {
     out.emplace_back(remark::InitialStateInferred{*sid_case.starts_moving});
   }

@@ -95,6 +95,8 @@ TEST(SidCase, FrictionIsExactUnlessAVelocityIsGiven) {
     c["parameters"]["F"] = {{"uniform", {0, 1}}};
     c["parameters"]["v"] = {{"uniform", {0, 1}}};
     c["models"][0]["links"][0]["coulomb"] = {{"force", "F"}, {"velocity", "v"}};  // uses both
+    c["truth"]["parameters"]["F"] = 0.5;
+    c["truth"]["parameters"]["v"] = 0.1;
     return parse_sid(where, c).sid.models[1].chain.links[0].laws.back();
   };
   for (const json& coulomb : {json(3), json("F"), json({{"force", 3}}), json({{"force", "F"}}),
