@@ -211,8 +211,8 @@ using Remark =
                  remark::NoModelFits, remark::LargestCount, remark::SeverityAtBound,
                  remark::EmulatorBlind, remark::EmulatorMoved, remark::ResponsesOutOfReach,
                  remark::NoiseAboveResponse, remark::PeculiarWindow, remark::LinearExcitation,
-                 remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise, remark::InitialStateInferred,
-                 remark::StepsTooLong, remark::MeansDoNotGoTogether, remark::NoiseMisstated,
-                 remark::ColouredResiduals, remark::ParameterAtBound>;
+                 remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
+                 remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
+                 remark::NoiseMisstated, remark::ColouredResiduals, remark::ParameterAtBound>;
 
 }  // namespace wheeltap::identification
