@@ -44,6 +44,11 @@ struct SidChannel {
   /// The scale becomes the header's unit where it is 1 and was not asked for, and the unit is
   /// known.
   void take_unit(const std::string& header_unit);
+  /// The header's unit where the samples are used in it though it is not known, or is of something
+  /// else; empty where they are in SI units.
+  [[nodiscard]] std::string foreign_unit() const;
+  /// What its values are in once scaled: "m", or a foreign unit.
+  [[nodiscard]] std::string used_unit() const;
   /// The column is called by its number.
   [[nodiscard]] bool is_numbered() const {
     return column.find_first_not_of("0123456789") == std::string::npos;

@@ -221,10 +221,7 @@ std::vector<Remark> record_remarks(const SidCase& sid_case) {
           {channel.name(), channel.window->difference_db, channel.window->expected_db});
     }
     if (!channel.is_excitation() && channel.role != Role::response) continue;
-    const auto known = signals::find_unit(channel.unit);
-    const bool converted = known && known->dimension == channel.dimension();
-    const bool plain = channel.unit.empty() || channel.unit == "1";
-    if (!plain && !converted && !channel.scale_given) {
+    if (!channel.foreign_unit().empty()) {
       unknown.channels.push_back({channel.name(), channel.unit,
                                   std::string(name(channel.dimension())),
                                   known_units(channel.dimension())});

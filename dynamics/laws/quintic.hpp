@@ -13,7 +13,11 @@ struct Quintic {
       .name = "quintic",
       .formula = "T = k5 e^5",
       .description = "a spring that hardens (k5 > 0) or softens beyond the reach of a cubic one",
-      .coefficients = {{{"stiffness", "N/m^5"}}}};
+      .coefficients = {{{.name = "stiffness",
+                         .unit = "N/m^5",
+                         .symbol = "k5",
+                         .words = "the coefficient of e^5",
+                         .example = 1e11}}}};
 
   template <class V>
   static V tension(const V* c, V e, V /*rate*/) {

@@ -29,9 +29,11 @@ std::vector<Link> links_with_laws() {
       {.laws = {make_law<laws::Bilinear>({k3}), make_law<laws::Bilinear>({k}, Side::closing)}},
       {.laws = {make_law<laws::Contact>({k3, gap}, Side::closing)}},
       {.stiffness = k,
-       .laws = {make_law<laws::Coulomb>({2.0}), make_law<laws::QuadraticDamping>({2.0})}}};
+       .laws = {make_law<laws::Coulomb>({2.0, 1e-3}), make_law<laws::QuadraticDamping>({2.0})}}};
 }
 
+// Friction regularised over a creep speed counts nothing at rest; exact friction holds, and is left
+// out as documented.
 TEST(LinkTension, IsTheIntegratorsForALinkAtRest) {
   for (const Link& link : links_with_laws()) {
     for (const double e : {-0.7, -0.1, 0.0, 0.1, 0.9}) {
