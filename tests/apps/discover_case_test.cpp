@@ -109,7 +109,7 @@ TEST(DiscoverCase, FaultsAreRefusedWhereTheyStand) {
   EXPECT_THAT(refusal(discovery({{{"cubic", {{"gap", 1}}}}})),
               HasSubstr("/discover/terms/0/cubic/gap"));
   EXPECT_THAT(refusal(discovery({{{"contact", {{"gap", -1}}}}})),
-              AllOf(HasSubstr("/discover/terms/0/contact/gap"), HasSubstr("not negative")));
+              AllOf(HasSubstr("/discover/terms/0/contact/gap"), HasSubstr("at least 0")));
   EXPECT_THAT(refusal(discovery({{{"contact", {{"side", "both"}}}}})),
               HasSubstr("/discover/terms/0/contact/side"));
   json c = discovery({"cubic"});
