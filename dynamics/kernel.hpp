@@ -20,6 +20,7 @@ struct LinkTerm {
   int slot = 0;       ///< stiffness, damping
   int pace_slot = 0;  ///< rate of its laws a unit of its speed [1/m], see chain.hpp
   int law_begin = 0, law_end = 0;
+  bool turning = false;  ///< a law with memory is among these: it has a corner where ė = 0
 };
 
 struct DriveTerm {
@@ -53,11 +54,12 @@ struct Task {
   int stride = 1;
   std::int64_t lead_in = 0;  ///< samples of the response that are not scored
   int substeps = 1;
-  bool paced = false;  ///< laws whose rate grows with the speed of their link are among them
-  double pace = 0.0;   ///< largest product of their rates and a step
-  int most_steps = 1;  ///< that a lane may take in a sample
-  int degree = 0;      ///< of the Taylor series, 2 … kMaxDegree
-  int halvings = 0;    ///< of the step, in the exponential of the exact solution
+  bool turning = false;  ///< LinkTerm::turning, of any
+  bool paced = false;    ///< laws whose rate grows with the speed of their link are among them
+  double pace = 0.0;     ///< largest product of their rates and a step
+  int most_steps = 1;    ///< that a lane may take in a sample
+  int degree = 0;        ///< of the Taylor series, 2 … kMaxDegree
+  int halvings = 0;      ///< of the step, in the exponential of the exact solution
   double bound = 0.0;
   int initial_slot = 0;  ///< displacements, then velocities; masses are slots 0, 1, …
 

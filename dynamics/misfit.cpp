@@ -110,28 +110,41 @@ bool Misfit::sums_of_squares_within(std::span<const double> theta, std::span<con
 }
 
 bool Misfit::residuals(std::span<const double> theta, std::span<double> out) const {
-  require_parameters(theta, 1, impl_->parameters);
+  char done = 0;
+  residuals(theta, 1, out, {&done, 1});
+  return done != 0;
+}
+
+void Misfit::residuals(std::span<const double> thetas, int sets, std::span<double> out,
+                       std::span<char> done) const {
+  require_parameters(thetas, sets, impl_->parameters);
   const auto samples = static_cast<std::size_t>(this->samples());
-  const std::size_t channels = impl_->observed.size();
-  if (out.size() != samples * channels)
-    fail("room for " + std::to_string(out.size()) + " residuals, must be " +
-         std::to_string(samples * channels));
-  bool done = false;
+  const auto count = static_cast<std::size_t>(sets);
+  const std::size_t channels = impl_->observed.size(), each = samples * channels;
+  if (out.size() != each * count || done.size() != count)
+    fail("room for " + std::to_string(out.size()) + " residuals of " + std::to_string(done.size()) +
+         " vectors, must be " + std::to_string(each * count) + " of " + std::to_string(count));
+  const std::size_t dimension = count == 0 ? 0 : thetas.size() / count;
   const auto receive = [&](const Lane& lane, const kernel::Task& task) {
-    if (lane.outcome != Outcome::complete) return;
+    done[lane.set] = lane.outcome == Outcome::complete ? 1 : 0;
+    if (done[lane.set] == 0) return;
+    const auto theta = thetas.subspan(lane.set * dimension, dimension);
     const auto lead_in = static_cast<std::size_t>(impl_->lead_in);
     for (std::size_t c = 0; c < channels; ++c) {
       const Signal& signal = impl_->observed[c];
       const double scale = signal.scale.at(theta), offset = signal.offset.at(theta);
       for (std::size_t n = 0; n < samples; ++n)
-        out[c * samples + n] =
+        out[lane.set * each + c * samples + n] =
             scale * signal.samples[n + lead_in] + offset -
             task.trajectory[((n + lead_in) * channels + c) * lane.lanes + lane.lane];
     }
-    done = true;
   };
-  impl_->simulator.impl_->run(theta, 1, impl_->terms, impl_->slots, 0, false, receive);
-  return done;
+  impl_->simulator.impl_->run(thetas, sets, impl_->terms, impl_->slots, 0, false, receive);
+}
+
+bool Misfit::depends_on(int parameter) const {
+  return std::ranges::any_of(impl_->slots,
+                             [&](const Coefficient& c) { return c.parameter == parameter; });
 }
 
 }  // namespace wheeltap::dynamics

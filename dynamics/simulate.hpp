@@ -200,6 +200,12 @@ class Misfit {
   /// The residuals themselves, out[c · samples() + n]. Returns false, and leaves `out` undefined,
   /// if the trajectory fails.
   [[nodiscard]] bool residuals(std::span<const double> theta, std::span<double> out) const;
+  /// Those of `sets` vectors, one after the other in `thetas` and in `out`; done[set] is 0 where
+  /// the trajectory fails, and its part of `out` undefined. They advance as in sums_of_squares.
+  void residuals(std::span<const double> thetas, int sets, std::span<double> out,
+                 std::span<char> done) const;
+  /// Whether a residual depends on entry `parameter` of the parameter vector.
+  [[nodiscard]] bool depends_on(int parameter) const;
 
  private:
   struct Impl;

@@ -188,7 +188,10 @@ void Simulator::Impl::compile() {
       kernel::LawTerm law_term{.kind = law.kind, .slot = static_cast<int>(slots.size())};
       slots.insert(slots.end(), law.coefficients.begin(), law.coefficients.begin() + info.size());
       add({law.side == Side::opening ? 1.0 : -1.0});
-      if (info.memory) law_term.memory = memories++;
+      if (info.memory) {
+        law_term.memory = memories++;
+        term.turning = task.turning = true;
+      }
       if (is_dry(law)) {
         const std::pair<int, int> pair = std::minmax(link.a, link.b);
         law_term.dry = static_cast<int>(std::find(dry.begin(), dry.end(), pair) - dry.begin());

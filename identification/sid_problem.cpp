@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 
+#include "base/eigen.hpp"
 #include "identification/invalid_input.hpp"
 #include "signals/residuals.hpp"
 
@@ -57,8 +58,7 @@ class RecordLikelihood final : public inference::Likelihood {
     residuals_.resize(channels * samples);
     if (!misfit.residuals(theta_, residuals_)) return kImpossible;
     for (std::size_t c = 0; c < channels; ++c) {
-      pacf_.clear();
-      for (const auto& pi : model.autocorrelations[c]) pacf_.push_back(pi.at(theta_));
+      correlations_at(model, c);
       sum += signals::ar_log_likelihood({residuals_.data() + c * samples, samples}, pacf_,
                                         model.noise[c].at(theta_));
     }
@@ -92,7 +92,125 @@ class RecordLikelihood final : public inference::Likelihood {
     }
   }
 
+  bool gauss_newton(int m, std::span<const double> x, std::span<const double> steps,
+                    std::span<double> gradient, std::span<double> information) override {
+    const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
+    const Misfit& misfit = problem_.misfits[static_cast<std::size_t>(m)];
+    const std::size_t d = x.size();
+    const auto each =
+        static_cast<std::size_t>(misfit.channels()) * static_cast<std::size_t>(misfit.samples());
+    // x, and as many vectors displaced in one parameter of the response.
+    std::vector<std::size_t> moving;
+    for (std::size_t i = 0; i < d; ++i)
+      if (misfit.depends_on(model.parameters[i])) moving.push_back(i);
+    scatter(problem_.sid_case, m, x, theta_);
+    thetas_ = theta_;
+    for (const std::size_t i : moving) {
+      thetas_.insert(thetas_.end(), theta_.begin(), theta_.end());
+      const auto p = static_cast<std::size_t>(model.parameters[i]);
+      thetas_[thetas_.size() - theta_.size() + p] += steps[i];
+    }
+    const std::size_t sets = moving.size() + 1;
+    residuals_.resize(sets * each);
+    done_.resize(sets);
+    misfit.residuals(thetas_, static_cast<int>(sets), residuals_, done_);
+    if (done_[0] == 0) return false;
+    std::ranges::fill(gradient, 0.0);
+    std::ranges::fill(information, 0.0);
+    add_noise(model, misfit, x, steps, gradient, information);
+    // J by differences, a row a parameter; then all of it whitened.
+    for (std::size_t k = 1; k < sets; ++k)
+      for (std::size_t n = 0; n < each; ++n)
+        residuals_[k * each + n] = done_[k] != 0 ? residuals_[k * each + n] - residuals_[n] : 0.0;
+    whiten(model, misfit, sets);
+    const Eigen::Map<const Eigen::MatrixXd> all(residuals_.data(), static_cast<Eigen::Index>(each),
+                                                static_cast<Eigen::Index>(sets));
+    const Eigen::MatrixXd products = all.transpose() * all;
+    for (std::size_t a = 0; a < moving.size(); ++a) {
+      const auto row = static_cast<Eigen::Index>(a) + 1;
+      gradient[moving[a]] -= products(row, 0);
+      for (std::size_t b = 0; b < moving.size(); ++b)
+        information[moving[a] * d + moving[b]] += products(row, static_cast<Eigen::Index>(b) + 1);
+    }
+    return true;
+  }
+
  private:
+  /// Those of the first `sets` vectors: innovations in units of their standard deviation.
+  void whiten(const SidModel& model, const Misfit& misfit, std::size_t sets) {
+    const auto channels = static_cast<std::size_t>(misfit.channels());
+    const auto samples = static_cast<std::size_t>(misfit.samples());
+    for (std::size_t c = 0; c < channels; ++c) {
+      correlations_at(model, c);
+      const double sigma = model.noise[c].at(theta_);
+      for (std::size_t set = 0; set < sets; ++set) {
+        const std::span<double> r(residuals_.data() + (set * channels + c) * samples, samples);
+        if (!pacf_.empty()) signals::ar_innovations(r, pacf_, r);
+        for (double& e : r) e /= sigma;
+      }
+    }
+  }
+
+  void correlations_at(const SidModel& model, std::size_t channel) {
+    pacf_.clear();
+    for (const auto& pi : model.autocorrelations_of(channel)) pacf_.push_back(pi.at(theta_));
+  }
+
+  /// What the parameters of noise and scales do to ln p, the residuals (the first of residuals_)
+  /// left as they are. A sd has the curvature of the chord to its best value given the residuals,
+  /// ln √(S/N) away; a correlation that of second differences.
+  void add_noise(const SidModel& model, const Misfit& misfit, std::span<const double> x,
+                 std::span<const double> steps, std::span<double> gradient,
+                 std::span<double> information) {
+    constexpr double kLongest = 3.0;  // of ln sd
+    const auto channels = static_cast<std::size_t>(misfit.channels());
+    const auto samples = static_cast<std::size_t>(misfit.samples());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const int p = model.parameters[i];
+      double &slope = gradient[i], &bend = information[i * x.size() + i];
+      double squares = 0.0, count = 0.0;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const std::span<const double> r(residuals_.data() + c * samples, samples);
+        if (model.noise[c].parameter == p) {
+          correlations_at(model, c);
+          innovations_.resize(samples);
+          signals::ar_innovations(r, pacf_, innovations_);
+          for (const double e : innovations_) squares += e * e / (x[i] * x[i]);
+          count += static_cast<double>(samples);
+        }
+        const auto of_p = [p](const auto& pi) { return pi.parameter == p; };
+        if (std::ranges::any_of(model.autocorrelations_of(c), of_p)) {
+          const double sigma = model.noise[c].at(theta_);
+          const auto value = [&](double pi) {
+            theta_[static_cast<std::size_t>(p)] = pi;
+            correlations_at(model, c);
+            return signals::ar_log_likelihood(r, pacf_, sigma);
+          };
+          const double up = value(x[i] + steps[i]), down = value(x[i] - steps[i]),
+                       here = value(x[i]);
+          if (std::isfinite(up) && std::isfinite(down)) {
+            slope += 0.5 * (up - down);
+            bend += std::max(2.0 * here - up - down, 0.0);
+          } else {  // beside a cliff
+            slope += std::isfinite(down) ? here - down : std::isfinite(up) ? up - here : 0.0;
+            bend += 1.0;
+          }
+        }
+      }
+      if (count > 0.0) {
+        const double unit = steps[i] / x[i], rise = squares - count;
+        const double best = std::clamp(0.5 * std::log(squares / count), -kLongest, kLongest);
+        slope += rise * unit;
+        bend += (std::abs(best) > 1e-3 ? rise / best : 2.0 * count) * unit * unit;
+      }
+      for (const SidChannel* channel : problem_.sid_case.responses()) {
+        if (channel->signal.scale.parameter != p) continue;
+        slope += misfit.samples() * steps[i] / x[i];
+        bend += misfit.samples() * std::pow(steps[i] / x[i], 2);
+      }
+    }
+  }
+
   double log_scales(const Misfit& misfit) const {
     double sum = 0.0;
     for (const SidChannel& channel : problem_.sid_case.channels) {
@@ -104,7 +222,8 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
   const SidProblem& problem_;
-  std::vector<double> theta_, thetas_, weights_, sums_, residuals_, pacf_;
+  std::vector<double> theta_, thetas_, weights_, sums_, residuals_, pacf_, innovations_;
+  std::vector<char> done_;
 };
 
 /// The largest extension of each link as far as displacements were measured, with which the steps

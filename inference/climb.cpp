@@ -14,6 +14,10 @@ constexpr double kBound = 8.3;        // |z|
 constexpr double kDifference = 0.05;  // of a width, for derivatives
 constexpr double kArrived = 0.01;     // ln: what a further step would gain
 constexpr int kMostSteps = 100;
+constexpr int kMostDampedSteps = 40;
+constexpr double kLeastDamping = 1e-6;
+constexpr double kStrongerDamping = 10.0;  // times, from trial to trial
+constexpr double kCreeping = 1.0;  // ln: the gain of a step that is not worth another method
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
@@ -27,7 +31,7 @@ class Climber {
     if (end.value == -kInfinity) return end;
     end.possible = true;
     if (!known.empty() && arrives(end, known)) return end;
-    ascend(end);
+    if (!ascend_by_residuals(end)) ascend(end);
     return end;
   }
 
@@ -94,6 +98,76 @@ class Climber {
       end.value = values[k];
     }
     return most > 0.0;
+  }
+
+  // By Levenberg & Marquardt's method, with steps
+  //
+  //   (I + λ diag I) s = g,
+  //
+  // the least damping λ whose gain is what the quadratic says, within limits as in ascend(): a step
+  // that leaves the region where it holds may leave the basin. False where that is not offered or
+  // does not arrive; then `end` is how far it came.
+  bool ascend_by_residuals(ClimbEnd& end) {
+    Vector g(d_), width = Vector::Ones(d_);
+    Matrix information(d_, d_);
+    double damping = 0.0;
+    for (int iteration = 0; iteration < kMostDampedSteps; ++iteration) {
+      for (int finer = 0; finer < 8; ++finer) {
+        if (!f_.gauss_newton(end.z, kDifference * width, g, information)) return false;
+        const Vector before = width;
+        adapt(width, information.diagonal());
+        // From near a mode differences over a draw of the prior point nowhere.
+        if (iteration > 0 || !fine_ || (width.array() > 0.5 * before.array()).all()) break;
+      }
+      const Eigen::LLT<Matrix> llt(information);
+      const double promise = 0.5 * g.dot(llt.solve(g));
+      const double gain = damped_step(end, g, information, damping);
+      const bool still = gain == 0.0 || (gain < kArrived && damping <= kLeastDamping);
+      const bool last = iteration + 1 == kMostDampedSteps;
+      if (still && !(promise < 2.0 * kArrived)) return false;
+      if (still || (last && gain < kCreeping)) {
+        end.inverse_hessian = llt.solve(Matrix::Identity(d_, d_));
+        return true;
+      }
+      damping = damping <= kLeastDamping ? 0.0 : damping / kStrongerDamping;
+    }
+    return false;
+  }
+
+  // Moves `end` by the first of steps with more and more damping, from `damping` on, that gains
+  // what it should, and says how much; 0 where none does. The likeliest one is tried by itself, the
+  // others together.
+  double damped_step(ClimbEnd& end, const Vector& g, const Matrix& information, double& damping) {
+    const double reach = 2.0 * std::sqrt(static_cast<double>(d_));
+    const Vector diagonal = information.diagonal();
+    double next = damping;
+    for (int trials = 0; trials < 3; ++trials) {
+      const Eigen::Index n = trials == 0 ? 1 : 8;
+      Matrix to(d_, n);
+      Vector linear(n), expected(n), dampings(n);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        Matrix damped = information;
+        damped.diagonal() += next * diagonal;
+        Vector step = damped.llt().solve(g);
+        if (const double length = step.norm(); length > reach) step *= reach / length;
+        to.col(k) = (end.z + step).cwiseMax(-kBound).cwiseMin(kBound);
+        step = to.col(k) - end.z;
+        linear[k] = g.dot(step);
+        expected[k] = linear[k] - 0.5 * step.dot(information * step);
+        dampings[k] = next;
+        next = next > 0.0 ? kStrongerDamping * next : kLeastDamping;
+      }
+      const Vector values = n == 1 ? Vector::Constant(1, f_(to.col(0))) : f_.values(to);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const double gain = values[k] - end.value;
+        if (!(gain > 0.1 * expected[k] && gain > 0.0 && gain <= 10.0 * linear[k])) continue;
+        end.z = to.col(k);
+        end.value = values[k];
+        damping = dampings[k];
+        return gain;
+      }
+    }
+    return 0.0;
   }
 
   struct Slopes {
@@ -240,6 +314,12 @@ bool Surface::gradient(const Vector& z, Vector& g) {
   offers_gradient_ = posterior_.gradient({z.data(), static_cast<std::size_t>(z.size())},
                                          {g.data(), static_cast<std::size_t>(g.size())});
   return offers_gradient_;
+}
+
+bool Surface::gauss_newton(const Vector& z, const Vector& dz, Vector& g, Matrix& information) {
+  const auto n = static_cast<std::size_t>(z.size());
+  return posterior_.gauss_newton({z.data(), n}, {dz.data(), n}, {g.data(), n},
+                                 {information.data(), n * n});
 }
 
 void Surface::draw_prior(base::Random& random, Vector& z) {

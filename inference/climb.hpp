@@ -20,6 +20,10 @@ class Surface {
   Eigen::VectorXd values(const Eigen::MatrixXd& zs);
   /// ∇ ln π(z); false where the likelihood has none.
   bool gradient(const Eigen::VectorXd& z, Eigen::VectorXd& g);
+  /// ∇ ln π(z) and a positive definite stand-in for -∇² ln π(z), by differences over dz; false
+  /// where the likelihood has none (Likelihood::gauss_newton), or none there.
+  bool gauss_newton(const Eigen::VectorXd& z, const Eigen::VectorXd& dz, Eigen::VectorXd& g,
+                    Eigen::MatrixXd& information);
   void draw_prior(base::Random& random, Eigen::VectorXd& z);
   /// Components in order.
   [[nodiscard]] std::vector<double> ordered(const Eigen::VectorXd& z);

@@ -47,6 +47,20 @@ class Likelihood {
     return false;
   }
 
+  /// Optional: the quadratic that the residuals' first derivatives make of ln p(data | model, ·)
+  /// about a possible x (Gauss & Newton; Nocedal & Wright 2006, section 10.3). With steps s,
+  ///
+  ///   gradient[i] = s_i ∂ ln p/∂x_i,   information[i d + j] = s_i s_j I_ij,
+  ///
+  /// I a positive semidefinite stand-in for -∇² ln p; derivatives may be taken by differences over
+  /// the steps, from x to x_i + s_i. False, whatever is then written, where there is none. Searches
+  /// alone use it. Counts as d + 1 evaluations.
+  virtual bool gauss_newton(int /*model*/, std::span<const double> /*x*/,
+                            std::span<const double> /*steps*/, std::span<double> /*gradient*/,
+                            std::span<double> /*information*/) {
+    return false;
+  }
+
   /// The predicted observables of the last call to log_likelihood, or empty: recorded for posterior
   /// predictive checks and convergence of the responses.
   [[nodiscard]] virtual std::span<const double> prediction() const { return {}; }
@@ -184,6 +198,13 @@ class Target {
   /// gradient or none that is finite, or the problem has a stand-in or a prior factor: then
   /// differences are the caller's. One that is offered counts as an evaluation.
   bool gradient(const State& state, std::span<double> dz);
+
+  /// ∂ ln π/∂z_i and a positive definite stand-in for -∂² ln π/∂z_i ∂z_j (row by row) by
+  /// Likelihood::gauss_newton with differences over dz, one step a coordinate. False, whatever is
+  /// then written, where z is impossible, the problem has components, a stand-in or a prior factor,
+  /// or the likelihood offers none. Fills in x and no value.
+  bool gauss_newton(State& state, std::span<const double> dz, std::span<double> gradient,
+                    std::span<double> information);
 
   /// Draws model and parameters from the prior (without the factor), not evaluated.
   void draw_prior(base::Random& random, State& state) const;

@@ -87,6 +87,27 @@ double ar_log_likelihood(std::span<const double> residuals,
   return -0.5 * (static_cast<double>(n) * std::log(2.0 * std::numbers::pi) + log_variances + sum);
 }
 
+void ar_innovations(std::span<const double> residuals,
+                    std::span<const double> partial_autocorrelations, std::span<double> out) {
+  const std::size_t n = residuals.size(), order = std::min(partial_autocorrelations.size(), n);
+  const auto at = [&](std::span<const double> phi, std::size_t t) {
+    double predicted = 0.0;
+    for (std::size_t j = 0; j < phi.size(); ++j) predicted += phi[j] * residuals[t - 1 - j];
+    return residuals[t] - predicted;
+  };
+  // From the last to the first: what lies before is still a residual.
+  const std::vector<double> phi = ar_coefficients(partial_autocorrelations);
+  double variance = 1.0;
+  for (const double partial : partial_autocorrelations) variance *= 1.0 - partial * partial;
+  for (std::size_t t = n; t-- > order;) out[t] = at(phi, t) / std::sqrt(variance);
+  for (std::size_t t = order; t-- > 0;) {
+    const auto known = partial_autocorrelations.first(t);
+    variance = 1.0;
+    for (const double partial : known) variance *= 1.0 - partial * partial;
+    out[t] = at(ar_coefficients(known), t) / std::sqrt(variance);
+  }
+}
+
 std::vector<double> autocorrelation(std::span<const double> x, int lags) {
   require_lags(lags, 1, x.size());
   const double mean = std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());

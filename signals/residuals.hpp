@@ -23,6 +23,12 @@ namespace wheeltap::signals {
                                        std::span<const double> partial_autocorrelations,
                                        double sigma);
 
+/// The innovations of which that likelihood is made, for sigma = 1: e_t / √(∏_{j<=m} (1 - π_j²)),
+/// so that ln p = c(π) - N ln σ - ½ Σ out_t² / σ². Linear in the residuals; in place where `out` is
+/// `residuals`. Throws std::invalid_argument for a partial autocorrelation outside (-1, 1).
+void ar_innovations(std::span<const double> residuals,
+                    std::span<const double> partial_autocorrelations, std::span<double> out);
+
 /// ρ_1 … ρ_lags of x about its mean, ρ_k = Σ (x_n - x̄)(x_{n+k} - x̄) / Σ (x_n - x̄)². Throws
 /// std::invalid_argument unless 1 <= lags < x.size().
 [[nodiscard]] std::vector<double> autocorrelation(std::span<const double> x, int lags);

@@ -83,6 +83,7 @@ class PacedRungeKutta {
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;
+  static constexpr double kAtTurn = 1e-3;  // of a step
 
   struct State {
     V y[M], v[M], q[kMaxMemories];
@@ -153,6 +154,8 @@ class PacedRungeKutta {
       V part = left > 2.0 * length ? length : left > 1.000001 * length ? 0.5 * left : left;
       State end;
       step(x, k1, now, next, left, part, end);
+      if (task_.turning && stop_at_turn(x, k1, left, part, end))
+        step(x, k1, now, next, left, part, end);
       V changes[kMaxFrictions];
       const bool events = friction_.size() > 0 && steps < task_.substeps + kMostEvents &&
                           stop_at_event(x, k1, now, next, left, part, end, changes);
@@ -213,6 +216,35 @@ class PacedRungeKutta {
     }
     for (int m = 0; m < task_.memories; ++m)
       end.q[m] = x.q[m] + sixth * (k1.q[m] + k4.q[m] + 2.0 * (k2.q[m] + k3.q[m]));
+  }
+
+  /// Shortens the step to where a link with hysteresis turns round or its law's own state changes
+  /// sign: the law has corners there. Returns whether any lane's is shortened.
+  [[gnu::noinline]] bool stop_at_turn(const State& x, const Rates& k1, V left, V& part,
+                                      const State& end) const {
+    const V h = part * task_.step;
+    V share = V{} + 1.0;
+    for (int l = 0; l < task_.links; ++l) {
+      const LinkTerm& link = task_.link[l];
+      if (link.turning)
+        first_zero(x.v[link.b] - x.v[link.a], h * (k1.v[link.b] - k1.v[link.a]),
+                   end.v[link.b] - end.v[link.a], share);
+    }
+    for (int m = 0; m < task_.memories; ++m) first_zero(x.q[m], h * k1.q[m], end.q[m], share);
+    const V shorter = left > 0.0 ? (share < 1.0 - kAtTurn ? V{} + 1.0 : V{}) : V{};
+    if (!any(shorter)) return false;
+    part = shorter > 0.0 ? part * share : part;
+    return true;
+  }
+
+  /// Lowers `share` to the zero of the parabola through `from` with `slope` and, a step later,
+  /// `to`. A step that begins at one is not shortened to nothing by what was left of it.
+  WHEELTAP_INLINE static void first_zero(V from, V slope, V to, V& share) {
+    V root = slope * slope - 4.0 * (to - from - slope) * from;
+    for (int lane = 0; lane < WHEELTAP_LANES; ++lane)
+      root[lane] = __builtin_sqrt(root[lane] > 0.0 ? root[lane] : 0.0);
+    const V at = 2.0 * lanes::abs(from) / (root - (from > 0.0 ? slope : -slope));
+    share = from * to < 0.0 && at < share && at > kAtTurn ? at : share;
   }
 
   /// How far each link with friction is from an event, in units of a speed; negative beyond. The

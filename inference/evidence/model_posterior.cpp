@@ -102,6 +102,12 @@ bool ModelPosterior::gradient(std::span<const double> z, std::span<double> out) 
   return true;
 }
 
+bool ModelPosterior::gauss_newton(std::span<const double> z, std::span<const double> dz,
+                                  std::span<double> gradient, std::span<double> information) {
+  std::ranges::copy(z, state_.z.begin());
+  return target_.gauss_newton(state_, dz, gradient, information);
+}
+
 void ModelPosterior::draw_prior(base::Random& random, std::span<double> z) {
   target_.draw_prior(state_.model, random, state_);
   std::ranges::copy(state_.z, z.begin());

@@ -64,6 +64,10 @@ class ModelPosterior {
   /// (Target::gradient). Evaluates z.
   bool gradient(std::span<const double> z, std::span<double> out);
 
+  /// Target::gauss_newton at z.
+  bool gauss_newton(std::span<const double> z, std::span<const double> dz,
+                    std::span<double> gradient, std::span<double> information);
+
   /// From p₀.
   void draw_prior(base::Random& random, std::span<double> z);
 

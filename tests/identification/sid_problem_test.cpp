@@ -100,6 +100,58 @@ TEST(SidProblem, AutoregressionOfNoCorrelationIsWhite) {
   EXPECT_NE(log_likelihood(*coloured, 0, {50.0, 0.5, 0.0}), log_likelihood(*white, 0, {50.0}));
 }
 
+/// Slopes by Likelihood::gauss_newton beside central differences of ln p.
+void expect_slopes(const SidProblem& problem, int model, const std::vector<double>& x,
+                   double tolerance) {
+  const std::size_t d = x.size();
+  std::vector<double> steps, gradient(d), information(d * d);
+  for (const double value : x) steps.push_back(1e-5 * std::max(std::abs(value), 1e-3));
+  ASSERT_TRUE(problem.problem.likelihood()->gauss_newton(model, x, steps, gradient, information));
+  for (std::size_t i = 0; i < d; ++i) {
+    std::vector<double> up = x, down = x;
+    up[i] += steps[i];
+    down[i] -= steps[i];
+    const double slope =
+        0.5 * (log_likelihood(problem, model, up) - log_likelihood(problem, model, down));
+    EXPECT_NEAR(gradient[i], slope, tolerance * std::sqrt(information[i * d + i])) << i;
+    for (std::size_t j = 0; j < d; ++j)
+      EXPECT_EQ(information[i * d + j], information[j * d + i]) << i << ' ' << j;
+  }
+}
+
+TEST(SidProblem, GaussNewtonHasTheSlopesOfTheLikelihood) {
+  SidCase c = with_parameter(small_sid_case(), "sigma", inference::HalfNormal{0.1}, 0.05);
+  c = with_parameter(c, "gain", inference::LogUniform{0.1, 10.0}, 2.0);
+  c.channels[1].signal.scale = Coefficient::of_parameter(3);
+  for (SidModel& model : c.models) model.noise = {Coefficient::of_parameter(2)};
+  const auto white = make_sid_problem(simulated(c));
+  expect_slopes(*white, 1, {49.0, 1100.0, 0.06, 2.01}, 1e-3);
+  c = with_parameter(c, "ar[1]", inference::Uniform{-1.0, 1.0}, 0.0);
+  c = with_parameter(c, "ar[2]", inference::Uniform{-1.0, 1.0}, 0.0);
+  for (SidModel& model : c.models)
+    model.autocorrelations = {{Coefficient::of_parameter(4), Coefficient::of_parameter(5)}};
+  const auto coloured = make_sid_problem(simulated(c));
+  expect_slopes(*coloured, 1, {49.0, 1100.0, 0.06, 2.01, 0.5, -0.2}, 1e-3);
+}
+
+// Of a sd, with the residuals as they are: one Newton step leads to √(S/N).
+TEST(SidProblem, GaussNewtonLeadsToTheBestNoise) {
+  SidCase c = with_parameter(small_sid_case(), "sigma", inference::HalfNormal{0.1}, 0.05);
+  for (SidModel& model : c.models) model.noise = {Coefficient::of_parameter(2)};
+  const auto problem = make_sid_problem(simulated(c));
+  std::vector<double> residuals(200);
+  ASSERT_TRUE(problem->misfits[0].residuals(problem->theta(0, std::vector{50.0, 1.0}), residuals));
+  double squares = 0.0;
+  for (const double r : residuals) squares += r * r;
+  const double best = std::sqrt(squares / 200.0);
+  const std::vector<double> x{50.0, 3.0 * best}, steps{1e-4, 1e-5};
+  std::vector<double> gradient(2), information(4);
+  ASSERT_TRUE(problem->problem.likelihood()->gauss_newton(0, x, steps, gradient, information));
+  const double step = gradient[1] / information[3] * steps[1];
+  EXPECT_NEAR(step / x[1], std::log(best / x[1]), 1e-9);
+  EXPECT_EQ(information[1], 0.0);
+}
+
 TEST(SidProblem, AContactOutOfReachChangesNothing) {
   SidCase c = small_sid_case();
   c.models[1].chain.links[0].laws = {dynamics::make_law<dynamics::laws::Contact>(

@@ -65,6 +65,27 @@ TEST(AutoregressiveLikelihood, IsTheMultivariateNormal) {
   }
 }
 
+// ln p = c(π) - N ln σ - ½ Σ e²/σ²: two records differ by their innovations alone.
+TEST(AutoregressiveLikelihood, IsThatOfItsInnovations) {
+  std::mt19937_64 generator(6);
+  std::normal_distribution<double> normal;
+  std::vector<double> a(30), b(30);
+  for (double& value : a) value = normal(generator);
+  for (double& value : b) value = 2.0 * normal(generator);
+  const double sigma = 0.8;
+  for (const std::vector<double>& partial : {std::vector<double>{}, {0.7}, {-0.3, 0.4, 0.9}}) {
+    const auto squares = [&](const std::vector<double>& r) {
+      std::vector<double> e = r;
+      ar_innovations(e, partial, e);  // in place
+      double sum = 0.0;
+      for (const double value : e) sum += value * value;
+      return sum;
+    };
+    EXPECT_NEAR(ar_log_likelihood(a, partial, sigma) - ar_log_likelihood(b, partial, sigma),
+                0.5 * (squares(b) - squares(a)) / (sigma * sigma), 1e-9);
+  }
+}
+
 TEST(AutoregressiveLikelihood, OfOrderZeroIsWhite) {
   const std::vector<double> r{0.3, -0.2, 0.5};
   EXPECT_NEAR(ar_log_likelihood(r, {}, 0.4), gaussian_log_likelihood(0.38, 3, 0.4), 1e-14);
