@@ -91,7 +91,10 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
       }
     }
     if (by_count[0].x.empty()) continue;
-    const Bins bx{0.0, length / 100.0, 100};
+    // About a hundred along the beam, a whole number of them in each element.
+    const auto elements = std::max<std::size_t>(1, summary["beam"].value("elements", std::size_t{1}));
+    const std::size_t along = elements * std::max<std::size_t>(1, (100 + elements - 1) / elements);
+    const Bins bx{0.0, length / static_cast<double>(along), along};
     const auto [low, high] = std::ranges::minmax(by_count[0].y);
     // Shares are drawn from zero to a round number above the largest.
     const double top = share ? std::min(1.0, std::ceil(10.0 * high) / 10.0) : high;
@@ -181,6 +184,7 @@ Report digest(const std::filesystem::path& posterior_file, const Report& summary
     out["log_posterior"] = chains;
   }
   out["responses"] = digest_responses(file);
+  out["link_paths"] = digest_links(file);
   out["created_at"] = file.text("created_at");
   return out;
 }

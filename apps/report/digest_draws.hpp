@@ -85,8 +85,11 @@ class StoredDraws {
 /// Histogram, prior density and thinned history of each parameter of the models that matter, and
 /// joint histograms of pairs, as "parameters" and "pairs" of `out`.
 void digest_parameters(const StoredDraws& posterior, const Report& summary, Report& out);
-/// Each response channel of a record: data and replicated band over time, spectra, frequency
+/// Each response channel of a record: data, what is predicted without noise and with it, over time, spectra, frequency
 /// responses to what drove it, autocorrelation of the residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
+/// What each link went through in the motion of the best draw, and what the data say of its
+/// tension; thinned evenly. Empty where the run did not keep it.
+[[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

@@ -3,7 +3,7 @@
   const run = JSON.parse(document.getElementById('run').textContent);
   const { summary, draws = {}, told = [], resolution = '' } = run;
   const main = document.getElementById('content');
-  const { number, percent } = charts;
+  const { number, percent, pValue, r2 } = charts;
 
   function element(name, properties = {}, ...children) {
     const node = document.createElement(name);
@@ -141,6 +141,15 @@
       rows: Object.entries(rows).map(([name, r]) => [name, ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k]))]) };
   };
 
+  const worded = (x, words) => (typeof x === 'number' ? { value: x, text: words(x) } : null);
+  // Natural frequencies and damping ratios of a chain's linear part.
+  function modesTable(rows) {
+    if (!Array.isArray(rows) || !rows.length) return [];
+    const cells = (r) => ['q50', 'q2.5', 'q97.5'].map((key) => worded(r?.[key], () => digits(r, key)));
+    return [copyable({ head: ['mode', 'frequency [Hz]', '2.5 %', '97.5 %', 'damping ratio', '2.5 %', '97.5 %'], caption: 'Modes of the linear part of the chain: median and 95 % interval',
+      rows: rows.map((m, i) => [i + 1, ...cells(m.frequency_hz), ...cells(m.damping_ratio)]) })];
+  }
+
   // ---- sections ---------------------------------------------------------------------------
   function caseNotes() {
     const notes = [summary.notes || []].flat();
@@ -193,20 +202,21 @@
     section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored || drawn, of('where').length ? grid(of('where')) : null);
 
     const folded = summary.damage?.folded;
-    section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${number(p, 3)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
+    section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${pValue(p)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
       of('fit').length ? grid(of('fit')) : null);
 
     const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
     if (fits.length) {
       document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
         head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],
-        rows: fits.flatMap(([model, rows]) => rows.map((r) => [model, r.channel, r.rmse, r.nrmse, r.r2, r.noise_sd, r.whiteness?.p_value])), caption: 'Residuals of each response channel' }));
+        rows: fits.flatMap(([model, rows]) => rows.map((r) => [model, r.channel, r.rmse, r.nrmse, worded(r.r2, r2), r.noise_sd, worded(r.whiteness?.p_value, pValue)])), caption: 'Residuals of each response channel' }));
     }
     const perModel = Object.keys(summary.parameters).flatMap((model) => {
       const probability = summary.models.find((m) => m.name === model)?.probability;
       const out = [element('h3', { dir: 'auto' }, `${model} (${charts.probability(probability)})`)];
       if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model]), caption: 'Posterior given this model' }));
       else out.push(element('p', { class: 'lead' }, 'No parameters.'));
+      out.push(...modesTable(summary.modes?.[model]));
       if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));
       if (of('parameters', model).length) out.push(grid(of('parameters', model), 4));
       if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));

@@ -259,7 +259,7 @@ TEST(Summary, NumbersForPeople) {
   EXPECT_EQ(resolved(464992.4, 10.2), "464992");
   EXPECT_EQ(resolved(49.99871, 0.02), "49.999");
   EXPECT_EQ(resolved(1022.8, 187.0), "1023");
-  EXPECT_EQ(resolved(9.9949e-5, 4e-8), "9.9949e-05");
+  EXPECT_EQ(resolved(9.9949e-5, 4e-8), "9.9949e-5");
   EXPECT_EQ(resolved(28.3, 29.0), "28.3");
 }
 
