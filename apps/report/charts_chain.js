@@ -48,7 +48,7 @@ const chainCharts = (({ number, slug, short, frame, linear, strokes, tickFormat,
     const u = unit ? ' ' + unit.replace(/\^2/g, '²').replace(/\^3/g, '³') : '';
     if (typeof value === 'number') return number(value) + u;
     const median = found[value]?.q50;
-    return typeof median === 'number' ? `${value} = ${number(median, 3)}${u}` : String(value);
+    return typeof median === 'number' ? `${value} = ${number(median)}${u}` : String(value);
   };
   // The laws of a link as { key, side, words }, in the order of their symbols. `infos`: the laws there
   // are, with the units of their coefficients.
@@ -100,7 +100,7 @@ const chainCharts = (({ number, slug, short, frame, linear, strokes, tickFormat,
         // A row a mass, from the ground up: readable at any width. Links that pass a mass stand beside
         // the column, and all words to the right of them.
         const neighbours = links.filter((l) => l.b - l.a === 1), beside = links.filter((l) => l.b - l.a !== 1);
-        const lane = 27, half = Math.max(62, ...neighbours.map((l) => l.laws.length * lane / 2 + 8));
+        const lane = 27, half = Math.max(56, Math.min(width / 4, 3.5 * Math.max(...masses.map((m) => m.length)) + 8), ...neighbours.map((l) => l.laws.length * lane / 2 + 8));
         const right = 4 + 2 * half;
         let x = right + 10;
         for (const l of beside) { l.x = x + l.laws.length * lane / 2; x += l.laws.length * lane + 8; }
@@ -143,7 +143,9 @@ const chainCharts = (({ number, slug, short, frame, linear, strokes, tickFormat,
   function laws(run) {
     const found = Object.entries(run.summary.links || {});
     const keys = [...new Set(found.flatMap(([, links]) => links.map((l) => l.between.join(' – '))))];
-    return keys.map((key) => {
+    // A damper or friction alone pulls nothing at rest: its picture is force against velocity.
+    const pulls = (key) => found.some(([, links]) => links.some((l) => l.between.join(' – ') === key && Object.values(l.tension).flat().some((T) => T !== 0)));
+    return keys.filter(pulls).map((key) => {
       const lines = found.flatMap(([model, links]) => links.filter((l) => l.between.join(' – ') === key).map((l) => ({ model, ...l })));
       const values = lines.flatMap((l) => l.extension.map((e, i) => ({ model: l.model, e, a: l.tension['q2.5'][i], m: l.tension.q50[i], b: l.tension['q97.5'][i] })));
       const span = (pick) => [Math.min(...values.map(pick[0])), Math.max(...values.map(pick[1]))];

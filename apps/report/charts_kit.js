@@ -91,8 +91,12 @@ const kit = (() => {
     return linear('x', [rows[0][0] < 0.2 * last ? 0 : rows[0][0], last], 'width');
   };
   const frequencyAxis = (scale) => axisX('frequency [Hz]', scale.type === 'log' ? { format: '~r', tickCount: 5, labelOverlap: 'greedy' } : {});
-  const axisX = (title, more) => ({ orient: 'bottom', scale: 'x', title, tickCount: { signal: 'max(2, width / 90)' }, ...more });
-  const axisY = (title, more) => ({ orient: 'left', scale: 'y', title, grid: true, domain: false, ticks: false, tickCount: 4, ...more });
+  // The same for powers of ten: "0.1", "1", "10", or "1e-6".
+  const powerFormat = (values) => (Math.min(...values) >= 1e-3 && Math.max(...values) < 1e5 ? '~r' : '.0e');
+  // Exponents as `number` writes them, and a zero as "0".
+  const styled = (axis) => (/e$/.test(axis.format || '') ? { ...axis, encode: { labels: { update: { text: { signal: `datum.value === 0 ? '0' : replace(format(datum.value, '${axis.format}'), 'e+', 'e')` } } } } } : axis);
+  const axisX = (title, more) => styled({ orient: 'bottom', scale: 'x', title, tickCount: { signal: 'max(2, width / 90)' }, ...more });
+  const axisY = (title, more) => styled({ orient: 'left', scale: 'y', title, grid: true, domain: false, ticks: false, tickCount: 4, ...more });
 
   // A two-dimensional histogram, densities as shades; empty cells show the paper.
   function heat(width, height, theme, { x, y, xTitle, yTitle, xDomain, yDomain, xFormat, yFormat, cells, legend, root }) {
@@ -114,6 +118,6 @@ const kit = (() => {
     rows: cells.map(([i, j, d]) => [bx.from + (i + 0.5) * bx.width, by.from + (j + 0.5) * by.width, d]),
   });
 
-  return { themes, number, percent, probability, pValue, r2, slug, shares, unit, short, frame, linear, powersOfTen,
+  return { themes, number, percent, probability, pValue, r2, slug, shares, unit, short, frame, linear, powersOfTen, powerFormat,
     legend, strokes, circles, tickFormat, dots, dotMark, frequencyScale, frequencyAxis, axisX, axisY, heat, cellTable };
 })();

@@ -1,5 +1,5 @@
 // Charts of records against what models predict: over time, in frequency, what is left.
-const recordCharts = (({ slug, frame, linear, powersOfTen, strokes, tickFormat, frequencyScale, frequencyAxis, axisX, axisY }) => {
+const recordCharts = (({ slug, frame, linear, powersOfTen, powerFormat, strokes, tickFormat, frequencyScale, frequencyAxis, axisX, axisY }) => {
   // |H1| of data and model over the coherence of the data, one frequency axis.
   function transfer(r, t) {
     const positive = t.rows.flatMap((row) => [row[1], row[2]]).filter((v) => v > 0);
@@ -16,7 +16,7 @@ const recordCharts = (({ slug, frame, linear, powersOfTen, strokes, tickFormat, 
         scales: [along,
           { name: 'y', type: 'log', domain: [low, top], range: [150, 0], clamp: true }, linear('c', [0, 1], [230, 178]),
           { name: 'who', type: 'ordinal', domain: ['data', 'predicted'], range: [theme.ink, theme.other] }],
-        axes: [frequencyAxis(along), axisY(unit, { format: '.0e', values: powersOfTen(positive), titleAnchor: 'end', titleAlign: 'right' }),
+        axes: [frequencyAxis(along), axisY(unit, { format: powerFormat(powersOfTen(positive)), values: powersOfTen(positive), titleAnchor: 'end', titleAlign: 'right' }),
           axisY('coherence', { scale: 'c', values: [0, 0.5, 1], titleAnchor: 'start', titleAlign: 'left' })],
         legends: [strokes(width, ['data', 'predicted'])],
         marks: [
@@ -96,7 +96,7 @@ const recordCharts = (({ slug, frame, linear, powersOfTen, strokes, tickFormat, 
             data: [{ name: 'd', values: ['data', 'predicted', 'residual'].flatMap((who, k) => r.spectrum.filter((s) => s[k + 1] > 0).map((s) => ({ f: s[0], v: s[k + 1], who }))) }],
             scales: [frequencies, { name: 'y', type: 'log', domain: [Math.max(Math.min(...positive), Math.max(...positive) * 1e-9), Math.max(...positive) * 2], range: 'height', clamp: true },
               { name: 'who', type: 'ordinal', domain: ['data', 'predicted', 'residual'], range: [theme.ink, theme.other, theme.main] }],
-            axes: [frequencyAxis(frequencies), axisY(r.unit ? (r.unit === 'm' ? 'm²/Hz' : `(${r.unit.replace('^2', '²')})²/Hz`) : null, { format: '.0e', values: powersOfTen(positive) })],
+            axes: [frequencyAxis(frequencies), axisY(r.unit ? (r.unit === 'm' ? 'm²/Hz' : `(${r.unit.replace('^2', '²')})²/Hz`) : null, { format: powerFormat(powersOfTen(positive)), values: powersOfTen(positive) })],
             legends: [strokes(width, ['data', 'predicted', 'residual'])],
             marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'who' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.2 } } } }] }],
           }),

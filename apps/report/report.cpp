@@ -1,5 +1,6 @@
 #include "apps/report/report.hpp"
 
+#include <cctype>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -125,6 +126,13 @@ std::string prose(const std::string& text) {
     for (std::size_t at = 0; (at = out.find(unit, at)) != std::string::npos; at += 6) {
       out.replace(at, 1, "&nbsp;");
     }
+  }
+  // No line ends within "4.6e-6": word joiners about the sign.
+  for (std::size_t at = 1; (at = out.find("e-", at)) != std::string::npos; at += 2) {
+    const auto digit = [&](std::size_t i) {
+      return i < out.size() && std::isdigit(static_cast<unsigned char>(out[i])) != 0;
+    };
+    if (digit(at - 1) && digit(at + 2)) out.replace(at, 2, "e\u2060-\u2060");
   }
   return out;
 }
