@@ -214,6 +214,11 @@ class Speaker {
            "were in SI units: " +
            in_words(list) + ".";
   }
+  std::string operator()(const remark::BaseIntegrated&) const {
+    return "Responses are absolute and only the base's acceleration was measured, so its motion "
+           "was integrated, less a drift of second order in time that the responses do not have: "
+           "slower drifts of the rig itself are taken for the base's.";
+  }
   std::string operator()(const remark::MostlyNoise& r) const {
     return "Under \"" + r.model + "\" most of \"" + r.channel + "\" is noise (R² " +
            significant(r.r2, 2) +
@@ -312,6 +317,7 @@ struct Rank {
   int operator()(const remark::SeverityAtBound&) const { return 4; }
   int operator()(const remark::ParameterAtBound&) const { return 4; }
   int operator()(const remark::InitialStateInferred&) const { return 5; }
+  int operator()(const remark::BaseIntegrated&) const { return 5; }
   int operator()(const remark::UnknownUnits&) const { return 5; }
   int operator()(const remark::LinearExcitation&) const { return 5; }
   int operator()(const remark::PeculiarWindow&) const { return 5; }

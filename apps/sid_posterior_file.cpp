@@ -8,6 +8,7 @@
 #include "identification/link_paths.hpp"
 #include "identification/marginal.hpp"
 #include "identification/sid_fit.hpp"
+#include "identification/sid_units.hpp"
 
 namespace wheeltap::apps {
 
@@ -39,17 +40,6 @@ std::vector<std::string> variable_names(const SidCase& sid_case) {
   return names;
 }
 
-const char* unit(dynamics::Quantity quantity) {
-  switch (quantity) {
-    case dynamics::Quantity::displacement:
-      return "m";
-    case dynamics::Quantity::velocity:
-      return "m/s";
-    default:
-      return "m/s^2";
-  }
-}
-
 /// What drove the chain, in SI units at the samples scored: ArviZ's group for what is given.
 void write_excitation(const io::NetcdfWriter& file, const SidCase& sid_case, std::size_t samples,
                       std::span<const double> theta) {
@@ -69,7 +59,7 @@ void write_excitation(const io::NetcdfWriter& file, const SidCase& sid_case, std
     const int id = file.put(group, names.back(), {sample}, values);
     const bool force = channel.role == SidChannel::Role::force;
     const bool displacement = channel.role == SidChannel::Role::base_displacement;
-    file.text(group, id, "units", force ? "N" : displacement ? "m" : "m/s^2");
+    file.text(group, id, "units", channel.used_unit());
     file.text(group, id, "role",
               force          ? "force on mass " + std::to_string(channel.mass)
               : displacement ? "base displacement"
@@ -89,8 +79,7 @@ void write_noise_free(const io::NetcdfWriter& file, const SidProblem& problem,
   if (found.empty()) return;
   const int group = file.group("noise_free");
   const int quantile = file.dimension(group, "quantile", 3, 0);
-  const int sample =
-      file.dimension(group, "sample", found[0].q50.size(), problem.sid_case.begin);
+  const int sample = file.dimension(group, "sample", found[0].q50.size(), problem.sid_case.begin);
   const auto responses = problem.sid_case.responses();
   for (std::size_t c = 0; c < found.size(); ++c) {
     std::vector<float> values = single(found[c].q2_5);
@@ -98,7 +87,7 @@ void write_noise_free(const io::NetcdfWriter& file, const SidProblem& problem,
       values.insert(values.end(), more->begin(), more->end());
     }
     const int id = file.put(group, names[c], {quantile, sample}, values);
-    file.text(group, id, "units", unit(responses[c]->quantity));
+    file.text(group, id, "units", responses[c]->used_unit());
     file.text(group, id, "quantiles", "0.025, 0.5, 0.975");
   }
 }
@@ -115,12 +104,13 @@ void write_link_paths(const io::NetcdfWriter& file, const SidProblem& problem,
             problem.sid_case.models[static_cast<std::size_t>(model)].name);
   const int sample =
       file.dimension(group, "sample", paths[0].extension.size(), problem.sid_case.begin);
+  const auto system = unit_system(problem.sid_case);
   for (const LinkPath& path : paths) {
     const std::string ends = std::to_string(path.a) + "_" + std::to_string(path.b);
-    const auto put = [&](const char* name, const std::vector<double>& values, const char* units) {
+    const auto put = [&](const char* name, const std::vector<double>& values, const char* si) {
       if (values.empty()) return;
       const int id = file.put(group, name + ends, {sample}, single(values));
-      file.text(group, id, "units", units);
+      if (system) file.text(group, id, "units", system->in_place_of(si));
       if (path.differentiated) file.text(group, id, "differentiated", "yes");
     };
     put("extension_", path.extension, "m");
@@ -166,6 +156,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
     for (const auto& model : space.models()) names += (names.empty() ? "" : ";") + model.name;
     const int model = file.put(group, "model", {chain, draw}, model_of_draw);
     file.text(group, model, "names", names);
+    const auto units = parameter_units(sid_case);
     for (std::size_t p = 0; p < space.parameters().size(); ++p) {
       std::vector<int> slot;  // of this parameter in each model
       for (const auto& m : space.models()) {
@@ -182,7 +173,10 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
                                   : c.theta[i * width + static_cast<std::size_t>(at)]);
         }
       }
-      file.put(group, sid_variable(space.parameters()[p].name), {chain, draw}, values);
+      const int id =
+          file.put(group, sid_variable(space.parameters()[p].name), {chain, draw}, values);
+      const std::string& unit = units.at(space.parameters()[p].name);
+      if (!unit.empty()) file.text(group, id, "units", unit);
     }
   }
   write_sample_stats(file, posterior, model_of_draw);
@@ -214,7 +208,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
         }
       }
       const int id = file.put(group, names[c], {chain, draw, sample}, values);
-      file.text(group, id, "units", unit(responses[c]->quantity));
+      file.text(group, id, "units", responses[c]->used_unit());
     }
   }
   write_noise_free(file, problem, posterior, predictive, names);
@@ -236,7 +230,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
     const auto theta = posterior_mean(problem, posterior, most);
     for (std::size_t c = 0; c < responses.size(); ++c) {
       const int id = file.put(group, names[c], {sample}, observed(problem, c, theta));
-      file.text(group, id, "units", unit(responses[c]->quantity));
+      file.text(group, id, "units", responses[c]->used_unit());
     }
     write_excitation(file, sid_case, samples, theta);
     write_link_paths(file, problem, posterior, most);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "identification/base_integration.hpp"
 #include "identification/sid_record.hpp"
 #include "identification/sid_simulation.hpp"
 
@@ -71,6 +72,9 @@ void load_record(SidCaseFile& parsed) {
       throw Failure(Exit::bad_input, error.what());
     }
   });
+  if (!out.simulated && needs_integrated_base(out)) {
+    explained(parsed, [&] { integrate_base(out); });
+  }
   const bool said = r.contains("initial");
   if (!said && !out.simulated && out.lead_in == 0) out.starts_moving = moves_at_start(out);
   if (out.starts_moving || (said && r["initial"] == "inferred")) {

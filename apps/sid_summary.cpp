@@ -4,6 +4,7 @@
 
 #include "apps/report/answer.hpp"
 #include "apps/sid_posterior_file.hpp"
+#include "identification/sid_units.hpp"
 
 namespace wheeltap::apps {
 
@@ -99,7 +100,8 @@ Report unknowns_of(const SidFindings& findings) {
     for (const ParameterFinding& p : findings.models[m].parameters) {
       list.push_back({{"label", p.unknown.label},
                       {"variable", sid_variable(p.unknown.name)},
-                      {"prior", (Pointer("/parameters") / p.unknown.name).to_string()}});
+                      {"prior", (Pointer("/parameters") / p.unknown.name).to_string()},
+                      {"unit", p.unknown.unit}});
     }
     return list;
   });
@@ -126,7 +128,8 @@ Report data_of(const SidCaseFile& parsed) {
   const SidCase& sid_case = parsed.sid;
   Report responses = Report::array(), window = Report::array();
   for (const SidChannel* channel : sid_case.responses()) {
-    responses.push_back({{"channel", channel->name()}, {"mass", channel->mass}});
+    responses.push_back(
+        {{"channel", channel->name()}, {"mass", channel->mass}, {"unit", channel->used_unit()}});
   }
   for (const SidChannel& channel : sid_case.channels) {
     if (!channel.window) continue;
@@ -135,13 +138,16 @@ Report data_of(const SidCaseFile& parsed) {
                       {"spectrum_difference_db", channel.window->difference_db},
                       {"scatter_db", channel.window->expected_db}});
   }
-  Report out = {{"origin", sid_case.origin},
-                {"simulated", sid_case.simulated},
-                {"sample_rate", sid_case.sample_rate_hz},
-                {"samples", {sid_case.begin, sid_case.end}},
-                {"lead_in", sid_case.lead_in},
-                {"responses", responses},
-                {"window_against_record", window}};
+  const auto system = unit_system(sid_case);
+  Report out = {
+      {"origin", sid_case.origin},
+      {"simulated", sid_case.simulated},
+      {"sample_rate", sid_case.sample_rate_hz},
+      {"samples", {sid_case.begin, sid_case.end}},
+      {"lead_in", sid_case.lead_in},
+      {"responses", responses},
+      {"units", system ? Report({{"force", system->force}, {"length", system->length}}) : Report()},
+      {"window_against_record", window}};
   if (sid_case.truth && sid_case.simulated) {
     out["truth"] = Report::parse(parsed.file.json["truth"].dump());
   }

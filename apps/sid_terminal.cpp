@@ -31,7 +31,7 @@ void print_parameters(const Page& page, const std::vector<ParameterFinding>& par
   std::vector<std::vector<std::string>> rows = {{"parameter", "mean", "sd", "95 % interval"}};
   for (const ParameterFinding& p : parameters) {
     const Marginal& e = p.estimate;
-    rows.push_back({p.unknown.label, resolved(e.mean, e.width()), number_or_dash(e.sd, 2),
+    rows.push_back({p.unknown.with_unit(), resolved(e.mean, e.width()), number_or_dash(e.sd, 2),
                     resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width())});
   }
   if (rows.size() > 1) page.table(rows);

@@ -20,7 +20,8 @@ std::vector<LinearMode> linear_modes(const Chain& chain, std::span<const double>
   state.bottomLeftCorner(n, n) = -(inverse_mass.asDiagonal() * m.stiffness) / (rate * rate);
   state.bottomRightCorner(n, n) = -(inverse_mass.asDiagonal() * m.damping) / rate;
   const Eigen::VectorXcd eigenvalues = state.eigenvalues();
-  constexpr double kRounding = 1e-9;  // of a double zero, which a defective matrix splits by √ε
+  constexpr double kRounding =
+      1e-6;  // a double zero, defective, is split by √ε of the fastest rate
   std::vector<LinearMode> modes;
   for (const std::complex<double>& lambda : eigenvalues) {
     if (!(lambda.imag() > kRounding)) continue;

@@ -24,6 +24,12 @@ struct Unknown {
   int kind = -1;      ///< of the component it belongs to; -1: the model's own
   int component = 0;  ///< which of that kind, 0-based
   int parameter = 0;  ///< which of the component's parameters, or of the space's
+  std::string unit = {};  ///< "N/m", "1" of a plain number; empty where not known
+
+  /// "k [N/m]": its label, and the unit where it has one.
+  [[nodiscard]] std::string with_unit() const {
+    return unit.empty() || unit == "1" ? label : label + " [" + unit + "]";
+  }
 };
 
 /// The parameters of a model in the order of its parameter vector.

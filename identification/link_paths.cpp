@@ -1,5 +1,6 @@
 #include "identification/link_paths.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,10 +15,10 @@ namespace {
 using dynamics::Frame;
 using dynamics::Quantity;
 
-constexpr double kMostNoise = 0.1;     // of the range of a tension
-constexpr double kUnused = 1e-9;       // a mass with this share in a tension has none
-constexpr std::size_t kReach = 4;      // samples on each side of a derivative of order eight
-constexpr std::size_t kFewest = 16;    // samples
+constexpr double kMostNoise = 0.1;   // of the range of a tension
+constexpr double kUnused = 1e-9;     // a mass with this share in a tension has none
+constexpr std::size_t kReach = 4;    // samples on each side of a derivative of order eight
+constexpr std::size_t kFewest = 16;  // samples
 
 // Central differences of order eight (Fornberg 1988, table 1): the weights of samples 0, ±1, … ±4.
 constexpr std::array<double, kReach + 1> kFirst = {0.0, 4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280};
@@ -90,10 +91,9 @@ class Record {
       const bool relative = driven_ && channel->frame == Frame::relative;
       if (relative && base_ == nullptr) continue;
       std::vector<double> y = observed(problem_, response, theta_);
-      Noisy out = q == Quantity::acceleration
-                      ? Noisy{std::move(y)}
-                      : derivative(y, q == Quantity::velocity ? 1 : 2,
-                                   problem_.sid_case.sample_rate_hz);
+      Noisy out = q == Quantity::acceleration ? Noisy{std::move(y), 0.0, false}
+                                              : derivative(y, q == Quantity::velocity ? 1 : 2,
+                                                           problem_.sid_case.sample_rate_hz);
       if (relative) {
         const auto base = scored(problem_.sid_case, *base_, samples_, theta_);
         for (std::size_t n = 0; n < samples_; ++n) out.values[n] += base[n];
@@ -144,8 +144,8 @@ Noisy measured_tension(const Record& record, const Eigen::RowVectorXd& weights,
     out.differentiated = out.differentiated || acceleration->differentiated;
     out.values.resize(acceleration->values.size());
     for (std::size_t n = 0; n < out.values.size(); ++n) {
-      out.values[n] += inertia * acceleration->values[n] -
-                       weights[j] * forces(static_cast<Eigen::Index>(n), j);
+      out.values[n] +=
+          inertia * acceleration->values[n] - weights[j] * forces(static_cast<Eigen::Index>(n), j);
     }
   }
   out.sd = std::sqrt(variance);
@@ -166,7 +166,9 @@ std::vector<LinkPath> link_paths(const SidProblem& problem, int model,
     const bool known = std::ranges::any_of(out, [&](const LinkPath& p) {
       return std::minmax(p.a, p.b) == std::minmax(link.a, link.b);
     });
-    if (!known) out.push_back({.a = link.a, .b = link.b});
+    if (known) continue;
+    out.emplace_back();
+    out.back().a = link.a, out.back().b = link.b;
   }
   // Σ ±T = B T: +T on a, -T on b.
   Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(out.size()));
@@ -187,7 +189,8 @@ std::vector<LinkPath> link_paths(const SidProblem& problem, int model,
   const dynamics::Response motion =
       misfit.simulator().with(sensors, misfit.simulator().options()).simulate(theta);
   if (motion.failed) return {};
-  const Eigen::MatrixXd scored_motion = motion.values.bottomRows(static_cast<Eigen::Index>(samples));
+  const Eigen::MatrixXd scored_motion =
+      motion.values.bottomRows(static_cast<Eigen::Index>(samples));
   const auto moved = [&](int mass, int what, std::size_t at) {
     return mass == 0 ? 0.0 : scored_motion(static_cast<Eigen::Index>(at), 3 * (mass - 1) + what);
   };

@@ -28,11 +28,11 @@ struct LinkPath {
 ///
 ///   Σ ±T = m_j ÿ_j - F_j  of each mass j, ÿ the absolute acceleration,
 ///
-/// so that laws with a memory need no state: where links close a loop the balance does not determine
-/// them, and there are no paths; nor are there where the response fails. `measured` takes the
-/// masses and scales from `theta` and ÿ from the record: measured, or the derivative of order eight
-/// of a measured velocity or displacement (Fornberg 1988). Withheld where the noise of the record,
-/// estimated by its sixth differences, would be more than a tenth of the tension's range.
+/// so that laws with a memory need no state: where links close a loop the balance does not
+/// determine them, and there are no paths; nor are there where the response fails. `measured` takes
+/// the masses and scales from `theta` and ÿ from the record: measured, or the derivative of order
+/// eight of a measured velocity or displacement (Fornberg 1988). Withheld where the noise of the
+/// record, estimated by its sixth differences, would be more than a tenth of the tension's range.
 [[nodiscard]] std::vector<LinkPath> link_paths(const SidProblem& problem, int model,
                                                std::span<const double> theta);
 

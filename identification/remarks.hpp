@@ -147,6 +147,8 @@ struct UnknownUnits {
   };
   std::vector<Channel> channels;
 };
+/// Responses are absolute, and the base's displacement was integrated from its acceleration.
+struct BaseIntegrated {};
 /// A response that the best draw reproduces hardly at all, with residuals that are white: a record
 /// of noise.
 struct MostlyNoise {
@@ -209,8 +211,8 @@ using Remark =
                  remark::NoModelFits, remark::LargestCount, remark::SeverityAtBound,
                  remark::EmulatorBlind, remark::EmulatorMoved, remark::ResponsesOutOfReach,
                  remark::NoiseAboveResponse, remark::PeculiarWindow, remark::LinearExcitation,
-                 remark::UnknownUnits, remark::MostlyNoise, remark::InitialStateInferred,
-                 remark::StepsTooLong, remark::MeansDoNotGoTogether, remark::NoiseMisstated,
-                 remark::ColouredResiduals, remark::ParameterAtBound>;
+                 remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
+                 remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
+                 remark::NoiseMisstated, remark::ColouredResiduals, remark::ParameterAtBound>;
 
 }  // namespace wheeltap::identification

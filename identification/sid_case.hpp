@@ -44,6 +44,11 @@ struct SidChannel {
   /// The scale becomes the header's unit where it is 1 and was not asked for, and the unit is
   /// known.
   void take_unit(const std::string& header_unit);
+  /// The header's unit where the samples are used in it though it is not known, or is of something
+  /// else; empty where they are in SI units.
+  [[nodiscard]] std::string foreign_unit() const;
+  /// What its values are in once scaled: "m", or a foreign unit.
+  [[nodiscard]] std::string used_unit() const;
   /// The column is called by its number.
   [[nodiscard]] bool is_numbered() const {
     return column.find_first_not_of("0123456789") == std::string::npos;
@@ -116,7 +121,8 @@ struct SidCase {
   /// Why the initial state is inferred though the case does not ask: how far the responses move at
   /// the window's start (moves_at_start).
   std::optional<double> starts_moving = {};
-  std::string origin = {};  ///< in words
+  bool base_integrated = false;  ///< the base's displacement was (base_integration.hpp)
+  std::string origin = {};       ///< in words
   double band = 0.97;
   bool balance = false;  ///< sample models evenly and reweight
   dynamics::SimulatorOptions integration = {};

@@ -5,6 +5,7 @@
 
 #include "identification/sid_fit_verdict.hpp"
 #include "identification/sid_record.hpp"
+#include "identification/sid_units.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -167,6 +168,12 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   SidFindings out;
   static_cast<Findings&>(out) =
       run_findings(posterior, inference::judge(posterior), run.engine.seed);
+  const auto units = parameter_units(problem.sid_case);
+  for (ModelFinding& model : out.models) {
+    for (ParameterFinding& p : model.parameters) {
+      p.unknown.unit = units.at(p.unknown.name);
+    }
+  }
   out.refined = run.refined;
   for (int m = 0; m < space.size(); ++m) {
     const ModelFinding& model = out.models[static_cast<std::size_t>(m)];

@@ -62,8 +62,7 @@ void judge_residuals(const SidProblem& problem, const std::vector<ChannelFit>& f
     const bool coloured = fit.plain_whiteness && fit.plain_whiteness->test.p_value < kMisfit;
     if (!loud && !coloured) continue;
     // An autoregression takes whatever a model leaves for noise, be it most of the response.
-    const bool taken_for_noise =
-        !loud && fit.whiteness && fit.whiteness->test.p_value >= kMisfit;
+    const bool taken_for_noise = !loud && fit.whiteness && fit.whiteness->test.p_value >= kMisfit;
     const bool large = fit.nrmse > kSmallResidual && !taken_for_noise;
     if (!large && !asked) {
       free = free_cubic_residual(problem, verdict.model, theta);

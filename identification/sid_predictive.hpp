@@ -29,8 +29,8 @@ struct SidPredictive {
 [[nodiscard]] std::vector<double> observed(const SidProblem& problem, std::size_t response,
                                            std::span<const double> theta);
 
-/// Quantiles over the draws of what they predict for a response without its noise [SI], one a scored
-/// sample: replicates scatter by the noise as well, and a median of them is as jagged.
+/// Quantiles over the draws of what they predict for a response without its noise [SI], one a
+/// scored sample: replicates scatter by the noise as well, and a median of them is as jagged.
 struct NoiseFree {
   std::vector<double> q2_5, q50, q97_5;
 };

@@ -221,10 +221,7 @@ std::vector<Remark> record_remarks(const SidCase& sid_case) {
           {channel.name(), channel.window->difference_db, channel.window->expected_db});
     }
     if (!channel.is_excitation() && channel.role != Role::response) continue;
-    const auto known = signals::find_unit(channel.unit);
-    const bool converted = known && known->dimension == channel.dimension();
-    const bool plain = channel.unit.empty() || channel.unit == "1";
-    if (!plain && !converted && !channel.scale_given) {
+    if (!channel.foreign_unit().empty()) {
       unknown.channels.push_back({channel.name(), channel.unit,
                                   std::string(name(channel.dimension())),
                                   known_units(channel.dimension())});
@@ -236,6 +233,7 @@ std::vector<Remark> record_remarks(const SidCase& sid_case) {
         signals::welch(samples, sid_case.sample_rate_hz), sid_case.sample_rate_hz);
     if (lost > linear.loss) linear = {channel.name(), lost};
   }
+  if (sid_case.base_integrated) out.emplace_back(remark::BaseIntegrated{});
   if (sid_case.starts_moving) {
     out.emplace_back(remark::InitialStateInferred{*sid_case.starts_moving});
   }

@@ -2,7 +2,7 @@
 // spec(width, theme) and table() of the same numbers. Nothing here, nor in charts_*.js before it,
 // touches the page.
 const charts = (() => {
-  const { themes, number, percent, probability, pValue, r2, slug, unit, shares } = kit;
+  const { themes, number, percent, probability, pValue, r2, slug, unit, bracketed, shares } = kit;
   const { modelProbabilities, evidence, sweep } = modelCharts;
   const { beam, jointFigures, residuals, emulator } = damageCharts;
   const { chain, laws, loops } = chainCharts;
@@ -34,7 +34,7 @@ const charts = (() => {
     if (draws.log_posterior) out.push(Object.assign(history('log-posterior', 'sampling', null, 'log posterior', draws.log_posterior, draws.draws, true), { wide: true }));
     out.push(...acceptance(run));
     for (const [model, list] of Object.entries(draws.parameters)) {
-      for (const p of list) out.push(history(`history-${slug(model)}-${slug(p.name)}`, 'histories', model, p.name + unit(p.name), p.history, draws.draws, false, isShare(p.name)));
+      for (const p of list) out.push(history(`history-${slug(model)}-${slug(p.name)}`, 'histories', model, p.name + unit(p.name, p.unit), p.history, draws.draws, false, isShare(p.name)));
     }
     out.push(...emulator(run));
     // Two names may shorten to one.
@@ -46,5 +46,5 @@ const charts = (() => {
     }
     return out;
   }
-  return { figures, themes, number, percent, probability, pValue, r2 };
+  return { figures, themes, number, percent, probability, pValue, r2, bracketed };
 })();

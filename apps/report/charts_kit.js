@@ -32,7 +32,12 @@ const kit = (() => {
     return '> 0.999999999';
   };
   const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^-|-$/g, '').slice(0, 60) || 'figure';
-  const unit = (name) => (/(^|\s)location(\[|$)/.test(name) ? ' [m]' : '');
+  // "m^2" as people write it; "1" is no unit.
+  const written = (unit) => (unit && unit !== '1' ? unit.replace(/\^2/g, '²').replace(/\^3/g, '³') : '');
+  const bracketed = (unit) => (written(unit) ? ` [${written(unit)}]` : '');
+  const unit = (name, known) => (/(^|\s)location(\[|$)/.test(name) ? ' [m]' : bracketed(known));
+  // The units in which a chain's coefficients come out: of force and length; {} where not known.
+  const unitSystem = (run) => run.summary.data?.units || (run.summary.data?.units === null ? {} : { force: 'N', length: 'm' });
   const short = (text, n) => ([...text].length > n ? [...text].slice(0, n - 1).join('') + '…' : text);
   // Labels of parameters that are shares, which people read in percent: the severities of the kinds
   // that say so, by name where there are several kinds.
@@ -68,15 +73,17 @@ const kit = (() => {
   };
   // A legend whose names stand in full: as many beside each other as the width has room for.
   const legend = (width, names, more) => {
-    const longest = 7 * Math.max(...names.map((n) => [...String(n)].length)) + 34;
-    return { columns: Math.max(1, Math.min(names.length, Math.floor((width - 20) / longest))), ...more };
+    const longest = 6.2 * Math.max(...names.map((n) => [...String(n)].length)) + 26;
+    return { columns: Math.max(1, Math.min(names.length, Math.floor(width / longest))), ...more };
   };
   const strokes = (width, names, scale = 'who') => legend(width, names, { stroke: scale, symbolType: 'stroke', symbolStrokeWidth: 3 });
   const circles = (width, names, scale) => legend(width, names, { fill: scale, symbolType: 'circle' });
-  // Ticks of very small or large numbers in the style of `number`; others are Vega's.
+  // Ticks in the style of `number`: no more digits than tell them apart, "10000" and not "10,000".
+  const plainFormat = '.12~g';
   const tickFormat = (low, high) => {
     const size = Math.max(Math.abs(low), Math.abs(high));
-    return size > 0 && (size < 1e-3 || size >= 1e5) ? '.3~e' : undefined;
+    if (!(size > 0) || (size >= 1e-3 && size < 1e6)) return plainFormat;
+    return '.12~e';
   };
   // So many dots as one path: zero-length strokes with round ends, between points that are not defined.
   const dots = (values) => values.flatMap((v) => [{ ...v, ok: true }, { ok: false }]);
@@ -93,10 +100,13 @@ const kit = (() => {
   const frequencyAxis = (scale) => axisX('frequency [Hz]', scale.type === 'log' ? { format: '~r', tickCount: 5, labelOverlap: 'greedy' } : {});
   // The same for powers of ten: "0.1", "1", "10", or "1e-6".
   const powerFormat = (values) => (Math.min(...values) >= 1e-3 && Math.max(...values) < 1e5 ? '~r' : '.0e');
+  // "1e-06" of a sentence as `number` writes it.
+  const restyled = (text) => text.replace(/e([+-])0*(\d+)/g, (_, sign, power) => 'e' + (sign === '-' ? '-' : '') + power);
   // Exponents as `number` writes them, and a zero as "0".
   const styled = (axis) => (/e$/.test(axis.format || '') ? { ...axis, encode: { labels: { update: { text: { signal: `datum.value === 0 ? '0' : replace(format(datum.value, '${axis.format}'), 'e+', 'e')` } } } } } : axis);
-  const axisX = (title, more) => styled({ orient: 'bottom', scale: 'x', title, tickCount: { signal: 'max(2, width / 90)' }, ...more });
-  const axisY = (title, more) => styled({ orient: 'left', scale: 'y', title, grid: true, domain: false, ticks: false, tickCount: 4, ...more });
+  const defined = (more) => Object.fromEntries(Object.entries(more || {}).filter(([, value]) => value !== undefined));
+  const axisX = (title, more) => styled({ orient: 'bottom', scale: 'x', title, tickCount: { signal: 'max(4, width / 80)' }, format: plainFormat, ...defined(more) });
+  const axisY = (title, more) => styled({ orient: 'left', scale: 'y', title, grid: true, domain: false, ticks: false, tickCount: 4, format: plainFormat, ...defined(more) });
 
   // A two-dimensional histogram, densities as shades; empty cells show the paper.
   function heat(width, height, theme, { x, y, xTitle, yTitle, xDomain, yDomain, xFormat, yFormat, cells, legend, root }) {
@@ -118,6 +128,6 @@ const kit = (() => {
     rows: cells.map(([i, j, d]) => [bx.from + (i + 0.5) * bx.width, by.from + (j + 0.5) * by.width, d]),
   });
 
-  return { themes, number, percent, probability, pValue, r2, slug, shares, unit, short, frame, linear, powersOfTen, powerFormat,
+  return { themes, number, restyled, percent, probability, pValue, r2, slug, shares, written, bracketed, unit, unitSystem, short, frame, linear, powersOfTen, powerFormat,
     legend, strokes, circles, tickFormat, dots, dotMark, frequencyScale, frequencyAxis, axisX, axisY, heat, cellTable };
 })();

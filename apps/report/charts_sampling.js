@@ -1,19 +1,19 @@
 // Charts of draws: posteriors of parameters, and how the sampler fared.
-const samplingCharts = (({ percent, slug, unit, strokes, circles, legend, tickFormat, frame, linear, axisX, axisY, heat, cellTable }) => {
+const samplingCharts = (({ percent, restyled, slug, unit, strokes, circles, legend, tickFormat, frame, linear, axisX, axisY, heat, cellTable }) => {
   function marginal(model, p, fraction) {
-    const x0 = p.bins.from, w = p.bins.width;
+    const x0 = p.bins.from, w = p.bins.width, shown = p.prior ? ['posterior', 'prior'] : ['posterior'];
     return {
-      id: `marginal-${slug(model)}-${slug(p.name)}`, section: 'parameters', group: model, title: p.name + unit(p.name),
-      caption: p.prior ? `Prior: ${p.prior.words}${p.prior.ordered ? ', in increasing order' : ''}.` : '',
+      id: `marginal-${slug(model)}-${slug(p.name)}`, section: 'parameters', group: model, title: p.name + unit(p.name, p.unit),
+      caption: p.prior ? `Prior: ${restyled(p.prior.words)}${p.prior.ordered ? ', in increasing order' : ''}.` : '',
       table: () => ({ head: ['from', 'to', 'posterior density'], rows: p.density.map((d, i) => [x0 + i * w, x0 + (i + 1) * w, d]) }),
       spec: (width, theme) => frame(width, 130, theme, {
         data: [{ name: 'h', values: [{ x: x0, d: 0 }, ...p.density.flatMap((d, i) => [{ x: x0 + i * w, d }, { x: x0 + (i + 1) * w, d }]), { x: x0 + p.bins.n * w, d: 0 }] },
           { name: 'prior', values: p.prior ? p.prior.x.map((x, i) => ({ x, d: p.prior.density[i] })) : [] }],
         scales: [linear('x', [x0 - 0.05 * w * p.bins.n, x0 + 1.05 * w * p.bins.n], 'width'),
           linear('y', [0, 1.05 * Math.max(...p.density, ...(p.prior ? p.prior.density.filter((d) => d < 3 * Math.max(...p.density)) : []))], 'height'),
-          { name: 'who', type: 'ordinal', domain: ['posterior', 'prior'], range: [theme.main, theme.other] }],
-        axes: [axisX(null, { format: fraction ? '%' : tickFormat(x0, x0 + p.bins.n * w), tickCount: { signal: 'max(2, width / 110)' } }), axisY(null, { tickCount: 3, labels: false })],
-        legends: [strokes(width, ['posterior', 'prior'])],
+          { name: 'who', type: 'ordinal', domain: shown, range: [theme.main, theme.other] }],
+        axes: [axisX(null, { format: fraction ? '%' : tickFormat(x0, x0 + p.bins.n * w), tickCount: { signal: 'max(3, width / 100)' } }), axisY(null, { tickCount: 3, labels: false })],
+        legends: [strokes(width, shown)],
         marks: [
           { type: 'area', from: { data: 'h' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { scale: 'y', field: 'd' }, y2: { scale: 'y', value: 0 }, fill: { value: theme.main }, fillOpacity: { value: 0.75 } } } },
           { type: 'line', clip: true, from: { data: 'prior' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { scale: 'y', field: 'd' }, stroke: { value: theme.other }, strokeWidth: { value: 2 } } } },
@@ -25,7 +25,7 @@ const samplingCharts = (({ percent, slug, unit, strokes, circles, legend, tickFo
     return {
       id: `pair-${slug(model)}-${slug(p.x)}-${slug(p.y)}`, section: 'pairs', group: model, title: `${p.y} against ${p.x}`, caption: '',
       table: () => cellTable(p.x, p.y, p.bins_x, p.bins_y, p.cells),
-      spec: (width, theme) => heat(width, 180, theme, { x: p.bins_x, y: p.bins_y, cells: p.cells, root: true, xTitle: p.x + unit(p.x), yTitle: p.y + unit(p.y),
+      spec: (width, theme) => heat(width, 180, theme, { x: p.bins_x, y: p.bins_y, cells: p.cells, root: true, xTitle: p.x + unit(p.x, p.x_unit), yTitle: p.y + unit(p.y, p.y_unit),
         xFormat: isShare(p.x) ? '%' : undefined, yFormat: isShare(p.y) ? '%' : undefined }),
     };
   }

@@ -31,8 +31,7 @@ Report digest_links(const io::NetcdfReader& file) {
                                         : std::vector<double>();
     };
     const std::vector<double> extension = values(first), rate = values("rate_"),
-                              tension = values("tension_"),
-                              measured = values("measured_tension_"),
+                              tension = values("tension_"), measured = values("measured_tension_"),
                               at = values("measured_extension_");
     if (extension.empty() || rate.size() != extension.size() ||
         tension.size() != extension.size()) {
@@ -45,14 +44,17 @@ Report digest_links(const io::NetcdfReader& file) {
       rows.push_back({compact(extension[n]), compact(rate[n]), compact(tension[n]),
                       number_or_null(measured, n), number_or_null(at, n)});
     }
-    out.push_back(
-        {{"between", ends.substr(0, split) + " – " + ends.substr(split + 1)},
-         {"differentiated", !file.text(*group, name, "differentiated").empty()},
-         {"samples", extension.size()},
-         {"measured", !measured.empty()},
-         {"measured_extension", !at.empty()},
-         // [extension, rate, tension of the model; of the data: tension, extension]
-         {"rows", std::move(rows)}});
+    out.push_back({{"between", ends.substr(0, split) + " – " + ends.substr(split + 1)},
+                   {"differentiated", !file.text(*group, name, "differentiated").empty()},
+                   {"samples", extension.size()},
+                   {"measured", !measured.empty()},
+                   {"measured_extension", !at.empty()},
+                   {"units",
+                    {{"extension", file.text(*group, name, "units")},
+                     {"rate", file.text(*group, "rate_" + ends, "units")},
+                     {"tension", file.text(*group, "tension_" + ends, "units")}}},
+                   // [extension, rate, tension of the model; of the data: tension, extension]
+                   {"rows", std::move(rows)}});
   }
   return out;
 }

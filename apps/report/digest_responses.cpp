@@ -43,8 +43,8 @@ std::vector<Driver> drivers(const io::NetcdfReader& file, std::size_t samples) {
 // What is predicted of a response, sample by sample: of replicates (noise included) and without
 // noise. Runs of before that group keep replicates alone: their median stands in, without a band.
 struct Predicted {
-  std::vector<double> low, high;              // 95 % band of replicates
-  std::vector<double> median, q2_5, q97_5;    // without noise; the quantiles empty where not kept
+  std::vector<double> low, high;            // 95 % band of replicates
+  std::vector<double> median, q2_5, q97_5;  // without noise; the quantiles empty where not kept
 };
 
 std::optional<Predicted> predicted(const io::NetcdfReader& file, int replicates,

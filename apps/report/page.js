@@ -135,10 +135,11 @@
     const magnitude = Math.max(...['q2.5', 'q50', 'q97.5'].map((k) => Math.abs(row[k])));
     return number(x, Math.min(10, Math.max(3, Math.ceil(Math.log10(magnitude / width)) + 3)));
   };
-  const parameterRows = (rows) => {
+  const parameterRows = (rows, unknowns) => {
+    const titled = (name) => name + charts.bracketed((unknowns || []).find((u) => u.label === name)?.unit);
     const keys = [...new Set(Object.values(rows).flatMap((r) => Object.keys(r)))].filter((k) => Object.values(rows).every((r) => typeof r[k] !== 'object' || r[k] === null));
     return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat' })[k] || k)],
-      rows: Object.entries(rows).map(([name, r]) => [name, ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k]))]) };
+      rows: Object.entries(rows).map(([name, r]) => [titled(name), ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k]))]) };
   };
 
   const worded = (x, words) => (typeof x === 'number' ? { value: x, text: words(x) } : null);
@@ -214,7 +215,7 @@
     const perModel = Object.keys(summary.parameters).flatMap((model) => {
       const probability = summary.models.find((m) => m.name === model)?.probability;
       const out = [element('h3', { dir: 'auto' }, `${model} (${charts.probability(probability)})`)];
-      if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model]), caption: 'Posterior given this model' }));
+      if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model], summary.unknowns?.[model]), caption: 'Posterior given this model' }));
       else out.push(element('p', { class: 'lead' }, 'No parameters.'));
       out.push(...modesTable(summary.modes?.[model]));
       if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));

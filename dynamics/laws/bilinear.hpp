@@ -10,9 +10,17 @@ namespace wheeltap::dynamics::laws {
 struct Bilinear {
   static constexpr LawInfo kInfo{
       .name = "bilinear",
-      .formula = "opening: T = k max(0, e); closing: T = k min(0, e)",
+      .formula = "opening: T = kb max(0, e); closing: T = kb min(0, e)",
       .description = "a spring on one side only, e.g. a crack that bears when it closes",
-      .coefficients = {{{"stiffness", "N/m"}}},
+      .notes =
+          "The link's own `stiffness` acts on both sides and this one adds to it: a negative value "
+          "is a "
+          "spring that is softer on that side.",
+      .coefficients = {{{.name = "stiffness",
+                         .unit = "N/m",
+                         .symbol = "kb",
+                         .words = "the stiffness that it adds on its side",
+                         .example = 1500.0}}},
       .one_sided = true};
 
   template <class V>

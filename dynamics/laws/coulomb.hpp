@@ -22,8 +22,25 @@ struct Coulomb {
       .name = "coulomb",
       .formula = "T = F sgn(ė) in slip, |T| <= F in stick; with a velocity v: T = F tanh(ė/v)",
       .description = "dry friction; exact where velocity is left out or 0",
-      .coefficients = {{{.name = "force", .unit = "N", .lower = 0.0},
-                        {.name = "velocity", .unit = "m/s", .otherwise = 0.0, .lower = 0.0}}}};
+      .notes =
+          "A bare number or name is the force, exactly: while ė = 0 the link holds whatever "
+          "tension up "
+          "to F keeps it there, and each start and stop is located. A velocity smooths the jump; "
+          "within |ė| < v it is a damper F/v, so that the link creeps where it should stick, and a "
+          "small v asks for small steps. Give one only to compare with work that did.",
+      .coefficients = {{{.name = "force",
+                         .unit = "N",
+                         .lower = 0.0,
+                         .symbol = "F",
+                         .words = "the force at which it slips",
+                         .example = 3.0},
+                        {.name = "velocity",
+                         .unit = "m/s",
+                         .otherwise = 0.0,
+                         .lower = 0.0,
+                         .symbol = "v",
+                         .words = "the speed over which the jump is smoothed; 0 is exact",
+                         .example = 0.01}}}};
   static constexpr int kCreep = 1;
 
   /// The tension in slip, 0 at rest.

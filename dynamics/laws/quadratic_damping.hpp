@@ -11,7 +11,14 @@ struct QuadraticDamping {
   static constexpr LawInfo kInfo{.name = "quadratic_damping",
                                  .formula = "T = c2 ė |ė|",
                                  .description = "drag of a fluid",
-                                 .coefficients = {{{"damping", "N s^2/m^2"}}},
+                                 .notes =
+                                     "It opposes the motion whichever way it goes; the link's own "
+                                     "`damping` is the part that is linear in ė.",
+                                 .coefficients = {{{.name = "damping",
+                                                    .unit = "N s^2/m^2",
+                                                    .symbol = "c2",
+                                                    .words = "the coefficient of ė |ė|",
+                                                    .example = 60.0}}},
                                  .paced = true};
 
   template <class V>

@@ -108,7 +108,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   const std::size_t misfit = d["not_established"].size();
   EXPECT_THAT(d["warnings"][misfit].get<std::string>(),
               HasSubstr("No number of damages explains the frequencies within the stated noise "
-                        "(predictive p 1e-9) (off by more than 3 sd: modes 1 to 3). Check"));
+                        "(predictive p 1e-09) (off by more than 3 sd: modes 1 to 3). Check"));
   EXPECT_THAT(d["warnings"][misfit + 1].get<std::string>(),
               HasSubstr("\"a\" (2 % of the response, correlation -0.58 at lag 4, p < 1e-15)"));
   EXPECT_THAT(d["warnings"][misfit + 2].get<std::string>(),
@@ -173,7 +173,7 @@ TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
   EXPECT_NEAR(report["tmcmc"][0]["log_evidence"], 0.0, 1e-9);
   EXPECT_TRUE(report["tmcmc"][1]["log_evidence"].is_null());
   EXPECT_TRUE(report["tmcmc"][1]["probability"].is_null());
-  ASSERT_EQ(findings.remarks.size(), 1U);
+  ASSERT_EQ(findings.remarks.size(), 2U) << "and that the location is nearly its prior";
   EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("Evidence of 1 damage by tmcmc failed"));
 }
 
@@ -184,8 +184,11 @@ TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
   posterior.likelihood_evaluations = 34567;
   Findings findings = found_in(posterior);
   conclude(findings, coin_space(), {});
-  ASSERT_EQ(findings.remarks.size(), 1U);
-  EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("at 12 of 34 567 places"));
+  ASSERT_EQ(findings.remarks.size(), 2U);
+  EXPECT_THAT(
+      sentence(findings.remarks[0], {}),
+      HasSubstr("Nearly the prior: the data say little about location[1] under \"1 damage\""));
+  EXPECT_THAT(sentence(findings.remarks[1], {}), HasSubstr("at 12 of 34 567 places"));
 }
 
 TEST(Summary, ParameterSummary) {
@@ -217,7 +220,7 @@ TEST(Summary, GoodChainsConverge) {
   const Report d = judged(made_up(0.3, 2000));
   EXPECT_TRUE(d["converged"]);
   EXPECT_TRUE(d["not_established"].empty());
-  EXPECT_EQ(d["warnings"].size(), 1U);
+  EXPECT_EQ(d["warnings"].size(), 3U) << "those of judged() alone";
   EXPECT_GT(d["round_trips"], 500);
 }
 

@@ -76,7 +76,9 @@ TEST(Friction, FreeDecayOfAMassOnASpring) {
         const auto [x, v, a] = closed.at(static_cast<double>(n) / rate);
         EXPECT_NEAR(response.values(row, 0), x, tolerance) << rate << " Hz, sample " << n;
         EXPECT_NEAR(response.values(row, 1), v, 10.0 * tolerance) << rate << " Hz, sample " << n;
-        if (n % 7 == 1) EXPECT_NEAR(response.values(row, 2), a, 100.0 * tolerance);
+        if (n % 7 == 1) {
+          EXPECT_NEAR(response.values(row, 2), a, 100.0 * tolerance);
+        }
       }
       EXPECT_EQ(response.values(response.values.rows() - 1, 2), 0.0);
     }

@@ -88,6 +88,13 @@ TEST(Laws, HaveTheirOwnNamesAndDefaults) {
     EXPECT_GE(info.size(), 1);
     EXPECT_FALSE(info.formula.empty()) << info.name;
     EXPECT_FALSE(info.description.empty()) << info.name;
+    for (int i = 0; i < info.size(); ++i) {
+      const LawCoefficient& c = info.coefficients[static_cast<std::size_t>(i)];
+      EXPECT_FALSE(c.words.empty()) << info.name << ' ' << c.name;
+      EXPECT_TRUE(c.allows(c.example)) << info.name << ' ' << c.name;
+      ASSERT_FALSE(c.symbol.empty()) << info.name << ' ' << c.name;
+      EXPECT_NE(info.formula.find(c.symbol), std::string_view::npos) << info.name << ' ' << c.name;
+    }
   }
   EXPECT_EQ(make_law("coulomb", std::vector<Coefficient>{2.0}).coefficients[1].value, 0.0);
   EXPECT_THROW((void)make_law("coulomb", {}), std::invalid_argument);

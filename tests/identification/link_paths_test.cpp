@@ -15,7 +15,7 @@ using dynamics::Quantity;
 // Without noise; measured as asked.
 SidCase clean(SidCase c) {
   c.truth->noise.assign(c.responses().size(), 0.0);
-  return simulated(std::move(c));
+  return simulated(c);
 }
 
 double largest(const std::vector<double>& x) {
@@ -75,7 +75,8 @@ TEST(LinkPaths, LinksThatCloseALoopAreNotTold) {
   const auto paths = link_paths(*problem, 1, theta);
   ASSERT_EQ(paths.size(), 2U);
   for (std::size_t n = 0; n < paths[1].tension.size(); ++n) {
-    EXPECT_NEAR(paths[1].tension[n], 80.0 * paths[1].extension[n], 1e-9 * largest(paths[1].tension));
+    EXPECT_NEAR(paths[1].tension[n], 80.0 * paths[1].extension[n],
+                1e-9 * largest(paths[1].tension));
   }
   for (SidModel& model : c.models) {
     model.chain.links.push_back({.a = 0, .b = 2, .stiffness = 30.0});

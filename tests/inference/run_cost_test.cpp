@@ -99,11 +99,13 @@ Problem lines() {
   };
   return {.space = ModelSpace::of_models({{"a", Normal{0.0, 2.0}}, {"b", Normal{0.0, 2.0}}},
                                          {{"constant", 1, {"a"}}, {"line", 1, {"a", "b"}}}),
-          .likelihood = [] { return std::make_unique<Line>(); }};
+          .likelihood = [] { return std::make_unique<Line>(); },
+          .samples = 20,
+          .shortened = [](long) { return std::make_shared<const Problem>(lines()); }};
 }
 
 // The constant is hundreds of nats below the line: its climbs say so, and annealing is not paid
-// for.
+// for where likelihoods are a record's.
 TEST(RunCost, AHopelessModelIsNotAnnealed) {
   const Posterior posterior = reversible_jump(lines(), {.warmup = 1000, .draws = 500});
   EXPECT_TRUE(std::isnan(posterior.found[0].annealed.log_evidence));

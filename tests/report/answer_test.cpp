@@ -175,8 +175,7 @@ TEST(Answer, AParameterThatRepeatsItsPriorIsMarked) {
   findings.sampling.verdict.converged = true;
   findings.models = {{.name = "linear", .standing = {.probability = 1.0}}};
   findings.models[0].parameters = {{{"k", "k"}, row(1.0, 2.0, 3.0), 0.95}};
-  EXPECT_THAT(apps::answer(findings).detail,
-              HasSubstr("k = 2 (1 to 3, nearly its prior)"));
+  EXPECT_THAT(apps::answer(findings).detail, HasSubstr("k = 2 (1 to 3, nearly its prior)"));
 }
 
 TEST(Answer, SupportsHaveTheirOwnWords) {
