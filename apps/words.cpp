@@ -92,6 +92,8 @@ std::string told_by_evidence(const ModelFinding& model) {
                                       : "never entered; ";
   if (!known) return text + "nothing is known of its evidence";
   if (model.prior == 0.0) return "has no prior probability";
+  // So small that it is zero in double precision, or as good as: never "P ≈ 0 ± 0".
+  if (s.probability < 1e-15) return text + "its evidence puts it at P < 1e-15";
   text += "its evidence puts it at P ≈ " + significant(s.probability, 3);
   if (std::isfinite(s.mcse)) text += " ± " + significant(s.mcse, 1);
   return text;
