@@ -1,5 +1,16 @@
 // Charts of models beside each other: their probabilities, evidences, and a sweep's.
 const modelCharts = (({ percent, short, circles, frame, linear, axisX, axisY }) => {
+  // Names beside bars, on two lines where one is too short for them.
+  const nameRoom = (width) => Math.max(80, width * 0.36);
+  function inLines(name, room) {
+    const most = Math.floor(room / 6.8), words = name.split(' ');
+    if ([...name].length <= most) return [name];
+    let first = words.shift();
+    while (words.length && [...first].length + 1 + [...words[0]].length <= most) first += ' ' + words.shift();
+    return [first, words.join(' ')].filter(Boolean).map((line) => short(line, most));
+  }
+  const namesInLines = { labels: { update: { text: { signal: "scale('names', datum.value)" }, lineHeight: { value: 13 }, dy: { signal: "-6.5 * (length(scale('names', datum.value)) - 1)" } } } };
+
   function modelProbabilities(run) {
     const all = run.summary.models;
     const shown = all.length <= 14 ? all
@@ -16,10 +27,10 @@ const modelCharts = (({ percent, short, circles, frame, linear, axisX, axisY }) 
         data: [{ name: 'm', values: shown.map((m, i) => ({ ...m, i, label: label(m), low: Math.max(0, m.probability - 2 * (m.mcse || 0)), high: Math.min(1, m.probability + 2 * (m.mcse || 0)) })) }],
         scales: [linear('x', [0, 1], [0, { signal: `width - ${room}` }]),
           { name: 'y', type: 'band', domain: { data: 'm', field: 'i' }, range: 'height', padding: 0.35 },
-          { name: 'names', type: 'ordinal', domain: shown.map((_, i) => i), range: shown.map((m) => short(m.name, 60)) }],
+          { name: 'names', type: 'ordinal', domain: shown.map((_, i) => i), range: shown.map((m) => inLines(m.name, nameRoom(width))) }],
         axes: [axisX(null, { format: '%', grid: true, tickCount: width < 480 ? 3 : 5, labelFlush: false }),
-          { orient: 'left', scale: 'y', domain: false, ticks: false, labelLimit: Math.max(80, width * 0.36), labelFontSize: 12, labelColor: theme.ink,
-            labelPadding: 6, encode: { labels: { update: { text: { signal: "scale('names', datum.value)" } } } } }],
+          { orient: 'left', scale: 'y', domain: false, ticks: false, labelLimit: nameRoom(width), labelFontSize: 12, labelColor: theme.ink,
+            labelPadding: 6, encode: namesInLines }],
         marks: [
           { type: 'rect', from: { data: 'm' }, encode: { enter: { x: { scale: 'x', value: 0 }, x2: { scale: 'x', field: 'probability' },
             y: { scale: 'y', field: 'i' }, height: { scale: 'y', band: 1 }, fill: { value: theme.main }, cornerRadius: { value: 1 },
@@ -53,10 +64,10 @@ const modelCharts = (({ percent, short, circles, frame, linear, axisX, axisY }) 
       spec: (width, theme) => frame(width, (14 * all.length + 12) * models.length, theme, {
         data: [{ name: 'v', values }],
         scales: [linear('x', [0, 1], [0, { signal: 'width - 12' }]), { name: 'y', type: 'band', domain: models.map((_, i) => i), range: 'height', padding: 0.2 },
-          { name: 'names', type: 'ordinal', domain: models.map((_, i) => i), range: models.map((m) => short(m.name, 60)) },
+          { name: 'names', type: 'ordinal', domain: models.map((_, i) => i), range: models.map((m) => inLines(m.name, nameRoom(width))) },
           { name: 'sub', type: 'point', domain: all, range: [0, { signal: "bandwidth('y')" }], padding: 0.5 }, { name: 'm', type: 'ordinal', domain: all, range: theme.series }],
         axes: [axisX(null, { format: '%', grid: true, tickCount: width < 480 ? 3 : 5, labelFlush: false }),
-          { orient: 'left', scale: 'y', domain: false, ticks: false, labelLimit: Math.max(80, width * 0.36), labelFontSize: 12, labelColor: theme.ink, labelPadding: 9, encode: { labels: { update: { text: { signal: "scale('names', datum.value)" } } } } }],
+          { orient: 'left', scale: 'y', domain: false, ticks: false, labelLimit: nameRoom(width), labelFontSize: 12, labelColor: theme.ink, labelPadding: 9, encode: namesInLines }],
         legends: [circles(width, all, 'm')],
         marks: [
           { type: 'rule', from: { data: 'v' }, encode: { enter: { x: { scale: 'x', field: 'low' }, x2: { scale: 'x', field: 'high' }, y: { scale: 'y', field: 'i', offset: { scale: 'sub', field: 'method' } }, stroke: { scale: 'm', field: 'method' }, strokeWidth: { value: 2 } } } },

@@ -80,23 +80,24 @@
     one.view = new vega.View(vega.parse(one.figure.spec(width, theme)), { renderer: 'svg', container: one.place, hover: true });
     one.view.run();
     const svg = one.place.querySelector('svg');
-    svg?.setAttribute('aria-label', one.figure.title);
+    svg?.setAttribute('aria-label', one.figure.name || one.figure.title);
   }
   function figureElement(figure, level) {
+    const name = figure.name || figure.title; // where it does not stand beneath its heading
     const place = element('div', { class: 'chart', id: 'figure-' + figure.id });
     const one = { figure, place };
     drawn.push(one);
-    const saveButton = element('button', { type: 'button', 'aria-label': 'Save as SVG: ' + figure.title, onclick: async () => {
+    const saveButton = element('button', { type: 'button', 'aria-label': 'Save as SVG: ' + name, onclick: async () => {
       const view = new vega.View(vega.parse(figure.spec(figure.wide ? 720 : 380, charts.themes.light)), { renderer: 'none' });
       save(figure.id + '.svg', await view.toSVG(), 'image/svg+xml');
     } }, 'Save as SVG');
-    const numbers = element('details', {}, element('summary', { 'aria-label': 'Numbers: ' + figure.title }, 'Numbers'));
+    const numbers = element('details', {}, element('summary', { 'aria-label': 'Numbers: ' + name }, 'Numbers'));
     numbers.addEventListener('toggle', () => {
       if (numbers.childElementCount > 1) return;
       const data = figure.table();
       const button = element('button', { type: 'button' }, 'Copy the table');
       button.addEventListener('click', () => copy(tabSeparated(data), button));
-      numbers.append(scrolled({ ...data, caption: figure.title }), button);
+      numbers.append(scrolled({ ...data, caption: name }), button);
     });
     const zoom = [];
     if (figure.zoom) {
@@ -115,7 +116,7 @@
       element('h' + level, { dir: 'auto' }, figure.title), figure.caption ? element('figcaption', { dir: 'auto' }, figure.caption) : null,
       place, element('div', { class: 'tools' }, ...zoom, saveButton, numbers));
   }
-  const grid = (list, level = 3) => element('div', { class: 'figures' }, ...list.map((f) => figureElement(f, level)));
+  const grid = (list, level = 3, more = '') => element('div', { class: 'figures' + more }, ...list.map((f) => figureElement(f, level)));
   const of = (section, group) => all.filter((f) => f.section === section && (group === undefined || f.group === group));
 
   function section(id, title, lead, ...content) {
@@ -138,7 +139,7 @@
   const parameterRows = (rows, unknowns) => {
     const titled = (name) => name + charts.bracketed((unknowns || []).find((u) => u.label === name)?.unit);
     const keys = [...new Set(Object.values(rows).flatMap((r) => Object.keys(r)))].filter((k) => Object.values(rows).every((r) => typeof r[k] !== 'object' || r[k] === null));
-    return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat' })[k] || k)],
+    return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat', prior_overlap: 'prior overlap' })[k] || k)],
       rows: Object.entries(rows).map(([name, r]) => [titled(name), ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k]))]) };
   };
 
@@ -199,8 +200,13 @@
     section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')), ...toldByEvidence(), ...bayesFactors(), ...evidenceTable());
 
     const mirrored = d.symmetry?.statement;
-    const drawn = Object.keys(summary.links || {}).length ? 'The chain, and the law found for each link: tension at rest against extension (opening: positive) over the extensions that the record went through, median and 95 % band.' : null;
-    section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored || drawn, of('where').length ? grid(of('where')) : null);
+    // Charts of a link stand together.
+    const links = [...new Set(of('where').map((f) => f.group).filter(Boolean))];
+    const whole = of('where').filter((f) => !f.group);
+    section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored, whole.length ? grid(whole) : null, ...links.flatMap((key) => {
+      const lead = of('where', key).find((f) => f.lead)?.lead;
+      return [element('h3', { class: 'apart' }, `Link ${key}`), lead ? element('p', { class: 'lead' }, lead) : null, grid(of('where', key), 4, ' pairs')];
+    }));
 
     const folded = summary.damage?.folded;
     section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${pValue(p)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
