@@ -41,6 +41,7 @@ TEST(LinkPaths, TheTensionIsThatOfTheLaw) {
 }
 
 // A measured acceleration gives the tension whatever the model's laws: here of the linear model.
+// The record was simulated with finer steps than the noise of the case asks of the model.
 TEST(LinkPaths, TheMeasuredTensionIsTheDatasNotTheModels) {
   SidCase c = small_sid_case();
   c.channels[1] = {.column = "acceleration [m/s^2]",
@@ -57,7 +58,7 @@ TEST(LinkPaths, TheMeasuredTensionIsTheDatasNotTheModels) {
   EXPECT_TRUE(linear.measured_extension.empty());
   double apart = 0.0;
   for (std::size_t n = 0; n < 200; ++n) {
-    EXPECT_NEAR(linear.measured[n], truth.tension[n], 1e-9 * largest(truth.tension));
+    EXPECT_NEAR(linear.measured[n], truth.tension[n], 1e-4 * largest(truth.tension));
     apart = std::max(apart, std::abs(linear.tension[n] - truth.tension[n]));
   }
   EXPECT_GT(apart, 0.1 * largest(truth.tension));
