@@ -55,7 +55,7 @@ const kit = (() => {
         font: 'system-ui, "Segoe UI", "Noto Sans", sans-serif',
         axis: {
           labelColor: theme.soft, titleColor: theme.soft, titleFontWeight: 400, domainColor: theme.soft,
-          tickColor: theme.soft, gridColor: theme.grid, labelFontSize: 11, titleFontSize: 12, labelOverlap: true,
+          tickColor: theme.soft, gridColor: theme.grid, labelFontSize: 11, titleFontSize: 12, labelOverlap: true, labelSeparation: 5,
           titlePadding: 6, tickSize: 4, labelFlush: true,
         },
         legend: { labelColor: theme.soft, titleColor: theme.soft, labelFontSize: 11, titleFontSize: 11, titleFontWeight: 400,
@@ -66,10 +66,21 @@ const kit = (() => {
     };
   }
   const linear = (name, domain, range, more) => ({ name, type: 'linear', domain, range, zero: false, nice: false, ...more });
+  // Decades that what was measured spans (and at most so many): a prediction without noise goes on far below.
+  const decades = (measured, all, most) => {
+    const top = Math.max(...all), low = measured.length ? Math.min(...measured) : Math.min(...all);
+    return [Math.max(low / 10, top * 10 ** -most), top * 2];
+  };
+  // Ticks of a logarithmic axis: powers of ten within the values, about five; 1, 2 and 5 times those
+  // where that leaves fewer than two.
   const powersOfTen = (values) => {
-    const [a, b] = [Math.min(...values), Math.max(...values)].map((v) => Math.floor(Math.log10(v)));
-    const step = Math.max(1, Math.ceil((b - a) / 5));
-    return Array.from({ length: Math.floor((b + 1 - a) / step) + 1 }, (_, i) => 10 ** (a + i * step));
+    const low = Math.min(...values), high = Math.max(...values), within = (v) => v >= low * 0.999 && v <= high * 1.001;
+    const [a, b] = [low, high].map((v) => Math.floor(Math.log10(v)));
+    const powers = Array.from({ length: b - a + 1 }, (_, i) => a + i);
+    const whole = powers.map((p) => +`1e${p}`).filter(within), step = Math.max(1, Math.ceil(whole.length / 5));
+    if (whole.length > 1) return whole.filter((_, i) => i % step === 0);
+    const finer = powers.flatMap((p) => [1, 2, 5].map((n) => +`${n}e${p}`)).filter(within);
+    return finer.length > 1 ? finer : [low, high].map((v) => +v.toPrecision(2));
   };
   // A legend whose names stand in full: as many beside each other as the width has room for.
   const legend = (width, names, more) => {
@@ -128,6 +139,6 @@ const kit = (() => {
     rows: cells.map(([i, j, d]) => [bx.from + (i + 0.5) * bx.width, by.from + (j + 0.5) * by.width, d]),
   });
 
-  return { themes, number, restyled, percent, probability, pValue, r2, slug, shares, written, bracketed, unit, unitSystem, short, frame, linear, powersOfTen, powerFormat,
+  return { themes, number, restyled, percent, probability, pValue, r2, slug, shares, written, bracketed, unit, unitSystem, short, frame, linear, decades, powersOfTen, powerFormat,
     legend, strokes, circles, tickFormat, dots, dotMark, frequencyScale, frequencyAxis, axisX, axisY, heat, cellTable };
 })();

@@ -1,9 +1,9 @@
 // Charts of records against what models predict: over time, in frequency, what is left.
-const recordCharts = (({ slug, frame, linear, powersOfTen, powerFormat, strokes, tickFormat, frequencyScale, frequencyAxis, axisX, axisY }) => {
+const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat, strokes, tickFormat, frequencyScale, frequencyAxis, axisX, axisY }) => {
   // |H1| of data and model over the coherence of the data, one frequency axis.
   function transfer(r, t) {
     const positive = t.rows.flatMap((row) => [row[1], row[2]]).filter((v) => v > 0);
-    const top = Math.max(...positive) * 2, low = Math.max(Math.min(...positive), Math.max(...positive) * 1e-6);
+    const shown = decades(t.rows.map((row) => row[1]).filter((v) => v > 0), positive, 6);
     const unit = t.unit.replace(/\^2/g, '²');
     const along = frequencyScale(t.rows, (row) => row[1] * row[1]);
     return {
@@ -14,13 +14,13 @@ const recordCharts = (({ slug, frame, linear, powersOfTen, powerFormat, strokes,
         data: [{ name: 'h', values: ['data', 'predicted'].flatMap((who, k) => t.rows.filter((row) => row[k + 1] > 0).map((row) => ({ f: row[0], v: row[k + 1], who }))) },
           { name: 'c', values: t.rows.map((row) => ({ f: row[0], v: row[5] })) }],
         scales: [along,
-          { name: 'y', type: 'log', domain: [low, top], range: [150, 0], clamp: true }, linear('c', [0, 1], [230, 178]),
+          { name: 'y', type: 'log', domain: shown, range: [150, 0] }, linear('c', [0, 1], [230, 178]),
           { name: 'who', type: 'ordinal', domain: ['data', 'predicted'], range: [theme.ink, theme.other] }],
-        axes: [frequencyAxis(along), axisY(unit, { format: powerFormat(powersOfTen(positive)), values: powersOfTen(positive), titleAnchor: 'end', titleAlign: 'right' }),
+        axes: [frequencyAxis(along), axisY(unit, { format: powerFormat(powersOfTen(shown)), values: powersOfTen(shown), titleAnchor: 'end', titleAlign: 'right' }),
           axisY('coherence', { scale: 'c', values: [0, 0.5, 1], titleAnchor: 'start', titleAlign: 'left' })],
         legends: [strokes(width, ['data', 'predicted'])],
         marks: [
-          { type: 'group', from: { facet: { name: 'one', data: 'h', groupby: 'who' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.4 } } } }] },
+          { type: 'group', from: { facet: { name: 'one', data: 'h', groupby: 'who' } }, marks: [{ type: 'line', clip: true, from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.4 } } } }] },
           { type: 'area', from: { data: 'c' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'c', field: 'v' }, y2: { scale: 'c', value: 0 }, fill: { value: theme.main }, fillOpacity: { value: 0.5 } } } },
         ],
       }),
@@ -58,6 +58,7 @@ const recordCharts = (({ slug, frame, linear, powersOfTen, powerFormat, strokes,
       const deep = Math.min(-bound, ...r.autocorrelation) * 1.1, high = Math.max(bound, ...r.autocorrelation) * 1.1;
       const frequencies = frequencyScale(r.spectrum, (row) => row[1]);
       const positive = r.spectrum.flatMap((s) => s.slice(1)).filter((v) => v > 0);
+      const powers = decades(r.spectrum.flatMap((s) => [s[1], s[3]]).filter((v) => v > 0), positive, 9);
       return [
         {
           id: 'response-' + slug(r.name), section: 'fit', wide: true, zoom: span, title: `Measured and predicted: ${label}`,
@@ -94,11 +95,11 @@ const recordCharts = (({ slug, frame, linear, powersOfTen, powerFormat, strokes,
           table: () => ({ head: ['frequency [Hz]', 'data', 'predicted', 'residual'], rows: r.spectrum }),
           spec: (width, theme) => frame(width, 170, theme, {
             data: [{ name: 'd', values: ['data', 'predicted', 'residual'].flatMap((who, k) => r.spectrum.filter((s) => s[k + 1] > 0).map((s) => ({ f: s[0], v: s[k + 1], who }))) }],
-            scales: [frequencies, { name: 'y', type: 'log', domain: [Math.max(Math.min(...positive), Math.max(...positive) * 1e-9), Math.max(...positive) * 2], range: 'height', clamp: true },
+            scales: [frequencies, { name: 'y', type: 'log', domain: powers, range: 'height' },
               { name: 'who', type: 'ordinal', domain: ['data', 'predicted', 'residual'], range: [theme.ink, theme.other, theme.main] }],
-            axes: [frequencyAxis(frequencies), axisY(r.unit ? (r.unit === 'm' ? 'm²/Hz' : `(${r.unit.replace('^2', '²')})²/Hz`) : null, { format: powerFormat(powersOfTen(positive)), values: powersOfTen(positive) })],
+            axes: [frequencyAxis(frequencies), axisY(r.unit ? (r.unit === 'm' ? 'm²/Hz' : `(${r.unit.replace('^2', '²')})²/Hz`) : null, { format: powerFormat(powersOfTen(powers)), values: powersOfTen(powers) })],
             legends: [strokes(width, ['data', 'predicted', 'residual'])],
-            marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'who' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.2 } } } }] }],
+            marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'who' } }, marks: [{ type: 'line', clip: true, from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'f' }, y: { scale: 'y', field: 'v' }, stroke: { scale: 'who', field: 'who' }, strokeWidth: { value: 1.2 } } } }] }],
           }),
         },
         ...(r.transfer || []).filter((t) => t.rows.some((row) => row[1] > 0)).map((t) => transfer(r, t)),

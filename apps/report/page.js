@@ -152,6 +152,9 @@
       rows: rows.map((m, i) => [i + 1, ...cells(m.frequency_hz), ...cells(m.damping_ratio)]) })];
   }
 
+  // A sentence in which no line ends within "--warmup".
+  const prose = (text) => String(text).split(/(--[a-z][a-z-]*)/).map((part, i) => (i % 2 ? element('code', { class: 'option' }, part) : part));
+
   // ---- sections ---------------------------------------------------------------------------
   function caseNotes() {
     const notes = [summary.notes || []].flat();
@@ -193,9 +196,9 @@
         `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
         (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
         (d.round_trips > 0 ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
-      resolution ? element('p', {}, `Resolution of the searches: ${resolution}. More searches (--search) make it finer.`) : null,
-      warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'),
-      ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, n)), ...caseNotes());
+      resolution ? element('p', {}, ...prose(`Resolution of the searches: ${resolution}. More searches (--search) make it finer.`)) : null,
+      warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'),
+      ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, ...prose(n))), ...caseNotes());
 
     section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')), ...toldByEvidence(), ...bayesFactors(), ...evidenceTable());
 

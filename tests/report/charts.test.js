@@ -9,7 +9,7 @@ const folder = path.join(__dirname, '../../apps/report');
 const files = fs.readFileSync(path.join(folder, 'assets.cmake'), 'utf8').match(/charts(_\w+)?\.js/g);
 const script = files.map((name) => fs.readFileSync(path.join(folder, name), 'utf8')).join('');
 // What is made within the script is copied: other prototypes are not equal.
-const { kit, modelCharts, chainCharts, samplingCharts } = vm.runInNewContext(script + '; ({ kit, modelCharts, chainCharts, samplingCharts })');
+const { kit, modelCharts, chainCharts, recordCharts, samplingCharts } = vm.runInNewContext(script + '; ({ kit, modelCharts, chainCharts, recordCharts, samplingCharts })');
 const copied = (x) => JSON.parse(JSON.stringify(x));
 const light = kit.themes.light;
 
@@ -35,6 +35,18 @@ test('ticks are plain from a thousandth to a million, and otherwise powers witho
   assert.match(axis(0, 1e-5).format, /e$/);
   assert.match(JSON.stringify(axis(0, 1e-5).encode), /'e\+', 'e'/);
   assert.equal(kit.axisX(null, { format: undefined }).format, '.12~g');
+});
+
+test('ticks of logarithmic axes lie within them and are two or more', () => {
+  for (const [low, high, ticks] of [[3e-5, 2e2, [1e-4, 1e-3, 0.01, 0.1, 1, 10, 100].filter((_, i) => i % 2 === 0)], [0.5, 30, [1, 10]], [1.5, 8, [2, 5]], [2.1, 2.3, [2.1, 2.3]]])
+    assert.deepEqual(copied(kit.powersOfTen([low, high])), ticks);
+});
+
+test('a prediction without noise does not squeeze the spectrum of what was measured', () => {
+  const spectrum = Array.from({ length: 50 }, (_, i) => [i + 1, 100 / (i + 1), 100 * 10 ** -i, 1e-2]);
+  const made = { draws: { responses: [{ name: 'y', unit: 'm', history: [[0, 1, 0, null, 1, null, 2, 0], [1, 2, 1, null, 2, null, 3, 0]], autocorrelation: [0], spectrum, samples: 99 }] } };
+  const spec = recordCharts.responses(made).find((f) => f.id === 'spectrum-y').spec(700, light);
+  assert.deepEqual(copied(spec.scales.find((s) => s.name === 'y').domain), [1e-3, 200]);
 });
 
 test('a legend has a column for every name that there is room for, and no name is cut', () => {
