@@ -69,7 +69,7 @@ const kit = (() => {
   // Decades that what was measured spans (and at most so many): a prediction without noise goes on far below.
   const decades = (measured, all, most) => {
     const top = Math.max(...all), low = measured.length ? Math.min(...measured) : Math.min(...all);
-    return [Math.max(low / 10, top * 10 ** -most), top * 2];
+    return [Math.max(low / 4, top * 10 ** -most), top * 2];
   };
   // Ticks of a logarithmic axis: powers of ten within the values, about five; 1, 2 and 5 times those
   // where that leaves fewer than two.

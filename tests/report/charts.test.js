@@ -46,7 +46,10 @@ test('a prediction without noise does not squeeze the spectrum of what was measu
   const spectrum = Array.from({ length: 50 }, (_, i) => [i + 1, 100 / (i + 1), 100 * 10 ** -i, 1e-2]);
   const made = { draws: { responses: [{ name: 'y', unit: 'm', history: [[0, 1, 0, null, 1, null, 2, 0], [1, 2, 1, null, 2, null, 3, 0]], autocorrelation: [0], spectrum, samples: 99 }] } };
   const spec = recordCharts.responses(made).find((f) => f.id === 'spectrum-y').spec(700, light);
-  assert.deepEqual(copied(spec.scales.find((s) => s.name === 'y').domain), [1e-3, 200]);
+  assert.deepEqual(copied(spec.scales.find((s) => s.name === 'y').domain), [2.5e-3, 200]);
+  // Lines end at the frame: a group of one line each is cut to the chart's size, not to its own of nothing.
+  const [group] = spec.marks;
+  assert.deepEqual([group.clip, group.encode.enter.height.signal, group.marks[0].clip], [true, 'height', undefined]);
 });
 
 test('a legend has a column for every name that there is room for, and no name is cut', () => {
