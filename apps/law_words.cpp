@@ -47,8 +47,8 @@ std::string bounds_in_words(const dynamics::LawCoefficient& c) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const bool below = c.lower > -kInfinity, above = c.upper < kInfinity;
   std::string range;
-  if (below && c.lower == 0.0) {
-    range = c.above_lower ? "positive" : "not negative";
+  if (below && c.lower == 0.0 && c.above_lower) {
+    range = "positive";
   } else if (below) {
     range = (c.above_lower ? "above " : "at least ") + plain_number(c.lower);
   }

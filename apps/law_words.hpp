@@ -23,7 +23,7 @@ namespace wheeltap::apps {
 /// "the force at which it slips [N]: a number or a parameter's name; 0 unless given".
 [[nodiscard]] std::string in_words(const dynamics::LawCoefficient& coefficient);
 
-/// "not negative", "positive", "at least 1"; empty where any number will do.
+/// "positive", "at least 0", "at least 1"; empty where any number will do.
 [[nodiscard]] std::string bounds_in_words(const dynamics::LawCoefficient& coefficient);
 
 }  // namespace wheeltap::apps

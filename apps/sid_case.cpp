@@ -5,6 +5,7 @@
 #include "apps/law_words.hpp"
 #include "apps/sid_record.hpp"
 #include "apps/sid_truth.hpp"
+#include "identification/sid_discovery.hpp"
 #include "io/columns.hpp"
 
 namespace wheeltap::apps {
@@ -34,6 +35,7 @@ class Parser {
     parse_channels();
     if (json_.contains("integration")) parse_integration();
     for (std::size_t m = 0; m < json_["models"].size(); ++m) parse_model(Pointer("/models") / m);
+    if (json_.contains("discover")) parse_discovery(Pointer("/discover"));
     check_channels();
     parse_truth(parsed_);
     for (std::size_t p = 0; p < used_.size(); ++p) {
@@ -68,18 +70,22 @@ class Parser {
   /// A number or a parameter, held to the bounds.
   Coefficient coefficient(const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const Json& value = file_.json.at(where);
-    const std::string range = bounds_in_words(bounds);
     if (value.is_number()) {
       const double x = value;
-      if (!bounds.allows(x)) file_.refuse(where, "must be " + range);
+      if (!bounds.allows(x)) file_.refuse(where, "must be " + bounds_in_words(bounds));
       return x;
     }
     if (!value.is_string()) file_.refuse(where, "must be a number, or the name of a parameter");
-    const int p = find_parameter(where);
+    return use(find_parameter(where), where, bounds);
+  }
+
+  /// A parameter, held to the bounds of what stands at `where`.
+  Coefficient use(int p, const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const inference::Prior& prior = out_.parameters[static_cast<std::size_t>(p)].prior;
     const auto refuse = [&](const std::string& reaches, const std::string& advice) {
       file_.refuse(Pointer("/parameters") / out_.parameters[static_cast<std::size_t>(p)].name,
-                   reaches + ", but " + where.to_string() + " must be " + range + ": " + advice);
+                   reaches + ", but " + where.to_string() + " must be " + bounds_in_words(bounds) +
+                       ": " + advice);
     };
     if (prior.lower() < bounds.lower) {
       refuse("reaches down to " + plain_number(prior.lower()),
@@ -274,6 +280,122 @@ class Parser {
     out_.models.push_back(std::move(model));
   }
 
+  // ---- terms to be discovered
+
+  /// Indices of the base model's links that are asked about: all of them unless given.
+  std::vector<int> parse_discovered_links(const Pointer& where, const dynamics::Chain& chain) {
+    std::vector<int> out;
+    if (!json_.contains(where)) {
+      for (std::size_t l = 0; l < chain.links.size(); ++l) out.push_back(static_cast<int>(l));
+      return out;
+    }
+    for (std::size_t i = 0; i < json_.at(where).size(); ++i) {
+      const Json& ends = json_.at(where / i);
+      const auto found = std::ranges::find_if(chain.links, [&](const dynamics::Link& link) {
+        return (ends[0] == link.a && ends[1] == link.b) || (ends[0] == link.b && ends[1] == link.a);
+      });
+      if (found == chain.links.end()) {
+        file_.refuse(where / i, "the model has no link between these two");
+      }
+      const int at = static_cast<int>(found - chain.links.begin());
+      if (std::ranges::count(out, at) > 0) file_.refuse(where / i, "this link is there already");
+      out.push_back(at);
+    }
+    return out;
+  }
+
+  /// "cubic", or {"contact": {"gap": 0.001, "side": "closing"}}: what is not given is a parameter
+  /// called after the term, with the prior that the case gives it or the record's.
+  SidTerm parse_term(const Pointer& where, int index, bool several) {
+    const dynamics::Link& link = out_.models.front().chain.links[static_cast<std::size_t>(index)];
+    const Json& value = json_.at(where);
+    const std::string name = value.is_string() ? value.get<std::string>() : value.begin().key();
+    const auto infos = dynamics::law_infos();
+    const auto info = std::ranges::find(infos, name, &dynamics::LawInfo::name);
+    if (info == infos.end()) {
+      std::vector<std::string> names;
+      for (const auto& other : infos) names.emplace_back(other.name);
+      file_.refuse(where, "no law has this name; there are: " + listed(names));
+    }
+    SidTerm term{.link = index, .law = {.kind = static_cast<int>(info - infos.begin())}};
+    const Pointer given = where / name;
+    const bool has_object = value.is_object() && value.begin()->is_object();
+    if (has_object) {
+      for (const auto& [key, ignored] : value.begin()->items()) {
+        const auto same = [&](const dynamics::LawCoefficient& c) { return c.name == key; };
+        if (key.empty() || (std::ranges::none_of(info->coefficients, same) &&
+                            !(info->one_sided && key == "side"))) {
+          file_.refuse(given / key, "unknown key of the term \"" + name + "\"");
+        }
+      }
+      const std::string side = value.begin()->value("side", Json("opening")).dump();
+      if (side != "\"opening\"" && side != "\"closing\"") {
+        file_.refuse(given / "side", "must be \"opening\" or \"closing\"");
+      }
+      if (side == "\"closing\"") term.law.side = dynamics::Side::closing;
+    }
+    term.name = term_name(term.law, link, several);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(info->size()); ++c) {
+      const dynamics::LawCoefficient& bounds = info->coefficients[c];
+      const std::string key(bounds.name);
+      if (has_object && value.begin()->contains(key)) {
+        term.law.coefficients[c] = coefficient(given / key, bounds);
+      } else if (c == 0 && value.is_object() && !has_object) {
+        term.law.coefficients[c] = coefficient(given, bounds);
+      } else if (!bounds.required()) {
+        term.law.coefficients[c] = bounds.otherwise;
+      } else {
+        const std::string parameter = term_parameter(term.law, c, link, several);
+        const auto same =
+            std::ranges::find(out_.parameters, parameter, &inference::Parameter::name);
+        if (same != out_.parameters.end()) {
+          term.law.coefficients[c] =
+              use(static_cast<int>(same - out_.parameters.begin()), where, bounds);
+        } else {
+          // The record sets the scale of it.
+          term.law.coefficients[c] = added(parameter, inference::Normal{0.0, 1.0});
+          term.by_default.push_back(c);
+        }
+      }
+    }
+    const auto twin = [&](const dynamics::Law& law) {
+      return law.kind == term.law.kind && law.side == term.law.side;
+    };
+    if (std::ranges::any_of(link.laws, twin)) {
+      file_.refuse(where, "the link of the model has this law already");
+    }
+    return term;
+  }
+
+  void parse_discovery(const Pointer& where) {
+    if (out_.models.size() != 1) {
+      file_.refuse(Pointer("/models"),
+                   "must be one model: \"discover\" adds all subsets of its terms to it");
+    }
+    const auto links = parse_discovered_links(where / "links", out_.models.front().chain);
+    const std::size_t terms = json_.at(where / "terms").size();
+    if (terms * links.size() > kMostTerms) {
+      file_.refuse(where / "terms",
+                   std::to_string(terms) + " terms on " + std::to_string(links.size()) +
+                       (links.size() == 1 ? " link" : " links") + " are " +
+                       std::to_string(terms * links.size()) +
+                       ", and every subset competes: at most " + std::to_string(kMostTerms) + " (" +
+                       std::to_string(1UL << kMostTerms) + " models)");
+    }
+    SidDiscovery asked{.inclusion = json_.at(where).value("inclusion", 0.5)};
+    for (const int link : links) {
+      for (std::size_t t = 0; t < terms; ++t) {
+        SidTerm term = parse_term(where / "terms" / t, link, links.size() > 1);
+        if (std::ranges::count(asked.terms, term.name, &SidTerm::name) > 0) {
+          file_.refuse(where / "terms" / t, "this term is there already");
+        }
+        asked.terms.push_back(std::move(term));
+      }
+    }
+    out_.discovery = std::move(asked);
+    add_subsets(out_);
+  }
+
   void parse_initial(SidModel& model) {
     const Pointer where("/record/initial");
     if (!json_.contains(where) || !json_.at(where).is_object()) return;
@@ -370,6 +492,9 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
   const bool simulated = needs == SidNeeds::record && !json["record"].contains("file");
   if (sid_case.truth && (needs == SidNeeds::truth || simulated)) parse_excitations(out);
   if (needs == SidNeeds::record) load_record(out);
+  if (needs == SidNeeds::record && sid_case.discovery) {
+    explained(out.file, Pointer("/discover/terms"), [&] { set_term_priors(sid_case); });
+  }
   for (SidModel& model : sid_case.models) model.parameters = sid_case.parameters_of(model);
   return out;
 }

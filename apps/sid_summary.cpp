@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/report/answer.hpp"
+#include "apps/report/digest_draws.hpp"
 #include "apps/sid_posterior_file.hpp"
 #include "identification/sid_units.hpp"
 
@@ -49,12 +50,14 @@ Report json(const std::vector<LinkCurve>& links) {
   return rows;
 }
 
-/// {model: value(finding, m), …} of the drawn models.
+/// {model: value(finding, m), …} of the drawn models that are told of in full.
 template <class Value>
 Report of_drawn(const SidFindings& findings, const Value& value) {
   Report out = Report::object();
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
-    if (findings.of_models[m]) out[findings.models[m].name] = value(*findings.of_models[m], m);
+    if (findings.of_models[m] && told_in_full(findings, findings.models[m])) {
+      out[findings.models[m].name] = value(*findings.of_models[m], m);
+    }
   }
   return out;
 }
@@ -66,6 +69,50 @@ Report links_report(const SidFindings& findings) {
     if (found && found->links) out[findings.models[m].name] = json(*found->links);
   }
   return out;
+}
+
+/// One row a term of a discovery.
+Report terms_report(const SidFindings& findings) {
+  Report rows = Report::array();
+  for (const TermFinding& term : findings.discovery.terms) {
+    rows.push_back({{"name", term.name},
+                    {"label", term.label},
+                    {"link", {term.a, term.b}},
+                    {"prior", term.prior},
+                    {"inclusion", term.inclusion},
+                    {"probability", term.inclusion},
+                    {"mcse", finite(term.mcse)},
+                    {"parameters", apps::json(term.parameters)}});
+  }
+  return rows;
+}
+
+/// Laws over all models, and what their links went through.
+Report discovery_report(const SidCase& sid_case, const SidFindings& findings) {
+  Report laws = Report::array(), motions = Report::array();
+  for (const LinkLaw& law : findings.discovery.laws) {
+    Report map = Report::array();
+    for (const LinkLaw::Point& p : law.map) {
+      map.push_back({compact(p.extension), compact(p.rate), compact(p.tension)});
+    }
+    laws.push_back(
+        {{"between", {law.at_rest.a, law.at_rest.b}},
+         {"extension", law.at_rest.extension},
+         {"tension",
+          {{"q2.5", law.at_rest.q2_5}, {"q50", law.at_rest.q50}, {"q97.5", law.at_rest.q97_5}}},
+         {"rate", law.rate},
+         {"resistance", {{"q2.5", law.q2_5}, {"q50", law.q50}, {"q97.5", law.q97_5}}},
+         {"map", map}});
+  }
+  const auto& links = sid_case.models.front().chain.links;
+  for (std::size_t l = 0; l < sid_case.discovery->motions.size(); ++l) {
+    const LinkMotion& m = sid_case.discovery->motions[l];
+    motions.push_back({{"between", {links[l].a, links[l].b}},
+                       {"extension_rms", m.extension},
+                       {"rate_rms", m.rate},
+                       {"tension_rms", m.tension}});
+  }
+  return {{"inclusion", sid_case.discovery->inclusion}, {"scales", motions}, {"laws", laws}};
 }
 
 Report modes_report(const SidFindings& findings) {
@@ -179,6 +226,7 @@ std::string never_visited(const SidFindings& findings, const BayesFactor& factor
 Report bayes_factors_report(const SidFindings& findings) {
   Report rows = Report::array();
   for (const BayesFactor& factor : findings.bayes_factors) {
+    if (!told_in_full(findings, findings.models[static_cast<std::size_t>(factor.model)])) continue;
     const std::string never = never_visited(findings, factor);
     rows.push_back({{"model", findings.models[static_cast<std::size_t>(factor.model)].name},
                     {"against", findings.models[static_cast<std::size_t>(factor.against)].name},
@@ -221,6 +269,10 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
       {"integration", integration_of(problem, findings)},
       {"diagnostics", diagnosed},
       {"cost", cost(findings.sampling)}};
+  if (sid_case.discovery) {
+    summary["terms"] = terms_report(findings);
+    summary["discovery"] = discovery_report(sid_case, findings);
+  }
   if (!findings.evidence.empty()) summary["evidence"] = evidence_report(findings);
   return summary;
 }

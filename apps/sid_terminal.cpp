@@ -37,6 +37,17 @@ void print_parameters(const Page& page, const std::vector<ParameterFinding>& par
   if (rows.size() > 1) page.table(rows);
 }
 
+void print_terms(const Page& page, const Discovery& discovery) {
+  page.heading("Which terms?");
+  std::vector<std::vector<std::string>> rows = {
+      {"term", "P(in)", "±", "a priori", "coefficients, if in: median (95 % interval)"}};
+  for (const TermFinding& term : discovery.terms) {
+    rows.push_back({term.label, percent(term.inclusion), significant(100.0 * term.mcse, 2) + " %",
+                    percent(term.prior), coefficients_in_words(term)});
+  }
+  page.table(rows);
+}
+
 void print_modes(const Page& page, const std::vector<ChainMode>& modes) {
   std::vector<std::vector<std::string>> rows = {
       {"mode", "frequency [Hz]", "95 % interval", "damping ratio", "95 % interval"}};
@@ -65,6 +76,22 @@ void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
   if (rows.size() > 1) page.table(rows);
 }
 
+// Models whose parameters are tabulated: those that matter, of a discovery the first alone, since
+// its terms have been told already.
+std::vector<bool> worth_printing(const SidFindings& findings) {
+  std::vector<bool> out;
+  std::size_t best = 0;
+  for (std::size_t m = 0; m < findings.models.size(); ++m) {
+    const double p = findings.models[m].probability();
+    if (findings.of_models[m] && p > findings.models[best].probability()) best = m;
+    out.push_back(findings.of_models[m] && p >= kWorthPrinting);
+  }
+  if (findings.discovery.terms.empty()) return out;
+  out.assign(out.size(), false);
+  out[best] = findings.of_models[best].has_value();
+  return out;
+}
+
 }  // namespace
 
 void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& findings,
@@ -75,13 +102,15 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
   out << "Data: " << sid_case.origin << "; samples " << sid_case.begin << " to " << sid_case.end
       << " at " << number_or_dash(sid_case.sample_rate_hz, 6) << " Hz\n";
   print_answer(page, answer(findings));
+  if (!findings.discovery.terms.empty()) print_terms(page, findings.discovery);
   page.heading("Which model?");
   print_models(page, findings.models);
-  print_bayes_factors(out, findings);
+  if (findings.discovery.terms.empty()) print_bayes_factors(out, findings);
   print_evidence(page, findings);
+  const std::vector<bool> told = worth_printing(findings);
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
     const ModelFinding& model = findings.models[m];
-    if (model.probability() < kWorthPrinting || !findings.of_models[m]) continue;
+    if (!told[m]) continue;
     out << '\n' << page.bold("If " + model.name) << " (" << percent(model.probability()) << ")\n";
     print_parameters(page, model.parameters);
     print_modes(page, findings.of_models[m]->modes);

@@ -23,6 +23,16 @@ Role role_of(const Json& excitation) {
                                                               : Role::base_acceleration;
 }
 
+// A coefficient that a discovery has named: no initial state or autocorrelation, which are 0.
+bool belongs_to_a_term(const SidCase& sid_case, int parameter) {
+  if (!sid_case.discovery) return false;
+  return std::ranges::any_of(sid_case.discovery->terms, [&](const SidTerm& term) {
+    return std::ranges::any_of(term.by_default, [&](std::size_t c) {
+      return term.law.coefficients[c].parameter == parameter;
+    });
+  });
+}
+
 void add_true_excitations(SidCaseFile& parsed) {
   const CaseFile& file = parsed.file;
   SidCase& out = parsed.sid;
@@ -117,7 +127,9 @@ void parse_truth(SidCaseFile& parsed) {
     const bool noise_only =
         std::ranges::any_of(found->noise, [&](const Coefficient& c) { return c.parameter == p; });
     if (std::isnan(truth.theta[at]) && noise_only && t.contains("noise")) continue;
-    if (std::isnan(truth.theta[at]) && file.json["parameters"].contains(out.parameters[at].name)) {
+    const bool of_case =
+        file.json.value("parameters", Json::object()).contains(out.parameters[at].name);
+    if (std::isnan(truth.theta[at]) && (of_case || belongs_to_a_term(out, p))) {
       file.refuse(where / "parameters" / out.parameters[at].name,
                   "is missing: the true model uses it");
     }

@@ -50,7 +50,8 @@ Report model_table(const Findings& findings) {
                   {"log_evidence", finite(s.log_evidence)},
                   {"log_evidence_se", finite(s.log_evidence_se)},
                   {"basis", s.basis == inference::Basis::draws ? "draws" : "evidence"}};
-    if (const std::string told = told_by_evidence(model); !told.empty()) row["told"] = told;
+    const std::string told = told_in_full(findings, model) ? told_by_evidence(model) : "";
+    if (!told.empty()) row["told"] = told;
     table.push_back(std::move(row));
   }
   return table;
@@ -59,7 +60,9 @@ Report model_table(const Findings& findings) {
 Report parameter_tables(const Findings& findings) {
   Report tables = Report::object();
   for (const ModelFinding& model : findings.models) {
-    if (model.drawn()) tables[model.name] = json(model.parameters);
+    if (model.drawn() && told_in_full(findings, model)) {
+      tables[model.name] = json(model.parameters);
+    }
   }
   return tables;
 }
@@ -83,7 +86,9 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
   for (std::size_t a = 0; a < sampling.jumps_proposed.size(); ++a) {
     for (std::size_t b = 0; b < sampling.jumps_proposed[a].size(); ++b) {
       const long proposed = sampling.jumps_proposed[a][b];
-      if (a == b || proposed == 0) continue;
+      const bool told =
+          told_in_full(findings, findings.models[a]) && told_in_full(findings, findings.models[b]);
+      if (a == b || proposed == 0 || !told) continue;
       jumps[findings.models[a].name + " -> " + findings.models[b].name] = {
           {"proposed", proposed},
           {"accepted", sampling.jumps_accepted[a][b]},
@@ -92,7 +97,8 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
   }
   const inference::ModelProbabilities& stationary = sampling.stationary;
   Report transitions = Report::array();
-  for (Eigen::Index a = 0; a < stationary.transitions.rows(); ++a) {
+  const bool few = findings.models.size() <= kFewModelsTold;
+  for (Eigen::Index a = 0; few && a < stationary.transitions.rows(); ++a) {
     const Eigen::VectorXd row = stationary.transitions.row(a);
     transitions.push_back(std::vector<double>(row.begin(), row.end()));
   }

@@ -35,7 +35,8 @@ struct RunInfo {
 /// speak for it. `mcse` is null where nothing is known.
 [[nodiscard]] Report model_table(const identification::Findings& findings);
 
-/// Estimates of every visited model.
+/// Estimates of every visited model that is told of in full (told_in_full), as everything is that
+/// a summary keeps by model beside its table.
 [[nodiscard]] Report parameter_tables(const identification::Findings& findings);
 
 /// Convergence, acceptance and mixing between models.

@@ -104,7 +104,12 @@ void print_answer(const Page& page, const Answer& said) {
   if (!said.detail.empty()) page.wrapped(said.detail, "", "");
 }
 
-void print_models(const Page& page, const std::vector<ModelFinding>& models) {
+void print_models(const Page& page, const std::vector<ModelFinding>& all) {
+  std::vector<ModelFinding> models = all;
+  if (all.size() > kMostBars) {
+    std::ranges::stable_sort(models, std::ranges::greater{}, &ModelFinding::probability);
+    models.resize(kTopModels);
+  }
   std::size_t widest = 0;
   for (const ModelFinding& m : models) widest = std::max(widest, columns(m.name));
   for (const ModelFinding& m : models) {
@@ -120,10 +125,21 @@ void print_models(const Page& page, const std::vector<ModelFinding>& models) {
       page.wrapped(told, "    ", "    ");
     }
   }
+  if (models.size() < all.size()) {
+    double shown = 0.0;
+    for (const ModelFinding& m : models) shown += m.probability();
+    page.out << "  and " << all.size() - models.size() << " other models, together "
+             << percent(std::max(0.0, 1.0 - shown)) << '\n';
+  }
   page.out << "  (± is the Monte Carlo error of this run; a priori";
-  for (std::size_t i = 0; i < models.size(); ++i) {
+  const bool alike =
+      models.size() < all.size() && std::ranges::all_of(models, [&](const ModelFinding& m) {
+        return m.prior == models.front().prior;
+      });
+  for (std::size_t i = 0; i < (alike ? 1 : models.size()); ++i) {
     page.out << (i > 0 ? ", " : " ") << percent(models[i].prior);
   }
+  if (alike) page.out << " each";
   page.out << ")\n";
 }
 

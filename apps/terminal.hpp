@@ -50,7 +50,8 @@ struct Page {
 
 /// The answer in two sentences, before any number.
 void print_answer(const Page& page, const Answer& said);
-/// One bar a model.
+/// One bar a model; of more than kMostBars the kTopModels most probable.
+inline constexpr std::size_t kMostBars = 12, kTopModels = 5;
 void print_models(const Page& page, const std::vector<identification::ModelFinding>& models);
 void print_evidence(const Page& page, const identification::Findings& findings);
 /// Warnings, cost and convergence; `what` the models count.

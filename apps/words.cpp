@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "inference/convergence.hpp"
+
 namespace wheeltap::apps {
 
 using namespace identification;
@@ -92,8 +94,7 @@ std::string told_by_evidence(const ModelFinding& model) {
                                       : "never entered; ";
   if (!known) return text + "nothing is known of its evidence";
   if (model.prior == 0.0) return "has no prior probability";
-  // So small that it is zero in double precision, or as good as: never "P ≈ 0 ± 0".
-  if (s.probability < 1e-15) return text + "its evidence puts it at P < 1e-15";
+  if (!(s.probability > 0.0)) return text + "its evidence puts it at P < 1e-300";
   text += "its evidence puts it at P ≈ " + significant(s.probability, 3);
   if (std::isfinite(s.mcse)) text += " ± " + significant(s.mcse, 1);
   return text;
@@ -101,8 +102,15 @@ std::string told_by_evidence(const ModelFinding& model) {
 
 std::string resolution_in_words(const inference::Verdict& verdict) {
   if (!(verdict.resolution > 0.0 && verdict.resolution < 1.0)) return {};
-  return "a mode that less than " + significant(100.0 * verdict.resolution, 2) +
-         " % of the prior climbs to would probably not have been seen";
+  std::string text = "a mode that less than " + significant(100.0 * verdict.resolution, 2) +
+                     " % of the prior climbs to would probably not have been seen";
+  if (verdict.glanced > 0) {
+    text += "; so of the models that hold " +
+            significant(100.0 * inference::kLimits.searched_model, 1) + " % or more, while " +
+            (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
+            " had a glance: climbs from the modes of models within them";
+  }
+  return text;
 }
 
 std::string symmetry_statement(bool emulated) {
@@ -129,6 +137,55 @@ std::string repeat_note(const StepsRefined& refined) {
          "repeated with " +
          (refined.by_series ? "Taylor series."
                             : "a step limit of " + significant(refined.step_limit, 2) + ".");
+}
+
+std::string coefficients_in_words(const TermFinding& term) {
+  std::string text;
+  for (const ParameterFinding& p : term.parameters) {
+    const Marginal& e = p.estimate;
+    text += text.empty() ? "" : ", ";
+    if (term.parameters.size() > 1) text += p.unknown.label + " ";
+    text += resolved(e.q50, e.width()) + " (" + resolved(e.q2_5, e.width()) + " to " +
+            resolved(e.q97_5, e.width()) + ")";
+  }
+  return text.empty() ? "-" : text;
+}
+
+std::string terms_in_words(const std::vector<TermFinding>& terms) {
+  std::string text;
+  for (std::size_t first = 0; first < terms.size();) {
+    std::size_t last = first;
+    std::vector<const TermFinding*> of_link;
+    for (;
+         last < terms.size() && terms[last].a == terms[first].a && terms[last].b == terms[first].b;
+         ++last) {
+      of_link.push_back(&terms[last]);
+    }
+    std::ranges::stable_sort(of_link, std::ranges::greater{}, &TermFinding::inclusion);
+    std::vector<std::string> in, open, out;
+    for (const TermFinding* term : of_link) {
+      std::string name = term->name;
+      std::ranges::replace(name, '_', ' ');
+      (term->is_in()    ? in
+       : term->is_out() ? out
+                        : open)
+          .push_back(name + " (" + percent(term->inclusion) + ")");
+    }
+    const std::string link = std::to_string(terms[first].a) + "-" + std::to_string(terms[first].b);
+    std::string sentence;
+    if (!in.empty()) {
+      sentence = "The link " + link + " has " + in_words(in) +
+                 (in.size() == 1 ? " as a term" : " as terms");
+    } else {
+      sentence = "The link " + link +
+                 (open.empty() ? " needs none of the terms" : " has no term for certain");
+    }
+    if (!open.empty()) sentence += "; undecided: " + in_words(open);
+    if (!out.empty()) sentence += "; nothing speaks for " + in_words(out, "or");
+    text += (text.empty() ? "" : " ") + sentence + ".";
+    first = last;
+  }
+  return text;
 }
 
 }  // namespace wheeltap::apps

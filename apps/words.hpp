@@ -8,6 +8,7 @@
 #include "identification/damage_findings.hpp"
 #include "identification/findings.hpp"
 #include "identification/sid_run.hpp"
+#include "identification/term_findings.hpp"
 
 namespace wheeltap::apps {
 
@@ -54,6 +55,13 @@ struct Context {
 
 /// Why a system identification was repeated, and with what.
 [[nodiscard]] std::string repeat_note(const identification::StepsRefined& refined);
+
+/// "1200 (1150 to 1260)", with the coefficients' names where a term has several; "-" for one that
+/// no draw had.
+[[nodiscard]] std::string coefficients_in_words(const identification::TermFinding& term);
+/// "The link 0-1 has cubic (> 99.9 %) and quadratic (98 %) terms; undecided: bilinear (40 %);
+/// nothing speaks for coulomb (3 %)." A sentence a link.
+[[nodiscard]] std::string terms_in_words(const std::vector<identification::TermFinding>& terms);
 
 /// What frequencies of a symmetric beam cannot tell.
 [[nodiscard]] std::string symmetry_statement(bool emulated);

@@ -2,20 +2,24 @@
 
 namespace wheeltap::dynamics {
 
-double resting_tension(const Link& link, std::span<const double> theta, double e) {
-  double tension = link.stiffness.at(theta) * e;
+double tension(const Link& link, std::span<const double> theta, double e, double rate) {
+  double sum = link.stiffness.at(theta) * e + link.damping.at(theta) * rate;
   for (const Law& law : link.laws) {
     LawList::visit(law.kind, [&]<class L>(L) {
       if constexpr (!L::kInfo.memory) {
         double c[kMaxLawCoefficients];
         for (std::size_t i = 0; i < kMaxLawCoefficients; ++i) c[i] = law.coefficients[i].at(theta);
-        // A one-sided law is written for opening: closing is T(e) = -T_open(-e).
+        // A one-sided law is written for opening: closing is T(e, ė) = -T_open(-e, -ė).
         const double side = L::kInfo.one_sided && law.side == Side::closing ? -1.0 : 1.0;
-        tension += side * L::tension(c, side * e, 0.0);
+        sum += side * L::tension(c, side * e, side * rate);
       }
     });
   }
-  return tension;
+  return sum;
+}
+
+double resting_tension(const Link& link, std::span<const double> theta, double e) {
+  return tension(link, theta, e, 0.0);
 }
 
 }  // namespace wheeltap::dynamics

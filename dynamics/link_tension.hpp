@@ -1,4 +1,4 @@
-// The law of a link as a curve: tension against extension.
+// The law of a link as a curve: tension against extension, and against its rate.
 #pragma once
 
 #include <span>
@@ -11,5 +11,10 @@ namespace wheeltap::dynamics {
 /// friction need a rate and count nothing; nor does a law with memory, whose tension depends on how
 /// it got there.
 [[nodiscard]] double resting_tension(const Link& link, std::span<const double> theta, double e);
+
+/// T(e, ė) = stiffness · e + damping · ė + Σ laws(e, ė) [N] of a link at the extension e [m] and
+/// the rate ė [m/s]; laws with memory count nothing here, either.
+[[nodiscard]] double tension(const Link& link, std::span<const double> theta, double e,
+                             double rate);
 
 }  // namespace wheeltap::dynamics

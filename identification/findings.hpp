@@ -123,6 +123,10 @@ struct Findings {
 
 /// The same of a list of them.
 [[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
+/// More models than these are not all told of in full: those of at least kWorthFull are.
+inline constexpr std::size_t kFewModelsTold = 40;
+inline constexpr double kWorthFull = 0.005;
+[[nodiscard]] bool told_in_full(const Findings& findings, const ModelFinding& model);
 
 /// The part of the findings that does not know what the models mean. All chains must be of one
 /// length, at least 4 draws.

@@ -16,6 +16,7 @@ constexpr double kApartInNoise = 5.0;  // sd
 constexpr double kHidden = 0.5;        // effect over noise
 constexpr double kOtherSize = 30.0;    // of a response
 constexpr double kAffordableSeconds = 2.0;
+constexpr int kSamples = 2000;  // a size needs no more of them
 
 /// Draw `i` of the prior within a model, always the same.
 std::vector<double> prior_draw(const inference::ModelSpace& space, int model, int i) {
@@ -151,6 +152,10 @@ std::vector<Remark> implausible(const DamageProblem& problem) {
 }
 
 std::vector<Remark> implausible(const SidProblem& problem) {
+  // What the prior draws first are the dearest trajectories of a run: stiff, stuck, far away.
+  if (problem.misfits.front().samples() > kSamples) {
+    return implausible(*make_sid_problem(shortened(problem.sid_case, kSamples)));
+  }
   std::vector<Remark> remarks;
   judge_sizes(problem, remarks);
   return remarks;

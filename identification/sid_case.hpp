@@ -57,6 +57,31 @@ struct SidChannel {
   [[nodiscard]] std::string name() const { return is_numbered() ? "column " + column : column; }
 };
 
+/// A law that a link may have or not (sid_discovery.hpp).
+struct SidTerm {
+  std::string name = {};  ///< "cubic", "contact closing"; "cubic 0-1" where several links are asked
+  int link = 0;           ///< index among the links of the base model
+  dynamics::Law law = {};
+  /// Coefficients of the law, by index, that are parameters whose priors the record sets.
+  std::vector<std::size_t> by_default = {};
+};
+
+/// How a link moves and what it carries, RMS, as far as the record shows it.
+struct LinkMotion {
+  double extension = 0.0;               ///< [m]
+  double rate = 0.0;                    ///< [m/s]
+  double tension = 0.0;                 ///< [N]
+  double opening = 0.0, closing = 0.0;  ///< largest extensions of either sign, both > 0 [m]
+};
+
+/// The question which of these terms a chain has: every subset of them is a model.
+struct SidDiscovery {
+  std::vector<SidTerm> terms = {};
+  double inclusion = 0.5;  ///< prior probability of each term, by itself
+  /// Of each link of the base model; empty before there is a record.
+  std::vector<LinkMotion> motions = {};
+};
+
 struct SidModel {
   std::string name;
   double weight = 1.0;
@@ -66,6 +91,7 @@ struct SidModel {
   /// Partial autocorrelations of each response channel's residuals; empty: white.
   std::vector<std::vector<dynamics::Coefficient>> autocorrelations = {};
   std::vector<int> parameters = {};  ///< those it uses, increasing
+  std::vector<int> terms = {};       ///< those of SidCase::discovery that it has, increasing
 
   /// Of a response channel; empty: white.
   [[nodiscard]] std::vector<dynamics::Coefficient> autocorrelations_of(std::size_t channel) const {
@@ -110,6 +136,7 @@ struct SidCase {
   std::vector<inference::Parameter> parameters = {};
   std::vector<SidChannel> channels = {};
   std::vector<SidModel> models = {};
+  std::optional<SidDiscovery> discovery = {};
   std::optional<SidTruth> truth = {};
 
   double sample_rate_hz = 0.0;

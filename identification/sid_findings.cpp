@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "identification/sid_fit_verdict.hpp"
 #include "identification/sid_record.hpp"
@@ -158,6 +159,26 @@ std::vector<BayesFactor> bayes_factors(const Posterior& posterior,
   return out;
 }
 
+/// The terms, and the laws of their links as all models together have them.
+Discovery discovered(const SidProblem& problem, const Posterior& posterior,
+                     const Findings& findings) {
+  Discovery out{.terms = term_findings(problem.sid_case, posterior, findings), .laws = {}};
+  if (out.terms.empty()) return out;
+  std::set<int> links;
+  for (const SidTerm& term : problem.sid_case.discovery->terms) links.insert(term.link);
+  int shown = -1;
+  for (int m = 0; m < problem.problem.space.size(); ++m) {
+    const ModelFinding& model = findings.models[static_cast<std::size_t>(m)];
+    if (!model.drawn()) continue;
+    if (shown < 0 ||
+        model.probability() > findings.models[static_cast<std::size_t>(shown)].probability()) {
+      shown = m;
+    }
+  }
+  out.laws = averaged_laws(problem, posterior, shown, {links.begin(), links.end()});
+  return out;
+}
+
 }  // namespace
 
 SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
@@ -197,6 +218,7 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   out.bayes_factors = bayes_factors(posterior, out.models);
   out.coverage = coverage(problem, predictive);
   out.predictive_draws = static_cast<int>(predictive.draws.size());
+  out.discovery = discovered(problem, posterior, out);
   out.remarks = run.doubts;
   for (Remark& remark : record_remarks(problem.sid_case)) out.remarks.push_back(std::move(remark));
   out.fit_verdict = judge_fit(problem, posterior, predictive, out);

@@ -11,6 +11,7 @@
 #include "identification/sid_fit.hpp"
 #include "identification/sid_predictive.hpp"
 #include "identification/sid_run.hpp"
+#include "identification/term_findings.hpp"
 
 namespace wheeltap::identification {
 
@@ -38,6 +39,7 @@ struct SidFindings : Findings {
   std::vector<BayesFactor> bayes_factors;  ///< of each further model against the first
   std::vector<double> coverage;            ///< of each response by the predictive band, a share
   int predictive_draws = 0;
+  Discovery discovery;                  ///< empty where the case asks for none
   std::optional<StepsRefined> refined;  ///< where the run was repeated
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include "identification/invalid_input.hpp"
 #include "signals/residuals.hpp"
@@ -240,9 +242,15 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
     return std::make_unique<RecordLikelihood>(*problem);
   };
   out->problem.samples = out->misfits.front().samples();
-  out->problem.shortened = [problem = out.get()](long first) {
-    const std::shared_ptr<const SidProblem> part =
-        make_sid_problem(shortened(problem->sid_case, static_cast<int>(first)));
+  // Every model's search asks for the same few lengths, and hundreds of models make a problem dear.
+  struct Parts {
+    std::mutex mutex;
+    std::map<long, std::shared_ptr<const SidProblem>> of_length;
+  };
+  out->problem.shortened = [problem = out.get(), parts = std::make_shared<Parts>()](long first) {
+    const std::scoped_lock lock(parts->mutex);
+    std::shared_ptr<const SidProblem>& part = parts->of_length[first];
+    if (!part) part = make_sid_problem(shortened(problem->sid_case, static_cast<int>(first)));
     return std::shared_ptr<const inference::Problem>(part, &part->problem);
   };
   out->seconds_a_likelihood = estimate_cost(*out);

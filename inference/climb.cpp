@@ -20,7 +20,7 @@ using Matrix = Eigen::MatrixXd;
 
 class Climber {
  public:
-  explicit Climber(Surface& f) : f_(f), d_(f.dimension()) {}
+  Climber(Surface& f, bool fine) : f_(f), d_(f.dimension()), fine_(fine) {}
 
   ClimbEnd climb(const Vector& start, const std::vector<KnownMode>& known) {
     ClimbEnd end{.z = start, .value = f_(start), .inverse_hessian = {}, .known = -1};
@@ -131,6 +131,12 @@ class Climber {
     Vector width = Vector::Ones(d_);
     Slopes at = slopes(end.z, end.value, width);
     adapt(width, at.curvature);
+    for (int finer = 0; fine_ && finer < 8; ++finer) {
+      const Vector before = width;
+      at = slopes(end.z, end.value, width);
+      adapt(width, at.curvature);
+      if ((width.array() > 0.5 * before.array()).all()) break;
+    }
     Matrix b = width.array().square().matrix().asDiagonal();
     double reach =
         2.0 * std::sqrt(static_cast<double>(d_));  // as far as one prior draw is from another
@@ -199,6 +205,7 @@ class Climber {
 
   Surface& f_;
   Eigen::Index d_;
+  bool fine_;
 };
 
 }  // namespace
@@ -252,8 +259,8 @@ double square_distance(const KnownMode& mode, const Vector& z) {
   return e.dot(mode.precision * e);
 }
 
-ClimbEnd climb(Surface& f, const Vector& start, const std::vector<KnownMode>& known) {
-  return Climber(f).climb(start, known);
+ClimbEnd climb(Surface& f, const Vector& start, const std::vector<KnownMode>& known, bool fine) {
+  return Climber(f, fine).climb(start, known);
 }
 
 KnownMode measure(Surface& f, const ClimbEnd& end) {

@@ -51,9 +51,11 @@ struct ClimbEnd {
 };
 
 /// From `start` to a mode: by a few Newton steps with the curvature of the nearest known one where
-/// they do, else by BFGS (mode_search.hpp).
+/// they do, else by BFGS (mode_search.hpp). Its first differences are those of a draw of the prior,
+/// which from a start near a mode, a thousandth of the prior wide, point nowhere; `fine` ones are
+/// made smaller until the widths that they measure settle.
 [[nodiscard]] ClimbEnd climb(Surface& f, const Eigen::VectorXd& start,
-                             const std::vector<KnownMode>& known);
+                             const std::vector<KnownMode>& known, bool fine = false);
 
 /// The Hessian by differences over steps that lower ln π by about a twentieth of a nat, made
 /// positive definite: no direction is much wider than the prior.

@@ -24,6 +24,7 @@ struct ConvergenceLimits {
   double slack_nats = 0.5;
   double probable_model = 0.05;
   double judged_model = 0.01;      ///< probability from which a model's parameters are judged
+  double searched_model = 0.001;   ///< from which a glance at a model does not do
   double judged_mode = 0.01;       ///< share of the rarer side from which chains must agree on it
   std::size_t fewest_draws = 100;  ///< of a chain within a model, for R-hat to be judged
   std::size_t fewest_for_ess = 400;

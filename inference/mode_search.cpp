@@ -82,9 +82,12 @@ class Search {
   }
 
   void run(const std::vector<std::vector<double>>& starts) {
-    merge(climb(static_cast<long>(starts.size()), [&](long i, Surface&, Vector& z) {
-      z = Eigen::Map<const Vector>(starts[static_cast<std::size_t>(i)].data(), z.size());
-    }));
+    merge(climb(
+        static_cast<long>(starts.size()),
+        [&](long i, Surface&, Vector& z) {
+          z = Eigen::Map<const Vector>(starts[static_cast<std::size_t>(i)].data(), z.size());
+        },
+        options_.fine));
   }
 
   // From the likeliest of many draws of the prior: where a model cannot explain the data, its mode
@@ -170,14 +173,14 @@ class Search {
  private:
   // Each start on its own, with the modes known before.
   template <typename Start>
-  std::vector<ClimbEnd> climb(long n, Start&& start) {
+  std::vector<ClimbEnd> climb(long n, Start&& start, bool fine = false) {
     std::vector<ClimbEnd> ends(static_cast<std::size_t>(n));
     base::parallel_for(kSlices, options_.threads, [&](int s) {
       Surface& surface = *surfaces_[static_cast<std::size_t>(s)];
       Vector z(surface.dimension());
       for (long i = s; i < n; i += kSlices) {
         start(i, surface, z);
-        ends[static_cast<std::size_t>(i)] = inference::climb(surface, z, known_);
+        ends[static_cast<std::size_t>(i)] = inference::climb(surface, z, known_, fine);
       }
     });
     return ends;
@@ -282,6 +285,14 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     found = next.result();
     evaluations += found.likelihood_evaluations;
     if (options.progress && !options.progress(1.0)) break;
+  }
+  // Few climbs from the prior may all begin at impossible places: what else was given must not be
+  // lost with them.
+  if (found.modes.empty() && !options.starts.empty()) {
+    Search whole(problem, model, options);
+    whole.run(options.starts);
+    found = whole.result();
+    evaluations += found.likelihood_evaluations;
   }
   found.climbs = climbs;
   found.likelihood_evaluations = evaluations;

@@ -25,7 +25,8 @@ struct ModeSearchOptions {
   long budget = 100000;  ///< likelihood calls; what has been begun is finished
   /// Also climbed from, e.g. draws of another method; not counted.
   std::vector<std::vector<double>> starts{};
-  int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
+  bool fine = false;  ///< these are near modes: the first differences there are fine (climb.hpp)
+  int threads = 0;    ///< 0: as many as the machine has. Never changes a result.
   /// Called from one thread with the share done so far; returning false ends the search.
   std::function<bool(double share)> progress = nullptr;
 };

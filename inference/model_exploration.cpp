@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -405,12 +406,33 @@ bool climb_from(const Problem& problem, int model, const ExplorationOptions& opt
                 std::vector<std::vector<double>> starts, ModelExploration& found) {
   ModeSearch known{.modes = found.modes, .climbs = found.climbs, .likelihood_evaluations = 0};
   extend_search(problem, model,
-                {.seed = options.seed, .starts = std::move(starts), .threads = options.threads},
+                {.seed = options.seed,
+                 .starts = std::move(starts),
+                 .fine = options.from_starts,
+                 .threads = options.threads},
                 known);
   found.calls.search += known.likelihood_evaluations;
   const bool more = known.modes.size() > found.modes.size();
   found.modes = std::move(known.modes);
   return more;
+}
+
+// Climbs from the prior, and from what is known.
+void search_from_prior(const Problem& problem, int model, const ExplorationOptions& options,
+                       Reporter& report, ModelExploration& out) {
+  std::vector<std::vector<double>> starts = options.starts;
+  std::ranges::move(some_of(options.draws), std::back_inserter(starts));
+  ModeSearch found = search_modes(problem, model,
+                                  {.seed = options.seed,
+                                   .climbs = options.climbs,
+                                   .budget = options.budget,
+                                   .starts = std::move(starts),
+                                   .fine = !options.starts.empty(),
+                                   .threads = options.threads,
+                                   .progress = [&](double done) { return report(0.8 * done); }});
+  out.modes = std::move(found.modes);
+  out.climbs = found.climbs;
+  out.calls.search += found.likelihood_evaluations;
 }
 
 // Draws by sequential Monte Carlo from the prior; none where it fails.
@@ -463,16 +485,9 @@ ModelExploration survey_model(const Problem& problem, int model,
     return out;
   }
   Reporter report(options);
-  ModeSearch found = search_modes(problem, model,
-                                  {.seed = options.seed,
-                                   .climbs = options.climbs,
-                                   .budget = options.budget,
-                                   .starts = some_of(options.draws),
-                                   .threads = options.threads,
-                                   .progress = [&](double done) { return report(0.8 * done); }});
-  out.modes = std::move(found.modes);
-  out.climbs = found.climbs;
-  out.calls.search = found.likelihood_evaluations;
+  if (options.from_starts) climb_from(problem, model, options, options.starts, out);
+  if (out.modes.empty()) search_from_prior(problem, model, options, report, out);
+  out.glanced = options.climbs_only;
   if (options.climbs_only || report.stopped()) {
     take_laplace(model, options, out);
     return out;

@@ -14,15 +14,17 @@ namespace wheeltap::inference {
 
 struct ExplorationOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;       ///< ModeSearchOptions::climbs
-  long budget = 100000;  ///< likelihood calls for climbs
-  bool anneal = true;    ///< run sequential Monte Carlo from the prior, as briefly as will do
+  std::vector<std::vector<double>> starts{};  ///< climbed from besides draws of the prior
+  long climbs = 0;                            ///< ModeSearchOptions::climbs
+  long budget = 100000;                       ///< likelihood calls for climbs
+  bool anneal = true;  ///< run sequential Monte Carlo from the prior, as briefly as will do
   /// Climbs alone, for one of very many models: its evidence is Laplace's, taken to be good to a
   /// nat, and its population draws of the normals about its modes.
   bool climbs_only = false;
-  int particles = 1200;  ///< of that where it is needed in full, over four replicates
-  int rounds = 5;        ///< of importance sampling, at most
-  int threads = 0;       ///< 0: as many as the machine has. Never changes a result.
+  bool from_starts = false;  ///< none from the prior, unless those lead nowhere
+  int particles = 1200;      ///< of that where it is needed in full, over four replicates
+  int rounds = 5;            ///< of importance sampling, at most
+  int threads = 0;           ///< 0: as many as the machine has. Never changes a result.
   /// Draws that another method has made, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};
   /// Called with the share done since the last call; returning false ends the exploration.
@@ -41,6 +43,7 @@ struct ModelExploration {
   std::vector<Mode> modes;     ///< the weightiest first
   std::vector<double> shares;  ///< of the posterior's probability, one a mode
   long climbs = 0;
+  bool glanced = false;        ///< ExplorationOptions::climbs_only: climbed in, not weighed
   Eigen::MatrixXd population;  ///< equally weighted draws, dimension × n; none: nothing was found
   Evidence annealed = kNoEvidence;  ///< NaN where it was not run or failed
   Evidence sampled = kNoEvidence;   ///< by importance sampling; NaN where nothing was found

@@ -297,6 +297,11 @@ class Judge {
     for (std::size_t m = 0; m < models_; ++m) {
       if (space_[static_cast<int>(m)].dimension == 0 || prior(m) == 0.0) continue;
       const long climbs = m < posterior_.found.size() ? posterior_.found[m].climbs : 0;
+      if (m < posterior_.found.size() && posterior_.found[m].glanced &&
+          standing(m).probability < kLimits.searched_model) {
+        ++out_.glanced;
+        continue;
+      }
       if (climbs == 0 && standing(m).probability < kLimits.judged_model) continue;
       resolution = std::max(
           resolution, climbs > 0 ? 1.0 - std::pow(0.01, 1.0 / static_cast<double>(climbs)) : 1.0);

@@ -21,8 +21,10 @@ struct Verdict {
   std::vector<Reason> not_established;  ///< the gravest first, models in order of probability
   /// A mode that a climb from less than this share of the prior leads to would probably (1 in 100)
   /// not have been seen: 1 - 0.01^(1/n) for n climbs, the largest over the models that count; 1
-  /// where nothing was searched.
+  /// where nothing was searched. Of many models those below kLimits.searched_model do not count
+  /// where they had a glance only.
   double resolution = 1.0;
+  int glanced = 0;  ///< models that do not count towards it
   double rhat_max = std::numeric_limits<double>::quiet_NaN();
   std::string rhat_worst;  ///< the quantity that has it
   /// Of all that was judged: the log posterior, counts (or models), `watched`, and parameters as

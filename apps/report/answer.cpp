@@ -224,6 +224,29 @@ Answer answer(const Findings& findings) {
   return out;
 }
 
+Answer answer(const SidFindings& findings) {
+  const auto& terms = findings.discovery.terms;
+  if (terms.empty()) return answer(static_cast<const Findings&>(findings));
+  Answer out = answer(static_cast<const Findings&>(findings));
+  out.headline = terms_in_words(terms);
+  if (!findings.sampling.verdict.converged) out.headline = "So far: " + out.headline;
+  if (out.misfit) {
+    out.headline = "No subset of these terms explains the record (" +
+                   in_brief(findings.fit_verdict) + "). Least wrong: " + out.headline;
+  }
+  out.detail.clear();
+  std::vector<std::string> values;
+  for (const TermFinding& term : terms) {
+    if (!term.is_in() || values.size() == kMostValues) continue;
+    for (const ParameterFinding& p : term.parameters) {
+      values.push_back(p.unknown.label + " = " + median(p.estimate) + " (" + interval(p.estimate) +
+                       ")");
+    }
+  }
+  if (!values.empty()) out.detail = "With 95 % intervals: " + in_words(values) + ".";
+  return out;
+}
+
 Answer answer(const std::string& path, const std::vector<SweepRow>& rows) {
   Answer out;
   std::vector<std::string> best;

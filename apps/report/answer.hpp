@@ -6,6 +6,7 @@
 
 #include "apps/summary.hpp"
 #include "identification/damage_findings.hpp"
+#include "identification/sid_findings.hpp"
 
 namespace wheeltap::apps {
 
@@ -26,6 +27,8 @@ struct Answer {
 
 /// Which equation of motion.
 [[nodiscard]] Answer answer(const identification::Findings& findings);
+/// The same; of a discovery, which terms.
+[[nodiscard]] Answer answer(const identification::SidFindings& findings);
 
 /// One run of a sweep.
 struct SweepRow {

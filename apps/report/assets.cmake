@@ -4,8 +4,8 @@ find_path(WHEELTAP_VEGA_DIR vega-parser.min.js
   PATHS /usr/share/javascript/vega DOC "The modules of Vega 5 (libjs-vega)" REQUIRED)
 
 # Charts are one script of several files, in this order.
-set(CHART_FILES charts_kit.js charts_models.js charts_damage.js charts_chain.js charts_records.js
-  charts_sampling.js charts.js)
+set(CHART_FILES charts_kit.js charts_models.js charts_damage.js charts_chain.js charts_discovery.js
+  charts_records.js charts_sampling.js charts.js)
 list(TRANSFORM CHART_FILES PREPEND CHARTS:)
 foreach(part IN ITEMS TEMPLATE:report.html STYLE:report.css ${CHART_FILES} PAGE:page.js
     FIGURES:figures.js LICENCES:licences.txt)

@@ -6,6 +6,7 @@ const charts = (() => {
   const { modelProbabilities, evidence, sweep } = modelCharts;
   const { beam, jointFigures, residuals, emulator } = damageCharts;
   const { chain, laws, loops } = chainCharts;
+  const { discovery } = discoveryCharts;
   const { responses } = recordCharts;
   const { marginal, pair, history, visits, running, acceptance } = samplingCharts;
 
@@ -13,7 +14,7 @@ const charts = (() => {
     if (run.summary.sweep) return sweep(run);
     const { summary, draws } = run;
     const isShare = shares(run);
-    const out = [modelProbabilities(run)];
+    const out = [...discovery(run), modelProbabilities(run)];
     if (summary.damage) {
       const several = summary.kinds.length > 1;
       for (const kind of summary.kinds) {
@@ -22,7 +23,10 @@ const charts = (() => {
       }
       out.push(...jointFigures(run));
     } else {
-      out.push(...chain(run), ...laws(run), ...loops(run));
+      // Of a discovery the law over all models stands for those of each, and its map of forces for that of
+      // the most probable one.
+      const mapped = (summary.discovery?.laws || []).filter((law) => law.map?.length).map((law) => law.between.join(' – '));
+      out.push(...chain(run), ...(summary.terms ? [] : laws(run)), ...loops(run).filter((f) => !(f.id.startsWith('restoring-force') && mapped.includes(f.group))));
     }
     out.push(...evidence(run));
     out.push(...residuals(run), ...responses(run));

@@ -67,7 +67,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       const coefficients = units[key] || [];
       if (law === null || typeof law !== 'object') return { key, words: `${name} ${said(law, inRun(coefficients[0]?.unit), found)}` };
       const values = Object.entries(law).filter(([k]) => k !== 'side').map(([k, v]) => `${k} ${said(v, inRun(coefficients.find((c) => c.name === k)?.unit), found)}`);
-      return { key, side: law.side, words: `${name}${law.side ? `, ${law.side}` : ''}: ${values.join(', ')}` };
+      return { key, side: law.side, words: `${name}${law.side ? `, ${law.side}` : ''}${values.length ? ': ' : ''}${values.join(', ')}` };
     }));
   }
   // In lines of at most so many characters, broken at ", " or ": ".
@@ -81,10 +81,18 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     }
     return lines.map((line) => short(line, most + 2));
   }
+  // The base model of a discovery with the terms of the subset of this name.
+  function withTerms(run, base, name) {
+    if (!run.summary.terms || !base) return undefined;
+    const labels = name.slice(base.name.length).split(' + ');
+    const added = (between) => run.summary.terms.filter((t) => labels.includes(t.label) && t.link.join() === between.join())
+      .map((t) => [t.name, Object.keys(t.parameters).length === 1 ? Object.keys(t.parameters)[0] : {}]);
+    return { ...base, links: base.links.map((l) => ({ ...l, ...Object.fromEntries(added(l.between)) })) };
+  }
   function chain(run) {
     const cased = run.summary.wheeltap.case.models || [];
     const best = [...run.summary.models].sort((a, b) => b.probability - a.probability)[0];
-    const model = cased.find((m) => m.name === best.name);
+    const model = cased.find((m) => m.name === best.name) || withTerms(run, cased[0], best.name);
     if (!model || !Array.isArray(model.masses)) return [];
     const unknowns = run.summary.unknowns?.[best.name] || [];
     const found = Object.fromEntries(Object.entries(run.summary.parameters[best.name] || {}).map(([name, row]) => [name, { ...row, unit: unknowns.find((u) => u.label === name)?.unit }]));

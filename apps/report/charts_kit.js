@@ -119,6 +119,23 @@ const kit = (() => {
   const axisX = (title, more) => styled({ orient: 'bottom', scale: 'x', title, tickCount: { signal: 'max(4, width / 80)' }, format: plainFormat, ...defined(more) });
   const axisY = (title, more) => styled({ orient: 'left', scale: 'y', title, grid: true, domain: false, ticks: false, tickCount: 4, format: plainFormat, ...defined(more) });
 
+  // Names beside bars, on two lines where one is too short for them.
+  const nameRoom = (width) => Math.max(80, width * 0.36);
+  function inLines(name, room) {
+    const most = Math.floor(room / 6.8), words = name.split(' ');
+    if ([...name].length <= most) return [name];
+    let first = words.shift();
+    while (words.length && [...first].length + 1 + [...words[0]].length <= most) first += ' ' + words.shift();
+    return [first, words.join(' ')].filter(Boolean).map((line) => short(line, most));
+  }
+  const namesInLines = { labels: { update: { text: { signal: "scale('names', datum.value)" }, lineHeight: { value: 13 }, dy: { signal: "-6.5 * (length(scale('names', datum.value)) - 1)" } } } };
+  // Names of the models by index: of very many the seven most probable, the others as one.
+  function fewNames(models) {
+    if (models.length <= 14) return models.map((m) => m.name);
+    const top = [...models].sort((a, b) => b.probability - a.probability).slice(0, 7);
+    return models.map((m) => (top.includes(m) ? m.name : 'others'));
+  }
+
   // A two-dimensional histogram, densities as shades; empty cells show the paper.
   function heat(width, height, theme, { x, y, xTitle, yTitle, xDomain, yDomain, xFormat, yFormat, cells, legend, root }) {
     const values = cells.map(([i, j, d]) => ({ x0: x.from + i * x.width, x1: x.from + (i + 1) * x.width,
@@ -139,6 +156,6 @@ const kit = (() => {
     rows: cells.map(([i, j, d]) => [bx.from + (i + 0.5) * bx.width, by.from + (j + 0.5) * by.width, d]),
   });
 
-  return { themes, number, restyled, percent, probability, pValue, r2, slug, shares, written, bracketed, unit, unitSystem, short, frame, linear, decades, powersOfTen, powerFormat,
+  return { inLines, nameRoom, namesInLines, fewNames, themes, number, restyled, percent, probability, pValue, r2, slug, shares, written, bracketed, unit, unitSystem, short, frame, linear, decades, powersOfTen, powerFormat,
     legend, strokes, circles, tickFormat, dots, dotMark, frequencyScale, frequencyAxis, axisX, axisY, heat, cellTable };
 })();

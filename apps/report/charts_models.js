@@ -1,16 +1,5 @@
 // Charts of models beside each other: their probabilities, evidences, and a sweep's.
-const modelCharts = (({ percent, short, circles, frame, linear, axisX, axisY }) => {
-  // Names beside bars, on two lines where one is too short for them.
-  const nameRoom = (width) => Math.max(80, width * 0.36);
-  function inLines(name, room) {
-    const most = Math.floor(room / 6.8), words = name.split(' ');
-    if ([...name].length <= most) return [name];
-    let first = words.shift();
-    while (words.length && [...first].length + 1 + [...words[0]].length <= most) first += ' ' + words.shift();
-    return [first, words.join(' ')].filter(Boolean).map((line) => short(line, most));
-  }
-  const namesInLines = { labels: { update: { text: { signal: "scale('names', datum.value)" }, lineHeight: { value: 13 }, dy: { signal: "-6.5 * (length(scale('names', datum.value)) - 1)" } } } };
-
+const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame, linear, axisX, axisY }) => {
   function modelProbabilities(run) {
     const all = run.summary.models;
     const shown = all.length <= 14 ? all

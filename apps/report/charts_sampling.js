@@ -1,5 +1,5 @@
 // Charts of draws: posteriors of parameters, and how the sampler fared.
-const samplingCharts = (({ percent, restyled, slug, unit, strokes, circles, legend, tickFormat, frame, linear, axisX, axisY, heat, cellTable }) => {
+const samplingCharts = (({ percent, fewNames, restyled, slug, unit, strokes, circles, legend, tickFormat, frame, linear, axisX, axisY, heat, cellTable }) => {
   function marginal(model, p, fraction) {
     const x0 = p.bins.from, w = p.bins.width, shown = p.prior ? ['posterior', 'prior'] : ['posterior'];
     return {
@@ -53,8 +53,8 @@ const samplingCharts = (({ percent, restyled, slug, unit, strokes, circles, lege
   }
   function visits(run) {
     const { step, chains } = run.draws.visits;
-    const names = run.summary.models.map((m) => m.name);
-    const used = [...new Set(chains.flat())].sort((a, b) => a - b);
+    const names = fewNames(run.summary.models);
+    const used = [...new Set(chains.flat().sort((a, b) => a - b).map((m) => names[m]))];
     // Neighbouring draws in one model are one bar.
     const values = chains.flatMap((c, i) => {
       const bars = [];
@@ -72,9 +72,9 @@ const samplingCharts = (({ percent, restyled, slug, unit, strokes, circles, lege
       spec: (width, theme) => frame(width, Math.max(60, 22 * chains.length), theme, {
         data: [{ name: 'v', values }],
         scales: [linear('x', [0, run.draws.draws], 'width'), { name: 'y', type: 'band', domain: chains.map((_, i) => i + 1), range: 'height', padding: 0.2 },
-          { name: 'm', type: 'ordinal', domain: used.map((m) => names[m]), range: theme.series }],
+          { name: 'm', type: 'ordinal', domain: used, range: theme.series }],
         axes: [axisX('draw'), { orient: 'left', scale: 'y', title: 'chain', domain: false, ticks: false }],
-        legends: [legend(width, used.map((m) => names[m]), { fill: 'm', symbolType: 'square' })],
+        legends: [legend(width, used, { fill: 'm', symbolType: 'square' })],
         marks: [{ type: 'rect', from: { data: 'v' }, encode: { enter: { x: { scale: 'x', field: 'from' }, x2: { scale: 'x', field: 'to' }, y: { scale: 'y', field: 'c' }, height: { scale: 'y', band: 1 }, fill: { scale: 'm', field: 'm' } } } }],
       }),
     };
@@ -82,7 +82,8 @@ const samplingCharts = (({ percent, restyled, slug, unit, strokes, circles, lege
   function running(run) {
     const { draws, probability } = run.draws.visits.running;
     const names = run.summary.models.map((m) => m.name);
-    const used = names.map((_, m) => m).filter((m) => probability.some((row) => row[m] > 0));
+    const few = fewNames(run.summary.models);
+    const used = names.map((_, m) => m).filter((m) => few[m] === names[m] && probability.some((row) => row[m] > 0));
     return {
       id: 'running-probability', section: 'sampling', wide: true, title: 'Probability of each model as draws accumulate',
       caption: 'Lines that have become level say that more draws would change little.',

@@ -243,7 +243,7 @@
   function sweepSections() {
     const { path, rows } = summary.sweep;
     const warnings = rows.flatMap((r) => r.warnings.map((w) => `${path} = ${JSON.stringify(r.value)}: ${w}`));
-    section('warnings', 'What to keep in mind', null, warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'));
+    section('warnings', 'What to keep in mind', null, warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'));
     section('sweep', 'The sweep', null, grid(of('sweep')), ...toldByEvidence());
     section('parameters', 'Parameters', null, ...rows.flatMap((r) => [element('h3', { class: 'apart' }, `${path} = ${JSON.stringify(r.value)}`),
       ...Object.entries(r.parameters).filter(([, list]) => Object.keys(list).length).map(([model, list]) => copyable({ ...parameterRows(list), caption: model }))]));

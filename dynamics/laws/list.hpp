@@ -26,10 +26,11 @@
 #include "dynamics/laws/cubic.hpp"
 #include "dynamics/laws/quadratic.hpp"
 #include "dynamics/laws/quadratic_damping.hpp"
+#include "dynamics/laws/quintic.hpp"
 
 namespace wheeltap::dynamics {
 
 using LawList = TypeList<laws::Quadratic, laws::Cubic, laws::Bilinear, laws::Contact,
-                         laws::QuadraticDamping, laws::Coulomb, laws::BoucWen>;
+                         laws::QuadraticDamping, laws::Coulomb, laws::BoucWen, laws::Quintic>;
 
 }  // namespace wheeltap::dynamics

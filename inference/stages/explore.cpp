@@ -6,8 +6,10 @@
 #include <limits>
 #include <numeric>
 
+#include "inference/convergence.hpp"
 #include "inference/model_exploration.hpp"
 #include "inference/stages/model_probabilities.hpp"
+#include "inference/stages/nested_starts.hpp"
 #include "inference/stages/temper.hpp"
 #include "inference/stages/tune.hpp"
 #include "inference/starting_points.hpp"
@@ -22,8 +24,15 @@ constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
 constexpr long kLongRecord = 20000;  // samples: exploring from the prior costs more than it finds
 constexpr int kManyModels = 3000;    // climbed in
 constexpr long kClimbsInMany = 2;    // in each of those
-constexpr int kReachedModels = 12;   // of many: those explored by themselves when they are reached
-constexpr double kReached = 0.01;    // share of the visits
+// Models of a nested list of a record: climbs that start from one another's modes find more, for
+// a tenth of the calls, than annealing each from its prior.
+constexpr int kManyNested = 8;
+constexpr std::size_t kSearchedModels = 60;  // of those: no more than these are searched in full
+constexpr int kSearchRounds = 4;
+constexpr std::size_t kNestedStarts = 3;  // models within another whose modes it is searched from
+constexpr std::size_t kReachedModels =
+    12;                            // of many: those explored by themselves when they are reached
+constexpr double kReached = 0.01;  // share of the visits
 constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all models together
 constexpr long kRecordBudget = 50000;   // where a record grows: modes are then followed besides
 constexpr long kLeastBudget = 3000;     // a model's
@@ -61,8 +70,10 @@ void count(RunContext& run, RunState& state, const ModelExploration& found,
 }
 
 // Each model of the list by itself: all are surveyed before any is annealed, since a hopeless one
-// of a record, whose likelihoods are dear, needs no more than a survey.
-void explore_each(RunContext& run, RunState& state, const std::vector<int>& list, bool anneal) {
+// of a record, whose likelihoods are dear, needs no more than a survey. Models of a nested list
+// have each the budget that one has alone, and start from the modes of those within them as well.
+void explore_each(RunContext& run, RunState& state, const std::vector<int>& list, bool anneal,
+                  bool nested = false) {
   const Problem& problem = run.problem;
   const auto with_parameters =
       std::ranges::count_if(list, [&](int m) { return problem.space[m].dimension > 0; });
@@ -74,18 +85,22 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
       kLeastBudget,
       static_cast<long>(brief *
                         static_cast<double>(problem.shortened ? kRecordBudget : kSearchBudget) /
-                        static_cast<double>(std::max<long>(1, with_parameters))));
+                        static_cast<double>(nested ? 1 : std::max<long>(1, with_parameters))));
   const auto options = [&](int m) {
     ExplorationOptions how{
         .seed = run.options.seed,
         .climbs = run.options.searches,
-        .budget = problem.space.size() > kFewModels ? kLeastBudget : budget,
+        .budget = problem.space.size() > kFewModels && !nested ? kLeastBudget : budget,
         .anneal = anneal,
         .particles = static_cast<int>(
             std::clamp(brief * 12000.0 / static_cast<double>(with_parameters + 1), 400.0, 1200.0)),
         .threads = run.options.threads,
         .progress = [&](double share) { return run.monitor.advance(share); }};
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
+    if (nested) how.starts = nested_starts(problem.space, m, state.explorations, kNestedStarts);
+    // What a first glance found is not to be found again by chance.
+    for (const Mode& mode : state.explorations[static_cast<std::size_t>(m)].modes)
+      how.starts.push_back(mode.z);
     return how;
   };
   double best = -kInfinity;
@@ -122,29 +137,96 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
   }
 }
 
-// Climbs alone in each of very many models, and a look at those that this makes probable.
+// One of many models: climbs alone; of a nested list from the best mode of the models within it,
+// and from what an earlier glance found.
+void glance(RunContext& run, RunState& state, int m, bool nested) {
+  const Problem& problem = run.problem;
+  ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
+  ExplorationOptions how{
+      .seed = run.options.seed,
+      .starts = nested_starts(problem.space, m, state.explorations, nested ? 1 : kNestedStarts),
+      .climbs = run.options.searches > 0 ? run.options.searches : kClimbsInMany,
+      .budget = kLeastBudget,
+      .anneal = false,
+      .climbs_only = true,
+      .threads = run.options.threads};
+  // The least of a nested list is where the others begin.
+  if (nested && how.starts.empty() && run.options.searches == 0) how.climbs = 0;
+  how.from_starts = nested && !how.starts.empty() && run.options.searches == 0;
+  for (const Mode& mode : found.modes) how.starts.push_back(mode.z);
+  found = explore_model(problem, m, how);
+  count(run, state, found, {});
+}
+
+// A better mode of a model may be one of those around it as well, which had a glance before it was
+// known.
+void glance_again(RunContext& run, RunState& state, const std::vector<double>& before) {
+  constexpr double kBetter = 3.0;  // ln
+  const ModelSpace& space = run.space();
+  std::vector<int> better;
+  for (int m = 0; m < space.size(); ++m) {
+    const auto at = static_cast<std::size_t>(m);
+    if (state.explorations[at].log_evidence() > before[at] + kBetter) better.push_back(m);
+  }
+  for (const int m : by_dimension(space)) {
+    if (!state.explorations[static_cast<std::size_t>(m)].glanced ||
+        std::ranges::none_of(better, [&](int b) { return is_within(space[b], space[m]); }))
+      continue;
+    glance(run, state, m, true);
+    if (run.monitor.stopped()) return;
+  }
+}
+
+std::vector<double> log_evidences(const RunState& state) {
+  std::vector<double> out;
+  for (const ModelExploration& found : state.explorations) out.push_back(found.log_evidence());
+  return out;
+}
+
+// Models that had a glance and hold more than `least`, the most probable first.
+std::vector<int> probable(const RunContext& run, const RunState& state, double least) {
+  const auto probability = [&](int m) { return state.probability[static_cast<std::size_t>(m)]; };
+  std::vector<int> list = every_model(run);
+  std::ranges::stable_sort(list, std::ranges::greater{}, probability);
+  std::erase_if(list, [&](int m) {
+    return probability(m) < least || !state.explorations[static_cast<std::size_t>(m)].glanced;
+  });
+  return list;
+}
+
+// A glance at each of very many models, the smaller first, and a look at those that this makes
+// probable.
 void explore_many(RunContext& run, RunState& state) {
   const Problem& problem = run.problem;
+  const bool nested = problem.shortened && is_nested(problem.space);
   run.monitor.begin("searching", static_cast<double>(run.models()));
-  for (const int m : every_model(run)) {
+  for (const int m : by_dimension(problem.space)) {
     if (!std::isfinite(problem.space[m].log_prior)) continue;
-    ModelExploration& found = state.explorations[static_cast<std::size_t>(m)] =
-        explore_model(problem, m,
-                      {.seed = run.options.seed,
-                       .climbs = run.options.searches > 0 ? run.options.searches : kClimbsInMany,
-                       .anneal = false,
-                       .climbs_only = true,
-                       .threads = run.options.threads});
-    count(run, state, found, {});
+    glance(run, state, m, nested);
     if (!run.monitor.advance(1.0)) return;
   }
   estimate_probabilities(run, state);
-  const auto probability = [&](int m) { return state.probability[static_cast<std::size_t>(m)]; };
-  std::vector<int> probable = every_model(run);
-  std::ranges::stable_sort(probable, std::ranges::greater{}, probability);
-  probable.resize(kReachedModels);
-  std::erase_if(probable, [&](int m) { return probability(m) < kReached; });
-  explore_each(run, state, probable, false);
+  if (!nested) {
+    std::vector<int> list = probable(run, state, kReached);
+    if (list.size() > kReachedModels) list.resize(kReachedModels);
+    return explore_each(run, state, list, false);
+  }
+  // What holds the probability is searched as a single model would be, the smaller first: their
+  // modes are starts of the larger. A look may show more than the glance did, and then others hold
+  // it.
+  std::size_t left = kSearchedModels;
+  for (int round = 0; round < kSearchRounds && left > 0; ++round) {
+    std::vector<int> list = probable(run, state, kLimits.searched_model);
+    if (list.empty()) return;
+    if (list.size() > left) list.resize(left);
+    left -= list.size();
+    std::ranges::stable_sort(list, {}, [&](int m) { return problem.space[m].dimension; });
+    const std::vector<double> before = log_evidences(state);
+    explore_each(run, state, list, false, true);
+    if (run.monitor.stopped()) return;
+    glance_again(run, state, before);
+    estimate_probabilities(run, state);
+  }
 }
 
 // Where a long record makes exploring from the prior cost more than it finds.
@@ -239,7 +321,9 @@ void explore(RunContext& run, RunState& state) {
   }
   if (list && problem.samples >= kLongRecord && problem.shortened) {
     explore_growing(run, state);
-  } else if (list && problem.space.size() <= kFewModels) {
+  } else if (list && problem.space.size() <= kFewModels &&
+             !(problem.shortened && problem.space.size() >= kManyNested &&
+               is_nested(problem.space))) {
     explore_each(run, state, every_model(run), !run.options.quick);
   } else if (list && problem.space.size() <= kManyModels) {
     explore_many(run, state);

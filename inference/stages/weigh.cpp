@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kWorthWeighing = 1e-4;  // of a model that had a glance
 
 Evidence by_importance(const std::vector<double>& log_ratios) {
   Evidence evidence = kNoEvidence;
@@ -93,6 +94,7 @@ void weigh(RunContext& run, RunState& state) {
     ModelFindings& found = state.posterior.found[at];
     found.annealed = explored.annealed;
     found.climbs = explored.climbs;
+    found.glanced = explored.glanced;
     describe_modes(run, state, m, found);
     if (run.space()[m].dimension == 0) {
       found.sampled = explored.sampled;
@@ -100,7 +102,10 @@ void weigh(RunContext& run, RunState& state) {
       continue;
     }
     found.sampled = explored.sampled;
-    const bool matters = explored.population.cols() > 0 || run.space().size() <= kFewModels;
+    // Of many models most had a glance only, and are as improbable as that says.
+    const bool matters =
+        (explored.population.cols() > 0 || run.space().size() <= kFewModels) &&
+        !(explored.glanced && !explored.modes.empty() && state.probability[at] < kWorthWeighing);
     if (!matters || !state.pilot.fit->density[at] || run.monitor.stopped()) continue;
     std::vector<double>& at_mixture = state.at_mixture[at];
     if (at_mixture.empty()) {

@@ -109,7 +109,7 @@ TEST(SidCase, FrictionIsExactUnlessAVelocityIsGiven) {
   EXPECT_FALSE(dynamics::is_dry(law({{"force", 3}, {"velocity", 1e-3}})));
   EXPECT_FALSE(dynamics::is_dry(law({{"force", 3}, {"velocity", "v"}})));
   EXPECT_THAT(refusal(where, with("/models/1/links/0/coulomb", -3)),
-              AllOf(HasSubstr("/models/1/links/0/coulomb: -3"), HasSubstr("not negative")));
+              AllOf(HasSubstr("/models/1/links/0/coulomb: -3"), HasSubstr("at least 0")));
 }
 
 TEST(SidCase, NamesThePlaceOfEveryMistake) {

@@ -101,7 +101,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   Posterior hopeless = posterior;
   hopeless.found[1] = found(-2000.0);  // was "P ≈ 0 ± 0"
   EXPECT_EQ(model_table(found_in(hopeless))[1].value("told", ""),
-            "not entered in 12 345 proposals; its evidence puts it at P < 1e-15");
+            "not entered in 12 345 proposals; its evidence puts it at P < 1e-300");
   EXPECT_FALSE(parameter_tables(found_in(posterior)).contains("1 damage"));
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);

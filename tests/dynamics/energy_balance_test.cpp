@@ -35,6 +35,7 @@ Account account(const Law& law, double e, double v, double a, double tension) {
   const auto pressed = [&](double gap) { return std::max(0.0, side * e - gap); };
   if (name == "quadratic") return {.stored = c(0) * e * e * e / 3.0};
   if (name == "cubic") return {.stored = c(0) * e * e * e * e / 4.0};
+  if (name == "quintic") return {.stored = c(0) * std::pow(e, 6) / 6.0};
   if (name == "bilinear") return {.stored = 0.5 * c(0) * pressed(0.0) * pressed(0.0)};
   if (name == "contact") return {.stored = 0.5 * c(0) * pressed(c(1)) * pressed(c(1))};
   if (name == "quadratic_damping")
@@ -124,6 +125,7 @@ const std::vector<Case>& cases() {
   static const std::vector<Case> all{
       {"Quadratic", make_law<laws::Quadratic>({15.0})},
       {"Cubic", make_law<laws::Cubic>({300.0})},
+      {"Quintic", make_law<laws::Quintic>({4000.0})},
       {"Bilinear", make_law<laws::Bilinear>({60.0})},
       {"Contact", make_law<laws::Contact>({400.0, 0.05}, Side::closing)},
       {"QuadraticDamping", make_law<laws::QuadraticDamping>({1.5})},

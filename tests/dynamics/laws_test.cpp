@@ -27,6 +27,7 @@ TEST(Laws, FollowTheContract) {
     for (double rate : {-1.3, 0.0, 0.4}) {
       EXPECT_DOUBLE_EQ(tension(make_law<laws::Quadratic>({3.0}), e, rate), 3.0 * e * e);
       EXPECT_DOUBLE_EQ(tension(make_law<laws::Cubic>({-3.0}), e, rate), -3.0 * e * (e * e));
+      EXPECT_DOUBLE_EQ(tension(make_law<laws::Quintic>({3.0}), e, rate), 3.0 * e * (e * e * e * e));
       EXPECT_DOUBLE_EQ(tension(make_law<laws::Bilinear>({3.0}), e, rate), 3.0 * std::max(0.0, e));
       EXPECT_DOUBLE_EQ(tension(make_law<laws::Bilinear>({3.0}, Side::closing), e, rate),
                        3.0 * std::min(0.0, e));
@@ -162,6 +163,7 @@ TEST(Laws, SlopesBoundTheDerivatives) {
   };
   check(laws::Quadratic{}, {-3.0});
   check(laws::Cubic{}, {7.0});
+  check(laws::Quintic{}, {7.0});
   check(laws::Bilinear{}, {5.0});
   check(laws::Contact{}, {5.0, 0.2});
   check(laws::QuadraticDamping{}, {4.0});

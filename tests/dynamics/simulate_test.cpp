@@ -129,6 +129,7 @@ struct Everything {
           {.a = 3, .b = 1, .stiffness = parameter(5.0), .damping = parameter(0.1)});
     chain.links[0].laws = {make_law<laws::Quadratic>({parameter(30.0)}),
                            make_law<laws::Cubic>({parameter(200.0)}),
+                           make_law<laws::Quintic>({parameter(900.0)}),
                            make_law<laws::BoucWen>({parameter(40.0), parameter(0.05),
                                                     parameter(1.5), parameter(0.6), 0.3})};
     chain.links[1].laws = {

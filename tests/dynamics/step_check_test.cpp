@@ -39,6 +39,7 @@ double tension(const Law& law, double e, double v, double zeta, double& zeta_rat
   zeta_rate = 0.0;
   if (name == "quadratic") return c(0) * e * e;
   if (name == "cubic") return c(0) * e * e * e;
+  if (name == "quintic") return c(0) * std::pow(e, 5.0);
   if (name == "bilinear") return side * c(0) * std::max(0.0, side * e);
   if (name == "contact") return side * c(0) * std::max(0.0, side * e - c(1));
   if (name == "quadratic_damping") return c(0) * v * std::abs(v);
@@ -122,6 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"Quadratic", make_law<laws::Quadratic>({15.0}), 1e-6},
                     Case{"Cubic", make_law<laws::Cubic>({150.0}), 1e-6},
                     Case{"SofteningCubic", make_law<laws::Cubic>({-10.0}), 1e-6},
+                    Case{"Quintic", make_law<laws::Quintic>({1500.0}), 1e-6},
                     Case{"Bilinear", make_law<laws::Bilinear>({60.0}), 1e-6},
                     Case{"Contact", make_law<laws::Contact>({400.0, 0.05}, Side::closing), 1e-6},
                     Case{"QuadraticDamping", make_law<laws::QuadraticDamping>({1.5}), 1e-6},
@@ -134,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // Every law of the list has a case above.
 TEST(StepCheck, TriesEveryLaw) {
-  EXPECT_EQ(LawList::kSize, 7);
+  EXPECT_EQ(LawList::kSize, 8);
 }
 
 Simulator driven(const Law& law, double amplitude, SimulatorOptions options = {}) {

@@ -201,5 +201,23 @@ TEST(ModeSearch, ResolutionIsWhatOneSearchInAHundredMisses) {
   EXPECT_EQ(search_resolution(0), 1.0);
 }
 
+// Of a record of 400 samples whose likelihood is impossible but near its mode: both climbs from the
+// prior begin where nothing is possible, and the given start is all there is.
+TEST(ModeSearch, StartsCountWhereNoDrawOfThePriorIsPossible) {
+  const auto island = [](std::span<const double> x) {
+    const double e = (x[0] - 6.0) / 0.1;
+    return std::abs(e) < 20.0 ? -0.5 * e * e : -std::numeric_limits<double>::infinity();
+  };
+  Problem problem = problem_of(1, island);
+  problem.samples = 400;
+  problem.shortened = [island](long) {
+    return std::make_shared<const Problem>(problem_of(1, island));
+  };
+  EXPECT_TRUE(search_modes(problem, 0, {.climbs = 2}).modes.empty());
+  const ModeSearch found = search_modes(problem, 0, {.climbs = 2, .starts = {{5.5}}});
+  ASSERT_EQ(found.modes.size(), 1U);
+  EXPECT_NEAR(found.modes[0].z[0], 6.0 * 100.0 / 101.0, 1e-3);
+}
+
 }  // namespace
 }  // namespace wheeltap::inference

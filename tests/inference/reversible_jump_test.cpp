@@ -123,16 +123,8 @@ TEST(ReversibleJump, OrderOfChainsDoesNotMatter) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(before[i], after[i], 1e-9 * std::abs(before[i]));
 }
 
-Problem bumps() {
-  std::vector<double> data(toy::kSensors);
-  toy::predict(std::vector<double>{0.3, 1.2}, data);
-  data[1] += 0.3;
-  data[4] -= 0.4;
-  return toy::bump_problem(data, {1, 1, 1, 1});
-}
-
 TEST(ReversibleJump, SameSeedSameRunForAnyNumberOfThreads) {
-  const Problem problem = bumps();
+  const Problem problem = toy::bumps();
   Options options = small(5);
   options.threads = 1;
   const Posterior one = reversible_jump(problem, options);
@@ -171,7 +163,7 @@ class EarlyRejecting final : public Likelihood {
 };
 
 TEST(ReversibleJump, EarlyRejectionChangesNoDraw) {
-  const Problem exact = bumps();
+  const Problem exact = toy::bumps();
   long early = 0;
   Problem rejecting = exact;
   rejecting.likelihood = [&] {
@@ -192,7 +184,7 @@ TEST(ReversibleJump, EarlyRejectionChangesNoDraw) {
 }
 
 TEST(ReversibleJump, MoveSetsAgree) {
-  const Problem problem = bumps();
+  const Problem problem = toy::bumps();
   Options options{.seed = 2, .warmup = 3000, .draws = 20000};
   const Posterior all = reversible_jump(problem, options);
   options.moves = {.informed_birth = false,
@@ -209,7 +201,7 @@ TEST(ReversibleJump, MoveSetsAgree) {
 
 // Tempering leaves P(k) and the parameters alone, whether it stops after warm-up or goes on.
 TEST(ReversibleJump, TemperingChangesNoProbability) {
-  const Problem problem = bumps();
+  const Problem problem = toy::bumps();
   Options options{.seed = 4, .warmup = 3000, .draws = 20000};
   const Posterior without = reversible_jump(problem, options);
   options.tempered_draws = true;
@@ -227,7 +219,7 @@ TEST(ReversibleJump, TemperingChangesNoProbability) {
 }
 
 TEST(ReversibleJump, RecordedDensitiesAreTheRecomputedOnes) {
-  const Problem problem = bumps();
+  const Problem problem = toy::bumps();
   const Posterior posterior = reversible_jump(problem, small());
   const auto likelihood = problem.likelihood();
   for (std::size_t i = 0; i < posterior.chains[1].size(); i += 97) {
@@ -307,7 +299,7 @@ TEST(ReversibleJump, TheLeastWarmupAndDrawsStillRun) {
 }
 
 TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {
-  const Problem problem = bumps();
+  const Problem problem = toy::bumps();
   for (const char* stage : {"exploring", "tuning", "sampling"}) {
     Options options{.seed = 1, .warmup = 20000, .draws = 400000};
     options.progress = [&](const Options::Progress& p) { return std::string(p.stage) != stage; };

@@ -13,14 +13,6 @@
 namespace wheeltap::inference {
 namespace {
 
-Problem bumps() {
-  std::vector<double> data(toy::kSensors);
-  toy::predict(std::vector<double>{0.3, 1.2}, data);
-  data[1] += 0.3;
-  data[4] -= 0.4;
-  return toy::bump_problem(data, {1, 1, 1, 1});
-}
-
 // n = 20, mean 0.5, sd 1, prior N(0, 1): a Bayes factor of 2.360070 for the free mean.
 Problem nested_mean() {
   class NormalMean : public Likelihood {
@@ -36,7 +28,7 @@ Problem nested_mean() {
 }
 
 TEST(RunCost, CallsOfItsPhasesAddUp) {
-  const Problem problem = bumps();
+  const Problem problem = toy::bumps();
   const Posterior posterior = reversible_jump(problem, {.warmup = 2000, .draws = 500});
   const Calls& calls = posterior.calls;
   EXPECT_EQ(calls.explore + calls.tune + calls.sample + calls.evidence,
@@ -131,7 +123,7 @@ class Stopped : public testing::TestWithParam<std::pair<const char*, bool>> {};
 
 TEST_P(Stopped, LeavesDrawsOfWhatWasFound) {
   const auto [stage, components] = GetParam();
-  const Problem problem = components ? bumps() : lines();
+  const Problem problem = components ? toy::bumps() : lines();
   bool reached = false;
   Options options{.seed = 1, .draws = 20000};
   options.progress = [&, stage = stage](const Options::Progress& p) {

@@ -66,7 +66,16 @@ inline Problem bump_problem(std::vector<double> data, const std::vector<double>&
           .reflections = {{.kind = 0, .parameter = 0, .center = 0.5}}};
 }
 
-/// The same, its proposals screened by a stand-in that takes every bump for a smaller one.
+/// At most 3 bumps over data of one, with two sensors off.
+inline Problem bumps() {
+  std::vector<double> data(kSensors);
+  predict(std::vector<double>{0.3, 1.2}, data);
+  data[1] += 0.3;
+  data[4] -= 0.4;
+  return bump_problem(data, {1, 1, 1, 1});
+}
+
+/// bump_problem, its proposals screened by a stand-in that takes every bump for a smaller one.
 inline Problem screened_bump_problem(std::vector<double> data, const std::vector<double>& weights) {
   Problem problem = bump_problem(data, weights);
   problem.screen = [data] { return std::make_unique<BumpLikelihood>(data, 0.7); };

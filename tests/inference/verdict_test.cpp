@@ -337,6 +337,24 @@ TEST(Verdict, ResolutionIsWhatTheClimbsWouldMissOnceInAHundred) {
   EXPECT_EQ(judge(posterior).resolution, 1.0);
 }
 
+// Fault: two climbs in each of sixteen subsets made the resolution 99 % beside "Converged", though
+// the models that held the probability had been searched.
+TEST(Verdict, ResolutionIsThatOfTheModelsThatHoldTheProbability) {
+  Posterior posterior = made_up({{0.9996, 0.0004, 0.0}});
+  posterior.found[1].climbs = 2;
+  posterior.found[1].glanced = true;
+  Verdict verdict = judge(posterior);
+  EXPECT_NEAR(std::pow(1.0 - verdict.resolution, 100.0), 0.01, 1e-9);
+  EXPECT_EQ(verdict.glanced, 1);
+  // One that holds more than .1 % counts, however little was looked at it.
+  posterior = made_up({{0.95, 0.05, 0.0}});
+  posterior.found[1].climbs = 2;
+  posterior.found[1].glanced = true;
+  verdict = judge(posterior);
+  EXPECT_NEAR(verdict.resolution, 0.9, 1e-9);
+  EXPECT_EQ(verdict.glanced, 0);
+}
+
 TEST(Verdict, WeightedDrawsAreReweighted) {
   // Drawn evenly, while the first two have odds of 1 : 4862.
   Posterior posterior = made_up({{0.5, 0.5, 0.0}});

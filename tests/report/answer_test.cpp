@@ -263,5 +263,39 @@ TEST(Answer, OfAnOlderSummaryNamesTheModels) {
   EXPECT_EQ(read_answer(kept).detail, "d");
 }
 
+TermFinding term(const std::string& name, double inclusion, int a = 0, int b = 1) {
+  return {.label = name, .name = name, .a = a, .b = b, .inclusion = inclusion};
+}
+
+TEST(Answer, OfADiscoverySaysWhichTermsALinkHas) {
+  SidFindings run;
+  run.models.resize(8);
+  run.models[0].name = "linear";
+  run.models[0].standing.probability = 1.0;
+  run.sampling.verdict.converged = true;
+  run.discovery.terms = {term("quadratic", 0.98), term("cubic", 0.9999), term("coulomb", 0.03),
+                         term("bouc_wen", 0.4)};
+  run.discovery.terms[1].parameters = {
+      {.unknown = {.name = "cubic", .label = "cubic"}, .estimate = row(990.0, 1000.0, 1012.0)}};
+  const Answer a = apps::answer(run);
+  EXPECT_EQ(a.headline,
+            "The link 0-1 has cubic (> 99.9 %) and quadratic (98 %) as terms; undecided: bouc wen "
+            "(40 %); nothing speaks for coulomb (3 %).");
+  EXPECT_EQ(a.detail, "With 95 % intervals: cubic = 1000 (990 to 1012).");
+  run.discovery.terms = {term("cubic", 0.01), term("cubic", 0.95, 1, 2)};
+  run.sampling.verdict.converged = false;
+  EXPECT_EQ(
+      apps::answer(run).headline,
+      "So far: The link 0-1 needs none of the terms; nothing speaks for cubic (1 %). The link "
+      "1-2 has cubic (95 %) as a term.");
+  EXPECT_FALSE(apps::answer(run).caution.empty());
+  run.sampling.verdict.converged = true;
+  run.fit_verdict.why = {misfit::Unexplained{"force", -0.28}};
+  EXPECT_EQ(
+      apps::answer(run).headline.find("No subset of these terms explains the record (R² -0.28"),
+      0U);
+  EXPECT_TRUE(apps::answer(run).misfit);
+}
+
 }  // namespace
 }  // namespace wheeltap::apps

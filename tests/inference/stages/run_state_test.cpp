@@ -20,14 +20,6 @@ namespace {
 
 static_assert(std::is_copy_constructible_v<RunState> && std::is_copy_assignable_v<RunState>);
 
-Problem bumps() {
-  std::vector<double> data(toy::kSensors);
-  toy::predict(std::vector<double>{0.3, 1.2}, data);
-  data[1] += 0.3;
-  data[4] -= 0.4;
-  return toy::bump_problem(data, {1, 1, 1, 1});
-}
-
 constexpr int kDraws = 300;
 
 using Round = void (*)(RunContext&, RunState&);
@@ -75,19 +67,19 @@ class RunStateOf : public testing::TestWithParam<bool> {};
 
 TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
   const Options options{.seed = 3, .chains = 2, .warmup = 1000, .draws = 2 * kDraws};
-  const Problem problem = bumps();
+  const Problem problem = toy::bumps();
   RunContext context(problem, options);
   RunState straight = begin(context);
   for (const Round round : rounds(GetParam())) round(context, straight);
 
   RunState state;
   {
-    const Problem first = bumps();
+    const Problem first = toy::bumps();
     RunContext run(first, options);
     state = begin(run);
   }
   for (const Round round : rounds(GetParam())) {
-    const Problem again = bumps();  // of the context before nothing is left
+    const Problem again = toy::bumps();  // of the context before nothing is left
     RunContext run(again, options);
     resume(run, state);
     round(run, state);
@@ -101,7 +93,7 @@ TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
 
 TEST_P(RunStateOf, CopiesDoNotKnowOfEachOther) {
   const Options options{.seed = 4, .chains = 2, .warmup = 1000, .draws = kDraws};
-  const Problem problem = bumps();
+  const Problem problem = toy::bumps();
   RunContext run(problem, options);
   RunState state = begin(run);
   const std::vector<Round> all = rounds(GetParam());

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cmath>
+
+#include "dynamics/law.hpp"
+
+namespace wheeltap::dynamics::laws {
+
+/// T = k₅ e⁵: what hardens (k₅ > 0) or softens beyond the reach of a cubic spring. Series expand no
+/// fifth power: a chain with it is integrated by Runge-Kutta.
+struct Quintic {
+  static constexpr LawInfo kInfo{
+      .name = "quintic",
+      .formula = "T = k5 e^5",
+      .description = "a spring that hardens (k5 > 0) or softens beyond the reach of a cubic one",
+      .coefficients = {{{.name = "stiffness",
+                         .unit = "N/m^5",
+                         .symbol = "k5",
+                         .words = "the coefficient of e^5",
+                         .example = 1e11}}}};
+
+  template <class V>
+  static V tension(const V* c, V e, V /*rate*/) {
+    const V square = e * e;
+    return c[0] * e * (square * square);
+  }
+  static Slopes slopes(const double* c, double e_max) {
+    const double square = e_max * e_max;
+    return {.stiffness = 5.0 * std::abs(c[0]) * square * square};
+  }
+};
+
+}  // namespace wheeltap::dynamics::laws
