@@ -5,6 +5,7 @@
 
 #include "apps/posterior_file.hpp"
 #include "base/random.hpp"
+#include "identification/link_paths.hpp"
 #include "identification/marginal.hpp"
 #include "identification/sid_fit.hpp"
 #include "identification/sid_units.hpp"
@@ -63,6 +64,60 @@ void write_excitation(const io::NetcdfWriter& file, const SidCase& sid_case, std
               force          ? "force on mass " + std::to_string(channel.mass)
               : displacement ? "base displacement"
                              : "base acceleration");
+  }
+}
+
+std::vector<float> single(const std::vector<double>& values) {
+  return {values.begin(), values.end()};
+}
+
+/// What the draws of `predictive` predict without noise. Left out without draws.
+void write_noise_free(const io::NetcdfWriter& file, const SidProblem& problem,
+                      const inference::Posterior& posterior, const SidPredictive& predictive,
+                      const std::vector<std::string>& names) {
+  const std::vector<NoiseFree> found = noise_free(problem, posterior, predictive);
+  if (found.empty()) return;
+  const int group = file.group("noise_free");
+  const int quantile = file.dimension(group, "quantile", 3, 0);
+  const int sample = file.dimension(group, "sample", found[0].q50.size(), problem.sid_case.begin);
+  const auto responses = problem.sid_case.responses();
+  for (std::size_t c = 0; c < found.size(); ++c) {
+    std::vector<float> values = single(found[c].q2_5);
+    for (const auto* more : {&found[c].q50, &found[c].q97_5}) {
+      values.insert(values.end(), more->begin(), more->end());
+    }
+    const int id = file.put(group, names[c], {quantile, sample}, values);
+    file.text(group, id, "units", responses[c]->used_unit());
+    file.text(group, id, "quantiles", "0.025, 0.5, 0.975");
+  }
+}
+
+/// What the links of a model went through with its best draw. Left out where that is not known.
+void write_link_paths(const io::NetcdfWriter& file, const SidProblem& problem,
+                      const inference::Posterior& posterior, int model) {
+  const auto draw = best_draw(problem, posterior, model);
+  if (draw.empty()) return;
+  const std::vector<LinkPath> paths = link_paths(problem, model, problem.theta(model, draw));
+  if (paths.empty()) return;
+  const int group = file.group("link_paths");
+  file.text(group, NC_GLOBAL, "model",
+            problem.sid_case.models[static_cast<std::size_t>(model)].name);
+  const int sample =
+      file.dimension(group, "sample", paths[0].extension.size(), problem.sid_case.begin);
+  const auto system = unit_system(problem.sid_case);
+  for (const LinkPath& path : paths) {
+    const std::string ends = std::to_string(path.a) + "_" + std::to_string(path.b);
+    const auto put = [&](const char* name, const std::vector<double>& values, const char* si) {
+      if (values.empty()) return;
+      const int id = file.put(group, name + ends, {sample}, single(values));
+      if (system) file.text(group, id, "units", system->in_place_of(si));
+      if (path.differentiated) file.text(group, id, "differentiated", "yes");
+    };
+    put("extension_", path.extension, "m");
+    put("rate_", path.rate, "m/s");
+    put("tension_", path.tension, "N");
+    put("measured_tension_", path.measured, "N");
+    put("measured_extension_", path.measured_extension, "m");
   }
 }
 
@@ -156,6 +211,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
       file.text(group, id, "units", responses[c]->used_unit());
     }
   }
+  write_noise_free(file, problem, posterior, predictive, names);
   {
     const int group = file.group("observed_data");
     const int sample = file.dimension(group, "sample", samples, sid_case.begin);
@@ -177,6 +233,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
       file.text(group, id, "units", responses[c]->used_unit());
     }
     write_excitation(file, sid_case, samples, theta);
+    write_link_paths(file, problem, posterior, most);
   }
   file.close();
 }

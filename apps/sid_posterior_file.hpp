@@ -19,6 +19,12 @@ namespace wheeltap::apps {
 ///   sample_stats          as in posterior_file.hpp
 ///   posterior_predictive  one variable a response (chain, draw, sample), noise of `seed` added;
 ///                         its draws are those of `predictive`, numbered in draw_index
+///   noise_free            one variable a response (quantile, sample): 2.5, 50 and 97.5 % of what
+///   the
+///                         same draws predict without noise
+///   link_paths            extension, rate, tension of each link (sample) in the motion of the most
+///                         probable model's best draw, and what the data say of the tension
+///                         (identification/link_paths.hpp)
 ///   observed_data         one variable a response (sample) [SI], and time [s]
 /// Throws io::FileError.
 void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFile& parsed,

@@ -2,12 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "inference/convergence.hpp"
 
 namespace wheeltap::apps {
 
 using namespace identification;
+
+std::string significant(double x, int digits) {
+  std::string text = base::significant(x, digits);
+  const std::size_t e = text.find('e');
+  if (e == std::string::npos || !std::isfinite(x)) return text;
+  const int power = std::atoi(text.c_str() + e + 1);
+  if (power > 0 && power < 6) return fixed(std::strtod(text.c_str(), nullptr), 0);
+  return text.substr(0, e + 1) + std::to_string(power);
+}
 
 std::string resolved(double x, double width) {
   if (x == 0.0 || !std::isfinite(x)) return significant(x, 3);

@@ -14,8 +14,10 @@ namespace wheeltap::apps {
 
 using base::fixed;
 using base::grouped;
-using base::significant;
 
+/// `digits` significant ones, no trailing zeros, in the style of the report: plain from 1e-4 to a
+/// million ("350", not "3.5e+02"), "5.4e-6" outside.
+[[nodiscard]] std::string significant(double x, int digits);
 /// A number with as many digits as an interval of this width needs to be told from a point: two of
 /// the width, at least three of the number, at most ten.
 [[nodiscard]] std::string resolved(double x, double width);

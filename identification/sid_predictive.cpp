@@ -69,6 +69,34 @@ std::vector<double> observed(const SidProblem& problem, std::size_t response,
   return y;
 }
 
+std::vector<NoiseFree> noise_free(const SidProblem& problem, const inference::Posterior& posterior,
+                                  const SidPredictive& predictive) {
+  const std::size_t responses = problem.sid_case.responses().size();
+  const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  if (predictive.draws.empty()) return {};
+  std::vector<NoiseFree> out(responses);
+  for (std::size_t c = 0; c < responses; ++c) {
+    std::vector<std::vector<double>> at(samples);  // what each draw predicts, sample by sample
+    for (const auto& d : predictive.draws) {
+      const auto& chain = posterior.chains[d.chain];
+      const auto theta =
+          problem.theta(chain.model[d.draw], {chain.theta.data() + d.draw * width, width});
+      const std::vector<double> y = observed(problem, c, theta);
+      for (std::size_t n = 0; n < samples; ++n) {
+        at[n].push_back(y[n] - static_cast<double>(d.residuals[c * samples + n]));
+      }
+    }
+    for (std::vector<double>& predicted : at) {
+      std::ranges::sort(predicted);
+      out[c].q2_5.push_back(quantile(predicted, 0.025));
+      out[c].q50.push_back(quantile(predicted, 0.5));
+      out[c].q97_5.push_back(quantile(predicted, 0.975));
+    }
+  }
+  return out;
+}
+
 std::vector<double> coverage(const SidProblem& problem, const SidPredictive& predictive) {
   const std::size_t responses = problem.sid_case.responses().size();
   const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());

@@ -29,6 +29,16 @@ struct SidPredictive {
 [[nodiscard]] std::vector<double> observed(const SidProblem& problem, std::size_t response,
                                            std::span<const double> theta);
 
+/// Quantiles over the draws of what they predict for a response without its noise [SI], one a
+/// scored sample: replicates scatter by the noise as well, and a median of them is as jagged.
+struct NoiseFree {
+  std::vector<double> q2_5, q50, q97_5;
+};
+/// One a response; empty without draws.
+[[nodiscard]] std::vector<NoiseFree> noise_free(const SidProblem& problem,
+                                                const inference::Posterior& posterior,
+                                                const SidPredictive& predictive);
+
 /// Share of each response's samples that lie within the central band `SidCase::band` of the
 /// predictive mixture
 ///

@@ -147,6 +147,7 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
                         "yet."
                       : "The chains have not converged: do not trust these numbers yet.";
   }
+  const bool explained = findings.fit_verdict.ok();
   const auto& models = findings.models;
   const auto order = by_probability(models);
   const ModelFinding& best = models[order[0]];
@@ -159,7 +160,7 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
   } else if (best.probability() >= kDecided) {
     const std::string name = named(best);
     out.headline = best.probability() >= kCertain ? name + "." : "Most likely " + name + ".";
-    if (!converged) out.headline = "So far: " + out.headline;
+    if (!converged && explained) out.headline = "So far: " + out.headline;
     out.headline = capitalised(out.headline);
   } else {
     std::vector<std::string> list;
@@ -169,13 +170,15 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
       }
     }
     if (list.size() == 1) list.emplace_back("others, each below 10 %");
-    out.headline = std::string(converged ? "Undecided" : "So far undecided") + undecided +
-                   in_words(list, "or") + ".";
+    out.headline = std::string(converged || !explained ? "Undecided" : "So far undecided") +
+                   undecided + in_words(list, "or") + ".";
   }
-  if (!findings.fit_verdict.ok()) {
+  if (!explained) {
     out.misfit = true;
     out.headline = misfit(findings.fit_verdict, best) +
-                   (models.size() == 1 ? std::string() : " Least wrong: " + out.headline);
+                   (models.size() == 1
+                        ? std::string()
+                        : (converged ? " Least wrong: " : " Least wrong so far: ") + out.headline);
   }
   return out;
 }

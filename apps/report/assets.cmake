@@ -3,12 +3,17 @@ set(report_dir "${CMAKE_CURRENT_LIST_DIR}")
 find_path(WHEELTAP_VEGA_DIR vega-parser.min.js
   PATHS /usr/share/javascript/vega DOC "The modules of Vega 5 (libjs-vega)" REQUIRED)
 
-foreach(part IN ITEMS TEMPLATE:report.html STYLE:report.css CHARTS:charts.js PAGE:page.js
+# Charts are one script of several files, in this order.
+set(CHART_FILES charts_kit.js charts_models.js charts_damage.js charts_chain.js charts_discovery.js
+  charts_records.js charts_sampling.js charts.js)
+list(TRANSFORM CHART_FILES PREPEND CHARTS:)
+foreach(part IN ITEMS TEMPLATE:report.html STYLE:report.css ${CHART_FILES} PAGE:page.js
     FIGURES:figures.js LICENCES:licences.txt)
   string(REPLACE ":" ";" part "${part}")
   list(GET part 0 name)
   list(GET part 1 file)
-  file(READ "${report_dir}/${file}" REPORT_${name})
+  file(READ "${report_dir}/${file}" text)
+  string(APPEND REPORT_${name} "${text}")
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${report_dir}/${file}")
 endforeach()
 
@@ -42,6 +47,7 @@ return { View: require('vega-view').View, parse: require('vega-parser').parse };
 
 configure_file("${report_dir}/assets.cpp.in"
   "${CMAKE_CURRENT_BINARY_DIR}/generated/apps/report/assets.cpp" @ONLY)
-set(REPORT_SOURCES report/answer.cpp report/digest.cpp report/digest_draws.cpp report/digest_parameters.cpp
+set(REPORT_SOURCES report/answer.cpp report/digest.cpp report/digest_draws.cpp report/digest_links.cpp
+  report/digest_parameters.cpp
   report/digest_responses.cpp report/report.cpp
   "${CMAKE_CURRENT_BINARY_DIR}/generated/apps/report/assets.cpp")

@@ -91,7 +91,11 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
       }
     }
     if (by_count[0].x.empty()) continue;
-    const Bins bx{0.0, length / 100.0, 100};
+    // About a hundred along the beam, a whole number of them in each element.
+    const auto elements =
+        std::max<std::size_t>(1, summary["beam"].value("elements", std::size_t{1}));
+    const std::size_t along = elements * std::max<std::size_t>(1, (100 + elements - 1) / elements);
+    const Bins bx{0.0, length / static_cast<double>(along), along};
     const auto [low, high] = std::ranges::minmax(by_count[0].y);
     // Shares are drawn from zero to a round number above the largest.
     const double top = share ? std::min(1.0, std::ceil(10.0 * high) / 10.0) : high;
@@ -170,17 +174,19 @@ Report digest(const std::filesystem::path& posterior_file, const Report& summary
     const io::NetcdfArray lp = file.read(*group, "lp");
     if (lp.shape.size() != 2) file.foreign("has a log posterior of another shape");
     const std::size_t step = std::max<std::size_t>(1, lp.shape[1] / kHistoryPoints);
+    const auto [low, high] = std::ranges::minmax(lp.values);
     Report chains = Report::array();
     for (std::size_t c = 0; c < lp.shape[0]; ++c) {
       Report one = Report::array();
       for (std::size_t i = 0; i < lp.shape[1]; i += step) {
-        one.push_back({i + 1, compact(lp.values[c * lp.shape[1] + i])});
+        one.push_back({i + 1, compact(lp.values[c * lp.shape[1] + i], high - low)});
       }
       chains.push_back(std::move(one));
     }
     out["log_posterior"] = chains;
   }
   out["responses"] = digest_responses(file);
+  out["link_paths"] = digest_links(file);
   out["created_at"] = file.text("created_at");
   return out;
 }

@@ -6,11 +6,25 @@
 
 namespace wheeltap::apps {
 
-double compact(double x) {
+namespace {
+
+double rounded(double x, int digits) {
   if (!std::isfinite(x) || x == 0.0) return x;
   char text[32];
-  std::snprintf(text, sizeof text, "%.5g", x);
+  std::snprintf(text, sizeof text, "%.*g", digits, x);
   return std::strtod(text, nullptr);
+}
+
+}  // namespace
+
+double compact(double x) {
+  return rounded(x, 5);
+}
+
+double compact(double x, double width) {
+  if (!(width > 0.0) || x == 0.0) return compact(x);
+  const double more = std::ceil(std::log10(std::abs(x) / width)) + 3.0;
+  return rounded(x, static_cast<int>(std::clamp(more, 5.0, 17.0)));
 }
 
 // As many bins as the draws can fill: in proportion to the cube root of their number, as Freedman &

@@ -18,6 +18,8 @@ inline constexpr std::size_t kHistoryPoints = 400;  // a chain, in the histories
 
 /// Five digits are more than a chart shows, and shorter to store.
 [[nodiscard]] double compact(double x);
+/// With as many digits as tell a thousandth of `width` apart, and at least those.
+[[nodiscard]] double compact(double x, double width);
 
 struct Bins {
   double from = 0.0, width = 1.0;
@@ -27,7 +29,7 @@ struct Bins {
     return position <= 0.0 ? 0 : std::min(static_cast<std::size_t>(position), n - 1);
   }
   [[nodiscard]] Report json() const {
-    return {{"from", compact(from)}, {"width", width}, {"n", n}};
+    return {{"from", compact(from, width)}, {"width", width}, {"n", n}};
   }
 };
 
@@ -86,8 +88,11 @@ class StoredDraws {
 /// Histogram, prior density and thinned history of each parameter of the models that matter, and
 /// joint histograms of pairs, as "parameters" and "pairs" of `out`.
 void digest_parameters(const StoredDraws& posterior, const Report& summary, Report& out);
-/// Each response channel of a record: data and replicated band over time, spectra, frequency
-/// responses to what drove it, autocorrelation of the residuals.
+/// Each response channel of a record: data, what is predicted without noise and with it, over time,
+/// spectra, frequency responses to what drove it, autocorrelation of the residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
+/// What each link went through in the motion of the best draw, and what the data say of its
+/// tension; thinned evenly. Empty where the run did not keep it.
+[[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

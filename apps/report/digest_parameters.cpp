@@ -35,24 +35,28 @@ std::optional<inference::Prior> prior_of(const CaseFile& stated, const std::stri
 Report one_parameter(const StoredDraws& posterior, const Series& series, std::size_t model,
                      std::vector<double>& all, const CaseFile& stated) {
   all.clear();
-  Report history = Report::array();
+  std::vector<std::vector<std::size_t>> inside(posterior.chains());  // draws of this model
   for (std::size_t c = 0; c < posterior.chains(); ++c) {
-    std::vector<std::size_t> inside;
     for (std::size_t i = c * posterior.draws(); i < (c + 1) * posterior.draws(); ++i) {
       if (posterior.model(i) != model) continue;
       const double x = series.at(i);
       if (!std::isfinite(x)) continue;
       all.push_back(x);
-      inside.push_back(i);
+      inside[c].push_back(i);
     }
+  }
+  if (all.empty()) return {};
+  const auto [low, high] = std::ranges::minmax(all);
+  Report history = Report::array();
+  for (std::size_t c = 0; c < posterior.chains(); ++c) {
     Report one = Report::array();
-    const std::size_t step = std::max<std::size_t>(1, inside.size() / kHistoryPoints);
-    for (std::size_t n = 0; n < inside.size(); n += step) {
-      one.push_back({inside[n] - c * posterior.draws() + 1, compact(series.at(inside[n]))});
+    const std::size_t step = std::max<std::size_t>(1, inside[c].size() / kHistoryPoints);
+    for (std::size_t n = 0; n < inside[c].size(); n += step) {
+      const std::size_t i = inside[c][n];
+      one.push_back({i - c * posterior.draws() + 1, compact(series.at(i), high - low)});
     }
     history.push_back(std::move(one));
   }
-  if (all.empty()) return {};
   const Bins bins = bins_over(all, bins_for(all.size(), 4.0, 20, 200));
   std::vector<std::size_t> counts(bins.n);
   for (const double x : all) ++counts[bins.at(x)];
@@ -77,7 +81,7 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
       const double x = bins.from + span * (static_cast<double>(i) / (kCurve - 1) * 1.1 - 0.05);
       const double p = prior_density(x);
       if (!std::isfinite(p)) continue;
-      x_list.push_back(compact(x));
+      x_list.push_back(compact(x, bins.width));
       p_list.push_back(compact(p));
     }
     // The area that posterior and prior share: 1 where the data said nothing.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "apps/report/digest_draws.hpp"
 #include "signals/residuals.hpp"
@@ -39,6 +40,71 @@ std::vector<Driver> drivers(const io::NetcdfReader& file, std::size_t samples) {
   return out;
 }
 
+// What is predicted of a response, sample by sample: of replicates (noise included) and without
+// noise. Runs of before that group keep replicates alone: their median stands in, without a band.
+struct Predicted {
+  std::vector<double> low, high;            // 95 % band of replicates
+  std::vector<double> median, q2_5, q97_5;  // without noise; the quantiles empty where not kept
+};
+
+std::optional<Predicted> predicted(const io::NetcdfReader& file, int replicates,
+                                   const std::string& name, std::size_t samples) {
+  const io::NetcdfArray replicated = file.read(replicates, name);
+  if (replicated.shape.size() != 3 || replicated.inner() != samples) return {};
+  Predicted out{std::vector<double>(samples), std::vector<double>(samples), {}, {}, {}};
+  std::vector<double> medians(samples), column(replicated.shape[0] * replicated.shape[1]);
+  for (std::size_t n = 0; n < samples; ++n) {
+    for (std::size_t d = 0; d < column.size(); ++d) {
+      column[d] = replicated.values[d * samples + n];
+    }
+    std::ranges::sort(column);
+    out.low[n] = quantile(column, 0.025);
+    medians[n] = quantile(column, 0.5);
+    out.high[n] = quantile(column, 0.975);
+  }
+  const auto group = file.group("noise_free");
+  if (group && file.has(*group, name)) {
+    const io::NetcdfArray kept = file.read(*group, name);
+    if (kept.values.size() == 3 * samples) {
+      const auto row = [&](long q) {
+        const auto from = kept.values.begin() + q * static_cast<long>(samples);
+        return std::vector<double>(from, from + static_cast<long>(samples));
+      };
+      out.q2_5 = row(0), out.median = row(1), out.q97_5 = row(2);
+      return out;
+    }
+  }
+  out.median = std::move(medians);
+  return out;
+}
+
+// Over time: [t, measured, replicates 2.5 %, without noise 2.5 %, 50 %, 97.5 %, replicates 97.5 %,
+// residual]. Long records are cut into buckets that keep the extremes.
+Report history(const std::vector<double>& time, const std::vector<double>& y, const Predicted& p,
+               const std::vector<double>& residual, std::size_t points) {
+  const std::size_t samples = time.size();
+  const auto extreme = [](const std::vector<double>& x, std::size_t from, std::size_t to,
+                          bool high) -> Report {
+    if (x.empty()) return {};
+    const auto begin = x.begin() + static_cast<long>(from), end = x.begin() + static_cast<long>(to);
+    return compact(high ? *std::max_element(begin, end) : *std::min_element(begin, end));
+  };
+  Report rows = Report::array();
+  for (std::size_t b = 0; b < points; ++b) {
+    const std::size_t from = b * samples / points, to = (b + 1) * samples / points;
+    // Lowest, then highest of the bucket: a line through both fills what it spans.
+    for (const bool high : {false, true}) {
+      const double t = high ? 0.5 * (time[to - 1] + time[from]) : time[from];
+      rows.push_back({t, extreme(y, from, to, high), extreme(p.low, from, to, false),
+                      extreme(p.q2_5, from, to, false), extreme(p.median, from, to, high),
+                      extreme(p.q97_5, from, to, true), extreme(p.high, from, to, true),
+                      extreme(residual, from, to, high)});
+      if (to - from == 1) break;
+    }
+  }
+  return rows;
+}
+
 // Frequency responses H1 of the data and of the predicted median to one excitation, estimated with
 // the same windows: frequency, |H1| and phase of both, coherence of the data; frequencies that
 // nothing excited are left out.
@@ -64,9 +130,6 @@ Report transfer(const Driver& driver, const std::vector<double>& y,
           {"rows", rows}};
 }
 
-// Each response channel of a record: data, predictive median and 95 % band over time; spectra of
-// data, median and residual; autocorrelation of the residual. Long records are cut into buckets
-// that keep the extremes.
 }  // namespace
 
 Report digest_responses(const io::NetcdfReader& file) {
@@ -91,50 +154,15 @@ Report digest_responses(const io::NetcdfReader& file) {
   for (const std::string& name : names) {
     const std::vector<double> y = file.read(*data, name).values;
     Report json = {{"name", name}, {"unit", file.text(*group, name, "units")}};
-    std::vector<double> low(samples), median(samples), high(samples);
-    {
-      const io::NetcdfArray replicated = file.read(*group, name);
-      if (replicated.shape.size() != 3 || replicated.inner() != samples || y.size() != samples) {
-        continue;
-      }
-      std::vector<double> column(replicated.shape[0] * replicated.shape[1]);
-      for (std::size_t n = 0; n < samples; ++n) {
-        for (std::size_t d = 0; d < column.size(); ++d) {
-          column[d] = replicated.values[d * samples + n];
-        }
-        std::ranges::sort(column);
-        low[n] = quantile(column, 0.025);
-        median[n] = quantile(column, 0.5);
-        high[n] = quantile(column, 0.975);
-      }
-    }
-    Report rows = Report::array();
-    for (std::size_t b = 0; b < points; ++b) {
-      const std::size_t from = b * samples / points, to = (b + 1) * samples / points;
-      const auto lowest = [&](const std::vector<double>& x) {
-        return *std::min_element(x.begin() + static_cast<long>(from),
-                                 x.begin() + static_cast<long>(to));
-      };
-      const auto highest = [&](const std::vector<double>& x) {
-        return *std::max_element(x.begin() + static_cast<long>(from),
-                                 x.begin() + static_cast<long>(to));
-      };
-      if (to - from == 1) {
-        rows.push_back({time[from], compact(y[from]), compact(low[from]), compact(median[from]),
-                        compact(high[from])});
-      } else {
-        // Lowest, then highest of the bucket: a line through both fills what it spans.
-        const double half = 0.5 * (time[to - 1] - time[from]);
-        rows.push_back({time[from], compact(lowest(y)), compact(lowest(low)),
-                        compact(lowest(median)), compact(highest(high))});
-        rows.push_back({time[from] + half, compact(highest(y)), compact(lowest(low)),
-                        compact(highest(median)), compact(highest(high))});
-      }
-    }
-    json["bucket"] = (samples + points - 1) / points;
-    json["history"] = std::move(rows);
+    if (y.size() != samples) continue;
+    const auto found = predicted(file, *group, name, samples);
+    if (!found) continue;
+    const std::vector<double>& median = found->median;
     std::vector<double> residual(samples);
     for (std::size_t n = 0; n < samples; ++n) residual[n] = y[n] - median[n];
+    json["noise_free"] = !found->q2_5.empty();
+    json["bucket"] = (samples + points - 1) / points;
+    json["history"] = history(time, y, *found, residual, points);
     const double rate = static_cast<double>(samples - 1) / (time.back() - time.front());
     const int segment = static_cast<int>(std::clamp<std::size_t>(samples / 4, 4, 1024));
     const auto s_y = signals::welch(y, rate, {.segment = segment});

@@ -3,7 +3,7 @@
   const run = JSON.parse(document.getElementById('run').textContent);
   const { summary, draws = {}, told = [], resolution = '' } = run;
   const main = document.getElementById('content');
-  const { number, percent } = charts;
+  const { number, percent, pValue, r2 } = charts;
 
   function element(name, properties = {}, ...children) {
     const node = document.createElement(name);
@@ -80,23 +80,24 @@
     one.view = new vega.View(vega.parse(one.figure.spec(width, theme)), { renderer: 'svg', container: one.place, hover: true });
     one.view.run();
     const svg = one.place.querySelector('svg');
-    svg?.setAttribute('aria-label', one.figure.title);
+    svg?.setAttribute('aria-label', one.figure.name || one.figure.title);
   }
   function figureElement(figure, level) {
+    const name = figure.name || figure.title; // where it does not stand beneath its heading
     const place = element('div', { class: 'chart', id: 'figure-' + figure.id });
     const one = { figure, place };
     drawn.push(one);
-    const saveButton = element('button', { type: 'button', 'aria-label': 'Save as SVG: ' + figure.title, onclick: async () => {
+    const saveButton = element('button', { type: 'button', 'aria-label': 'Save as SVG: ' + name, onclick: async () => {
       const view = new vega.View(vega.parse(figure.spec(figure.wide ? 720 : 380, charts.themes.light)), { renderer: 'none' });
       save(figure.id + '.svg', await view.toSVG(), 'image/svg+xml');
     } }, 'Save as SVG');
-    const numbers = element('details', {}, element('summary', { 'aria-label': 'Numbers: ' + figure.title }, 'Numbers'));
+    const numbers = element('details', {}, element('summary', { 'aria-label': 'Numbers: ' + name }, 'Numbers'));
     numbers.addEventListener('toggle', () => {
       if (numbers.childElementCount > 1) return;
       const data = figure.table();
       const button = element('button', { type: 'button' }, 'Copy the table');
       button.addEventListener('click', () => copy(tabSeparated(data), button));
-      numbers.append(scrolled({ ...data, caption: figure.title }), button);
+      numbers.append(scrolled({ ...data, caption: name }), button);
     });
     const zoom = [];
     if (figure.zoom) {
@@ -115,7 +116,7 @@
       element('h' + level, { dir: 'auto' }, figure.title), figure.caption ? element('figcaption', { dir: 'auto' }, figure.caption) : null,
       place, element('div', { class: 'tools' }, ...zoom, saveButton, numbers));
   }
-  const grid = (list, level = 3) => element('div', { class: 'figures' }, ...list.map((f) => figureElement(f, level)));
+  const grid = (list, level = 3, more = '') => element('div', { class: 'figures' + more }, ...list.map((f) => figureElement(f, level)));
   const of = (section, group) => all.filter((f) => f.section === section && (group === undefined || f.group === group));
 
   function section(id, title, lead, ...content) {
@@ -138,9 +139,21 @@
   const parameterRows = (rows, unknowns) => {
     const titled = (name) => name + charts.bracketed((unknowns || []).find((u) => u.label === name)?.unit);
     const keys = [...new Set(Object.values(rows).flatMap((r) => Object.keys(r)))].filter((k) => Object.values(rows).every((r) => typeof r[k] !== 'object' || r[k] === null));
-    return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat' })[k] || k)],
+    return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat', prior_overlap: 'prior overlap' })[k] || k)],
       rows: Object.entries(rows).map(([name, r]) => [titled(name), ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k]))]) };
   };
+
+  const worded = (x, words) => (typeof x === 'number' ? { value: x, text: words(x) } : null);
+  // Natural frequencies and damping ratios of a chain's linear part.
+  function modesTable(rows) {
+    if (!Array.isArray(rows) || !rows.length) return [];
+    const cells = (r) => ['q50', 'q2.5', 'q97.5'].map((key) => worded(r?.[key], () => digits(r, key)));
+    return [copyable({ head: ['mode', 'frequency [Hz]', '2.5 %', '97.5 %', 'damping ratio', '2.5 %', '97.5 %'], caption: 'Modes of the linear part of the chain: median and 95 % interval',
+      rows: rows.map((m, i) => [i + 1, ...cells(m.frequency_hz), ...cells(m.damping_ratio)]) })];
+  }
+
+  // A sentence in which no line ends within "--warmup".
+  const prose = (text) => String(text).split(/(--[a-z][a-z-]*)/).map((part, i) => (i % 2 ? element('code', { class: 'option' }, part) : part));
 
   // ---- sections ---------------------------------------------------------------------------
   function caseNotes() {
@@ -183,31 +196,37 @@
         `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
         (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
         (d.round_trips > 0 ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
-      resolution ? element('p', {}, `Resolution of the searches: ${resolution}. More searches (--search) make it finer.`) : null,
-      warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'),
-      ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, n)), ...caseNotes());
+      resolution ? element('p', {}, ...prose(`Resolution of the searches: ${resolution}. More searches (--search) make it finer.`)) : null,
+      warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'),
+      ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, ...prose(n))), ...caseNotes());
 
     section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')), ...toldByEvidence(), ...bayesFactors(), ...evidenceTable());
 
     const mirrored = d.symmetry?.statement;
-    const drawn = Object.keys(summary.links || {}).length ? 'The chain, and the law found for each link: tension at rest against extension (opening: positive) over the extensions that the record went through, median and 95 % band.' : null;
-    section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored || drawn, of('where').length ? grid(of('where')) : null);
+    // Charts of a link stand together.
+    const links = [...new Set(of('where').map((f) => f.group).filter(Boolean))];
+    const whole = of('where').filter((f) => !f.group);
+    section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored, whole.length ? grid(whole) : null, ...links.flatMap((key) => {
+      const lead = of('where', key).find((f) => f.lead)?.lead;
+      return [element('h3', { class: 'apart' }, `Link ${key}`), lead ? element('p', { class: 'lead' }, lead) : null, grid(of('where', key), 4, ' pairs')];
+    }));
 
     const folded = summary.damage?.folded;
-    section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${number(p, 3)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
+    section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${pValue(p)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
       of('fit').length ? grid(of('fit')) : null);
 
     const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
     if (fits.length) {
       document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
         head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],
-        rows: fits.flatMap(([model, rows]) => rows.map((r) => [model, r.channel, r.rmse, r.nrmse, r.r2, r.noise_sd, r.whiteness?.p_value])), caption: 'Residuals of each response channel' }));
+        rows: fits.flatMap(([model, rows]) => rows.map((r) => [model, r.channel, r.rmse, r.nrmse, worded(r.r2, r2), r.noise_sd, worded(r.whiteness?.p_value, pValue)])), caption: 'Residuals of each response channel' }));
     }
     const perModel = Object.keys(summary.parameters).flatMap((model) => {
       const probability = summary.models.find((m) => m.name === model)?.probability;
       const out = [element('h3', { dir: 'auto' }, `${model} (${charts.probability(probability)})`)];
       if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model], summary.unknowns?.[model]), caption: 'Posterior given this model' }));
       else out.push(element('p', { class: 'lead' }, 'No parameters.'));
+      out.push(...modesTable(summary.modes?.[model]));
       if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));
       if (of('parameters', model).length) out.push(grid(of('parameters', model), 4));
       if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));
@@ -224,7 +243,7 @@
   function sweepSections() {
     const { path, rows } = summary.sweep;
     const warnings = rows.flatMap((r) => r.warnings.map((w) => `${path} = ${JSON.stringify(r.value)}: ${w}`));
-    section('warnings', 'What to keep in mind', null, warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, w))) : element('p', {}, 'No warnings.'));
+    section('warnings', 'What to keep in mind', null, warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'));
     section('sweep', 'The sweep', null, grid(of('sweep')), ...toldByEvidence());
     section('parameters', 'Parameters', null, ...rows.flatMap((r) => [element('h3', { class: 'apart' }, `${path} = ${JSON.stringify(r.value)}`),
       ...Object.entries(r.parameters).filter(([, list]) => Object.keys(list).length).map(([model, list]) => copyable({ ...parameterRows(list), caption: model }))]));

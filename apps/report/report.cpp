@@ -1,5 +1,6 @@
 #include "apps/report/report.hpp"
 
+#include <cctype>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -9,6 +10,7 @@
 #include "apps/report/answer.hpp"
 #include "apps/report/assets.hpp"
 #include "apps/report/digest.hpp"
+#include "dynamics/laws.hpp"
 #include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
@@ -72,6 +74,21 @@ Report told(const Report& models, const std::string& before) {
   return out;
 }
 
+// The coefficients of every law a link may have: {"contact": [{"name": "stiffness", "unit": "N/m"},
+// …], …}.
+Report laws() {
+  Report out = Report::object();
+  for (const dynamics::LawInfo& law : dynamics::law_infos()) {
+    Report& list = out[std::string(law.name)] = Report::array();
+    for (int i = 0; i < law.size(); ++i) {
+      const auto& coefficient = law.coefficients[static_cast<std::size_t>(i)];
+      list.push_back(
+          {{"name", std::string(coefficient.name)}, {"unit", std::string(coefficient.unit)}});
+    }
+  }
+  return out;
+}
+
 // What the scripts draw: the summary, what charts need of the draws, and the answer.
 Report content(const fs::path& directory, const Report& summary, const Answer& said) {
   Report out = {{"summary", summary}, {"answer", json(said)}};
@@ -87,6 +104,7 @@ Report content(const fs::path& directory, const Report& summary, const Answer& s
       return out;
     }
     out["told"] = told(summary["models"], "");
+    if (summary["wheeltap"].value("command", "") == "sid") out["laws"] = laws();
     out["resolution"] = summary["diagnostics"].value("resolution_words", "");
     out["draws"] = digest(directory / "posterior.nc", summary);
   } catch (const nlohmann::json::exception& error) {
@@ -108,6 +126,13 @@ std::string prose(const std::string& text) {
     for (std::size_t at = 0; (at = out.find(unit, at)) != std::string::npos; at += 6) {
       out.replace(at, 1, "&nbsp;");
     }
+  }
+  // No line ends within "4.6e-6": word joiners about the sign.
+  for (std::size_t at = 1; (at = out.find("e-", at)) != std::string::npos; at += 2) {
+    const auto digit = [&](std::size_t i) {
+      return i < out.size() && std::isdigit(static_cast<unsigned char>(out[i])) != 0;
+    };
+    if (digit(at - 1) && digit(at + 2)) out.replace(at, 2, "e\u2060-\u2060");
   }
   return out;
 }

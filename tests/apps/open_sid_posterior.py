@@ -22,6 +22,8 @@ with tempfile.TemporaryDirectory() as out:
     for group in ("posterior_predictive", "observed_data"):
         xr.load_dataset(path, group=group)
     given = xr.load_dataset(path, group="constant_data")
+    noise_free = xr.load_dataset(path, group="noise_free")
+    paths = xr.load_dataset(path, group="link_paths")
 
 for data in (posterior, stats):
     for name, variable in data.data_vars.items():
@@ -53,6 +55,14 @@ for name in {p for table in summary["parameters"].values() for p in table}:
 force = given["force"]
 assert force.dims == ("sample",) and force.size == 300 and force.attrs["units"] == "N"
 assert 60 < force.values.var() < 140, force.values.var()
+
+# Without noise: quantiles in order.
+quantiles = noise_free["displacement"]
+assert quantiles.dims == ("quantile", "sample") and quantiles.attrs["units"] == "m", quantiles
+assert np.all(np.diff(quantiles.values, axis=0) >= 0)
+# What the link went through: its units, and the stiff ends of a hardening spring.
+assert [paths[name + "_0_1"].attrs["units"] for name in ("extension", "rate", "tension")] == ["m", "m/s", "N"]
+assert paths["tension_0_1"].values.argmax() == paths["extension_0_1"].values.argmax()
 
 # The law of the link is that of the draws: k e + k3 e^3.
 [law] = summary["links"]["duffing"]

@@ -1,8 +1,9 @@
 // `wheeltap report`: draws a finished run again, and ends with the contract's codes where it
 // cannot.
 #include <gmock/gmock.h>
+#include <netcdf.h>
 
-#include "program.hpp"
+#include "sid_cases.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -10,10 +11,22 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
+// What the page of a run draws.
+json drawn_data(const std::filesystem::path& run) {
+  const std::string page = read_all(run / "report.html");
+  const std::string opening = "<script type=\"application/json\" id=\"run\">";
+  const std::size_t from = page.find(opening);
+  if (from == std::string::npos) return {};
+  const std::size_t begin = from + opening.size();
+  return json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
 class ReportCommand : public testing::Test {
  protected:
   ReportCommand() {
-    const std::string small = where_.write_json("c.json", small_case()).string();
+    json c = small_case();
+    c["beam"]["elements"] = 12;
+    const std::string small = where_.write_json("c.json", c).string();
     run_ = where_ / "run";
     const Outcome ran = wheeltap(where_, "damage " + small + " -o " + run_.string() +
                                              " --quiet --chains 2 --warmup 2000 --draws 500");
@@ -87,12 +100,57 @@ TEST_F(ReportCommand, SummaryWithPartsOfAnotherShapeEndsWith65) {
   }
 }
 
+// Fault: of a hundred bins along any beam, some lay across the ends of elements.
+TEST_F(ReportCommand, BinsAlongTheBeamEndWhereElementsDo) {
+  const json elements = json::parse(read_all(run_ / "summary.json"))["beam"]["elements"];
+  const json bins = drawn_data(run_)["draws"]["joint"][0]["bins_x"];
+  ASSERT_GT(elements.get<int>(), 1);
+  EXPECT_GE(bins["n"].get<int>(), 100);
+  EXPECT_EQ(bins["n"].get<int>() % elements.get<int>(), 0);
+}
+
 TEST_F(ReportCommand, UnwritableEndsWith73) {
   std::filesystem::remove(run_ / "report.html");
   std::filesystem::create_directories(run_ / "report.html/in the way");
   const Outcome outcome = wheeltap(where_, "report " + run_.string());
   EXPECT_EQ(outcome.exit_code, 73) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("report.html"));
+}
+
+// A run of before posterior.nc held predictions without noise and the paths of links: its report
+// has the median of replicates in their place, no loops, and says so. A netCDF file gives up no
+// group: other names hide them.
+TEST(ReportOfAnEarlierRun, IsDrawnFromReplicatesAlone) {
+  const Workspace where;
+  const auto run = where / "run";
+  const std::string c = where.write_json("c.json", small_sid_case()).string();
+  const Outcome ran = wheeltap(
+      where, "sid " + c + " -o " + run.string() + " --quiet --chains 2 --warmup 2000 --draws 500");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const json now = drawn_data(run)["draws"];
+  EXPECT_EQ(now["responses"][0]["noise_free"], true);
+  EXPECT_EQ(now["link_paths"].size(), 1U);
+
+  int file = 0;
+  ASSERT_EQ(nc_open((run / "posterior.nc").c_str(), NC_WRITE, &file), NC_NOERR);
+  for (const char* name : {"noise_free", "link_paths"}) {
+    int group = 0;
+    ASSERT_EQ(nc_inq_grp_ncid(file, name, &group), NC_NOERR) << name;
+    ASSERT_EQ(nc_rename_grp(group, (std::string("not_") + name).c_str()), NC_NOERR) << name;
+  }
+  ASSERT_EQ(nc_close(file), NC_NOERR);
+  const Outcome again = wheeltap(where, "report " + run.string());
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const json earlier = drawn_data(run)["draws"];
+  const json& response = earlier["responses"][0];
+  EXPECT_EQ(response["noise_free"], false);
+  EXPECT_EQ(earlier["link_paths"].size(), 0U);
+  ASSERT_EQ(response["history"].size(), 200U);
+  for (const json& row : response["history"]) {
+    EXPECT_TRUE(row[3].is_null() && row[5].is_null());  // no band without noise
+    EXPECT_LE(row[2].get<double>(), row[4].get<double>());
+    EXPECT_LE(row[4].get<double>(), row[6].get<double>());
+  }
 }
 
 }  // namespace

@@ -98,6 +98,10 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_EQ(table[1]["log_evidence"], -12.0);
   EXPECT_EQ(table[1].value("told", ""),
             "not entered in 12 345 proposals; its evidence puts it at P ≈ 0.119 ± 0.01");
+  Posterior hopeless = posterior;
+  hopeless.found[1] = found(-2000.0);  // was "P ≈ 0 ± 0"
+  EXPECT_EQ(model_table(found_in(hopeless))[1].value("told", ""),
+            "not entered in 12 345 proposals; its evidence puts it at P < 1e-300");
   EXPECT_FALSE(parameter_tables(found_in(posterior)).contains("1 damage"));
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
@@ -108,7 +112,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   const std::size_t misfit = d["not_established"].size();
   EXPECT_THAT(d["warnings"][misfit].get<std::string>(),
               HasSubstr("No number of damages explains the frequencies within the stated noise "
-                        "(predictive p 1e-09) (off by more than 3 sd: modes 1 to 3). Check"));
+                        "(predictive p 1e-9) (off by more than 3 sd: modes 1 to 3). Check"));
   EXPECT_THAT(d["warnings"][misfit + 1].get<std::string>(),
               HasSubstr("\"a\" (2 % of the response, correlation -0.58 at lag 4, p < 1e-15)"));
   EXPECT_THAT(d["warnings"][misfit + 2].get<std::string>(),
@@ -262,8 +266,11 @@ TEST(Summary, NumbersForPeople) {
   EXPECT_EQ(resolved(464992.4, 10.2), "464992");
   EXPECT_EQ(resolved(49.99871, 0.02), "49.999");
   EXPECT_EQ(resolved(1022.8, 187.0), "1023");
-  EXPECT_EQ(resolved(9.9949e-5, 4e-8), "9.9949e-05");
+  EXPECT_EQ(resolved(9.9949e-5, 4e-8), "9.9949e-5");
   EXPECT_EQ(resolved(28.3, 29.0), "28.3");
+  EXPECT_EQ(significant(350.0, 2), "350");  // seconds: was "3.5e+02"
+  EXPECT_EQ(significant(3.5e7, 2), "3.5e7");
+  EXPECT_EQ(p_value(0.0), "p < 1e-15");  // was "p 0"
 }
 
 }  // namespace

@@ -151,6 +151,10 @@ TEST(Answer, MisfitComesBeforeTheWinner) {
             "None of these models explains the record (R² -0.28 for \"force\"). Least wrong: "
             "“viscous” (> 99.9 %).");
   EXPECT_TRUE(a.misfit);
+  findings.sampling.verdict.converged = false;  // was "Least wrong: So far: …"
+  EXPECT_THAT(apps::answer(findings).headline,
+              HasSubstr(". Least wrong so far: “viscous” (> 99.9 %)."));
+  findings.sampling.verdict.converged = true;
   findings.models.pop_back();
   a = apps::answer(findings);
   EXPECT_EQ(a.headline, "“viscous” does not explain the record (R² -0.28 for \"force\").");

@@ -35,7 +35,7 @@ assert.ok(runs.length > 0, 'no runs to open');
 // What every report of a kind draws; names of channels and links follow.
 const charts = {
   damage: ['model-probabilities', 'where', 'frequency-residuals', 'marginal-', 'model-visits', 'running-probability', 'log-posterior', 'acceptance'],
-  sid: ['model-probabilities', 'chain', 'law-', 'response-', 'spectrum-', 'frequency-response-', 'autocorrelation-', 'marginal-', 'model-visits', 'running-probability', 'log-posterior', 'acceptance'],
+  sid: ['model-probabilities', 'chain', 'law-', 'force-displacement-', 'force-velocity-', 'restoring-force-', 'response-', 'residual-', 'spectrum-', 'frequency-response-', 'autocorrelation-', 'marginal-', 'model-visits', 'running-probability', 'log-posterior', 'acceptance'],
   sweep: ['sweep-probability'],
 };
 test.describe('reports', { concurrency: 2 }, () => {
@@ -91,7 +91,8 @@ for (const name of runs) {
       const rows = Object.entries(parameters);
       assert.equal(shown[model].length, rows.length);
       rows.forEach(([parameter, values], i) => {
-        assert.equal(shown[model][i][0], parameter);
+        const unit = summary.unknowns?.[model]?.find((u) => u.label === parameter)?.unit;
+        assert.equal(shown[model][i][0], parameter + (unit && unit !== '1' ? ` [${unit.replace('^2', '²').replace('^3', '³')}]` : ''));
         assert.equal(Number(shown[model][i][1]), values.mean);
         assert.equal(Number(shown[model][i][3]), values['q2.5']);
       });

@@ -1,0 +1,116 @@
+// Charts of a damaged beam: where, how bad, frequencies against the measured ones, the emulator.
+const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen, axisX, axisY, heat, cellTable }) => {
+  function beam(run, kind, inclusion, several) {
+    const { length, supports } = run.summary.beam;
+    const step = length / inclusion.length;
+    const truth = (kind.truth || []).map((t) => ({ x: t.location }));
+    const top = Math.max(...inclusion, 1e-9);
+    return {
+      id: 'where' + (several ? '-' + slug(kind.name) : ''), section: 'where', wide: true,
+      title: several ? `Where the ${kind.plural} are` : `Where along the beam the ${kind.plural} are`,
+      caption: `Expected number of ${kind.plural} in each element, all counts together, above the beam (length to scale) and its supports.${truth.length ? ' Arrows: the truth that the data were simulated from.' : ''}`,
+      table: () => ({ head: ['element', 'from [m]', 'to [m]', `expected ${kind.plural}`], rows: inclusion.map((p, e) => [e, e * step, (e + 1) * step, p]) }),
+      spec: (width, theme) => frame(width, 182, theme, {
+        data: [
+          { name: 'e', values: inclusion.map((p, e) => ({ p, from: e * step, to: (e + 1) * step })) },
+          { name: 's', values: supports.map((s) => ({ ...s, clamp: s.deflection && s.rotation, spring: typeof s.stiffness === 'number' })) },
+          { name: 't', values: truth },
+        ],
+        scales: [linear('x', [0, length], 'width'), linear('y', [0, top], [138, 14]),
+          linear('heat', [0, top], [theme.grid, theme.main], { interpolate: 'rgb' })],
+        axes: [axisX('position along the beam [m]', { offset: 2 }), axisY('expected number', { tickCount: 3 })],
+        marks: [
+          { type: 'rect', from: { data: 'e' }, encode: { enter: { x: { scale: 'x', field: 'from' }, x2: { signal: "max(scale('x', datum.to), scale('x', datum.from) + 1)" },
+            y: { scale: 'y', field: 'p' }, y2: { scale: 'y', value: 0 }, fill: { value: theme.main },
+            tooltip: { signal: "format(datum.from, '.4~g') + ' to ' + format(datum.to, '.4~g') + ' m: ' + format(datum.p, '.3~g')" } } } },
+          { type: 'rect', from: { data: 'e' }, encode: { enter: { x: { scale: 'x', field: 'from' }, x2: { signal: "scale('x', datum.to) + 0.3" },
+            y: { value: 148 }, height: { value: 11 }, fill: { scale: 'heat', field: 'p' } } } },
+          { type: 'rect', encode: { enter: { x: { value: 0 }, width: { signal: 'width' }, y: { value: 148 }, height: { value: 11 }, stroke: { value: theme.soft }, fill: { value: null } } } },
+          { type: 'symbol', from: { data: 's' }, encode: { enter: { x: { scale: 'x', field: 'at' }, y: { signal: 'datum.clamp ? 153.5 : 167' },
+            shape: { signal: "datum.clamp ? 'M-0.12,-1L0.12,-1L0.12,1L-0.12,1Z' : datum.spring ? 'diamond' : 'triangle-up'" },
+            size: { signal: 'datum.clamp ? 900 : 130' }, fill: { value: theme.ink } } } },
+          { type: 'symbol', from: { data: 't' }, encode: { enter: { x: { scale: 'x', field: 'x' }, y: { value: 7 }, shape: { value: 'triangle-down' }, size: { value: 80 }, fill: { value: theme.other } } } },
+        ],
+      }),
+    };
+  }
+
+  function jointFigures(run) {
+    const out = [];
+    for (const joint of run.draws.joint) {
+      const kind = run.summary.kinds.find((k) => k.name === joint.kind);
+      const given = joint.views.filter((v) => v.count > 0);
+      const views = given.length > 1 ? joint.views : given.length ? given : joint.views;
+      const fraction = joint.share;
+      for (const view of views) {
+        const of = view.count ? `given ${view.count} ${view.count === 1 ? kind.name : kind.plural} (${probability(view.probability)})` : 'all counts together';
+        const yName = fraction ? 'stiffness reduced by' : joint.severity;
+        out.push({
+          id: `severity-and-location-${slug(kind.name)}-${view.count || 'all'}`, section: 'where', wide: true,
+          title: `Severity and location, ${of}`,
+          caption: view.count ? '' : `Expected number of ${kind.plural} per metre and unit of ${joint.severity}. Separate islands are separate explanations of the same data, such as a place and its mirror image.`,
+          table: () => cellTable('location [m]', joint.severity, joint.bins_x, joint.bins_y, view.cells),
+          spec: (width, theme) => heat(width, width < 480 ? 190 : 230, theme, {
+            x: joint.bins_x, y: joint.bins_y, cells: view.cells, root: true, xTitle: 'location [m]', yTitle: yName, yFormat: fraction ? '%' : undefined,
+            legend: 'density' }),
+        });
+      }
+    }
+    return out;
+  }
+
+  function residuals(run) {
+    const rows = (run.draws.predictive.frequency || []).filter((r) => typeof r.observed === 'number');
+    if (!rows.length) return [];
+    const bySd = rows.every((r) => typeof r.sd === 'number' && r.sd > 0);
+    const scaled = (r, f) => (f - r.observed) / (bySd ? r.sd : r.observed);
+    const values = rows.map((r) => {
+      const [a, b, c, d, e] = r.quantiles.map((q) => scaled(r, q));
+      return { mode: r.mode, a, b, c, d, e };
+    });
+    const extent = 1.08 * Math.max(...values.flatMap((v) => [Math.abs(v.a), Math.abs(v.e)]));
+    return [{
+      id: 'frequency-residuals', section: 'fit', wide: true, title: 'Replicated frequencies less the measured ones',
+      caption: `What the models found would measure, noise included: thick 50 %, thin 95 %, stroke the median. ${bySd ? 'In standard deviations of the data' : 'Relative to the measured frequency'}; the line at zero is the measurement, and bars that miss it are modes that the models cannot explain.`,
+      table: () => ({ head: ['mode', 'measured [Hz]', 'sd [Hz]', '2.5 % [Hz]', '25 % [Hz]', '50 % [Hz]', '75 % [Hz]', '97.5 % [Hz]'], rows: rows.map((r) => [r.mode, r.observed, r.sd, ...r.quantiles]) }),
+      spec: (width, theme) => frame(width, 200, theme, {
+        data: [{ name: 'r', values }],
+        scales: [{ name: 'x', type: 'point', domain: values.map((v) => v.mode), range: 'width', padding: 0.6 }, linear('y', [-extent, extent], 'height')],
+        axes: [{ orient: 'bottom', scale: 'x', title: 'mode', domain: false, ticks: false, labelOverlap: true }, axisY(bySd ? 'standard deviations' : 'relative', { format: bySd ? undefined : '.2~%', tickCount: 5 })],
+        marks: [
+          { type: 'rule', encode: { enter: { x: { value: 0 }, x2: { signal: 'width' }, y: { scale: 'y', value: 0 }, stroke: { value: theme.other }, strokeWidth: { value: 2 } } } },
+          ...[['a', 'e', 2], ['b', 'd', 7]].map(([from, to, w]) => ({ type: 'rule', from: { data: 'r' }, encode: { enter: { x: { scale: 'x', field: 'mode' }, y: { scale: 'y', field: from }, y2: { scale: 'y', field: to }, stroke: { value: theme.main }, strokeWidth: { value: w }, strokeOpacity: { value: w > 5 ? 0.6 : 1 } } } })),
+          { type: 'rule', from: { data: 'r' }, encode: { enter: { x: { scale: 'x', field: 'mode', offset: -7 }, x2: { scale: 'x', field: 'mode', offset: 7 }, y: { scale: 'y', field: 'c' }, stroke: { value: theme.ink }, strokeWidth: { value: 1.5 } } } },
+        ],
+      }),
+    }];
+  }
+
+  function emulator(run) {
+    const counts = run.summary.emulator?.counts;
+    if (!counts) return [];
+    const rows = Object.entries(counts).flatMap(([n, c]) => c.modes.map((m) => ({ ...m, n: n + (n === '1' ? ' damage' : ' damages') })));
+    const values = rows.filter((r) => r.rmse > 0);
+    if (!values.length) return [];
+    const positive = values.flatMap((v) => [v.rmse, v.noise]).filter((v) => v > 0);
+    return [{
+      id: 'emulator-error', section: 'emulator', wide: true, title: 'Error of the emulator for each mode, against the noise of the data',
+      caption: 'Root-mean-square error on finite-element runs that it was not trained on. Where points come near the short strokes, the noise, the emulator blurs the answer.',
+      table: () => ({ head: ['damages', 'mode', 'rmse [Hz]', 'largest error [Hz]', 'Q²', 'rmse / effect', 'noise [Hz]'], rows: rows.map((r) => [r.n, r.mode, r.rmse, r.max_error, r.q2, r.relative_rmse, r.noise]) }),
+      spec: (width, theme) => frame(width, 190, theme, {
+        data: [{ name: 'e', values }, { name: 'noise', values: values.filter((v) => v.noise > 0 && v.n === values[0].n) }],
+        scales: [{ name: 'x', type: 'point', domain: [...new Set(values.map((v) => v.mode))], range: 'width', padding: 0.6 },
+          { name: 'y', type: 'log', domain: [Math.min(...positive) / 1.5, Math.max(...positive) * 1.5], range: 'height' },
+          { name: 'n', type: 'ordinal', domain: [...new Set(values.map((v) => v.n))], range: theme.series }],
+        axes: [{ orient: 'bottom', scale: 'x', title: 'mode', domain: false, ticks: false }, axisY('error [Hz]', { format: '~r', values: powersOfTen(positive) })],
+        legends: [circles(width, [...new Set(values.map((v) => v.n))], 'n')],
+        marks: [
+          { type: 'rule', from: { data: 'noise' }, encode: { enter: { x: { scale: 'x', field: 'mode', offset: -9 }, x2: { scale: 'x', field: 'mode', offset: 9 }, y: { scale: 'y', field: 'noise' }, stroke: { value: theme.ink }, strokeWidth: { value: 2 } } } },
+          { type: 'symbol', from: { data: 'e' }, encode: { enter: { x: { scale: 'x', field: 'mode' }, y: { scale: 'y', field: 'rmse' }, fill: { scale: 'n', field: 'n' }, size: { value: 55 } } } },
+        ],
+      }),
+    }];
+  }
+
+  return { beam, jointFigures, residuals, emulator };
+})(kit);
