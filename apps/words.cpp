@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/sid_words.hpp"
 #include "apps/verdict_words.hpp"
 
 namespace wheeltap::apps {
@@ -284,6 +285,8 @@ class Speaker {
            (r.upper ? "upper" : "lower") + " end of its prior, " + r.prior +
            ": widen it unless that end is certain.";
   }
+  std::string operator()(const remark::ScatterBetweenWindows& r) const { return sentence(r); }
+  std::string operator()(const remark::WindowsUnsound& r) const { return sentence(r); }
 
  private:
   [[nodiscard]] const DefectKind& kind_of(int kind) const {

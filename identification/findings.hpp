@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "identification/between_windows.hpp"
 #include "identification/marginal.hpp"
 #include "identification/remarks.hpp"
 #include "inference/evidence/comparison.hpp"
@@ -29,6 +31,7 @@ struct Unknown {
 struct ParameterFinding {
   Unknown unknown;
   Marginal estimate;
+  std::optional<BetweenWindows> between_windows = {};  ///< where windows were asked for
 };
 
 struct ModelFinding {

@@ -121,6 +121,24 @@ struct ColouredResiduals {
   std::string model;
   std::vector<Channel> channels;
 };
+/// Between the windows of a record, parameters scatter by more than each window's interval allows
+/// for, by these factors.
+struct ScatterBetweenWindows {
+  struct Parameter {
+    std::string name;
+    double factor;
+  };
+  std::string model;
+  int windows;
+  std::vector<Parameter> parameters;
+};
+/// Windows that could not be fitted, and parameters along which many a window's likelihood is far
+/// from the normal that stands for it.
+struct WindowsUnsound {
+  std::string model;
+  int windows, failed;
+  std::vector<std::string> rough;
+};
 /// A parameter leans on an end of its prior.
 struct ParameterAtBound {
   std::string model, parameter, prior;
@@ -135,6 +153,6 @@ using Remark =
                  remark::NoModelFits, remark::LargestCount, remark::SeverityAtBound,
                  remark::EmulatorBlind, remark::EmulatorMoved, remark::StepsTooLong,
                  remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::ColouredResiduals,
-                 remark::ParameterAtBound>;
+                 remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound>;
 
 }  // namespace wheeltap::identification

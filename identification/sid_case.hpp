@@ -57,12 +57,17 @@ struct SidModel {
   std::vector<dynamics::Coefficient> noise = {};  ///< sd, one a response channel
   /// Partial autocorrelations of each response channel's residuals; empty: white.
   std::vector<std::vector<dynamics::Coefficient>> autocorrelations = {};
+  bool chooses_order = false;        ///< of the autoregression: left to choose_orders
   std::vector<int> parameters = {};  ///< those it uses, increasing
 
   /// Of a response channel; empty: white.
   [[nodiscard]] std::vector<dynamics::Coefficient> autocorrelations_of(std::size_t channel) const {
     return autocorrelations.empty() ? std::vector<dynamics::Coefficient>{}
                                     : autocorrelations[channel];
+  }
+  /// Of the autoregression; 0: white.
+  [[nodiscard]] int order() const {
+    return autocorrelations.empty() ? 0 : static_cast<int>(autocorrelations.front().size());
   }
 };
 
@@ -104,10 +109,16 @@ struct SidCase {
   std::vector<SidModel> models = {};
   std::optional<SidTruth> truth = {};
 
+  /// Further records of the same rig: cases with the same models and table of parameters, but
+  /// with channels, windows, initial states and integration of their own.
+  std::vector<SidCase> further = {};
+  int number = 1;  ///< of this record
+
   double sample_rate_hz = 0.0;
   int begin = 0, end = 0;  ///< samples scored, in the record
   int lead_in = 0;         ///< samples before those
   int stride = 1;          ///< excitation samples a response sample
+  int windows = 0;         ///< to be fitted each by itself, too; 0: none
   bool simulated = false;
   std::string origin = {};  ///< in words
   double band = 0.97;
@@ -124,6 +135,11 @@ struct SidCase {
   [[nodiscard]] std::vector<dynamics::Sensor> sensors() const;
   /// Indices of the parameters that a model and the channels use, increasing.
   [[nodiscard]] std::vector<int> parameters_of(const SidModel& model) const;
+  /// Brings the table of parameters to all records, and to each model's list what any of them uses:
+  /// to be called once the last coefficient has its place.
+  void unite();
+  /// This one and the further ones.
+  [[nodiscard]] std::vector<const SidCase*> records() const;
   /// The parameter of this name, added where there is none.
   dynamics::Coefficient parameter(const std::string& name, inference::Prior prior);
 };

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "identification/sid_windows.hpp"
+
 namespace wheeltap::identification {
 namespace {
 
@@ -97,6 +99,31 @@ void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFind
   }
 }
 
+std::vector<std::vector<ChannelFit>> further_fits(const SidProblem& problem, int model,
+                                                  std::span<const double> theta) {
+  std::vector<std::vector<ChannelFit>> out;
+  for (const auto& record : problem.further) out.push_back(forward_run(*record, model, theta));
+  return out;
+}
+
+/// What the windows say by themselves, and whether it goes together.
+void judge_windows(const SidRun& run, SidFindings& findings) {
+  const SidProblem& problem = *run.problem;
+  if (problem.sid_case.windows == 0 && problem.further.empty()) return;
+  for (const int m : told(findings)) {
+    ModelFinding& model = findings.models[static_cast<std::size_t>(m)];
+    const ModelWindows windows =
+        fit_windows(problem, m, finding(findings, m).best_draw, run.engine.threads);
+    findings.windows_evaluations += windows.likelihood_evaluations;
+    for (std::size_t p = 0; p < model.parameters.size(); ++p) {
+      model.parameters[p].between_windows = windows.parameters[p];
+    }
+    for (Remark& remark : window_remarks(problem, m, windows)) {
+      findings.remarks.push_back(std::move(remark));
+    }
+  }
+}
+
 /// Steps so long that they move the posterior.
 void judge_integration(SidFindings& findings) {
   for (const int m : told(findings)) {
@@ -158,6 +185,8 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
         .best_draw = {best.begin(), best.end()},
         .at_mean = forward_run(problem, m, mean),
         .at_best = forward_run(problem, m, problem.theta(m, best)),
+        .further = further_fits(problem, m, problem.theta(m, best)),
+        .order = problem.sid_case.models[static_cast<std::size_t>(m)].order(),
         .substeps = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(mean),
         .step_error = step_error(problem, posterior, m),
         .links = {}};
@@ -172,6 +201,7 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);
   judge_integration(out);
+  judge_windows(run, out);
   conclude(out, space, evidence);
   return out;
 }

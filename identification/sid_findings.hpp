@@ -17,6 +17,8 @@ namespace wheeltap::identification {
 struct SidModelFinding {
   std::vector<double> best_draw;  ///< in the order of its parameters
   std::vector<ChannelFit> at_mean, at_best;
+  std::vector<std::vector<ChannelFit>> further;  ///< at the best draw, of each further record
+  int order = 0;     ///< of its residuals' autoregression, as given or chosen
   int substeps = 0;  ///< of a sample, at the posterior mean (Simulator::substeps)
   std::optional<double> step_error;
   std::optional<std::vector<LinkCurve>> links;  ///< of a model of at least 5 %
@@ -36,6 +38,7 @@ struct SidFindings : Findings {
   std::vector<double> coverage;            ///< of each response by the predictive band, a share
   int predictive_draws = 0;
   std::optional<StepsRefined> refined;  ///< where the run was repeated
+  long windows_evaluations = 0;         ///< likelihoods of windows, each a part of the record's
 };
 
 /// The run must have at least 4 draws a chain, all chains the same.

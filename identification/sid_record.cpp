@@ -191,7 +191,9 @@ void infer_initial(SidCase& sid_case, SidModel& model) {
     throw InvalidInput(Part::initial, "the responses are constant: nothing to infer from");
   }
   for (std::size_t i = 0; i < y.size(); ++i) {
-    const std::string index = "[" + std::to_string(i + 1) + "]";
+    const std::string index =
+        "[" + std::to_string(i + 1) + "]" +
+        (sid_case.number > 1 ? "@" + std::to_string(sid_case.number) : std::string());
     model.initial.displacement.push_back(
         sid_case.parameter("y0" + index, inference::Normal{0.0, y[i] > 0.0 ? y[i] : top_y}));
     model.initial.velocity.push_back(

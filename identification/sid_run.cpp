@@ -6,6 +6,7 @@
 
 #include "identification/marginal.hpp"
 #include "identification/sid_fit.hpp"
+#include "identification/sid_residuals.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -83,6 +84,7 @@ std::optional<dynamics::SimulatorOptions> better_integration(
 }
 
 SidRun run_sid(SidCase sid_case, const SidRunOptions& options) {
+  choose_orders(sid_case, options.engine.seed, options.engine.threads);
   SidRun run{.problem = make_sid_problem(std::move(sid_case)),
              .engine = {},
              .posterior = {},

@@ -136,9 +136,14 @@
     return number(x, Math.min(10, Math.max(3, Math.ceil(Math.log10(magnitude / width)) + 3)));
   };
   const parameterRows = (rows) => {
+    const windowed = Object.values(rows).some((r) => r.between_windows);
+    const between = (r) => {
+      const w = r.between_windows;
+      return w ? { value: `${w['q2.5']} to ${w['q97.5']}`, text: `${digits(w, 'q2.5')} to ${digits(w, 'q97.5')}` } : '-';
+    };
     const keys = [...new Set(Object.values(rows).flatMap((r) => Object.keys(r)))].filter((k) => Object.values(rows).every((r) => typeof r[k] !== 'object' || r[k] === null));
-    return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat' })[k] || k)],
-      rows: Object.entries(rows).map(([name, r]) => [name, ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k]))]) };
+    return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat' })[k] || k), ...(windowed ? ['between windows (95 %)'] : [])],
+      rows: Object.entries(rows).map(([name, r]) => [name, ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k])), ...(windowed ? [between(r)] : [])]) };
   };
 
   // ---- sections ---------------------------------------------------------------------------

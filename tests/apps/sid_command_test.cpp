@@ -88,6 +88,71 @@ TEST(SidCommand, NamesAModelThatItsPriorMakesImpossible) {
   EXPECT_TRUE(!std::filesystem::exists(out) || std::filesystem::is_empty(out));
 }
 
+// The interval of a further window beside each parameter: of a right model it is wider than the
+// run's, since a window is a quarter of the record, and its centre is where the run found it.
+TEST(SidCommand, TellsWhatHoldsBetweenWindows) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["windows"] = 4;
+  c["truth"]["samples"] = 800;
+  const auto out = where / "out";
+  const Outcome run = wheeltap(
+      where, "sid " + where.write_json("case.json", c).string() + " -o " + out.string() + kShort);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("between windows (95 %)"));
+  const json s = json::parse(read_all(out / "summary.json"));
+  const json& k = s["parameters"]["duffing"]["k"];
+  const json& w = k["between_windows"];
+  for (const char* key : {"mean", "sd", "q2.5", "q5", "q50", "q95", "q97.5"}) {
+    EXPECT_TRUE(w[key].is_number()) << key;
+    EXPECT_TRUE(w["centre"][key].is_number()) << key;
+  }
+  EXPECT_EQ(w["windows"]["value"].size(), 4U);
+  EXPECT_GT(w["sd"].get<double>(), 1.5 * k["sd"].get<double>());
+  EXPECT_LT(w["centre"]["q2.5"].get<double>(), k["mean"].get<double>());
+  EXPECT_GT(w["centre"]["q97.5"].get<double>(), k["mean"].get<double>());
+  EXPECT_GT(w["scatter"]["p_value"].get<double>(), 1e-3);
+  EXPECT_THAT(read_all(out / "report.html"), HasSubstr("between_windows"));
+}
+
+// Two records know k better than one, by about √2, and are windows to each other.
+TEST(SidCommand, TakesSeveralRecordsTogether) {
+  const Workspace where;
+  json one = small_sid_case(), two = small_sid_case();
+  two["records"] = {two["record"], two["record"]};
+  two.erase("record");
+  const auto run = [&](const json& c, const std::string& name) {
+    const auto out = where / name;
+    const Outcome done = wheeltap(where, "sid " + where.write_json(name + ".json", c).string() +
+                                             " -o " + out.string() + kShort);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return json::parse(read_all(out / "summary.json"));
+  };
+  const json first = run(one, "one"), both = run(two, "two");
+  const auto sd = [](const json& s) { return s["parameters"]["duffing"]["k"]["sd"].get<double>(); };
+  EXPECT_GT(sd(first) / sd(both), 1.15);
+  EXPECT_LT(sd(first) / sd(both), 1.8);
+  ASSERT_EQ(both["further_records"].size(), 1U);
+  EXPECT_NEAR(both["further_records"][0]["fit_at_best_draw"]["duffing"][0]["rmse"].get<double>(),
+              0.05, 0.0125);
+  EXPECT_EQ(both["parameters"]["duffing"]["k"]["between_windows"]["windows"]["value"].size(), 2U);
+}
+
+TEST(SidCommand, ChoosesTheOrderOfResiduals) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["residuals"] = {{"ar", "auto"}};
+  const auto out = where / "out";
+  const Outcome run = wheeltap(
+      where, "sid " + where.write_json("case.json", c).string() + " -o " + out.string() + kShort);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json s = json::parse(read_all(out / "summary.json"));
+  EXPECT_EQ(s["residuals"]["ar"]["duffing"], 0);  // the truth: white
+  EXPECT_GT(s["residuals"]["ar"]["linear"], 0);   // what it cannot explain is smooth
+  EXPECT_THAT(run.out, HasSubstr("Residuals: white, by BIC"));
+  EXPECT_THAT(s["diagnostics"]["notes"].dump(), HasSubstr("chosen by BIC"));
+}
+
 TEST(SidCommand, SweepsWriteOneTable) {
   const Workspace where;
   json c = small_sid_case();

@@ -1,0 +1,29 @@
+// What the windows of a record, each by itself, say of one parameter.
+#pragma once
+
+#include <vector>
+
+#include "inference/hierarchical_posterior.hpp"
+
+namespace wheeltap::identification {
+
+/// A distribution in short: its quantiles of 2.5, 5, 50, 95 and 97.5 %.
+struct Interval {
+  double mean = 0.0, sd = 0.0;
+  double q2_5 = 0.0, q5 = 0.0, q50 = 0.0, q95 = 0.0, q97_5 = 0.0;
+};
+
+struct BetweenWindows {
+  /// What a further window of this length would give, found as the others were: the interval for a
+  /// record that was not used.
+  Interval next;
+  /// What windows scatter about: what ever longer records tend to.
+  Interval centre;
+  /// The windows' scatter in terms of what their own intervals allow for, and how likely these
+  /// alone would do so.
+  inference::BirgeRatio scatter;
+  /// Of each window: its own value and standard deviation; NaN where it has none.
+  std::vector<double> value, sd;
+};
+
+}  // namespace wheeltap::identification
