@@ -44,7 +44,7 @@ Report json(const Marginal& e) {
 
 Report json(const BetweenWindows& between) {
   Report out = json(between.next);
-  out["centre"] = json(between.centre);
+  out["whole"] = between.whole ? json(*between.whole) : Report();
   out["scatter"] = {{"times_own_interval", between.scatter.ratio},
                     {"p_value", between.scatter.p_value}};
   out["windows"] = {{"value", numbers(between.value)}, {"sd", numbers(between.sd)}};

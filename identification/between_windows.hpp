@@ -1,6 +1,7 @@
 // What the windows of a record, each by itself, say of one parameter.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "inference/hierarchical_posterior.hpp"
@@ -17,8 +18,10 @@ struct BetweenWindows {
   /// What a further window of this length would give, found as the others were: the interval for a
   /// record that was not used.
   Interval next;
-  /// What windows scatter about: what ever longer records tend to.
-  Interval centre;
+  /// What ever longer records would give, fitted as a whole: the best value of this one, with the
+  /// error that the windows' scores put on it (mean and sd are these two). None where the whole
+  /// has no normal about its mode.
+  std::optional<Interval> whole = {};
   /// The windows' scatter in terms of what their own intervals allow for, and how likely these
   /// alone would do so.
   inference::BirgeRatio scatter;

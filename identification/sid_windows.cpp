@@ -1,6 +1,7 @@
 #include "identification/sid_windows.hpp"
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 
@@ -17,8 +18,17 @@ constexpr double kFurthest = 6.0;  // of a start, in standard deviations of the 
 constexpr double kScatters = 1.5, kNoChance = 1e-3;  // Birge ratio and its p worth telling
 constexpr double kWorthKeeping = 1e-3;  // precision of the likelihood beside the prior's
 
+/// The whole record's mode, and the inverse of minus the Hessian there; not finite where there is
+/// none.
+struct WholeFit {
+  std::vector<double> z;
+  Eigen::MatrixXd covariance;
+  long likelihood_evaluations = 0;
+};
+
 /// One window's posterior of a model's parameters, normal about its mode.
 struct WindowFit {
+  Eigen::VectorXd score;  ///< of the window's likelihood at the whole's mode
   bool normal = false;
   std::vector<double> z, variance;
   std::vector<bool> rough;
@@ -41,25 +51,53 @@ bool is_rough(inference::ModelPosterior& posterior, const inference::Laplace& at
   return false;
 }
 
-WindowFit fit(const SidCase& sid_case, int model, std::vector<double> start) {
+WholeFit fit_whole(const SidProblem& problem, int model, std::vector<double> start) {
+  try {
+    inference::Laplace at =
+        inference::laplace(problem.problem, model, {.start = start, .check = false});
+    return {.z = std::move(at.z),
+            .covariance = std::move(at.covariance),
+            .likelihood_evaluations = at.evidence.likelihood_evaluations};
+  } catch (const inference::LikelihoodError&) {
+    return {.z = std::move(start), .covariance = Eigen::MatrixXd::Constant(1, 1, kNaN)};
+  }
+}
+
+/// ∇ ln p(data | z) by differences over three tenths of a standard deviation of the whole's.
+Eigen::VectorXd score(inference::ModelPosterior& posterior, const WholeFit& whole) {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(whole.z.size()));
+  for (Eigen::Index i = 0; i < out.size(); ++i) {
+    const double h = 0.3 * std::sqrt(whole.covariance(i, i));
+    const auto at = [&](double step) {
+      std::vector<double> z = whole.z;
+      z[static_cast<std::size_t>(i)] += step;
+      return posterior(z).log_likelihood;
+    };
+    out[i] = (at(h) - at(-h)) / (2.0 * h);
+  }
+  return out;
+}
+
+WindowFit fit(const SidCase& sid_case, int model, const WholeFit& whole) {
   SidCase alone = sid_case;
   alone.models = {sid_case.models[static_cast<std::size_t>(model)]};
   const auto problem = make_sid_problem(std::move(alone));
   WindowFit out;
   try {
+    inference::ModelPosterior posterior(problem->problem, 0);
+    if (whole.covariance.allFinite()) out.score = score(posterior, whole);
     const inference::Laplace at =
-        inference::laplace(problem->problem, 0, {.start = std::move(start), .check = false});
-    out.likelihood_evaluations = at.evidence.likelihood_evaluations;
+        inference::laplace(problem->problem, 0, {.start = whole.z, .check = false});
+    out.likelihood_evaluations = at.evidence.likelihood_evaluations + posterior.evaluations();
     if (!at.covariance.allFinite()) return out;
     out.normal = true;
     out.z = at.z;
-    inference::ModelPosterior posterior(problem->problem, 0);
     const double top = posterior(at.z).log_posterior();
     for (Eigen::Index i = 0; i < at.covariance.rows(); ++i) {
       out.variance.push_back(at.covariance(i, i));
       out.rough.push_back(is_rough(posterior, at, top, i));
     }
-    out.likelihood_evaluations += posterior.evaluations();
+    out.likelihood_evaluations = at.evidence.likelihood_evaluations + posterior.evaluations();
   } catch (const inference::LikelihoodError&) {
     out.normal = false;  // this window cannot be under the model, not near `start`
   }
@@ -86,6 +124,37 @@ Interval physical(const LineMixture& z, const inference::Prior& prior) {
           .q97_5 = x(z.quantile(0.975))};
 }
 
+/// V of sid_windows.hpp; empty where a window has no score.
+Eigen::MatrixXd sandwich(const WholeFit& whole, const std::vector<WindowFit>& fits) {
+  const auto d = static_cast<Eigen::Index>(whole.z.size());
+  const auto n = static_cast<double>(fits.size());
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(d);
+  for (const WindowFit& fit : fits) {
+    if (fit.score.size() != d || !fit.score.allFinite()) return {};
+    mean += fit.score / n;
+  }
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(d, d);
+  for (const WindowFit& fit : fits) {
+    scatter += (fit.score - mean) * (fit.score - mean).transpose();
+  }
+  return n / (n - 1.0) * whole.covariance * scatter * whole.covariance;
+}
+
+/// z + s t, t Student's of so many degrees of freedom, in the parameter's unit.
+Interval students(double z, double s, double freedom, const inference::Prior& prior) {
+  const boost::math::students_t t(freedom);
+  const auto x = [&](double p) {
+    return prior.from_standard_normal(z + s * boost::math::quantile(t, p));
+  };
+  return {.mean = prior.from_standard_normal(z),
+          .sd = s * prior.slope(z),
+          .q2_5 = x(0.025),
+          .q5 = x(0.05),
+          .q50 = x(0.5),
+          .q95 = x(0.95),
+          .q97_5 = x(0.975)};
+}
+
 std::optional<BetweenWindows> between(const std::vector<WindowFit>& fits, std::size_t i,
                                       const inference::Prior& prior) {
   std::vector<GroupEstimate> groups;
@@ -103,7 +172,6 @@ std::optional<BetweenWindows> between(const std::vector<WindowFit>& fits, std::s
   }
   const auto h = inference::hierarchical_posterior(groups);
   out.next = physical(h.estimate, prior);
-  out.centre = physical(h.centre, prior);
   out.scatter = inference::birge_ratio(groups);
   return out;
 }
@@ -161,12 +229,15 @@ ModelWindows fit_windows(const SidProblem& problem, int m, std::span<const doubl
     z.push_back(std::clamp(space.prior(m, static_cast<int>(p)).to_standard_normal(start[p]),
                            -kFurthest, kFurthest));
   }
+  const WholeFit whole = fit_whole(problem, m, z);
   std::vector<WindowFit> fits(windows.size());
   base::parallel_for(static_cast<int>(windows.size()), threads, [&](int w) {
     const auto [record, first, last] = windows[static_cast<std::size_t>(w)];
-    fits[static_cast<std::size_t>(w)] = fit(window_case(*record, first, last), m, z);
+    fits[static_cast<std::size_t>(w)] = fit(window_case(*record, first, last), m, whole);
   });
   ModelWindows out{.windows = static_cast<int>(windows.size())};
+  out.likelihood_evaluations = whole.likelihood_evaluations;
+  const Eigen::MatrixXd of_whole = sandwich(whole, fits);
   for (const WindowFit& fit : fits) {
     out.fitted += fit.normal ? 1 : 0;
     out.likelihood_evaluations += fit.likelihood_evaluations;
@@ -178,6 +249,12 @@ ModelWindows fit_windows(const SidProblem& problem, int m, std::span<const doubl
     });
     out.parameters.push_back(nuisance ? std::nullopt
                                       : between(fits, i, space.prior(m, static_cast<int>(i))));
+    if (out.parameters.back() && of_whole.size() > 0) {
+      const auto at = static_cast<Eigen::Index>(i);
+      out.parameters.back()->whole =
+          students(whole.z[i], std::sqrt(std::max(of_whole(at, at), whole.covariance(at, at))),
+                   static_cast<double>(fits.size() - 1), space.prior(m, static_cast<int>(i)));
+    }
     out.rough.push_back(
         nuisance ? 0 : static_cast<int>(std::ranges::count_if(fits, [&](const WindowFit& fit) {
           return fit.normal && fit.rough[i];

@@ -54,6 +54,15 @@ struct ModelWindows {
 /// ẑ_w and s_w. Several records are windows side by side. How far from normal: the log posterior
 /// two standard deviations from the mode, along the regression on the parameter, has to fall by 1
 /// to 4 instead of 2.
+///
+/// Ever longer records have their best fit where the expected score is zero, which is not the mean
+/// of what windows find: those that say more count more. Its error about the whole record's mode z*
+/// is the sandwich (Huber 1967, White 1982; by clusters: Liang & Zeger 1986; as a posterior:
+/// Müller 2013, Econometrica 81:1805),
+///
+///   V = N/(N-1) H⁻¹ (Σ_w (g_w - ḡ)(g_w - ḡ)ᵀ) H⁻¹,   g_w = ∇ ln p(r_w | z*),  H = -∇² ln π(z*),
+///
+/// with the quantiles of Student's t of N - 1 degrees of freedom, and never less than H⁻¹ says.
 [[nodiscard]] ModelWindows fit_windows(const SidProblem& problem, int model,
                                        std::span<const double> start, int threads = 0);
 

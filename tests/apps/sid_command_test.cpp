@@ -89,7 +89,7 @@ TEST(SidCommand, NamesAModelThatItsPriorMakesImpossible) {
 }
 
 // The interval of a further window beside each parameter: of a right model it is wider than the
-// run's, since a window is a quarter of the record, and its centre is where the run found it.
+// run's, since a window is a quarter of the record, and that of the whole is about the run's value.
 TEST(SidCommand, TellsWhatHoldsBetweenWindows) {
   const Workspace where;
   json c = small_sid_case();
@@ -105,12 +105,12 @@ TEST(SidCommand, TellsWhatHoldsBetweenWindows) {
   const json& w = k["between_windows"];
   for (const char* key : {"mean", "sd", "q2.5", "q5", "q50", "q95", "q97.5"}) {
     EXPECT_TRUE(w[key].is_number()) << key;
-    EXPECT_TRUE(w["centre"][key].is_number()) << key;
+    EXPECT_TRUE(w["whole"][key].is_number()) << key;
   }
   EXPECT_EQ(w["windows"]["value"].size(), 4U);
   EXPECT_GT(w["sd"].get<double>(), 1.5 * k["sd"].get<double>());
-  EXPECT_LT(w["centre"]["q2.5"].get<double>(), k["mean"].get<double>());
-  EXPECT_GT(w["centre"]["q97.5"].get<double>(), k["mean"].get<double>());
+  EXPECT_LT(w["whole"]["q2.5"].get<double>(), k["mean"].get<double>());
+  EXPECT_GT(w["whole"]["q97.5"].get<double>(), k["mean"].get<double>());
   EXPECT_GT(w["scatter"]["p_value"].get<double>(), 1e-3);
   EXPECT_THAT(read_all(out / "report.html"), HasSubstr("between_windows"));
 }

@@ -74,10 +74,11 @@ TEST(SidWindows, OfARightModelScatterByTheirErrors) {
     ASSERT_TRUE(w.parameters[i].has_value());
     const BetweenWindows& b = *w.parameters[i];
     EXPECT_GT(b.scatter.p_value, 1e-3) << i;
-    EXPECT_LT(b.centre.q2_5, kTruth[i]);
-    EXPECT_GT(b.centre.q97_5, kTruth[i]);
-    EXPECT_LT(b.next.q2_5, b.centre.q2_5);
-    EXPECT_GT(b.next.q97_5, b.centre.q97_5);
+    ASSERT_TRUE(b.whole.has_value());
+    EXPECT_LT(b.whole->q2_5, kTruth[i]);
+    EXPECT_GT(b.whole->q97_5, kTruth[i]);
+    EXPECT_LT(b.next.q2_5, b.whole->q2_5);
+    EXPECT_GT(b.next.q97_5, b.whole->q97_5);
     EXPECT_LT(b.next.sd, 3.0 * b.sd[3]);  // some 1.2 of it, and what eight windows leave open
     EXPECT_EQ(b.value.size(), 8U);
   }
