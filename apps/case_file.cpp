@@ -125,7 +125,7 @@ struct Complaint {
   std::string message;
 };
 
-std::string unknown_key(const std::string& key, const Json& properties) {
+std::string unknown_key(const std::string& key, const Json& properties, const std::string& hint) {
   std::vector<std::string> names;
   std::string list;
   for (const auto& [name, ignored] : properties.items()) {
@@ -134,7 +134,7 @@ std::string unknown_key(const std::string& key, const Json& properties) {
   }
   const std::string meant = nearest(key, names);
   return "unknown key" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
-         " (allowed here: " + list + ")";
+         " (allowed here: " + list + ")" + (hint.empty() ? "" : "; " + hint);
 }
 
 bool has_type(const Json& value, const std::string& type) {
@@ -252,7 +252,9 @@ std::optional<Complaint> explain(const Json& root, const Json& reference, const 
     const Json others = rule.value("additionalProperties", Json(true));
     if (others == false) {
       for (const auto& [key, ignored] : value.items()) {
-        if (!properties.contains(key)) return Complaint{where / key, unknown_key(key, properties)};
+        if (!properties.contains(key)) {
+          return Complaint{where / key, unknown_key(key, properties, rule.value("x-hint", ""))};
+        }
       }
     }
     for (const Json& key : rule.value("required", Json::array())) {
@@ -336,6 +338,7 @@ Json schema(std::string_view name) {
   (*found)["definitions"].update(find("common")->at("definitions"));
   fill_lists(*found);
   add_laws(*found);
+  add_defects(*found);
   bound_integers(*found);
   return *found;
 }

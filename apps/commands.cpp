@@ -18,6 +18,7 @@
 #include "apps/terminal.hpp"
 #include "base/parallel.hpp"
 #include "fem/modal_analysis.hpp"
+#include "identification/plausibility.hpp"
 #include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
@@ -43,9 +44,13 @@ std::string sparkline(const Eigen::VectorXd& shape) {
 }
 
 Report options_report(const SamplingOptions& options) {
-  return {{"chains", options.chains},         {"warmup", options.warmup},
-          {"draws", options.draws},           {"search", options.searches},
-          {"prior_only", options.prior_only}, {"evidence", options.evidence}};
+  return {{"chains", options.chains},
+          {"warmup", options.warmup},
+          {"draws", options.draws},
+          {"search", options.searches},
+          {"prior_only", options.prior_only},
+          {"evidence", options.evidence},
+          {"quick", options.quick}};
 }
 
 // The text of a finished run in `directory`, if it is one of this case with these options.
@@ -285,6 +290,8 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
                    colour_wanted(), false);
   }
 
+  for (const Remark& doubt : implausible(*problem)) log->warn(sentence(doubt, {}));
+  const StopOnInterrupt stop;
   inference::Options engine = engine_options(common, options);
   engine.balance = problem->damage_case.balance;
   const inference::Posterior posterior =

@@ -40,6 +40,7 @@ struct SamplingOptions {
   int draws = 0;     ///< 0: chosen by the engine
   int searches = 0;  ///< climbs to modes of each model; 0: chosen by the engine
   bool prior_only = false;
+  bool quick = false;    ///< modes and short chains: a look, marked as such
   std::string evidence;  ///< "", or methods joined by +: tmcmc, bridge, laplace
 };
 

@@ -226,6 +226,7 @@ Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings
         {"shear_coefficient", damage_case.beam.section.shear_coefficient}}},
       {"kinds", kinds_of(damage_case)},
       {"unknowns", unknowns_of(file, findings)},
+      {"fit", fit_report(findings.fit_verdict)},
       {"diagnostics", diagnosed},
       {"cost", cost(findings.sampling)}};
   if (damage_case.data.discrepancy_cv > 0.0) {

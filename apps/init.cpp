@@ -102,7 +102,6 @@ class KeyTable {
     // Priors are explained once, above the table.
     if (is_prior(rule)) return;
     for (const Report& one : rule.value("anyOf", Report::array())) walk(one, path);
-    if (rule.contains("items")) walk(rule["items"], path + "[]");
     const Report required = rule.value("required", Report::array());
     const std::string stem = path.empty() ? "" : path + ".";
     if (rule.contains("properties")) {
@@ -114,6 +113,7 @@ class KeyTable {
     if (rule.contains("additionalProperties") && rule["additionalProperties"].is_object()) {
       row(stem + "NAME", false, resolve(rule["additionalProperties"]));
     }
+    if (rule.contains("items")) walk(rule["items"], path + "[]");
   }
 
   Report root_;
@@ -132,6 +132,7 @@ Report ordered_schema(const std::string& kind) {
   found["definitions"].update(common["definitions"]);
   fill_lists(found);
   add_laws(found);
+  add_defects(found);
   return found;
 }
 

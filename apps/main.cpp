@@ -5,6 +5,7 @@
 #include "apps/commands.hpp"
 #include "apps/failure.hpp"
 #include "apps/init.hpp"
+#include "apps/law_page.hpp"
 #include "apps/nearest.hpp"
 #include "apps/report/report.hpp"
 #include "inference/target.hpp"
@@ -96,6 +97,10 @@ int main(int argc, char** argv) {
     CLI::Option* prior_only = command->add_flag("--prior-only", sampling.prior_only,
                                                 "leave the data out: must return the prior");
     command
+        ->add_flag("--quick", sampling.quick,
+                   "a look in seconds: modes and short chains, never a posterior")
+        ->excludes(prior_only);
+    command
         ->add_flag("--evidence{tmcmc+bridge}", sampling.evidence,
                    "also the evidence of each model on its own: --evidence, or "
                    "--evidence=METHODS of tmcmc, bridge, laplace, joined by +")
@@ -158,6 +163,13 @@ int main(int argc, char** argv) {
   init_command->add_option("KIND", starting, "damage or sid")->required();
   init_command->add_option("-o,--output", start_in, "the folder to write into (default: this one)");
 
+  apps::LawsOptions laws;
+  CLI::App* laws_command =
+      app.add_subcommand("laws", "the force laws of links: formula, sign, keys, an example each");
+  laws_command->add_option("NAME", laws.name, "one law (default: all)");
+  laws_command->add_flag("--example", laws.example, "a case that has it, alone");
+  laws_command->add_option("--figures", laws.figures, "a folder to write their pictures into, SVG");
+
   CLI::App* schema_command = app.add_subcommand("schema", "the JSON Schema of a case");
   schema_command->add_option("NAME", schema, "which kind of case (default: damage)");
 
@@ -188,6 +200,7 @@ int main(int argc, char** argv) {
     if (simulate_command->parsed()) apps::run_simulate(common);
     if (report_command->parsed()) apps::run_report(common.output, drawing);
     if (init_command->parsed()) apps::run_init(starting, start_in);
+    if (laws_command->parsed()) apps::run_laws(laws);
     if (schema_command->parsed()) apps::run_schema(schema);
     std::cout.flush();
     if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");

@@ -24,6 +24,7 @@ inference::Options engine_options(const CommonOptions& common, const SamplingOpt
   engine.draws = options.draws;
   engine.prior_only = options.prior_only;
   engine.searches = options.searches;
+  engine.quick = options.quick;
   return engine;
 }
 

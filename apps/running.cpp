@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "apps/failure.hpp"
@@ -17,20 +18,29 @@ namespace {
 
 std::atomic<bool> interrupted{false};
 
-// Ctrl-C asks the sampler to stop; a second one ends the program.
-class StopOnInterrupt {
+// The time left of a whole run: the rest of its stage as long as that has taken so far, and the
+// calls of the stages to come as fast as those of this one.
+class TimeLeft {
  public:
-  StopOnInterrupt() {
-    previous_ = std::signal(SIGINT, [](int) {
-      if (interrupted.exchange(true)) std::_Exit(130);
-    });
+  std::optional<double> estimate(const inference::Options::Progress& progress) {
+    constexpr double kEnough = 1.0, kShare = 0.005;  // seconds, of the stage
+    const auto now = std::chrono::steady_clock::now();
+    if (stage_ != progress.stage) {
+      stage_ = progress.stage;
+      began_ = now;
+      calls_before_ = progress.likelihood_evaluations;
+    }
+    const double seconds = std::chrono::duration<double>(now - began_).count();
+    const auto calls = static_cast<double>(progress.likelihood_evaluations - calls_before_);
+    if (seconds < kEnough || progress.fraction < kShare) return {};
+    const double rest = seconds * (1.0 - progress.fraction) / progress.fraction;
+    return rest + (calls > 0.0 ? progress.evaluations_to_come * seconds / calls : 0.0);
   }
-  StopOnInterrupt(const StopOnInterrupt&) = delete;
-  StopOnInterrupt& operator=(const StopOnInterrupt&) = delete;
-  ~StopOnInterrupt() { std::signal(SIGINT, previous_); }
 
  private:
-  void (*previous_)(int);
+  std::string stage_;
+  std::chrono::steady_clock::time_point began_{};
+  long calls_before_ = 0;
 };
 
 // Chains that were stopped early may differ in length.
@@ -61,9 +71,24 @@ std::shared_ptr<spdlog::logger> make_log(bool quiet) {
   return log;
 }
 
+bool was_interrupted() {
+  return interrupted.load();
+}
+
+StopOnInterrupt::StopOnInterrupt() {
+  previous_ = std::signal(SIGINT, [](int) {
+    if (interrupted.exchange(true)) std::_Exit(130);
+  });
+}
+
+StopOnInterrupt::~StopOnInterrupt() {
+  std::signal(SIGINT, previous_);
+}
+
 inference::Posterior run_engine(const inference::Problem& problem, inference::Options options,
                                 const std::filesystem::path& case_path, bool quiet) {
   ProgressBar bar(quiet);
+  TimeLeft time_left;
   const auto began = std::chrono::steady_clock::now();
   options.progress = [&](const inference::Options::Progress& progress) {
     const double seconds =
@@ -77,17 +102,15 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
       if (m == 0) detail += (detail.empty() ? "P =" : "  P =");
       if (m < 8) detail += " " + fixed(progress.model_probabilities[m], 2);
     }
-    bar.show(progress.stage, progress.fraction, detail);
-    return !interrupted.load();
+    bar.show(progress.stage, progress.fraction, detail, time_left.estimate(progress));
+    return !was_interrupted();
   };
-  const StopOnInterrupt stop;
   try {
     inference::Posterior posterior = inference::reversible_jump(problem, options);
     bar.clear();
     cut_to_shortest(posterior);
     if (posterior.draws < 100) {
-      throw Failure(Exit::interrupted,
-                    "stopped before there were 100 draws a chain: nothing to report");
+      throw Failure(Exit::interrupted, "stopped before anything was found: nothing to report");
     }
     return posterior;
   } catch (const inference::LikelihoodError& error) {
@@ -121,7 +144,7 @@ std::vector<identification::MethodEvidence> compute_evidence(
   for (const auto method : methods) {
     log.info("Evidence of each model by {} ...", identification::method_name(method));
   }
-  return identification::compute_evidence(problem, methods, seed, threads);
+  return identification::compute_evidence(problem, methods, seed, threads, was_interrupted);
 }
 
 void make_output_folder(const std::filesystem::path& directory) {

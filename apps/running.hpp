@@ -19,8 +19,23 @@ namespace wheeltap::apps {
 /// Lines for people who watch, on standard error; warnings only where `quiet`.
 [[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
 
-/// Samples with a progress bar; Ctrl-C ends the run with what there is, a second one the program.
-/// Chains are cut to one length. Throws Failure where the likelihood fails, or nothing was sampled.
+/// While it lives, Ctrl-C asks the engine to stop: the run ends with what there is. A second one
+/// ends the program.
+class StopOnInterrupt {
+ public:
+  StopOnInterrupt();
+  StopOnInterrupt(const StopOnInterrupt&) = delete;
+  StopOnInterrupt& operator=(const StopOnInterrupt&) = delete;
+  ~StopOnInterrupt();
+
+ private:
+  void (*previous_)(int);
+};
+
+[[nodiscard]] bool was_interrupted();
+
+/// Samples with a progress bar, until it is interrupted (StopOnInterrupt). Chains are cut to one
+/// length. Throws Failure where the likelihood fails, or nothing was sampled.
 [[nodiscard]] inference::Posterior run_engine(const inference::Problem& problem,
                                               inference::Options options,
                                               const std::filesystem::path& case_path, bool quiet);
@@ -29,7 +44,8 @@ namespace wheeltap::apps {
 /// tmcmc, bridge nor laplace.
 [[nodiscard]] std::vector<identification::EvidenceMethod> evidence_methods(const std::string& text);
 
-/// identification::compute_evidence, method after method, with a line in the log for each.
+/// identification::compute_evidence, with a line in the log for each method; those that an
+/// interruption leaves unfinished are missing.
 [[nodiscard]] std::vector<identification::MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<identification::EvidenceMethod>& methods,
     std::uint64_t seed, int threads, spdlog::logger& log);

@@ -1,20 +1,74 @@
 // Lists that the library keeps, put into the schemas that refer to them.
 #pragma once
 
+#include <cmath>
 #include <string>
 
+#include "apps/law_words.hpp"
 #include "dynamics/laws.hpp"
+#include "identification/defect_kind.hpp"
 #include "identification/interpolants.hpp"
 
 namespace wheeltap::apps {
+
+/// What may stand for a law in a case, as it describes itself: the bare value of its first
+/// coefficient where that is enough, an object, or a list of these.
+template <class AnyJson>
+AnyJson law_rule(const dynamics::LawInfo& law) {
+  AnyJson object = {{"description", law_in_words(law)}, {"type", AnyJson::array()}};
+  if (has_short_form(law)) object["type"] = {"number", "string"};
+  object["type"].push_back("object");
+  object["properties"] = AnyJson::object();
+  object["required"] = AnyJson::array();
+  for (int i = 0; i < law.size(); ++i) {
+    const dynamics::LawCoefficient& c = law.coefficients[static_cast<std::size_t>(i)];
+    AnyJson& key = object["properties"][std::string(c.name)];
+    key = {{"description", in_words(c)}, {"type", {"number", "string"}}};
+    if (std::isfinite(c.lower)) key[c.above_lower ? "exclusiveMinimum" : "minimum"] = c.lower;
+    if (std::isfinite(c.upper)) key["maximum"] = c.upper;
+    if (c.required()) object["required"].push_back(std::string(c.name));
+  }
+  if (law.one_sided) {
+    object["properties"]["side"] = {
+        {"description", "the side on which it acts: \"opening\" (e > 0) or \"closing\" (e < 0)"},
+        {"enum", {"opening", "closing"}}};
+    object["required"].push_back("side");
+  }
+  object["additionalProperties"] = false;
+  object["x-hint"] = "`wheeltap laws " + std::string(law.name) + "` explains it";
+  AnyJson rule = object;
+  rule["type"].push_back("array");
+  rule["minItems"] = 1;
+  rule["items"] = std::move(object);
+  return rule;
+}
 
 /// Adds a key for every law there is to the links of a schema that has links.
 template <class AnyJson>
 void add_laws(AnyJson& rules) {
   if (!rules.at("definitions").contains("link")) return;
-  auto& keys = rules["definitions"]["link"]["properties"];
+  auto& link = rules["definitions"]["link"];
   for (const dynamics::LawInfo& law : dynamics::law_infos())
-    keys[std::string(law.name)] = {{"$ref", "#/definitions/law"}};
+    link["properties"][std::string(law.name)] = law_rule<AnyJson>(law);
+  link["x-hint"] = "`wheeltap laws` explains the force laws";
+}
+
+/// Names the types of defect there are, and adds a key for the severity of each, to a schema that
+/// has defects.
+template <class AnyJson>
+void add_defects(AnyJson& rules) {
+  if (!rules.at("definitions").contains("defects")) return;
+  auto& keys = rules["definitions"]["defects"]["properties"];
+  auto& of_truth = rules["definitions"]["true_defect"]["properties"];
+  auto& names = keys["kind"]["enum"] = AnyJson::array();
+  for (const auto* type : identification::defect_types()) {
+    names.push_back(std::string(type->name));
+    const std::string severity(type->severity);
+    if (!keys.contains(severity)) keys[severity] = {{"$ref", "#/definitions/prior"}};
+    if (!of_truth.contains(severity)) {
+      of_truth[severity] = {{"description", std::string(type->bounds_words)}, {"type", "number"}};
+    }
+  }
 }
 
 /// Wherever `rules` says "x-list": "interpolants", their names take its place as an "enum", and the

@@ -1,8 +1,8 @@
 #include "apps/sid_case.hpp"
 
 #include <algorithm>
-#include <limits>
 
+#include "apps/law_words.hpp"
 #include "apps/sid_record.hpp"
 #include "apps/sid_truth.hpp"
 #include "identification/sid_residuals.hpp"
@@ -16,8 +16,6 @@ namespace {
 
 using dynamics::Coefficient;
 using Role = SidChannel::Role;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Runs work(); what the libraries complain about becomes a complaint about the case.
 template <class Work>
@@ -69,15 +67,7 @@ class Parser {
   /// A number or a parameter, held to the bounds.
   Coefficient coefficient(const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const Json& value = file_.json.at(where);
-    const auto number = [](double x) { return Json(x).dump(); };
-    const bool below = bounds.lower > -kInfinity, above = bounds.upper < kInfinity;
-    std::string range;
-    if (below && bounds.lower == 0.0) {
-      range = bounds.above_lower ? "positive" : "not negative";
-    } else if (below) {
-      range = (bounds.above_lower ? "above " : "at least ") + number(bounds.lower);
-    }
-    if (above) range += (below ? " and at most " : "at most ") + number(bounds.upper);
+    const std::string range = bounds_in_words(bounds);
     if (value.is_number()) {
       const double x = value;
       if (!bounds.allows(x)) file_.refuse(where, "must be " + range);
@@ -91,12 +81,12 @@ class Parser {
                    reaches + ", but " + where.to_string() + " must be " + range + ": " + advice);
     };
     if (prior.lower() < bounds.lower) {
-      refuse("reaches down to " + number(prior.lower()),
-             "use a prior on [" + number(bounds.lower) +
+      refuse("reaches down to " + plain_number(prior.lower()),
+             "use a prior on [" + plain_number(bounds.lower) +
                  ", ∞), e.g. \"truncated_normal\" or \"log_normal\"");
     }
     if (prior.upper() > bounds.upper) {
-      refuse("reaches up to " + number(prior.upper()), "use a prior that ends there");
+      refuse("reaches up to " + plain_number(prior.upper()), "use a prior that ends there");
     }
     used_[static_cast<std::size_t>(p)] = true;
     return Coefficient::of_parameter(p);
@@ -115,7 +105,7 @@ class Parser {
       const Json& c = json_.at(where);
       static const std::vector<std::string> roles = {
           "time", "force", "base-acceleration", "base-displacement", "response", "ignore"};
-      SidChannel channel{.column = text_or_number(c["column"])};
+      SidChannel channel{.column = text_or_number(c["column"]), .record = out_.number};
       channel.role =
           static_cast<Role>(std::ranges::find(roles, c["role"].get<std::string>()) - roles.begin());
       const bool on_mass = channel.role == Role::force || channel.role == Role::response;
@@ -204,42 +194,20 @@ class Parser {
   }
 
   dynamics::Law parse_law(const Pointer& here, const dynamics::LawInfo& info) {
+    // The schema holds what stands here to the law's own description (law_rule).
     const Json& value = json_.at(here);
-    const std::string name(info.name);
-    std::vector<std::string> keys;
-    for (int i = 0; i < info.size(); ++i) {
-      keys.emplace_back(info.coefficients[static_cast<std::size_t>(i)].name);
-    }
     std::vector<Coefficient> coefficients;
     auto side = dynamics::Side::opening;
     if (!value.is_object()) {
-      if (info.one_sided || (info.size() > 1 && info.coefficients[1].required())) {
-        file_.refuse(here, name + " must be an object with " + listed(keys) +
-                               (info.one_sided ? " and side" : ""));
-      }
       coefficients.push_back(coefficient(here, info.coefficients[0]));
     } else {
-      for (const auto& [key, ignored] : value.items()) {
-        if (std::ranges::find(keys, key) == keys.end() && !(info.one_sided && key == "side")) {
-          file_.refuse(here / key, "unknown key; " + name + " has " + listed(keys) +
-                                       (info.one_sided ? " and side" : ""));
-        }
+      for (int i = 0; i < info.size(); ++i) {
+        const dynamics::LawCoefficient& c = info.coefficients[static_cast<std::size_t>(i)];
+        const std::string key(c.name);
+        coefficients.push_back(value.contains(key) ? coefficient(here / key, c)
+                                                   : Coefficient(c.otherwise));
       }
-      for (std::size_t i = 0; i < keys.size(); ++i) {
-        if (value.contains(keys[i])) {
-          coefficients.push_back(coefficient(here / keys[i], info.coefficients[i]));
-        } else if (info.coefficients[i].required()) {
-          file_.refuse(here / keys[i], "is missing: " + name + " has " + listed(keys));
-        } else {
-          coefficients.emplace_back(info.coefficients[i].otherwise);
-        }
-      }
-      if (info.one_sided) {
-        if (!value.contains("side") || (value["side"] != "opening" && value["side"] != "closing")) {
-          file_.refuse(here / "side", "must be \"opening\" or \"closing\"");
-        }
-        if (value["side"] == "closing") side = dynamics::Side::closing;
-      }
+      if (value.value("side", "") == "closing") side = dynamics::Side::closing;
     }
     return explained(file_, here,
                      [&] { return dynamics::make_law(info.name, coefficients, side); });
@@ -325,7 +293,8 @@ class Parser {
       }
       if (channel.role == Role::response && base && channel.frame == dynamics::Frame::absolute &&
           channel.quantity != dynamics::Quantity::acceleration &&
-          out_.find(Role::base_displacement) == nullptr && !truth_displaces_base(json_)) {
+          out_.find(Role::base_displacement) == nullptr && !truth_displaces_base(json_) &&
+          !json_["record"].contains("file")) {
         file_.refuse(where, "an absolute " + json_.at(where / "quantity").get<std::string>() +
                                 " of a base-driven chain needs a channel with the role "
                                 "\"base-displacement\"; or say \"frame\": \"relative\"");
@@ -361,7 +330,7 @@ void check_windows(const SidCaseFile& parsed) {
 /// the parameters of those before. `used` gathers which of them are.
 SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, int number = 1,
                       std::vector<inference::Parameter> table = {}) {
-  SidCaseFile out{.file = std::move(file), .notes = {}, .warnings = {}, .sid = {}, .channels = {}};
+  SidCaseFile out{.file = std::move(file), .notes = {}, .sid = {}, .channels = {}};
   out.sid.number = number;
   out.sid.parameters = std::move(table);
   const Json& json = out.file.json;
@@ -404,7 +373,6 @@ SidCaseFile parse_several(const CaseFile& file, SidNeeds needs, std::vector<bool
     }
     out.sid.parameters = part.sid.parameters;
     out.sid.further.push_back(std::move(part.sid));
-    out.warnings.insert(out.warnings.end(), part.warnings.begin(), part.warnings.end());
   }
   out.sid.unite();
   out.file = file;

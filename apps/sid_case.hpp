@@ -14,7 +14,6 @@ namespace wheeltap::apps {
 struct SidCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
-  std::vector<std::string> warnings;  ///< what the record itself makes one doubt
   identification::SidCase sid;
   std::vector<Pointer> channels;  ///< blocks of the case's channels, for complaints
 

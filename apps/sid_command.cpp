@@ -23,7 +23,8 @@ namespace {
 Report options_report(const SamplingOptions& options, const inference::Options& engine) {
   return {{"chains", options.chains},   {"warmup", engine.warmup},
           {"draws", engine.draws},      {"thin", engine.thin},
-          {"search", options.searches}, {"prior_only", options.prior_only}};
+          {"search", options.searches}, {"prior_only", options.prior_only},
+          {"quick", options.quick}};
 }
 
 }  // namespace
@@ -35,6 +36,10 @@ SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
       .sample =
           [&](const inference::Problem& problem, const inference::Options& engine) {
             return run_engine(problem, engine, common.case_path, common.quiet);
+          },
+      .doubt =
+          [&](const std::vector<Remark>& doubts) {
+            for (const Remark& doubt : doubts) log.warn(sentence(doubt, {}));
           },
       .repeat = [&](const StepsRefined& refined) { log.info(repeat_note(refined)); }};
   SidOutcome out{.run = explained(parsed, [&] { return identification::run_sid(parsed.sid, how); }),
@@ -55,6 +60,7 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   if (file.json.contains("sweep")) return sweep_sid(file, common, options, *log);
   const SidCaseFile parsed = parse_sid_case(std::move(file));
   RunFiles files(common.output);
+  const StopOnInterrupt stop;
   const SidOutcome out = identify(parsed, common, options, *log);
   const std::uint64_t seed = out.run.engine.seed;
   Report summary = sid_summary(parsed, *out.run.problem, out.findings,

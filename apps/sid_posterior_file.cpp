@@ -7,6 +7,7 @@
 #include "base/random.hpp"
 #include "identification/marginal.hpp"
 #include "identification/sid_fit.hpp"
+#include "identification/sid_units.hpp"
 
 namespace wheeltap::apps {
 
@@ -38,17 +39,6 @@ std::vector<std::string> variable_names(const SidCase& sid_case) {
   return names;
 }
 
-const char* unit(dynamics::Quantity quantity) {
-  switch (quantity) {
-    case dynamics::Quantity::displacement:
-      return "m";
-    case dynamics::Quantity::velocity:
-      return "m/s";
-    default:
-      return "m/s^2";
-  }
-}
-
 /// What drove the chain, in SI units at the samples scored: ArviZ's group for what is given.
 void write_excitation(const io::NetcdfWriter& file, const SidCase& sid_case, std::size_t samples,
                       std::span<const double> theta) {
@@ -68,7 +58,7 @@ void write_excitation(const io::NetcdfWriter& file, const SidCase& sid_case, std
     const int id = file.put(group, names.back(), {sample}, values);
     const bool force = channel.role == SidChannel::Role::force;
     const bool displacement = channel.role == SidChannel::Role::base_displacement;
-    file.text(group, id, "units", force ? "N" : displacement ? "m" : "m/s^2");
+    file.text(group, id, "units", channel.used_unit());
     file.text(group, id, "role",
               force          ? "force on mass " + std::to_string(channel.mass)
               : displacement ? "base displacement"
@@ -111,6 +101,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
     for (const auto& model : space.models()) names += (names.empty() ? "" : ";") + model.name;
     const int model = file.put(group, "model", {chain, draw}, model_of_draw);
     file.text(group, model, "names", names);
+    const auto units = parameter_units(sid_case);
     for (std::size_t p = 0; p < space.parameters().size(); ++p) {
       std::vector<int> slot;  // of this parameter in each model
       for (const auto& m : space.models()) {
@@ -127,7 +118,10 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
                                   : c.theta[i * width + static_cast<std::size_t>(at)]);
         }
       }
-      file.put(group, sid_variable(space.parameters()[p].name), {chain, draw}, values);
+      const int id =
+          file.put(group, sid_variable(space.parameters()[p].name), {chain, draw}, values);
+      const std::string& unit = units.at(space.parameters()[p].name);
+      if (!unit.empty()) file.text(group, id, "units", unit);
     }
   }
   write_sample_stats(file, posterior, model_of_draw);
@@ -159,7 +153,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
         }
       }
       const int id = file.put(group, names[c], {chain, draw, sample}, values);
-      file.text(group, id, "units", unit(responses[c]->quantity));
+      file.text(group, id, "units", responses[c]->used_unit());
     }
   }
   {
@@ -180,7 +174,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
     const auto theta = posterior_mean(problem, posterior, most);
     for (std::size_t c = 0; c < responses.size(); ++c) {
       const int id = file.put(group, names[c], {sample}, observed(problem, c, theta));
-      file.text(group, id, "units", unit(responses[c]->quantity));
+      file.text(group, id, "units", responses[c]->used_unit());
     }
     write_excitation(file, sid_case, samples, theta);
   }

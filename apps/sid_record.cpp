@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "identification/base_integration.hpp"
 #include "identification/sid_record.hpp"
 #include "identification/sid_simulation.hpp"
 
@@ -12,8 +13,6 @@ using namespace identification;
 namespace {
 
 using Role = SidChannel::Role;
-
-constexpr double kWorthWarning = 0.05;  // of an excitation's amplitude
 
 /// Several records are several simulations.
 std::uint64_t seed_of(const SidCase& sid_case) {
@@ -34,42 +33,6 @@ RecordUse parse_use(const CaseFile& file) {
     use.upsample = r["upsample"].get<int>();
   }
   return use;
-}
-
-void warn_of_window(SidCaseFile& parsed, const SidChannel& channel) {
-  if (!channel.window || !is_peculiar(*channel.window)) return;
-  const auto decibel = [](double x) { return std::to_string(std::lround(x)) + " dB"; };
-  parsed.warnings.push_back("The window is not like the rest of the record: the spectrum of \"" +
-                            channel.column + "\" differs by " +
-                            decibel(channel.window->difference_db) + " (scatter alone gives " +
-                            decibel(channel.window->expected_db) +
-                            "). What is found holds for the window; try another, or a longer one.");
-}
-
-void warn_of_interpolation(SidCaseFile& parsed) {
-  if (parsed.sid.simulated || parsed.sid.stride > 1) return;
-  const InterpolationLoss worst = interpolation_loss(parsed.sid);
-  if (worst.share < kWorthWarning) return;
-  parsed.warnings.push_back(
-      "The excitation \"" + worst.channel->column + "\" is taken as linear between its samples; " +
-      "if it was measured behind an anti-alias filter this loses " +
-      std::to_string(std::lround(100.0 * worst.share)) +
-      " % of its amplitude. Then set \"between_samples\": \"band-limited\" in the record.");
-}
-
-void warn_of_units(SidCaseFile& parsed) {
-  for (const SidChannel& channel : parsed.sid.channels) {
-    if (!channel.is_excitation() && channel.role != Role::response) continue;
-    const auto known = signals::find_unit(channel.unit);
-    const bool converted = known && known->dimension == channel.dimension();
-    const bool plain = channel.unit.empty() || channel.unit == "1";
-    if (plain || converted || channel.scale_given) continue;
-    parsed.warnings.push_back(
-        "Channel \"" + channel.column + "\" is in " + channel.unit +
-        " and has no \"scale\": its numbers are used as they are, as if they were SI units. Known "
-        "units of " +
-        std::string(name(channel.dimension())) + ": " + known_units(channel.dimension()) + ".");
-  }
 }
 
 }  // namespace
@@ -114,10 +77,12 @@ void load_record(SidCaseFile& parsed) {
       throw Failure(Exit::bad_input, error.what());
     }
   });
-  for (const SidChannel& channel : out.channels) warn_of_window(parsed, channel);
-  warn_of_interpolation(parsed);
-  warn_of_units(parsed);
-  if (r.value("initial", Json("rest")) == "inferred") {
+  if (!out.simulated && needs_integrated_base(out)) {
+    explained(parsed, [&] { integrate_base(out); });
+  }
+  const bool said = r.contains("initial");
+  if (!said && !out.simulated && out.lead_in == 0) out.starts_moving = moves_at_start(out);
+  if (out.starts_moving || (said && r["initial"] == "inferred")) {
     explained(parsed, [&] {
       for (SidModel& model : out.models) infer_initial(out, model);
     });

@@ -5,6 +5,7 @@
 #include "apps/report/answer.hpp"
 #include "apps/sid_posterior_file.hpp"
 #include "apps/sid_words.hpp"
+#include "identification/sid_units.hpp"
 
 namespace wheeltap::apps {
 
@@ -20,6 +21,7 @@ Report json(const ResidualWhiteness& whiteness) {
           {"degrees_of_freedom", whiteness.test.degrees_of_freedom},
           {"p_value", whiteness.test.p_value},
           {"lag_1_autocorrelation", whiteness.lag_1},
+          {"largest", {{"lag", whiteness.worst_lag}, {"autocorrelation", whiteness.worst}}},
           {"white", whiteness.white()}};
 }
 
@@ -74,6 +76,20 @@ Report links_report(const SidFindings& findings) {
   return out;
 }
 
+Report modes_report(const SidFindings& findings) {
+  Report out = Report::object();
+  for (std::size_t m = 0; m < findings.models.size(); ++m) {
+    const auto& found = findings.of_models[m];
+    if (!found || found->modes.empty()) continue;
+    Report& rows = out[findings.models[m].name] = Report::array();
+    for (const ChainMode& mode : found->modes) {
+      rows.push_back({{"frequency_hz", apps::json(mode.frequency_hz)},
+                      {"damping_ratio", apps::json(mode.damping_ratio)}});
+    }
+  }
+  return out;
+}
+
 Report best_draws(const SidFindings& findings) {
   return of_drawn(findings, [&](const SidModelFinding& found, std::size_t m) {
     Report draw = Report::object();
@@ -92,7 +108,8 @@ Report unknowns_of(const SidFindings& findings) {
     for (const ParameterFinding& p : findings.models[m].parameters) {
       list.push_back({{"label", p.unknown.label},
                       {"variable", sid_variable(p.unknown.name)},
-                      {"prior", (Pointer("/parameters") / p.unknown.name).to_string()}});
+                      {"prior", (Pointer("/parameters") / p.unknown.name).to_string()},
+                      {"unit", p.unknown.unit}});
     }
     return list;
   });
@@ -119,7 +136,8 @@ Report data_of(const SidCaseFile& parsed) {
   const SidCase& sid_case = parsed.sid;
   Report responses = Report::array(), window = Report::array();
   for (const SidChannel* channel : sid_case.responses()) {
-    responses.push_back({{"channel", channel->name()}, {"mass", channel->mass}});
+    responses.push_back(
+        {{"channel", channel->name()}, {"mass", channel->mass}, {"unit", channel->used_unit()}});
   }
   for (const SidChannel& channel : sid_case.channels) {
     if (!channel.window) continue;
@@ -128,13 +146,16 @@ Report data_of(const SidCaseFile& parsed) {
                       {"spectrum_difference_db", channel.window->difference_db},
                       {"scatter_db", channel.window->expected_db}});
   }
-  Report out = {{"origin", sid_case.origin},
-                {"simulated", sid_case.simulated},
-                {"sample_rate", sid_case.sample_rate_hz},
-                {"samples", {sid_case.begin, sid_case.end}},
-                {"lead_in", sid_case.lead_in},
-                {"responses", responses},
-                {"window_against_record", window}};
+  const auto system = unit_system(sid_case);
+  Report out = {
+      {"origin", sid_case.origin},
+      {"simulated", sid_case.simulated},
+      {"sample_rate", sid_case.sample_rate_hz},
+      {"samples", {sid_case.begin, sid_case.end}},
+      {"lead_in", sid_case.lead_in},
+      {"responses", responses},
+      {"units", system ? Report({{"force", system->force}, {"length", system->length}}) : Report()},
+      {"window_against_record", window}};
   if (sid_case.truth && sid_case.simulated) {
     out["truth"] = Report::parse(parsed.file.json["truth"].dump());
   }
@@ -201,7 +222,7 @@ Report fits_report(const SidFindings& findings) {
 Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
                    const SidFindings& findings, const RunInfo& info) {
   const SidCase& sid_case = problem.sid_case;
-  Report diagnosed = diagnostics(findings, warnings(findings, {}, parsed.warnings));
+  Report diagnosed = diagnostics(findings, warnings(findings, {}));
   for (const SidModel& model : sid_case.models) {
     if (const std::string note = order_note(model); !note.empty())
       diagnosed["notes"].push_back(note);
@@ -218,8 +239,10 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
       {"priors", priors_of(sid_case)},
       {"residuals", {{"ar", orders_of(sid_case)}}},
       {"unknowns", unknowns_of(findings)},
-      {"fit", fits_report(findings)},
+      {"fit", fit_report(findings.fit_verdict)},
+      {"fit_at_mean", fits_report(findings)},
       {"links", links_report(findings)},
+      {"modes", modes_report(findings)},
       {"best_draw", best_draws(findings)},
       {"fit_at_best_draw",
        of_drawn(findings, [](const SidModelFinding& f, std::size_t) { return json(f.at_best); })},

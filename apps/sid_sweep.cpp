@@ -66,14 +66,16 @@ Row table_row(const std::string& value, const SidFindings& findings) {
   return row;
 }
 
-Report summary_row(const Json& value, const SidCaseFile& parsed, const SidFindings& findings) {
-  const Report diagnosed = diagnostics(findings, warnings(findings, {}, parsed.warnings));
+Report summary_row(const Json& value, const SidFindings& findings) {
+  const Report diagnosed = diagnostics(findings, warnings(findings, {}));
   Report row = {{"value", Report::parse(value.dump())},
                 {"models", model_table(findings)},
                 {"log_bayes_factors", bayes_factors_report(findings)},
                 {"parameters", parameter_tables(findings)},
-                {"fit", fits_report(findings)},
+                {"fit", fit_report(findings.fit_verdict)},
+                {"fit_at_mean", fits_report(findings)},
                 {"converged", diagnosed["converged"]},
+                {"explained", findings.fit_verdict.ok()},
                 {"not_established", diagnosed["not_established"]},
                 {"resolution", diagnosed["resolution"]},
                 {"warnings", diagnosed["warnings"]},
@@ -137,7 +139,8 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
   Report rows = Report::array();
   std::vector<SweepRow> said;
   std::string table;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
+  const StopOnInterrupt stop;
+  for (std::size_t i = 0; i < cases.size() && !was_interrupted(); ++i) {
     const Json& value = sweep["values"][i];
     const SidFindings findings = identify(cases[i], common, options, log).findings;
     const Row row = table_row(value.dump(), findings);
@@ -149,8 +152,9 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
     table += line(row.cells);
     std::cout << line(row.cells);
     print_remarks(findings);
-    rows.push_back(summary_row(value, cases[i], findings));
-    said.push_back({value.dump(), findings.models, findings.sampling.verdict.converged});
+    rows.push_back(summary_row(value, findings));
+    said.push_back({value.dump(), findings.models, findings.sampling.verdict.converged,
+                    findings.fit_verdict.ok()});
   }
   const Report summary = {
       {"wheeltap",

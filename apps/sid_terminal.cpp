@@ -40,9 +40,23 @@ void print_parameters(const Page& page, const std::vector<ParameterFinding>& par
   if (windows) rows.front().emplace_back("between windows (95 %)");
   for (const ParameterFinding& p : parameters) {
     const Marginal& e = p.estimate;
-    rows.push_back({p.unknown.label, resolved(e.mean, e.width()), number_or_dash(e.sd, 2),
+    rows.push_back({p.unknown.with_unit(), resolved(e.mean, e.width()), number_or_dash(e.sd, 2),
                     resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width())});
     if (windows) rows.back().push_back(p.between_windows ? interval(p.between_windows->next) : "-");
+  }
+  if (rows.size() > 1) page.table(rows);
+}
+
+void print_modes(const Page& page, const std::vector<ChainMode>& modes) {
+  std::vector<std::vector<std::string>> rows = {
+      {"mode", "frequency [Hz]", "95 % interval", "damping ratio", "95 % interval"}};
+  const auto interval = [](const Marginal& x) {
+    return resolved(x.q2_5, x.width()) + " to " + resolved(x.q97_5, x.width());
+  };
+  for (const ChainMode& mode : modes) {
+    const Marginal &f = mode.frequency_hz, &zeta = mode.damping_ratio;
+    rows.push_back({std::to_string(rows.size()), resolved(f.q50, f.width()), interval(f),
+                    resolved(zeta.q50, zeta.width()), interval(zeta)});
   }
   if (rows.size() > 1) page.table(rows);
 }
@@ -51,12 +65,12 @@ void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
   std::vector<std::vector<std::string>> rows = {{"response", "MSE", "NRMSE", "R2", "white?"}};
   for (const ChannelFit& fit : fits) {
     const bool varies = std::isfinite(fit.nrmse);
-    rows.push_back({fit.channel, number_or_dash(fit.mse, 3),
-                    varies ? fixed(100.0 * fit.nrmse, 2) + " %" : "-",
-                    varies ? fixed(fit.r2, 5) : "-",
-                    fit.whiteness ? (fit.whiteness->white() ? "yes, p " : "NO, p ") +
-                                        number_or_dash(fit.whiteness->test.p_value, 2)
-                                  : "-"});
+    rows.push_back(
+        {fit.channel, number_or_dash(fit.mse, 3), varies ? fixed(100.0 * fit.nrmse, 2) + " %" : "-",
+         varies ? fixed(fit.r2, 5) : "-",
+         fit.whiteness
+             ? (fit.whiteness->white() ? "yes, " : "NO, ") + p_value(fit.whiteness->test.p_value)
+             : "-"});
   }
   if (rows.size() > 1) page.table(rows);
 }
@@ -91,6 +105,7 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
           << '\n';
     }
     print_parameters(page, model.parameters);
+    print_modes(page, findings.of_models[m]->modes);
     print_fits(page, findings.of_models[m]->at_mean);
   }
   out << "\nThe " << percent(sid_case.band) << " predictive band holds ";
@@ -100,7 +115,7 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
         << responses[c]->name();
   }
   out << ".\n";
-  print_closing(page, findings, warnings(findings, {}, parsed.warnings), "model");
+  print_closing(page, findings, warnings(findings, {}), "model");
 }
 
 }  // namespace wheeltap::apps

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "apps/fit_words.hpp"
 #include "apps/verdict_words.hpp"
 #include "base/parallel.hpp"
 
@@ -56,6 +57,7 @@ Report json(const std::vector<ParameterFinding>& parameters) {
   for (const ParameterFinding& p : parameters) {
     Report& row = table[p.unknown.label] = json(p.estimate);
     if (p.between_windows) row["between_windows"] = json(*p.between_windows);
+    if (std::isfinite(p.prior_overlap)) row["prior_overlap"] = p.prior_overlap;
   }
   return table;
 }
@@ -143,8 +145,16 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
       {"impossible", sampling.impossible},
       {"balanced", sampling.balanced},
       {"stopped_early", sampling.stopped_early},
+      {"quick", sampling.quick},
       {"notes", sampling.notes},
       {"warnings", warnings}};
+}
+
+Report fit_report(const FitVerdict& verdict) {
+  return {{"ok", verdict.ok()},
+          {"r2", finite(verdict.r2)},
+          {"p", finite(verdict.p)},
+          {"why", in_words(verdict)}};
 }
 
 Report evidence_report(const Findings& findings) {
@@ -191,9 +201,17 @@ Report about(const std::string& command, const RunInfo& info, const CaseFile& fi
 }
 
 Report cost(const Sampling& sampling) {
+  const inference::Calls& calls = sampling.calls;
   return {{"likelihood_evaluations", sampling.likelihood_evaluations},
           {"full_model_calls", sampling.full_model_calls},
           {"warmup_evaluations", sampling.warmup_evaluations},
+          {"calls",
+           {{"explore", calls.explore},
+            {"tune", calls.tune},
+            {"sample", calls.sample},
+            {"evidence", calls.evidence},
+            {"of_explore",
+             {{"search", calls.search}, {"anneal", calls.anneal}, {"weigh", calls.weigh}}}}},
           {"wall_seconds", sampling.wall_seconds},
           {"chains", sampling.chains},
           {"draws_a_chain", sampling.draws_a_chain},

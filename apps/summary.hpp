@@ -48,6 +48,8 @@ struct RunInfo {
 
 /// {"tmcmc": [{"model", "log_evidence", "standard_error", "log_bayes_factor", "probability", …},
 /// …], …}.
+/// Whether the models explain the data: {ok, r2, p, why}.
+[[nodiscard]] Report fit_report(const identification::FitVerdict& verdict);
 [[nodiscard]] Report evidence_report(const identification::Findings& findings);
 
 /// What repeats the run: version, command, seed, machine and case.

@@ -100,7 +100,7 @@ std::string number_or_dash(double x, int digits) {
 void print_answer(const Page& page, const Answer& said) {
   page.out << '\n';
   if (!said.caution.empty()) page.wrapped(said.caution, page.warn("! "), "  ");
-  page.wrapped(said.headline, "", "");
+  page.wrapped(said.headline, said.misfit ? page.warn("! ") : "", said.misfit ? "  " : "");
   if (!said.detail.empty()) page.wrapped(said.detail, "", "");
 }
 
@@ -196,21 +196,45 @@ std::size_t terminal_width() {
 
 }  // namespace
 
-ProgressBar::ProgressBar(bool quiet) : visible_(!quiet && isatty(STDERR_FILENO) != 0) {}
+std::optional<std::string> ProgressLines::next(const std::string& stage, double fraction,
+                                               double seconds, double left,
+                                               const std::string& detail) {
+  constexpr double kShare = 0.1, kSeconds = 5.0, kLong = 30.0;
+  const double since = seconds - seconds_;
+  const bool new_stage = stage != stage_;
+  if (!new_stage && since < kLong && !(fraction - fraction_ >= kShare && since >= kSeconds))
+    return {};
+  stage_ = stage;
+  fraction_ = new_stage ? 0.0 : fraction;
+  seconds_ = seconds;
+  std::string line =
+      stage + ": " + fixed(100.0 * fraction, 0) + " %, " + duration(seconds) + " so far";
+  if (left >= 0.0) line += ", about " + duration(left) + " left";
+  return detail.empty() ? line : line + ", " + detail;
+}
 
-void ProgressBar::show(const std::string& stage, double fraction, const std::string& detail) {
-  if (!visible_) return;
+ProgressBar::ProgressBar(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+void ProgressBar::show(const std::string& stage, double fraction, const std::string& detail,
+                       std::optional<double> left) {
+  if (quiet_) return;
   const auto now = std::chrono::steady_clock::now();
   if (stage != stage_) stage_ = stage, began_ = now, last_ = {};
   if (now - last_ < std::chrono::milliseconds(80)) return;
   last_ = now;
   const double seconds = std::chrono::duration<double>(now - began_).count();
-  std::string left;
-  if (fraction > 0.005 && seconds > 1.0) {
-    left = "  " + duration(seconds * (1.0 - fraction) / fraction) + " left";
+  if (!left && fraction > 0.005 && seconds > 1.0) left = seconds * (1.0 - fraction) / fraction;
+  if (!terminal_) {
+    const double so_far = std::chrono::duration<double>(now - created_).count();
+    if (const auto line = lines_.next(stage, fraction, so_far, left.value_or(-1.0), detail)) {
+      std::fprintf(stderr, "%s\n", line->c_str());
+      std::fflush(stderr);
+    }
+    return;
   }
   const std::string line = pad_right(stage, 12) + " " + pad_right(bar(fraction, 20), 20) + " " +
-                           pad_left(fixed(100.0 * fraction, 0), 3) + " %" + left +
+                           pad_left(fixed(100.0 * fraction, 0), 3) + " %" +
+                           (left ? "  " + duration(*left) + " left" : std::string()) +
                            (detail.empty() ? "" : "  " + detail);
   std::fprintf(stderr, "\r\x1b[K%s", cut(line, terminal_width() - 1).c_str());
   std::fflush(stderr);

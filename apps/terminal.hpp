@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,7 +57,22 @@ void print_evidence(const Page& page, const identification::Findings& findings);
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
-/// One line on standard error that overwrites itself; silent unless that is a terminal.
+/// Which lines a log gets of a run: one a stage, and further ones at least a tenth of the stage and
+/// five seconds apart, or half a minute.
+class ProgressLines {
+ public:
+  /// A line, or none yet. `seconds` since the run began, `left` of it: negative where not known.
+  [[nodiscard]] std::optional<std::string> next(const std::string& stage, double fraction,
+                                                double seconds, double left,
+                                                const std::string& detail);
+
+ private:
+  std::string stage_;
+  double fraction_ = 0.0, seconds_ = 0.0;
+};
+
+/// How far a run is, on standard error: a line that overwrites itself on a terminal, plain lines in
+/// a file or a pipe.
 class ProgressBar {
  public:
   explicit ProgressBar(bool quiet);
@@ -64,14 +80,18 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar() { clear(); }
 
-  /// `fraction` of `stage` is done; `detail` stands behind the bar.
-  void show(const std::string& stage, double fraction, const std::string& detail);
+  /// `fraction` of `stage` is done; `detail` stands behind the bar. `left` are the seconds left of
+  /// the whole run, where the caller knows; the bar else extrapolates the stage.
+  void show(const std::string& stage, double fraction, const std::string& detail,
+            std::optional<double> left = {});
   void clear();
 
  private:
-  bool visible_;
+  bool quiet_, terminal_;
   bool drawn_ = false;
   std::string stage_;
+  ProgressLines lines_;
+  std::chrono::steady_clock::time_point created_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point began_{}, last_{};
 };
 

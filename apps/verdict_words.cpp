@@ -108,6 +108,10 @@ struct Sentence {
   std::string operator()(const StoppedEarly& /*unused*/) const {
     return "The run was stopped early. Run it to its end.";
   }
+  std::string operator()(const QuickLook& /*unused*/) const {
+    return "This is a quick look: modes, the evidence of normals about them and short chains; not "
+           "a posterior. Run without --quick.";
+  }
 };
 
 // Reasons that follow each other and are told together.

@@ -24,6 +24,10 @@ using base::significant;
 [[nodiscard]] std::string percent(double probability);
 /// "P = 75 %", "P > 99.9 %".
 [[nodiscard]] std::string probability_is(double probability);
+/// "p 0.03", "p < 1e-15".
+[[nodiscard]] std::string p_value(double p);
+/// "0.35 % of the response".
+[[nodiscard]] std::string share_of_response(double nrmse);
 /// "a, b and c".
 [[nodiscard]] std::string in_words(const std::vector<std::string>& items,
                                    const std::string& last = "and");
@@ -54,10 +58,9 @@ struct Context {
 /// Why an emulator for so many damages should not be used; empty where it may.
 [[nodiscard]] std::string emulator_warning(int damages, const std::vector<int>& blind);
 
-/// All that a reader should keep in mind: what is not established, then the case's own warnings and
-/// the remarks.
+/// All that a reader should keep in mind, the gravest first: what is not established, why the
+/// models do not explain the data, the remarks.
 [[nodiscard]] std::vector<std::string> warnings(const identification::Findings& findings,
-                                                const Context& context,
-                                                const std::vector<std::string>& of_case = {});
+                                                const Context& context);
 
 }  // namespace wheeltap::apps

@@ -12,6 +12,7 @@ struct LawTerm {
   int kind = 0;
   int slot = 0;    ///< first coefficient; the side (±1) follows the last one
   int memory = 0;  ///< index of its state, if it has one
+  int dry = -1;    ///< of exact friction: index of its pair of masses
 };
 
 struct LinkTerm {
@@ -40,6 +41,7 @@ struct SensorTerm {
 /// The work for one group of parameter vectors, one a lane.
 struct Task {
   int masses = 0, links = 0, laws = 0, drives = 0, sensors = 0, memories = 0;
+  int frictions = 0;  ///< pairs of masses with exact friction between them
   const LinkTerm* link = nullptr;
   const LawTerm* law = nullptr;
   const DriveTerm* drive = nullptr;
@@ -78,6 +80,7 @@ inline constexpr int kMaxMasses = 64;
 inline constexpr int kMaxMemories = 64;
 inline constexpr int kMaxThresholds = 4;   ///< each doubles the number of regimes
 inline constexpr int kMaxPolynomials = 8;  ///< links with such laws that series can have
+inline constexpr int kMaxFrictions = 8;    ///< pairs of masses with exact friction between them
 inline constexpr int kMaxDegree = 12;
 
 /// Vectors of scratch memory that the exact solution needs.

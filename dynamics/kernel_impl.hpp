@@ -15,11 +15,12 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
+/// N = 0: any number of masses.
 template <int N>
 void run_runge_kutta(const Task& task) {
-  if (task.paced)
+  if (task.paced || task.frictions > 0)
     PacedRungeKutta<N>(task).run();
-  else if (!task.serial)
+  else if (N == 0 || !task.serial)
     RungeKutta<N, false, AnyLaw>(task).run();
   else if (task.only_law == LawList::index_of<laws::Cubic>())
     RungeKutta<N, true, laws::Cubic>(task).run();
@@ -36,7 +37,7 @@ inline void runge_kutta(const Task& task) {
     case 3:
       return run_runge_kutta<3>(task);
     default:
-      return task.paced ? PacedRungeKutta<0>(task).run() : RungeKutta<0, false, AnyLaw>(task).run();
+      return run_runge_kutta<0>(task);
   }
 }
 

@@ -36,14 +36,17 @@ enum class Side { opening, closing };
 inline constexpr int kMaxLawCoefficients = 5;
 
 /// How one coefficient of a law is called in a case file, its SI unit, what it is when left out,
-/// and within which bounds the law makes sense.
+/// within which bounds the law makes sense, and what a reader is told of it.
 struct LawCoefficient {
   std::string_view name;
   std::string_view unit;
   double otherwise = std::numeric_limits<double>::quiet_NaN();  ///< NaN: must be given
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  bool above_lower = false;  ///< `lower` itself makes no sense (a division by it)
+  bool above_lower = false;      ///< `lower` itself makes no sense (a division by it)
+  std::string_view symbol = {};  ///< in the law's formula
+  std::string_view words = {};   ///< what it stands for
+  double example = 1.0;          ///< for a spring of 2000 N/m that moves by a centimetre
 
   [[nodiscard]] constexpr bool required() const { return otherwise != otherwise; }
   /// Whether the value is finite and within the bounds.
@@ -55,7 +58,10 @@ struct LawCoefficient {
 
 /// A law's own description. Coefficients are listed in the order in which the law reads them.
 struct LawInfo {
-  std::string_view name;  ///< its key in a case file
+  std::string_view name;         ///< its key in a case file
+  std::string_view formula;      ///< plain text, e the extension, ė its rate, T > 0 pulls
+  std::string_view description;  ///< what it stands for, half a sentence
+  std::string_view notes = {};   ///< what else its user should know, whole sentences
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
   bool one_sided =
       false;  ///< takes a side; written for opening, closing is T(e, ė) = -T_open(-e, -ė)

@@ -20,6 +20,17 @@ std::span<const LawInfo> law_infos() {
   return kInfos;
 }
 
+bool is_dry(const Law& law) {
+  bool dry = false;
+  LawList::visit(law.kind, [&]<class L>(L) {
+    if constexpr (kFriction<L>) {
+      const Coefficient& creep = law.coefficients[static_cast<std::size_t>(L::kCreep)];
+      dry = creep.is_constant() && creep.value == 0.0;
+    }
+  });
+  return dry;
+}
+
 bool is_feasible(int kind, const double* c) {
   bool feasible = false;
   LawList::visit(kind, [&](auto law) { feasible = is_feasible<decltype(law)>(c); });

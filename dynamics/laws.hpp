@@ -23,6 +23,16 @@ inline constexpr bool kPolynomial = requires {
   Law::kPower;
 };
 
+/// Whether a law is friction, which may be exact.
+template <class Law>
+inline constexpr bool kFriction = requires(const double* c) {
+  Law::friction(c);
+  Law::kCreep;
+};
+
+/// Whether a law is exact dry friction: its creep speed is known to be 0.
+[[nodiscard]] bool is_dry(const Law& law);
+
 /// Whether coefficients [N, m, s …] make sense for a law: each is finite and within its bounds, and
 /// together they are what `feasible`, where the law has one, asks for.
 template <class L>

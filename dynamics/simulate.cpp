@@ -67,6 +67,16 @@ int ladder(double steps) {
   return -1;
 }
 
+/// Whether a creep speed that is a parameter is 0: such friction is not located, and no steps would
+/// be short enough for it.
+bool is_dry_by_chance(const Law& law, const double* c) {
+  bool zero = false;
+  LawList::visit(law.kind, [&]<class L>(L) {
+    if constexpr (kFriction<L>) zero = c[L::kCreep] == 0.0;
+  });
+  return zero && !is_dry(law);
+}
+
 Outcome outcome_of(double failed) {
   return failed == 0.0                     ? Outcome::complete
          : failed == kernel::kStepsTooLong ? Outcome::steps_too_long
@@ -89,7 +99,7 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
     for (const Law& law : link.laws) {
       std::array<double, kMaxLawCoefficients> c;
       for (std::size_t i = 0; i < c.size(); ++i) c[i] = law.coefficients[i].at(theta);
-      if (!is_feasible(law.kind, c.data())) return kInfeasible;
+      if (!is_feasible(law.kind, c.data()) || is_dry_by_chance(law, c.data())) return kInfeasible;
     }
   const bool exact = integrator == Integrator::exact;
   if (integrator == Integrator::runge_kutta && options.substeps > 0)
@@ -116,7 +126,10 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
     return fastest / (kLongestPiece * std::min(1.0, limit / kUsualStepLimit));
   });
   if (pieces < 0) return kTooManySteps;
-  const Key key{.substeps = pieces, .degree = degree_of_series(fastest / pieces)};
+  int degree = degree_of_series(fastest / pieces);
+  // What holds a link that sticks is a series of two terms less.
+  if (task.frictions > 0) degree = std::min(degree + 2, kernel::kMaxDegree);
+  const Key key{.substeps = pieces, .degree = degree};
   return integrator == Integrator::series ? key : with_halvings(key, frequency, damping);
 }
 

@@ -60,15 +60,17 @@ struct InitialState {
 };
 
 enum class Integrator {
-  automatic,    ///< exact or piecewise where they apply; series where a law switches, or where they
-                ///< are preferred; else, or with a fixed number of substeps, Runge-Kutta
-  runge_kutta,  ///< the classical fourth-order scheme
+  automatic,    ///< exact or piecewise where they apply; series where a law switches or a link
+                ///< sticks and slips, or where they are preferred; else, or with a fixed number of
+                ///< substeps, Runge-Kutta
+  runge_kutta,  ///< the classical fourth-order scheme; with exact friction its steps end where a
+                ///< link comes to rest or breaks away
   exact,        ///< the exact discrete solution; only for linear chains
   piecewise,    ///< for chains whose nonlinear laws, at most four, are bilinear or contact: exact
                 ///< over a sample in which none of them switches, series over the others
   series  ///< Taylor series in time of degree 7 to 12, in pieces; from switch to switch, whose
           ///< times are found by Newton's method. For bilinear, contact, quadratic and cubic
-          ///< laws.
+          ///< laws and exact friction.
 };
 
 /// The vector instructions to use. Results are the same to the last bit for all of them.

@@ -24,6 +24,10 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 
 [[nodiscard]] int count_thresholds(const Chain& chain);
 
+/// The pairs of masses, smaller number first, with exact friction between them, in the order of the
+/// links.
+[[nodiscard]] std::vector<std::pair<int, int>> frictions(const Chain& chain);
+
 /// At which γ h <= 1 for damping rates γ; where it is lower, they have steps shorter in
 /// proportion.
 inline constexpr double kUsualStepLimit = 0.2;

@@ -33,6 +33,17 @@ int count_thresholds(const Chain& chain) {
   return count;
 }
 
+std::vector<std::pair<int, int>> frictions(const Chain& chain) {
+  std::vector<std::pair<int, int>> pairs;
+  for (const Link& link : chain.links) {
+    const std::pair<int, int> pair = std::minmax(link.a, link.b);
+    if (std::any_of(link.laws.begin(), link.laws.end(), is_dry) &&
+        std::find(pairs.begin(), pairs.end(), pair) == pairs.end())
+      pairs.push_back(pair);
+  }
+  return pairs;
+}
+
 std::vector<const kernel::Kernel*> make_kernels(Instructions instructions) {
   base::Compiled<kernel::Kernel> compiled{.baseline = &kernel::kBaselineKernel};
 #ifdef WHEELTAP_X86_KERNELS
@@ -75,7 +86,7 @@ bool has_series(const Chain& chain) {
     bool polynomial = false;
     for (const Law& law : link.laws)
       LawList::visit(law.kind, [&](auto l) {
-        all = all && (kPiecewiseLinear<decltype(l)> || kPolynomial<decltype(l)>);
+        all = all && (kPiecewiseLinear<decltype(l)> || kPolynomial<decltype(l)> || is_dry(law));
         polynomial = polynomial || kPolynomial<decltype(l)>;
       });
     polynomials += polynomial ? 1 : 0;
@@ -107,7 +118,11 @@ void Simulator::Impl::check() {
   if (options.integrator == Integrator::series && !has_series(chain))
     fail("series are for chains whose laws are powers of the extension (on at most " +
          std::to_string(kernel::kMaxPolynomials) + " links), bilinear or contact (at most " +
-         std::to_string(kernel::kMaxThresholds) + ")");
+         std::to_string(kernel::kMaxThresholds) + "), or exact friction");
+  if (detail::frictions(chain).size() > kernel::kMaxFrictions)
+    fail("exact friction between " + std::to_string(detail::frictions(chain).size()) +
+         " pairs of masses, must be at most " + std::to_string(kernel::kMaxFrictions) +
+         ": give the coulomb laws of the others a velocity > 0");
   if (options.integrator == Integrator::piecewise && !is_piecewise_linear(chain))
     fail("the piecewise exact solution is for chains with 1 to " +
          std::to_string(kernel::kMaxThresholds) + " laws, all bilinear or contact");
@@ -157,6 +172,8 @@ void Simulator::Impl::compile() {
   const int n = chain.size();
   for (const Coefficient& mass : chain.masses) add({mass});
   int memories = 0;
+  const auto dry = detail::frictions(chain);
+  task.frictions = static_cast<int>(dry.size());
   task.paced = is_paced(chain);
   const bool fixed = options.substeps > 0;
   task.pace = fixed ? std::numeric_limits<double>::infinity()
@@ -164,7 +181,7 @@ void Simulator::Impl::compile() {
   task.most_steps = kMaxPacedSubsteps;
   for (const Link& link : chain.links) {
     kernel::LinkTerm term{.a = link.a, .b = link.b, .slot = add({link.stiffness, link.damping})};
-    if (task.paced) term.pace_slot = add({0.0});
+    if (task.paced || !dry.empty()) term.pace_slot = add({0.0});
     term.law_begin = static_cast<int>(laws.size());
     for (const Law& law : link.laws) {
       const LawInfo& info = law_infos()[static_cast<std::size_t>(law.kind)];
@@ -172,6 +189,10 @@ void Simulator::Impl::compile() {
       slots.insert(slots.end(), law.coefficients.begin(), law.coefficients.begin() + info.size());
       add({law.side == Side::opening ? 1.0 : -1.0});
       if (info.memory) law_term.memory = memories++;
+      if (is_dry(law)) {
+        const std::pair<int, int> pair = std::minmax(link.a, link.b);
+        law_term.dry = static_cast<int>(std::find(dry.begin(), dry.end(), pair) - dry.begin());
+      }
       laws.push_back(law_term);
     }
     term.law_end = static_cast<int>(laws.size());
@@ -233,7 +254,8 @@ void Simulator::Impl::compile() {
     integrator = options.substeps > 0         ? Integrator::runge_kutta
                  : chain.is_linear()          ? Integrator::exact
                  : is_piecewise_linear(chain) ? Integrator::piecewise
-                 : has_series(chain) && (options.prefer_series || count_thresholds(chain) > 0)
+                 : has_series(chain) &&
+                         (options.prefer_series || count_thresholds(chain) > 0 || !dry.empty())
                      ? Integrator::series
                      : Integrator::runge_kutta;
   kernels = make_kernels(options.instructions);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "identification/plausibility.hpp"
+
 namespace wheeltap::identification {
 namespace {
 
@@ -162,12 +164,11 @@ std::vector<std::vector<ParameterFinding>> folded(const UnpackedDraws& draws) {
         if (std::ranges::all_of(location, [](const auto& chain) { return chain.empty(); }))
           continue;
         const auto at = static_cast<std::size_t>(model.offsets[k] + n * kind.parameters());
-        table.push_back({list[at], marginal(location)});
+        table.push_back({.unknown = list[at], .estimate = marginal(location)});
         if (kind.severity_prior()) {
-          table.push_back(
-              {list[at + 1], marginal(draws_in_model(draws.posterior(), m, [&](auto c, auto i) {
-                 return nth(c, i).severity;
-               }))});
+          const ChainsOf severity = draws_in_model(
+              draws.posterior(), m, [&](auto c, auto i) { return nth(c, i).severity; });
+          table.push_back({.unknown = list[at + 1], .estimate = marginal(severity)});
         }
       }
     }
@@ -296,7 +297,8 @@ long emulator_stride(const DamageProblem& problem) {
 }
 
 // How well the best models reproduce the data, and whether they do at all.
-std::optional<FitFinding> fit(const UnpackedDraws& draws, std::vector<Remark>& remarks) {
+std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
+                              std::vector<Remark>& remarks) {
   const DamageProblem& problem = draws.problem();
   const FrequencyData& data = problem.damage_case.data;
   const Posterior& posterior = draws.posterior();
@@ -345,9 +347,16 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, std::vector<Remark>& r
                          .standardised_residual = measured ? residual : kNaN});
     if (measured && std::abs(residual) > 3.0) off.push_back(static_cast<int>(mode) + 1);
   }
-  if (out.posterior_predictive_p < 0.005) {
+  if (out.posterior_predictive_p < kMisfit) {
+    verdict.why.emplace_back(
+        misfit::BeyondNoise{out.posterior_predictive_p, off, problem.emulator != nullptr});
+  } else if (out.posterior_predictive_p < 0.005) {
     remarks.push_back(remark::NoModelFits{off, problem.emulator != nullptr});
+  } else if (out.posterior_predictive_p > 1.0 - kMisfit) {
+    verdict.why.emplace_back(
+        misfit::WithinNoise{out.posterior_predictive_p, data.cv.value_or(kNaN)});
   }
+  verdict.p = out.posterior_predictive_p;
   return out;
 }
 
@@ -459,7 +468,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   const DamageCase& damage_case = problem.damage_case;
   const UnpackedDraws draws(problem, posterior);
 
-  std::vector<Remark> remarks;
+  std::vector<Remark> remarks = implausible(problem);
   std::vector<inference::Watched> watched;
   const auto modes = static_cast<std::size_t>(posterior.predictions);
   for (std::size_t mode = 0; mode < modes; ++mode) {
@@ -484,7 +493,8 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   if (problem.symmetric) out.folded = folded(draws);
 
   unidentified(draws, out.models, remarks);
-  out.fit = fit(draws, remarks);
+  out.fit_verdict.model = static_cast<int>(out.by_probability()[0]);
+  out.fit = fit(draws, out.fit_verdict, remarks);
   bounds(draws, out.models, remarks);
   if (problem.emulator) {
     out.emulator = emulator_finding(*problem.emulator, damage_case.data.sd_hz);

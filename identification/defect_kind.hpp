@@ -22,6 +22,7 @@ struct DefectType {
   std::string_view noun;            ///< what it is called where the case does not say
   std::string_view severity;        ///< name of its severity, a key in a case
   std::string_view severity_words;  ///< heads a column: "stiffness lost"
+  std::string_view effect_words;    ///< before the severity in a sentence: "stiffness reduced by"
   bool percent = false;             ///< a share, shown in per cent
   double lower = 0.0;               ///< bounds of the severity
   double upper = std::numeric_limits<double>::infinity();

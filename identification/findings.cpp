@@ -1,6 +1,7 @@
 #include "identification/findings.hpp"
 
 #include <algorithm>
+#include <boost/math/special_functions/beta.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -13,6 +14,7 @@
 namespace wheeltap::identification {
 namespace {
 
+using inference::ChainsOf;
 using inference::Posterior;
 
 std::vector<std::vector<int>> total_counts(const Posterior& posterior) {
@@ -27,7 +29,58 @@ std::vector<std::vector<int>> total_counts(const Posterior& posterior) {
   return out;
 }
 
+constexpr double kWorthTelling = 0.05;  // models with less probability are not told of
+
+/// What posterior and prior share. The first parameter of components is in increasing order: of n
+/// of them, the i-th has the distribution of an order statistic, whose F is Beta(i, n + 1 - i).
+double prior_overlap(const inference::Prior& prior, const ChainsOf& draws, int i, int n) {
+  constexpr int kParts = 20;
+  std::vector<double> tally(kParts);
+  double all = 0.0;
+  for (const auto& chain : draws) {
+    for (const double x : chain) {
+      const double u = 0.5 * std::erfc(-prior.to_standard_normal(x) / M_SQRT2);
+      ++tally[static_cast<std::size_t>(std::clamp(static_cast<int>(u * kParts), 0, kParts - 1))];
+      ++all;
+    }
+  }
+  double overlap = 0.0, below = 0.0;
+  for (int part = 0; part < kParts; ++part) {
+    const double up_to = boost::math::ibeta(i, n + 1 - i, (part + 1.0) / kParts);
+    overlap += std::min(tally[static_cast<std::size_t>(part)] / all, up_to - below);
+    below = up_to;
+  }
+  return overlap;
+}
+
+/// Parameters of the models that matter of which the data say little.
+void judge_priors(Findings& findings) {
+  remark::NearlyPrior nearly;
+  for (const ModelFinding& model : findings.models) {
+    if (model.probability() < kWorthTelling) continue;
+    for (const ParameterFinding& p : model.parameters) {
+      if (p.is_nearly_prior()) {
+        nearly.parameters.push_back({model.name, p.unknown.label, p.prior_overlap});
+      }
+    }
+  }
+  if (!nearly.parameters.empty()) findings.remarks.push_back(std::move(nearly));
+}
+
 }  // namespace
+
+std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models) {
+  std::vector<std::size_t> order(models.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return models[a].probability() > models[b].probability();
+  });
+  return order;
+}
+
+std::vector<std::size_t> Findings::by_probability() const {
+  return identification::by_probability(models);
+}
 
 std::vector<Unknown> unknowns(const inference::ModelSpace& space, int model) {
   const inference::Model& m = space[model];
@@ -91,14 +144,18 @@ std::string method_name(EvidenceMethod method) {
 
 std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
                                              const std::vector<EvidenceMethod>& methods,
-                                             std::uint64_t seed, int threads) {
+                                             std::uint64_t seed, int threads,
+                                             const std::function<bool()>& stopped) {
+  const auto go_on = [&] { return !stopped || !stopped(); };
   std::vector<MethodEvidence> out;
   std::vector<std::optional<inference::Tmcmc>> tempered(
       static_cast<std::size_t>(problem.space.size()));
   const auto one = [&](EvidenceMethod method, int m) -> inference::Evidence {
     auto& pilot = tempered[static_cast<std::size_t>(m)];
     if (method == EvidenceMethod::tmcmc) {
-      pilot = inference::tmcmc(problem, m, {.seed = seed, .threads = threads});
+      pilot = inference::tmcmc(
+          problem, m,
+          {.seed = seed, .threads = threads, .progress = [&](double) { return go_on(); }});
       return pilot->evidence;
     }
     if (method == EvidenceMethod::bridge) {
@@ -110,7 +167,7 @@ std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
   };
   for (const EvidenceMethod method : methods) {
     MethodEvidence by{.method = method, .evidences = {}};
-    for (int m = 0; m < problem.space.size(); ++m) {
+    for (int m = 0; m < problem.space.size() && go_on(); ++m) {
       try {
         by.evidences.push_back(one(method, m));
       } catch (const inference::LikelihoodError& error) {
@@ -120,7 +177,7 @@ std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
                                 .warnings = {std::string("failed: ") + error.what()}});
       }
     }
-    out.push_back(std::move(by));
+    if (go_on()) out.push_back(std::move(by));
   }
   return out;
 }
@@ -144,10 +201,17 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
     if (drawn) {
       const std::vector<Unknown> list = unknowns(space, m);
       for (std::size_t p = 0; p < list.size(); ++p) {
+        const ChainsOf values = draws_in_model(posterior, m, [&](std::size_t c, std::size_t i) {
+          return posterior.chains[c].theta[i * width + p];
+        });
+        const Unknown& u = list[p];
+        const bool ordered = u.kind >= 0 && u.parameter == 0;
+        const int among = ordered ? model.counts[static_cast<std::size_t>(u.kind)] : 1;
         model.parameters.push_back(
-            {list[p], marginal(draws_in_model(posterior, m, [&](std::size_t c, std::size_t i) {
-               return posterior.chains[c].theta[i * width + p];
-             }))});
+            {.unknown = u,
+             .estimate = marginal(values),
+             .prior_overlap = prior_overlap(space.prior(m, static_cast<int>(p)), values,
+                                            ordered ? u.component + 1 : 1, among)});
       }
     }
     out.models.push_back(std::move(model));
@@ -173,11 +237,13 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
       .barrier = posterior.barrier,
       .impossible = posterior.impossible,
       .stopped_early = posterior.stopped_early,
+      .quick = posterior.quick,
       .notes = posterior.notes,
       .likelihood_evaluations = posterior.likelihood_evaluations,
       .full_model_calls = posterior.full_evaluations > 0 ? posterior.full_evaluations
                                                          : posterior.likelihood_evaluations,
       .warmup_evaluations = posterior.warmup_evaluations,
+      .calls = posterior.calls,
       .wall_seconds = posterior.wall_seconds,
       .chains = static_cast<int>(posterior.chains.size()),
       .draws_a_chain = posterior.draws,
@@ -214,6 +280,7 @@ void conclude(Findings& findings, const inference::ModelSpace& space,
     }
     findings.evidence.push_back(std::move(found));
   }
+  judge_priors(findings);
   if (findings.sampling.impossible > 0) {
     findings.remarks.push_back(remark::ImpossibleLikelihoods{
         findings.sampling.impossible, findings.sampling.likelihood_evaluations});

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "identification/between_windows.hpp"
+#include "identification/fit_verdict.hpp"
 #include "identification/marginal.hpp"
 #include "identification/remarks.hpp"
 #include "inference/evidence/comparison.hpp"
@@ -23,6 +26,12 @@ struct Unknown {
   int kind = -1;      ///< of the component it belongs to; -1: the model's own
   int component = 0;  ///< which of that kind, 0-based
   int parameter = 0;  ///< which of the component's parameters, or of the space's
+  std::string unit = {};  ///< "N/m", "1" of a plain number; empty where not known
+
+  /// "k [N/m]": its label, and the unit where it has one.
+  [[nodiscard]] std::string with_unit() const {
+    return unit.empty() || unit == "1" ? label : label + " [" + unit + "]";
+  }
 };
 
 /// The parameters of a model in the order of its parameter vector.
@@ -32,6 +41,12 @@ struct ParameterFinding {
   Unknown unknown;
   Marginal estimate;
   std::optional<BetweenWindows> between_windows = {};  ///< where windows were asked for
+  /// The probability that posterior and prior share, Σ min over twenty parts of the prior: 1 where
+  /// the data said nothing. NaN where not computed.
+  double prior_overlap = std::numeric_limits<double>::quiet_NaN();
+
+  /// A posterior that repeats what the case assumed.
+  [[nodiscard]] bool is_nearly_prior() const { return prior_overlap > 0.85; }
 };
 
 struct ModelFinding {
@@ -60,10 +75,11 @@ struct MethodEvidence {
   std::vector<inference::Evidence> evidences;
 };
 
-/// The evidence of every model of the problem by every method.
+/// The evidence of every model of the problem by every method; once `stopped` says so, by those
+/// alone that are done.
 [[nodiscard]] std::vector<MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<EvidenceMethod>& methods,
-    std::uint64_t seed, int threads);
+    std::uint64_t seed, int threads, const std::function<bool()>& stopped = {});
 
 /// What they imply beside what was sampled.
 struct EvidenceFinding {
@@ -85,11 +101,13 @@ struct Sampling {
   double barrier = 0.0;
   long impossible = 0;
   bool stopped_early = false;
+  bool quick = false;  ///< a look, not a posterior
   std::vector<std::string> notes;
 
   long likelihood_evaluations = 0;
   long full_model_calls = 0;
   long warmup_evaluations = 0;
+  inference::Calls calls{};
   double wall_seconds = 0.0;
   int chains = 0, draws_a_chain = 0, thin = 1, warmup_iterations = 0;
 };
@@ -99,8 +117,15 @@ struct Findings {
   std::vector<ModelFinding> models;
   std::vector<EvidenceFinding> evidence;
   Sampling sampling;
+  FitVerdict fit_verdict;
   std::vector<Remark> remarks;  ///< beside what the verdict does not establish
+
+  /// Models in the order of their probability.
+  [[nodiscard]] std::vector<std::size_t> by_probability() const;
 };
+
+/// The same of a list of them.
+[[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
 
 /// The part of the findings that does not know what the models mean. All chains must be of one
 /// length, at least 4 draws.
@@ -108,7 +133,8 @@ struct Findings {
                                     const inference::Verdict& verdict, std::uint64_t seed);
 
 /// Adds what any run may have to say last: what the methods found, with remarks where it
-/// contradicts the draws or a method failed, and that likelihoods were impossible.
+/// contradicts the draws or a method failed, that posteriors are nearly their priors, and that
+/// likelihoods were impossible.
 void conclude(Findings& findings, const inference::ModelSpace& space,
               const std::vector<MethodEvidence>& evidence);
 

@@ -33,7 +33,29 @@ struct EvidenceDisagrees {
   double sampled, sampled_error, implied, implied_error;
 };
 
+/// Posteriors that nearly repeat their priors (ParameterFinding::prior_overlap).
+struct NearlyPrior {
+  struct Parameter {
+    std::string model, name;
+    double overlap;
+  };
+  std::vector<Parameter> parameters;
+};
+
 // ---- of damages ------------------------------------------------------------------------------
+
+/// Measured frequencies that no damage under the prior comes near: `ratio` is the median over the
+/// modes of measured to nearest predicted.
+struct FrequenciesOutOfReach {
+  double ratio;
+  double measured, lowest, highest;  ///< of the first of these modes, with what was predicted [Hz]
+  int mode;                          ///< from 1
+};
+/// The stated noise of every frequency exceeds whatever the damages of the prior do to it: at most
+/// `effect` of it.
+struct NoiseHidesDamage {
+  double cv, effect;  ///< of the mode on which damage acts most, in terms of the noise
+};
 
 /// Mirror images are equally good: what prefers a side all the same is the emulator.
 struct MirrorImages {
@@ -64,7 +86,8 @@ struct CannotExclude {
   int unknowns, frequencies;
   std::vector<Hidden> hidden;
 };
-/// Posterior predictive p below 0.005. `off`: modes (from 1) that are off by more than 3 sd.
+/// Posterior predictive p below 0.005, and not so small that nothing was explained (FitVerdict).
+/// `off`: modes (from 1) that are off by more than 3 sd.
 struct NoModelFits {
   std::vector<int> off;
   bool emulated;
@@ -87,6 +110,55 @@ struct EmulatorBlind {
 struct EmulatorMoved {};
 
 // ---- of equations of motion ------------------------------------------------------------------
+
+/// Responses measured at a size that no draw of the prior comes near, in any model.
+struct ResponsesOutOfReach {
+  struct Channel {
+    std::string name;
+    double measured, lowest, highest;  ///< root mean squares [SI]
+  };
+  std::vector<Channel> channels;
+};
+/// A stated noise larger than the response itself.
+struct NoiseAboveResponse {
+  struct Channel {
+    std::string name;
+    double noise, response;  ///< sd and root mean square about the mean [SI]
+  };
+  std::vector<Channel> channels;
+};
+/// The window's spectra differ from the record's by more than three times their scatter.
+struct PeculiarWindow {
+  struct Channel {
+    std::string name;
+    double difference_db, scatter_db;
+  };
+  std::vector<Channel> channels;
+};
+/// An excitation loses this share of its amplitude by being linear between its samples.
+struct LinearExcitation {
+  std::string channel;
+  double loss;
+};
+/// Channels in units that are unknown, or of something else, whose numbers are used as they are.
+struct UnknownUnits {
+  struct Channel {
+    std::string name, unit, dimension, known;
+  };
+  std::vector<Channel> channels;
+};
+/// Responses are absolute, and the base's displacement was integrated from its acceleration.
+struct BaseIntegrated {};
+/// A response that the best draw reproduces hardly at all, with residuals that are white: a record
+/// of noise.
+struct MostlyNoise {
+  std::string model, channel;
+  double r2;
+};
+/// The window does not start at rest, so the initial state is unknown too.
+struct InitialStateInferred {
+  double share;  ///< of the response's RMS, in the window's first samples
+};
 
 /// Steps a quarter as long change the best draw's response by `error` of the noise.
 struct StepsTooLong {
@@ -116,7 +188,10 @@ struct NoiseMisstated {
 struct ColouredResiduals {
   struct Channel {
     std::string name;
-    double lag_1, p_value;
+    int lag;  ///< of the largest autocorrelation, and its value
+    double autocorrelation;
+    double share;  ///< residual over response, root mean squares
+    double p_value;
   };
   std::string model;
   std::vector<Channel> channels;
@@ -149,10 +224,14 @@ struct ParameterAtBound {
 
 using Remark =
     std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
+                 remark::NearlyPrior, remark::FrequenciesOutOfReach, remark::NoiseHidesDamage,
                  remark::MirrorImages, remark::FittedNotTested, remark::CannotExclude,
                  remark::NoModelFits, remark::LargestCount, remark::SeverityAtBound,
-                 remark::EmulatorBlind, remark::EmulatorMoved, remark::StepsTooLong,
-                 remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::ColouredResiduals,
-                 remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound>;
+                 remark::EmulatorBlind, remark::EmulatorMoved, remark::ResponsesOutOfReach,
+                 remark::NoiseAboveResponse, remark::PeculiarWindow, remark::LinearExcitation,
+                 remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
+                 remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
+                 remark::NoiseMisstated, remark::ColouredResiduals, remark::ParameterAtBound,
+                 remark::ScatterBetweenWindows, remark::WindowsUnsound>;
 
 }  // namespace wheeltap::identification

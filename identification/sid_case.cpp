@@ -37,6 +37,31 @@ void SidChannel::take_unit(const std::string& header_unit) {
   if (known && known->dimension == dimension()) signal.scale = known->si;
 }
 
+std::string SidChannel::foreign_unit() const {
+  if (!is_excitation() && role != Role::response) return {};
+  const auto known = signals::find_unit(unit);
+  const bool converted = known && known->dimension == dimension();
+  return converted || scale_given || unit == "1" ? std::string() : unit;
+}
+
+std::string SidChannel::used_unit() const {
+  using signals::Dimension;
+  if (const std::string foreign = foreign_unit(); !foreign.empty()) return foreign;
+  switch (dimension()) {
+    case Dimension::time:
+      return "s";
+    case Dimension::force:
+      return "N";
+    case Dimension::length:
+      return "m";
+    case Dimension::velocity:
+      return "m/s";
+    case Dimension::acceleration:
+      return "m/s^2";
+  }
+  return {};
+}
+
 using dynamics::Coefficient;
 using Role = SidChannel::Role;
 

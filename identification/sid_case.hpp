@@ -21,12 +21,16 @@ struct SidChannel {
   enum class Role { time, force, base_acceleration, base_displacement, response, ignore };
 
   std::string column;  ///< header text or 1-based number
+  int record = 1;      ///< of several records, the one it is of
   Role role = Role::ignore;
   int mass = 0;
   dynamics::Quantity quantity = dynamics::Quantity::displacement;
   dynamics::Frame frame = dynamics::Frame::absolute;
   /// Raw samples from the start of the lead-in; an excitation's are upsampled by SidCase::stride.
   dynamics::Signal signal = {};
+  /// What follows the window in the record and is not used: SidCase::beyond samples, raw; an
+  /// excitation's upsampled as in the window.
+  std::vector<double> beyond = {};
   std::string unit = {};     ///< as the file's header has it
   bool scale_given = false;  ///< `signal.scale` was asked for, whatever the unit
   /// Where the window is a part of the record: how their spectra compare.
@@ -41,12 +45,21 @@ struct SidChannel {
   /// The scale becomes the header's unit where it is 1 and was not asked for, and the unit is
   /// known.
   void take_unit(const std::string& header_unit);
+  /// The header's unit where the samples are used in it though it is not known, or is of something
+  /// else; empty where they are in SI units.
+  [[nodiscard]] std::string foreign_unit() const;
+  /// What its values are in once scaled: "m", or a foreign unit.
+  [[nodiscard]] std::string used_unit() const;
   /// The column is called by its number.
   [[nodiscard]] bool is_numbered() const {
     return column.find_first_not_of("0123456789") == std::string::npos;
   }
   /// Its header, or "column 3".
-  [[nodiscard]] std::string name() const { return is_numbered() ? "column " + column : column; }
+  [[nodiscard]] std::string header() const { return is_numbered() ? "column " + column : column; }
+  /// The same, with the record's number from the second on.
+  [[nodiscard]] std::string name() const {
+    return header() + (record > 1 ? " (record " + std::to_string(record) + ")" : std::string());
+  }
 };
 
 struct SidModel {
@@ -118,9 +131,14 @@ struct SidCase {
   int begin = 0, end = 0;  ///< samples scored, in the record
   int lead_in = 0;         ///< samples before those
   int stride = 1;          ///< excitation samples a response sample
+  int beyond = 0;          ///< samples kept of what follows the window, to predict
   int windows = 0;         ///< to be fitted each by itself, too; 0: none
   bool simulated = false;
-  std::string origin = {};  ///< in words
+  /// Why the initial state is inferred though the case does not ask: how far the responses move at
+  /// the window's start (moves_at_start).
+  std::optional<double> starts_moving = {};
+  bool base_integrated = false;  ///< the base's displacement was (base_integration.hpp)
+  std::string origin = {};       ///< in words
   double band = 0.97;
   bool balance = false;  ///< sample models evenly and reweight
   dynamics::SimulatorOptions integration = {};

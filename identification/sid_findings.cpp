@@ -1,7 +1,11 @@
 #include "identification/sid_findings.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "identification/sid_fit_verdict.hpp"
+#include "identification/sid_record.hpp"
+#include "identification/sid_units.hpp"
 #include "identification/sid_windows.hpp"
 
 namespace wheeltap::identification {
@@ -46,6 +50,18 @@ void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindi
   }
 }
 
+/// The verdict on fit names this response of the model already.
+bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
+  return verdict.model == model && std::ranges::any_of(verdict.why, [&](const auto& reason) {
+           return std::visit(
+               [&](const auto& r) {
+                 if constexpr (requires { r.channel; }) return r.channel == fit.channel;
+                 return false;
+               },
+               reason);
+         });
+}
+
 /// What the forward runs of the models that matter say about the data.
 void judge_fits(const SidProblem& problem, SidFindings& findings) {
   const double n = static_cast<double>(problem.misfits.front().samples());
@@ -56,9 +72,13 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
     const std::vector<ChannelFit>& fits = finding(findings, m).at_best;
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const ChannelFit& fit = fits[c];
-      if (fit.whiteness && !fit.whiteness->white()) {
-        coloured.channels.push_back(
-            {fit.channel, fit.whiteness->lag_1, fit.whiteness->test.p_value});
+      if (fit.whiteness && !fit.whiteness->white() && !is_told(findings.fit_verdict, m, fit)) {
+        coloured.channels.push_back({fit.channel, fit.whiteness->worst_lag, fit.whiteness->worst,
+                                     fit.nrmse, fit.whiteness->test.p_value});
+      }
+      const bool white = fit.plain_whiteness && fit.plain_whiteness->test.p_value >= kMisfit;
+      if (fit.r2 < 0.5 && white) {
+        findings.remarks.push_back(remark::MostlyNoise{model.name, fit.channel, fit.r2});
       }
       const double ratio = fit.mse / std::pow(fit.noise_sd, 2);
       if (model.noise[c].is_constant() && std::abs(ratio - 1.0) > 6.0 * std::sqrt(2.0 / n)) {
@@ -110,6 +130,7 @@ std::vector<std::vector<ChannelFit>> further_fits(const SidProblem& problem, int
 void judge_windows(const SidRun& run, SidFindings& findings) {
   const SidProblem& problem = *run.problem;
   if (problem.sid_case.windows == 0 && problem.further.empty()) return;
+  if (run.engine.quick || run.posterior.stopped_early || run.engine.prior_only) return;
   for (const int m : told(findings)) {
     ModelFinding& model = findings.models[static_cast<std::size_t>(m)];
     const ModelWindows windows =
@@ -174,6 +195,12 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   SidFindings out;
   static_cast<Findings&>(out) =
       run_findings(posterior, inference::judge(posterior), run.engine.seed);
+  const auto units = parameter_units(problem.sid_case);
+  for (ModelFinding& model : out.models) {
+    for (ParameterFinding& p : model.parameters) {
+      p.unknown.unit = units.at(p.unknown.name);
+    }
+  }
   out.refined = run.refined;
   for (int m = 0; m < space.size(); ++m) {
     const ModelFinding& model = out.models[static_cast<std::size_t>(m)];
@@ -189,14 +216,19 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
         .order = problem.sid_case.models[static_cast<std::size_t>(m)].order(),
         .substeps = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(mean),
         .step_error = step_error(problem, posterior, m),
-        .links = {}};
+        .links = {},
+        .modes = {}};
     if (model.probability() >= kWorthTelling) {
       out.of_models.back()->links = link_laws(problem, posterior, m);
+      out.of_models.back()->modes = chain_modes(problem, posterior, m);
     }
   }
   out.bayes_factors = bayes_factors(posterior, out.models);
   out.coverage = coverage(problem, predictive);
   out.predictive_draws = static_cast<int>(predictive.draws.size());
+  out.remarks = run.doubts;
+  for (Remark& remark : record_remarks(problem.sid_case)) out.remarks.push_back(std::move(remark));
+  out.fit_verdict = judge_fit(problem, posterior, predictive, out);
   judge_means(problem, posterior, out);
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "identification/chain_modes.hpp"
 #include "identification/findings.hpp"
 #include "identification/link_laws.hpp"
 #include "identification/sid_fit.hpp"
@@ -21,7 +22,9 @@ struct SidModelFinding {
   int order = 0;     ///< of its residuals' autoregression, as given or chosen
   int substeps = 0;  ///< of a sample, at the posterior mean (Simulator::substeps)
   std::optional<double> step_error;
-  std::optional<std::vector<LinkCurve>> links;  ///< of a model of at least 5 %
+  // Of a model of at least 5 %:
+  std::optional<std::vector<LinkCurve>> links;
+  std::vector<ChainMode> modes;  ///< of its linear part
 };
 
 /// ln (p(data | model) / p(data | against)).

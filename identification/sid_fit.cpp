@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "identification/sid_predictive.hpp"
 
@@ -12,7 +13,48 @@ namespace {
 
 using inference::Posterior;
 
-/// Residuals freed of their fitted autoregression (all but the first p).
+std::optional<ResidualWhiteness> whiteness(
+    std::span<const double> residuals, const std::vector<dynamics::Coefficient>& autocorrelations,
+    std::span<const double> theta) {
+  const auto order = static_cast<int>(autocorrelations.size());
+  const auto white = innovations(residuals, autocorrelations, theta);
+  const int lags = std::clamp(static_cast<int>(white.size()) / 5, 2, 20) + order;
+  if (static_cast<int>(white.size()) <= lags + 1) return {};
+  const std::vector<double> rho = signals::autocorrelation(white, lags);
+  const auto worst =
+      std::ranges::max_element(rho, {}, [](double x) { return std::abs(x); }) - rho.begin();
+  return ResidualWhiteness{.of_innovations = order > 0,
+                           .lags = lags,
+                           .test = signals::ljung_box(white, lags, order),
+                           .lag_1 = rho[0],
+                           .worst_lag = static_cast<int>(worst) + 1,
+                           .worst = rho[static_cast<std::size_t>(worst)]};
+}
+
+/// What residuals r of a response y [SI] are worth.
+ChannelFit fit_of(const SidChannel& channel, std::span<const double> r, std::span<const double> y,
+                  const SidModel& model, std::size_t c, std::span<const double> theta) {
+  const auto n = static_cast<double>(r.size());
+  const double mean = std::accumulate(y.begin(), y.end(), 0.0) / n;
+  double squares = 0.0, total = 0.0;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    squares += r[i] * r[i];
+    total += (y[i] - mean) * (y[i] - mean);
+  }
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  return {.channel = channel.name(),
+          .mass = channel.mass,
+          .mse = squares / n,
+          .rmse = std::sqrt(squares / n),
+          .nrmse = total > 0.0 ? std::sqrt(squares / total) : nan,
+          .r2 = total > 0.0 ? 1.0 - squares / total : nan,
+          .noise_sd = model.noise[c].at(theta),
+          .whiteness = whiteness(r, model.autocorrelations_of(c), theta),
+          .plain_whiteness = whiteness(r, {}, theta)};
+}
+
+}  // namespace
+
 std::vector<double> innovations(std::span<const double> residuals,
                                 const std::vector<dynamics::Coefficient>& autocorrelations,
                                 std::span<const double> theta) {
@@ -29,20 +71,11 @@ std::vector<double> innovations(std::span<const double> residuals,
   return out;
 }
 
-std::optional<ResidualWhiteness> whiteness(
-    std::span<const double> residuals, const std::vector<dynamics::Coefficient>& autocorrelations,
-    std::span<const double> theta) {
-  const auto order = static_cast<int>(autocorrelations.size());
-  const auto white = innovations(residuals, autocorrelations, theta);
-  const int lags = std::clamp(static_cast<int>(white.size()) / 5, 2, 20) + order;
-  if (static_cast<int>(white.size()) <= lags + 1) return {};
-  return ResidualWhiteness{.of_innovations = order > 0,
-                           .lags = lags,
-                           .test = signals::ljung_box(white, lags, order),
-                           .lag_1 = signals::autocorrelation(white, 1)[0]};
+double innovation_variance(const SidModel& model, std::size_t c, std::span<const double> theta) {
+  double variance = std::pow(model.noise[c].at(theta), 2);
+  for (const auto& pi : model.autocorrelations_of(c)) variance *= 1.0 - std::pow(pi.at(theta), 2);
+  return variance;
 }
-
-}  // namespace
 
 std::vector<ChannelFit> forward_run(const SidProblem& problem, int m,
                                     std::span<const double> theta) {
@@ -54,26 +87,25 @@ std::vector<ChannelFit> forward_run(const SidProblem& problem, int m,
   std::vector<ChannelFit> out;
   if (!misfit.residuals(theta, residuals)) return out;
   for (std::size_t c = 0; c < responses.size(); ++c) {
-    const std::span<const double> r(residuals.data() + c * samples, samples);
-    const std::vector<double> y = observed(problem, c, theta);
-    const double n = static_cast<double>(samples);
-    const double mean = std::accumulate(y.begin(), y.end(), 0.0) / n;
-    double squares = 0.0, total = 0.0;
-    for (std::size_t i = 0; i < samples; ++i) {
-      squares += r[i] * r[i];
-      total += (y[i] - mean) * (y[i] - mean);
-    }
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    out.push_back({.channel = responses[c]->name(),
-                   .mass = responses[c]->mass,
-                   .mse = squares / n,
-                   .rmse = std::sqrt(squares / n),
-                   .nrmse = total > 0.0 ? std::sqrt(squares / total) : nan,
-                   .r2 = total > 0.0 ? 1.0 - squares / total : nan,
-                   .noise_sd = model.noise[c].at(theta),
-                   .whiteness = whiteness(r, model.autocorrelations_of(c), theta)});
+    out.push_back(fit_of(*responses[c], {residuals.data() + c * samples, samples},
+                         observed(problem, c, theta), model, c, theta));
   }
   return out;
+}
+
+std::unique_ptr<const SidProblem> continuation(const SidProblem& problem) {
+  if (problem.sid_case.beyond == 0) return nullptr;
+  SidCase rest = problem.sid_case;
+  rest.further.clear();
+  for (SidChannel& channel : rest.channels) {
+    auto& samples = channel.signal.samples;
+    samples.insert(samples.end(), channel.beyond.begin(), channel.beyond.end());
+    channel.beyond.clear();
+  }
+  rest.lead_in += rest.end - rest.begin;
+  rest.begin = rest.end;
+  rest.end += std::exchange(rest.beyond, 0);
+  return make_sid_problem(std::move(rest));
 }
 
 std::vector<double> mean_draw(const SidProblem& problem, const Posterior& posterior, int model) {
@@ -129,11 +161,9 @@ std::optional<double> step_error(const SidProblem& problem, const Posterior& pos
   for (std::size_t i = 0; i < better.size(); ++i) better[i] -= residuals[i];
   double sum = 0.0;
   for (std::size_t c = 0; c < channels; ++c) {
-    const std::vector<dynamics::Coefficient> autocorrelations = model.autocorrelations_of(c);
-    double variance = std::pow(model.noise[c].at(theta), 2);
-    for (const auto& pi : autocorrelations) variance *= 1.0 - std::pow(pi.at(theta), 2);
+    const double variance = innovation_variance(model, c, theta);
     const auto change =
-        innovations({better.data() + c * samples, samples}, autocorrelations, theta);
+        innovations({better.data() + c * samples, samples}, model.autocorrelations_of(c), theta);
     for (const double value : change) sum += value * value / variance;
   }
   return std::sqrt(sum);

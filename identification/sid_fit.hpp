@@ -2,6 +2,7 @@
 // integrator's steps add to them.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +14,14 @@
 
 namespace wheeltap::identification {
 
+/// Residuals freed of their autoregression (all but the first p), and the variance that the model
+/// gives these of its response channel c.
+[[nodiscard]] std::vector<double> innovations(
+    std::span<const double> residuals, const std::vector<dynamics::Coefficient>& autocorrelations,
+    std::span<const double> theta);
+[[nodiscard]] double innovation_variance(const SidModel& model, std::size_t c,
+                                         std::span<const double> theta);
+
 /// Ljung & Box's test of a response's residuals, freed of their autoregression where the model has
 /// one.
 struct ResidualWhiteness {
@@ -20,6 +29,8 @@ struct ResidualWhiteness {
   int lags = 0;
   signals::Whiteness test;
   double lag_1 = 0.0;  ///< autocorrelation
+  int worst_lag = 1;   ///< of the largest autocorrelation, and its value
+  double worst = 0.0;
 
   [[nodiscard]] bool white() const { return test.p_value >= 0.01; }
 };
@@ -33,11 +44,17 @@ struct ChannelFit {
   double r2 = 0.0;               ///< 1 - nrmse²; NaN with it
   double noise_sd = 0.0;         ///< the model's
   std::optional<ResidualWhiteness> whiteness;  ///< none for too few samples
+  /// Of the residuals as they are; as `whiteness` where the model has no autoregression.
+  std::optional<ResidualWhiteness> plain_whiteness;
 };
 
 /// One entry a response; empty where the response fails. `theta`: parameters of the case.
 [[nodiscard]] std::vector<ChannelFit> forward_run(const SidProblem& problem, int model,
                                                   std::span<const double> theta);
+
+/// The problem whose motion runs through the window, unscored, into the samples that follow it
+/// (SidCase::beyond) and is scored there; null where none follow.
+[[nodiscard]] std::unique_ptr<const SidProblem> continuation(const SidProblem& problem);
 
 /// The mean of a drawn model's draws, and the draw that has the highest posterior density.
 [[nodiscard]] std::vector<double> mean_draw(const SidProblem& problem,

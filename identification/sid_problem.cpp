@@ -197,7 +197,8 @@ std::vector<double> measured_extensions(const SidCase& sid_case, const dynamics:
   return extensions;
 }
 
-/// The case of the first scored samples alone.
+}  // namespace
+
 SidCase shortened(SidCase sid_case, int first) {
   const auto samples = static_cast<std::size_t>(sid_case.lead_in + first);
   for (SidChannel& channel : sid_case.channels) {
@@ -205,13 +206,17 @@ SidCase shortened(SidCase sid_case, int first) {
                                  ? (samples - 1) * static_cast<std::size_t>(sid_case.stride) + 1
                                  : samples;
     if (channel.signal.samples.size() > kept) channel.signal.samples.resize(kept);
+    channel.beyond.clear();
   }
+  sid_case.beyond = 0;
   sid_case.end = sid_case.begin + first;
   for (SidCase& record : sid_case.further) {
     record = shortened(std::move(record), std::min(first, record.end - record.begin));
   }
   return sid_case;
 }
+
+namespace {
 
 /// Nanoseconds that a mass costs, about, in a Runge-Kutta step, a piece of a series and a step of
 /// the exact solution.

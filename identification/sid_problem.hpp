@@ -21,6 +21,9 @@ struct SidProblem {
   [[nodiscard]] std::vector<double> theta(int model, std::span<const double> x) const;
 };
 
+/// The case of the first scored samples alone.
+[[nodiscard]] SidCase shortened(SidCase sid_case, int first);
+
 /// The log likelihood of model m is
 ///
 ///   Σ over channels c of  ln p(r_c | σ_c, π_c) + N ln |scale_c|,

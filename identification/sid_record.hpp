@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "identification/remarks.hpp"
 #include "identification/sid_case.hpp"
 #include "signals/record.hpp"
 
@@ -28,16 +29,15 @@ struct RecordUse {
 /// lead_in), and io::FileError for numbers that are missing in the window or uneven in time.
 void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use);
 
-/// The window's spectrum differs from the record's by more than three times their scatter.
-[[nodiscard]] bool is_peculiar(const signals::SpectrumComparison& window);
+/// What the record itself makes one doubt: windows that are not like it, excitations that are not
+/// linear between their samples, units that nobody converts.
+[[nodiscard]] std::vector<Remark> record_remarks(const SidCase& sid_case);
 
-/// The excitation that loses most of its amplitude (`share`) by being linear between its samples.
-struct InterpolationLoss {
-  const SidChannel* channel = nullptr;  ///< none where nothing is lost
-  double share = 0.0;
-};
-/// Of signals that were loaded and not upsampled.
-[[nodiscard]] InterpolationLoss interpolation_loss(const SidCase& sid_case);
+/// How far the responses show that the window does not start at rest; none where they show that it
+/// does, or nothing: a displacement or velocity (its first samples against its root mean square, by
+/// more than a tenth and three standard errors), an acceleration only where the window starts
+/// within the record (its first quarter of a period).
+[[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);
 
 /// Makes the model's initial state unknown: normal priors about 0. Scales: the sd of the mass's own
 /// displacement, or that of a velocity or acceleration over ω or ω², ω the root mean square

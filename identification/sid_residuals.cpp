@@ -60,8 +60,10 @@ void choose_orders(SidCase& sid_case, std::uint64_t seed, int threads) {
     const int order = order_of(sid_case, model, seed, threads);
     add_autoregression(sid_case, model, order);
     for (SidCase& record : sid_case.further) {
-      record.models[static_cast<std::size_t>(&model - sid_case.models.data())].autocorrelations =
-          model.autocorrelations;
+      record.parameters = sid_case.parameters;
+      const auto m = static_cast<std::size_t>(&model - sid_case.models.data());
+      add_autoregression(record, record.models[m], order);
+      sid_case.parameters = record.parameters;
     }
   }
   sid_case.unite();

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "identification/marginal.hpp"
+#include "identification/plausibility.hpp"
 #include "identification/sid_fit.hpp"
 #include "identification/sid_residuals.hpp"
 
@@ -83,20 +84,41 @@ std::optional<dynamics::SimulatorOptions> better_integration(
   return needed ? std::optional(better) : std::nullopt;
 }
 
+int samples_of_a_look(int samples, double seconds_a_likelihood) {
+  constexpr double kAffordable = 1.5e-4;  // seconds a likelihood, of some 20 000
+  constexpr int kFewest = 200;
+  const double share = std::min(1.0, kAffordable / seconds_a_likelihood);
+  return std::min(samples, std::max(kFewest, static_cast<int>(share * samples)));
+}
+
 SidRun run_sid(SidCase sid_case, const SidRunOptions& options) {
   choose_orders(sid_case, options.engine.seed, options.engine.threads);
   SidRun run{.problem = make_sid_problem(std::move(sid_case)),
              .engine = {},
              .posterior = {},
              .refined = {}};
+  run.doubts = implausible(*run.problem);
+  if (options.doubt && !run.doubts.empty()) options.doubt(run.doubts);
+  const int all = run.problem->misfits.front().samples();
+  if (const int few = samples_of_a_look(all, run.problem->seconds_a_likelihood);
+      options.engine.quick && few < all)
+    run.problem = make_sid_problem(shortened(run.problem->sid_case, few));
   for (int repeats = 0;; ++repeats) {
     const SidCase& now = run.problem->sid_case;
     run.engine = options.engine;
     run.engine.balance = now.balance;
-    run.engine = affordable(std::move(run.engine), run.problem->seconds_a_likelihood);
+    if (!run.engine.quick)
+      run.engine = affordable(std::move(run.engine), run.problem->seconds_a_likelihood);
     run.posterior = options.sample ? options.sample(run.problem->problem, run.engine)
                                    : inference::reversible_jump(run.problem->problem, run.engine);
-    if (now.fixed_integration || run.engine.prior_only || run.posterior.stopped_early) break;
+    if (run.engine.quick && run.problem->misfits.front().samples() < all) {
+      run.posterior.notes.push_back("The look was taken at the first " +
+                                    std::to_string(run.problem->misfits.front().samples()) +
+                                    " of " + std::to_string(all) + " samples alone.");
+    }
+    if (now.fixed_integration || run.engine.prior_only || run.engine.quick ||
+        run.posterior.stopped_early)
+      break;
     const auto better = better_integration(*run.problem, run.posterior);
     if (!better || repeats == kMostRepeats) break;
     run.refined = StepsRefined{.by_series = better->prefer_series && !now.integration.prefer_series,

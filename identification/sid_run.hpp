@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "identification/remarks.hpp"
 #include "identification/sid_problem.hpp"
 #include "inference/reversible_jump.hpp"
 
@@ -23,6 +24,8 @@ struct SidRunOptions {
   /// What samples; reversible_jump by default.
   std::function<inference::Posterior(const inference::Problem&, const inference::Options&)> sample =
       {};
+  /// Told before anything is sampled what the case can hardly mean (plausibility.hpp), if anything.
+  std::function<void(const std::vector<Remark>&)> doubt = {};
   /// Told before a run is repeated.
   std::function<void(const StepsRefined&)> repeat = {};
 };
@@ -32,9 +35,15 @@ struct SidRun {
   inference::Options engine;  ///< as used
   inference::Posterior posterior;
   std::optional<StepsRefined> refined;  ///< of the last repeat
+  std::vector<Remark> doubts = {};      ///< as told before it began
 };
 
-/// Samples, and up to twice again with the better steps where the case does not fix them. Throws
+/// Of the scored samples, as many as a look can afford: its work is fixed, so is what one of its
+/// likelihoods may cost.
+[[nodiscard]] int samples_of_a_look(int samples, double seconds_a_likelihood);
+
+/// Samples, and up to twice again with the better steps where the case does not fix them. A look is
+/// taken at the first samples alone where all of them would be expensive, and not repeated. Throws
 /// InvalidInput, and what `sample` does.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
 

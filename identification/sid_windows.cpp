@@ -203,7 +203,9 @@ SidCase window_case(SidCase sid_case, int first, int last) {
                                  ? (samples - 1) * static_cast<std::size_t>(sid_case.stride) + 1
                                  : samples;
     if (channel.signal.samples.size() > kept) channel.signal.samples.resize(kept);
+    channel.beyond.clear();
   }
+  sid_case.beyond = 0;
   sid_case.lead_in += first - sid_case.begin;
   sid_case.begin = first;
   sid_case.end = last;

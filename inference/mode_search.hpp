@@ -56,11 +56,17 @@ inline constexpr long kMostClimbs = 10000;
 /// valley deeper than two nats.
 ///
 /// Where the problem can be shortened, climbs are made on its first 50 samples, and modes are
-/// followed as the record doubles, each from itself and from draws of the normal about it.
+/// followed as the record doubles, each from itself and from draws of the normal about it. On the
+/// whole record the likeliest of a few hundred draws of the prior are climbed from besides.
 ///
 /// A mode whose basin holds a share p of the prior is missed by n climbs with probability (1-p)^n.
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
                                       const ModeSearchOptions& options);
+
+/// Climbs from `options.starts` besides, on the whole record. Modes that `found` has are not
+/// climbed to again; its `climbs` stay: chosen starts say nothing of the prior.
+void extend_search(const Problem& problem, int model, const ModeSearchOptions& options,
+                   ModeSearch& found);
 
 /// The largest share of the prior that a basin can hold and still be missed by all of n climbs with
 /// a probability of 1 in 100: 1 - 0.01^(1/n).

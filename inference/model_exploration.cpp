@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "inference/convergence.hpp"
 #include "inference/evidence/tmcmc.hpp"
 #include "inference/normal_mixture.hpp"
 #include "inference/standard_normal.hpp"
@@ -29,6 +30,9 @@ constexpr Eigen::Index kPopulation = 4000;
 constexpr Eigen::Index kFitted = 2000;            // draws that a proposal is fitted to
 constexpr std::array<int, 2> kComponents{8, 20};  // of it, at first and where that does not do
 constexpr int kBlock = 250;                       // draws a job
+constexpr double kOneMode = 0.99;                 // share of a mode that holds everything
+constexpr int kBriefParticles = 200;              // where it does
+constexpr double kFar = 8.0;  // of the scatter of a χ² about its mean: a draw of no known mode
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
@@ -283,84 +287,39 @@ int nearest_mode(const std::vector<Mode>& modes, const std::vector<Matrix>& prec
   return nearest;
 }
 
-ModelExploration explore_model(const Problem& problem, int model,
-                               const ExplorationOptions& options) {
-  ModelExploration out;
+bool ModelExploration::settled() const {
+  return !shares.empty() && efficiency > kGoodShare &&
+         *std::ranges::max_element(shares) > kOneMode && std::isfinite(sampled.log_evidence);
+}
+
+namespace {
+
+// Tells the caller what was done, and hears whether to go on.
+class Reporter {
+ public:
+  explicit Reporter(const ExplorationOptions& options) : options_(options) {}
+  bool operator()(double done) {
+    if (options_.progress && !options_.progress(done - reported_)) stopped_ = true;
+    reported_ = done;
+    return !stopped_;
+  }
+  [[nodiscard]] bool stopped() const { return stopped_; }
+
+ private:
+  const ExplorationOptions& options_;
+  double reported_ = 0.0;
+  bool stopped_ = false;
+};
+
+// Importance sampling from all that was found: evidence, shares and the population.
+void weigh(const Problem& problem, int model, const ExplorationOptions& options,
+           const Matrix& draws, ModelExploration& found) {
   const Eigen::Index d = problem.space[model].dimension;
-  if (d == 0) {
-    ModelPosterior posterior(problem, model);
-    out.sampled.log_evidence = posterior({}).log_posterior();
-    out.sampled.standard_error = 0.0;
-    out.annealed = out.sampled;
-    out.effective_draws = kInfinity;
-    out.likelihood_evaluations = posterior.evaluations();
-    return out;
-  }
-  bool stopped = false;
-  double reported = 0.0;
-  const auto report = [&](double done) {
-    if (options.progress && !options.progress(done - reported)) stopped = true;
-    reported = done;
-    return !stopped;
-  };
-
-  Matrix draws = options.draws;
-  if (options.anneal) {
-    try {
-      double done = 0.0;
-      Tmcmc annealed =
-          tmcmc(problem, model,
-                {.seed = options.seed,
-                 .replicates = kReplicates,
-                 .samples = std::max(options.particles / kReplicates, 50),
-                 .weight_cov = 1.0,  // for a start; an evidence on request asks for less
-                 .acceptances = 4.0,
-                 .threads = options.threads,
-                 .progress = [&](double share) { return report(0.5 * (done += share)); }});
-      out.annealed = annealed.evidence;
-      out.likelihood_evaluations += annealed.evidence.likelihood_evaluations;
-      if (draws.rows() == 0) {
-        draws = std::move(annealed.z);
-      } else {
-        const Matrix more = std::move(annealed.z);
-        draws.conservativeResize(draws.rows() + more.rows(), d);
-        draws.bottomRows(more.rows()) = more;
-      }
-    } catch (const LikelihoodError&) {  // the climbs may do
-    }
-  }
-  if (stopped) return out;
-
-  ModeSearchOptions search{.seed = options.seed,
-                           .climbs = options.climbs,
-                           .budget = options.budget,
-                           .threads = options.threads,
-                           .progress = [&](double done) { return report(0.5 + 0.4 * done); }};
-  for (Eigen::Index k = 0; draws.rows() > 0 && k < kClimbsFromDraws; ++k) {
-    const auto row = draws.row(k * draws.rows() / kClimbsFromDraws);
-    search.starts.emplace_back(row.begin(), row.end());
-  }
-  ModeSearch found = search_modes(problem, model, search);
-  out.modes = std::move(found.modes);
-  out.climbs = found.climbs;
-  out.likelihood_evaluations += found.likelihood_evaluations;
-  if (stopped || (out.modes.empty() && draws.rows() == 0)) return out;
-
-  base::Random random(options.seed, static_cast<std::uint64_t>(model), 0, base::Purpose::fit);
-  if (options.climbs_only) {
-    if (out.modes.empty()) return out;
-    double sum = 0.0;
-    for (const Mode& mode : out.modes) sum += std::exp(mode.log_mass - out.modes.front().log_mass);
-    out.annealed.log_evidence = out.modes.front().log_mass + std::log(sum);
-    out.annealed.standard_error = 1.0;
-    for (const Mode& mode : out.modes)
-      out.shares.push_back(std::exp(mode.log_mass - out.modes.front().log_mass) / sum);
-    out.population = draws_and_modes(Matrix(0, d), out.modes, random, 100.0).transpose();
-    return out;
-  }
+  base::Random random(options.seed, static_cast<std::uint64_t>(model),
+                      found.calls.weigh > 0 ? 2 : 0, base::Purpose::fit);
   ImportanceSampler sampler(problem, model, options);
   Components components;
-  add_modes(out.modes, 0.5, components);
+  add_modes(found.modes, 0.5, components);
   add_fit(draws, kComponents[0], 0.5, random, components);
   const int n = static_cast<int>(std::clamp<Eigen::Index>(200 * d, 1000, 4000));
   for (int round = 0; round < options.rounds && !components.empty(); ++round) {
@@ -371,24 +330,194 @@ ModelExploration explore_model(const Problem& problem, int model,
     if (round > 0 && sampler.efficiency() > kGoodShare) break;
     if (sampler.effective_draws() < 8.0 * static_cast<double>(d + 1)) {
       // Too few to fit to: more of the same.
-      add_modes(out.modes, 0.5, components);
+      add_modes(found.modes, 0.5, components);
       add_fit(draws, most, 0.5, random, components);
       continue;
     }
-    add_modes(out.modes, 0.1, components);
+    add_modes(found.modes, 0.1, components);
     add_fit(sampler.resampled(kFitted, random), most, 0.9, random, components);
   }
-  out.likelihood_evaluations += sampler.evaluations();
-  out.sampled = sampler.evidence();
-  out.effective_draws = sampler.effective_draws();
-  const bool trusted = out.effective_draws >= std::max(500.0, 50.0 * static_cast<double>(d));
-  const Matrix population =
-      trusted ? sampler.resampled(kPopulation, random) : draws_and_modes(draws, out.modes, random);
-  out.population = population.transpose();
+  found.calls.weigh += sampler.evaluations();
+  found.sampled = sampler.evidence();
+  found.effective_draws = sampler.effective_draws();
+  found.efficiency = sampler.efficiency();
+  const bool trusted = found.effective_draws >= std::max(500.0, 50.0 * static_cast<double>(d));
+  const Matrix population = trusted ? sampler.resampled(kPopulation, random)
+                                    : draws_and_modes(draws, found.modes, random);
+  found.population = population.transpose();
+  found.shares = shares(found, sampler, trusted);
+  if (!trusted) found.efficiency = 0.0;
+}
 
-  out.shares = shares(out, sampler, trusted);
+// What there is where nothing was weighed: Laplace's evidence, taken to be good to a nat, and draws
+// of the normals about the modes.
+void take_laplace(int model, const ExplorationOptions& options, ModelExploration& found) {
+  if (found.modes.empty()) return;
+  base::Random random(options.seed, static_cast<std::uint64_t>(model), 0, base::Purpose::fit);
+  double sum = 0.0;
+  for (const Mode& mode : found.modes)
+    sum += std::exp(mode.log_mass - found.modes.front().log_mass);
+  found.annealed.log_evidence = found.modes.front().log_mass + std::log(sum);
+  found.annealed.standard_error = 1.0;
+  for (const Mode& mode : found.modes)
+    found.shares.push_back(std::exp(mode.log_mass - found.modes.front().log_mass) / sum);
+  const auto d = static_cast<Eigen::Index>(found.modes.front().z.size());
+  found.population = draws_and_modes(Matrix(0, d), found.modes, random, 100.0).transpose();
+}
+
+std::vector<double> row(const Matrix& draws, Eigen::Index i) {
+  return {draws.row(i).begin(), draws.row(i).end()};
+}
+
+// Draws to climb from, evenly spread.
+std::vector<std::vector<double>> some_of(const Matrix& draws) {
+  std::vector<std::vector<double>> starts;
+  for (Eigen::Index k = 0; draws.rows() > 0 && k < kClimbsFromDraws; ++k)
+    starts.push_back(row(draws, k * draws.rows() / kClimbsFromDraws));
+  return starts;
+}
+
+// Those that the normals about the known modes would hardly make.
+Matrix outlying(const Matrix& draws, const std::vector<Mode>& modes) {
+  const auto precisions = precisions_of(modes);
+  const auto d = static_cast<double>(draws.cols());
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < draws.rows(); ++i) {
+    const std::vector<double> z = row(draws, i);
+    const int k = nearest_mode(modes, precisions, z);
+    if (k < 0) continue;
+    const auto at = static_cast<std::size_t>(k);
+    const Vector e =
+        draws.row(i).transpose() - Eigen::Map<const Vector>(modes[at].z.data(), draws.cols());
+    if (e.dot(precisions[at] * e) > d + kFar * (1.0 + std::sqrt(2.0 * d))) rows.push_back(i);
+  }
+  return draws(rows, Eigen::indexing::all);
+}
+
+void append(const Matrix& more, Matrix& draws) {
+  const Eigen::Index had = draws.rows();
+  draws.conservativeResize(had + more.rows(), more.cols());
+  draws.bottomRows(more.rows()) = more;
+}
+
+// Climbs from `starts`; true where they lead to a mode that was not known.
+bool climb_from(const Problem& problem, int model, const ExplorationOptions& options,
+                std::vector<std::vector<double>> starts, ModelExploration& found) {
+  ModeSearch known{.modes = found.modes, .climbs = found.climbs, .likelihood_evaluations = 0};
+  extend_search(problem, model,
+                {.seed = options.seed, .starts = std::move(starts), .threads = options.threads},
+                known);
+  found.calls.search += known.likelihood_evaluations;
+  const bool more = known.modes.size() > found.modes.size();
+  found.modes = std::move(known.modes);
+  return more;
+}
+
+// Draws by sequential Monte Carlo from the prior; none where it fails.
+Matrix anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
+              Reporter& report, ModelExploration& found) {
+  const int particles = brief ? std::min(kBriefParticles, options.particles) : options.particles;
+  double done = 0.0;
+  try {
+    Tmcmc annealed = tmcmc(problem, model,
+                           {.seed = options.seed,
+                            .replicates = kReplicates,
+                            .samples = std::max(particles / kReplicates, 50),
+                            .weight_cov = 1.0,  // for a start; an evidence on request asks for less
+                            .acceptances = brief ? 1.0 : 4.0,
+                            .path = brief ? TmcmcPath::growing : TmcmcPath::better,
+                            .threads = options.threads,
+                            .progress = [&](double share) {
+                              done += share;
+                              return report(brief ? 0.2 * done : 0.2 + 0.7 * done);
+                            }});
+    found.annealed = annealed.evidence;
+    found.calls.anneal += annealed.evidence.likelihood_evaluations;
+    return std::move(annealed.z);
+  } catch (const LikelihoodError&) {  // the climbs may do
+    return Matrix(0, problem.space[model].dimension);
+  }
+}
+
+// Whether annealing found no more than the mixture knows, by the verdict's own rule.
+bool confirmed(const ModelExploration& found) {
+  if (!std::isfinite(found.annealed.log_evidence)) return false;
+  const double error = std::hypot(found.annealed.standard_error, found.sampled.standard_error);
+  return found.annealed.log_evidence <=
+         found.sampled.log_evidence + kLimits.sigmas * error + kLimits.slack_nats;
+}
+
+}  // namespace
+
+ModelExploration survey_model(const Problem& problem, int model,
+                              const ExplorationOptions& options) {
+  ModelExploration out;
+  const Eigen::Index d = problem.space[model].dimension;
+  if (d == 0) {
+    ModelPosterior posterior(problem, model);
+    out.sampled.log_evidence = posterior({}).log_posterior();
+    out.sampled.standard_error = 0.0;
+    out.annealed = out.sampled;
+    out.effective_draws = kInfinity;
+    out.calls.weigh = posterior.evaluations();
+    return out;
+  }
+  Reporter report(options);
+  ModeSearch found = search_modes(problem, model,
+                                  {.seed = options.seed,
+                                   .climbs = options.climbs,
+                                   .budget = options.budget,
+                                   .starts = some_of(options.draws),
+                                   .threads = options.threads,
+                                   .progress = [&](double done) { return report(0.8 * done); }});
+  out.modes = std::move(found.modes);
+  out.climbs = found.climbs;
+  out.calls.search = found.likelihood_evaluations;
+  if (options.climbs_only || report.stopped()) {
+    take_laplace(model, options, out);
+    return out;
+  }
+  if (out.modes.empty() && options.draws.rows() == 0) return out;
+  weigh(problem, model, options, options.draws, out);
   report(1.0);
   return out;
+}
+
+void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
+                  Annealing how, ModelExploration& found) {
+  if (problem.space[model].dimension == 0) return;
+  Reporter report(options);
+  Matrix draws = options.draws;
+  // Where likelihoods are cheap annealing is paid for in full: it may see what no climb did.
+  const bool settled = problem.shortened && found.settled();
+  if (settled || how == Annealing::brief) {
+    const Matrix brief = anneal(problem, model, options, true, report, found);
+    if (report.stopped()) return;
+    const bool another =
+        climb_from(problem, model, options, some_of(outlying(brief, found.modes)), found);
+    if (another || !settled) {
+      append(brief, draws);
+      weigh(problem, model, options, draws, found);
+    }
+    if ((problem.shortened && found.settled() && confirmed(found)) || how == Annealing::brief) {
+      report(1.0);
+      return;
+    }
+  }
+  append(anneal(problem, model, options, false, report, found), draws);
+  if (report.stopped()) return;
+  climb_from(problem, model, options, some_of(draws), found);
+  if (found.modes.empty() && draws.rows() == 0) return;
+  weigh(problem, model, options, draws, found);
+  report(1.0);
+}
+
+ModelExploration explore_model(const Problem& problem, int model,
+                               const ExplorationOptions& options) {
+  ModelExploration found = survey_model(problem, model, options);
+  if (options.anneal && !options.climbs_only)
+    anneal_model(problem, model, options, Annealing::as_needed, found);
+  return found;
 }
 
 }  // namespace wheeltap::inference

@@ -16,17 +16,25 @@ struct ExplorationOptions {
   std::uint64_t seed = 1;
   long climbs = 0;       ///< ModeSearchOptions::climbs
   long budget = 100000;  ///< likelihood calls for climbs
-  bool anneal = true;    ///< run sequential Monte Carlo from the prior
+  bool anneal = true;    ///< run sequential Monte Carlo from the prior, as briefly as will do
   /// Climbs alone, for one of very many models: its evidence is Laplace's, taken to be good to a
   /// nat, and its population draws of the normals about its modes.
   bool climbs_only = false;
-  int particles = 1200;  ///< of that, over four replicates
+  int particles = 1200;  ///< of that where it is needed in full, over four replicates
   int rounds = 5;        ///< of importance sampling, at most
   int threads = 0;       ///< 0: as many as the machine has. Never changes a result.
   /// Draws that another method has made, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};
   /// Called with the share done since the last call; returning false ends the exploration.
   std::function<bool(double share)> progress = nullptr;
+};
+
+/// What exploring spent, in likelihood calls.
+struct ExplorationCalls {
+  long search = 0;  ///< climbs to modes; most of them on a shortened record where there is one
+  long anneal = 0;  ///< sequential Monte Carlo
+  long weigh = 0;   ///< importance sampling from the mixture of what was found
+  [[nodiscard]] long sum() const { return search + anneal + weigh; }
 };
 
 struct ModelExploration {
@@ -37,10 +45,14 @@ struct ModelExploration {
   Evidence annealed = kNoEvidence;  ///< NaN where it was not run or failed
   Evidence sampled = kNoEvidence;   ///< by importance sampling; NaN where nothing was found
   double effective_draws = 0.0;     ///< of the importance sample
-  long likelihood_evaluations = 0;
+  double efficiency = 0.0;          ///< the same, a draw
+  ExplorationCalls calls{};
 
   /// The best guess at ln Z so far; -∞ where nothing was found.
   [[nodiscard]] double log_evidence() const;
+  /// One mode has 99 % of the probability as far as the climbs know, and a mixture about it weighs
+  /// the model well: most of what annealing could tell is known.
+  [[nodiscard]] bool settled() const;
 };
 
 /// Mode searches and sequential Monte Carlo look for the posterior in two unlike ways: by height,
@@ -48,8 +60,21 @@ struct ModelExploration {
 /// which adaptive multiple importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics
 /// 39:798, with Owen & Zhou's balance heuristic) gives the right weights: a mode that one of them
 /// missed is there, and one that both found counts once.
+///
+/// The climbs come first, since they cost the least. Where they settle the matter, a brief
+/// annealing looks for what they may have missed: evidence above that of the mixture by more than
+/// its error, as the verdict has it, or draws far from every known mode from which a climb leads to
+/// another. Only where it finds either, or nothing was settled, is the full one paid for.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
+
+/// The first half of it: the climbs, and what importance sampling makes of their modes.
+[[nodiscard]] ModelExploration survey_model(const Problem& problem, int model,
+                                            const ExplorationOptions& options);
+/// The second half, of a model that was surveyed: as `how` says, or as far as it takes.
+enum class Annealing { as_needed, brief };
+void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
+                  Annealing how, ModelExploration& found);
 
 /// The mode among `modes` whose normal gives z the highest density per unit of its peak: the
 /// nearest in its own standard deviations. -1 where there is none.

@@ -15,6 +15,9 @@ struct Options {
   int warmup = 0;   ///< iterations a chain; 0: chosen by the engine, with what a good start takes
   int draws = 0;  ///< kept a chain, after warm-up; 0: 25 000, extended until the run has converged
   int thin = 0;   ///< iterations a draw; 0: chosen by the engine
+  /// A look, not a posterior: few climbs, importance sampling from their modes, short chains; fixed
+  /// work, where `warmup`, `draws`, `thin` and `searches` leave it to the engine. Never converged.
+  bool quick = false;
   bool prior_only = false;  ///< switch the likelihood off: the run must return the prior
 
   /// Which moves may be used; the engine chooses among these.
@@ -46,10 +49,12 @@ struct Options {
     const char* stage;  ///< "exploring", "sampling" …
     double fraction;    ///< of the stage
     long likelihood_evaluations;
+    /// Calls that the stages after this one will take, as far as that is planned.
+    double evaluations_to_come;
     std::vector<double> model_probabilities;  ///< so far; empty during warm-up
   };
-  /// Called from one thread at a time, a few times a second. Returning false stops the run early;
-  /// what has been sampled is kept.
+  /// Called from one thread at a time, a few times a second. Returning false stops the run early:
+  /// what has been drawn is kept, and before anything was, draws of what the searches have found.
   std::function<bool(const Progress&)> progress = nullptr;
 };
 

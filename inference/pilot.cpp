@@ -15,6 +15,10 @@ namespace wheeltap::inference {
 
 namespace {
 
+constexpr double kHopeless = 1e-15;  // probability of a model that is fitted briefly
+constexpr Eigen::Index kFewSamples = 2000;
+constexpr int kFewComponents = 4;
+
 template <typename M, typename... Arguments>
 void add_move(KernelMixture& kernels, double weight, const std::string& name,
               Arguments&&... arguments) {
@@ -247,8 +251,16 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
     }
     base::Random random(options.seed, at, static_cast<std::uint64_t>(options.round),
                         base::Purpose::fit);
+    // Of a model that no chain will visit: for its evidence alone. (Sets of components lend each
+    // other theirs.)
+    const bool hopeless =
+        is_list(space) && !options.probability.empty() && options.probability[at] < kHopeless;
+    const Eigen::Index used = hopeless ? std::min(states.cols(), kFewSamples) : states.cols();
+    Eigen::MatrixXd fitted(d, used);
+    for (Eigen::Index i = 0; i < used; ++i) fitted.col(i) = states.col(i * states.cols() / used);
     fit->density[at] = std::make_unique<NormalMixture>(NormalMixture::fit(
-        states.transpose(), {.max_components = options.most_components}, random));
+        fitted.transpose(), {.max_components = hopeless ? kFewComponents : options.most_components},
+        random));
     if (at < options.modes.size()) cover(options.modes[at], *fit->density[at]);
     fit_scales(states, pilot.scales[at]);
   });

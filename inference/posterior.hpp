@@ -45,6 +45,17 @@ struct ModelFindings {
       kNoEvidence;  ///< by bridge sampling between its draws and that mixture; NaN: too few draws
 };
 
+/// Likelihood calls, by what they were spent on; of a stand-in where there is one.
+struct Calls {
+  long explore = 0;   ///< from the prior to where the posterior is; of these:
+  long search = 0;    ///<   climbs to modes, most of them on the first samples of a record
+  long anneal = 0;    ///<   each model by sequential Monte Carlo
+  long weigh = 0;     ///<   importance sampling from what both found
+  long tune = 0;      ///< fitting the proposals, and a ladder where the draws need one
+  long sample = 0;    ///< the draws
+  long evidence = 0;  ///< of the mixtures that the draws are compared with
+};
+
 /// All that a run found. It shares its space and refers to nothing else: the problem may be gone.
 struct Posterior {
   std::shared_ptr<const ModelSpace> space;
@@ -62,12 +73,14 @@ struct Posterior {
   int dimension = 0;    ///< row length of Chain::theta
   int predictions = 0;  ///< row length of Chain::prediction
   long warmup_evaluations = 0;
+  Calls calls{};
   long likelihood_evaluations = 0;  ///< all of them, warm-up included
   /// Of the likelihood proper where the problem has a stand-in, warm-up included; those above are
   /// then the stand-in's.
   long full_evaluations = 0;
   double wall_seconds = 0.0;
   bool stopped_early = false;
+  bool quick = false;           ///< Options::quick
   bool tempered_draws = false;  ///< the draws were made with parallel tempering
   long ladder_round_trips =
       0;                 ///< between β = 0 and β = 1 and back, while drawing, over all chains

@@ -17,9 +17,11 @@ class ProgressMonitor {
   ProgressMonitor(const Options& options, int models)
       : options_(options), visits_(static_cast<std::size_t>(models)) {}
 
-  void begin(const char* stage, double total) {
+  /// `to_come`: likelihood calls of the stages that will follow.
+  void begin(const char* stage, double total, double to_come = 0.0) {
     stage_ = stage;
     total_ = total;
+    to_come_ = to_come;
     done_ = 0.0;
     last_ = {};  // the first call of a stage comes at once
   }
@@ -38,6 +40,7 @@ class ProgressMonitor {
     Options::Progress progress{.stage = stage_,
                                .fraction = std::min(1.0, done_ / total_),
                                .likelihood_evaluations = evaluations_,
+                               .evaluations_to_come = to_come_,
                                .model_probabilities = {}};
     long sum = 0;
     for (const long n : visits_) sum += n;
@@ -56,6 +59,7 @@ class ProgressMonitor {
   const char* stage_ = "";
   double total_ = 1.0;
   double done_ = 0.0;
+  double to_come_ = 0.0;
   std::atomic<long> evaluations_{0};
   std::vector<long> visits_;
   std::chrono::steady_clock::time_point last_{};

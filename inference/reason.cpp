@@ -68,6 +68,7 @@ struct Phrase {
            std::to_string(r.limit);
   }
   std::string operator()(const StoppedEarly& /*unused*/) const { return "stopped early"; }
+  std::string operator()(const QuickLook& /*unused*/) const { return "a quick look"; }
 };
 
 }  // namespace

@@ -77,15 +77,17 @@ struct TooFewRoundTrips {
   long completed = 0, limit = 0;
 };
 struct StoppedEarly {};
+/// Asked for as such (Options::quick): the chains are too short to be judged.
+struct QuickLook {};
 
 using Reason =
     std::variant<ModelNotEntered, ModelNotInEveryChain, ModelUnknown, ModeNotInEveryChain,
                  ModeSharesDisagree, AnnealingFindsMore, EvidenceDisagrees, ChainsDisagree,
                  TooFewEffectiveDraws, ParameterDisagrees, ParameterMovesSlowly, TooFewRoundTrips,
-                 StoppedEarly>;
+                 StoppedEarly, QuickLook>;
 
 /// One short neutral phrase, for logs, examples and users of the library, who would otherwise write
-/// out thirteen cases to learn what is wrong. What to do about it is for those to say who know what
+/// out fourteen cases to learn what is wrong. What to do about it is for those to say who know what
 /// their reader can do: the program's words are its own (apps/verdict_words.hpp).
 [[nodiscard]] std::string describe(const Reason& reason, const ModelSpace& space);
 

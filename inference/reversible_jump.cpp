@@ -7,10 +7,26 @@
 
 #include "inference/stages/explore.hpp"
 #include "inference/stages/run_context.hpp"
+#include "inference/stages/salvage.hpp"
 #include "inference/stages/sample.hpp"
 #include "inference/stages/tune.hpp"
 
 namespace wheeltap::inference {
+
+namespace {
+
+// The work of a look: some 16 climbs a model, a thousand draws from the normals about their modes,
+// 4 x 300 draws.
+Options as_a_look(Options options) {
+  constexpr int kClimbs = 16, kWarmup = 600, kDraws = 300;
+  if (options.searches == 0) options.searches = kClimbs;
+  if (options.warmup == 0) options.warmup = kWarmup;
+  if (options.draws == 0) options.draws = kDraws;
+  if (options.thin == 0) options.thin = 1;
+  return options;
+}
+
+}  // namespace
 
 Posterior reversible_jump(const Problem& problem, const Options& options) {
   if (options.chains < 1) {
@@ -26,12 +42,15 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
     }
   }
   const auto began = std::chrono::steady_clock::now();
-  RunContext run(problem, options);
+  const Options chosen = options.quick ? as_a_look(options) : options;
+  RunContext run(problem, chosen);
   RunState state = begin(run);
   explore(run, state);
-  state.posterior.warmup_evaluations = likelihood_evaluations(state);
+  state.posterior.calls.explore = state.posterior.warmup_evaluations =
+      likelihood_evaluations(state);
   if (!run.monitor.stopped()) tune(run, state);
   if (!run.monitor.stopped()) sample(run, state);
+  if (run.monitor.stopped()) salvage(run, state);
   Posterior posterior = finish(run, state);
   posterior.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

@@ -41,11 +41,14 @@ class Judge {
   }
 
   Verdict verdict() {
+    if (posterior_.quick) add(QuickLook{});
     judge_models();
     judge_modes();
     judge_evidence();
-    judge_chains();
-    judge_parameters();
+    if (!posterior_.quick) {
+      judge_chains();
+      judge_parameters();
+    }
     if (posterior_.tempered_draws && posterior_.ladder_round_trips < kLimits.round_trips) {
       add(TooFewRoundTrips{.completed = posterior_.ladder_round_trips,
                            .limit = kLimits.round_trips});

@@ -56,7 +56,7 @@ struct Verdict {
 ///   is improbable need not be known as well. R-hat is judged from 100 draws a chain, the effective
 ///   sample size of a model below 5 % from 400.
 /// - Where draws were tempered, 10 round trips of the ladder.
-/// - The run was not stopped early.
+/// - The run was not stopped early, and no mere look: of a look's chains nothing else is judged.
 ///
 /// All chains must be of one length. Where Posterior::log_weight is not empty, a draw of model m
 /// counts exp(log_weight_m).

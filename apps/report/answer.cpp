@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "apps/fit_words.hpp"
+
 namespace wheeltap::apps {
 
 using namespace identification;
@@ -69,11 +71,11 @@ std::string place(const Marginal& x, const Marginal* severity, const DefectKind&
   }
   if (severity == nullptr) return text;
   if (kind.type->percent) {
-    text += ", stiffness reduced by " + percent_of(severity->q50) + " (" +
+    text += ", " + std::string(kind.type->effect_words) + " " + percent_of(severity->q50) + " (" +
             fixed(100.0 * severity->q2_5, 0) + " to " + percent_of(severity->q97_5) + ")";
   } else {
-    text +=
-        ", " + kind.severity_name() + " " + median(*severity) + " (" + interval(*severity) + ")";
+    text += ", " + std::string(kind.type->effect_words) + " " + median(*severity) + " (" +
+            interval(*severity) + ")";
   }
   return text;
 }
@@ -116,27 +118,31 @@ std::string values(const ModelFinding& model) {
       break;
     }
     parts.push_back(p.unknown.label + " = " + median(p.estimate) + " (" + interval(p.estimate) +
-                    ")");
+                    (p.is_nearly_prior() ? ", nearly its prior)" : ")"));
   }
   if (parts.empty()) return {};
   return "With 95 % intervals: " + in_words(parts) + ".";
 }
 
-std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models) {
-  std::vector<std::size_t> order(models.size());
-  for (std::size_t m = 0; m < order.size(); ++m) order[m] = m;
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return models[a].probability() > models[b].probability();
-  });
-  return order;
+std::string capitalised(std::string text) {
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
 }
 
+// What stands before everything else where the models do not explain the data; the model it is
+// said of by name.
+using MisfitWords = std::function<std::string(const FitVerdict&, const ModelFinding&)>;
+
 // Caution and headline; `undecided` begins the latter where no model stands out.
-Answer verdict_on(const Findings& findings, const std::string& undecided, const Namer& said) {
+Answer verdict_on(const Findings& findings, const std::string& undecided, const Namer& said,
+                  const MisfitWords& misfit) {
   Answer out;
   const bool converged = findings.sampling.verdict.converged;
   if (!converged) {
-    out.caution = findings.sampling.stopped_early
+    out.caution = findings.sampling.quick
+                      ? "Quick look: modes and short chains, not a posterior. Run without --quick "
+                        "before these numbers are used."
+                  : findings.sampling.stopped_early
                       ? "This run was stopped before it had converged: do not trust these numbers "
                         "yet."
                       : "The chains have not converged: do not trust these numbers yet.";
@@ -154,7 +160,7 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
     const std::string name = named(best);
     out.headline = best.probability() >= kCertain ? name + "." : "Most likely " + name + ".";
     if (!converged) out.headline = "So far: " + out.headline;
-    out.headline[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(out.headline[0])));
+    out.headline = capitalised(out.headline);
   } else {
     std::vector<std::string> list;
     for (const std::size_t m : order) {
@@ -166,6 +172,11 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
     out.headline = std::string(converged ? "Undecided" : "So far undecided") + undecided +
                    in_words(list, "or") + ".";
   }
+  if (!findings.fit_verdict.ok()) {
+    out.misfit = true;
+    out.headline = misfit(findings.fit_verdict, best) +
+                   (models.size() == 1 ? std::string() : " Least wrong: " + out.headline);
+  }
   return out;
 }
 
@@ -173,8 +184,16 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
 
 Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
   const Namer said = [&](const ModelFinding& m) { return counted(damage_case, m); };
-  Answer out = verdict_on(findings, ": the data allow ", said);
-  const std::size_t at = by_probability(findings.models)[0];
+  const MisfitWords misfit = [](const FitVerdict& verdict, const ModelFinding&) {
+    const bool too_close = std::holds_alternative<misfit::WithinNoise>(verdict.why.front());
+    return (too_close ? "The frequencies fit more closely than the stated noise" +
+                            stated(std::get<misfit::WithinNoise>(verdict.why.front()).cv) +
+                            " allows (" + in_brief(verdict) + ")."
+                      : "No number of damages that the case allows explains the frequencies (" +
+                            in_brief(verdict) + ").");
+  };
+  Answer out = verdict_on(findings, ": the data allow ", said, misfit);
+  const std::size_t at = findings.by_probability()[0];
   const ModelFinding& best = findings.models[at];
   const bool none = std::ranges::all_of(best.counts, [](int n) { return n == 0; });
   if (!none) {
@@ -191,18 +210,25 @@ Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
 }
 
 Answer answer(const Findings& findings) {
-  Answer out = verdict_on(findings, " between models: ", quoted);
-  out.detail = values(findings.models[by_probability(findings.models)[0]]);
+  const bool alone = findings.models.size() == 1;
+  const MisfitWords misfit = [alone](const FitVerdict& verdict, const ModelFinding& best) {
+    return (alone ? quoted(best) + " does not explain the record ("
+                  : "None of these models explains the record (") +
+           in_brief(verdict) + ").";
+  };
+  Answer out = verdict_on(findings, " between models: ", quoted, misfit);
+  out.detail = values(findings.models[findings.by_probability()[0]]);
   return out;
 }
 
 Answer answer(const std::string& path, const std::vector<SweepRow>& rows) {
   Answer out;
   std::vector<std::string> best;
-  std::size_t failed = 0;
+  std::size_t failed = 0, misfits = 0;
   for (const SweepRow& row : rows) {
     best.push_back(row.models.empty() ? "" : quoted(row.models[by_probability(row.models)[0]]));
     failed += row.converged ? 0 : 1;
+    misfits += row.explained ? 0 : 1;
   }
   if (failed > 0) {
     out.caution = std::to_string(failed) + " of " + std::to_string(rows.size()) +
@@ -216,18 +242,27 @@ Answer answer(const std::string& path, const std::vector<SweepRow>& rows) {
                                        : " from " + rows[i].value + " to " + rows[j - 1].value));
   }
   out.headline = "Most probable over " + path + ": " + in_words(stretches) + ".";
+  if (misfits > 0) {
+    out.misfit = true;
+    out.headline = "In " + std::to_string(misfits) + " of " + std::to_string(rows.size()) +
+                   " runs no model explains the record. " + out.headline;
+  }
   return out;
 }
 
 Report json(const Answer& answer) {
-  return {{"caution", answer.caution}, {"headline", answer.headline}, {"detail", answer.detail}};
+  return {{"caution", answer.caution},
+          {"headline", answer.headline},
+          {"detail", answer.detail},
+          {"misfit", answer.misfit}};
 }
 
 Answer read_answer(const Report& summary) {
   if (const auto kept = summary.find("answer"); kept != summary.end()) {
     return {.caution = kept->value("caution", ""),
             .headline = kept->value("headline", ""),
-            .detail = kept->value("detail", "")};
+            .detail = kept->value("detail", ""),
+            .misfit = kept->value("misfit", false)};
   }
   const auto models = [](const Report& rows) {
     std::vector<ModelFinding> out;
@@ -240,7 +275,8 @@ Answer read_answer(const Report& summary) {
   if (summary.contains("sweep")) {
     std::vector<SweepRow> rows;
     for (const Report& row : summary["sweep"]["rows"]) {
-      rows.push_back({row["value"].dump(), models(row["models"]), row.value("converged", false)});
+      rows.push_back({row["value"].dump(), models(row["models"]), row.value("converged", false),
+                      row.value("explained", true)});
     }
     return answer(summary["sweep"]["path"].get<std::string>(), rows);
   }
@@ -249,7 +285,8 @@ Answer read_answer(const Report& summary) {
   const Report& diagnosed = summary["diagnostics"];
   findings.sampling.verdict.converged = diagnosed.value("converged", false);
   findings.sampling.stopped_early = diagnosed.value("stopped_early", false);
-  return verdict_on(findings, ": ", [](const ModelFinding& m) { return m.name; });
+  findings.sampling.quick = diagnosed.value("quick", false);
+  return verdict_on(findings, ": ", [](const ModelFinding& m) { return m.name; }, {});
 }
 
 }  // namespace wheeltap::apps

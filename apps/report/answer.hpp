@@ -10,9 +10,12 @@
 namespace wheeltap::apps {
 
 struct Answer {
-  std::string caution;   ///< empty, or why the rest cannot be trusted yet
-  std::string headline;  ///< how many, or which model, with its probability
-  std::string detail;    ///< where and how bad, with 95 % intervals; may be empty
+  std::string caution;  ///< empty, or why the rest cannot be trusted yet
+  /// How many, or which model, with its probability; before it, where the models do not explain the
+  /// data, that they do not.
+  std::string headline;
+  std::string detail;   ///< where and how bad, with 95 % intervals; may be empty
+  bool misfit = false;  ///< the headline begins with that the models do not explain the data
 };
 
 /// How many damages. A count (a model) is "most likely" from a probability of 0.6; below, the run
@@ -29,6 +32,7 @@ struct SweepRow {
   std::string value;
   std::vector<identification::ModelFinding> models;
   bool converged = false;
+  bool explained = true;  ///< by one of the models
 };
 /// Which model is the most probable, and where along the values that changes.
 [[nodiscard]] Answer answer(const std::string& path, const std::vector<SweepRow>& rows);

@@ -23,7 +23,8 @@ const charts = (() => {
   const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^-|-$/g, '').slice(0, 60) || 'figure';
   // Reductions are fractions; people read percent.
   const isFraction = (name) => /(^|\s)reduction(\[|$)/.test(name);
-  const unit = (name) => (/(^|\s)location(\[|$)/.test(name) ? ' [m]' : '');
+  const bracketed = (known) => (known && known !== '1' ? ` [${known.replace(/\^2/g, '²').replace(/\^3/g, '³')}]` : '');
+  const unit = (name, known) => (/(^|\s)location(\[|$)/.test(name) ? ' [m]' : bracketed(known));
   const short = (text, n) => ([...text].length > n ? [...text].slice(0, n - 1).join('') + '…' : text);
 
   function frame(width, height, theme, body) {
@@ -219,7 +220,7 @@ const charts = (() => {
     const x0 = p.bins.from, w = p.bins.width;
     const fraction = isFraction(p.name);
     return {
-      id: `marginal-${slug(model)}-${slug(p.name)}`, section: 'parameters', group: model, title: p.name + unit(p.name),
+      id: `marginal-${slug(model)}-${slug(p.name)}`, section: 'parameters', group: model, title: p.name + unit(p.name, p.unit),
       caption: p.prior ? `Prior: ${p.prior.words}${p.prior.ordered ? ', in increasing order' : ''}.` : '',
       table: () => ({ head: ['from', 'to', 'posterior density'], rows: p.density.map((d, i) => [x0 + i * w, x0 + (i + 1) * w, d]) }),
       spec: (width, theme) => frame(width, 130, theme, {
@@ -241,7 +242,7 @@ const charts = (() => {
     return {
       id: `pair-${slug(model)}-${slug(p.x)}-${slug(p.y)}`, section: 'pairs', group: model, title: `${p.y} against ${p.x}`, caption: '',
       table: () => cellTable(p.x, p.y, p.bins_x, p.bins_y, p.cells),
-      spec: (width, theme) => heat(width, 180, theme, { x: p.bins_x, y: p.bins_y, cells: p.cells, root: true, xTitle: p.x + unit(p.x), yTitle: p.y + unit(p.y),
+      spec: (width, theme) => heat(width, 180, theme, { x: p.bins_x, y: p.bins_y, cells: p.cells, root: true, xTitle: p.x + unit(p.x, p.x_unit), yTitle: p.y + unit(p.y, p.y_unit),
         xFormat: isFraction(p.x) ? '%' : undefined, yFormat: isFraction(p.y) ? '%' : undefined }),
     };
   }
@@ -388,6 +389,8 @@ const charts = (() => {
   // The laws that the links were found to have, one chart a link, one band a model.
   function laws(run) {
     const found = Object.entries(run.summary.links || {});
+    const units = run.summary.data?.units || (run.summary.data?.units === null ? {} : { force: 'N', length: 'm' });
+    const [force, length] = [bracketed(units.force), bracketed(units.length)];
     const keys = [...new Set(found.flatMap(([, links]) => links.map((l) => l.between.join(' – '))))];
     return keys.map((key) => {
       const lines = found.flatMap(([model, links]) => links.filter((l) => l.between.join(' – ') === key).map((l) => ({ model, ...l })));
@@ -398,12 +401,12 @@ const charts = (() => {
       return {
         id: 'law-' + slug(key), section: 'where', title: `Law of link ${key}`,
         caption: '',
-        table: () => ({ head: ['model', 'extension [m]', '2.5 % [N]', '50 % [N]', '97.5 % [N]'], rows: values.map((v) => [v.model, v.e, v.a, v.m, v.b]) }),
+        table: () => ({ head: ['model', `extension${length}`, `2.5 %${force}`, `50 %${force}`, `97.5 %${force}`], rows: values.map((v) => [v.model, v.e, v.a, v.m, v.b]) }),
         spec: (width, theme) => frame(width, 170, theme, {
           data: [{ name: 'd', values }],
           scales: [linear('x', span([(v) => v.e, (v) => v.e]), 'width'), linear('y', low < high ? [low, high] : [low - 1, high + 1], 'height'),
             { name: 'm', type: 'ordinal', domain: models, range: theme.series }],
-          axes: [axisX('extension [m]'), axisY('tension [N]')],
+          axes: [axisX(`extension${length}`), axisY(`tension${force}`)],
           legends: [{ stroke: 'm', symbolType: 'stroke', symbolStrokeWidth: 3 }],
           marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'model' } }, marks: [
             { type: 'area', from: { data: 'one' }, encode: { enter: { x: { scale: 'x', field: 'e' }, y: { scale: 'y', field: 'a' }, y2: { scale: 'y', field: 'b' }, fill: { scale: 'm', field: 'model' }, fillOpacity: { value: 0.3 } } } },
@@ -606,7 +609,7 @@ const charts = (() => {
     if (draws.log_posterior) out.push(Object.assign(history('log-posterior', 'sampling', null, 'log posterior', draws.log_posterior, draws.draws, true), { wide: true }));
     out.push(...acceptance(run));
     for (const [model, list] of Object.entries(draws.parameters)) {
-      for (const p of list) out.push(history(`history-${slug(model)}-${slug(p.name)}`, 'histories', model, p.name + unit(p.name), p.history, draws.draws, false, isFraction(p.name)));
+      for (const p of list) out.push(history(`history-${slug(model)}-${slug(p.name)}`, 'histories', model, p.name + unit(p.name, p.unit), p.history, draws.draws, false, isFraction(p.name)));
     }
     out.push(...emulator(run));
     // Two names may shorten to one.
@@ -618,5 +621,5 @@ const charts = (() => {
     }
     return out;
   }
-  return { figures, themes, number, percent, probability };
+  return { figures, themes, number, percent, probability, bracketed };
 })();

@@ -89,6 +89,7 @@ std::vector<Series> StoredDraws::series(const std::string& model) const {
                .slot = static_cast<std::size_t>(std::max(slot, 0)),
                .prior = u.value("prior", ""),
                .ordered_among = u.value("ordered_among", 0),
+               .unit = u.value("unit", ""),
                .variable = find(u.value("variable", ""))};
     if (one.variable != nullptr && slot >= 0 && one.slot < one.variable->inner()) {
       out.push_back(std::move(one));

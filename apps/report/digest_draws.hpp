@@ -49,6 +49,7 @@ struct Series {
   std::size_t slot = 0;   ///< of the variable's rows, 0-based
   std::string prior;      ///< where the case states it, a JSON pointer
   int ordered_among = 0;  ///< of so many exchangeable ones it is the (slot + 1)-th; 0: of none
+  std::string unit;       ///< empty where not known
   const io::NetcdfArray* variable = nullptr;
 
   [[nodiscard]] double at(std::size_t draw) const {

@@ -61,7 +61,8 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
     heights.push_back(
         compact(static_cast<double>(n) / (static_cast<double>(all.size()) * bins.width)));
   }
-  Report out = {{"name", series.label}, {"bins", bins.json()}, {"density", heights}};
+  Report out = {
+      {"name", series.label}, {"unit", series.unit}, {"bins", bins.json()}, {"density", heights}};
   if (const auto prior = prior_of(stated, series.prior)) {
     Report x_list = Report::array(), p_list = Report::array();
     const double span = bins.width * static_cast<double>(bins.n);
@@ -110,7 +111,7 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
     }
     Report list = Report::array();
     std::vector<std::vector<double>> draws;
-    std::vector<std::string> labels;
+    std::vector<std::string> labels, units;
     for (const Series& series : posterior.series(name)) {
       std::vector<double> all;
       Report one = one_parameter(posterior, series, m, all, stated);
@@ -118,6 +119,7 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
       list.push_back(std::move(one));
       if (labels.size() < kMostPairs) {
         labels.push_back(series.label);
+        units.push_back(series.unit);
         draws.push_back(std::move(all));
       }
     }
@@ -130,6 +132,8 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
         pairs.push_back(
             {{"x", labels[j]},
              {"y", labels[i]},
+             {"x_unit", units[j]},
+             {"y_unit", units[i]},
              {"bins_x", bx.json()},
              {"bins_y", by.json()},
              {"cells", cells(draws[j], draws[i], bx, by, static_cast<double>(draws[i].size()))}});

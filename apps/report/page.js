@@ -135,7 +135,8 @@
     const magnitude = Math.max(...['q2.5', 'q50', 'q97.5'].map((k) => Math.abs(row[k])));
     return number(x, Math.min(10, Math.max(3, Math.ceil(Math.log10(magnitude / width)) + 3)));
   };
-  const parameterRows = (rows) => {
+  const parameterRows = (rows, unknowns) => {
+    const titled = (name) => name + charts.bracketed((unknowns || []).find((u) => u.label === name)?.unit);
     const windowed = Object.values(rows).some((r) => r.between_windows);
     const between = (r) => {
       const w = r.between_windows;
@@ -143,7 +144,7 @@
     };
     const keys = [...new Set(Object.values(rows).flatMap((r) => Object.keys(r)))].filter((k) => Object.values(rows).every((r) => typeof r[k] !== 'object' || r[k] === null));
     return { head: ['parameter', ...keys.map((k) => ({ 'q2.5': '2.5 %', q50: '50 %', 'q97.5': '97.5 %', ess_bulk: 'ESS bulk', ess_tail: 'ESS tail', rhat: 'R-hat' })[k] || k), ...(windowed ? ['between windows (95 %)'] : [])],
-      rows: Object.entries(rows).map(([name, r]) => [name, ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k])), ...(windowed ? [between(r)] : [])]) };
+      rows: Object.entries(rows).map(([name, r]) => [titled(name), ...keys.map((k) => (typeof r[k] === 'number' ? { value: r[k], text: digits(r, k) } : r[k])), ...(windowed ? [between(r)] : [])]) };
   };
 
   // ---- sections ---------------------------------------------------------------------------
@@ -180,12 +181,7 @@
   }
   function runSections() {
     const d = summary.diagnostics;
-    const warnings = [...(d.warnings || [])];
-    const loose = [];
-    for (const [model, list] of Object.entries(draws.parameters)) {
-      for (const p of list) if (p.prior && p.prior.overlap > 0.85) loose.push(`${p.name} under “${model}” (overlap ${percent(p.prior.overlap)})`);
-    }
-    if (loose.length) warnings.push(`Nearly the prior: the data say little about ${loose.join(', ')}. Such a posterior repeats what the case assumed; do not report it as a finding.`);
+    const warnings = d.warnings || [];
     const p = summary.data?.posterior_predictive_p;
     section('warnings', 'What to keep in mind', null,
       element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
@@ -206,7 +202,7 @@
     section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${number(p, 3)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
       of('fit').length ? grid(of('fit')) : null);
 
-    const fits = Object.entries(summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
+    const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
     if (fits.length) {
       document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
         head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],
@@ -215,7 +211,7 @@
     const perModel = Object.keys(summary.parameters).flatMap((model) => {
       const probability = summary.models.find((m) => m.name === model)?.probability;
       const out = [element('h3', { dir: 'auto' }, `${model} (${charts.probability(probability)})`)];
-      if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model]), caption: 'Posterior given this model' }));
+      if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model], summary.unknowns?.[model]), caption: 'Posterior given this model' }));
       else out.push(element('p', { class: 'lead' }, 'No parameters.'));
       if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));
       if (of('parameters', model).length) out.push(grid(of('parameters', model), 4));

@@ -201,6 +201,7 @@ void write_report(const fs::path& directory) {
   const std::string licences = html_text(std::string(assets::kLicences));
   const std::string page = fill(assets::kTemplate, {{"title", title},
                                                     {"caution", caution},
+                                                    {"misfit", said.misfit ? " misfit" : ""},
                                                     {"headline", headline},
                                                     {"detail", detail},
                                                     {"style", assets::kStyle},

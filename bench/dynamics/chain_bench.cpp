@@ -41,6 +41,21 @@ Misfit three_masses(bool cubic, Integrator integrator, Instructions instructions
                 observed);
 }
 
+/// The same with cubic springs, and dry friction in every link that sticks now and then; by series
+/// with and without it, so that the ratio is what stick and slip cost.
+Misfit three_masses_rubbing(bool friction) {
+  Chain chain = three_masses(true, Integrator::series, Instructions::automatic).simulator().chain();
+  for (Link& link : chain.links)
+    if (friction) link.laws.push_back(make_law<laws::Coulomb>({Coefficient::of_parameter(3)}));
+  constexpr std::size_t kSamples = 2000;
+  return Misfit(
+      Simulator(chain,
+                {.sample_rate_hz = 100.0,
+                 .forces = {{.mass = 1, .signal = {excitation(kSamples, 10.0)}}}},
+                {{.mass = 1}, {.mass = 2}, {.mass = 3}}, {}, {.integrator = Integrator::series}),
+      std::vector<Signal>(3, Signal{excitation(kSamples, 0.1)}));
+}
+
 /// Tiboaca 2016, section 6.3: the rig's full record under white base motion; accelerations of two
 /// floors. `substeps` 0: the exact solution, piecewise with contact.
 Simulator rig(bool contact, int substeps, double rms, std::vector<Sensor> sensors) {
@@ -103,6 +118,10 @@ void cubic_3dof(benchmark::State& state) {
   run(state, three_masses(true, Integrator::automatic, static_cast<Instructions>(state.range(1))),
       kTheta(), static_cast<int>(state.range(0)));
 }
+void friction_3dof(benchmark::State& state) {
+  run(state, three_masses_rubbing(state.range(1) == 1), {50.0, 0.1, 1000.0, 2.0},
+      static_cast<int>(state.range(0)));
+}
 void linear_3dof_exact(benchmark::State& state) {
   run(state, three_masses(false, Integrator::exact, static_cast<Instructions>(state.range(1))),
       kTheta(), static_cast<int>(state.range(0)));
@@ -122,6 +141,10 @@ void rig_contact(benchmark::State& state) {
 BENCHMARK(cubic_3dof)
     ->ArgNames({"sets", "instructions"})
     ->ArgsProduct({{1, 4, 8}, {0, 1, 2, 3}})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(friction_3dof)
+    ->ArgNames({"sets", "friction"})
+    ->ArgsProduct({{1, 4, 8}, {0, 1}})
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK(linear_3dof_exact)
     ->ArgNames({"sets", "instructions"})

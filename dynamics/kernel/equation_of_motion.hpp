@@ -30,7 +30,8 @@ WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
 
 struct AnyLaw {};
 
-/// z̈ = drive + M⁻¹ pull: drive = F / m - ÿ_base, pull the sum of the tensions on a mass.
+/// z̈ = drive + M⁻¹ pull: drive = F / m - ÿ_base, pull the sum of the tensions on a mass. Exact
+/// friction is left out: friction.hpp adds it.
 ///
 /// N > 0: number of masses; 0: task.masses. kSerial: link i joins masses i and i + 1. OnlyLaw: the
 /// one kind of law there is, which spares the choice at every link.
@@ -68,7 +69,7 @@ class EquationOfMotion {
     for (int i = 1; i <= n; ++i) drive[i] = force[i] * inverse_mass_[i] - base;
   }
 
-  /// Of laws without memory.
+  /// Of laws without memory; exact friction is left out.
   WHEELTAP_INLINE void accelerations(std::int64_t sample, const V* y, const V* v, V* a) const {
     const int n = masses();
     V pull[M];
@@ -124,6 +125,8 @@ class EquationOfMotion {
     } else if constexpr (Law::kInfo.one_sided) {
       const V side = c[Law::kInfo.size()];
       return side * Law::tension(c, side * e, side * rate);
+    } else if constexpr (kFriction<Law>) {
+      return term.dry < 0 ? Law::tension(c, e, rate) : V{};
     } else {
       return Law::tension(c, e, rate);
     }

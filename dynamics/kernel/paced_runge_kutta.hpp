@@ -3,6 +3,7 @@
 #pragma once
 
 #include "dynamics/kernel/equation_of_motion.hpp"
+#include "dynamics/kernel/friction.hpp"
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
@@ -14,7 +15,8 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
 ///
-/// Every lane goes its own way through a sample, by its own state alone.
+/// Every lane goes its own way through a sample, by its own state alone. A step across which a link
+/// with exact friction would come to rest or break away is taken only up to there.
 ///
 ///   0   |
 ///   1/2 | 1/2
@@ -26,7 +28,7 @@ template <int N>
 class PacedRungeKutta {
  public:
   explicit PacedRungeKutta(const Task& task)
-      : task_(task), c_(vectors(task.coefficients)), motion_(task) {}
+      : task_(task), c_(vectors(task.coefficients)), motion_(task), friction_(task, 1.0) {}
 
   void run() {
     const int n = motion_.masses();
@@ -42,6 +44,11 @@ class PacedRungeKutta {
     Output output(task_);
     Watch watch(task_);
     motion_.excite(0, drive_now);
+    if (friction_.size() > 0) {
+      V free[M];
+      accelerate(x, drive_now, free);
+      friction_.start(x.v, free);
+    }
     for (std::int64_t sample = 0;; ++sample) {
       if (output.due(sample)) {
         Rates k;
@@ -72,6 +79,10 @@ class PacedRungeKutta {
   static constexpr int M = Motion::M;
   /// Beyond this product of rate and step the scheme itself is unstable: 2.79 on the real axis.
   static constexpr double kUnstable = 2.5;
+  /// Of friction in a sample beyond its steps; links that chatter slip or stick on to its end.
+  static constexpr int kMostEvents = 64;
+  static constexpr int kMostTrials = 80;
+  static constexpr double kTimeCloseness = 1e-12;
 
   struct State {
     V y[M], v[M], q[kMaxMemories];
@@ -82,12 +93,28 @@ class PacedRungeKutta {
   };
 
   WHEELTAP_INLINE void rates(const State& x, const V* drive, Rates& k) const {
+    V tension[kMaxFrictions];
+    rates(x, drive, k, tension);
+  }
+
+  /// The same with the tensions of friction.
+  WHEELTAP_INLINE void rates(const State& x, const V* drive, Rates& k, V* tension) const {
     const int n = motion_.masses();
     V pull[M];
     motion_.forces(x.y, x.v, x.q, pull, k.q);
     k.v[0] = V{};
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) k.v[i] = drive[i] + motion_.inverse_mass(i) * pull[i];
+    if (friction_.size() > 0) friction_.pull(true, k.v, tension);
+  }
+
+  /// z̈ without friction.
+  [[gnu::noinline]] void accelerate(const State& x, const V* drive, V* acceleration) const {
+    const int n = motion_.masses();
+    V pull[M], q_rate[kMaxMemories];
+    motion_.forces(x.y, x.v, x.q, pull, q_rate);
+    acceleration[0] = V{};
+    for (int i = 1; i <= n; ++i) acceleration[i] = drive[i] + motion_.inverse_mass(i) * pull[i];
   }
 
   /// `to` = x + τ (speed, k).
@@ -103,7 +130,7 @@ class PacedRungeKutta {
   }
 
   /// From one sample to the next, with drives linear between.
-  [[gnu::noinline]] void advance(State& x, const V* now, const V* next, Watch& watch) const {
+  [[gnu::noinline]] void advance(State& x, const V* now, const V* next, Watch& watch) {
     const int n = motion_.masses();
     const V longest = V{} + 1.0 / task_.substeps;
     V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // of the sample
@@ -117,52 +144,157 @@ class PacedRungeKutta {
         watch.out_of_steps(stop, fast);
         return;
       }
-      State stage;
-      Rates k1, k2, k3, k4;
-      V drive[M];
-      const auto at = [&](V time) __attribute__((always_inline)) {
-        WHEELTAP_UNROLL
-        for (int i = 1; i <= n; ++i) drive[i] = now[i] + time * (next[i] - now[i]);
-      };
       // k1, at the beginning
-      at(1.0 - left);
+      V drive[M];
+      Rates k1;
+      drive_at(1.0 - left, now, next, drive);
       rates(x, drive, k1);
       const V length = pace(x, k1, now, next, left < longest ? left : longest, watch);
-      const V part = left > 2.0 * length ? length : left > 1.000001 * length ? 0.5 * left : left;
-      const V h = part * task_.step, half = 0.5 * h, begin = 1.0 - left;
-
-      // k2, in the middle after half a step of k1
-      go(x, half, x.v, k1, stage);
-      at(begin + 0.5 * part);
-      rates(stage, drive, k2);
-      V speed2[M], speed3[M], speed4[M];
-      WHEELTAP_UNROLL
-      for (int i = 1; i <= n; ++i) speed2[i] = stage.v[i];
-
-      // k3, in the middle after half a step of k2
-      go(x, half, speed2, k2, stage);
-      rates(stage, drive, k3);
-      WHEELTAP_UNROLL
-      for (int i = 1; i <= n; ++i) speed3[i] = stage.v[i];
-
-      // k4, at the end after a step of k3
-      go(x, h, speed3, k3, stage);
-      at(begin + part);
-      rates(stage, drive, k4);
-      WHEELTAP_UNROLL
-      for (int i = 1; i <= n; ++i) speed4[i] = stage.v[i];
-
-      // 1/6 k1 + 1/3 k2 + 1/3 k3 + 1/6 k4, in the lanes that move
-      const V sixth = left > 0.0 ? h / 6.0 : V{};
+      V part = left > 2.0 * length ? length : left > 1.000001 * length ? 0.5 * left : left;
+      State end;
+      step(x, k1, now, next, left, part, end);
+      V changes[kMaxFrictions];
+      const bool events = friction_.size() > 0 && steps < task_.substeps + kMostEvents &&
+                          stop_at_event(x, k1, now, next, left, part, end, changes);
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
-        x.y[i] += sixth * (x.v[i] + speed4[i] + 2.0 * (speed2[i] + speed3[i]));
-        x.v[i] += sixth * (k1.v[i] + k4.v[i] + 2.0 * (k2.v[i] + k3.v[i]));
+        x.y[i] = end.y[i];
+        x.v[i] = end.v[i];
       }
-      for (int m = 0; m < task_.memories; ++m)
-        x.q[m] += sixth * (k1.q[m] + k4.q[m] + 2.0 * (k2.q[m] + k3.q[m]));
+      for (int m = 0; m < task_.memories; ++m) x.q[m] = end.q[m];
       left = left > 0.0 ? left - part : left;
+      if (events) stick_or_slip(x, changes, left, now, next);
     }
+  }
+
+  WHEELTAP_INLINE void drive_at(V time, const V* now, const V* next, V* drive) const {
+    const int n = motion_.masses();
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) drive[i] = now[i] + time * (next[i] - now[i]);
+  }
+
+  /// One step of `part` of a sample, in the lanes of which anything is left.
+  WHEELTAP_INLINE void step(const State& x, const Rates& k1, const V* now, const V* next, V left,
+                            V part, State& end) const {
+    const int n = motion_.masses();
+    const V h = part * task_.step, half = 0.5 * h, begin = 1.0 - left;
+    State stage;
+    Rates k2, k3, k4;
+    V drive[M];
+
+    // k2, in the middle after half a step of k1
+    go(x, half, x.v, k1, stage);
+    drive_at(begin + 0.5 * part, now, next, drive);
+    rates(stage, drive, k2);
+    V speed2[M], speed3[M], speed4[M];
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) speed2[i] = stage.v[i];
+
+    // k3, in the middle after half a step of k2
+    go(x, half, speed2, k2, stage);
+    rates(stage, drive, k3);
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) speed3[i] = stage.v[i];
+
+    // k4, at the end after a step of k3
+    go(x, h, speed3, k3, stage);
+    drive_at(begin + part, now, next, drive);
+    rates(stage, drive, k4);
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) speed4[i] = stage.v[i];
+
+    // 1/6 k1 + 1/3 k2 + 1/3 k3 + 1/6 k4, in the lanes that move
+    const V sixth = left > 0.0 ? h / 6.0 : V{};
+    end.y[0] = end.v[0] = V{};
+    WHEELTAP_UNROLL
+    for (int i = 1; i <= n; ++i) {
+      end.y[i] = x.y[i] + sixth * (x.v[i] + speed4[i] + 2.0 * (speed2[i] + speed3[i]));
+      end.v[i] = x.v[i] + sixth * (k1.v[i] + k4.v[i] + 2.0 * (k2.v[i] + k3.v[i]));
+    }
+    for (int m = 0; m < task_.memories; ++m)
+      end.q[m] = x.q[m] + sixth * (k1.q[m] + k4.q[m] + 2.0 * (k2.q[m] + k3.q[m]));
+  }
+
+  /// How far each link with friction is from an event, in units of a speed; negative beyond. The
+  /// smallest of them.
+  [[gnu::noinline]] V margins(const State& x, V time, const V* now, const V* next,
+                              V* margin) const {
+    V tension[kMaxFrictions], drive[M], least = V{} + 1e300;
+    if (friction_.sticking()) {
+      Rates k;
+      drive_at(time, now, next, drive);
+      rates(x, drive, k, tension);
+    }
+    for (int f = 0; f < friction_.size(); ++f) {
+      const V state = friction_.state(f);
+      margin[f] = state * friction_.across(f, x.v);
+      if (friction_.sticking()) {
+        const V spare = friction_.force(f) - lanes::abs(tension[f]);
+        margin[f] = state == 0.0 ? task_.step * friction_.compliance(f) * spare : margin[f];
+      }
+      least = margin[f] < least ? margin[f] : least;
+    }
+    return least;
+  }
+
+  /// Shortens the step to the first event within it, to 1e-12 of a sample: by halving and false
+  /// position (the Illinois rule). Returns whether there is one in any lane, and writes to
+  /// changes[link] to which side it breaks away, or 2 where it comes to rest.
+  [[gnu::noinline]] bool stop_at_event(const State& x, const Rates& k1, const V* now, const V* next,
+                                       V left, V& part, State& end, V* changes) const {
+    const V begin = 1.0 - left;
+    V margin[kMaxFrictions], at_high = margins(end, begin + part, now, next, margin);
+    const V found = left > 0.0 ? (at_high < 0.0 ? V{} + 1.0 : V{}) : V{};
+    if (!any(found)) return false;
+    V at_low = margins(x, begin, now, next, margin);
+    V low{}, high = part, open = found, last{};
+    for (int i = 0; i < kMostTrials && any(open); ++i) {
+      // From an event at the start of the step only halving leads away.
+      const V chord = low + (high - low) * (at_low / (at_low - at_high)),
+              middle = 0.5 * (low + high);
+      const V inside = at_low > 0.0 ? (i % 3 == 2 ? middle : chord) : middle;
+      const V trial = open > 0.0 ? inside : high;
+      step(x, k1, now, next, left, found > 0.0 ? trial : part, end);
+      const V value = margins(end, begin + trial, now, next, margin);
+      const V beyond = value < 0.0 ? open : V{}, before = value < 0.0 ? V{} : open;
+      at_low = beyond * last > 0.0 ? 0.5 * at_low : before > 0.0 ? value : at_low;
+      at_high = before * last < 0.0 ? 0.5 * at_high : beyond > 0.0 ? value : at_high;
+      low = before > 0.0 ? trial : low;
+      high = beyond > 0.0 ? trial : high;
+      last = beyond > 0.0 ? V{} + 1.0 : before > 0.0 ? V{} - 1.0 : last;
+      open = high - low > kTimeCloseness ? open : V{};
+    }
+    part = found > 0.0 ? high : part;
+    step(x, k1, now, next, left, part, end);
+    margins(end, begin + part, now, next, margin);
+    V tension[kMaxFrictions], drive[M];
+    Rates k;
+    drive_at(begin + part, now, next, drive);
+    rates(end, drive, k, tension);
+    for (int f = 0; f < friction_.size(); ++f) {
+      const V side = tension[f] > 0.0 ? V{} + 1.0 : V{} - 1.0;
+      const V change = friction_.state(f) == 0.0 ? side : V{} + 2.0;
+      changes[f] = margin[f] < 0.0 ? (found > 0.0 ? change : V{}) : V{};
+    }
+    return true;
+  }
+
+  /// Goes on in another regime of friction.
+  [[gnu::noinline]] void stick_or_slip(State& x, const V* changes, V left, const V* now,
+                                       const V* next) {
+    V stopping{}, at_rest[kMaxFrictions] = {};
+    for (int f = 0; f < friction_.size(); ++f) stopping = lanes::max(stopping, changes[f] - 1.0);
+    for (int f = 0; f < friction_.size(); ++f) {
+      const V stops = changes[f] > 1.5 ? V{} + 1.0 : V{};
+      const V rests = friction_.state(f) == 0.0 ? V{} + 1.0 : stops;
+      at_rest[f] = stopping > 0.0 ? rests : V{};
+      friction_.break_away(f, stops > 0.0 ? V{} : changes[f]);
+      friction_.stop(f, stops);
+    }
+    V drive[M], free[M];
+    drive_at(1.0 - left, now, next, drive);
+    accelerate(x, drive, free);
+    friction_.settle(at_rest, x.v, free);
   }
 
   /// The length of the next step, in samples.
@@ -191,6 +323,7 @@ class PacedRungeKutta {
   const Task& task_;
   const V* c_;
   Motion motion_;
+  Friction<N> friction_;
 };
 
 }  // namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "dynamics/kernel/equation_of_motion.hpp"
+#include "dynamics/kernel/friction.hpp"
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
@@ -11,6 +12,8 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// gone through in pieces, each a series that ends at its length or where the first law reaches its
 /// threshold. (A step across a switch would be wrong by the square of its length, and by more or
 /// less of it as the switch moves within the step: a likelihood is then rugged where it is not.)
+/// Exact friction is an event, too: where a link that slips comes to rest, and where one that
+/// sticks would need more than its force.
 template <int N, bool kSerial>
 class Series {
  public:
@@ -21,6 +24,7 @@ class Series {
       : task_(task),
         c_(vectors(task.coefficients)),
         motion_(task),
+        friction_(task, task.step * task.step),
         masses_(N > 0 ? N : task.masses) {
     for_each_threshold(task, [&](int i, const LinkTerm& link, V stiffness, V threshold, V side) {
       thresholds_[i] = {link.a, link.b, side, threshold, stiffness};
@@ -64,6 +68,15 @@ class Series {
     Output output(task_);
     Watch watch(task_);
     motion_.excite(0, now);
+    if (friction_.size() > 0) {
+      V free[M];
+      accelerate(y, v, now, free);
+      friction_.start(v, free);
+      for (int f = 0; f < friction_.size(); ++f) {
+        const V begins = friction_.state(f) == 0.0 ? V{} : V{} + 1.0;
+        fresh_slip_[f] = friction_.across(f, v) == 0.0 ? begins : V{};
+      }
+    }
     for (std::int64_t sample = 0;; ++sample) {
       if (output.due(sample)) show(output, sample, y, v);
       if (sample + 1 == task_.samples) break;
@@ -116,6 +129,12 @@ class Series {
         root[i] = watching ? first_root(i, fresh[i], terms, length) : V{} + 2.0;
         until = root[i] < until ? root[i] : until;
       }
+      V change[kMaxFrictions], side[kMaxFrictions];
+      for (int f = 0; f < friction_.size(); ++f) {
+        side[f] = V{};
+        change[f] = watching ? first_change(f, terms, length, side[f]) : V{} + 2.0;
+        until = change[f] < until ? change[f] : until;
+      }
       WHEELTAP_UNROLL
       for (int i = 1; i <= m; ++i) {
         V position = terms[degree][i], growth = degree * terms[degree][i];
@@ -132,10 +151,16 @@ class Series {
         sign_[i] = crossed > 0.0 ? -sign_[i] : sign_[i];
         fresh[i] = crossed > 0.0 ? V{} + 1.0 : until > 0.0 ? V{} : fresh[i];
       }
+      const V moved = left > 0.0 ? V{} + 1.0 : V{};
       left = left > 0.0 ? left - until : left;
       for (int i = 0; i < switches_ && !watching; ++i) {
         const V now_acts = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
-        sign_[i] = moving > 0.0 ? now_acts : sign_[i];
+        sign_[i] = moved > 0.0 ? now_acts : sign_[i];  // not in lanes that waited for others
+      }
+      if (friction_.size() > 0) {
+        for (int f = 0; f < friction_.size(); ++f)
+          change[f] = moved > 0.0 ? (change[f] <= until ? V{} + 1.0 : V{}) : V{};
+        stick_or_slip(change, side, until, y, v, now, then, left, watching ? V{} : moved);
       }
     }
   }
@@ -150,6 +175,13 @@ class Series {
     for (int i = 1; i <= m; ++i) speed[i] = rate * v[i];
     if (accelerometers_) {
       motion_.accelerations(sample, y, speed, a);
+      if (friction_.size() > 0) {
+        const double unit = task_.step * task_.step;
+        V tension[kMaxFrictions];
+        for (int i = 0; i <= m; ++i) a[i] *= unit;
+        friction_.pull(true, a, tension);
+        for (int i = 0; i <= m; ++i) a[i] /= unit;
+      }
     } else {
       for (int i = 0; i <= m; ++i) a[i] = V{};
     }
@@ -164,6 +196,9 @@ class Series {
   /// Switches in one sample; a law that chatters about its threshold ends there.
   static constexpr int kMostSwitches = 32;
   static constexpr int kMaxPower = 3;
+  /// Since the tension of a spring is continuous at its threshold, the state that follows is wrong
+  /// by the square of what is left of the time; that of friction jumps.
+  static constexpr double kSwitchCloseness = 1e-4, kSlipCloseness = 1e-8;
   struct Polynomial {
     int a, b;
     V square, cube;  ///< T = square e² + cube e³
@@ -181,7 +216,7 @@ class Series {
   ///   (k + 1)(k + 2) y_{k+2} = h² (drive_k + M⁻¹ [-K y_k - C (k + 1) y_{k+1} / h - T(e)_k]),
   /// the powers of e by Cauchy products.
   WHEELTAP_INLINE void expand(const V* y, const V* v, const V* now, const V* then, V left,
-                              V terms[][M]) const {
+                              V terms[][M]) {
     const int m = masses(), links = kSerial && N > 0 ? N : task_.links, degree = task_.degree;
     const double h2 = task_.step * task_.step, per_step = 1.0 / task_.step;
     V stretch[kMaxPolynomials][kMaxDegree], square[kMaxPolynomials][kMaxDegree];
@@ -230,14 +265,88 @@ class Series {
         pull[law.b] -= tension;
       }
       const double share = 1.0 / ((k + 1) * (k + 2));
-      terms[k + 2][0] = V{};
+      V sum[M];
+      sum[0] = terms[k + 2][0] = V{};
       WHEELTAP_UNROLL
       for (int i = 1; i <= m; ++i) {
-        V sum = scaled_inverse_[i] * pull[i];
-        if (k == 0) sum += h2 * (then[i] + left * (now[i] - then[i]));
-        if (k == 1) sum += h2 * (then[i] - now[i]);
-        terms[k + 2][i] = share * sum;
+        sum[i] = scaled_inverse_[i] * pull[i];
+        if (k == 0) sum[i] += h2 * (then[i] + left * (now[i] - then[i]));
+        if (k == 1) sum[i] += h2 * (then[i] - now[i]);
       }
+      if (friction_.size() > 0) friction_.pull(k == 0, sum, tension_[k]);
+      WHEELTAP_UNROLL
+      for (int i = 1; i <= m; ++i) terms[k + 2][i] = share * sum[i];
+    }
+  }
+
+  /// h² z̈ without friction.
+  void accelerate(const V* y, const V* v, const V* drive, V* acceleration) const {
+    const double rate = 1.0 / task_.step, unit = task_.step * task_.step;
+    V speed[M], pull[M];
+    speed[0] = acceleration[0] = V{};
+    for (int i = 1; i <= masses(); ++i) speed[i] = rate * v[i];
+    motion_.forces(y, speed, nullptr, pull, nullptr);
+    for (int i = 1; i <= masses(); ++i)
+      acceleration[i] = unit * drive[i] + scaled_inverse_[i] * pull[i];
+  }
+
+  /// The first time in [0, length] at which link f has to change between stick and slip, and to
+  /// which side it breaks away; 2 where there is none.
+  V first_change(int f, const V terms[][M], V length, V& side) const {
+    const int degree = task_.degree;
+    const V state = friction_.state(f), force = friction_.force(f);
+    V g[kMaxDegree + 2], other[kMaxDegree + 2];
+    for (int k = 0; k <= degree; ++k) {
+      const V rate = k < degree ? (k + 1) * state * friction_.across(f, terms[k + 1]) : V{};
+      const V held = k + 2 <= degree ? tension_[k][f] : V{};
+      const V spare = k == 0 ? force : V{};
+      g[k] = state == 0.0 ? spare - held : rate;
+      other[k] = state == 0.0 ? spare + held : V{};
+    }
+    g[degree + 1] = V{};
+    shift(g, fresh_slip_[f] > 0.0 ? V{} + 1.0 : V{});
+    shift(g, fresh_slip_[f] > 1.0 ? V{} + 1.0 : V{});
+    const V first = first_root(g, length, kSlipCloseness);
+    side = V{} + 1.0;
+    if (!friction_.sticking()) return first;
+    other[0] = state == 0.0 ? other[0] : V{} + 1.0;
+    const V second = first_root(other, length, kSlipCloseness);
+    side = second < first ? V{} - 1.0 : side;
+    return second < first ? second : first;
+  }
+
+  /// Goes on in another regime of friction in the lanes of `change`, a list over the links. In
+  /// those `unwatched`, in which no events were looked for, the velocities say it.
+  void stick_or_slip(const V* change, const V* side, V until, const V* y, V* v, const V* now,
+                     const V* then, V left, V unwatched) {
+    const int links = friction_.size();
+    V stopping = unwatched, breaking{}, at_rest[kMaxFrictions] = {}, was[kMaxFrictions];
+    for (int f = 0; f < links; ++f) {
+      was[f] = friction_.state(f);
+      const V broken = was[f] == 0.0 ? change[f] : V{};
+      // From ė, ë = 0 where it breaks away; an event between leaves it what it then has.
+      const V kept = was[f] == 0.0 ? V{} : fresh_slip_[f];
+      fresh_slip_[f] = broken > 0.0 ? V{} + 2.0 : until > 0.0 ? V{} : kept;
+      stopping = lanes::max(stopping, was[f] == 0.0 ? V{} : change[f]);
+      breaking = lanes::max(breaking, broken);
+      friction_.break_away(f, broken > 0.0 ? side[f] : V{});
+    }
+    if (any(breaking)) friction_.factor();
+    if (!any(stopping)) return;
+    for (int f = 0; f < links; ++f) {
+      const V missed = friction_.state(f) * friction_.across(f, v) < 0.0 ? unwatched : V{};
+      const V stopped = lanes::max(change[f], missed);
+      at_rest[f] = stopping > 0.0 ? (was[f] == 0.0 ? V{} + 1.0 : stopped) : V{};
+      friction_.stop(f, was[f] == 0.0 ? V{} : stopped);
+    }
+    V drive[M], free[M];
+    drive[0] = V{};
+    for (int i = 1; i <= masses(); ++i) drive[i] = then[i] + left * (now[i] - then[i]);
+    accelerate(y, v, drive, free);
+    friction_.settle(at_rest, v, free);
+    for (int f = 0; f < links; ++f) {
+      const V fresh = at_rest[f] > 0.0 ? V{} + 1.0 : fresh_slip_[f];
+      fresh_slip_[f] = friction_.state(f) == 0.0 ? V{} : fresh;
     }
   }
 
@@ -247,13 +356,25 @@ class Series {
   WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
     const Threshold& t = thresholds_[i];
     const int degree = task_.degree;
-    V g[kMaxDegree + 2], falls[kMaxDegree + 1];
+    V g[kMaxDegree + 2];
     for (int k = 0; k <= degree; ++k) {
       g[k] = terms[k][t.b] - terms[k][t.a];
       g[k] = sign_[i] * (t.side * g[k] - (k == 0 ? t.threshold : V{}));
     }
     g[degree + 1] = V{};
-    for (int k = 0; k <= degree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
+    shift(g, fresh);
+    return first_root(g, length, kSwitchCloseness);
+  }
+
+  /// Takes the zero at τ = 0 out of g, in the lanes of `fresh`.
+  WHEELTAP_INLINE void shift(V* g, V fresh) const {
+    for (int k = 0; k <= task_.degree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
+  }
+
+  /// The first time in [0, length] at which g turns negative; 2 where it does not.
+  WHEELTAP_INLINE V first_root(const V* g, V length, double closeness) const {
+    const int degree = task_.degree;
+    V falls[kMaxDegree + 1] = {};
     for (int k = 0; k < degree; ++k) falls[k] = -(k + 1) * g[k + 1];
     const V end = horner(g, degree, length), fall = horner(falls, degree - 1, length);
     V high = length, at_high = end, found = end < 0.0 ? V{} + 1.0 : V{};
@@ -261,7 +382,7 @@ class Series {
     const V tangents = lanes::max(g[0] + length * g[1], end + length * fall);
     const V dips = found > 0.0 ? V{} : tangents < 0.0 ? V{} + 1.0 : V{};
     if (any(dips)) {
-      const V bottom = turn(falls, degree - 1, length, fall, dips);
+      const V bottom = turn(falls, degree - 1, length, fall, dips, closeness);
       const V depth = horner(g, degree, bottom);
       const V reached = depth < 0.0 ? dips : V{};
       high = reached > 0.0 ? bottom : high;
@@ -269,7 +390,7 @@ class Series {
       found = reached > 0.0 ? reached : found;
     }
     if (!any(found)) return V{} + 2.0;
-    const V root = turn(g, degree, high, at_high, found);
+    const V root = turn(g, degree, high, at_high, found, closeness);
     return found > 0.0 ? root : V{} + 2.0;
   }
 
@@ -280,10 +401,9 @@ class Series {
   }
 
   /// Where g turns negative in [0, high], g(high) = at_high < 0, in the lanes that are wanted:
-  /// Newton's method, kept between the ends by halving. The last step is at most 1e-4 of a sample
-  /// and leaves about its square; since a tension is continuous at its threshold, the state that
-  /// follows is wrong by the square of that.
-  static V turn(const V* g, int degree, V high, V at_high, V wanted) {
+  /// Newton's method, kept between the ends by halving. The last step is at most `closeness` of a
+  /// sample and leaves about its square.
+  static V turn(const V* g, int degree, V high, V at_high, V wanted, double closeness) {
     V low{}, x = g[0] > 0.0 ? high * g[0] / (g[0] - at_high) : 0.5 * high, open = wanted;
     for (int i = 0; i < 60 && any(open); ++i) {
       V value = g[degree], slope{};
@@ -297,7 +417,7 @@ class Series {
       const V inside = newton > low ? (newton < high ? newton : middle) : middle;  // NaN: outside
       const V moved = lanes::abs(inside - x);
       x = open > 0.0 ? inside : x;
-      open = moved > 1e-4 ? open : V{};
+      open = moved > closeness ? open : V{};
     }
     return x;
   }
@@ -305,6 +425,7 @@ class Series {
   const Task& task_;
   const V* c_;
   Motion motion_;
+  Friction<N> friction_;
   int masses_;
   V scaled_inverse_[M];  ///< h² / m
   int switches_ = 0, polynomial_count_ = 0;
@@ -312,6 +433,9 @@ class Series {
   Threshold thresholds_[kMaxThresholds];
   V sign_[kMaxThresholds];
   Polynomial polynomials_[kMaxPolynomials];
+  V tension_[kMaxDegree][kMaxFrictions];  ///< of friction in the present piece, as a series
+  /// 1 where slip has begun with ė = 0 at the start of the piece, 2 where with ë = 0, too.
+  V fresh_slip_[kMaxFrictions];
 };
 
 }  // namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL

@@ -9,7 +9,19 @@ namespace wheeltap::dynamics::laws {
 /// T = k max(0, e), opening: a crack that bears on one side only. Closing: k min(0, e).
 struct Bilinear {
   static constexpr LawInfo kInfo{
-      .name = "bilinear", .coefficients = {{{"stiffness", "N/m"}}}, .one_sided = true};
+      .name = "bilinear",
+      .formula = "opening: T = kb max(0, e); closing: T = kb min(0, e)",
+      .description = "a spring on one side only, e.g. a crack that bears when it closes",
+      .notes =
+          "The link's own `stiffness` acts on both sides and this one adds to it: a negative value "
+          "is a "
+          "spring that is softer on that side.",
+      .coefficients = {{{.name = "stiffness",
+                         .unit = "N/m",
+                         .symbol = "kb",
+                         .words = "the stiffness that it adds on its side",
+                         .example = 1500.0}}},
+      .one_sided = true};
 
   template <class V>
   static V tension(const V* c, V e, V /*rate*/) {

@@ -17,11 +17,45 @@ namespace wheeltap::dynamics::laws {
 struct BoucWen {
   static constexpr LawInfo kInfo{
       .name = "bouc_wen",
-      .coefficients = {{{"stiffness", "N/m"},
-                        {.name = "yield", .unit = "m", .lower = 0.0, .above_lower = true},
-                        {.name = "exponent", .unit = "1", .otherwise = 1.0, .lower = 1.0},
-                        {"beta", "1", 0.5},
-                        {"gamma", "1", 0.5}}},
+      .formula = "T = kh y z, z' = (ė/y) (1 - |z|^n (beta sgn(ė z) + gamma)), z = 0 at the start",
+      .description = "smooth hysteresis, elastic with stiffness kh before it yields at about e = y",
+      .notes =
+          "z is the law's own state: the tension depends on how the link got where it is. With "
+          "beta + "
+          "gamma = 1, as unless given, the plateau is T = kh y. beta = gamma unloads with the "
+          "stiffness "
+          "kh, as dry friction behind a spring does; beta > gamma unloads more steeply. beta + "
+          "gamma must "
+          "be positive; the loop takes energy out of the motion for -beta <= gamma <= beta.",
+      .coefficients = {{{.name = "stiffness",
+                         .unit = "N/m",
+                         .symbol = "kh",
+                         .words = "the stiffness before it yields",
+                         .example = 2000.0},
+                        {.name = "yield",
+                         .unit = "m",
+                         .lower = 0.0,
+                         .above_lower = true,
+                         .symbol = "y",
+                         .words = "the extension at which it yields",
+                         .example = 0.002},
+                        {.name = "exponent",
+                         .unit = "1",
+                         .otherwise = 1.0,
+                         .lower = 1.0,
+                         .symbol = "n",
+                         .words = "how sharply it yields: 1 is round, 10 nearly a corner"},
+                        {.name = "beta",
+                         .unit = "1",
+                         .otherwise = 0.5,
+                         .symbol = "beta",
+                         .words =
+                             "the share of the bend that changes sign where the motion turns back"},
+                        {.name = "gamma",
+                         .unit = "1",
+                         .otherwise = 0.5,
+                         .symbol = "gamma",
+                         .words = "the share that does not"}}},
       .memory = true,
       .paced = true};
 

@@ -11,7 +11,26 @@ namespace wheeltap::dynamics::laws {
 struct Contact {
   static constexpr LawInfo kInfo{
       .name = "contact",
-      .coefficients = {{{"stiffness", "N/m"}, {.name = "gap", .unit = "m", .lower = 0.0}}},
+      .formula = "opening: T = kc max(0, e - g); closing: T = kc min(0, e + g)",
+      .description = "a stop at distance g, as behind a backlash",
+      .notes =
+          "Two of them in a list, one a side, are a play between two stops: "
+          "`[{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"opening\"}, "
+          "{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"closing\"}]`. The gap is counted "
+          "from "
+          "e = 0 and the force has no jump. A stop that the record never reached shows "
+          "only that the gap is wider than the motion.",
+      .coefficients = {{{.name = "stiffness",
+                         .unit = "N/m",
+                         .symbol = "kc",
+                         .words = "the stiffness of the stop",
+                         .example = 1e4},
+                        {.name = "gap",
+                         .unit = "m",
+                         .lower = 0.0,
+                         .symbol = "g",
+                         .words = "the travel before the stop is touched",
+                         .example = 0.004}}},
       .one_sided = true};
 
   template <class V>

@@ -9,7 +9,18 @@ namespace wheeltap::dynamics::laws {
 /// T = k₃ e³ (Duffing): k₃ > 0 hardens, k₃ < 0 softens. With a negative linear stiffness beside it
 /// the link has two wells at e = ±√(-k/k₃).
 struct Cubic {
-  static constexpr LawInfo kInfo{.name = "cubic", .coefficients = {{{"stiffness", "N/m^3"}}}};
+  static constexpr LawInfo kInfo{
+      .name = "cubic",
+      .formula = "T = k3 e^3",
+      .description = "a Duffing spring: k3 > 0 hardens, k3 < 0 softens",
+      .notes =
+          "With a negative `stiffness` beside it the link has two wells, at "
+          "e = ±sqrt(-k/k3).",
+      .coefficients = {{{.name = "stiffness",
+                         .unit = "N/m^3",
+                         .symbol = "k3",
+                         .words = "the coefficient of e^3",
+                         .example = 1e7}}}};
   static constexpr int kPower = 3;
 
   template <class V>

@@ -8,7 +8,10 @@
 // and, where they apply,
 //   feasible(c)              whether coefficients, each within its bounds, make sense together,
 //   kPower                   of a power of the extension: T = c[0] e², c[0] e³,
-//   threshold(c)             of a spring beyond a threshold: T_open = c[0] max(0, e - threshold).
+//   threshold(c)             of a spring beyond a threshold: T_open = c[0] max(0, e - threshold),
+//   friction(c), kCreep      of dry friction: the force at which it slips, and which coefficient,
+//   if
+//                            it is the constant 0, says that it is exact and not regularised.
 // One with `kInfo.memory` has tension(c, e, ė, ζ) and memory_rate(c, e, ė, ζ) = ζ̇ for its own
 // state; one whose rates grow with |ė|, as all with memory, is `kInfo.paced`.
 #pragma once

@@ -8,8 +8,18 @@ namespace wheeltap::dynamics::laws {
 
 /// T = c₂ ė |ė|: drag of a fluid. Its slope 2 |c₂ ė| grows with the speed.
 struct QuadraticDamping {
-  static constexpr LawInfo kInfo{
-      .name = "quadratic_damping", .coefficients = {{{"damping", "N s^2/m^2"}}}, .paced = true};
+  static constexpr LawInfo kInfo{.name = "quadratic_damping",
+                                 .formula = "T = c2 ė |ė|",
+                                 .description = "drag of a fluid",
+                                 .notes =
+                                     "It opposes the motion whichever way it goes; the link's own "
+                                     "`damping` is the part that is linear in ė.",
+                                 .coefficients = {{{.name = "damping",
+                                                    .unit = "N s^2/m^2",
+                                                    .symbol = "c2",
+                                                    .words = "the coefficient of ė |ė|",
+                                                    .example = 60.0}}},
+                                 .paced = true};
 
   template <class V>
   static V tension(const V* c, V /*e*/, V rate) {

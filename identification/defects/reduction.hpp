@@ -12,6 +12,7 @@ inline const DefectType kReduction = {
     .noun = "damage",
     .severity = "reduction",
     .severity_words = "stiffness lost",
+    .effect_words = "stiffness reduced by",
     .percent = true,
     .lower = 0.0,
     .upper = std::nextafter(1.0, 0.0),

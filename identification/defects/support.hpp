@@ -11,6 +11,7 @@ inline const DefectType kSupport = {
     .noun = "support",
     .severity = "stiffness",
     .severity_words = "stiffness",
+    .effect_words = "stiffness",
     .bounds_words = "a spring's stiffness is > 0",
     .may_be_known = true,
     .may_be_rotational = true,

@@ -25,9 +25,11 @@ constexpr long kClimbsInMany = 2;    // in each of those
 constexpr int kReachedModels = 12;   // of many: those explored by themselves when they are reached
 constexpr double kReached = 0.01;    // share of the visits
 constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all models together
-constexpr long kRecordBudget = 120000;  // where a record grows: modes are then followed besides
+constexpr long kRecordBudget = 50000;   // where a record grows: modes are then followed besides
 constexpr long kLeastBudget = 3000;     // a model's
-constexpr double kLive = 30.0;          // ln: chains start in models this far below the best
+constexpr double kBriefAnnealing = 50000.0;  // likelihood calls, a model, about
+constexpr double kHopeless = 50.0;           // ln: models this far below the best are not annealed
+constexpr double kLive = 30.0;               // ln: chains start in models this far below the best
 
 std::vector<int> every_model(const RunContext& run) {
   std::vector<int> all(run.models());
@@ -48,7 +50,18 @@ std::vector<int> reached(const RunContext& run, const RunState& state) {
   return list;
 }
 
-// Each model of the list by itself.
+void count(RunContext& run, RunState& state, const ModelExploration& found,
+           const ExplorationCalls& before) {
+  const long more = found.calls.sum() - before.sum();
+  state.shared_evaluations += more;
+  state.posterior.calls.search += found.calls.search - before.search;
+  state.posterior.calls.anneal += found.calls.anneal - before.anneal;
+  state.posterior.calls.weigh += found.calls.weigh - before.weigh;
+  run.monitor.evaluated(more);
+}
+
+// Each model of the list by itself: all are surveyed before any is annealed, since a hopeless one
+// of a record, whose likelihoods are dear, needs no more than a survey.
 void explore_each(RunContext& run, RunState& state, const std::vector<int>& list, bool anneal) {
   const Problem& problem = run.problem;
   const auto with_parameters =
@@ -62,9 +75,7 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
       static_cast<long>(brief *
                         static_cast<double>(problem.shortened ? kRecordBudget : kSearchBudget) /
                         static_cast<double>(std::max<long>(1, with_parameters))));
-  run.monitor.begin("searching", static_cast<double>(std::max<long>(1, with_parameters)));
-  for (const int m : list) {
-    if (!std::isfinite(problem.space[m].log_prior)) continue;
+  const auto options = [&](int m) {
     ExplorationOptions how{
         .seed = run.options.seed,
         .climbs = run.options.searches,
@@ -75,10 +86,38 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
         .threads = run.options.threads,
         .progress = [&](double share) { return run.monitor.advance(share); }};
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
+    return how;
+  };
+  double best = -kInfinity;
+  const auto log_mass = [&](int m) {
+    return problem.space[m].log_prior +
+           state.explorations[static_cast<std::size_t>(m)].log_evidence();
+  };
+  const double parts = static_cast<double>(std::max<long>(1, with_parameters));
+  const double later = planned_tuning(run) + planned_draws(run) + planned_evidence(run);
+  run.monitor.begin("searching", parts, later + (anneal ? kBriefAnnealing * parts : 0.0));
+  for (const int m : list) {
+    if (!std::isfinite(problem.space[m].log_prior)) continue;
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)] =
-        explore_model(problem, m, how);
-    state.shared_evaluations += found.likelihood_evaluations;
-    run.monitor.evaluated(found.likelihood_evaluations);
+        survey_model(problem, m, options(m));
+    count(run, state, found, {});
+    best = std::max(best, log_mass(m));
+    if (run.monitor.stopped()) return;
+  }
+  if (!anneal) return;
+  run.monitor.begin("annealing", parts, later);
+  for (const int m : list) {
+    ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
+    if (!std::isfinite(problem.space[m].log_prior) || problem.space[m].dimension == 0) continue;
+    const bool hopeless = problem.shortened && log_mass(m) < best - kHopeless;
+    if (hopeless && found.settled()) {
+      if (!run.monitor.advance(1.0)) return;
+      continue;
+    }
+    const ExplorationCalls before = found.calls;
+    anneal_model(problem, m, options(m), hopeless ? Annealing::brief : Annealing::as_needed, found);
+    count(run, state, found, before);
+    best = std::max(best, log_mass(m));
     if (run.monitor.stopped()) return;
   }
 }
@@ -96,8 +135,7 @@ void explore_many(RunContext& run, RunState& state) {
                        .anneal = false,
                        .climbs_only = true,
                        .threads = run.options.threads});
-    state.shared_evaluations += found.likelihood_evaluations;
-    run.monitor.evaluated(found.likelihood_evaluations);
+    count(run, state, found, {});
     if (!run.monitor.advance(1.0)) return;
   }
   estimate_probabilities(run, state);
@@ -112,11 +150,11 @@ void explore_many(RunContext& run, RunState& state) {
 // Where a long record makes exploring from the prior cost more than it finds.
 void explore_growing(RunContext& run, RunState& state) {
   const std::vector<Laplace> modes = climb_with_record(run.problem, run.options, run.monitor);
-  if (run.monitor.stopped()) return;
   bool any = false;
   for (std::size_t m = 0; m < run.models(); ++m) {
     const Laplace& mode = modes[m];
     state.shared_evaluations += mode.evidence.likelihood_evaluations;
+    state.posterior.calls.search += mode.evidence.likelihood_evaluations;
     if (!std::isfinite(mode.evidence.log_evidence)) continue;
     any = true;
     ModelExploration& found = state.explorations[m];
@@ -143,6 +181,7 @@ void explore_growing(RunContext& run, RunState& state) {
           Eigen::Map<const Eigen::VectorXd>(mode.z.data(), factor.rows()) + factor * u;
     }
   }
+  if (!any && run.monitor.stopped()) return;
   if (!any) throw LikelihoodError("no model has a mode that a search on growing records finds");
   state.posterior.notes.push_back(
       "The record is long, so the chains were started near modes that were found on its first "
@@ -201,7 +240,7 @@ void explore(RunContext& run, RunState& state) {
   if (list && problem.samples >= kLongRecord && problem.shortened) {
     explore_growing(run, state);
   } else if (list && problem.space.size() <= kFewModels) {
-    explore_each(run, state, every_model(run), true);
+    explore_each(run, state, every_model(run), !run.options.quick);
   } else if (list && problem.space.size() <= kManyModels) {
     explore_many(run, state);
   } else {

@@ -5,9 +5,6 @@
 
 namespace wheeltap::inference {
 
-/// In a space of up to so many models each of them is explored and weighed by itself.
-inline constexpr int kFewModels = 40;
-
 /// Each model of a short list by itself (model_exploration.hpp); sets of components by parallel
 /// tempering first, from the prior; a long record as it grows (starting_points.hpp). Leaves what
 /// was found, every chain at a start of its own, and first proposals.

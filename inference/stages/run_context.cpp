@@ -4,6 +4,24 @@
 
 namespace wheeltap::inference {
 
+double planned_tuning(const RunContext& run) {
+  const Options& o = run.options;
+  return static_cast<double>(o.warmup > 0 ? o.warmup / 2 : kTuningSteps) * o.chains;
+}
+
+double planned_draws(const RunContext& run) {
+  const Options& o = run.options;
+  const double draws = o.draws > 0 ? o.draws : kDefaultDraws;
+  return draws * (o.thin > 0 ? o.thin : kDefaultThin) * o.chains;
+}
+
+double planned_evidence(const RunContext& run) {
+  return run.options.prior_only || run.space().size() > kFewModels
+             ? 0.0
+             : static_cast<double>(run.space().size()) *
+                   (run.options.quick ? kLookDraws : kEvidenceDraws);
+}
+
 RunState begin(RunContext& run) {
   RunState state;
   {
@@ -24,7 +42,8 @@ RunState begin(RunContext& run) {
   state.explorations.resize(run.models());
   state.posterior.space = std::make_shared<const ModelSpace>(run.space());
   state.posterior.chains.resize(chains);
-  state.posterior.thin = run.options.thin > 0 ? run.options.thin : 4;
+  state.posterior.thin = run.options.thin > 0 ? run.options.thin : kDefaultThin;
+  state.posterior.quick = run.options.quick;
   state.posterior.dimension = run.space().max_dimension();
   return state;
 }
@@ -52,6 +71,8 @@ Posterior finish(const RunContext& run, RunState& state) {
     posterior.full_evaluations += chain.target.full_evaluations;
     posterior.impossible += chain.target.proper.impossible + chain.target.stand_in.impossible;
   }
+  Calls& calls = posterior.calls;
+  calls.sample = posterior.likelihood_evaluations - calls.explore - calls.tune - calls.evidence;
   posterior.stopped_early = run.monitor.stopped();
   return std::move(posterior);
 }

@@ -13,6 +13,13 @@
 
 namespace wheeltap::inference {
 
+inline constexpr int kFewModels = 40;       ///< so many are explored and weighed each by itself
+inline constexpr int kTuningSteps = 32000;  ///< a chain
+inline constexpr int kDefaultDraws = 25000;
+inline constexpr int kDefaultThin = 4;
+inline constexpr int kEvidenceDraws = 4000;  ///< of each model's mixture
+inline constexpr int kLookDraws = 500;       ///< the same, for a quick look
+
 /// `problem` and `options` must outlive it. It serves the run state of begin() or resume() only.
 struct RunContext {
   RunContext(const Problem& of, const Options& with)
@@ -39,6 +46,12 @@ struct RunContext {
     });
   }
 };
+
+/// Likelihood calls that the stages to come will take, as far as that can be planned: what a
+/// caller is told of the time left.
+[[nodiscard]] double planned_tuning(const RunContext& run);
+[[nodiscard]] double planned_draws(const RunContext& run);
+[[nodiscard]] double planned_evidence(const RunContext& run);
 
 /// A run before its first stage. Throws LikelihoodError where a model is impossible (check_models).
 [[nodiscard]] RunState begin(RunContext& run);

@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kSettling = 500;     // iterations
 constexpr int kLadderScans = 620;  // where the proposals have been fitted before
-constexpr int kDefaultDraws = 25000;
 constexpr int kMaxDraws = 200000;
 constexpr int kTogether = 256;               // draws between two calls of the monitor
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
@@ -98,32 +97,10 @@ class Sampler {
       const int kernel = kernels_->step(chain_.state, {target_, random, 1.0, false}, outcome);
       observe(kernel, outcome, from);
     }
-    record(out, move, accepted);
+    record(run_, state_, target_, move, accepted, chain_, out);
   }
 
  private:
-  void record(Chain& out, int move, bool accepted) {
-    const State& at = chain_.state;
-    out.model.push_back(at.model);
-    out.theta.insert(out.theta.end(), at.x.begin(), at.x.end());
-    out.theta.resize(out.size() * static_cast<std::size_t>(state_.posterior.dimension),
-                     std::numeric_limits<double>::quiet_NaN());
-    out.log_prior.push_back(target_.log_prior_physical(at));
-    out.log_likelihood.push_back(at.log_likelihood);
-    out.move.push_back(static_cast<std::int16_t>(move));
-    out.accepted.push_back(accepted ? 1 : 0);
-    const auto m = static_cast<std::size_t>(at.model);
-    const WeightyModes& of = state_.weighty_modes[m];
-    if (const int k = nearest_mode(of.modes, of.precisions, at.z); k >= 0) {
-      ++chain_.at_mode[m][static_cast<std::size_t>(k)];
-    }
-    chain_.kept->add(at, target_.log_prior(at) + at.log_likelihood -
-                             run_.space()[at.model].log_prior - state_.sampling_bias[m]);
-    if (at.prediction.size() <= kMaxPredictions) {
-      for (const double value : at.prediction) out.prediction.push_back(static_cast<float>(value));
-    }
-  }
-
   const RunContext& run_;
   const RunState& state_;
   int c_;
@@ -163,7 +140,7 @@ void collect(RunState& state) {
 }
 
 void draw_and_weigh(RunContext& run, RunState& state, int n, const char* stage) {
-  run.monitor.begin(stage, static_cast<double>(n) * run.options.chains);
+  run.monitor.begin(stage, static_cast<double>(n) * run.options.chains, planned_evidence(run));
   draw(run, state, n);
   weigh(run, state);
 }
@@ -176,6 +153,13 @@ void set_up_ladder(RunContext& run, RunState& state) {
       state, [&](int, ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
 }
 
+// What has been drawn so far was tuning.
+void forget_draws(RunState& state) {
+  Calls& calls = state.posterior.calls;
+  state.posterior.warmup_evaluations = likelihood_evaluations(state);
+  calls.tune = state.posterior.warmup_evaluations - calls.explore - calls.evidence;
+}
+
 // Chains that disagree have not met the same modes: what they drew becomes warm-up, and a ladder is
 // in use from here on.
 void restart_tempered(RunContext& run, RunState& state) {
@@ -185,7 +169,7 @@ void restart_tempered(RunContext& run, RunState& state) {
       "The chains disagreed, so they were restarted with parallel tempering throughout.");
   posterior.warmup += posterior.draws * posterior.thin;
   set_up_ladder(run, state);
-  posterior.warmup_evaluations = likelihood_evaluations(state);
+  forget_draws(state);
   posterior.draws = 0;
   if (run.options.thin == 0) posterior.thin = 1;  // a scan is a step of every rung already
   for (Chain& chain : posterior.chains) chain = Chain{};
@@ -212,6 +196,29 @@ void prepare_draws(RunContext& run, RunState& state) {
     for (int i = 0; i < kernels->size(); ++i) chain.moves.push_back({.name = (*kernels)[i].name()});
     chain.proposed.assign(run.models(), std::vector<long>(run.models()));
     chain.accepted = chain.proposed;
+  }
+}
+
+void record(const RunContext& run, const RunState& state, const Target& target, int move,
+            bool accepted, ChainState& chain, Chain& out) {
+  const State& at = chain.state;
+  out.model.push_back(at.model);
+  out.theta.insert(out.theta.end(), at.x.begin(), at.x.end());
+  out.theta.resize(out.size() * static_cast<std::size_t>(state.posterior.dimension),
+                   std::numeric_limits<double>::quiet_NaN());
+  out.log_prior.push_back(target.log_prior_physical(at));
+  out.log_likelihood.push_back(at.log_likelihood);
+  out.move.push_back(static_cast<std::int16_t>(move));
+  out.accepted.push_back(accepted ? 1 : 0);
+  const auto m = static_cast<std::size_t>(at.model);
+  const WeightyModes& of = state.weighty_modes[m];
+  if (const int k = nearest_mode(of.modes, of.precisions, at.z); k >= 0) {
+    ++chain.at_mode[m][static_cast<std::size_t>(k)];
+  }
+  chain.kept->add(at, target.log_prior(at) + at.log_likelihood - run.space()[at.model].log_prior -
+                          state.sampling_bias[m]);
+  if (at.prediction.size() <= kMaxPredictions) {
+    for (const double value : at.prediction) out.prediction.push_back(static_cast<float>(value));
   }
 }
 
@@ -255,7 +262,10 @@ void sample(RunContext& run, RunState& state) {
   const Options& options = run.options;
   Posterior& posterior = state.posterior;
   posterior.tempered_draws = options.tempered_draws;
-  if (posterior.tempered_draws && !state.chains.front().ladder) set_up_ladder(run, state);
+  if (posterior.tempered_draws && !state.chains.front().ladder) {
+    set_up_ladder(run, state);
+    forget_draws(state);
+  }
   prepare_draws(run, state);
   settle(run, state);
   draw_and_weigh(run, state, options.draws > 0 ? options.draws : kDefaultDraws, "sampling");

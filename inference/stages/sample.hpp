@@ -17,6 +17,12 @@ void prepare_draws(RunContext& run, RunState& state);
 /// Iterations at the posterior itself: the chains come from a distribution over models that was
 /// biased while tuning, and must forget it before they count.
 void settle(RunContext& run, RunState& state);
+/// Adds where a chain is to its draws, and to what is kept and counted of them.
+void record(const RunContext& run, const RunState& state, const Target& target, int move,
+            bool accepted, ChainState& chain, Chain& out);
+/// Adds where a chain is to its draws, and to what is kept and counted of them.
+void record(const RunContext& run, const RunState& state, const Target& target, int move,
+            bool accepted, ChainState& chain, Chain& out);
 /// `n` draws more by every chain; fewer where the run is stopped.
 void draw(RunContext& run, RunState& state, int n);
 

@@ -14,6 +14,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit
+static_assert(kTuning[0] + kTuning[1] + kTuning[2] == kTuningSteps);
 // The last round of tuning is one of this length more where its effective draws of the model index
 // were fewer than kEnoughModelDraws: the run is to have some 15 000 of them (a probability of ½
 // known to 0.004), and mixtures fitted to few are slow to give them.
@@ -137,7 +138,8 @@ void tune(RunContext& run, RunState& state) {
   const Options& options = run.options;
   int total = 0;
   for (const int steps : kTuning) total += steps;
-  run.monitor.begin("tuning", static_cast<double>(total) * options.chains);
+  run.monitor.begin("tuning", static_cast<double>(total) * options.chains,
+                    planned_draws(run) + planned_evidence(run));
   int done = 0;
   for (std::size_t round = 0; round < kTuning.size() && !run.monitor.stopped(); ++round) {
     const int steps =
@@ -152,7 +154,8 @@ void tune(RunContext& run, RunState& state) {
     const int longest =
         options.draws > 0 ? std::min(kLongTuning / thin, options.draws) * thin : kLongTuning;
     if (longest > kTuning.back() && tuned_model_draws(state) < kEnoughModelDraws) {
-      run.monitor.begin("tuning on", static_cast<double>(longest) * options.chains);
+      run.monitor.begin("tuning on", static_cast<double>(longest) * options.chains,
+                        planned_draws(run) + planned_evidence(run));
       done += tune_once(run, state, done, longest);
       if (!run.monitor.stopped()) fit_proposals(run, state, static_cast<int>(kTuning.size()) + 1);
     }
@@ -166,7 +169,9 @@ void tune(RunContext& run, RunState& state) {
   run.each_chain(
       state, [&](int, ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
   state.posterior.warmup += done;
+  const long explored = state.posterior.warmup_evaluations;
   state.posterior.warmup_evaluations = likelihood_evaluations(state);
+  state.posterior.calls.tune += state.posterior.warmup_evaluations - explored;
 }
 
 }  // namespace wheeltap::inference

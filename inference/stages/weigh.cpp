@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kEvidenceDraws = 4000;  // of each model's mixture
 
 Evidence by_importance(const std::vector<double>& log_ratios) {
   Evidence evidence = kNoEvidence;
@@ -100,22 +99,24 @@ void weigh(RunContext& run, RunState& state) {
       found.bridged = explored.sampled;
       continue;
     }
+    found.sampled = explored.sampled;
     const bool matters = explored.population.cols() > 0 || run.space().size() <= kFewModels;
     if (!matters || !state.pilot.fit->density[at] || run.monitor.stopped()) continue;
     std::vector<double>& at_mixture = state.at_mixture[at];
     if (at_mixture.empty()) {
       long calls = 0;
-      at_mixture =
-          log_importance_ratios(run.problem, m, *state.pilot.fit->density[at], kEvidenceDraws,
-                                run.options.seed, run.options.threads, calls);
+      at_mixture = log_importance_ratios(run.problem, m, *state.pilot.fit->density[at],
+                                         run.options.quick ? kLookDraws : kEvidenceDraws,
+                                         run.options.seed, run.options.threads, calls);
       state.shared_evaluations += calls;
+      state.posterior.calls.evidence += calls;
       run.monitor.evaluated(calls);
     }
-    found.sampled = by_importance(at_mixture);
     // The exploration's own sample may be the better one.
-    if (std::isfinite(explored.sampled.standard_error) &&
-        !(found.sampled.standard_error < explored.sampled.standard_error))
-      found.sampled = explored.sampled;
+    const Evidence sampled = by_importance(at_mixture);
+    if (!std::isfinite(explored.sampled.standard_error) ||
+        sampled.standard_error < explored.sampled.standard_error)
+      found.sampled = sampled;
     found.bridged = by_bridge(state, m, at_mixture);
   }
 }

@@ -70,6 +70,17 @@ TEST(DamageCase, CountPriors) {
   EXPECT_THAT(complaint(json), HasSubstr("/damage/count/min: 3: must not exceed max"));
 }
 
+// The schema takes the types of defect, and the keys of their severities, from the list.
+TEST(DamageCase, EveryTypeOfDefectIsInTheSchema) {
+  const Json rules = schema("damage")["definitions"];
+  for (const auto* type : identification::defect_types()) {
+    EXPECT_THAT(rules["defects"]["properties"]["kind"]["enum"],
+                testing::Contains(std::string(type->name)));
+    EXPECT_TRUE(rules["defects"]["properties"].contains(std::string(type->severity)));
+    EXPECT_TRUE(rules["true_defect"]["properties"].contains(std::string(type->severity)));
+  }
+}
+
 TEST(DamageCase, SectionsByShape) {
   Json json = small_case();
   const auto section = [&](const char* text) {

@@ -33,7 +33,7 @@ TEST(SidCommand, WritesWhatTheContractPromises) {
   EXPECT_TRUE(d["ladder"].contains("barrier"));
   const json& k = s["parameters"]["duffing"]["k"];
   EXPECT_LT(k["q2.5"].get<double>(), k["q97.5"].get<double>());
-  const json& fit = s["fit"]["duffing"][0];
+  const json& fit = s["fit_at_mean"]["duffing"][0];
   EXPECT_NEAR(fit["rmse"].get<double>(), 0.05, 0.0125);  // sd of an sd: 5 % of it; five of them
   EXPECT_NEAR(fit["r2"].get<double>(), 1.0 - std::pow(fit["nrmse"].get<double>(), 2), 1e-9);
   EXPECT_TRUE(fit["whiteness"].contains("p_value"));

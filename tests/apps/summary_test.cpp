@@ -53,8 +53,11 @@ Findings found_in(const Posterior& posterior) {
 }
 
 Report judged(const Posterior& posterior) {
-  const Findings findings = found_in(posterior);
-  return diagnostics(findings, warnings(findings, {}, {"known before"}));
+  Findings findings = found_in(posterior);
+  findings.remarks = {remark::PeculiarWindow{{{"force", 9.0, 2.0}, {"displacement", 7.0, 2.0}}},
+                      remark::ColouredResiduals{"m", {{"a", 4, -0.58, 0.02, 0.0}}}};
+  findings.fit_verdict.why = {misfit::BeyondNoise{1e-9, {1, 2, 3}, false}};
+  return diagnostics(findings, warnings(findings, {}));
 }
 
 TEST(Summary, ModelTableOfIndependentDraws) {
@@ -100,7 +103,17 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_FALSE(d["converged"]);
   EXPECT_THAT(d["warnings"][0].get<std::string>(), HasSubstr("'1 damage' was not entered"));
   EXPECT_EQ(d["warnings"][0], d["not_established"][0]);
-  EXPECT_EQ(d["warnings"].back(), "known before");
+  // Then why nothing explains the data; then the remarks by their gravity, alike ones in one.
+  ASSERT_EQ(d["warnings"].size(), d["not_established"].size() + 3);
+  const std::size_t misfit = d["not_established"].size();
+  EXPECT_THAT(d["warnings"][misfit].get<std::string>(),
+              HasSubstr("No number of damages explains the frequencies within the stated noise "
+                        "(predictive p 1e-09) (off by more than 3 sd: modes 1 to 3). Check"));
+  EXPECT_THAT(d["warnings"][misfit + 1].get<std::string>(),
+              HasSubstr("\"a\" (2 % of the response, correlation -0.58 at lag 4, p < 1e-15)"));
+  EXPECT_THAT(d["warnings"][misfit + 2].get<std::string>(),
+              HasSubstr("its spectra differ, \"force\" by 9 dB (scatter alone gives 2 dB) and "
+                        "\"displacement\" by 7 dB"));
   EXPECT_NEAR(d["resolution"], 1.0 - std::pow(0.01, 1.0 / 200.0), 1e-12);
   EXPECT_EQ(d["resolution_words"],
             "a mode that less than 2.3 % of the prior climbs to would probably not have been seen");
@@ -160,7 +173,7 @@ TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
   EXPECT_NEAR(report["tmcmc"][0]["log_evidence"], 0.0, 1e-9);
   EXPECT_TRUE(report["tmcmc"][1]["log_evidence"].is_null());
   EXPECT_TRUE(report["tmcmc"][1]["probability"].is_null());
-  ASSERT_EQ(findings.remarks.size(), 1U);
+  ASSERT_EQ(findings.remarks.size(), 2U) << "and that the location is nearly its prior";
   EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("Evidence of 1 damage by tmcmc failed"));
 }
 
@@ -171,8 +184,11 @@ TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
   posterior.likelihood_evaluations = 34567;
   Findings findings = found_in(posterior);
   conclude(findings, coin_space(), {});
-  ASSERT_EQ(findings.remarks.size(), 1U);
-  EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("at 12 of 34 567 places"));
+  ASSERT_EQ(findings.remarks.size(), 2U);
+  EXPECT_THAT(
+      sentence(findings.remarks[0], {}),
+      HasSubstr("Nearly the prior: the data say little about location[1] under \"1 damage\""));
+  EXPECT_THAT(sentence(findings.remarks[1], {}), HasSubstr("at 12 of 34 567 places"));
 }
 
 TEST(Summary, ParameterSummary) {
@@ -204,7 +220,7 @@ TEST(Summary, GoodChainsConverge) {
   const Report d = judged(made_up(0.3, 2000));
   EXPECT_TRUE(d["converged"]);
   EXPECT_TRUE(d["not_established"].empty());
-  EXPECT_EQ(d["warnings"].size(), 1U);
+  EXPECT_EQ(d["warnings"].size(), 3U) << "those of judged() alone";
   EXPECT_GT(d["round_trips"], 500);
 }
 

@@ -43,6 +43,20 @@ def main(program, case):
         piped = subprocess.run(run + SHORT, capture_output=True, check=True)
         assert b"\x1b" not in piped.stdout + piped.stderr, "escape codes in a pipe"
         assert b"\r" not in piped.stdout + piped.stderr, "a bar in a pipe"
+        lines = piped.stderr.decode().splitlines()
+        for stage in ("exploring", "searching", "tuning", "sampling"):
+            assert any(line.startswith(f"{stage}: ") for line in lines), f"no line of {stage} in a log"
+        quiet = subprocess.run(run + SHORT + ["--quiet"], capture_output=True, check=True)
+        assert quiet.stderr == b"", "lines in spite of --quiet"
+
+        # A look: marked, and never converged.
+        look = subprocess.run(run + ["--quick"], capture_output=True, check=True)
+        assert b"quick look" in look.stdout and b"NOT CONVERGED" in look.stdout.splitlines()[-1]
+        with open(os.path.join(run[-1], "summary.json")) as f:
+            summary = json.load(f)
+        assert summary["diagnostics"]["quick"] and not summary["diagnostics"]["converged"]
+        with open(os.path.join(run[-1], "report.html"), encoding="utf-8") as f:
+            assert "Quick look" in f.read(), "the report does not say that it was a look"
 
         code, shown = at_a_terminal(run + SHORT)
         assert code == 0 and BOLD in shown and CLEAR_LINE in shown, "no bar or colour at a terminal"
@@ -66,6 +80,17 @@ def main(program, case):
         for name in ("posterior.nc", "report.html"):
             assert os.path.getsize(os.path.join(run[-1], name)) > 1000, name
         assert b"NOT CONVERGED" in shown.splitlines()[-1]
+        # Before there are draws it keeps what was found.
+        for stage, warmup in (b"exploring", "2000000"), (b"tuning", "40000"):
+            run[-1] = os.path.join(out, "stopped-" + stage.decode())
+            code, shown = at_a_terminal(run + ["--warmup", warmup],
+                                        interrupt_at=lambda shown: stage in shown)
+            assert code == 0, f"Ctrl-C while {stage} ended with {code}"
+            with open(os.path.join(run[-1], "summary.json")) as f:
+                summary = json.load(f)
+            assert summary["diagnostics"]["stopped_early"] and not summary["diagnostics"]["converged"]
+            assert summary["cost"]["draws_a_chain"] >= 100
+            assert b"NOT CONVERGED" in shown.splitlines()[-1]
     print("the terminal shows what it should")
 
 

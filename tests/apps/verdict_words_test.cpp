@@ -75,6 +75,9 @@ TEST(VerdictWords, OfEachReason) {
             "The draws were tempered, but completed only 3 round trips between prior and "
             "posterior (10 are needed). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(StoppedEarly{}), "The run was stopped early. Run it to its end.");
+  EXPECT_EQ(sentence(QuickLook{}),
+            "This is a quick look: modes, the evidence of normals about them and short chains; not "
+            "a posterior. Run without --quick.");
 }
 
 TEST(VerdictWords, ChainsThatHaveNotConvergedAreOneSentence) {

@@ -38,6 +38,9 @@ TEST(Laws, FollowTheContract) {
                        3.0 * rate * std::abs(rate));
       EXPECT_NEAR(tension(make_law<laws::Coulomb>({3.0, 0.5}), e, rate),
                   3.0 * std::tanh(rate / 0.5), 3e-15);
+      EXPECT_DOUBLE_EQ(tension(make_law<laws::Coulomb>({3.0}), e, rate), rate > 0.0   ? 3.0
+                                                                         : rate < 0.0 ? -3.0
+                                                                                      : 0.0);
       EXPECT_EQ(tension(make_law<laws::BoucWen>({3.0, 0.1}), e, rate), 0.0);  // ζ(0) = 0
     }
 }
@@ -83,8 +86,17 @@ TEST(Laws, HaveTheirOwnNamesAndDefaults) {
   for (const LawInfo& info : law_infos()) {
     EXPECT_TRUE(names.insert(info.name).second) << info.name;
     EXPECT_GE(info.size(), 1);
+    EXPECT_FALSE(info.formula.empty()) << info.name;
+    EXPECT_FALSE(info.description.empty()) << info.name;
+    for (int i = 0; i < info.size(); ++i) {
+      const LawCoefficient& c = info.coefficients[static_cast<std::size_t>(i)];
+      EXPECT_FALSE(c.words.empty()) << info.name << ' ' << c.name;
+      EXPECT_TRUE(c.allows(c.example)) << info.name << ' ' << c.name;
+      ASSERT_FALSE(c.symbol.empty()) << info.name << ' ' << c.name;
+      EXPECT_NE(info.formula.find(c.symbol), std::string_view::npos) << info.name << ' ' << c.name;
+    }
   }
-  EXPECT_EQ(make_law("coulomb", std::vector<Coefficient>{2.0}).coefficients[1].value, 1e-3);
+  EXPECT_EQ(make_law("coulomb", std::vector<Coefficient>{2.0}).coefficients[1].value, 0.0);
   EXPECT_THROW((void)make_law("coulomb", {}), std::invalid_argument);
   EXPECT_THROW((void)make_law("cubic", std::vector<Coefficient>{1.0, 2.0}), std::invalid_argument);
   EXPECT_THROW((void)make_law("friction", std::vector<Coefficient>{1.0}), std::invalid_argument);
@@ -114,7 +126,8 @@ TEST(Laws, CoefficientsAreHeldToTheBoundsOfTheLaw) {
                std::invalid_argument);
   EXPECT_THROW(validate(chain(make_law<laws::BoucWen>({1.0, 1.0, 1.0, 0.5, -0.5}))),
                std::invalid_argument);
-  EXPECT_THROW(validate(chain(make_law<laws::Coulomb>({unknown, 0.0}))), std::invalid_argument);
+  EXPECT_THROW(validate(chain(make_law<laws::Coulomb>({unknown, -0.1}))), std::invalid_argument);
+  EXPECT_THROW(validate(chain(make_law<laws::Coulomb>({-1.0}))), std::invalid_argument);
 }
 
 // The step choice relies on them: |∂T/∂e|, |∂T/∂ė| and |∂ζ̇/∂ζ| by differences are within the

@@ -18,6 +18,8 @@ double integrated(const Link& link, std::span<const double> theta, double e) {
   return -simulator.simulate(theta).values(0, 0);
 }
 
+// Friction regularised over a creep speed counts nothing at rest; exact friction holds, and is left
+// out as documented.
 TEST(LinkTension, IsTheIntegratorsForALinkAtRest) {
   const std::vector<double> theta = {40.0, 900.0, 0.2};
   const Coefficient k = Coefficient::of_parameter(0), k3 = Coefficient::of_parameter(1),
@@ -28,7 +30,7 @@ TEST(LinkTension, IsTheIntegratorsForALinkAtRest) {
       {.laws = {make_law<laws::Bilinear>({k3}), make_law<laws::Bilinear>({k}, Side::closing)}},
       {.laws = {make_law<laws::Contact>({k3, gap}, Side::closing)}},
       {.stiffness = k,
-       .laws = {make_law<laws::Coulomb>({2.0}), make_law<laws::QuadraticDamping>({2.0})}}};
+       .laws = {make_law<laws::Coulomb>({2.0, 1e-3}), make_law<laws::QuadraticDamping>({2.0})}}};
   for (const Link& link : links) {
     for (const double e : {-0.7, -0.1, 0.0, 0.1, 0.9}) {
       const double want = integrated(link, theta, e);

@@ -140,9 +140,11 @@ struct Everything {
 };
 
 TEST(Lanes, EveryWidthAndCompanyGivesTheSameBits) {
-  enum class Kind { everything, cubic, stops, springs, linear };
-  for (Kind kind : {Kind::everything, Kind::cubic, Kind::stops, Kind::springs, Kind::linear})
+  enum class Kind { everything, cubic, stops, springs, linear, dry, dry_everything };
+  for (Kind kind : {Kind::everything, Kind::cubic, Kind::stops, Kind::springs, Kind::linear,
+                    Kind::dry, Kind::dry_everything})
     for (bool serial : {true, false}) {
+      SCOPED_TRACE(testing::Message() << "kind " << static_cast<int>(kind) << " serial " << serial);
       Everything everything(serial);
       for (Link& link : everything.chain.links) {
         const std::vector<Law> all = std::move(link.laws);
@@ -150,11 +152,14 @@ TEST(Lanes, EveryWidthAndCompanyGivesTheSameBits) {
         for (const Law& law : all) {
           const std::string_view name = law_infos()[static_cast<std::size_t>(law.kind)].name;
           const bool stop = name == "bilinear" || name == "contact";
-          if (kind == Kind::everything || (kind == Kind::cubic && name == "cubic") ||
-              (kind == Kind::stops && stop) ||
-              (kind == Kind::springs && (stop || name == "cubic" || name == "quadratic")))
+          if (kind == Kind::everything || kind == Kind::dry_everything ||
+              (kind == Kind::cubic && name == "cubic") || (kind == Kind::stops && stop) ||
+              ((kind == Kind::springs || kind == Kind::dry) &&
+               (stop || name == "cubic" || name == "quadratic")))
             link.laws.push_back(law);
         }
+        if (kind == Kind::dry || kind == Kind::dry_everything)
+          link.laws.push_back(make_law<laws::Coulomb>({everything.parameter(6.0)}));
       }
       const int sets = 11;
       std::vector<double> thetas;

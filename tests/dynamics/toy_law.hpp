@@ -11,6 +11,8 @@ namespace wheeltap::dynamics::laws {
 /// T = k e / (1 + |e|/s): a spring that softens towards the force k s.
 struct Toy {
   static constexpr LawInfo kInfo{.name = "toy",
+                                 .formula = "T = k e / (1 + |e|/s)",
+                                 .description = "a spring that softens",
                                  .coefficients = {{{"stiffness", "N/m"},
                                                    {.name = "reach",
                                                     .unit = "m",

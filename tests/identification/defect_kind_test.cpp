@@ -18,6 +18,7 @@ const DefectType kTwin = {
     .noun = "twin crack",
     .severity = "reduction",
     .severity_words = "stiffness lost",
+    .effect_words = "stiffness lost",
     .percent = true,
     .lower = 0.0,
     .upper = 0.99,

@@ -42,6 +42,11 @@ TEST(SidFindings, SayWhichModelAndHowWellItFits) {
   EXPECT_EQ(duffing.best_draw.size(), 2U);
   ASSERT_TRUE(duffing.links && duffing.links->size() == 1U);
   EXPECT_EQ(duffing.links->front().extension.size(), duffing.links->front().q50.size());
+  // ω = √(k / m), ζ = c / (2 m ω), of the median k.
+  ASSERT_EQ(duffing.modes.size(), 1U);
+  const double omega = std::sqrt(f.models[1].find("k")->q50 / 0.5);
+  EXPECT_NEAR(duffing.modes[0].frequency_hz.q50 * 2.0 * M_PI / omega, 1.0, 1e-3);
+  EXPECT_NEAR(duffing.modes[0].damping_ratio.q50 / (0.1 / omega), 1.0, 1e-3);
   // 97 % of 200 samples, five standard deviations of a binomial below.
   EXPECT_GT(f.coverage[0], 0.91);
   ASSERT_EQ(f.bayes_factors.size(), 1U);

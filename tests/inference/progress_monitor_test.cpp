@@ -17,13 +17,14 @@ TEST(ProgressMonitor, TellsStageShareCallsAndProbabilities) {
     return true;
   };
   ProgressMonitor monitor(options, 2);
-  monitor.begin("tuning", 200.0);
+  monitor.begin("tuning", 200.0, 5000.0);
   monitor.evaluated(31);
   EXPECT_TRUE(monitor.advance(50.0));  // the first of a stage comes at once
   ASSERT_EQ(calls, 1);
   EXPECT_EQ(std::string(last.stage), "tuning");
   EXPECT_EQ(last.fraction, 0.25);
   EXPECT_EQ(last.likelihood_evaluations, 31);
+  EXPECT_EQ(last.evaluations_to_come, 5000.0);
   EXPECT_TRUE(last.model_probabilities.empty());
   monitor.begin("sampling", 10.0);
   monitor.visited({3, 1});

@@ -137,6 +137,47 @@ TEST(Answer, NotConvergedComesFirst) {
   EXPECT_EQ(a.headline, "So far: Most likely one damage (75 %).");
 }
 
+// Fault: a friction damper fitted with R² -0.28 was "viscous (> 99.9 %)".
+TEST(Answer, MisfitComesBeforeTheWinner) {
+  Findings findings;
+  findings.sampling.verdict.converged = true;
+  for (const char* name : {"viscous", "linear"}) {
+    findings.models.push_back({.name = name});
+    findings.models.back().standing.probability = findings.models.size() == 1 ? 1.0 : 0.0;
+  }
+  findings.fit_verdict.why = {misfit::Unexplained{"force", -0.28}};
+  Answer a = apps::answer(findings);
+  EXPECT_EQ(a.headline,
+            "None of these models explains the record (R² -0.28 for \"force\"). Least wrong: "
+            "“viscous” (> 99.9 %).");
+  EXPECT_TRUE(a.misfit);
+  findings.models.pop_back();
+  a = apps::answer(findings);
+  EXPECT_EQ(a.headline, "“viscous” does not explain the record (R² -0.28 for \"force\").");
+  findings.fit_verdict.why.clear();
+  EXPECT_FALSE(apps::answer(findings).misfit);
+}
+
+// Fault: a beam of 600 (mm) was "undecided, 65.1 %", noise of 20 % (for 0.2 %) said nothing.
+TEST(Answer, FrequenciesThatNothingExplainsComeFirst) {
+  MadeUp run = damage_run({0.349, 0.651});
+  run.findings.fit_verdict.why = {misfit::BeyondNoise{0.0, {1, 2}, false}};
+  EXPECT_THAT(answer(run).headline,
+              StartsWith("No number of damages that the case allows explains the frequencies "
+                         "(predictive p < 1e-15). Least wrong: Most likely one damage (65.1 %)."));
+  run.findings.fit_verdict.why = {misfit::WithinNoise{0.99999998, 0.2}};
+  EXPECT_THAT(answer(run).headline, StartsWith("The frequencies fit more closely than the stated "
+                                               "noise of 20 % allows (predictive p > 0.9999)."));
+}
+
+TEST(Answer, AParameterThatRepeatsItsPriorIsMarked) {
+  Findings findings;
+  findings.sampling.verdict.converged = true;
+  findings.models = {{.name = "linear", .standing = {.probability = 1.0}}};
+  findings.models[0].parameters = {{{"k", "k"}, row(1.0, 2.0, 3.0), 0.95}};
+  EXPECT_THAT(apps::answer(findings).detail, HasSubstr("k = 2 (1 to 3, nearly its prior)"));
+}
+
 TEST(Answer, SupportsHaveTheirOwnWords) {
   MadeUp run = damage_run({0.0, 1.0});
   run.damage_case.kinds = {kind(defects::kSupport)};

@@ -69,4 +69,4 @@ def elsewhere(case, model, values, record):
 
 
 def nrmse(s, model):
-    return [channel["nrmse"] for channel in s["fit"][model]]
+    return [channel["nrmse"] for channel in s["fit_at_mean"][model]]

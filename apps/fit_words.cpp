@@ -1,0 +1,106 @@
+#include "apps/fit_words.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/words.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+std::string p_is(double p) {
+  return p < 0.5 ? p_value(p) : "p " + (1.0 - p < 1e-4 ? std::string("> 0.9999") : fixed(p, 4));
+}
+
+std::string quoted(const std::string& name) {
+  return "\"" + name + "\"";
+}
+
+struct Brief {
+  std::string operator()(const misfit::Unexplained& r) const {
+    return "R² " + fixed(r.r2, 2) + " for " + quoted(r.channel);
+  }
+  std::string operator()(const misfit::NotNoise& r) const {
+    return "what is left of " + quoted(r.channel) + " is " + share_of_response(r.share) +
+           ", and no noise";
+  }
+  std::string operator()(const misfit::WorseBeyond& r) const {
+    return "beyond the window the error of " + quoted(r.channel) + " grows from " +
+           significant(100.0 * r.inside, 2) + " to " + significant(100.0 * r.beyond, 2) + " %";
+  }
+  std::string operator()(const misfit::BeyondNoise& r) const { return "predictive " + p_is(r.p); }
+  std::string operator()(const misfit::WithinNoise& r) const { return "predictive " + p_is(r.p); }
+};
+
+struct Sentence {
+  std::string operator()(const misfit::Unexplained& r) const {
+    return "The model misses most of " + quoted(r.channel) + " (R² " + fixed(r.r2, 2) +
+           ") and what is left is no noise. Check that channels, signs, units and the initial "
+           "state "
+           "are those of this record; then the models. Parameters and intervals mean nothing until "
+           "then.";
+  }
+  std::string operator()(const misfit::NotNoise& r) const {
+    std::string text = "What the model leaves of " + quoted(r.channel) + " is " +
+                       share_of_response(r.share) + ", and no noise";
+    if (r.lag > 0) {
+      text +=
+          " (correlation " + fixed(r.autocorrelation, 2) + " at lag " + std::to_string(r.lag) + ")";
+    }
+    if (std::isfinite(r.share_of_free)) {
+      text += "; a chain with free cubic springs leaves " +
+              significant(100.0 * r.share_of_free, 2) + " %";
+    }
+    return text +
+           ". Intervals here are those of a model that is wrong by so much: offer one that "
+           "explains "
+           "more.";
+  }
+  std::string operator()(const misfit::WorseBeyond& r) const {
+    return "Run on beyond its window, the model misses the next " + std::to_string(r.samples) +
+           " samples of " + quoted(r.channel) + " by " + significant(100.0 * r.beyond, 2) +
+           " % of the response, against " + significant(100.0 * r.inside, 2) +
+           " % within, whichever draw is taken: it is fitted to the window, not to the rig.";
+  }
+  std::string operator()(const misfit::BeyondNoise& r) const {
+    return "No number of damages explains the frequencies within the stated noise (predictive " +
+           p_is(r.p) + what_to_check(r.modes, r.emulated).insert(0, ")");
+  }
+  std::string operator()(const misfit::WithinNoise& r) const {
+    return "The frequencies agree with the model far more closely than the stated noise" +
+           stated(r.cv) + " would have them (predictive " + p_is(r.p) +
+           "): it is too large, perhaps in per cent. With it the data decide less than they could; "
+           "or infer it: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";
+  }
+};
+
+}  // namespace
+
+std::string stated(double cv) {
+  return std::isfinite(cv) ? " of " + significant(100.0 * cv, 3) + " %" : "";
+}
+
+std::string what_to_check(const std::vector<int>& modes, bool emulated) {
+  return (modes.empty() ? std::string() : " (off by more than 3 sd: " + name_modes(modes) + ")") +
+         (emulated ? ". The emulator's error may be larger here than on average over its box: try "
+                     "\"predictor\": \"fe\". Otherwise check"
+                   : ". Check") +
+         " the beam's properties, the mode numbering and data.cov before believing the locations; "
+         "or "
+         "infer the noise: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";
+}
+
+std::vector<std::string> in_words(const FitVerdict& verdict) {
+  std::vector<std::string> out;
+  for (const misfit::Reason& reason : verdict.why) out.push_back(std::visit(Sentence{}, reason));
+  return out;
+}
+
+std::string in_brief(const FitVerdict& verdict) {
+  return std::visit(Brief{}, verdict.why.front());
+}
+
+}  // namespace wheeltap::apps

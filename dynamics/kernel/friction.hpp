@@ -1,0 +1,195 @@
+// Exact dry friction: which links stick, which slip, and what holds those that stick. Part of
+// kernel_impl.hpp, which says what it is compiled for.
+#pragma once
+
+#include "dynamics/kernel/vectors.hpp"
+#include "dynamics/laws.hpp"
+
+namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
+
+/// Between two events every link with friction either slips, T = ±F, or sticks: then its tension is
+/// the Lagrange multiplier of ė = 0. With ë₀ the accelerations of the extensions without friction
+/// and B the signs with which masses enter extensions (-1 at a, +1 at b),
+///
+///   ë = ë₀ - G T,   G = B M⁻¹ Bᵀ,   so that   G_ss T_s = ë₀_s - G_sg T_g
+///
+/// for the links s that stick and g that slip. Of the links whose ė is 0 those stick that can: T is
+/// the one solution, G being positive definite, of
+///
+///   |T| < F, ë = 0   or   T = F, ë >= 0   or   T = -F, ë <= 0
+///
+/// (Glocker 2001, Set-Valued Force Laws, chapter 5), found by changing the first link that breaks
+/// its condition until none does: least-index pivoting ends after finitely many changes (Murty
+/// 1974; for bounds on both sides Júdice & Pires 1992). In a loop of links that all stick G is
+/// singular and their tensions are not unique: the first of them carry it.
+///
+/// Links between the same two masses stick and slip as one. A lane's arithmetic is the same
+/// whatever the others do.
+template <int N>
+class Friction {
+ public:
+  static constexpr int M = (N > 0 ? N : kMaxMasses) + 1;
+
+  /// Accelerations are taken and given times `unit` [m/s²]: the square of the unit of time.
+  Friction(const Task& task, double unit) : size_(task.frictions) {
+    if (size_ == 0) return;
+    const V* c = vectors(task.coefficients);
+    inverse_[0] = V{};
+    for (int i = 1; i <= task.masses; ++i) inverse_[i] = unit / c[i - 1];
+    for (int f = 0; f < size_; ++f) force_[f] = state_[f] = V{};
+    for (int l = 0; l < task.links; ++l) {
+      const LinkTerm& link = task.link[l];
+      for (int j = link.law_begin; j < link.law_end; ++j) {
+        const LawTerm& term = task.law[j];
+        if (term.dry < 0) continue;
+        a_[term.dry] = link.a;
+        b_[term.dry] = link.b;
+        LawList::visit(term.kind, [&](auto law) {
+          if constexpr (kFriction<decltype(law)>)
+            force_[term.dry] += decltype(law)::friction(c + term.slot);
+        });
+      }
+    }
+    for (int f = 0; f < size_; ++f)
+      for (int g = 0; g < size_; ++g)
+        delassus_[f][g] = inverse_[b_[f]] * ((b_[f] == b_[g]) - (b_[f] == a_[g])) +
+                          inverse_[a_[f]] * ((a_[f] == a_[g]) - (a_[f] == b_[g]));
+    factor();
+  }
+
+  [[nodiscard]] WHEELTAP_INLINE int size() const { return size_; }
+  /// 1 and -1 in the lanes where link f slips and opens or closes, 0 where it sticks.
+  [[nodiscard]] WHEELTAP_INLINE V state(int f) const { return state_[f]; }
+  [[nodiscard]] WHEELTAP_INLINE V force(int f) const { return force_[f]; }
+  /// By how much a unit of tension changes ë.
+  [[nodiscard]] WHEELTAP_INLINE V compliance(int f) const { return delassus_[f][f]; }
+  /// Whether any link sticks in any lane.
+  [[nodiscard]] WHEELTAP_INLINE bool sticking() const { return sticking_; }
+  /// ė, or any other difference between the ends.
+  [[nodiscard]] WHEELTAP_INLINE V across(int f, const V* x) const { return x[b_[f]] - x[a_[f]]; }
+
+  /// The tensions for accelerations without friction, to which what they do is added. Without
+  /// `slipping` (of higher terms of a series) links that slip have none.
+  WHEELTAP_INLINE void pull(bool slipping, V* acceleration, V* tension) const {
+    for (int f = 0; f < size_; ++f) {
+      tension[f] = slipping ? state_[f] * force_[f] : V{};
+      if (slipping) push(f, tension[f], acceleration);
+    }
+    if (!sticking_) return;
+    V holding[kMaxFrictions] = {};
+    for (int f = 0; f < size_; ++f) holding[f] = across(f, acceleration);
+    solve(holding);
+    for (int f = 0; f < size_; ++f) {
+      tension[f] = state_[f] == 0.0 ? holding[f] : tension[f];
+      push(f, holding[f], acceleration);
+    }
+  }
+
+  /// The regime of these velocities, for accelerations without friction: links with ė = 0 stick
+  /// where they can.
+  void start(V* v, const V* free) {
+    V at_rest[kMaxFrictions] = {};
+    for (int f = 0; f < size_; ++f) {
+      const V rate = across(f, v);
+      state_[f] = rate > 0.0 ? V{} + 1.0 : rate < 0.0 ? V{} - 1.0 : V{};
+      at_rest[f] = rate == 0.0 ? V{} + 1.0 : V{};
+    }
+    settle(at_rest, v, free);
+  }
+
+  /// In the lanes of `stop` link f, which slips, comes to rest.
+  WHEELTAP_INLINE void stop(int f, V stop) { state_[f] = stop > 0.0 ? V{} : state_[f]; }
+  /// In the lanes where `side` is not 0 link f breaks away on that side. Factorises nothing.
+  WHEELTAP_INLINE void break_away(int f, V side) { state_[f] = side == 0.0 ? state_[f] : side; }
+
+  /// Decides about the links at rest, for accelerations without friction, and takes from the
+  /// velocities what is left of the rates of those that stick.
+  void settle(const V* at_rest, V* v, const V* free) {
+    V acceleration[M], tension[kMaxFrictions];
+    const int ends = highest_end();
+    for (int change = 0; change < kMostChanges; ++change) {
+      factor();
+      for (int i = 0; i <= ends; ++i) acceleration[i] = free[i];
+      pull(true, acceleration, tension);
+      V open = V{} + 1.0, changed{};
+      for (int f = 0; f < size_; ++f) {
+        const V limit = (1.0 + kTolerance) * force_[f];
+        const V growth = state_[f] * across(f, acceleration);
+        const V broken = tension[f] > limit ? V{} + 1.0 : tension[f] < -limit ? V{} - 1.0 : V{};
+        const V noise = kTolerance * delassus_[f][f] * force_[f];
+        const V held = growth < -noise ? V{} : state_[f];
+        const V wanted = state_[f] == 0.0 ? broken : held;
+        const V differs = at_rest[f] * open * (wanted == state_[f] ? V{} : V{} + 1.0);
+        state_[f] = differs > 0.0 ? wanted : state_[f];
+        open = differs > 0.0 ? V{} : open;
+        changed = lanes::max(changed, differs);
+      }
+      if (!any(changed)) break;
+    }
+    factor();
+    V impulse[kMaxFrictions] = {};
+    for (int f = 0; f < size_; ++f) impulse[f] = at_rest[f] > 0.0 ? across(f, v) : V{};
+    solve(impulse);
+    for (int f = 0; f < size_; ++f) push(f, impulse[f], v);
+  }
+
+  /// Prepares `pull` for the present regime.
+  void factor() {
+    sticking_ = false;
+    for (int f = 0; f < size_; ++f) {
+      sticking_ = sticking_ || !all(state_[f]);
+      V pivot = state_[f] == 0.0 ? delassus_[f][f] : V{};
+      for (int k = 0; k < f; ++k) pivot -= lower_[f][k] * lower_[f][k] * pivot_[k];
+      // 0 for a link that slips, and for one whose rate the others' already determine.
+      const V usable = pivot > kSingular * delassus_[f][f] ? V{} + 1.0 : V{};
+      pivot_[f] = usable > 0.0 ? pivot : V{};
+      reciprocal_[f] = usable > 0.0 ? 1.0 / pivot : V{};
+      for (int i = f + 1; i < size_; ++i) {
+        V sum = state_[i] == 0.0 ? delassus_[i][f] : V{};
+        for (int k = 0; k < f; ++k) sum -= lower_[i][k] * lower_[f][k] * pivot_[k];
+        lower_[i][f] = state_[i] == 0.0 ? sum * reciprocal_[f] : V{};
+      }
+    }
+  }
+
+ private:
+  static constexpr int kMostChanges = 64;
+  /// Of a force or an acceleration, below which a condition is not broken.
+  static constexpr double kTolerance = 1e-10;
+  static constexpr double kSingular = 1e-12;
+
+  [[nodiscard]] int highest_end() const {
+    int highest = 0;
+    for (int f = 0; f < size_; ++f) {
+      highest = a_[f] > highest ? a_[f] : highest;
+      highest = b_[f] > highest ? b_[f] : highest;
+    }
+    return highest;
+  }
+
+  WHEELTAP_INLINE void push(int f, V tension, V* x) const {
+    x[a_[f]] += inverse_[a_[f]] * tension;
+    x[b_[f]] -= inverse_[b_[f]] * tension;
+  }
+
+  /// x ← G_ss⁻¹ x, and 0 for links that slip: G_ss = L D Lᵀ.
+  WHEELTAP_INLINE void solve(V* x) const {
+    for (int i = 0; i < size_; ++i) {
+      x[i] = state_[i] == 0.0 ? x[i] : V{};
+      for (int k = 0; k < i; ++k) x[i] -= lower_[i][k] * x[k];
+    }
+    for (int i = size_ - 1; i >= 0; --i) {
+      x[i] *= reciprocal_[i];
+      for (int k = i + 1; k < size_; ++k) x[i] -= lower_[k][i] * x[k];
+    }
+  }
+
+  int size_, a_[kMaxFrictions], b_[kMaxFrictions];
+  bool sticking_ = false;
+  V inverse_[M];
+  V force_[kMaxFrictions], state_[kMaxFrictions];
+  V delassus_[kMaxFrictions][kMaxFrictions];  ///< G
+  V lower_[kMaxFrictions][kMaxFrictions], pivot_[kMaxFrictions], reciprocal_[kMaxFrictions];
+};
+
+}  // namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL

@@ -1,0 +1,35 @@
+#include "dynamics/linear_modes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace wheeltap::dynamics {
+
+std::vector<LinearMode> linear_modes(const Chain& chain, std::span<const double> theta) {
+  const LinearMatrices m = linear_matrices(chain, theta);
+  const Eigen::Index n = m.mass.rows();
+  const Eigen::VectorXd inverse_mass = m.mass.diagonal().cwiseInverse();
+  // In a unit of time in which stiffness and damping are of the size of 1.
+  const double rate = std::max(std::sqrt((inverse_mass.asDiagonal() * m.stiffness).norm()),
+                               (inverse_mass.asDiagonal() * m.damping).norm());
+  if (!(rate > 0.0)) return {};
+  Eigen::MatrixXd state = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+  state.topRightCorner(n, n).setIdentity();
+  state.bottomLeftCorner(n, n) = -(inverse_mass.asDiagonal() * m.stiffness) / (rate * rate);
+  state.bottomRightCorner(n, n) = -(inverse_mass.asDiagonal() * m.damping) / rate;
+  const Eigen::VectorXcd eigenvalues = state.eigenvalues();
+  constexpr double kRounding =
+      1e-6;  // a double zero, defective, is split by √ε of the fastest rate
+  std::vector<LinearMode> modes;
+  for (const std::complex<double>& lambda : eigenvalues) {
+    if (!(lambda.imag() > kRounding)) continue;
+    modes.push_back({.frequency_hz = rate * std::abs(lambda) / (2.0 * std::numbers::pi),
+                     .damping_ratio = -lambda.real() / std::abs(lambda)});
+  }
+  std::ranges::sort(modes, {}, &LinearMode::frequency_hz);
+  return modes;
+}
+
+}  // namespace wheeltap::dynamics

@@ -1,0 +1,65 @@
+// One climb to a mode of one model's posterior, and what is measured of the mode when it is there.
+#pragma once
+
+#include <limits>
+#include <vector>
+#include "base/eigen.hpp"
+
+#include "inference/evidence/model_posterior.hpp"
+
+namespace wheeltap::inference {
+
+/// ln π(z) of labelled vectors, on which it is symmetric; -∞ beyond |z_i| = 8.3, the prior's
+/// support but for a share of 1e-16. Its calls are counted.
+class Surface {
+ public:
+  Surface(const Problem& problem, int model) : posterior_(problem, model) {}
+
+  double operator()(const Eigen::VectorXd& z);
+  /// One value a column: likelihoods that advance together are cheaper than one by one.
+  Eigen::VectorXd values(const Eigen::MatrixXd& zs);
+  /// ∇ ln π(z); false where the likelihood has none.
+  bool gradient(const Eigen::VectorXd& z, Eigen::VectorXd& g);
+  void draw_prior(base::Random& random, Eigen::VectorXd& z);
+  /// Components in order.
+  [[nodiscard]] std::vector<double> ordered(const Eigen::VectorXd& z);
+  [[nodiscard]] Eigen::Index dimension() const { return posterior_.dimension(); }
+  [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
+
+ private:
+  ModelPosterior posterior_;
+  std::vector<double> ordered_, batch_;
+  std::vector<Eigen::Index> places_;  ///< of the batch among its columns
+  std::vector<ModelPosterior::Value> values_;
+  bool offers_gradient_ = true;  ///< until it does not
+};
+
+/// A mode, ready for use.
+struct KnownMode {
+  Eigen::VectorXd z;
+  double value = 0.0;
+  Eigen::MatrixXd covariance, precision;
+};
+
+/// Where a climb ended.
+struct ClimbEnd {
+  Eigen::VectorXd z;
+  double value = -std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd inverse_hessian{};  ///< what BFGS knows of it
+  int known = -1;                     ///< index of the mode it arrived at
+  bool possible = false;              ///< the start was
+};
+
+/// From `start` to a mode: by a few Newton steps with the curvature of the nearest known one where
+/// they do, else by BFGS (mode_search.hpp).
+[[nodiscard]] ClimbEnd climb(Surface& f, const Eigen::VectorXd& start,
+                             const std::vector<KnownMode>& known);
+
+/// The Hessian by differences over steps that lower ln π by about a twentieth of a nat, made
+/// positive definite: no direction is much wider than the prior.
+[[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
+
+/// Distance from a mode in its own standard deviations, squared.
+[[nodiscard]] double square_distance(const KnownMode& mode, const Eigen::VectorXd& z);
+
+}  // namespace wheeltap::inference

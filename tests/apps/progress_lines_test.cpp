@@ -1,0 +1,35 @@
+#include <gtest/gtest.h>
+
+#include "apps/terminal.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+constexpr double kUnknown = -1.0;
+
+TEST(ProgressLines, TellEachStageAtOnce) {
+  ProgressLines lines;
+  EXPECT_EQ(lines.next("searching", 0.0, 0.0, kUnknown, ""), "searching: 0 %, 0 s so far");
+  EXPECT_EQ(lines.next("sampling", 0.02, 1.0, 73.0, "P = 0.25 0.75"),
+            "sampling: 2 %, 1 s so far, about 73 s left, P = 0.25 0.75");
+}
+
+TEST(ProgressLines, KeepATenthAndFiveSecondsApart) {
+  ProgressLines lines;
+  ASSERT_TRUE(lines.next("sampling", 0.0, 10.0, kUnknown, ""));
+  EXPECT_FALSE(lines.next("sampling", 0.5, 12.0, 2.0, ""));   // too soon
+  EXPECT_FALSE(lines.next("sampling", 0.05, 20.0, 9.0, ""));  // too little
+  EXPECT_TRUE(lines.next("sampling", 0.11, 20.0, 8.0, ""));
+  EXPECT_FALSE(lines.next("sampling", 0.2, 30.0, 8.0, ""));
+  EXPECT_TRUE(lines.next("sampling", 0.22, 30.0, 8.0, ""));
+}
+
+TEST(ProgressLines, SpeakAfterHalfAMinuteAnyway) {
+  ProgressLines lines;
+  ASSERT_TRUE(lines.next("sampling", 0.0, 0.0, kUnknown, ""));
+  EXPECT_FALSE(lines.next("sampling", 0.01, 29.0, 3000.0, ""));
+  EXPECT_TRUE(lines.next("sampling", 0.01, 31.0, 3000.0, ""));
+}
+
+}  // namespace
+}  // namespace wheeltap::apps

@@ -1,0 +1,225 @@
+#include "identification/fit_verdict.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "identification/damage_findings.hpp"
+#include "identification/free_cubic.hpp"
+#include "identification/plausibility.hpp"
+#include "identification/sid_findings.hpp"
+#include "tests/identification/cases.hpp"
+#include "tests/identification/sid_cases.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using dynamics::Coefficient;
+
+template <class Kind, class List>
+const Kind* find(const List& list) {
+  for (const auto& entry : list) {
+    if (const auto* kind = std::get_if<Kind>(&entry)) return kind;
+  }
+  return nullptr;
+}
+
+// The record of the truth's model, as if it had been measured; then that model alone is taken away
+// from those that may explain it.
+SidCase measured(SidCase c, const RecordUse& use = {}) {
+  c.simulated = true;
+  const signals::Record record = simulate_record(c, c.truth->seed);
+  c.simulated = false;
+  c.models.erase(c.models.begin() + c.truth->model);
+  c.truth.reset();
+  take_record(c, record, use);
+  return c;
+}
+
+SidFindings found(const SidCase& c) {
+  inference::Options engine;
+  engine.chains = 2;
+  engine.warmup = 1000;
+  engine.draws = 500;
+  const SidRun run = run_sid(c, {.engine = engine});
+  return sid_findings(run, predict(*run.problem, run.posterior));
+}
+
+// A mass that slips on dry friction under a force of twice its size, against a dashpot's model.
+SidCase friction() {
+  SidCase c = small_sid_case();
+  dynamics::Link slipping{.a = 0, .b = 1, .stiffness = 50.0, .damping = 0.0};
+  const std::vector<Coefficient> friction = {5.0, 0.01};
+  slipping.laws.push_back(dynamics::make_law("coulomb", friction));
+  dynamics::Link viscous = slipping;
+  viscous.laws.clear();
+  viscous.damping = Coefficient::of_parameter(0);
+  c.parameters = {{"c", inference::Uniform{0.0, 100.0}}};
+  c.models[0].chain.links = {viscous};
+  c.models[0].name = "viscous";
+  c.models[1].chain.links = {slipping};
+  c.models[0].noise = c.models[1].noise = {1e-4};
+  c.models[1].parameters = {};
+  c.truth->theta = {0.0};
+  c.truth->noise = {1e-4};
+  c.truth->samples = 400;
+  return c;
+}
+
+TEST(FitVerdict, ADashpotDoesNotExplainARecordOfFriction) {
+  const SidFindings f = found(measured(friction()));
+  EXPECT_FALSE(f.fit_verdict.ok());
+  EXPECT_TRUE(find<misfit::NotNoise>(f.fit_verdict.why) != nullptr ||
+              find<misfit::Unexplained>(f.fit_verdict.why) != nullptr);
+}
+
+TEST(FitVerdict, TheTrueModelExplainsItsRecordAndWhatFollows) {
+  SidCase c = small_sid_case();
+  c.truth->samples = 400;
+  c.models.push_back(c.models[1]);
+  c.models.back().name = "the same";
+  const SidFindings f = found(measured(c, {.samples = {{0, 200}}}));
+  EXPECT_EQ(f.fit_verdict.why.size(), 0U);
+  EXPECT_GT(f.fit_verdict.p, 1e-3);
+  EXPECT_LT(f.fit_verdict.p, 1.0 - 1e-3);
+  EXPECT_GT(f.fit_verdict.r2, 0.8);
+}
+
+TEST(FitVerdict, AResponseOfTheWrongSignIsNotExplained) {
+  SidCase c = small_sid_case();
+  c.models.push_back(c.models[1]);
+  c.models.back().name = "the same";
+  c = measured(c);
+  for (double& y : c.channels[1].signal.samples) y = -y;
+  const SidFindings f = found(c);
+  const auto* reason = find<misfit::Unexplained>(f.fit_verdict.why);
+  ASSERT_NE(reason, nullptr);
+  EXPECT_LT(reason->r2, 0.5);
+}
+
+// Displacements of 0.3 m under noise of 3 m: nothing is wrong with the model.
+TEST(FitVerdict, ARecordOfNoiseIsNoMisfit) {
+  SidCase c = small_sid_case();
+  c.truth->noise = {3.0};
+  for (SidModel& model : c.models) model.noise = {3.0};
+  c.models.push_back(c.models[1]);
+  c.models.back().name = "the same";
+  const SidFindings f = found(measured(c));
+  EXPECT_LT(f.fit_verdict.r2, 0.5);
+  EXPECT_TRUE(f.fit_verdict.ok());
+  EXPECT_NE(find<remark::MostlyNoise>(f.remarks), nullptr);
+}
+
+// A spring that doubles its stiffness at the window's end.
+TEST(FitVerdict, AModelOfTheWindowAloneIsSeenBeyondIt) {
+  SidCase c = small_sid_case();
+  c.truth->samples = 400;
+  c.truth->model = 0;
+  c.models.push_back(c.models[0]);
+  c.models.back().name = "the same";
+  SidCase stiff = c;
+  stiff.truth->theta = {100.0, 0.0};
+  c.truth->theta = {50.0, 0.0};
+  const SidCase later = measured(stiff);
+  c = measured(c, {.samples = {{0, 200}}});
+  ASSERT_EQ(c.beyond, 200);
+  std::copy(later.channels[1].signal.samples.begin() + 200, later.channels[1].signal.samples.end(),
+            c.channels[1].beyond.begin());
+  const SidFindings f = found(c);
+  const auto* reason = find<misfit::WorseBeyond>(f.fit_verdict.why);
+  ASSERT_NE(reason, nullptr);
+  EXPECT_EQ(reason->samples, 200);
+  EXPECT_GT(reason->beyond, 2.0 * reason->inside);
+}
+
+TEST(FreeCubic, FindsTheSpringsThatALinearModelLacks) {
+  SidCase c = small_sid_case();
+  for (SidModel& model : c.models) model.noise = {1e-3};
+  c.truth->noise = {1e-3};
+  const auto problem = make_sid_problem(measured(c));
+  const std::vector<double> theta = {55.0, 0.0};
+  const double linear = forward_run(*problem, 0, theta)[0].nrmse;
+  const std::vector<double> free = free_cubic_residual(*problem, 0, theta);
+  ASSERT_EQ(free.size(), 1U);
+  const std::vector<double> y = observed(*problem, 0, theta);
+  double mean = 0.0, squares = 0.0;
+  for (const double value : y) mean += value / static_cast<double>(y.size());
+  for (const double value : y) squares += (value - mean) * (value - mean);
+  const double noise = 1e-3 / std::sqrt(squares / static_cast<double>(y.size()));
+  EXPECT_GT(linear, 20.0 * noise);
+  // 200 samples of noise less four springs: within 5 standard deviations of an sd.
+  EXPECT_NEAR(free[0], noise, 5.0 * noise / std::sqrt(2.0 * 200.0));
+}
+
+DamageFindings damaged(const DamageCase& damage_case) {
+  const auto problem = make_damage_problem(damage_case, {});
+  inference::Options engine;
+  engine.chains = 2;
+  engine.warmup = 500;
+  engine.draws = 500;
+  const auto posterior = inference::reversible_jump(problem->problem, engine);
+  return damage_findings(*problem, posterior, {}, 1);
+}
+
+TEST(Plausibility, ALengthInMillimetresIsSaidBeforeAnythingIsSampled) {
+  DamageCase c = small_beam(1);
+  c.beam.length = 1000.0;
+  c.kinds[0].location = inference::Uniform{0.0, 1000.0};
+  const auto problem = make_damage_problem(c, {});
+  const std::vector<Remark> doubts = implausible(*problem);
+  const auto* doubt = find<remark::FrequenciesOutOfReach>(doubts);
+  ASSERT_NE(doubt, nullptr);
+  // What a damage of 90 % lowers a frequency by is far less than the factor.
+  EXPECT_NEAR(std::log10(doubt->ratio), 6.0, 0.1);
+  EXPECT_EQ(doubt->mode, 1);
+  EXPECT_TRUE(implausible(*make_damage_problem(small_beam(1), {})).empty());
+  const DamageFindings f = damaged(c);
+  EXPECT_NE(find<misfit::BeyondNoise>(f.fit_verdict.why), nullptr);
+}
+
+TEST(Plausibility, NoiseInPerCentIsSaidBeforeAnythingIsSampled) {
+  DamageCase c = small_beam(1);
+  c.kinds[0].severity = inference::Prior(inference::Uniform{0.0, 0.3});
+  c.data.cv = 5.0;
+  for (std::size_t i = 0; i < c.data.sd_hz.size(); ++i) {
+    c.data.sd_hz[i] = 5.0 * c.data.frequencies_hz[i];
+  }
+  const auto problem = make_damage_problem(c, {});
+  const std::vector<Remark> doubts = implausible(*problem);
+  const auto* doubt = find<remark::NoiseHidesDamage>(doubts);
+  ASSERT_NE(doubt, nullptr);
+  EXPECT_DOUBLE_EQ(doubt->cv, 5.0);
+  EXPECT_LT(doubt->effect, 0.5);
+  const DamageFindings f = damaged(c);
+  EXPECT_NE(find<misfit::WithinNoise>(f.fit_verdict.why), nullptr);
+}
+
+TEST(Plausibility, AResponseInMillimetresIsSaidBeforeAnythingIsSampled) {
+  SidCase c = simulated(small_sid_case());
+  EXPECT_TRUE(implausible(*make_sid_problem(c)).empty());
+  for (double& y : c.channels[1].signal.samples) y *= 1e6;
+  const std::vector<Remark> doubts = implausible(*make_sid_problem(c));
+  const auto* doubt = find<remark::ResponsesOutOfReach>(doubts);
+  ASSERT_NE(doubt, nullptr);
+  EXPECT_EQ(doubt->channels.at(0).name, "displacement [m]");
+}
+
+TEST(InitialState, IsInferredWhereTheWindowDoesNotStartAtRest) {
+  SidCase c = small_sid_case();
+  c.truth->noise = {1e-3};
+  c.truth->samples = 400;
+  const SidCase from_rest = measured(c);
+  EXPECT_FALSE(moves_at_start(from_rest).has_value());
+  // Where the displacement is largest.
+  const auto& y = from_rest.channels[1].signal.samples;
+  const int at = static_cast<int>(std::ranges::max_element(y.begin() + 50, y.begin() + 200, {},
+                                                           [](double x) { return std::abs(x); }) -
+                                  y.begin());
+  const auto share = moves_at_start(measured(c, {.samples = {{at, 400}}}));
+  ASSERT_TRUE(share.has_value());
+  EXPECT_GT(*share, 1.0);
+}
+
+}  // namespace
+}  // namespace wheeltap::identification
