@@ -37,12 +37,18 @@ void print_parameters(const Page& page, const std::vector<ParameterFinding>& par
   std::vector<std::vector<std::string>> rows = {{"parameter", "mean", "sd", "95 % interval"}};
   const bool windows = std::ranges::any_of(
       parameters, [](const ParameterFinding& p) { return p.between_windows.has_value(); });
-  if (windows) rows.front().emplace_back("between windows (95 %)");
+  if (windows) {
+    rows.front().emplace_back("a further window (95 %)");
+    rows.front().emplace_back("use");
+  }
   for (const ParameterFinding& p : parameters) {
     const Marginal& e = p.estimate;
     rows.push_back({p.unknown.with_unit(), resolved(e.mean, e.width()), number_or_dash(e.sd, 2),
                     resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width())});
-    if (windows) rows.back().push_back(p.between_windows ? interval(p.between_windows->next) : "-");
+    if (!windows) continue;
+    const auto& between = p.between_windows;
+    rows.back().push_back(between ? interval(between->next) : "-");
+    rows.back().emplace_back(between && between->scatters() ? "windows" : "this run");
   }
   if (rows.size() > 1) page.table(rows);
 }

@@ -48,6 +48,7 @@ Report json(const BetweenWindows& between) {
   out["whole"] = between.whole ? json(*between.whole) : Report();
   out["scatter"] = {{"times_own_interval", between.scatter.ratio},
                     {"p_value", between.scatter.p_value}};
+  out["use"] = between.scatters() ? "windows" : "run";
   out["windows"] = {{"value", numbers(between.value)}, {"sd", numbers(between.sd)}};
   return out;
 }

@@ -27,7 +27,8 @@ struct RunInfo {
 [[nodiscard]] Report json(const identification::Marginal& estimate);
 
 /// {"mean", "sd", "q2.5", "q5", "q50", "q95", "q97.5"} of a further window, "whole": the same of
-/// what ever longer records would give, "scatter", and "windows": what each of them said.
+/// what ever longer records would give, "scatter", "use": "windows" or "run", and "windows": what
+/// each of them said.
 [[nodiscard]] Report json(const identification::BetweenWindows& between);
 
 /// {label: estimate, …}, an estimate with its "between_windows" where windows were asked for.

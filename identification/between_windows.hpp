@@ -25,6 +25,9 @@ struct BetweenWindows {
   /// The windows' scatter in terms of what their own intervals allow for, and how likely these
   /// alone would do so.
   inference::BirgeRatio scatter;
+  /// They scatter by half as much again or more, and not by chance: the run's own interval, from
+  /// residuals as its likelihood takes them, does not hold from one to the next.
+  [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
   /// Of each window: its own value and standard deviation; NaN where it has none.
   std::vector<double> value, sd;
 };

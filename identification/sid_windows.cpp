@@ -1,12 +1,13 @@
 #include "identification/sid_windows.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 
 #include "base/parallel.hpp"
 #include "inference/evidence/laplace.hpp"
+#include "inference/grouped_scores.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -14,8 +15,7 @@ namespace {
 using inference::GroupEstimate, inference::LineMixture;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kFurthest = 6.0;  // of a start, in standard deviations of the prior
-constexpr double kScatters = 1.5, kNoChance = 1e-3;  // Birge ratio and its p worth telling
+constexpr double kFurthest = 6.0;       // of a start, in standard deviations of the prior
 constexpr double kWorthKeeping = 1e-3;  // precision of the likelihood beside the prior's
 
 /// The whole record's mode, and the inverse of minus the Hessian there; not finite where there is
@@ -28,7 +28,7 @@ struct WholeFit {
 
 /// One window's posterior of a model's parameters, normal about its mode.
 struct WindowFit {
-  Eigen::VectorXd score;  ///< of the window's likelihood at the whole's mode
+  inference::GroupScore at_whole;  ///< its likelihood about the whole's mode
   bool normal = false;
   std::vector<double> z, variance;
   std::vector<bool> rough;
@@ -63,17 +63,30 @@ WholeFit fit_whole(const SidProblem& problem, int model, std::vector<double> sta
   }
 }
 
-/// ∇ ln p(data | z) by differences over three tenths of a standard deviation of the whole's.
-Eigen::VectorXd score(inference::ModelPosterior& posterior, const WholeFit& whole) {
-  Eigen::VectorXd out(static_cast<Eigen::Index>(whole.z.size()));
-  for (Eigen::Index i = 0; i < out.size(); ++i) {
-    const double h = 0.3 * std::sqrt(whole.covariance(i, i));
-    const auto at = [&](double step) {
-      std::vector<double> z = whole.z;
-      z[static_cast<std::size_t>(i)] += step;
-      return posterior(z).log_likelihood;
-    };
-    out[i] = (at(h) - at(-h)) / (2.0 * h);
+/// The likelihood about the whole's mode, by differences over three tenths of what one parameter
+/// alone could be off by.
+inference::GroupScore score(inference::ModelPosterior& posterior, const WholeFit& whole) {
+  const auto d = static_cast<Eigen::Index>(whole.z.size());
+  const Eigen::VectorXd h = 0.3 * whole.covariance.inverse().diagonal().cwiseSqrt().cwiseInverse();
+  const auto at = [&](Eigen::Index i, double a, Eigen::Index j, double b) {
+    std::vector<double> z = whole.z;
+    z[static_cast<std::size_t>(i)] += a * h[i];
+    z[static_cast<std::size_t>(j)] += b * h[j];
+    return posterior(z).log_likelihood;
+  };
+  const double top = at(0, 0.0, 0, 0.0);
+  inference::GroupScore out{.score = Eigen::VectorXd(d), .information = Eigen::MatrixXd(d, d)};
+  Eigen::VectorXd both(d);  // rises to either side
+  for (Eigen::Index i = 0; i < d; ++i) {
+    const double up = at(i, 1.0, i, 0.0), down = at(i, -1.0, i, 0.0);
+    both[i] = up + down - 2.0 * top;
+    out.score[i] = (up - down) / (2.0 * h[i]);
+    out.information(i, i) = -both[i] / (h[i] * h[i]);
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double together = at(i, 1.0, j, 1.0) + at(i, -1.0, j, -1.0) - 2.0 * top;
+      out.information(i, j) = out.information(j, i) =
+          -(together - both[i] - both[j]) / (2.0 * h[i] * h[j]);
+    }
   }
   return out;
 }
@@ -85,7 +98,7 @@ WindowFit fit(const SidCase& sid_case, int model, const WholeFit& whole) {
   WindowFit out;
   try {
     inference::ModelPosterior posterior(problem->problem, 0);
-    if (whole.covariance.allFinite()) out.score = score(posterior, whole);
+    if (whole.covariance.allFinite()) out.at_whole = score(posterior, whole);
     const inference::Laplace at =
         inference::laplace(problem->problem, 0, {.start = whole.z, .check = false});
     out.likelihood_evaluations = at.evidence.likelihood_evaluations + posterior.evaluations();
@@ -124,30 +137,23 @@ Interval physical(const LineMixture& z, const inference::Prior& prior) {
           .q97_5 = x(z.quantile(0.975))};
 }
 
-/// V of sid_windows.hpp; empty where a window has no score.
-Eigen::MatrixXd sandwich(const WholeFit& whole, const std::vector<WindowFit>& fits) {
+/// The error of the whole's mode; empty where a window's likelihood cannot be told about it.
+std::vector<inference::GroupedError> whole_errors(const WholeFit& whole,
+                                                  const std::vector<WindowFit>& fits) {
   const auto d = static_cast<Eigen::Index>(whole.z.size());
-  const auto n = static_cast<double>(fits.size());
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(d);
+  std::vector<inference::GroupScore> groups;
   for (const WindowFit& fit : fits) {
-    if (fit.score.size() != d || !fit.score.allFinite()) return {};
-    mean += fit.score / n;
+    groups.push_back(fit.at_whole);
+    const auto& [score, information] = groups.back();
+    if (score.size() != d || !score.allFinite() || !information.allFinite()) return {};
   }
-  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(d, d);
-  for (const WindowFit& fit : fits) {
-    scatter += (fit.score - mean) * (fit.score - mean).transpose();
-  }
-  return n / (n - 1.0) * whole.covariance * scatter * whole.covariance;
+  return inference::grouped_errors(groups, Eigen::MatrixXd::Identity(d, d));
 }
 
-/// z + s t, t Student's of so many degrees of freedom, in the parameter's unit.
-Interval students(double z, double s, double freedom, const inference::Prior& prior) {
-  const boost::math::students_t t(freedom);
-  const auto x = [&](double p) {
-    return prior.from_standard_normal(z + s * boost::math::quantile(t, p));
-  };
+Interval about(double z, const inference::GroupedError& error, const inference::Prior& prior) {
+  const auto x = [&](double p) { return prior.from_standard_normal(z + error.quantile(p)); };
   return {.mean = prior.from_standard_normal(z),
-          .sd = s * prior.slope(z),
+          .sd = error.sd * prior.slope(z),
           .q2_5 = x(0.025),
           .q5 = x(0.05),
           .q50 = x(0.5),
@@ -239,7 +245,7 @@ ModelWindows fit_windows(const SidProblem& problem, int m, std::span<const doubl
   });
   ModelWindows out{.windows = static_cast<int>(windows.size())};
   out.likelihood_evaluations = whole.likelihood_evaluations;
-  const Eigen::MatrixXd of_whole = sandwich(whole, fits);
+  const auto errors = whole_errors(whole, fits);
   for (const WindowFit& fit : fits) {
     out.fitted += fit.normal ? 1 : 0;
     out.likelihood_evaluations += fit.likelihood_evaluations;
@@ -251,11 +257,9 @@ ModelWindows fit_windows(const SidProblem& problem, int m, std::span<const doubl
     });
     out.parameters.push_back(nuisance ? std::nullopt
                                       : between(fits, i, space.prior(m, static_cast<int>(i))));
-    if (out.parameters.back() && of_whole.size() > 0) {
-      const auto at = static_cast<Eigen::Index>(i);
+    if (out.parameters.back() && !errors.empty()) {
       out.parameters.back()->whole =
-          students(whole.z[i], std::sqrt(std::max(of_whole(at, at), whole.covariance(at, at))),
-                   static_cast<double>(fits.size() - 1), space.prior(m, static_cast<int>(i)));
+          about(whole.z[i], errors[i], space.prior(m, static_cast<int>(i)));
     }
     out.rough.push_back(
         nuisance ? 0 : static_cast<int>(std::ranges::count_if(fits, [&](const WindowFit& fit) {
@@ -275,10 +279,8 @@ std::vector<Remark> window_remarks(const SidProblem& problem, int m, const Model
     const std::string name = space.parameter_name(m, static_cast<int>(i));
     if (4 * windows.rough[i] > windows.fitted) unsound.rough.push_back(name);
     if (!windows.parameters[i]) continue;
-    const inference::BirgeRatio& ratio = windows.parameters[i]->scatter;
-    if (ratio.ratio >= kScatters && ratio.p_value < kNoChance) {
-      scatter.parameters.push_back({name, ratio.ratio});
-    }
+    const BetweenWindows& between = *windows.parameters[i];
+    if (between.scatters()) scatter.parameters.push_back({name, between.scatter.ratio});
   }
   std::vector<Remark> out;
   if (!scatter.parameters.empty()) out.emplace_back(std::move(scatter));

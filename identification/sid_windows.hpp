@@ -56,18 +56,13 @@ struct ModelWindows {
 /// to 4 instead of 2.
 ///
 /// Ever longer records have their best fit where the expected score is zero, which is not the mean
-/// of what windows find: those that say more count more. Its error about the whole record's mode z*
-/// is the sandwich (Huber 1967, White 1982; by clusters: Liang & Zeger 1986; as a posterior:
-/// Müller 2013, Econometrica 81:1805),
-///
-///   V = N/(N-1) H⁻¹ (Σ_w (g_w - ḡ)(g_w - ḡ)ᵀ) H⁻¹,   g_w = ∇ ln p(r_w | z*),  H = -∇² ln π(z*),
-///
-/// with the quantiles of Student's t of N - 1 degrees of freedom, and never less than H⁻¹ says.
+/// of what windows find: those that say more count more. The error of the whole record's mode about
+/// that comes from the windows' likelihoods there (inference/grouped_scores.hpp).
 [[nodiscard]] ModelWindows fit_windows(const SidProblem& problem, int model,
                                        std::span<const double> start, int threads = 0);
 
-/// Windows that disagree by more than they may (Birge ratio of 1.5 or more, p below 0.001), and
-/// fits that are not what they are taken for.
+/// Windows that disagree by more than they may (BetweenWindows::scatters), and fits that are not
+/// what they are taken for.
 [[nodiscard]] std::vector<Remark> window_remarks(const SidProblem& problem, int model,
                                                  const ModelWindows& windows);
 

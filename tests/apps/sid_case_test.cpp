@@ -145,6 +145,7 @@ TEST(SidCase, NamesThePlaceOfAMistakeInOneOfSeveralRecords) {
   json unused = two_records();
   unused["parameters"]["scale"] = {{"log_uniform", {0.5, 2.0}}};
   EXPECT_THAT(refusal(where, unused), HasSubstr("/parameters/scale"));
+  unused["truth"]["parameters"]["scale"] = 1.0;
   unused["records"][1]["channels"][1]["scale"] = "scale";  // used by one of them: that is enough
   EXPECT_EQ(parse_sid(where, unused).sid.parameters.size(), 3U);
 }

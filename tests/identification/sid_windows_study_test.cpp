@@ -1,6 +1,6 @@
 // How often intervals between windows hold what they say where the models lack a term of the truth:
 // 30 chains here, 200 with WHEELTAP_LONG_TESTS (scripts/windows-study), which prints what they
-// held.
+// held; there also with windows of 2.5 s, shorter than the guide asks for.
 #include <gmock/gmock.h>
 
 #include <array>
@@ -19,8 +19,9 @@ namespace {
 
 using dynamics::Coefficient, dynamics::make_law;
 
-constexpr int kWindows = 8, kWindow = 250;  // of 2.5 s, about four periods
-constexpr int kLong = 20000;                // samples of the record that the best values come from
+constexpr int kWindows = 8;
+constexpr int kGuides = 800, kShort = 250;  // samples a window: 8 s, ten periods and more; 2.5 s
+constexpr int kLong = 100000;               // samples of the record that the best values come from
 constexpr int kUnknowns = 2;                // k and c
 
 struct Truth {
@@ -73,12 +74,12 @@ struct Held {
 
 /// What the intervals from one record hold: the best values of a far longer one, and the values of
 /// the windows of another.
-Held held(int chain) {
+Held held(int chain, int window) {
   const Truth truth = random_truth(chain);
   const auto seed = static_cast<std::uint64_t>(1000 + 10 * chain);
   const std::vector<double> start = {truth.k, truth.c, 0.02};
   const auto windows_of = [&](std::uint64_t of) {
-    SidCase c = record_of(truth, kWindows * kWindow, of);
+    SidCase c = record_of(truth, kWindows * window, of);
     c.windows = kWindows;
     return make_sid_problem(std::move(c));
   };
@@ -111,27 +112,42 @@ Held held(int chain) {
   return out;
 }
 
-TEST(SidWindowsStudy, IntervalsBetweenWindowsHoldWhereATermIsMissing) {
-  const bool whole = std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
-  const int chains = whole ? 200 : 30;
+struct Total {
+  int whole = 0, run = 0, next = 0, of = 0;
+};
+
+/// Of k and of c, over so many chains; prints them.
+std::array<Total, kUnknowns> study(int chains, int window) {
   std::vector<Held> all(static_cast<std::size_t>(chains));
-  base::parallel_for(chains, 0,
-                     [&](int chain) { all[static_cast<std::size_t>(chain)] = held(chain); });
+  base::parallel_for(
+      chains, 0, [&](int chain) { all[static_cast<std::size_t>(chain)] = held(chain, window); });
+  std::array<Total, kUnknowns> out;
   for (std::size_t i = 0; i < kUnknowns; ++i) {
-    int best_held = 0, run = 0, next = 0, of = 0;
+    Total& t = out[i];
     for (const Held& h : all) {
-      best_held += h.whole[i], run += h.run[i], next += h.next[i], of += h.of[i];
+      t.whole += h.whole[i], t.run += h.run[i], t.next += h.next[i], t.of += h.of[i];
     }
     std::printf(
-        "%s, %d chains: 90 %% of the whole held the best value of a long record in %d; of the "
-        "next window %d of %d others; 90 %% of the run by itself, white residuals: %d\n",
-        i == 0 ? "k" : "c", chains, best_held, next, of, run);
-    // Of the whole's 90 % a good half is what eight short windows give (docs/theory.md); 85 to 95 %
-    // is the aim, and not reached.
-    EXPECT_GE(best_held, chains / 2);
-    EXPECT_GE(next, 0.8 * of);
-    EXPECT_LT(run, best_held);
+        "%s, windows of %.1f s: nominal 90 %% of the whole held the best value of a long record in "
+        "%d of %d chains, of the run by itself (white residuals) in %d; of the next window %d of "
+        "%d others\n",
+        i == 0 ? "k" : "c", 0.01 * window, t.whole, chains, t.run, t.next, t.of);
   }
+  return out;
+}
+
+// Nominal 90 % of the whole are to hold 85 to 95 %: of 200 that is what is asked for, of 30 fewer
+// than 20 would be a chance of one in a hundred at 85 %.
+TEST(SidWindowsStudy, IntervalsBetweenWindowsHoldWhereATermIsMissing) {
+  const bool all = std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
+  const int chains = all ? 200 : 30;
+  for (const Total& t : study(chains, kGuides)) {
+    EXPECT_GE(t.whole, all ? 170 : 20);
+    EXPECT_LE(t.whole, all ? 190 : 30);
+    EXPECT_GE(t.next, 0.8 * t.of);
+    EXPECT_LT(t.run, t.whole);
+  }
+  if (all) study(chains, kShort);
 }
 
 }  // namespace
