@@ -178,7 +178,8 @@ TEST(Answer, AParameterThatRepeatsItsPriorIsMarked) {
   Findings findings;
   findings.sampling.verdict.converged = true;
   findings.models = {{.name = "linear", .standing = {.probability = 1.0}}};
-  findings.models[0].parameters = {{{"k", "k"}, row(1.0, 2.0, 3.0), 0.95}};
+  findings.models[0].parameters = {
+      {.unknown = {"k", "k"}, .estimate = row(1.0, 2.0, 3.0), .prior_overlap = 0.95}};
   EXPECT_THAT(apps::answer(findings).detail, HasSubstr("k = 2 (1 to 3, nearly its prior)"));
 }
 
