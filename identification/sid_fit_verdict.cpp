@@ -12,7 +12,9 @@ namespace {
 
 using inference::Posterior;
 
-constexpr std::size_t kDrawsBeyond = 20;
+// Of a stop that the window does not reach few draws have the gap that the rest of the record
+// needs.
+constexpr std::size_t kDrawsBeyond = 400;
 constexpr double kStillPossible = 0.05;  // probability
 
 /// P(χ² of a replicate > χ² of the data), χ² that of the innovations, over a model's draws; NaN
@@ -105,6 +107,7 @@ void judge_beyond(const SidProblem& problem, const std::vector<std::vector<doubl
   std::vector<double> least(inside.size(), std::numeric_limits<double>::infinity());
   std::vector<bool> always_worse(inside.size(), true);
   for (const std::vector<double>& theta : draws) {
+    if (std::ranges::count(always_worse, true) == 0) return;
     const std::vector<ChannelFit> fits = forward_run(*rest, verdict.model, theta);
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const bool worse = fits[c].rmse > 2.0 * inside[c].rmse &&
