@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");
   add_case(simulate_command);
-  add_output(simulate_command, "the file to write: .csv, or .json for a complete case");
+  add_output(simulate_command, "the file to write: .csv, or .json for a complete damage case");
   add_seed(simulate_command, "of the noise (default: the case's, or 1)");
 
   apps::ReportOptions drawing;

@@ -76,6 +76,10 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
 }
 
 void simulate_sid(const CommonOptions& common, CaseFile file) {
+  if (common.output.extension() == ".json") {
+    throw Failure(Exit::usage, "--output: " + common.output.string() +
+                                   ": a simulated record is a table: name it .csv");
+  }
   const SidCaseFile parsed = parse_sid_case(std::move(file), SidNeeds::truth);
   const SidCase& sid_case = parsed.sid;
   const std::uint64_t seed = common.seed.value_or(sid_case.truth ? sid_case.truth->seed : 1);

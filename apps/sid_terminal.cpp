@@ -79,7 +79,7 @@ void print_modes(const Page& page, const std::vector<ChainMode>& modes) {
 }
 
 void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
-  std::vector<std::vector<std::string>> rows = {{"response", "MSE", "NRMSE", "R2", "white?"}};
+  std::vector<std::vector<std::string>> rows = {{"response", "MSE (SI)", "NRMSE", "R2", "white?"}};
   for (const ChannelFit& fit : fits) {
     const bool varies = std::isfinite(fit.nrmse);
     rows.push_back(

@@ -57,7 +57,8 @@ std::string p_value(double p) {
 }
 
 std::string share_of_response(double nrmse) {
-  return significant(100.0 * nrmse, 2) + " % of the response";
+  return (nrmse < 0.995 ? significant(100.0 * nrmse, 2) : fixed(100.0 * nrmse, 0)) +
+         " % of the response";
 }
 
 std::string in_words(const std::vector<std::string>& items, const std::string& last) {
