@@ -5,6 +5,7 @@ Each half of the record is run by itself, split into windows. Of every parameter
 further window (between_windows, q5 to q95) from one half is held against what each window of the other half
 says, both ways: 80 to 100 % should lie within. Beside it, what the run's own interval (mean ± 1.645 sd) holds.
 """
+import os
 import sys
 
 from measured import Checks, read_case, run
@@ -54,6 +55,9 @@ def half(program, case, model, samples, windows):
 
 def main():
     program, name = sys.argv[1], sys.argv[2]
+    if not os.environ.get("WHEELTAP_LONG_TESTS"):
+        print("minutes to half an hour: run with scripts/test --long or scripts/windows-study")
+        sys.exit(77)
     check = Checks()
     file, model, halves, windows = SETS[name]
     case = read_case(file)
