@@ -1,5 +1,6 @@
 // wheeltap: the command line.
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <iostream>
 
 #include "apps/commands.hpp"
@@ -46,6 +47,8 @@ std::string joined(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A file that may not grow is an error of writing, which has a line and an exit code.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{
       "Structural health monitoring: how many damages, where, how bad, with honest "
       "probabilities"};
@@ -142,6 +145,8 @@ int main(int argc, char** argv) {
   add_seed(sid_command, "of the chains (default 1)");
   add_threads(sid_command);
   add_sampling(sid_command);
+  sid_command->add_flag("--resume", common.resume,
+                        "go on with an interrupted sweep; print a finished run again");
 
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");

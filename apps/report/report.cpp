@@ -10,6 +10,7 @@
 #include "apps/report/answer.hpp"
 #include "apps/report/assets.hpp"
 #include "apps/report/digest.hpp"
+#include "apps/stored_run.hpp"
 #include "dynamics/laws.hpp"
 #include "io/atomic_file.hpp"
 
@@ -90,7 +91,8 @@ Report laws() {
 }
 
 // What the scripts draw: the summary, what charts need of the draws, and the answer.
-Report content(const fs::path& directory, const Report& summary, const Answer& said) {
+Report content(const fs::path& directory, const Report& summary, const Answer& said,
+               std::optional<std::string> draws) {
   Report out = {{"summary", summary}, {"answer", json(said)}};
   try {
     if (summary.contains("sweep")) {  // its runs keep no draws
@@ -106,12 +108,18 @@ Report content(const fs::path& directory, const Report& summary, const Answer& s
     out["told"] = told(summary["models"], "");
     if (summary["wheeltap"].value("command", "") == "sid") out["laws"] = laws();
     out["resolution"] = summary["diagnostics"].value("resolution_words", "");
-    out["draws"] = digest(directory / "posterior.nc", summary);
+    out["draws"] =
+        draws ? digest(std::move(*draws), directory / "posterior.nc", summary) : Report::object();
   } catch (const nlohmann::json::exception& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
                     std::string("does not hold what a run writes: ") + error.what());
   }
   return out;
+}
+
+std::optional<std::string> stored_draws(const fs::path& directory, const Report& summary) {
+  if (summary.contains("sweep")) return {};
+  return sealed_file(directory, "posterior.nc", summary);
 }
 
 // Prose as HTML, numbers and their units kept on one line.
@@ -207,8 +215,8 @@ std::string html_text(const std::string& text) {
   return out;
 }
 
-void write_report(const fs::path& directory) {
-  const Report summary = read_summary(directory / "summary.json");
+std::string report_page(const fs::path& directory, const Report& summary,
+                        std::optional<std::string> draws) {
   Answer said;
   try {
     said = read_answer(summary);
@@ -216,7 +224,7 @@ void write_report(const fs::path& directory) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
                     std::string("does not hold what a run writes: ") + error.what());
   }
-  const std::string data = script_safe(content(directory, summary, said));
+  const std::string data = script_safe(content(directory, summary, said, std::move(draws)));
   const std::string title = html_text(title_of(summary));
   const std::string caution =
       said.caution.empty() ? "" : "<p class=\"caution\">" + prose(said.caution) + "</p>";
@@ -224,29 +232,31 @@ void write_report(const fs::path& directory) {
       said.detail.empty() ? "" : "<p class=\"detail\">" + prose(said.detail) + "</p>";
   const std::string headline = prose(said.headline);
   const std::string licences = html_text(std::string(assets::kLicences));
-  const std::string page = fill(assets::kTemplate, {{"title", title},
-                                                    {"caution", caution},
-                                                    {"misfit", said.misfit ? " misfit" : ""},
-                                                    {"headline", headline},
-                                                    {"detail", detail},
-                                                    {"style", assets::kStyle},
-                                                    {"data", data},
-                                                    {"vega", assets::kVega},
-                                                    {"charts", assets::kCharts},
-                                                    {"page", assets::kPage},
-                                                    {"licences", licences}});
-  const fs::path path = directory / "report.html";
-  io::AtomicFile file(path);
-  std::ofstream stream(file.temporary(), std::ios::binary);
-  stream << page;
-  stream.close();
-  if (!stream) throw FileError(FileError::Kind::unwritable, path, "cannot be written");
+  return fill(assets::kTemplate, {{"title", title},
+                                  {"caution", caution},
+                                  {"misfit", said.misfit ? " misfit" : ""},
+                                  {"headline", headline},
+                                  {"detail", detail},
+                                  {"style", assets::kStyle},
+                                  {"data", data},
+                                  {"vega", assets::kVega},
+                                  {"charts", assets::kCharts},
+                                  {"page", assets::kPage},
+                                  {"licences", licences}});
+}
+
+void write_report(const fs::path& directory) {
+  io::finish_commit(directory);
+  const Report summary = read_summary(directory / "summary.json");
+  const std::string page = report_page(directory, summary, stored_draws(directory, summary));
+  io::AtomicFile file(directory / "report.html");
+  file.write(page);
   file.commit();
 }
 
 int write_figures(const fs::path& directory) {
   const Report summary = read_summary(directory / "summary.json");
-  const Report data = content(directory, summary, {});
+  const Report data = content(directory, summary, {}, stored_draws(directory, summary));
   const fs::path folder = directory / "figures";
   std::error_code error;
   fs::create_directories(folder, error);
