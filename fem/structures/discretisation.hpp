@@ -1,0 +1,115 @@
+// From a structure to the matrices of K φ = ω² M φ.
+#pragma once
+
+#include <Eigen/SparseCore>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "base/eigen.hpp"
+#include "fem/structures/structure.hpp"
+
+namespace wheeltap::fem {
+
+/// A linear form of the degrees of freedom: Σ coefficients[i] u[dofs[i]]. Dofs ascend.
+struct SparseRow {
+  std::vector<int> dofs = {};
+  std::vector<double> coefficients = {};
+
+  [[nodiscard]] double of(const Eigen::Ref<const Eigen::VectorXd>& u) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < dofs.size(); ++i) sum += coefficients[i] * u[dofs[i]];
+    return sum;
+  }
+  [[nodiscard]] bool empty() const { return dofs.empty(); }
+};
+
+/// factor (row · u)²: twice the energy of one strain; factor 1, or -1 of a compressed member's
+/// geometric stiffness. The row holds the square root of the stiffness.
+struct Strain {
+  SparseRow row;
+  double factor = 1.0;
+};
+
+/// What stores no strains of its own: a degree of freedom by name, for messages and sensors.
+struct DofName {
+  std::string place;  ///< a node, or a place on a member
+  std::string direction;
+};
+
+/// K φ = λ M φ in the n degrees of freedom that are free. K = Bᵀ D B + K_rest from the strains B,
+/// so that φᵀ K φ is a sum of squares, which does not cancel as the assembled matrix does for
+/// smooth shapes of fine meshes.
+struct Discretisation {
+  using Sparse = Eigen::SparseMatrix<double>;
+
+  std::vector<DofName> names;    ///< n
+  std::vector<Strain> strains;   ///< the rows of B
+  Sparse rest;                   ///< K_rest, n × n: what is given as a matrix (or empty)
+  Sparse stiffness;              ///< K, n × n, both triangles
+  Sparse mass;                   ///< M, n × n, positive semidefinite
+  Eigen::MatrixXd rigid_motions; ///< n × r: motions that strain nothing, any basis
+
+  [[nodiscard]] Eigen::Index size() const { return mass.rows(); }
+  /// K u by the strains.
+  [[nodiscard]] Eigen::VectorXd stiffness_times(const Eigen::Ref<const Eigen::VectorXd>& u) const;
+  /// uᵀ K u by the strains: twice the strain energy.
+  [[nodiscard]] double energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
+  /// The same, had nothing cancelled inside each strain: what rounding is measured by.
+  [[nodiscard]] double uncancelled_energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
+};
+
+/// The strains of one element of a member: an axial force, a torque, and in each plane a constant
+/// moment and a constant shear force. Of a plane structure three, in space six.
+enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
+inline constexpr int kElementStrains = 6;
+
+/// A meshed structure: where its elements are, and how places on it move.
+class Mesh {
+ public:
+  struct Element {
+    int member;
+    double from, to;  ///< [m] from the member's first end
+    /// Index of each strain in `Discretisation::strains`; -1 where there is none.
+    std::array<int, kElementStrains> strains;
+    int piece;  ///< of the member
+  };
+
+  /// Throws InvalidStructure.
+  explicit Mesh(const Structure& structure);
+
+  [[nodiscard]] const Structure& structure() const { return structure_; }
+  [[nodiscard]] const Discretisation& discretisation() const { return discretisation_; }
+  [[nodiscard]] const std::vector<Element>& elements() const { return elements_; }
+  /// Index of the first element of a member; of `members` for the end.
+  [[nodiscard]] int first_element(int member) const {
+    return first_element_[static_cast<std::size_t>(member)];
+  }
+  [[nodiscard]] double member_length(int member) const;
+
+  /// The element of a member that contains s [m]: element e covers [s_e, s_{e+1}), the last one
+  /// closed; an s within 1e-9 of the member's length of a boundary counts as it. Throws
+  /// std::invalid_argument outside the member.
+  [[nodiscard]] int element_at(int member, double s) const;
+
+  /// The motion of a node; empty where it is held.
+  [[nodiscard]] const SparseRow& motion(int node, Direction direction) const;
+  /// The motion of a place on a member along (or about) a global axis, through the element's shape
+  /// functions.
+  [[nodiscard]] SparseRow motion(int member, double s, Direction direction) const;
+
+ private:
+  friend class MeshBuilder;
+  Structure structure_;
+  Discretisation discretisation_;
+  std::vector<Element> elements_;
+  std::vector<int> first_element_;
+  /// Of each node, then of each boundary between elements: its six motions.
+  std::vector<std::array<SparseRow, kDirections>> node_motions_;
+  std::vector<std::vector<std::array<SparseRow, kDirections>>> station_motions_;
+  std::vector<MemberFrame> frames_;
+  std::vector<std::vector<double>> boundaries_;
+};
+
+}  // namespace wheeltap::fem
