@@ -76,7 +76,8 @@ const Member::Piece& piece_of(const Member& member, double s) {
 }
 
 /// Bending in the plane of a section's axis: along z about y, or along y about z.
-Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z) {
+Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
+                        bool rotary_inertia) {
   const MemberSection& s = piece.section;
   const double shear_area =
       (along_z ? s.shear_coefficient_z : s.shear_coefficient_y) * piece.section.area;
@@ -85,7 +86,7 @@ Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z)
           .bending_stiffness = piece.material.young * second_moment,
           .shear_stiffness = piece.material.shear_modulus() * shear_area,
           .mass = piece.material.density * s.area,
-          .rotary = piece.material.density * second_moment};
+          .rotary = rotary_inertia ? piece.material.density * second_moment : 0.0};
 }
 
 std::string millimetres(double metres) {
@@ -353,7 +354,7 @@ class MeshBuilder {
           along_z
               ? std::array<SparseRow, 4>{own[0][2], minus(own[0][4]), own[1][2], minus(own[1][4])}
               : std::array<SparseRow, 4>{own[0][1], own[0][5], own[1][1], own[1][5]};
-      const TimoshenkoElement<double> bending(flexure(piece, l, along_z));
+      const TimoshenkoElement<double> bending(flexure(piece, l, along_z, s_.rotary_inertia));
       strain(along_z ? ElementStrain::bending_z : ElementStrain::bending_y) =
           add_strain(in_plane(bending.bending(), motions));
       strain(along_z ? ElementStrain::shear_z : ElementStrain::shear_y) =
@@ -611,7 +612,7 @@ SparseRow Mesh::motion(int member, double s, Direction direction) const {
   add(x * xi, 1, 0, rotation);
   for (const bool along_z : {true, false}) {
     if (!along_z && structure_.dimension == 2) continue;
-    const TimoshenkoElement<double> bending(flexure(piece, l, along_z));
+    const TimoshenkoElement<double> bending(flexure(piece, l, along_z, structure_.rotary_inertia));
     const Eigen::Vector4d shape = rotation ? bending.rotation_row(xi) : bending.deflection_row(xi);
     const std::size_t deflects = along_z ? 2 : 1, turns = along_z ? 1 : 2;
     const double sign = along_z ? -1.0 : 1.0;  // w' = sign θ

@@ -111,6 +111,7 @@ struct Structure {
   std::vector<NodeMass> masses = {};
   std::vector<NodeSpring> springs = {};
   Mass mass = Mass::consistent;
+  bool rotary_inertia = true;  ///< of consistent masses: whether ρI counts
 };
 
 /// What is wrong with a structure, and where.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
@@ -66,6 +67,208 @@ TEST(StructureModes, EightArms) {
                      {11.3243, 17.6368, 17.6368, 17.6652, 17.6652, 17.6652, 17.6652, 17.6652,
                       45.157},
                      1e-4);
+}
+
+/// Corners 0 … 3 of a square, joined rigidly.
+Structure square_frame(int elements, double kappa) {
+  const Material material{.young = 200e9, .poisson = 0.3, .density = 8000.0};
+  Structure s{.dimension = 2,
+              .nodes = {{"A", {0, 0, 0}}, {"B", {10, 0, 0}}, {"C", {10, 10, 0}}, {"D", {0, 10, 0}}},
+              .members = {}};
+  for (int i = 0; i < 4; ++i)
+    s.members.push_back(member(s, "side " + std::to_string(i + 1), i, (i + 1) % 4, elements,
+                               material, rectangle(0.25, 0.25, kappa)));
+  return s;
+}
+
+TEST(StructureModes, FreeSquareFrame) {
+  const StructureModes modes =
+      structure_modes(Mesh(square_frame(40, 5.0 / 6.0)).discretisation(), 11);
+  EXPECT_EQ(modes.rigid_body_modes, 3);
+  expect_frequencies(
+      modes, {0, 0, 0, 3.2585, 5.6592, 11.1143, 11.1143, 12.7651, 24.4922, 28.4742, 28.4742}, 1e-4);
+}
+
+/// Without shear and rotary inertia: the classical tables.
+TEST(StructureModes, SlenderLimits) {
+  Structure arms = cross_of_arms(24, MemberSection::kNoShear);
+  Structure square = square_frame(40, MemberSection::kNoShear);
+  arms.rotary_inertia = square.rotary_inertia = false;
+  expect_frequencies(structure_modes(Mesh(arms).discretisation(), 9),
+                     {11.3363, 17.6808, 17.6808, 17.7094, 17.7094, 17.7094, 17.7094, 17.7094,
+                      45.345},
+                     1e-4);
+  expect_frequencies(
+      structure_modes(Mesh(square).discretisation(), 11),
+      {0, 0, 0, 3.2616, 5.6652, 11.1424, 11.1424, 12.8201, 24.6001, 28.6665, 28.6665}, 1e-4);
+}
+
+/// Bathe & Wilson 1972, Proc. ASCE 98 (ST6): ten bays, nine storeys, one element a member, masses
+/// lumped, no shear deformation.
+TEST(StructureModes, BatheWilsonFrame) {
+  const Material material{.young = 432000.0, .poisson = 0.3, .density = 1.0};  // kips, feet
+  const MemberSection section{.area = 3.0, .second_moment_y = 1.0};
+  Structure s{.dimension = 2, .nodes = {}, .members = {}};
+  const auto node = [](int column, int storey) { return storey * 11 + column; };
+  for (int storey = 0; storey <= 9; ++storey)
+    for (int column = 0; column <= 10; ++column)
+      s.nodes.push_back({std::to_string(column) + "/" + std::to_string(storey),
+                         {20.0 * column, 10.0 * storey, 0.0}});
+  for (int storey = 0; storey < 9; ++storey)
+    for (int column = 0; column <= 10; ++column)
+      s.members.push_back(member(s, "column", node(column, storey), node(column, storey + 1), 1,
+                                 material, section));
+  for (int storey = 1; storey <= 9; ++storey)
+    for (int column = 0; column < 10; ++column)
+      s.members.push_back(member(s, "beam", node(column, storey), node(column + 1, storey), 1,
+                                 material, section));
+  for (int column = 0; column <= 10; ++column)
+    s.supports.push_back({.node = node(column, 0), .fix = {true, true, true, true, true, true}});
+  s.mass = Structure::Mass::lumped;
+  const Mesh mesh(s);
+  EXPECT_EQ(mesh.discretisation().size(), 297);
+  EXPECT_EQ(mode_count(mesh.discretisation()), 198);
+  const StructureModes modes = structure_modes(mesh.discretisation(), 3);
+  EXPECT_TRUE(modes.certified);
+  const double expected[] = {0.5895413, 5.526956, 16.58787};
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(modes.eigenvalues[i], expected[i], 1e-6 * expected[i]) << i;
+}
+
+/// As printed of a cantilever's three spatial families: bending about both axes, torsion and
+/// stretching, whatever the direction of the member and of its section.
+TEST(StructureModes, ASpaceCantileverInAnyDirection) {
+  const Material material{.young = 70e9, .poisson = 0.3, .density = 2700.0};
+  const MemberSection section = rectangle(0.02, 0.05, 5.0 / 6.0);
+  StructureModes straight;
+  for (const auto& [tip, up] :
+       {std::pair{Vector3{2, 0, 0}, Vector3{0, 0, 1}}, std::pair{Vector3{0, 0, 2}, Vector3{1, 2, 0}},
+        std::pair{Vector3{1.2, -0.96, 1.28}, Vector3{0.3, 0.1, 2}}}) {
+    Structure s{.dimension = 3, .nodes = {{"root", {1, 2, 3}}, {"tip", {}}}, .members = {}};
+    for (std::size_t k = 0; k < 3; ++k) s.nodes[1].at[k] = s.nodes[0].at[k] + tip[k];
+    s.members.push_back(member(s, "arm", 0, 1, 40, material, section));
+    s.members[0].up = up;
+    s.supports.push_back({.node = 0, .fix = {true, true, true, true, true, true}});
+    const Mesh mesh(s);
+    const StructureModes modes = structure_modes(mesh.discretisation(), 14);
+    EXPECT_TRUE(modes.certified);
+    if (straight.eigenvalues.size() == 0) {
+      straight = modes;
+      // Bending along z is that of the plane beam.
+      const Beam beam{.length = 2.0,
+                      .elements = 40,
+                      .supports = named_supports("cantilever", 2.0),
+                      .material = material,
+                      .section = {section.area, section.second_moment_y, 5.0 / 6.0}};
+      const Modes plane = modal_analysis(beam, {}, {.modes = 3});
+      for (const double f : plane.frequencies_hz)
+        EXPECT_LT((modes.frequencies_hz.array() / f - 1.0).abs().minCoeff(), 1e-9);
+      // Torsion: f = √(G J / ρ I_p) / (4 L), consistent linear elements 1 + (π h / 2L)² / 24.
+      const double polar = section.second_moment_y + section.second_moment_z;
+      const double torsion =
+          std::sqrt(material.shear_modulus() * section.torsion_constant / (2700.0 * polar)) / 8.0;
+      const double mesh_error = std::pow(kPi / 2.0 / 40.0, 2) / 24.0;
+      EXPECT_LT((modes.frequencies_hz.array() / (torsion * (1.0 + mesh_error)) - 1.0)
+                    .abs()
+                    .minCoeff(),
+                1e-6);
+    }
+    for (Eigen::Index i = 0; i < 14; ++i)
+      EXPECT_NEAR(modes.frequencies_hz[i], straight.frequencies_hz[i],
+                  1e-10 * straight.frequencies_hz[i]);
+  }
+}
+
+/// A space frame that nothing holds has six rigid motions, which strain nothing, however it is
+/// turned and moved; and its frequencies stay.
+TEST(StructureModes, RigidMotionsAndRotationOfASpaceFrame) {
+  const Material material{.young = 210e9, .poisson = 0.3, .density = 7850.0};
+  Eigen::Matrix3d turn;
+  turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized());
+  StructureModes first;
+  for (const bool turned : {false, true}) {
+    Structure s{.dimension = 3, .nodes = {}, .members = {}};
+    for (const Vector3& corner :
+         {Vector3{0, 0, 0}, Vector3{3, 0, 0}, Vector3{3, 2, 0}, Vector3{0, 2, 0.5}}) {
+      const Eigen::Vector3d at =
+          turned ? Eigen::Vector3d(turn * Eigen::Vector3d(corner.data()) + Eigen::Vector3d(5, -4, 9))
+                 : Eigen::Vector3d(corner.data());
+      s.nodes.push_back({"n", {at[0], at[1], at[2]}});
+    }
+    for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}}) {
+      s.members.push_back(member(s, "m", a, b, 6, material, rectangle(0.05, 0.08, 5.0 / 6.0)));
+      const Eigen::Vector3d up =
+          turned ? Eigen::Vector3d(turn * Eigen::Vector3d::UnitZ()) : Eigen::Vector3d::UnitZ();
+      s.members.back().up = {up[0], up[1], up[2]};
+    }
+    s.members[1].ends[0].offset = {0, 0, 0};
+    const Mesh mesh(s);
+    const Discretisation& d = mesh.discretisation();
+    ASSERT_EQ(d.rigid_motions.cols(), 6);
+    for (const auto& motion : d.rigid_motions.colwise())
+      EXPECT_LT(d.energy(motion), 1e-24 * d.uncancelled_energy(motion));
+    const StructureModes modes = structure_modes(d, 16);
+    EXPECT_TRUE(modes.certified);
+    EXPECT_EQ(modes.rigid_body_modes, 6);
+    if (!turned) {
+      first = modes;
+      continue;
+    }
+    for (Eigen::Index i = 6; i < 16; ++i)
+      EXPECT_NEAR(modes.frequencies_hz[i], first.frequencies_hz[i], 1e-9 * first.frequencies_hz[i]);
+  }
+}
+
+/// A hinge is a soft joint's limit and a rigid one its other; a joint of stiffness k holds as its
+/// spring does.
+TEST(StructureModes, JointsBetweenHingeAndRigid) {
+  Structure s = square_frame(10, 5.0 / 6.0);
+  const auto f = [&](double stiffness) {
+    s.members[0].ends[1].rotation.fill(stiffness);
+    return structure_modes(Mesh(s).discretisation(), 6).frequencies_hz[3];
+  };
+  const double hinge = f(0.0), rigid = f(MemberEnd::kRigid);
+  EXPECT_LT(hinge, 0.95 * rigid);
+  EXPECT_NEAR(f(1e-3), hinge, 1e-9 * hinge);
+  EXPECT_NEAR(f(1e16), rigid, 1e-6 * rigid);
+  const double middle = f(1e7);
+  EXPECT_GT(middle, hinge);
+  EXPECT_LT(middle, rigid);
+}
+
+/// Euler: P = π² EI / L² of a pinned column takes its first frequency to zero, by
+/// f² = f₀² (1 - P/P_E).
+TEST(StructureModes, AxialLoadAtEulers) {
+  const Material material{.young = 210e9, .poisson = 0.3, .density = 7850.0};
+  Structure s{.dimension = 2, .nodes = {{"foot", {0, 0, 0}}, {"head", {0, 4, 0}}}, .members = {}};
+  s.members.push_back(
+      member(s, "column", 0, 1, 40, material, rectangle(0.05, 0.05, MemberSection::kNoShear)));
+  s.supports = {{.node = 0, .fix = {true, true}}, {.node = 1, .fix = {true, false}}};
+  s.rotary_inertia = false;
+  const double euler =
+      kPi * kPi * 210e9 * s.members[0].pieces[0].section.second_moment_y / 16.0;
+  const double f0 = structure_modes(Mesh(s).discretisation(), 1).frequencies_hz[0];
+  for (const double share : {-1.0, 0.5, 0.9, 0.9999}) {
+    s.members[0].axial_force = -share * euler;
+    const double f = structure_modes(Mesh(s).discretisation(), 1).frequencies_hz[0];
+    EXPECT_NEAR(f * f, f0 * f0 * (1.0 - share), 2e-6 * f0 * f0) << share;
+  }
+  s.members[0].axial_force = -1.001 * euler;
+  EXPECT_THROW((void)structure_modes(Mesh(s).discretisation(), 1), InvalidStructure);
+}
+
+TEST(StructureModes, NamesAMechanism) {
+  Structure s = square_frame(4, 5.0 / 6.0);
+  s.supports = {{.node = 0, .fix = {true, true}}, {.node = 1, .fix = {true, true}}};
+  for (Member& m : s.members)
+    for (MemberEnd& end : m.ends) end.rotation.fill(0.0);
+  try {
+    (void)structure_modes(Mesh(s).discretisation(), 3);
+    FAIL() << "a four-bar linkage stood";
+  } catch (const InvalidStructure& error) {
+    EXPECT_NE(std::string(error.what()).find("mechanism"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("x"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace
