@@ -28,24 +28,22 @@ std::size_t index(int i) {
 
 }  // namespace
 
-void RootSearch::set(const IntactModes& intact, const DefectColumns& columns,
-                     const SecularKernel& kernel) {
-  intact_ = &intact;
-  columns_ = &columns;
+void RootSearch::set(const SecularProblem& problem, const SecularKernel& kernel) {
+  problem_ = problem;
   kernel_ = &kernel;
-  const Window& window = intact.window(columns.supports());
-  secular_ = {.columns = columns.count(),
-              .supports = columns.supports(),
-              .near = window.near,
+  const Window& window = *problem.window;
+  secular_ = {.columns = problem.columns,
+              .supports = problem.supports,
+              .near = window.near + problem.added_poles,
               .terms = window.terms,
               .cap = window.cap,
-              .eigenvalues = intact.eigenvalues.data(),
-              .scales = (columns.supports() > 0 ? intact.held_scales : intact.scales).data(),
-              .stride = intact.stride,
-              .c = columns.columns()};
+              .eigenvalues = problem.eigenvalues,
+              .scales = problem.scales,
+              .stride = problem.stride,
+              .c = problem.c};
   reserve();
   secular_.pairs = pairs_.data();
-  kernel.fill_pairs(secular_, static_cast<int>(intact.stride), window.series.data(),
+  kernel.fill_pairs(secular_, static_cast<int>(problem.stride), window.series.data(),
                     window.series_end.data(), product_.data(), pairs_.data());
 }
 
@@ -64,27 +62,30 @@ void RootSearch::reserve() {
   scratch_.forward = take(2 * m);
   scratch_.forces = take(2 * m);
   if (pairs_.size() < pairs * rows) pairs_.resize(pairs * rows);
-  product_.resize(intact_->stride);
+  product_.resize(problem_.stride);
   eta_.resize(m);
 }
 
 RootSearch::Search RootSearch::begin(int root) const {
-  const IntactModes& intact = *intact_;
   Search search;
   search.root = root;
-  const double own = intact.eigenvalues[index(root)];
-  const double scale = secular_.scales[root];
+  const double own = problem_.eigenvalues[root];
+  const double scale = secular_.scales[root + problem_.added_poles];
   // Interlacing: each support raises a root to the next intact one at most, and springs by no more
   // than they add to K.
-  const int lifted = root + columns_->supports(), held = root + columns_->held();
-  double top = intact.eigenvalues[index(held)] + columns_->added_stiffness();
-  if (lifted < intact.modes) top = std::min(top, intact.eigenvalues[index(lifted)]);
-  search.low = std::max(columns_->least_remaining() * own * (1.0 - kMargin), 1e-20 * scale);
+  const int lifted = root + problem_.supports, held = root + problem_.held;
+  double top = problem_.eigenvalues[held] + problem_.added_stiffness;
+  if (lifted < problem_.modes) top = std::min(top, problem_.eigenvalues[lifted]);
+  search.low = std::max(problem_.least_remaining * own * (1.0 - kMargin), 1e-20 * scale);
   search.high = (1.0 + kMargin) * top;
+  if (!problem_.starts.empty()) {
+    search.z = std::clamp(problem_.starts[index(root)], search.low, search.high);
+    return search;
+  }
   // 1 / κ = eᵀ J e where the mode is moved by itself: first order in added compliance.
   double softer = 1.0, stiffer = 0.0;
   for (int a = 0; a < secular_.columns; ++a) {
-    const double c = secular_.c[index(a) * intact.stride + index(root)];
+    const double c = secular_.c[index(a) * problem_.stride + index(root)];
     if (a < secular_.supports)
       stiffer += c * c;
     else
@@ -275,7 +276,7 @@ void RootSearch::queue_unproven(int first, int count, int total) {
 
 void RootSearch::find(int first, std::span<double> lambda) {
   const int count = static_cast<int>(lambda.size());
-  const int total = intact_->modes - columns_->held();
+  const int total = problem_.modes - problem_.held;
   found_.resize(index(count) + 1);
   last_ = count < total ? count : -1;
   queue_.clear();
@@ -305,7 +306,7 @@ RootSearch::Mode RootSearch::mode_at(int root, double lambda, int pole, int lane
 }
 
 void RootSearch::coordinates(const Mode& mode, double* coordinates) const {
-  kernel_->coordinates(secular_, static_cast<int>(intact_->stride), mode.eta.data(), mode.lambda,
+  kernel_->coordinates(secular_, static_cast<int>(problem_.stride), mode.eta.data(), mode.lambda,
                        mode.pole, coordinates);
   coordinates[mode.pole] = mode.a1;
   coordinates[mode.pole + 1] = mode.a2;

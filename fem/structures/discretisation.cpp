@@ -616,8 +616,8 @@ SparseRow Mesh::motion(int member, double s, Direction direction) const {
     const Eigen::Vector4d shape = rotation ? bending.rotation_row(xi) : bending.deflection_row(xi);
     const std::size_t deflects = along_z ? 2 : 1, turns = along_z ? 1 : 2;
     const double sign = along_z ? -1.0 : 1.0;  // w' = sign θ
-    const double share = rotation ? sign * dot(wanted, frame.axes[turns])
-                                  : dot(wanted, frame.axes[deflects]);
+    const double share =
+        rotation ? sign * dot(wanted, frame.axes[turns]) : dot(wanted, frame.axes[deflects]);
     for (std::size_t end = 0; end < 2; ++end) {
       const auto k = static_cast<Eigen::Index>(2 * end);
       add(share * shape[k], end, deflects, false);

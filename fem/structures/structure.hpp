@@ -62,9 +62,9 @@ struct Member {
   };
 
   std::string name;
-  std::array<int, 2> nodes = {};  ///< indices of `Structure::nodes`
-  int elements = 1;               ///< equal ones; an end of a piece is a boundary, too
-  std::vector<Piece> pieces;      ///< at least one
+  std::array<int, 2> nodes = {};   ///< indices of `Structure::nodes`
+  int elements = 1;                ///< equal ones; an end of a piece is a boundary, too
+  std::vector<Piece> pieces = {};  ///< at least one
   /// In space: the section's z axis is the part of `up` normal to the member. Zero stands for
   /// global z, or global y where the member is parallel to z.
   Vector3 up = {};

@@ -1,8 +1,8 @@
 #include "fem/structures/structure_modes.hpp"
 
+#include <Spectra/MatOp/SparseSymMatProd.h>
 #include <Spectra/SymEigsSolver.h>
 #include <Spectra/SymGEigsShiftSolver.h>
-#include <Spectra/MatOp/SparseSymMatProd.h>
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -165,8 +165,7 @@ MatrixXd lanczos(const Search& s, const MatrixXd& known, Index count, int start)
       Eigen::Map<VectorXd> out(y, rows());
       s.shifted.perform_op(x, y);
       if (known.cols() > 0)
-        for (int pass = 0; pass < 2; ++pass)
-          out -= known * (known.transpose() * (s.mass * out));
+        for (int pass = 0; pass < 2; ++pass) out -= known * (known.transpose() * (s.mass * out));
     }
   };
   const Index n = s.d.size();
@@ -233,17 +232,16 @@ void refuse_mechanisms(const Discretisation& d, const Ritz& ritz) {
                              "the axial forces exceed buckling: a motion largest at " +
                                  place_of(d, largest) + " has negative stiffness");
     if (std::abs(ritz.values[i]) <= kNoStrain * all)
-      throw InvalidStructure(Part::whole, 0,
-                             "is a mechanism: nothing resists a motion that is largest at " +
-                                 place_of(d, largest));
+      throw InvalidStructure(
+          Part::whole, 0,
+          "is a mechanism: nothing resists a motion that is largest at " + place_of(d, largest));
   }
 }
 
 void refuse_empty_pivots(const Discretisation& d) {
   for (Index i = 0; i < d.size(); ++i)
     if (!(d.stiffness.coeff(i, i) > 0.0) && !(d.mass.coeff(i, i) > 0.0))
-      throw InvalidStructure(Part::whole, 0,
-                             "has neither stiffness nor mass at " + place_of(d, i));
+      throw InvalidStructure(Part::whole, 0, "has neither stiffness nor mass at " + place_of(d, i));
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ MemberSection rectangle(double width, double height, double kappa) {
 
 Member member(const Structure& s, std::string name, int a, int b, int elements, Material material,
               MemberSection section) {
-  const Vector3 line = difference(s.nodes[static_cast<std::size_t>(b)].at,
-                                  s.nodes[static_cast<std::size_t>(a)].at);
+  const Vector3 line =
+      difference(s.nodes[static_cast<std::size_t>(b)].at, s.nodes[static_cast<std::size_t>(a)].at);
   return {.name = std::move(name),
           .nodes = {a, b},
           .elements = elements,
@@ -63,10 +63,9 @@ Structure cross_of_arms(int elements, double kappa) {
 TEST(StructureModes, EightArms) {
   const StructureModes modes =
       structure_modes(Mesh(cross_of_arms(24, 5.0 / 6.0)).discretisation(), 9);
-  expect_frequencies(modes,
-                     {11.3243, 17.6368, 17.6368, 17.6652, 17.6652, 17.6652, 17.6652, 17.6652,
-                      45.157},
-                     1e-4);
+  expect_frequencies(
+      modes, {11.3243, 17.6368, 17.6368, 17.6652, 17.6652, 17.6652, 17.6652, 17.6652, 45.157},
+      1e-4);
 }
 
 /// Corners 0 … 3 of a square, joined rigidly.
@@ -94,10 +93,9 @@ TEST(StructureModes, SlenderLimits) {
   Structure arms = cross_of_arms(24, MemberSection::kNoShear);
   Structure square = square_frame(40, MemberSection::kNoShear);
   arms.rotary_inertia = square.rotary_inertia = false;
-  expect_frequencies(structure_modes(Mesh(arms).discretisation(), 9),
-                     {11.3363, 17.6808, 17.6808, 17.7094, 17.7094, 17.7094, 17.7094, 17.7094,
-                      45.345},
-                     1e-4);
+  expect_frequencies(
+      structure_modes(Mesh(arms).discretisation(), 9),
+      {11.3363, 17.6808, 17.6808, 17.7094, 17.7094, 17.7094, 17.7094, 17.7094, 45.345}, 1e-4);
   expect_frequencies(
       structure_modes(Mesh(square).discretisation(), 11),
       {0, 0, 0, 3.2616, 5.6652, 11.1424, 11.1424, 12.8201, 24.6001, 28.6665, 28.6665}, 1e-4);
@@ -120,8 +118,8 @@ TEST(StructureModes, BatheWilsonFrame) {
                                  material, section));
   for (int storey = 1; storey <= 9; ++storey)
     for (int column = 0; column < 10; ++column)
-      s.members.push_back(member(s, "beam", node(column, storey), node(column + 1, storey), 1,
-                                 material, section));
+      s.members.push_back(
+          member(s, "beam", node(column, storey), node(column + 1, storey), 1, material, section));
   for (int column = 0; column <= 10; ++column)
     s.supports.push_back({.node = node(column, 0), .fix = {true, true, true, true, true, true}});
   s.mass = Structure::Mass::lumped;
@@ -141,9 +139,9 @@ TEST(StructureModes, ASpaceCantileverInAnyDirection) {
   const Material material{.young = 70e9, .poisson = 0.3, .density = 2700.0};
   const MemberSection section = rectangle(0.02, 0.05, 5.0 / 6.0);
   StructureModes straight;
-  for (const auto& [tip, up] :
-       {std::pair{Vector3{2, 0, 0}, Vector3{0, 0, 1}}, std::pair{Vector3{0, 0, 2}, Vector3{1, 2, 0}},
-        std::pair{Vector3{1.2, -0.96, 1.28}, Vector3{0.3, 0.1, 2}}}) {
+  for (const auto& [tip, up] : {std::pair{Vector3{2, 0, 0}, Vector3{0, 0, 1}},
+                                std::pair{Vector3{0, 0, 2}, Vector3{1, 2, 0}},
+                                std::pair{Vector3{1.2, -0.96, 1.28}, Vector3{0.3, 0.1, 2}}}) {
     Structure s{.dimension = 3, .nodes = {{"root", {1, 2, 3}}, {"tip", {}}}, .members = {}};
     for (std::size_t k = 0; k < 3; ++k) s.nodes[1].at[k] = s.nodes[0].at[k] + tip[k];
     s.members.push_back(member(s, "arm", 0, 1, 40, material, section));
@@ -168,10 +166,9 @@ TEST(StructureModes, ASpaceCantileverInAnyDirection) {
       const double torsion =
           std::sqrt(material.shear_modulus() * section.torsion_constant / (2700.0 * polar)) / 8.0;
       const double mesh_error = std::pow(kPi / 2.0 / 40.0, 2) / 24.0;
-      EXPECT_LT((modes.frequencies_hz.array() / (torsion * (1.0 + mesh_error)) - 1.0)
-                    .abs()
-                    .minCoeff(),
-                1e-6);
+      EXPECT_LT(
+          (modes.frequencies_hz.array() / (torsion * (1.0 + mesh_error)) - 1.0).abs().minCoeff(),
+          1e-6);
     }
     for (Eigen::Index i = 0; i < 14; ++i)
       EXPECT_NEAR(modes.frequencies_hz[i], straight.frequencies_hz[i],
@@ -191,8 +188,9 @@ TEST(StructureModes, RigidMotionsAndRotationOfASpaceFrame) {
     for (const Vector3& corner :
          {Vector3{0, 0, 0}, Vector3{3, 0, 0}, Vector3{3, 2, 0}, Vector3{0, 2, 0.5}}) {
       const Eigen::Vector3d at =
-          turned ? Eigen::Vector3d(turn * Eigen::Vector3d(corner.data()) + Eigen::Vector3d(5, -4, 9))
-                 : Eigen::Vector3d(corner.data());
+          turned
+              ? Eigen::Vector3d(turn * Eigen::Vector3d(corner.data()) + Eigen::Vector3d(5, -4, 9))
+              : Eigen::Vector3d(corner.data());
       s.nodes.push_back({"n", {at[0], at[1], at[2]}});
     }
     for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}}) {
@@ -245,8 +243,7 @@ TEST(StructureModes, AxialLoadAtEulers) {
       member(s, "column", 0, 1, 40, material, rectangle(0.05, 0.05, MemberSection::kNoShear)));
   s.supports = {{.node = 0, .fix = {true, true}}, {.node = 1, .fix = {true, false}}};
   s.rotary_inertia = false;
-  const double euler =
-      kPi * kPi * 210e9 * s.members[0].pieces[0].section.second_moment_y / 16.0;
+  const double euler = kPi * kPi * 210e9 * s.members[0].pieces[0].section.second_moment_y / 16.0;
   const double f0 = structure_modes(Mesh(s).discretisation(), 1).frequencies_hz[0];
   for (const double share : {-1.0, 0.5, 0.9, 0.9999}) {
     s.members[0].axial_force = -share * euler;
