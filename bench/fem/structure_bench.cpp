@@ -84,12 +84,12 @@ void BM_DenseEigensolve(benchmark::State& state) {
   const Eigen::MatrixXd k(mesh().discretisation().stiffness), m(mesh().discretisation().mass);
   for (auto _ : state) {
     const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-        k, m, state.range(0) != 0 ? Eigen::ComputeEigenvectors | Eigen::Ax_lBx
-                                  : Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
+        k, m,
+        state.range(0) != 0 ? Eigen::ComputeEigenvectors | Eigen::Ax_lBx
+                            : Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
     benchmark::DoNotOptimize(solver.eigenvalues().data());
   }
 }
 BENCHMARK(BM_DenseEigensolve)->ArgName("vectors")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-

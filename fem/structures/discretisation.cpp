@@ -136,6 +136,7 @@ class MeshBuilder {
 
   void build() {
     allocate_nodes();
+    mesh_.joint_strains_.resize(s_.nodes.size());
     for (std::size_t m = 0; m < s_.members.size(); ++m) allocate_member(static_cast<int>(m));
     for (std::size_t m = 0; m < s_.members.size(); ++m) add_member(static_cast<int>(m));
     mesh_.first_element_.push_back(static_cast<int>(mesh_.elements_.size()));
@@ -265,7 +266,8 @@ class MeshBuilder {
           RowSum turn;
           turn.add(1.0, free);
           turn.add(-1.0, about_own);
-          add_strain(turn.row(std::sqrt(joint.rotation[own])));
+          const int strain = add_strain(turn.row(std::sqrt(joint.rotation[own])));
+          mesh_.joint_strains_[index(node)].push_back(strain);
         }
         about_own = free;
       }
@@ -395,8 +397,12 @@ class MeshBuilder {
   void add_supports_and_springs() {
     for (const NodeSupport& support : s_.supports)
       for (std::size_t d = 0; d < kDirections; ++d)
-        if (support.stiffness[d] > 0.0)
-          add_spring(mesh_.node_motions_[index(support.node)][d], support.stiffness[d]);
+        if (support.stiffness[d] > 0.0) {
+          const int strain =
+              add_spring(mesh_.node_motions_[index(support.node)][d], support.stiffness[d]);
+          if (strain >= 0 && is_rotation(static_cast<Direction>(d)))
+            mesh_.joint_strains_[index(support.node)].push_back(strain);
+        }
     for (const NodeSpring& spring : s_.springs) {
       RowSum sum;
       const int other = spring.nodes[1];
@@ -418,10 +424,10 @@ class MeshBuilder {
     }
   }
 
-  void add_spring(SparseRow row, double stiffness) {
-    if (!(stiffness > 0.0)) return;
+  int add_spring(SparseRow row, double stiffness) {
+    if (!(stiffness > 0.0)) return -1;
     for (double& c : row.coefficients) c *= std::sqrt(stiffness);
-    add_strain(std::move(row));
+    return add_strain(std::move(row));
   }
 
   void add_masses() {
@@ -459,6 +465,7 @@ class MeshBuilder {
       }
       row = std::move(out);
     };
+    // A spring whose motions are all held strains nothing: its row stays, empty.
     for (Strain& strain : d.strains) renumber(strain.row);
     for (Motions& motions : mesh_.node_motions_)
       for (SparseRow& row : motions) renumber(row);

@@ -93,6 +93,12 @@ class Mesh {
   /// std::invalid_argument outside the member.
   [[nodiscard]] int element_at(int member, double s) const;
 
+  /// The strains of the rotational springs at a node: of ends of members that are joined there with
+  /// a finite stiffness, and to ground.
+  [[nodiscard]] const std::vector<int>& joint_strains(int node) const {
+    return joint_strains_[static_cast<std::size_t>(node)];
+  }
+
   /// The motion of a node; empty where it is held.
   [[nodiscard]] const SparseRow& motion(int node, Direction direction) const;
   /// The motion of a place on a member along (or about) a global axis, through the element's shape
@@ -105,6 +111,7 @@ class Mesh {
   Discretisation discretisation_;
   std::vector<Element> elements_;
   std::vector<int> first_element_;
+  std::vector<std::vector<int>> joint_strains_;  // of each node
   /// Of each node, then of each boundary between elements: its six motions.
   std::vector<std::array<SparseRow, kDirections>> node_motions_;
   std::vector<std::vector<std::array<SparseRow, kDirections>>> station_motions_;

@@ -18,8 +18,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Added springs may raise root i as far as intact eigenvalue i + their number; this many are served
-/// by a short sum over the near modes, more by the sum over all.
+/// Added springs may raise root i as far as intact eigenvalue i + their number; this many are
+/// served by a short sum over the near modes, more by the sum over all.
 constexpr int kFewSupports = 8;
 /// A spring stiffer than this multiple of the structure's own stiffness there is rigid.
 constexpr double kRigidSpring = 1e14;
@@ -159,9 +159,8 @@ Discretisation changed(const Discretisation& d, const StructureChange& change) {
         held(static_cast<Index>(s), r) = change.springs[s].motion.of(out.rigid_motions.col(r));
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(held);
     const Eigen::MatrixXd kernel = lu.kernel();
-    out.rigid_motions = lu.dimensionOfKernel() > 0
-                            ? Eigen::MatrixXd(out.rigid_motions * kernel)
-                            : Eigen::MatrixXd(d.size(), 0);
+    out.rigid_motions = lu.dimensionOfKernel() > 0 ? Eigen::MatrixXd(out.rigid_motions * kernel)
+                                                   : Eigen::MatrixXd(d.size(), 0);
   }
   return out;
 }
@@ -169,9 +168,9 @@ Discretisation changed(const Discretisation& d, const StructureChange& change) {
 struct StructureReanalysis::Impl {
   std::shared_ptr<const Discretisation> discretisation;
   int wanted;
-  int modes;           // with mass
-  int rigid;           // of them at λ = 0
-  std::size_t stride;  // modes, and at least two
+  int modes;                                             // with mass
+  int rigid;                                             // of them at λ = 0
+  std::size_t stride;                                    // modes, and at least two
   std::vector<double> eigenvalues, scales, compliances;  // stride
   std::vector<double> frequencies;                       // wanted
   std::vector<double> dof_rows;                          // n × stride
@@ -238,9 +237,9 @@ struct StructureReanalysis::Workspace::Impl {
 
   detail::RootSearch search;
   std::vector<double> eigenvalues, scales, starts, lambda;
-  std::vector<double> columns;    // count × stride, floating masses first in each
-  std::vector<double> raw_row;    // scratch
-  Eigen::MatrixXd factor;         // L
+  std::vector<double> columns;  // count × stride, floating masses first in each
+  std::vector<double> raw_row;  // scratch
+  Eigen::MatrixXd factor;       // L
   std::vector<double> coordinates, motion_row;
   std::vector<const StructureChange::Softening*> softenings;
   int poles = 0, supports = 0, held = 0, rigid = 0;
@@ -376,8 +375,7 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
     Eigen::MatrixXd holds(static_cast<Index>(change.springs.size()), intact.rigid);
     for (std::size_t s = 0; s < change.springs.size(); ++s) {
       intact.motion(change.springs[s].motion, raw_row.data());
-      for (Index r = 0; r < intact.rigid; ++r)
-        holds(static_cast<Index>(s), r) = raw_row[index(r)];
+      for (Index r = 0; r < intact.rigid; ++r) holds(static_cast<Index>(s), r) = raw_row[index(r)];
     }
     rigid -= static_cast<int>(Eigen::FullPivLU<Eigen::MatrixXd>(holds).rank());
   }
@@ -474,8 +472,9 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
     }
     std::ranges::sort(work.starts);
     const int lifting = work.supports - work.poles;
-    const detail::Window& window =
-        intact.windows[lifting == 0 ? 0 : lifting <= kFewSupports ? 1 : 2];
+    const detail::Window& window = intact.windows[lifting == 0              ? 0
+                                                  : lifting <= kFewSupports ? 1
+                                                                            : 2];
     work.search.set({.eigenvalues = work.eigenvalues.data(),
                      .scales = work.scales.data(),
                      .stride = work.stride,
@@ -497,9 +496,8 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
         write_shape(mode.root);
       });
   }
-  std::ranges::transform(work.lambda, results.frequencies_hz.begin(), [](double value) {
-    return std::sqrt(value) / (2.0 * std::numbers::pi);
-  });
+  std::ranges::transform(work.lambda, results.frequencies_hz.begin(),
+                         [](double value) { return std::sqrt(value) / (2.0 * std::numbers::pi); });
 }
 
 }  // namespace wheeltap::fem

@@ -64,8 +64,7 @@ All all_modes(const Discretisation& d, double unit) {
 StructureSpectrum structure_spectrum(const Discretisation& d, int refined) {
   const auto available = static_cast<int>(mode_count(d));
   const auto rigid = static_cast<int>(d.rigid_motions.cols());
-  const StructureModes low =
-      structure_modes(d, std::min(available, std::max(refined, rigid + 1)));
+  const StructureModes low = structure_modes(d, std::min(available, std::max(refined, rigid + 1)));
   const double unit = low.eigenvalues.size() > rigid ? low.eigenvalues[rigid] : 1.0;
   const bool wide = d.size() <= kWideSpectrum;
   All all = wide ? all_modes<long double>(d, unit) : all_modes<double>(d, unit);

@@ -16,8 +16,8 @@ struct StructureSpectrum {
 
 /// M φ = μ (K + u M) φ, whose largest μ are the lowest modes, in long double up to
 /// `kWideSpectrum` degrees of freedom; beyond in double, and the `refined` lowest modes finished as
-/// `structure_modes` does. Massless degrees of freedom are condensed by that, exactly. O(n³). Throws
-/// as `structure_modes`.
+/// `structure_modes` does. Massless degrees of freedom are condensed by that, exactly. O(n³).
+/// Throws as `structure_modes`.
 inline constexpr int kWideSpectrum = 700;
 [[nodiscard]] StructureSpectrum structure_spectrum(const Discretisation& d, int refined);
 
