@@ -44,10 +44,14 @@ double ostachowicz_krawczuk(double s) {
 }
 
 constexpr std::array<CrackLaw, 3> kLaws = {{
-    {"tada", "Tada, Paris & Irwin, The Stress Analysis of Cracks Handbook, part II, 2.13-2.14; plane stress",
+    {"tada",
+     "Tada, Paris & Irwin, The Stress Analysis of Cracks Handbook, part II, 2.13-2.14; plane "
+     "stress",
      tada},
     {"tada-plane-strain",
-     "Tada, Paris & Irwin, The Stress Analysis of Cracks Handbook, part II, 2.13-2.14; plane strain", tada, true},
+     "Tada, Paris & Irwin, The Stress Analysis of Cracks Handbook, part II, 2.13-2.14; plane "
+     "strain",
+     tada, true},
     {"ostachowicz-krawczuk",
      "Ostachowicz & Krawczuk 1991, Journal of Sound and Vibration 150:191, one-sided crack",
      ostachowicz_krawczuk},

@@ -14,8 +14,8 @@ namespace wheeltap::fem {
 /// from Castigliano's theorem and the stress intensity K = σ √(π a) F(a/h) of an edge crack in
 /// bending. Plane stress; in plane strain c is (1 - ν²) times that.
 struct CrackLaw {
-  std::string_view name;    ///< in a case
-  std::string_view source;  ///< paper, section
+  std::string_view name;                   ///< in a case
+  std::string_view source;                 ///< paper, section
   double (*integral)(double depth_ratio);  ///< J
   bool plane_strain = false;
 };

@@ -47,10 +47,11 @@ class Gathered {
   void add_hinge(int member, double at, double compliance, bool along_z) {
     if (!(compliance > 0.0)) return;
     const int e = mesh_.element_at(member, at);
-    const Eigen::Vector2d v = moment(e, (at - mesh_.elements()[index(e)].from) /
-                                            (mesh_.elements()[index(e)].to -
-                                             mesh_.elements()[index(e)].from),
-                                     along_z);
+    const Eigen::Vector2d v =
+        moment(e,
+               (at - mesh_.elements()[index(e)].from) /
+                   (mesh_.elements()[index(e)].to - mesh_.elements()[index(e)].from),
+               along_z);
     const int b = strain_index(along_z);
     flexibility(e).block<2, 2>(b, b) += compliance * v * v.transpose();
   }
@@ -91,8 +92,8 @@ class Gathered {
     const Member::Piece& piece =
         mesh_.structure().members[index(element.member)].pieces[index(element.piece)];
     const double l = element.to - element.from;
-    const double ei = piece.material.young * (along_z ? piece.section.second_moment_y
-                                                      : piece.section.second_moment_z);
+    const double ei = piece.material.young *
+                      (along_z ? piece.section.second_moment_y : piece.section.second_moment_z);
     const double kappa =
         along_z ? piece.section.shear_coefficient_z : piece.section.shear_coefficient_y;
     const double shear = kappa * piece.section.area * piece.material.shear_modulus();
@@ -167,8 +168,7 @@ void loosen(const Mesh& mesh, const StructureDefects::LooseJoint& joint, Gathere
     throw std::invalid_argument("joint at node " + std::to_string(joint.node) + ": there is none");
   const std::vector<int> springs = mesh.joint_strains(joint.node);
   if (!springs.empty()) {
-    for (const int row : springs)
-      out.softenings.push_back({{{row, 1.0}}, 1.0 - joint.reduction});
+    for (const int row : springs) out.softenings.push_back({{{row, 1.0}}, 1.0 - joint.reduction});
     return;
   }
   for (std::size_t m = 0; m < s.members.size(); ++m)
@@ -181,9 +181,8 @@ void loosen(const Mesh& mesh, const StructureDefects::LooseJoint& joint, Gathere
         if (!along_z && s.dimension == 2) continue;
         if (std::isfinite(member.ends[end].rotation[along_z ? 1 : 2])) continue;
         const double ei = gathered.bending(mesh.element_at(number, at), along_z).stiffness;
-        gathered.add_hinge(number, at,
-                           joint.reduction / (1.0 - joint.reduction) * length / (3.0 * ei),
-                           along_z);
+        gathered.add_hinge(
+            number, at, joint.reduction / (1.0 - joint.reduction) * length / (3.0 * ei), along_z);
       }
     }
 }
@@ -196,14 +195,13 @@ StructureChange change_of(const Mesh& mesh, const StructureDefects& defects) {
   for (const StructureDefects::Reduction& d : defects.reductions) gathered.add(d);
   for (const StructureDefects::Crack& d : defects.cracks) {
     const int e = mesh.element_at(d.member, d.at);
-    const Member::Piece& piece = mesh.structure()
-                                     .members[index(d.member)]
-                                     .pieces[index(mesh.elements()[index(e)].piece)];
-    gathered.add_hinge(d.member, d.at,
-                       crack_compliance(*d.law, d.depth, piece.section.depth,
-                                        gathered.bending(e, true).stiffness,
-                                        piece.material.poisson),
-                       true);
+    const Member::Piece& piece =
+        mesh.structure().members[index(d.member)].pieces[index(mesh.elements()[index(e)].piece)];
+    gathered.add_hinge(
+        d.member, d.at,
+        crack_compliance(*d.law, d.depth, piece.section.depth, gathered.bending(e, true).stiffness,
+                         piece.material.poisson),
+        true);
   }
   for (const StructureDefects::LooseJoint& d : defects.joints) loosen(mesh, d, gathered, out);
   for (StructureChange::Softening& s : gathered.softenings())

@@ -8,7 +8,8 @@
 #include <numbers>
 
 #include "fem/modal_analysis.hpp"
-#include "fem/section.hpp"
+#include "fem/structures/lumped_chain.hpp"
+#include "fem/structures/matrix_structure.hpp"
 
 namespace wheeltap::fem {
 namespace {
@@ -266,6 +267,44 @@ TEST(StructureModes, NamesAMechanism) {
     EXPECT_NE(std::string(error.what()).find("mechanism"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("x"), std::string::npos) << error.what();
   }
+}
+
+/// The four-storey benchmark building of the IASC-ASCE task group (12 degrees of freedom, of which
+/// x and y are chains of storeys): intact, and with what its first damage case leaves of the first.
+TEST(StructureModes, IascAsceBuilding) {
+  const std::vector<double> masses = {3452.4, 2652.4, 2652.4, 1809.9};
+  const auto frequencies = [&](double storey, double first) {
+    LumpedChain chain{.masses = masses, .links = {}};
+    for (int i = 0; i < 4; ++i)
+      chain.links.push_back(
+          {"storey " + std::to_string(i + 1), {i, i + 1}, i == 0 ? first : storey});
+    return structure_modes(discretise(chain), 4);
+  };
+  expect_frequencies(frequencies(67.90e6, 67.90e6), {9.411, 25.544, 38.662, 48.006}, 1e-4);
+  expect_frequencies(frequencies(106.60e6, 106.60e6), {11.791, 32.006, 48.443, 60.151}, 1e-4);
+  expect_frequencies(frequencies(67.90e6, 19.67e6), {6.240}, 1e-4);
+  expect_frequencies(frequencies(106.60e6, 58.37e6), {9.909}, 1e-4);
+}
+
+TEST(StructureModes, AFreeChainMovesRigidly) {
+  LumpedChain chain{.masses = {1.0, 1.0, 2.0},
+                    .links = {{"a", {1, 2}, 100.0}, {"b", {2, 3}, 50.0}}};
+  const StructureModes modes = structure_modes(discretise(chain), 3);
+  EXPECT_EQ(modes.rigid_body_modes, 1);
+  EXPECT_EQ(modes.frequencies_hz[0], 0.0);
+  EXPECT_GT(modes.frequencies_hz[1], 0.0);
+}
+
+TEST(StructureModes, MatricesAreTheStructureTheyAreOf) {
+  const Mesh mesh(cross_of_arms(6, 5.0 / 6.0));
+  const Discretisation& d = mesh.discretisation();
+  MatrixStructure s{.mass = d.mass,
+                    .parts = {{"half", 0.5 * d.stiffness, 0.0}, {"rest", 0.25 * d.stiffness, 1.0}}};
+  const StructureModes given = structure_modes(discretise(s), 9), own = structure_modes(d, 9);
+  for (Eigen::Index i = 0; i < 9; ++i)
+    EXPECT_NEAR(given.frequencies_hz[i], own.frequencies_hz[i], 1e-8 * own.frequencies_hz[i]);
+  s.parts[0].stiffness.coeffRef(0, 3) += 1e9;
+  EXPECT_THROW((void)discretise(s), InvalidStructure);
 }
 
 }  // namespace
