@@ -35,6 +35,7 @@ void RootSearch::set(const SecularProblem& problem, const SecularKernel& kernel)
   secular_ = {.columns = problem.columns,
               .supports = problem.supports,
               .near = window.near + problem.added_poles,
+              .negative = problem.negative_poles,
               .terms = window.terms,
               .cap = window.cap,
               .eigenvalues = problem.eigenvalues,
@@ -73,8 +74,11 @@ RootSearch::Search RootSearch::begin(int root) const {
   const double scale = secular_.scales[root + problem_.added_poles];
   // Interlacing: each support raises a root to the next intact one at most, and springs by no more
   // than they add to K.
-  const int lifted = root + problem_.supports, held = root + problem_.held;
-  double top = problem_.eigenvalues[held] + problem_.added_stiffness;
+  // No more does each negative mass.
+  const int lifted = root + problem_.supports + problem_.negative_poles;
+  const int held = root + problem_.held + problem_.negative_poles;
+  double top = std::numeric_limits<double>::infinity();
+  if (held < problem_.modes) top = problem_.eigenvalues[held] + problem_.added_stiffness;
   if (lifted < problem_.modes) top = std::min(top, problem_.eigenvalues[lifted]);
   search.low = std::max(problem_.least_remaining * own * (1.0 - kMargin), 1e-20 * scale);
   search.high = (1.0 + kMargin) * top;
@@ -107,8 +111,9 @@ RootSearch::Search RootSearch::confirm(int root) const {
 /// The two modes nearest to z.
 int RootSearch::lower_pole(double z, int guess) const {
   const double* value = secular_.eigenvalues;
-  int p = std::clamp(guess, 0, secular_.near - 2);
-  while (p > 0 && z - value[p - 1] < value[p + 1] - z) --p;
+  const int first = secular_.negative;  // a pole of negative mass is at zero, far from any root
+  int p = std::clamp(guess, first, secular_.near - 2);
+  while (p > first && z - value[p - 1] < value[p + 1] - z) --p;
   while (p + 2 < secular_.near && value[p + 2] - z < z - value[p]) ++p;
   return p;
 }
@@ -144,7 +149,8 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
     return false;
   }
   // Damaged eigenvalues below the two that H follows, and below z.
-  const int first = pole + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports;
+  const int first =
+      pole + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports - secular_.negative;
   const int below = first + (low_sign < 0.0) + (high_sign < 0.0);
   (search.root < below ? search.high : search.low) = search.z;
 
@@ -289,7 +295,8 @@ void RootSearch::find(int first, std::span<double> lambda) {
 
 RootSearch::Mode RootSearch::mode_at(int root, double lambda, int pole, int lane) {
   const auto at = [lane](const Pack& pack) { return pack.lane[lane]; };
-  const int first = pole + static_cast<int>(at(steps_.negative)) - secular_.supports;
+  const int first =
+      pole + static_cast<int>(at(steps_.negative)) - secular_.supports - secular_.negative;
   const bool is_low =
       root == first || (root != first + 1 && std::abs(at(steps_.low)) < std::abs(at(steps_.high)));
   const double v1 = at(is_low ? steps_.low_v1 : steps_.high_v1);

@@ -29,6 +29,7 @@ struct Secular {
   int columns = 0;                      ///< m
   int supports = 0;                     ///< columns of supports, the first ones
   int near = 0;                         ///< modes summed explicitly
+  int negative = 0;                     ///< of them the first, which count with the other sign
   int terms = 0;                        ///< of the Chebyshev series
   double cap = 0.0;                     ///< largest λ that may be asked for
   const double* eigenvalues = nullptr;  ///< λ_j of all modes

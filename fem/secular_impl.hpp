@@ -77,6 +77,10 @@ inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_po
     at(scratch.weights[j], lanes) = kept * (z + (s.scales[j] - s.eigenvalues[j]));
     at(scratch.slopes[j], lanes) = kept * kept;
   }
+  for (int j = 0; j < s.negative; ++j) {
+    at(scratch.weights[j], lanes) = -at(scratch.weights[j], lanes);
+    at(scratch.slopes[j], lanes) = -at(scratch.slopes[j], lanes);
+  }
   if (s.terms == 0) return;
   // T_{p+1} = 2 x T_p - T_{p-1}; T_p' = p U_{p-1}.
   const double scale = 2.0 / s.cap;

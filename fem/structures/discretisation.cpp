@@ -7,8 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "fem/timoshenko_element.hpp"
-
 namespace wheeltap::fem {
 namespace {
 
@@ -75,7 +73,8 @@ const Member::Piece& piece_of(const Member& member, double s) {
   return member.pieces.back();
 }
 
-/// Bending in the plane of a section's axis: along z about y, or along y about z.
+}  // namespace
+
 Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
                         bool rotary_inertia) {
   const MemberSection& s = piece.section;
@@ -87,6 +86,37 @@ Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
           .shear_stiffness = piece.material.shear_modulus() * shear_area,
           .mass = piece.material.density * s.area,
           .rotary = rotary_inertia ? piece.material.density * second_moment : 0.0};
+}
+
+namespace {
+
+/// [end][k]: along the member's own axis k, and about it.
+using OwnMotions = std::array<std::array<SparseRow, 6>, 2>;
+
+OwnMotions own_motions(const MemberFrame& frame, const Motions& first, const Motions& second) {
+  OwnMotions own;
+  for (std::size_t end = 0; end < 2; ++end) {
+    const Motions& global = end == 0 ? first : second;
+    for (std::size_t k = 0; k < 3; ++k) {
+      RowSum along, about;
+      for (std::size_t g = 0; g < 3; ++g) {
+        along.add(frame.axes[k][g], global[g]);
+        about.add(frame.axes[k][g], global[3 + g]);
+      }
+      own[end][k] = along.row();
+      own[end][3 + k] = about.row();
+    }
+  }
+  return own;
+}
+
+/// (w₁, w₁', w₂, w₂'): w' = -θ_y of a deflection along z, +θ_z of one along y.
+std::array<SparseRow, 4> plane_motions(const OwnMotions& own, bool along_z) {
+  if (!along_z) return {own[0][1], own[0][5], own[1][1], own[1][5]};
+  std::array<SparseRow, 4> out = {own[0][2], own[0][4], own[1][2], own[1][4]};
+  for (const std::size_t turn : {1, 3})
+    for (double& c : out[turn].coefficients) c = -c;
+  return out;
 }
 
 std::string millimetres(double metres) {
@@ -306,20 +336,8 @@ class MeshBuilder {
     const Member::Piece& piece = piece_of(member, 0.5 * (places[e] + places[e + 1]));
     const MemberSection& section = piece.section;
 
-    // own[end][k]: along the member's own axis k, and about it.
-    std::array<std::array<SparseRow, 6>, 2> own;
-    for (std::size_t end = 0; end < 2; ++end) {
-      const Motions& global = mesh_.station_motions_[index(m)][e + end];
-      for (std::size_t k = 0; k < 3; ++k) {
-        RowSum along, about;
-        for (std::size_t g = 0; g < 3; ++g) {
-          along.add(frame.axes[k][g], global[g]);
-          about.add(frame.axes[k][g], global[3 + g]);
-        }
-        own[end][k] = along.row();
-        own[end][3 + k] = about.row();
-      }
-    }
+    const OwnMotions own = own_motions(frame, mesh_.station_motions_[index(m)][e],
+                                       mesh_.station_motions_[index(m)][e + 1]);
     Mesh::Element element{.member = m,
                           .from = places[e],
                           .to = places[e + 1],
@@ -344,18 +362,9 @@ class MeshBuilder {
     } else {
       add_bar_mass(own[0][0], own[1][0], line_mass);
     }
-    const auto minus = [](const SparseRow& row) {
-      RowSum sum;
-      sum.add(-1.0, row);
-      return sum.row();
-    };
     for (const bool along_z : {true, false}) {
       if (!along_z && s_.dimension == 2) continue;
-      // w' = -θ_y of a deflection along z, +θ_z of one along y.
-      const std::array<SparseRow, 4> motions =
-          along_z
-              ? std::array<SparseRow, 4>{own[0][2], minus(own[0][4]), own[1][2], minus(own[1][4])}
-              : std::array<SparseRow, 4>{own[0][1], own[0][5], own[1][1], own[1][5]};
+      const std::array<SparseRow, 4> motions = plane_motions(own, along_z);
       const TimoshenkoElement<double> bending(flexure(piece, l, along_z, s_.rotary_inertia));
       strain(along_z ? ElementStrain::bending_z : ElementStrain::bending_y) =
           add_strain(in_plane(bending.bending(), motions));
@@ -591,6 +600,13 @@ int Mesh::element_at(int member, double s) const {
                                 structure_.members[index(member)].name + "\"");
   const auto after = std::upper_bound(places.begin() + 1, places.end() - 1, s + slack);
   return first_element(member) + static_cast<int>(after - places.begin()) - 1;
+}
+
+std::array<SparseRow, 4> Mesh::bending_motions(int element, bool along_z) const {
+  const int m = elements_[index(element)].member;
+  const std::size_t e = index(element - first_element(m));
+  const auto& stations = station_motions_[index(m)];
+  return plane_motions(own_motions(frames_[index(m)], stations[e], stations[e + 1]), along_z);
 }
 
 const SparseRow& Mesh::motion(int node, Direction direction) const {

@@ -9,6 +9,7 @@
 
 #include "base/eigen.hpp"
 #include "fem/structures/structure.hpp"
+#include "fem/timoshenko_element.hpp"
 
 namespace wheeltap::fem {
 
@@ -65,6 +66,11 @@ struct Discretisation {
 enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
 inline constexpr int kElementStrains = 6;
 
+/// Bending of an element of this length in the plane of a section's axis: along z about y, or along
+/// y about z.
+[[nodiscard]] Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
+                                      bool rotary_inertia);
+
 /// A meshed structure: where its elements are, and how places on it move.
 class Mesh {
  public:
@@ -92,6 +98,9 @@ class Mesh {
   /// closed; an s within 1e-9 of the member's length of a boundary counts as it. Throws
   /// std::invalid_argument outside the member.
   [[nodiscard]] int element_at(int member, double s) const;
+
+  /// (w₁, w₁', w₂, w₂') of an element's ends, for a deflection along the section's z, or along y.
+  [[nodiscard]] std::array<SparseRow, 4> bending_motions(int element, bool along_z) const;
 
   /// The strains of the rotational springs at a node: of ends of members that are joined there with
   /// a finite stiffness, and to ground.

@@ -47,14 +47,13 @@ void validate(const MatrixStructure& s) {
                     Part::members, static_cast<int>(j));
     if (!(s.parts[j].change > -1.0) || !std::isfinite(s.parts[j].change))
       throw InvalidStructure(Part::members, static_cast<int>(j),
-                             "scale change of \"" + s.parts[j].name +
-                                 "\" = " + std::to_string(s.parts[j].change) +
-                                 ": must be above -1");
+                             "scale change of \"" + s.parts[j].name + "\" = " +
+                                 std::to_string(s.parts[j].change) + ": must be above -1");
   }
   if (!s.names.empty() && static_cast<Eigen::Index>(s.names.size()) != n)
-    throw InvalidStructure(Part::whole, 0,
-                           std::to_string(s.names.size()) + " names for " + std::to_string(n) +
-                               " degrees of freedom");
+    throw InvalidStructure(
+        Part::whole, 0,
+        std::to_string(s.names.size()) + " names for " + std::to_string(n) + " degrees of freedom");
 }
 
 Discretisation discretise(const MatrixStructure& s) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -9,6 +10,18 @@
 
 namespace wheeltap::fem {
 namespace {
+
+/// On [0, 1]; exact for polynomials of degree seven.
+struct GaussPoint {
+  double at, weight;
+};
+constexpr std::array<GaussPoint, 4> kFourGaussPoints = {
+    {{0.06943184420297371, 0.1739274225687269},
+     {0.33000947820757187, 0.3260725774312731},
+     {0.66999052179242813, 0.3260725774312731},
+     {0.93056815579702629, 0.1739274225687269}}};
+/// Of the largest mass that a kink moves: below it, rounding.
+constexpr double kNoMass = 1e-13;
 
 using Flexibility = Eigen::Matrix<double, kElementStrains, kElementStrains>;
 
@@ -47,13 +60,22 @@ class Gathered {
   void add_hinge(int member, double at, double compliance, bool along_z) {
     if (!(compliance > 0.0)) return;
     const int e = mesh_.element_at(member, at);
-    const Eigen::Vector2d v =
-        moment(e,
-               (at - mesh_.elements()[index(e)].from) /
-                   (mesh_.elements()[index(e)].to - mesh_.elements()[index(e)].from),
-               along_z);
+    const Mesh::Element& element = mesh_.elements()[index(e)];
+    const double xi = std::clamp((at - element.from) / (element.to - element.from), 0.0, 1.0);
+    const Eigen::Vector2d v = moment(e, xi, along_z);
     const int b = strain_index(along_z);
     flexibility(e).block<2, 2>(b, b) += compliance * v * v.transpose();
+    hinges_.push_back({e, along_z, xi, compliance, v});
+  }
+
+  /// What the kinks move of the elements' masses.
+  [[nodiscard]] std::vector<StructureChange::Mass> masses() {
+    std::vector<StructureChange::Mass> out;
+    if (mesh_.structure().mass == Structure::Mass::lumped) return out;
+    std::map<std::pair<int, bool>, std::vector<const Hinge*>> together;
+    for (const Hinge& hinge : hinges_) together[{hinge.element, hinge.along_z}].push_back(&hinge);
+    for (const auto& [where, hinges] : together) add_masses(hinges, out);
+    return out;
   }
 
   [[nodiscard]] std::vector<StructureChange::Softening> softenings() {
@@ -105,6 +127,97 @@ class Gathered {
     double low, high;  // ξ
     double reduction;
   };
+
+  struct Hinge {
+    int element;
+    bool along_z;
+    double xi;
+    double compliance;
+    Eigen::Vector2d v;  // moment there, per stress
+  };
+
+  /// Of hinges in one element and plane.
+  void add_masses(const std::vector<const Hinge*>& hinges,
+                  std::vector<StructureChange::Mass>& out) {
+    const int e = hinges[0]->element;
+    const bool along_z = hinges[0]->along_z;
+    const Mesh::Element& element = mesh_.elements()[index(e)];
+    const Member::Piece& piece =
+        mesh_.structure().members[index(element.member)].pieces[index(element.piece)];
+    const double l = element.to - element.from;
+    const Flexure<double> bending = flexure(piece, l, along_z, mesh_.structure().rotary_inertia);
+    const int at = strain_index(along_z);
+    const int moment_row = element.strains[index(at)], shear_row = element.strains[index(at + 1)];
+    if (!(bending.mass > 0.0) || moment_row < 0 || shear_row < 0) return;
+    const TimoshenkoElement<double> shapes(bending);
+    const Eigen::Matrix4d mass = shapes.mass();
+    // Kinks by the strains, θ = P B u; m of each; ∫ g_i g_j.
+    const auto n = static_cast<Eigen::Index>(hinges.size());
+    const Eigen::Matrix2d flexible =
+        Eigen::Matrix2d::Identity() + flexibility(e).block<2, 2>(at, at);
+    Eigen::MatrixXd p(n, 2), m(n, 4), g(n, n);
+    std::vector<Eigen::Vector4d> f, d;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Hinge& hinge = *hinges[static_cast<std::size_t>(i)];
+      p.row(i) = (hinge.compliance * flexible.inverse() * hinge.v).transpose();
+      const double rest = 1.0 - hinge.xi;
+      d.emplace_back(0.0, 0.0, l * rest, 1.0);
+      Eigen::Vector4d load = Eigen::Vector4d::Zero();
+      for (const GaussPoint& point : kFourGaussPoints) {
+        const double x = hinge.xi + rest * point.at, weight = rest * l * point.weight;
+        load += weight * (bending.mass * l * (x - hinge.xi) * shapes.deflection_row(x) +
+                          bending.rotary * shapes.rotation_row(x));
+      }
+      f.push_back(load);
+      m.row(i) = (load - mass * d.back()).transpose();
+    }
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = 0; j < n; ++j) {
+        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+        const double rest = 1.0 - std::max(hinges[a]->xi, hinges[b]->xi);
+        const double apart = std::abs(hinges[a]->xi - hinges[b]->xi);
+        // ∫ (x - x_i)₊ (x - x_j)₊ dx
+        const double square = l * l * l * rest * rest * (rest / 3.0 + apart / 2.0);
+        g(i, j) = bending.mass * square + bending.rotary * l * rest - d[a].dot(f[b]) -
+                  d[b].dot(f[a]) + d[a].dot(mass * d[b]);
+      }
+    // On the two strains and the element's four motions, each divided by what a turn of one makes
+    // of it, so that none outweighs the others: [Pᵀ G P, Pᵀ m; mᵀ P, 0].
+    Eigen::Matrix<double, 6, 6> change = Eigen::Matrix<double, 6, 6>::Zero();
+    change.topLeftCorner<2, 2>() = p.transpose() * g * p;
+    change.topRightCorner<2, 4>() = p.transpose() * m;
+    change.bottomLeftCorner<4, 2>() = m.transpose() * p;
+    Eigen::Matrix<double, 6, 1> size;
+    size << shapes.bending()[3], shapes.shear()[1], l, 1.0, l, 1.0;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(
+        size.asDiagonal() * change * size.asDiagonal());
+    const std::array<SparseRow, 4> motions = mesh_.bending_motions(e, along_z);
+    const std::vector<Strain>& strains = mesh_.discretisation().strains;
+    const std::array<const SparseRow*, 6> rows = {&strains[index(moment_row)].row,
+                                                  &strains[index(shear_row)].row,
+                                                  &motions[0],
+                                                  &motions[1],
+                                                  &motions[2],
+                                                  &motions[3]};
+    const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      const double value = solver.eigenvalues()[k];
+      if (std::abs(value) <= kNoMass * largest) continue;
+      std::map<int, double> sum;
+      for (std::size_t r = 0; r < rows.size(); ++r) {
+        const auto at_row = static_cast<Eigen::Index>(r);
+        const double weight = solver.eigenvectors()(at_row, k) / size[at_row];
+        for (std::size_t i = 0; i < rows[r]->dofs.size(); ++i)
+          sum[rows[r]->dofs[i]] += weight * rows[r]->coefficients[i];
+      }
+      SparseRow row;
+      for (const auto& [dof, coefficient] : sum) {
+        row.dofs.push_back(dof);
+        row.coefficients.push_back(coefficient);
+      }
+      out.push_back({std::move(row), value});
+    }
+  }
 
   static int strain_index(bool along_z) {
     return static_cast<int>(along_z ? ElementStrain::bending_z : ElementStrain::bending_y);
@@ -158,6 +271,7 @@ class Gathered {
   const Mesh& mesh_;
   std::map<int, std::vector<Stretch>> stretches_;
   std::map<int, Flexibility> added_;
+  std::vector<Hinge> hinges_;
 };
 
 void loosen(const Mesh& mesh, const StructureDefects::LooseJoint& joint, Gathered& gathered,
@@ -206,14 +320,14 @@ StructureChange change_of(const Mesh& mesh, const StructureDefects& defects) {
   for (const StructureDefects::LooseJoint& d : defects.joints) loosen(mesh, d, gathered, out);
   for (StructureChange::Softening& s : gathered.softenings())
     out.softenings.push_back(std::move(s));
+  out.masses = gathered.masses();
   const std::vector<Direction> along =
       mesh.structure().dimension == 2
           ? std::vector<Direction>{Direction::x, Direction::y}
           : std::vector<Direction>{Direction::x, Direction::y, Direction::z};
   for (const StructureDefects::AddedMass& d : defects.masses) {
-    if (!(d.mass >= 0.0 && std::isfinite(d.mass)))
-      throw std::invalid_argument("added mass = " + std::to_string(d.mass) +
-                                  ": must be finite and not negative");
+    if (!std::isfinite(d.mass))
+      throw std::invalid_argument("added mass = " + std::to_string(d.mass) + ": must be finite");
     for (const Direction direction : along)
       out.masses.push_back({mesh.motion(d.member, d.at, direction), d.mass});
   }

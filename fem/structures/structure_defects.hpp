@@ -36,7 +36,7 @@ struct StructureDefects {
   struct AddedMass {
     int member;
     double at;    ///< [m]
-    double mass;  ///< [kg], >= 0
+    double mass;  ///< [kg]; negative where mass is lost
   };
   /// A spring to ground.
   struct AddedSupport {
@@ -62,6 +62,10 @@ struct StructureDefects {
 /// so a crack of compliance c at ξ adds c v vᵀ, and a stretch of lost stiffness
 /// r/(1 - r) ∫ v vᵀ dx / EI, with its share of shear. Eigenvectors of I + ΔF are the directions of
 /// StructureChange::Softening, and the inverses of its eigenvalues what remains.
+///
+/// The kink θ = c v · t of a hinge also moves the element's mass: by g(x) θ, g = (x - x₀)₊ less its
+/// interpolation by the element, which follows statically. With θ = p · Bu that is
+/// M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g', a positive and a negative mass.
 ///
 /// Throws std::invalid_argument for places outside a member and values out of range.
 [[nodiscard]] StructureChange change_of(const Mesh& mesh, const StructureDefects& defects);

@@ -47,8 +47,7 @@ void validate(const Discretisation& d, const StructureChange& change) {
   for (const StructureChange::Spring& s : change.springs)
     require(s.stiffness > 0.0, "spring stiffness", s.stiffness, "must be positive");
   for (const StructureChange::Mass& m : change.masses)
-    require(m.mass >= 0.0 && std::isfinite(m.mass), "added mass", m.mass,
-            "must be finite and not negative");
+    require(std::isfinite(m.mass), "added mass", m.mass, "must be finite");
 }
 
 /// I - B K⁻¹ Bᵀ: what self-stresses the structure can carry; 0 where it is statically determinate.
@@ -242,7 +241,7 @@ struct StructureReanalysis::Workspace::Impl {
   Eigen::MatrixXd factor;       // L
   std::vector<double> coordinates, motion_row;
   std::vector<const StructureChange::Softening*> softenings;
-  int poles = 0, supports = 0, held = 0, rigid = 0;
+  int poles = 0, negative_poles = 0, supports = 0, held = 0, rigid = 0;
   std::size_t stride = 0;
   double least_remaining = 1.0, added_stiffness = 0.0;
 
@@ -255,8 +254,13 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
                                                const StructureChange& change,
                                                const detail::SecularKernel& kernel) {
   std::vector<const StructureChange::Mass*> masses;
-  for (const StructureChange::Mass& m : change.masses)
-    if (m.mass > 0.0 && !m.motion.empty()) masses.push_back(&m);
+  negative_poles = 0;
+  for (const bool lost : {true, false})  // lost ones first
+    for (const StructureChange::Mass& m : change.masses) {
+      if (m.mass == 0.0 || (m.mass < 0.0) != lost || m.motion.empty()) continue;
+      masses.push_back(&m);
+      negative_poles += lost;
+    }
   softenings.clear();
   for (const StructureChange::Softening& s : change.softenings)
     if (s.remaining < 1.0) softenings.push_back(&s);
@@ -292,7 +296,7 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
     double* c = add_column();
     intact.motion(motion, c + p);
     const double own = compliance(c, c);
-    if (pole >= 0) c[pole] = -1.0 / std::sqrt(mass);
+    if (pole >= 0) c[pole] = -1.0 / std::sqrt(std::abs(mass));
     const bool is_rigid = pole >= 0 || stiffness * own > kRigidSpring;
     double left = own + (is_rigid ? 0.0 : 1.0 / stiffness);
     const double before = left;
@@ -471,7 +475,7 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
       work.starts[i] = (intact.eigenvalues[mode] + stiffer) / softer;
     }
     std::ranges::sort(work.starts);
-    const int lifting = work.supports - work.poles;
+    const int lifting = work.supports - work.poles + work.negative_poles;
     const detail::Window& window = intact.windows[lifting == 0              ? 0
                                                   : lifting <= kFewSupports ? 1
                                                                             : 2];
@@ -481,6 +485,7 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
                      .modes = intact.modes + work.poles,
                      .window = &window,
                      .added_poles = work.poles,
+                     .negative_poles = work.negative_poles,
                      .columns = work.count(),
                      .supports = work.supports,
                      .held = work.held,

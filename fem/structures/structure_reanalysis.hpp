@@ -23,10 +23,10 @@ struct StructureChange {
     SparseRow motion;
     double stiffness;  ///< k [N/m], [N·m/rad]
   };
-  /// M gains μ r rᵀ, r · u a motion.
+  /// M gains μ r rᵀ, r · u a motion. What is taken away must leave M positive (semi)definite.
   struct Mass {
     SparseRow motion;
-    double mass;  ///< μ [kg], [kg·m²]; >= 0
+    double mass;  ///< μ [kg], [kg·m²]; negative where mass is lost
   };
 
   std::vector<Softening> softenings = {};
@@ -46,7 +46,8 @@ struct StructureChange {
 ///
 /// A softening is a column Bᵀv with Γ = 1 - q; a spring a column with Γ = -k. An added mass is
 /// Γ⁻¹ = 1/(λ μ): a mass μ that floats freely beside the structure, a mode at λ = 0 whose motion is
-/// 1/√μ, and is linked rigidly to r; so it costs a column and a pole, and the count still holds.
+/// 1/√μ, and is linked rigidly to r; so it costs a column and a pole, and the count still holds. A
+/// lost mass is a floating one that counts with the other sign.
 ///
 /// All modes of the mesh are kept. Immutable after construction; a workspace a thread.
 class StructureReanalysis {
@@ -74,7 +75,7 @@ class StructureReanalysis {
     std::span<const SparseRow> motions = {};
   };
 
-  /// Throws std::invalid_argument for q outside (0, 1], k <= 0, μ < 0, or sizes that do not fit.
+  /// Throws std::invalid_argument for q outside (0, 1], k <= 0, or sizes that do not fit.
   void solve(const StructureChange& change, Workspace& workspace, const Results& results) const;
 
  private:

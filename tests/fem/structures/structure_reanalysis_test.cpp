@@ -66,7 +66,9 @@ StructureChange random_change(const Mesh& mesh, std::mt19937_64& random) {
   if (uniform(random) < 0.4) {
     const int member = static_cast<int>(uniform(random) * 4.0);
     const double s = uniform(random) * mesh.member_length(member);
-    const double mass = std::pow(10.0, -2.0 + 4.0 * uniform(random));
+    // Gained, or a part of an element's own lost.
+    const double mass = uniform(random) < 0.5 ? std::pow(10.0, -2.0 + 4.0 * uniform(random))
+                                              : -2.0 * uniform(random);
     change.masses.push_back({mesh.motion(member, s, Direction::x), mass});
     change.masses.push_back({mesh.motion(member, s, Direction::y), mass});
   }
