@@ -36,6 +36,7 @@ void RootSearch::set(const SecularProblem& problem, const SecularKernel& kernel)
               .supports = problem.supports,
               .near = window.near + problem.added_poles,
               .negative = problem.negative_poles,
+              .residual_factor = problem.residual_factor,
               .terms = window.terms,
               .cap = window.cap,
               .eigenvalues = problem.eigenvalues,

@@ -28,8 +28,9 @@ struct SecularProblem {
   std::size_t stride;         ///< between columns: the modes, and at least two
   int modes;
   const Window* window;
-  int added_poles = 0;     ///< of `eigenvalues`, the first: not counted in `window`
-  int negative_poles = 0;  ///< of these, the first: of negative mass
+  int added_poles = 0;           ///< of `eigenvalues`, the first: not counted in `window`
+  int negative_poles = 0;        ///< of these, the first: of negative mass
+  double residual_factor = 1.0;  ///< see Secular
   int columns;
   int supports;                         ///< columns of them, the first ones
   int held;                             ///< degrees of freedom that they take

@@ -614,6 +614,11 @@ const SparseRow& Mesh::motion(int node, Direction direction) const {
 }
 
 SparseRow Mesh::motion(int member, double s, Direction direction) const {
+  return motion(member, s, unit_vector(static_cast<std::size_t>(direction) % 3),
+                is_rotation(direction));
+}
+
+SparseRow Mesh::motion(int member, double s, const Vector3& wanted, bool rotation) const {
   const int number = element_at(member, s);
   const Element& element = elements_[index(number)];
   const MemberFrame& frame = frames_[index(member)];
@@ -621,8 +626,6 @@ SparseRow Mesh::motion(int member, double s, Direction direction) const {
   const double l = element.to - element.from;
   const double xi = std::clamp((s - element.from) / l, 0.0, 1.0);
   const Member::Piece& piece = structure_.members[index(member)].pieces[index(element.piece)];
-  const bool rotation = is_rotation(direction);
-  const Vector3 wanted = unit_vector(static_cast<std::size_t>(direction) % 3);
   RowSum sum;
   const auto add = [&](double factor, std::size_t end, std::size_t own, bool about) {
     const Motions& global = station_motions_[index(member)][e + end];

@@ -321,15 +321,14 @@ StructureChange change_of(const Mesh& mesh, const StructureDefects& defects) {
   for (StructureChange::Softening& s : gathered.softenings())
     out.softenings.push_back(std::move(s));
   out.masses = gathered.masses();
-  const std::vector<Direction> along =
-      mesh.structure().dimension == 2
-          ? std::vector<Direction>{Direction::x, Direction::y}
-          : std::vector<Direction>{Direction::x, Direction::y, Direction::z};
   for (const StructureDefects::AddedMass& d : defects.masses) {
     if (!std::isfinite(d.mass))
       throw std::invalid_argument("added mass = " + std::to_string(d.mass) + ": must be finite");
-    for (const Direction direction : along)
-      out.masses.push_back({mesh.motion(d.member, d.at, direction), d.mass});
+    // Along the member's own axes, whose stiffnesses differ most.
+    for (const std::size_t k : {0, 1, 2})
+      if (k != 1 || mesh.structure().dimension == 3)
+        out.masses.push_back(
+            {mesh.motion(d.member, d.at, mesh.member_axes(d.member)[k], false), d.mass});
   }
   for (const StructureDefects::AddedSupport& d : defects.supports)
     out.springs.push_back({mesh.motion(d.member, d.at, d.direction), d.stiffness});

@@ -236,14 +236,14 @@ struct StructureReanalysis::Workspace::Impl {
 
   detail::RootSearch search;
   std::vector<double> eigenvalues, scales, starts, lambda;
-  std::vector<double> columns;  // count × stride, floating masses first in each
-  std::vector<double> raw_row;  // scratch
-  Eigen::MatrixXd factor;       // L
+  std::vector<double> columns;             // count × stride, floating masses first in each
+  std::vector<double> raw_row, mass_rows;  // scratch
+  Eigen::MatrixXd factor;                  // L
   std::vector<double> coordinates, motion_row;
   std::vector<const StructureChange::Softening*> softenings;
   int poles = 0, negative_poles = 0, supports = 0, held = 0, rigid = 0;
   std::size_t stride = 0;
-  double least_remaining = 1.0, added_stiffness = 0.0;
+  double least_remaining = 1.0, added_stiffness = 0.0, residual_factor = 1.0;
 
   [[nodiscard]] int count() const {
     return stride == 0 ? 0 : static_cast<int>(columns.size() / stride);
@@ -324,6 +324,41 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
     ++supports;
   };
   raw_row.resize(stride);
+  residual_factor = 1.0;
+  if (negative_poles > 0) {
+    // θ = 1 - the largest eigenvalue of R (M + Pᵀ P)⁻¹ Rᵀ, R the rows √|μ| r of lost masses, P
+    // those of gained ones.
+    mass_rows.resize(p * intact.stride);
+    Eigen::MatrixXd gram(poles, poles);
+    for (int a = 0; a < poles; ++a) {
+      double* row = mass_rows.data() + index(a) * intact.stride;
+      intact.motion(masses[index(a)]->motion, row);
+      for (int b = 0; b <= a; ++b) {
+        const double* other = mass_rows.data() + index(b) * intact.stride;
+        double sum = 0.0;
+        for (std::size_t j = 0; j < intact.stride; ++j) sum += row[j] * other[j];
+        gram(a, b) = gram(b, a) =
+            std::sqrt(std::abs(masses[index(a)]->mass * masses[index(b)]->mass)) * sum;
+      }
+    }
+    const Index gained = poles - negative_poles;
+    Eigen::MatrixXd lost = gram.topLeftCorner(negative_poles, negative_poles);
+    if (gained > 0) {
+      const Eigen::MatrixXd cross = gram.bottomLeftCorner(gained, negative_poles);
+      const Eigen::MatrixXd held_back =
+          Eigen::MatrixXd::Identity(gained, gained) + gram.bottomRightCorner(gained, gained);
+      lost -= cross.transpose() * held_back.llt().solve(cross);
+    }
+    const double share = negative_poles == 1 ? lost(0, 0)
+                                             : Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
+                                                   lost, Eigen::EigenvaluesOnly)
+                                                   .eigenvalues()
+                                                   .maxCoeff();
+    if (!(share < 1.0))
+      throw std::invalid_argument("lost mass = " + std::to_string(-masses[0]->mass) +
+                                  ": more than there is");
+    residual_factor = 1.0 / (1.0 - share);
+  }
   for (const StructureChange::Spring& s : change.springs)
     if (!s.motion.empty()) add_support(s.motion, s.stiffness, -1, 0.0);
   for (std::size_t m = 0; m < p; ++m)
@@ -486,6 +521,7 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
                      .window = &window,
                      .added_poles = work.poles,
                      .negative_poles = work.negative_poles,
+                     .residual_factor = work.residual_factor,
                      .columns = work.count(),
                      .supports = work.supports,
                      .held = work.held,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "fem/structures/structure_defects.hpp"
 #include "fem/structures/structure_modes.hpp"
 
 namespace wheeltap::fem {
@@ -69,8 +70,7 @@ StructureChange random_change(const Mesh& mesh, std::mt19937_64& random) {
     // Gained, or a part of an element's own lost.
     const double mass = uniform(random) < 0.5 ? std::pow(10.0, -2.0 + 4.0 * uniform(random))
                                               : -2.0 * uniform(random);
-    change.masses.push_back({mesh.motion(member, s, Direction::x), mass});
-    change.masses.push_back({mesh.motion(member, s, Direction::y), mass});
+    change.masses = change_of(mesh, {.masses = {{member, s, mass}}}).masses;
   }
   if (uniform(random) < 0.4)
     change.springs.push_back({place(), std::pow(10.0, 3.0 + 6.0 * uniform(random))});
