@@ -60,8 +60,8 @@ class UnpackedDraws {
 // ---- where ---------------------------------------------------------------------------------
 
 KindFinding where(const UnpackedDraws& draws, int kind) {
-  const fem::Beam& beam = draws.problem().damage_case.beam;
-  const auto elements = static_cast<std::size_t>(beam.elements);
+  const SiteLine& line = draws.problem().damage_case.kinds[static_cast<std::size_t>(kind)].line;
+  const auto elements = static_cast<std::size_t>(line.cells());
   struct Tally {
     double draws = 0.0;
     std::vector<double> expected;
@@ -75,7 +75,7 @@ KindFinding where(const UnpackedDraws& draws, int kind) {
     tally.draws += weight;
     for (const Component& component : draws.at(c, i)) {
       if (component.kind != kind) continue;
-      tally.expected[static_cast<std::size_t>(beam.element_at(component.location))] += weight;
+      tally.expected[static_cast<std::size_t>(line.cell_at(component.location))] += weight;
     }
   });
   double all = 0.0;
@@ -95,7 +95,7 @@ KindFinding where(const UnpackedDraws& draws, int kind) {
 std::vector<Place> places(const UnpackedDraws& draws, int kind,
                           const std::vector<double>& overall) {
   const DamageProblem& problem = draws.problem();
-  const fem::Beam& beam = problem.damage_case.beam;
+  const SiteLine& line = problem.damage_case.kinds[static_cast<std::size_t>(kind)].line;
   constexpr double kTenth = 0.1;
   // What a uniform spread of the expected number would put on an element is background.
   const double total = std::accumulate(overall.begin(), overall.end(), 0.0);
@@ -108,22 +108,28 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
     }
     std::size_t end = e;
     double expected = 0.0;
-    while (end < overall.size() && overall[end] > background) expected += overall[end++];
+    const int stretch = line.stretch_of_cell(static_cast<int>(e));
+    while (end < overall.size() && overall[end] > background &&
+           line.stretch_of_cell(static_cast<int>(end)) == stretch)
+      expected += overall[end++];
     if (expected >= kTenth) {
       std::vector<double> location, severity, weight;
       draws.for_each([&](std::size_t c, std::size_t i) {
         for (const Component& component : draws.at(c, i)) {
-          const auto at = static_cast<std::size_t>(beam.element_at(component.location));
+          const auto at = static_cast<std::size_t>(line.cell_at(component.location));
           if (component.kind != kind || at < e || at >= end) continue;
-          location.push_back(component.location);
+          location.push_back(line.is_beam() ? component.location : line.spot(component.location).s);
           severity.push_back(component.severity);
           weight.push_back(draws.weight(c, i));
         }
       });
       ChainsOf weights;
       if (!draws.posterior().log_weight.empty()) weights.push_back(std::move(weight));
-      Place place{.from = static_cast<double>(e) * beam.element_length(),
-                  .to = static_cast<double>(end) * beam.element_length(),
+      const SiteLine::Stretch& on = line.stretches()[static_cast<std::size_t>(stretch)];
+      const double scale = line.is_beam() ? 1.0 : on.size / (on.end - on.start);
+      Place place{.stretch = stretch,
+                  .from = scale * (line.cell_start(static_cast<int>(e)) - on.start),
+                  .to = scale * (line.cell_start(static_cast<int>(end)) - on.start),
                   .expected = expected,
                   .location = marginal({location}, weights),
                   .severity = {}};

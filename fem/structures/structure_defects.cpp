@@ -45,7 +45,9 @@ class Gathered {
     if (!(d.from <= d.to))
       throw std::invalid_argument("a reduction from " + std::to_string(d.from) + " to " +
                                   std::to_string(d.to) + " m: must not run backwards");
-    for (int e = mesh_.element_at(d.member, d.from); e < mesh_.first_element(d.member + 1); ++e) {
+    const double length = mesh_.member_length(d.member);
+    for (int e = mesh_.element_at(d.member, std::clamp(d.from, 0.0, length));
+         e < mesh_.first_element(d.member + 1); ++e) {
       const Mesh::Element& element = mesh_.elements()[index(e)];
       const double l = element.to - element.from;
       const double low = std::max(0.0, (d.from - element.from) / l);
@@ -54,6 +56,11 @@ class Gathered {
       if (high <= low) break;
       stretches_[e].push_back({low, high, d.reduction});
     }
+  }
+
+  void add(const StructureDefects::ElementReduction& d) {
+    require_share("reduction", d.reduction);
+    stretches_[mesh_.element_at(d.member, d.at)].push_back({0.0, 1.0, d.reduction});
   }
 
   /// A hinge of compliance c per moment about the section's y (bending along z), or about z.
@@ -303,9 +310,9 @@ void loosen(const Mesh& mesh, const StructureDefects::LooseJoint& joint, Gathere
 
 }  // namespace
 
-StructureChange change_of(const Mesh& mesh, const StructureDefects& defects) {
-  StructureChange out;
+StructureChange change_of(const Mesh& mesh, const StructureDefects& defects, StructureChange out) {
   Gathered gathered(mesh);
+  for (const StructureDefects::ElementReduction& d : defects.elements) gathered.add(d);
   for (const StructureDefects::Reduction& d : defects.reductions) gathered.add(d);
   for (const StructureDefects::Crack& d : defects.cracks) {
     const int e = mesh.element_at(d.member, d.at);
@@ -320,7 +327,8 @@ StructureChange change_of(const Mesh& mesh, const StructureDefects& defects) {
   for (const StructureDefects::LooseJoint& d : defects.joints) loosen(mesh, d, gathered, out);
   for (StructureChange::Softening& s : gathered.softenings())
     out.softenings.push_back(std::move(s));
-  out.masses = gathered.masses();
+  compound(out);
+  for (StructureChange::Mass& m : gathered.masses()) out.masses.push_back(std::move(m));
   for (const StructureDefects::AddedMass& d : defects.masses) {
     if (!std::isfinite(d.mass))
       throw std::invalid_argument("added mass = " + std::to_string(d.mass) + ": must be finite");

@@ -10,8 +10,14 @@
 namespace wheeltap::fem {
 
 struct StructureDefects {
-  /// From `from` to `to` a member keeps 1 - r of its stiffness in every strain. Where two overlap
-  /// they compound, (1 - r₁)(1 - r₂).
+  /// The element that contains `at` keeps 1 - r of its stiffness in every strain.
+  struct ElementReduction {
+    int member;
+    double at;         ///< [m] from the member's first end
+    double reduction;  ///< r in [0, 1)
+  };
+  /// From `from` to `to`, as far as that lies on the member, it keeps 1 - r of its stiffness in
+  /// every strain. Where two overlap they compound, (1 - r₁)(1 - r₂).
   struct Reduction {
     int member;
     double from, to;   ///< [m] from the member's first end
@@ -46,6 +52,7 @@ struct StructureDefects {
     double stiffness;  ///< [N/m], [N·m/rad]; ∞ holds
   };
 
+  std::vector<ElementReduction> elements = {};
   std::vector<Reduction> reductions = {};
   std::vector<Crack> cracks = {};
   std::vector<LooseJoint> joints = {};
@@ -68,6 +75,8 @@ struct StructureDefects {
 /// M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g', a positive and a negative mass.
 ///
 /// Throws std::invalid_argument for places outside a member and values out of range.
-[[nodiscard]] StructureChange change_of(const Mesh& mesh, const StructureDefects& defects);
+/// `change` begins as what else there is; softenings of one and the same strain compound.
+[[nodiscard]] StructureChange change_of(const Mesh& mesh, const StructureDefects& defects,
+                                        StructureChange change = {});
 
 }  // namespace wheeltap::fem

@@ -101,6 +101,22 @@ Eigen::MatrixXd self_stress_projector(const Discretisation& d) {
 
 }  // namespace
 
+void compound(StructureChange& change) {
+  std::vector<StructureChange::Softening> merged;
+  for (StructureChange::Softening& s : change.softenings) {
+    const auto same = std::ranges::find_if(merged, [&](const StructureChange::Softening& other) {
+      return s.direction.size() == 1 && other.direction.size() == 1 &&
+             other.direction[0].first == s.direction[0].first;
+    });
+    if (same == merged.end()) {
+      merged.push_back(std::move(s));
+    } else {
+      same->remaining *= s.remaining;
+    }
+  }
+  change.softenings = std::move(merged);
+}
+
 Discretisation changed(const Discretisation& d, const StructureChange& change) {
   validate(d, change);
   Discretisation out = d;
@@ -355,8 +371,8 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
                                                    .eigenvalues()
                                                    .maxCoeff();
     if (!(share < 1.0))
-      throw std::invalid_argument("lost mass = " + std::to_string(-masses[0]->mass) +
-                                  ": more than there is");
+      throw ImpossibleChange("lost mass = " + std::to_string(-masses[0]->mass) +
+                             ": more than there is");
     residual_factor = 1.0 / (1.0 - share);
   }
   for (const StructureChange::Spring& s : change.springs)

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,14 @@ struct StructureChange {
     return softenings.empty() && springs.empty() && masses.empty();
   }
 };
+
+/// A change that leaves no structure: more mass taken than there is.
+class ImpossibleChange : public std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Softenings of one and the same strain become one, whose remaining stiffness is their product.
+void compound(StructureChange& change);
 
 /// The discretisation with these changes made: the reference for the reanalysis.
 [[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change);
@@ -75,7 +84,8 @@ class StructureReanalysis {
     std::span<const SparseRow> motions = {};
   };
 
-  /// Throws std::invalid_argument for q outside (0, 1], k <= 0, or sizes that do not fit.
+  /// Throws std::invalid_argument for q outside (0, 1], k <= 0, or sizes that do not fit;
+  /// ImpossibleChange.
   void solve(const StructureChange& change, Workspace& workspace, const Results& results) const;
 
  private:

@@ -22,6 +22,11 @@ inline const DefectType kSupport = {
         [](const DefectKind& kind, double location, double severity, fem::Defects& out) {
           out.supports.push_back({location, severity, kind.rotation});
         },
+    .place_in_structure =
+        [](const DefectKind& kind, const SiteLine::Spot& spot, double severity,
+           StructureEffects& out) {
+          out.defects.supports.push_back({spot.site, spot.s, kind.direction, severity});
+        },
     .is_elementary = true};
 
 }  // namespace wheeltap::identification::defects
