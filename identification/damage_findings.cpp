@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "identification/plausibility.hpp"
@@ -266,7 +267,7 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
     for (std::size_t k = 0; k < model.counts.size(); ++k) {
       const DefectKind& kind = problem.damage_case.kinds[k];
       const int smaller = draws.space().neighbour(static_cast<int>(m), static_cast<int>(k), -1);
-      if (smaller < 0 || model.counts[k] < 2) continue;
+      if (smaller < 0 || model.counts[k] < 2 || !kind.line.is_beam()) continue;
       const ModelFinding& other = models[static_cast<std::size_t>(smaller)];
       if (other.parameters.empty()) continue;
       // The component that the smaller model explains least is the hidden one.
@@ -390,6 +391,46 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
       }
     });
     if (near > 0.25 * all) remarks.push_back(remark::SeverityAtBound{static_cast<int>(k)});
+  }
+}
+
+// A place on a structure is told as the member (node, link) that it is on, and, of a member, how
+// far along: two findings in place of the one of the line's number.
+void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
+  const std::vector<DefectKind>& kinds = draws.problem().damage_case.kinds;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    std::vector<ParameterFinding> told;
+    for (ParameterFinding& p : models[m].parameters) {
+      if (p.unknown.kind < 0 || p.unknown.parameter != 0 ||
+          kinds[static_cast<std::size_t>(p.unknown.kind)].line.is_beam()) {
+        told.push_back(std::move(p));
+        continue;
+      }
+      const DefectKind& kind = kinds[static_cast<std::size_t>(p.unknown.kind)];
+      const auto of_spot = [&](auto value) {
+        return marginal(draws_in_model(
+            draws.posterior(), static_cast<int>(m), [&](std::size_t c, std::size_t i) {
+              int n = 0;
+              for (const Component& component : draws.at(c, i)) {
+                if (component.kind != p.unknown.kind || n++ != p.unknown.component) continue;
+                return value(kind.line.spot(component.location));
+              }
+              return std::numeric_limits<double>::quiet_NaN();
+            }));
+      };
+      Unknown site = p.unknown;
+      site.name = kind.site_name();
+      const std::size_t at = site.label.rfind(p.unknown.name);
+      if (at != std::string::npos) site.label.replace(at, p.unknown.name.size(), site.name);
+      site.unit = "1";
+      told.push_back({.unknown = site, .estimate = of_spot([](const SiteLine::Spot& spot) {
+                                         return static_cast<double>(spot.site);
+                                       })});
+      if (kind.type->sites == DefectType::Sites::members)
+        told.push_back({.unknown = p.unknown,
+                        .estimate = of_spot([](const SiteLine::Spot& spot) { return spot.s; })});
+    }
+    models[m].parameters = std::move(told);
   }
 }
 
@@ -530,6 +571,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   }
   out.remarks = std::move(remarks);
   conclude(out, draws.space(), evidence);
+  if (damage_case.structure) tell_sites(draws, out.models);
   return out;
 }
 

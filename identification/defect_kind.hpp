@@ -91,6 +91,17 @@ struct DefectKind {
   [[nodiscard]] const inference::Prior* severity_prior() const {
     return std::get_if<inference::Prior>(&severity);
   }
+  /// "member", "node" or "link": what its line consists of, in a structure.
+  [[nodiscard]] std::string site_name() const {
+    switch (type->sites) {
+      case DefectType::Sites::nodes:
+        return "node";
+      case DefectType::Sites::links:
+        return "link";
+      default:
+        return "member";
+    }
+  }
   [[nodiscard]] std::string severity_name() const { return std::string(type->severity); }
   [[nodiscard]] std::string severity_unit() const { return std::string(type->unit(*this)); }
   /// Parameters of one defect: its location, and its severity where that is not known.

@@ -81,8 +81,9 @@ int SiteLine::cell_at(double x) const {
 }
 
 int SiteLine::stretch_of_cell(int c) const {
-  const auto after = std::upper_bound(stretches_.begin(), stretches_.end(), c,
-                                      [](int cell, const Stretch& s) { return cell < s.first_cell; });
+  const auto after =
+      std::upper_bound(stretches_.begin(), stretches_.end(), c,
+                       [](int cell, const Stretch& s) { return cell < s.first_cell; });
   return static_cast<int>(after - stretches_.begin()) - 1;
 }
 

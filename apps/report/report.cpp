@@ -58,7 +58,7 @@ Report read_summary(const fs::path& path) {
     }
   }
   if (summary["wheeltap"].value("command", "") == "damage") {
-    need("beam", object);
+    need(summary.contains("structure") ? "structure" : "beam", object);
     need("damage", object);
     need("kinds", array);
   }
