@@ -117,8 +117,9 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
       std::vector<double> location, severity, weight;
       draws.for_each([&](std::size_t c, std::size_t i) {
         for (const Component& component : draws.at(c, i)) {
+          if (component.kind != kind) continue;
           const auto at = static_cast<std::size_t>(line.cell_at(component.location));
-          if (component.kind != kind || at < e || at >= end) continue;
+          if (at < e || at >= end) continue;
           location.push_back(line.is_beam() ? component.location : line.spot(component.location).s);
           severity.push_back(component.severity);
           weight.push_back(draws.weight(c, i));
