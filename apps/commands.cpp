@@ -12,14 +12,17 @@
 #include "apps/damage_summary.hpp"
 #include "apps/damage_terminal.hpp"
 #include "apps/posterior_file.hpp"
+#include "apps/run_cost.hpp"
 #include "apps/run_files.hpp"
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/terminal.hpp"
+#include "apps/whole_number.hpp"
 #include "base/parallel.hpp"
 #include "fem/modal_analysis.hpp"
 #include "identification/plausibility.hpp"
 #include "io/atomic_file.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -131,12 +134,17 @@ namespace {
 
 // "2/5": the second of five, 0-based.
 std::pair<int, int> parse_part(const std::string& text) {
-  int part = 0, parts = 0;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%c", &part, &parts, &rest) != 2 || part < 1 || parts < part) {
-    throw Failure(Exit::usage, "--part " + text + ": must be I/N with 1 <= I <= N, e.g. 1/4");
+  constexpr std::int64_t kMostParts = 1'000'000;
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const auto parts =
+      whole_number(std::string_view(text).substr(std::min(slash + 1, text.size())), 1, kMostParts);
+  const auto part =
+      whole_number(std::string_view(text).substr(0, slash), 1, parts.value_or(kMostParts));
+  if (!part || !parts) {
+    throw Failure(Exit::usage,
+                  "--part " + text + ": must be I/N with 1 <= I <= N <= 1000000, e.g. 1/4");
   }
-  return {part - 1, parts};
+  return {static_cast<int>(*part - 1), static_cast<int>(*parts)};
 }
 
 emulator::TableFile read_parts(const std::vector<std::filesystem::path>& paths,
@@ -188,6 +196,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     parsed.file.refuse(predictor / "accuracy",
                        "decides on runs by the runs before: they have no parts");
   }
+  require_affordable(parsed.file, predictor, cost_of_tables(damage_case), common);
   const auto part = options.part.empty() ? std::pair(0, 1) : parse_part(options.part);
   std::optional<emulator::TableFile> made;
   if (!options.merge.empty()) made = read_parts(options.merge, damage_case);
@@ -246,7 +255,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     }
   }
   if (!trained) {
-    std::cout << "Part " << options.part << ": " << common.output.string()
+    std::cout << "Part " << options.part << ": " << io::printable(common.output.string())
               << "  (join the parts with wheeltap table CASE -o TABLE.nc --merge PART...)\n";
     return;
   }
@@ -254,20 +263,51 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
       static_cast<std::size_t>(damage_case.rigid_body_modes));
   print_emulator(std::cout, emulator_finding(*trained, measurement_noise(damage_case, intact)),
                  colour_wanted(), true);
-  std::cout << "\nTable: " << common.output.string()
-            << "  (use it with \"predictor\": {\"table\": \"" << common.output.filename().string()
-            << "\"})\n";
+  std::cout << "\nTable: " << io::printable(common.output.string())
+            << "  (use it with \"predictor\": {\"table\": \""
+            << io::printable(common.output.filename().string()) << "\"})\n";
 }
+
+namespace {
+
+void print_estimate(const RunCost& sampling, const RunCost& before) {
+  if (before.likelihoods > 0.0) std::cout << "The table would take " << in_words(before) << ".\n";
+  std::cout << "The run would take " << in_words(sampling) << ".\n";
+}
+
+// The FE solution at the prior's middle, timed: emulators take less.
+RunCost cost_of_damages(const DamageCaseFile& parsed, const CommonOptions& common,
+                        const SamplingOptions& options) {
+  DamageCase plain = parsed.damage;
+  plain.emulator.reset();
+  const auto problem = explained(parsed, [&] { return make_damage_problem(plain, {}); });
+  const inference::ModelSpace& space = problem->problem.space;
+  int largest = 0;
+  for (int m = 0; m < space.size(); ++m) {
+    if (space[m].dimension > space[largest].dimension) largest = m;
+  }
+  return cost_of_sampling(space, plain.modes(), seconds_a_likelihood(problem->problem, largest),
+                          common, options);
+}
+
+}  // namespace
 
 void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   const auto methods = evidence_methods(options.evidence);  // refuse before anything runs
   const auto log = make_log(common.quiet);
   const DamageCaseFile parsed = parse_damage_case(read_case(common.case_path, common.overrides));
   const std::uint64_t seed = common.seed.value_or(1);
+  require_affordable(parsed.file, Pointer("/predictor"), cost_of_tables(parsed.damage), common);
+  const RunCost cost = cost_of_damages(parsed, common, options);
+  require_affordable(parsed.file, Pointer(), cost, common);
+  if (common.dry_run) {
+    print_estimate(cost, cost_of_tables(parsed.damage));
+    return;
+  }
   if (common.resume) {
     if (const auto text = finished_run(common.output, parsed.file.json, seed, options)) {
       log->info("{} holds a finished run of this case; nothing is run again.",
-                common.output.string());
+                io::printable(common.output.string()));
       std::cout << *text;
       print_results(common.output, true);  // what else there is to say stands in the text
       return;
@@ -332,8 +372,8 @@ void run_simulate(const CommonOptions& common) {
   }
   write_text(common.output, text);
   if (!common.quiet) {
-    std::cout << data.modes() << " frequencies (" << data.origin << "): " << common.output.string()
-              << '\n';
+    std::cout << data.modes() << " frequencies (" << data.origin
+              << "): " << io::printable(common.output.string()) << '\n';
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -42,9 +43,9 @@ void RunFiles::keep(const Report& summary, const std::string& text) {
 }
 
 void print_results(const std::filesystem::path& folder, bool converged) {
-  std::cout << "Results: " << (folder / "summary.json").string() << " (numbers), "
-            << (folder / "posterior.nc").string() << " (every draw), "
-            << (folder / "report.html").string() << " (pictures)\n";
+  const auto shown = [&](const char* name) { return io::printable((folder / name).string()); };
+  std::cout << "Results: " << shown("summary.json") << " (numbers), " << shown("posterior.nc")
+            << " (every draw), " << shown("report.html") << " (pictures)\n";
   if (!converged) std::cout << "NOT CONVERGED: do not trust these numbers yet.\n";
 }
 

@@ -13,6 +13,7 @@
 #include "apps/sid_terminal.hpp"
 #include "apps/terminal.hpp"
 #include "identification/sid_simulation.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -27,7 +28,28 @@ Report options_report(const SamplingOptions& options, const inference::Options& 
           {"quick", options.quick}};
 }
 
+// Before it is simulated, which happens while the case is parsed.
+void require_room_for_truth(CaseFile& file, const CommonOptions& common) {
+  validate_against_schema(file, "sid");
+  require_affordable(file, Pointer("/truth/samples"), cost_of_truth(file), common);
+}
+
 }  // namespace
+
+RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
+                    const SamplingOptions& options) {
+  const auto problem = explained(parsed, [&] { return make_sid_problem(parsed.sid); });
+  SamplingOptions chosen = options;
+  const inference::Options engine =
+      affordable(engine_options(common, options), problem->seconds_a_likelihood);
+  chosen.warmup = engine.warmup;
+  chosen.draws = engine.draws;
+  RunCost cost =
+      cost_of_sampling(problem->problem.space, 0, problem->seconds_a_likelihood, common, chosen);
+  const RunCost truth = cost_of_truth(parsed.file);
+  cost.bytes += truth.bytes;
+  return cost;
+}
 
 SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
                     const SamplingOptions& options, spdlog::logger& log) {
@@ -57,8 +79,15 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   static_cast<void>(evidence_methods(options.evidence));  // refuse before anything runs
   const auto log = make_log(common.quiet);
   CaseFile file = read_case(common.case_path, common.overrides);
-  if (file.json.contains("sweep")) return sweep_sid(file, common, options, *log);
+  if (file.json.contains("sweep")) return sweep_sid(std::move(file), common, options, *log);
+  require_room_for_truth(file, common);
   const SidCaseFile parsed = parse_sid_case(std::move(file));
+  const RunCost cost = cost_of_sid(parsed, common, options);
+  require_affordable(parsed.file, Pointer(), cost, common);
+  if (common.dry_run) {
+    std::cout << "The run would take " << in_words(cost) << ".\n";
+    return;
+  }
   RunFiles files(common.output);
   const StopOnInterrupt stop;
   const SidOutcome out = identify(parsed, common, options, *log);
@@ -76,6 +105,7 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
 }
 
 void simulate_sid(const CommonOptions& common, CaseFile file) {
+  require_room_for_truth(file, common);
   const SidCaseFile parsed = parse_sid_case(std::move(file), SidNeeds::truth);
   const SidCase& sid_case = parsed.sid;
   const std::uint64_t seed = common.seed.value_or(sid_case.truth ? sid_case.truth->seed : 1);
@@ -85,7 +115,7 @@ void simulate_sid(const CommonOptions& common, CaseFile file) {
                                              WHEELTAP_VERSION + ", seed " + std::to_string(seed)));
   if (!common.quiet) {
     std::cout << record.samples() << " samples of " << record.columns.size()
-              << " columns: " << common.output.string() << '\n';
+              << " columns: " << io::printable(common.output.string()) << '\n';
   }
 }
 

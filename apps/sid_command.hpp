@@ -4,6 +4,7 @@
 #include <spdlog/logger.h>
 
 #include "apps/commands.hpp"
+#include "apps/run_cost.hpp"
 #include "apps/sid_case.hpp"
 #include "identification/sid_findings.hpp"
 
@@ -11,6 +12,10 @@ namespace wheeltap::apps {
 
 /// Writes the record that the case's truth produces as CSV.
 void simulate_sid(const CommonOptions& common, CaseFile file);
+
+/// Of a run of the case, and what its record takes.
+[[nodiscard]] RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
+                                  const SamplingOptions& options);
 
 /// A case run to its end.
 struct SidOutcome {

@@ -11,6 +11,7 @@
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/sid_summary.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -111,7 +112,10 @@ void print_remarks(const SidFindings& findings) {
 
 }  // namespace
 
-void sweep_sid(const CaseFile& file, const CommonOptions& common, const SamplingOptions& options,
+// What a case that is parsed keeps, besides its record.
+constexpr double kCaseBytes = 20e3;
+
+void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,
                spdlog::logger& log) {
   validate_against_schema(file, "sid");
   make_output_folder(common.output);
@@ -125,6 +129,28 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
   }
   if (!file.json.contains(pointer)) {
     file.refuse(Pointer("/sweep/path"), "leads nowhere in this case");
+  }
+  {
+    CaseFile one = file;
+    one.json.erase("sweep");
+    one.json[pointer] = sweep["values"][0];
+    validate_against_schema(one, "sid");
+    require_affordable(one, Pointer("/truth/samples"), cost_of_truth(one), common);
+    const SidCaseFile parsed = parse_sid_case(std::move(one));
+    RunCost cost = cost_of_sid(parsed, common, options);
+    const auto rows = static_cast<double>(sweep["values"].size());
+    double kept = kCaseBytes;
+    for (const SidChannel& channel : parsed.sid.channels) {
+      kept += 8.0 * static_cast<double>(channel.signal.samples.size());
+    }
+    cost.bytes += rows * kept;
+    cost.likelihoods *= rows;
+    cost.seconds *= rows;
+    require_affordable(file, Pointer("/sweep"), cost, common);
+    if (common.dry_run) {
+      std::cout << "The sweep would take " << in_words(cost) << ".\n";
+      return;
+    }
   }
   // All of them first, so that a mistake in the last does not cost the runs before it.
   std::vector<SidCaseFile> cases;
@@ -166,8 +192,9 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
   table_file.commit();
   summary_file.commit();
   write_report(common.output);
-  std::cout << "Results: " << (common.output / "sweep.csv").string() << " (the table), "
-            << (common.output / "summary.json").string() << " (all numbers)\n";
+  std::cout << "Results: " << io::printable((common.output / "sweep.csv").string())
+            << " (the table), " << io::printable((common.output / "summary.json").string())
+            << " (all numbers)\n";
 }
 
 }  // namespace wheeltap::apps

@@ -10,7 +10,7 @@ namespace wheeltap::apps {
 
 /// Runs the case once a value of its sweep, prints a line each, and writes sweep.csv, summary.json
 /// and report.html. Throws Failure.
-void sweep_sid(const CaseFile& file, const CommonOptions& common, const SamplingOptions& options,
+void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,
                spdlog::logger& log);
 
 }  // namespace wheeltap::apps

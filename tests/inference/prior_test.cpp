@@ -249,5 +249,23 @@ TEST(Prior, SlopeInTheTails) {
   }
 }
 
+// Fault: upper / lower overflowed, and all that was made of it was NaN.
+TEST(Prior, OfLogUniformMayBeginAtTheSmallestNumbers) {
+  const double lower = 1e-320;
+  const Prior prior = LogUniform{lower, 1.0};
+  const double span = -std::log(lower);
+  EXPECT_NEAR(prior.log_density(0.5), -std::log(span) - std::log(0.5), 1e-12);
+  EXPECT_NEAR(prior.from_standard_normal(0.0), std::exp(-0.5 * span), 1e-9 * std::exp(-0.5 * span));
+  for (const double z : {-8.0, -1.0, 0.0, 1.0, 8.0}) {
+    const double x = prior.from_standard_normal(z);
+    EXPECT_GE(x, lower);
+    EXPECT_LE(x, 1.0);
+    EXPECT_TRUE(std::isfinite(prior.slope(z)));
+    if (std::abs(z) < 2.0) {
+      EXPECT_NEAR(prior.to_standard_normal(x), z, 1e-9);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace wheeltap::inference
