@@ -288,7 +288,7 @@ void make_whole(const Json& root, const Json& reference, Json& value) {
 void CaseFile::refuse(const Pointer& where, const std::string& message) const {
   std::string line = path.string() + ": " + place(where) + ": ";
   if (json.contains(where) && !json.at(where).is_object()) line += shortened(json.at(where)) + ": ";
-  throw Failure(Exit::bad_input, line + message);
+  throw Failure(Exit::bad_input, io::printable(line + message));
 }
 
 std::filesystem::path CaseFile::resolve(const std::string& name) const {

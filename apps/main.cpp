@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
     command->add_flag("--quiet", common.quiet, "no progress on standard error");
   };
   const auto add_seed = [&](CLI::App* command, const char* what) {
-    command->add_option("--seed", common.seed, what)->check(whole(0, kLargestSeed));
+    command->add_option("--seed", common.seed, what)->transform(whole(0, kLargestSeed));
   };
   const auto add_limits = [&](CLI::App* command) {
     command
@@ -111,24 +111,24 @@ int main(int argc, char** argv) {
   const auto add_threads = [&](CLI::App* command) {
     command
         ->add_option("--threads", common.threads, "threads (default: all); never changes a result")
-        ->check(whole(1, 4096));
+        ->transform(whole(1, 4096));
   };
 
   const auto add_sampling = [&](CLI::App* command) {
     command->add_option("--chains", sampling.chains, "independent chains (default 4)")
-        ->check(whole(1, 1000));
+        ->transform(whole(1, 1000));
     command
         ->add_option("--warmup", sampling.warmup,
                      "iterations a chain before the first draw (default: chosen)")
-        ->check(whole(1, kMany));
+        ->transform(whole(1, kMany));
     command
         ->add_option("--draws", sampling.draws,
                      "draws a chain, after warm-up (default: until converged)")
-        ->check(whole(100, kMany));
+        ->transform(whole(100, kMany));
     command
         ->add_option("--search", sampling.searches,
                      "climbs to modes of each model, from draws of its prior (default: chosen)")
-        ->check(whole(0, kMany));
+        ->transform(whole(0, kMany));
     CLI::Option* prior_only = command->add_flag("--prior-only", sampling.prior_only,
                                                 "leave the data out: must return the prior");
     command
@@ -145,7 +145,7 @@ int main(int argc, char** argv) {
   CLI::App* modes_command = app.add_subcommand("modes", "natural frequencies of the case's beam");
   add_case(modes_command);
   modes_command->add_option("--modes", modes.modes, "how many, rigid-body ones included")
-      ->check(whole(1, kMany));
+      ->transform(whole(1, kMany));
   modes_command->add_flag("--truth", modes.truth, "damaged as damage.truth says");
   modes_command->add_flag("--json", modes.json, "as JSON");
   modes_command->add_flag("--shapes", modes.shapes, "with --json: the shapes too");

@@ -118,7 +118,6 @@ constexpr double kCaseBytes = 20e3;
 void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,
                spdlog::logger& log) {
   validate_against_schema(file, "sid");
-  make_output_folder(common.output);
   const Json sweep = file.json["sweep"];
   const auto path = sweep["path"].get<std::string>();
   Pointer pointer;
@@ -152,6 +151,7 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
       return;
     }
   }
+  make_output_folder(common.output);
   // All of them first, so that a mistake in the last does not cost the runs before it.
   std::vector<SidCaseFile> cases;
   for (const Json& value : sweep["values"]) {

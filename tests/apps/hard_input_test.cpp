@@ -56,8 +56,10 @@ TEST_F(HardInput, WholeNumbersOfTheCommandLineNeverWrap) {
                        (where / "t.nc").string() + " --part " + part,
                    64, "must be I/N");
   }
-  EXPECT_EQ(wheeltap(where, damage(small_case(), "--draws 200.0 --seed 5.0 --dry-run")).exit_code,
-            0);
+  const Outcome pointed =
+      wheeltap(where, "damage " + where.write_json("c.json", small_case()).string() + " -o " +
+                          (where / "out").string() + " --draws 200.0 --seed 5.0 --dry-run");
+  EXPECT_EQ(pointed.exit_code, 0) << pointed.err;
 }
 
 // Before: 100 samples, mass 1, ...
@@ -142,7 +144,7 @@ TEST_F(HardInput, DeepAndWideJsonIsRefusedSoon) {
   expect_refusal(with(open), 65, "100 deep");
   std::string wide = "{\"kind\": \"damage\"";
   for (int i = 0; i < 200'000; ++i) wide += ",\"k" + std::to_string(i) + "\": 1";
-  expect_refusal(with(wide + "}"), 65, "is missing");
+  expect_refusal(with(wide + "}"), 65, "/k0: 1: unknown key");
 }
 
 // Before: waited for ever, or until memory ended.
@@ -197,7 +199,7 @@ TEST_F(HardInput, WhatNoMachineHoldsIsRefusedWithItsEstimate) {
     kind["name"] = name;
     c["damage"].push_back(kind);
   }
-  expect_refusal(damage(c), 65, "/damage: would be 194481.0 models");
+  expect_refusal(damage(c), 65, "would be 194481.0 models");
   c = small_case();
   c["beam"]["elements"] = 100;
   c["damage"]["count"]["max"] = 5;
@@ -217,7 +219,8 @@ TEST_F(HardInput, EditedSummariesAreNotBelieved) {
   ASSERT_EQ(wheeltap(where, damage(small_case())).exit_code, 0);
   const json kept = json::parse(read_all(where / "out/summary.json"));
   std::vector<std::string> places;
-  for (const auto& [place, ignored] : kept.flatten().items()) {
+  const json flat = kept.flatten();
+  for (const auto& [place, ignored] : flat.items()) {
     if (place.find("/case/") == std::string::npos && place.find("/by_element") == std::string::npos)
       places.push_back(place);
   }
