@@ -224,8 +224,12 @@ std::optional<Complaint> explain(const Json& root, const Json& reference, const 
   return {};
 }
 
-std::string place(const Pointer& where) {
-  const std::string text = where.to_string();
+std::string place(const Pointer& where, const std::string& record_place) {
+  constexpr std::string_view kRecord = "/record";
+  std::string text = where.to_string();
+  if (text == kRecord || text.starts_with("/record/")) {
+    text.replace(0, kRecord.size(), record_place);
+  }
   return text.empty() ? "/" : text;
 }
 
@@ -286,7 +290,7 @@ void make_whole(const Json& root, const Json& reference, Json& value) {
 }  // namespace
 
 void CaseFile::refuse(const Pointer& where, const std::string& message) const {
-  std::string line = path.string() + ": " + place(where) + ": ";
+  std::string line = path.string() + ": " + place(where, record_place) + ": ";
   if (json.contains(where) && !json.at(where).is_object()) line += shortened(json.at(where)) + ": ";
   throw Failure(Exit::bad_input, io::printable(line + message));
 }

@@ -20,6 +20,8 @@ using Pointer = Json::json_pointer;
 struct CaseFile {
   std::filesystem::path path;
   Json json;
+  /// Where /record stands in the file itself: elsewhere for one of several records.
+  std::string record_place = "/record";
 
   /// Throws Failure (65): "FILE: /pointer: VALUE: message", the value being what stands there.
   [[noreturn]] void refuse(const Pointer& where, const std::string& message) const;

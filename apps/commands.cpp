@@ -3,9 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <sstream>
 
 #include "apps/csv_frequencies.hpp"
@@ -16,9 +14,11 @@
 #include "apps/run_files.hpp"
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
+#include "apps/stored_run.hpp"
 #include "apps/terminal.hpp"
 #include "apps/whole_number.hpp"
 #include "base/parallel.hpp"
+#include "emulator/journal.hpp"
 #include "fem/modal_analysis.hpp"
 #include "identification/plausibility.hpp"
 #include "io/atomic_file.hpp"
@@ -44,34 +44,6 @@ std::string sparkline(const Eigen::VectorXd& shape) {
     text += levels[std::clamp(static_cast<int>(std::lround(3.5 + 3.5 * w)), 0, 7)];
   }
   return text;
-}
-
-Report options_report(const SamplingOptions& options) {
-  return {{"chains", options.chains},
-          {"warmup", options.warmup},
-          {"draws", options.draws},
-          {"search", options.searches},
-          {"prior_only", options.prior_only},
-          {"evidence", options.evidence},
-          {"quick", options.quick}};
-}
-
-// The text of a finished run in `directory`, if it is one of this case with these options.
-std::optional<std::string> finished_run(const std::filesystem::path& directory,
-                                        const Json& case_json, std::uint64_t seed,
-                                        const SamplingOptions& options) {
-  std::ifstream stream(directory / "summary.json"), text(directory / "summary.txt");
-  if (!stream || !text || !std::filesystem::exists(directory / "posterior.nc")) return {};
-  const Report summary = Report::parse(stream, nullptr, false);
-  if (summary.is_discarded() || !summary.contains("wheeltap")) return {};
-  const auto& about = summary["wheeltap"];
-  const bool same = about.value("version", "") == WHEELTAP_VERSION &&
-                    about.value("seed", 0U) == seed &&
-                    about.value("options", Report()) == options_report(options) &&
-                    about.contains("case") && Json::parse(about["case"].dump()) == case_json &&
-                    !summary["diagnostics"].value("stopped_early", true);
-  if (!same) return {};
-  return std::string(std::istreambuf_iterator<char>(text), {});
 }
 
 }  // namespace
@@ -206,10 +178,9 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   const auto journal = [&](int count) {
     return std::filesystem::path(stem + ".count_" + std::to_string(count));
   };
-  std::error_code ignored;
   const auto forget = [&] {
-    for (int count = 1; count <= kind.max_count; ++count)
-      std::filesystem::remove(journal(count), ignored);
+    if (made) return;  // there are none
+    for (int count = 1; count <= kind.max_count; ++count) emulator::Journal::remove(journal(count));
   };
   if (!common.resume) forget();
   const fem::Reanalysis reanalysis(damage_case.beam, modes + damage_case.rigid_body_modes);
@@ -305,12 +276,9 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
     return;
   }
   if (common.resume) {
-    if (const auto text = finished_run(common.output, parsed.file.json, seed, options)) {
-      log->info("{} holds a finished run of this case; nothing is run again.",
-                io::printable(common.output.string()));
-      std::cout << *text;
-      print_results(common.output, true);  // what else there is to say stands in the text
-      return;
+    if (const auto text = finished_run(common.output, parsed.file.json, seed, "options",
+                                       options_report(options))) {
+      return print_finished(common.output, *text, *log);
     }
   }
   RunFiles files(common.output);
@@ -345,9 +313,12 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   summary["wheeltap"]["options"] = options_report(options);
   std::ostringstream text;
   print_damage(text, parsed, findings, false);
-  write_posterior_file(files.posterior(), parsed, *problem, posterior, seed);
-  files.keep(summary, text.str());
+  const std::string run = run_id(summary["wheeltap"], posterior);
+  const auto failed = files.keep(std::move(summary), text.str(), run, [&] {
+    return posterior_file(run, parsed, *problem, posterior, seed);
+  });
   print_damage(std::cout, parsed, findings, colour_wanted());
+  if (failed) throw *failed;
   print_results(common.output, findings.sampling.verdict.converged);
 }
 

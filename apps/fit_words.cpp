@@ -100,7 +100,11 @@ std::vector<std::string> in_words(const FitVerdict& verdict) {
 }
 
 std::string in_brief(const FitVerdict& verdict) {
-  return std::visit(Brief{}, verdict.why.front());
+  return in_brief(verdict.why.front());
+}
+
+std::string in_brief(const misfit::Reason& reason) {
+  return std::visit(Brief{}, reason);
 }
 
 }  // namespace wheeltap::apps

@@ -14,6 +14,7 @@ namespace wheeltap::apps {
 /// "R² -0.28", "the residual of "a" is 14 % of the response and no noise": the gravest reason, for
 /// a headline. The verdict must have one.
 [[nodiscard]] std::string in_brief(const identification::FitVerdict& verdict);
+[[nodiscard]] std::string in_brief(const identification::misfit::Reason& reason);
 
 /// " (off by more than 3 sd: modes 1 to 3). Check the beam's properties …"
 [[nodiscard]] std::string what_to_check(const std::vector<int>& modes, bool emulated);

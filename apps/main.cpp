@@ -1,8 +1,11 @@
 // wheeltap: the command line.
 #include <CLI/CLI.hpp>
+#include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <new>
+#include <system_error>
 
 #include "apps/commands.hpp"
 #include "apps/failure.hpp"
@@ -66,6 +69,8 @@ CLI::Validator whole(std::int64_t lowest, std::int64_t highest) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A file that may not grow is an error of writing, which has a line and an exit code.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{
       "Structural health monitoring: how many damages, where, how bad, with honest "
       "probabilities"};
@@ -182,11 +187,13 @@ int main(int argc, char** argv) {
   add_sampling(sid_command);
   add_limits(sid_command);
   add_dry_run(sid_command);
+  sid_command->add_flag("--resume", common.resume,
+                        "go on with an interrupted sweep; print a finished run again");
 
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");
   add_case(simulate_command);
-  add_output(simulate_command, "the file to write: .csv, or .json for a complete case");
+  add_output(simulate_command, "the file to write: .csv, or .json for a complete damage case");
   add_limits(simulate_command);
   add_seed(simulate_command, "of the noise (default: the case's, or 1)");
 
@@ -256,6 +263,10 @@ int main(int argc, char** argv) {
     return report(Exit::bad_input, common.case_path.string() +
                                        ": asks for more memory than there is (--dry-run estimates "
                                        "how much a run takes)");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(Exit::no_input, error.path1().string() + ": " + error.code().message());
+  } catch (const std::system_error& error) {
+    return report(Exit::internal, std::string("internal fault: ") + error.what());
   } catch (const std::runtime_error& error) {
     // Misuse throws logic errors; what is left are numbers for which the arithmetic gives up.
     return report(Exit::bad_input, common.case_path.string() + ": cannot be computed: " +

@@ -63,9 +63,9 @@ std::string damage_variable(const DamageCase& damage_case, const Unknown& unknow
          unknown.name;
 }
 
-void write_posterior_file(const std::filesystem::path& path, const DamageCaseFile& parsed,
-                          const DamageProblem& problem, const inference::Posterior& posterior,
-                          std::uint64_t seed) {
+std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
+                           const DamageProblem& problem, const inference::Posterior& posterior,
+                           std::uint64_t seed) {
   const DamageCase& damage_case = problem.damage_case;
   const FrequencyData& data = damage_case.data;
   const auto& space = *posterior.space;
@@ -96,8 +96,8 @@ void write_posterior_file(const std::filesystem::path& path, const DamageCaseFil
     return sum;
   });
 
-  io::NetcdfWriter file(path);
-  file.about(WHEELTAP_VERSION);
+  io::NetcdfWriter file("posterior.nc");
+  file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", damage_case.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
 
@@ -182,7 +182,7 @@ void write_posterior_file(const std::filesystem::path& path, const DamageCaseFil
     file.text(group, id, "units", "Hz");
     if (!data.sd_hz.empty()) file.put(group, "sd", {mode}, data.sd_hz);
   }
-  file.close();
+  return file.close();
 }
 
 }  // namespace wheeltap::apps

@@ -1,7 +1,7 @@
 // posterior.nc: every draw of a damage run, in the ArviZ InferenceData layout.
 #pragma once
 
-#include <filesystem>
+#include <string>
 
 #include "apps/damage_case.hpp"
 #include "identification/damage_problem.hpp"
@@ -20,15 +20,16 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 [[nodiscard]] std::string damage_variable(const identification::DamageCase& damage_case,
                                           const identification::Unknown& unknown);
 
-/// Writes a NetCDF-4 file with the groups
+/// A NetCDF-4 file, in memory, with the groups
 ///   posterior             parameters (chain, draw[, slot]), NaN in unused slots; k, model
 ///   sample_stats          lp, log_likelihood, k, move, accepted (chain, draw)
 ///   posterior_predictive  frequency (chain, draw, mode): predicted, with noise of `seed` by the
 ///                         likelihood's own noise model
 ///   observed_data         frequency (mode)
-/// and attributes that name models and moves. Throws io::FileError (unwritable).
-void write_posterior_file(const std::filesystem::path& path, const DamageCaseFile& damage_case,
-                          const identification::DamageProblem& problem,
-                          const inference::Posterior& posterior, std::uint64_t seed);
+/// and attributes that name models and moves, and the run (RunFiles). Throws io::FileError
+/// (unwritable) for what NetCDF does not take.
+[[nodiscard]] std::string posterior_file(const std::string& run, const DamageCaseFile& damage_case,
+                                         const identification::DamageProblem& problem,
+                                         const inference::Posterior& posterior, std::uint64_t seed);
 
 }  // namespace wheeltap::apps

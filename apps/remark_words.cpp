@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/fit_words.hpp"
+#include "apps/sid_words.hpp"
 #include "apps/verdict_words.hpp"
 #include "apps/words.hpp"
 
@@ -219,6 +220,14 @@ class Speaker {
            "was integrated, less a drift of second order in time that the responses do not have: "
            "slower drifts of the rig itself are taken for the base's.";
   }
+  std::string operator()(const remark::MostProbableFails& r) const {
+    std::string why;
+    for (const auto& reason : r.why) why += (why.empty() ? "" : "; ") + in_brief(reason);
+    return "\"" + r.model + "\", the most probable model, does not explain the record (" + why +
+           "); \"" + r.other +
+           "\", which the window leaves possible, does. A window in which they "
+           "differ would decide between them.";
+  }
   std::string operator()(const remark::MostlyNoise& r) const {
     return "Under \"" + r.model + "\" most of \"" + r.channel + "\" is noise (R² " +
            significant(r.r2, 2) +
@@ -267,15 +276,22 @@ class Speaker {
                   fixed(channel.autocorrelation, 2) + " at lag " + std::to_string(channel.lag) +
                   ", " + p_value(channel.p_value) + ")";
     }
-    return "Under \"" + r.model + "\" the residuals are not white: " + coloured +
-           ". The likelihood takes them for independent, so its probabilities and intervals are "
-           "too sure; add \"residuals\": {\"ar\": 2} to the case, or a model that explains more.";
+    return "Under \"" + r.model + "\" the residuals are not white: " + coloured + ". " +
+           (r.autoregressive
+                ? "The autoregression does not take up all of it: let its order be chosen "
+                  "(\"residuals\": {\"ar\": \"auto\"}), or offer a model that explains more."
+                : "The likelihood takes them for independent, so its probabilities and intervals "
+                  "are too sure; add \"residuals\": {\"ar\": \"auto\"} to the case, or a model "
+                  "that "
+                  "explains more.");
   }
   std::string operator()(const remark::ParameterAtBound& r) const {
     return "Under \"" + r.model + "\" the parameter " + r.parameter + " leans on the " +
            (r.upper ? "upper" : "lower") + " end of its prior, " + r.prior +
            ": widen it unless that end is certain.";
   }
+  std::string operator()(const remark::ScatterBetweenWindows& r) const { return sentence(r); }
+  std::string operator()(const remark::WindowsUnsound& r) const { return sentence(r); }
 
  private:
   [[nodiscard]] const DefectKind& kind_of(int kind) const {
@@ -306,12 +322,15 @@ struct Rank {
   int operator()(const remark::EvidenceDisagrees&) const { return 1; }
   int operator()(const remark::NoModelFits&) const { return 2; }
   int operator()(const remark::NoiseMisstated&) const { return 2; }
+  int operator()(const remark::MostProbableFails&) const { return 1; }
   int operator()(const remark::ColouredResiduals&) const { return 2; }
+  int operator()(const remark::ScatterBetweenWindows&) const { return 2; }
   int operator()(const remark::MeansDoNotGoTogether&) const { return 3; }
   int operator()(const remark::MostlyNoise&) const { return 3; }
   int operator()(const remark::FittedNotTested&) const { return 3; }
   int operator()(const remark::CannotExclude&) const { return 3; }
   int operator()(const remark::MirrorImages&) const { return 3; }
+  int operator()(const remark::WindowsUnsound&) const { return 3; }
   int operator()(const remark::NearlyPrior&) const { return 4; }
   int operator()(const remark::LargestCount&) const { return 4; }
   int operator()(const remark::SeverityAtBound&) const { return 4; }

@@ -94,10 +94,14 @@ RunCost cost_of_truth(const CaseFile& file) {
   if (!file.json.contains("truth")) return {};
   const Json& truth = file.json["truth"];
   const double samples = truth["samples"];
-  const auto columns =
-      static_cast<double>(file.json["record"]["channels"].size() + truth["excitation"].size());
+  std::size_t columns = 0;
+  const auto count = [&](const Json& record) {
+    columns += record["channels"].size() + truth["excitation"].size();
+  };
+  if (file.json.contains("record")) count(file.json["record"]);
+  for (const Json& record : file.json.value("records", Json::array())) count(record);
   // Every column as drawn, between samples, simulated and with noise.
-  return {.bytes = 8.0 * samples * (4.0 + 6.0 * columns)};
+  return {.bytes = 8.0 * samples * (4.0 + 6.0 * static_cast<double>(columns))};
 }
 
 RunCost cost_of_tables(const identification::DamageCase& damage_case) {

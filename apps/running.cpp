@@ -6,17 +6,21 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <optional>
 #include <sstream>
 
 #include "apps/failure.hpp"
 #include "apps/terminal.hpp"
+#include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
 namespace {
 
 std::atomic<bool> interrupted{false};
+
+void ask_to_stop(int signal) {
+  if (interrupted.exchange(true)) std::_Exit(128 + signal);
+}
 
 // The time left of a whole run: the rest of its stage as long as that has taken so far, and the
 // calls of the stages to come as fast as those of this one.
@@ -75,14 +79,21 @@ bool was_interrupted() {
   return interrupted.load();
 }
 
-StopOnInterrupt::StopOnInterrupt() {
-  previous_ = std::signal(SIGINT, [](int) {
-    if (interrupted.exchange(true)) std::_Exit(130);
-  });
+StopOnInterrupt::StopOnInterrupt()
+    : interrupt_(std::signal(SIGINT, ask_to_stop)),
+      terminate_(std::signal(SIGTERM, ask_to_stop)),
+      hang_up_(std::signal(SIGHUP, ask_to_stop)) {
+  if (hang_up_ == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
 }
 
 StopOnInterrupt::~StopOnInterrupt() {
-  std::signal(SIGINT, previous_);
+  std::signal(SIGINT, interrupt_);
+  std::signal(SIGTERM, terminate_);
+  std::signal(SIGHUP, hang_up_);
+}
+
+void outlive_readers() {
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 inference::Posterior run_engine(const inference::Problem& problem, inference::Options options,
@@ -156,18 +167,9 @@ void make_output_folder(const std::filesystem::path& directory) {
   }
 }
 
-void write_text(const io::AtomicFile& file, const std::string& text) {
-  std::ofstream stream(file.temporary(), std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) {
-    throw io::FileError(io::FileError::Kind::unwritable, file.temporary(), "cannot be written");
-  }
-}
-
 void write_text(const std::filesystem::path& path, const std::string& text) {
   io::AtomicFile file(path);
-  write_text(file, text);
+  file.write(text);
   file.commit();
 }
 

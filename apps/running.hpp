@@ -8,7 +8,6 @@
 
 #include "identification/findings.hpp"
 #include "inference/reversible_jump.hpp"
-#include "io/atomic_file.hpp"
 
 namespace spdlog {
 class logger;
@@ -19,8 +18,8 @@ namespace wheeltap::apps {
 /// Lines for people who watch, on standard error; warnings only where `quiet`.
 [[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
 
-/// While it lives, Ctrl-C asks the engine to stop: the run ends with what there is. A second one
-/// ends the program.
+/// While it lives, Ctrl-C (or SIGTERM, or SIGHUP unless it was ignored) asks the engine to stop:
+/// the run ends with what there is. A second one ends the program.
 class StopOnInterrupt {
  public:
   StopOnInterrupt();
@@ -29,8 +28,13 @@ class StopOnInterrupt {
   ~StopOnInterrupt();
 
  private:
-  void (*previous_)(int);
+  using Handler = void (*)(int);
+  Handler interrupt_, terminate_, hang_up_;
 };
+
+/// From now on a reader of standard output who goes away does not end the program: what a run found
+/// is written to files all the same.
+void outlive_readers();
 
 [[nodiscard]] bool was_interrupted();
 
@@ -53,9 +57,7 @@ class StopOnInterrupt {
 /// Throws io::FileError where it cannot be made.
 void make_output_folder(const std::filesystem::path& directory);
 
-/// Into the file's temporary name; the caller commits. Throws io::FileError.
-void write_text(const io::AtomicFile& file, const std::string& text);
-/// The whole file at once.
+/// The whole file at once. Throws io::FileError.
 void write_text(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace wheeltap::apps

@@ -8,6 +8,7 @@
 #include "apps/sid_record.hpp"
 #include "apps/sid_truth.hpp"
 #include "identification/sid_discovery.hpp"
+#include "identification/sid_residuals.hpp"
 #include "io/columns.hpp"
 #include "io/netcdf_name.hpp"
 #include "io/text.hpp"
@@ -42,13 +43,10 @@ class Parser {
     if (json_.contains("discover")) parse_discovery(Pointer("/discover"));
     check_channels();
     parse_truth(parsed_);
-    for (std::size_t p = 0; p < used_.size(); ++p) {
-      if (!used_[p]) {
-        file_.refuse(Pointer("/parameters") / out_.parameters[p].name,
-                     "this parameter is used nowhere");
-      }
-    }
   }
+
+  /// Of each parameter, whether a model or a channel uses it.
+  [[nodiscard]] const std::vector<bool>& used() const { return used_; }
 
  private:
   // ---- parameters and coefficients
@@ -57,6 +55,7 @@ class Parser {
     const Json priors = json_.value("parameters", Json::object());
     std::map<std::string, std::string> by_variable;
     for (const auto& [name, ignored] : priors.items()) {
+      if (out_.number > 1) break;  // the first record's table is the table of all
       const std::string variable = sid_variable(name);
       if (const auto why = io::why_no_netcdf_name(variable)) {
         file_.refuse(Pointer("/parameters") / name, "a parameter's name " + *why);
@@ -132,7 +131,7 @@ class Parser {
       const Json& c = json_.at(where);
       static const std::vector<std::string> roles = {
           "time", "force", "base-acceleration", "base-displacement", "response", "ignore"};
-      SidChannel channel{.column = text_or_number(c["column"])};
+      SidChannel channel{.column = text_or_number(c["column"]), .record = out_.number};
       channel.role =
           static_cast<Role>(std::ranges::find(roles, c["role"].get<std::string>()) - roles.begin());
       const bool on_mass = channel.role == Role::force || channel.role == Role::response;
@@ -281,15 +280,11 @@ class Parser {
     } else {
       model.noise.assign(responses, positive(where / "noise"));
     }
-    const int order = m.value("residuals", json_.value("residuals", Json::object())).value("ar", 0);
-    for (std::size_t c = 0; order > 0 && c < responses; ++c) {
-      model.autocorrelations.emplace_back();
-      for (int j = 1; j <= order; ++j) {
-        const std::string channel = responses > 1 ? "[" + std::to_string(c + 1) + "]" : "";
-        model.autocorrelations.back().push_back(
-            added("ar" + channel + "[" + std::to_string(j) + "]", inference::Uniform{-1.0, 1.0}));
-      }
-    }
+    const Json order =
+        m.value("residuals", json_.value("residuals", Json::object())).value("ar", Json(0));
+    model.chooses_order = order == "auto";
+    if (!model.chooses_order) add_autoregression(out_, model, order);
+    used_.resize(out_.parameters.size(), true);
     parse_initial(model);
     out_.models.push_back(std::move(model));
   }
@@ -456,6 +451,81 @@ class Parser {
   std::vector<bool> used_;
 };
 
+/// Windows must hold more samples than any model has parameters.
+void check_windows(const SidCaseFile& parsed) {
+  if (parsed.sid.windows == 0) return;
+  for (const SidCase* record : parsed.sid.records()) {
+    const int length = (record->end - record->begin) / parsed.sid.windows;
+    const auto samples = static_cast<std::size_t>(length) * record->responses().size();
+    for (const SidModel& model : record->models) {
+      const std::size_t parameters = record->parameters_of(model).size();
+      if (samples > parameters) continue;
+      parsed.file.refuse(Pointer("/windows"),
+                         "leaves windows of " + std::to_string(length) + " samples; model \"" +
+                             model.name + "\" has " + std::to_string(parameters) +
+                             " parameters, and a window must hold more samples than that");
+    }
+  }
+}
+
+/// The case of one record, which stands at /record. `number`: of several, from 1; then `table` are
+/// the parameters of those before. `used` gathers which of them are.
+SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, int number = 1,
+                      std::vector<inference::Parameter> table = {}) {
+  SidCaseFile out{.file = std::move(file), .notes = {}, .sid = {}, .channels = {}};
+  out.sid.number = number;
+  out.sid.parameters = std::move(table);
+  const Json& json = out.file.json;
+  SidCase& sid_case = out.sid;
+  sid_case.title = json.value("title", io::printable(out.file.path.stem().string()));
+  sid_case.band = json.value("band", sid_case.band);
+  sid_case.balance = json.value("balance", false);
+  if (json.contains("notes")) {
+    if (json["notes"].is_string()) {
+      out.notes = {json["notes"].get<std::string>()};
+    } else {
+      out.notes = json["notes"].get<std::vector<std::string>>();
+    }
+  }
+  const Parser parser(out);
+  used.resize(parser.used().size(), false);
+  for (std::size_t p = 0; p < used.size(); ++p) used[p] = used[p] || parser.used()[p];
+  const bool simulated = needs == SidNeeds::record && !json["record"].contains("file");
+  if (sid_case.truth && (needs == SidNeeds::truth || simulated)) parse_excitations(out);
+  if (needs == SidNeeds::record) load_record(out);
+  // Of several records the first sets the scales.
+  if (needs == SidNeeds::record && sid_case.discovery && number == 1) {
+    explained(out.file, Pointer("/discover/terms"), [&] { set_term_priors(sid_case); });
+  }
+  sid_case.windows = json.value("windows", 0);
+  sid_case.unite();
+  return out;
+}
+
+/// The first record's case, with those of the others in SidCase::further.
+SidCaseFile parse_several(const CaseFile& file, SidNeeds needs, std::vector<bool>& used) {
+  const Json& records = file.json["records"];
+  SidCaseFile out;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    CaseFile one = file;
+    one.json.erase("records");
+    one.json["record"] = records[i];
+    one.record_place = (Pointer("/records") / i).to_string();
+    SidCaseFile part = parse_one(std::move(one), needs, used, static_cast<int>(i) + 1,
+                                 i == 0 ? std::vector<inference::Parameter>{} : out.sid.parameters);
+    if (i == 0) {
+      out = std::move(part);
+      continue;
+    }
+    out.sid.parameters = part.sid.parameters;
+    out.sid.further.push_back(std::move(part.sid));
+  }
+  out.sid.unite();
+  out.file = file;
+  out.file.record_place = "/records/0";
+  return out;
+}
+
 }  // namespace
 
 void SidCaseFile::refuse(const InvalidInput& error) const {
@@ -489,27 +559,23 @@ void SidCaseFile::refuse(const InvalidInput& error) const {
 
 SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
   validate_against_schema(file, "sid");
-  SidCaseFile out{.file = std::move(file), .notes = {}, .sid = {}, .channels = {}};
-  const Json& json = out.file.json;
-  SidCase& sid_case = out.sid;
-  sid_case.title = json.value("title", io::printable(out.file.path.stem().string()));
-  sid_case.band = json.value("band", sid_case.band);
-  sid_case.balance = json.value("balance", false);
-  if (json.contains("notes")) {
-    if (json["notes"].is_string()) {
-      out.notes = {json["notes"].get<std::string>()};
-    } else {
-      out.notes = json["notes"].get<std::vector<std::string>>();
-    }
+  const bool several = file.json.contains("records");
+  if (several && file.json.contains("record")) {
+    file.refuse(Pointer("/records"), "stands beside \"record\": give one of the two");
   }
-  const Parser parser(out);
-  const bool simulated = needs == SidNeeds::record && !json["record"].contains("file");
-  if (sid_case.truth && (needs == SidNeeds::truth || simulated)) parse_excitations(out);
-  if (needs == SidNeeds::record) load_record(out);
-  if (needs == SidNeeds::record && sid_case.discovery) {
-    explained(out.file, Pointer("/discover/terms"), [&] { set_term_priors(sid_case); });
+  if (!several && !file.json.contains("record")) {
+    file.refuse(Pointer("/record"),
+                "is missing: must be an object with a file (or a truth to simulate it from) and "
+                "its channels");
   }
-  for (SidModel& model : sid_case.models) model.parameters = sid_case.parameters_of(model);
+  std::vector<bool> used;
+  SidCaseFile out = several ? parse_several(file, needs, used) : parse_one(file, needs, used);
+  for (std::size_t p = 0; p < used.size(); ++p) {
+    if (used[p]) continue;
+    out.file.refuse(Pointer("/parameters") / out.sid.parameters[p].name,
+                    "this parameter is used nowhere");
+  }
+  if (needs == SidNeeds::record) check_windows(out);
   return out;
 }
 

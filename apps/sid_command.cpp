@@ -11,6 +11,7 @@
 #include "apps/sid_summary.hpp"
 #include "apps/sid_sweep.hpp"
 #include "apps/sid_terminal.hpp"
+#include "apps/stored_run.hpp"
 #include "apps/terminal.hpp"
 #include "identification/sid_simulation.hpp"
 #include "io/text.hpp"
@@ -21,7 +22,7 @@ using namespace identification;
 
 namespace {
 
-Report options_report(const SamplingOptions& options, const inference::Options& engine) {
+Report used_options(const SamplingOptions& options, const inference::Options& engine) {
   return {{"chains", options.chains},   {"warmup", engine.warmup},
           {"draws", engine.draws},      {"thin", engine.thin},
           {"search", options.searches}, {"prior_only", options.prior_only},
@@ -88,23 +89,38 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
     std::cout << "The run would take " << in_words(cost) << ".\n";
     return;
   }
+  const Report asked = options_report(options);
+  if (common.resume) {
+    if (const auto text = finished_run(common.output, parsed.file.json, common.seed.value_or(1),
+                                       "asked", asked)) {
+      return print_finished(common.output, *text, *log);
+    }
+  }
   RunFiles files(common.output);
   const StopOnInterrupt stop;
   const SidOutcome out = identify(parsed, common, options, *log);
   const std::uint64_t seed = out.run.engine.seed;
   Report summary = sid_summary(parsed, *out.run.problem, out.findings,
                                {.seed = seed, .command_line = common.command_line});
-  summary["wheeltap"]["options"] = options_report(options, out.run.engine);
-  write_sid_posterior_file(files.posterior(), parsed, *out.run.problem, out.run.posterior,
-                           out.predictive, seed);
+  summary["wheeltap"]["asked"] = asked;
+  summary["wheeltap"]["options"] = used_options(options, out.run.engine);
   std::ostringstream text;
   print_sid(text, parsed, out.findings, false);
-  files.keep(summary, text.str());
+  const std::string run = run_id(summary["wheeltap"], out.run.posterior);
+  const auto failed = files.keep(std::move(summary), text.str(), run, [&] {
+    return sid_posterior_file(run, parsed, *out.run.problem, out.run.posterior, out.predictive,
+                              seed);
+  });
   print_sid(std::cout, parsed, out.findings, colour_wanted());
+  if (failed) throw *failed;
   print_results(common.output, out.findings.sampling.verdict.converged);
 }
 
 void simulate_sid(const CommonOptions& common, CaseFile file) {
+  if (common.output.extension() == ".json") {
+    throw Failure(Exit::usage, "--output: " + common.output.string() +
+                                   ": a simulated record is a table: name it .csv");
+  }
   require_room_for_truth(file, common);
   const SidCaseFile parsed = parse_sid_case(std::move(file), SidNeeds::truth);
   const SidCase& sid_case = parsed.sid;

@@ -132,9 +132,9 @@ std::string sid_variable(const std::string& parameter) {
   return name;
 }
 
-void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFile& parsed,
-                              const SidProblem& problem, const inference::Posterior& posterior,
-                              const SidPredictive& predictive, std::uint64_t seed) {
+std::string sid_posterior_file(const std::string& run, const SidCaseFile& parsed,
+                               const SidProblem& problem, const inference::Posterior& posterior,
+                               const SidPredictive& predictive, std::uint64_t seed) {
   const SidCase& sid_case = problem.sid_case;
   const auto& space = *posterior.space;
   const std::size_t chains = posterior.chains.size();
@@ -147,8 +147,8 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
     model_of_draw.insert(model_of_draw.end(), chain.model.begin(), chain.model.end());
   }
 
-  io::NetcdfWriter file(path);
-  file.about(WHEELTAP_VERSION);
+  io::NetcdfWriter file("posterior.nc");
+  file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", sid_case.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
   {
@@ -238,7 +238,7 @@ void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFi
     write_excitation(file, sid_case, samples, theta);
     write_link_paths(file, problem, posterior, most);
   }
-  file.close();
+  return file.close();
 }
 
 }  // namespace wheeltap::apps

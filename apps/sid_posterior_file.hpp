@@ -1,7 +1,6 @@
 // posterior.nc of a system-identification run, in the ArviZ InferenceData layout.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "apps/sid_case.hpp"
@@ -13,7 +12,7 @@ namespace wheeltap::apps {
 /// forbids.
 [[nodiscard]] std::string sid_variable(const std::string& parameter);
 
-/// Writes a NetCDF-4 file with the groups
+/// A NetCDF-4 file, in memory, with the groups
 ///   posterior             one variable a parameter (chain, draw), NaN where the model has none;
 ///                         model, the model's number
 ///   sample_stats          as in posterior_file.hpp
@@ -26,10 +25,11 @@ namespace wheeltap::apps {
 ///                         probable model's best draw, and what the data say of the tension
 ///                         (identification/link_paths.hpp)
 ///   observed_data         one variable a response (sample) [SI], and time [s]
-/// Throws io::FileError.
-void write_sid_posterior_file(const std::filesystem::path& path, const SidCaseFile& parsed,
-                              const identification::SidProblem& problem,
-                              const inference::Posterior& posterior,
-                              const identification::SidPredictive& predictive, std::uint64_t seed);
+/// Throws io::FileError (unwritable) for what NetCDF does not take.
+[[nodiscard]] std::string sid_posterior_file(const std::string& run, const SidCaseFile& parsed,
+                                             const identification::SidProblem& problem,
+                                             const inference::Posterior& posterior,
+                                             const identification::SidPredictive& predictive,
+                                             std::uint64_t seed);
 
 }  // namespace wheeltap::apps

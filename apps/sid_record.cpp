@@ -14,6 +14,11 @@ namespace {
 
 using Role = SidChannel::Role;
 
+/// Several records are several simulations.
+std::uint64_t seed_of(const SidCase& sid_case) {
+  return sid_case.truth->seed + static_cast<std::uint64_t>(sid_case.number - 1);
+}
+
 RecordUse parse_use(const CaseFile& file) {
   const Json& r = file.json["record"];
   RecordUse use;
@@ -56,10 +61,10 @@ void load_record(SidCaseFile& parsed) {
     record = read_record(file, Pointer("/record/file"), std::move(columns));
     out.origin = "measured, " + r["file"].get<std::string>();
   } else if (out.truth) {
-    record = explained(parsed, [&] { return simulate_record(out, out.truth->seed); });
+    record = explained(parsed, [&] { return simulate_record(out, seed_of(out)); });
     record.file = file.path.string() + " (truth)";
     out.simulated = true;
-    out.origin = "simulated from the case's truth, seed " + std::to_string(out.truth->seed);
+    out.origin = "simulated from the case's truth, seed " + std::to_string(seed_of(out));
   } else {
     file.refuse(Pointer("/record/file"),
                 "is missing: give a record, or a \"truth\" to simulate it from");

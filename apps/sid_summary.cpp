@@ -5,6 +5,7 @@
 #include "apps/report/answer.hpp"
 #include "apps/report/digest_draws.hpp"
 #include "apps/sid_posterior_file.hpp"
+#include "apps/sid_words.hpp"
 #include "identification/sid_units.hpp"
 
 namespace wheeltap::apps {
@@ -59,6 +60,13 @@ Report of_drawn(const SidFindings& findings, const Value& value) {
       out[findings.models[m].name] = value(*findings.of_models[m], m);
     }
   }
+  return out;
+}
+
+/// {model: order of its residuals' autoregression, …}.
+Report orders_of(const SidCase& sid_case) {
+  Report out = Report::object();
+  for (const SidModel& model : sid_case.models) out[model.name] = model.order();
   return out;
 }
 
@@ -201,6 +209,23 @@ Report data_of(const SidCaseFile& parsed) {
   return out;
 }
 
+/// Of each further record: where it is from, and how the models fit it.
+Report further_of(const SidCase& sid_case, const SidFindings& findings) {
+  Report out = Report::array();
+  for (std::size_t r = 0; r < sid_case.further.size(); ++r) {
+    const SidCase& record = sid_case.further[r];
+    out.push_back(
+        {{"origin", record.origin},
+         {"sample_rate", record.sample_rate_hz},
+         {"samples", {record.begin, record.end}},
+         {"lead_in", record.lead_in},
+         {"fit_at_best_draw", of_drawn(findings, [&](const SidModelFinding& f, std::size_t) {
+            return json(f.further[r]);
+          })}});
+  }
+  return out;
+}
+
 Report integration_of(const SidProblem& problem, const SidFindings& findings) {
   return {{"upsampled", problem.sid_case.stride},
           {"substeps_at_posterior_mean",
@@ -246,6 +271,10 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
                    const SidFindings& findings, const RunInfo& info) {
   const SidCase& sid_case = problem.sid_case;
   Report diagnosed = diagnostics(findings, warnings(findings, {}));
+  for (const SidModel& model : sid_case.models) {
+    if (const std::string note = order_note(model); !note.empty())
+      diagnosed["notes"].push_back(note);
+  }
   if (findings.refined) diagnosed["notes"].push_back(repeat_note(*findings.refined));
   Report summary = {
       {"wheeltap", about("sid", info, parsed.file)},
@@ -256,6 +285,7 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
       {"log_bayes_factors", bayes_factors_report(findings)},
       {"parameters", parameter_tables(findings)},
       {"priors", priors_of(sid_case)},
+      {"residuals", {{"ar", orders_of(sid_case)}}},
       {"unknowns", unknowns_of(findings)},
       {"fit", fit_report(findings.fit_verdict)},
       {"fit_at_mean", fits_report(findings)},
@@ -273,6 +303,7 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
     summary["terms"] = terms_report(findings);
     summary["discovery"] = discovery_report(sid_case, findings);
   }
+  if (!sid_case.further.empty()) summary["further_records"] = further_of(sid_case, findings);
   if (!findings.evidence.empty()) summary["evidence"] = evidence_report(findings);
   return summary;
 }

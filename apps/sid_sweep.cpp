@@ -1,16 +1,21 @@
 #include "apps/sid_sweep.hpp"
 
-#include "apps/verdict_words.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 
+#include "apps/failure.hpp"
 #include "apps/report/answer.hpp"
 #include "apps/report/report.hpp"
+#include "apps/run_files.hpp"
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/sid_summary.hpp"
+#include "apps/stored_run.hpp"
+#include "apps/sweep_journal.hpp"
+#include "apps/verdict_words.hpp"
+#include "io/atomic_file.hpp"
+#include "io/fingerprint.hpp"
 #include "io/text.hpp"
 
 namespace wheeltap::apps {
@@ -86,10 +91,11 @@ Report summary_row(const Json& value, const SidFindings& findings) {
 }
 
 /// What the line above does not say.
-void print_remarks(const SidFindings& findings) {
+std::string remarks(const SidFindings& findings) {
+  std::string text;
   const auto& open = findings.sampling.verdict.not_established;
   for (const std::string& sentence : in_words(open, *findings.space)) {
-    std::cout << "# " << sentence << '\n';
+    text += "# " + sentence + '\n';
   }
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
     const std::string told = told_by_evidence(findings.models[m]);
@@ -103,17 +109,75 @@ void print_remarks(const SidFindings& findings) {
     };
     const bool said = std::ranges::any_of(
         open, [&](const inference::Reason& reason) { return std::visit(about_it, reason); });
-    if (!told.empty() && !said) {
-      std::cout << "# " << findings.models[m].name << ": " << told << '\n';
-    }
+    if (!told.empty() && !said) text += "# " + findings.models[m].name + ": " + told + '\n';
   }
-  std::cout << std::flush;
+  return text;
+}
+
+/// All that is told of one value: what the journal keeps. None where it was interrupted.
+std::optional<Report> run_row(const SidCaseFile& one, const Json& value,
+                              const CommonOptions& common, const SamplingOptions& options,
+                              spdlog::logger& log) {
+  try {
+    const SidFindings findings = identify(one, common, options, log).findings;
+    if (was_interrupted()) return {};
+    const Row row = table_row(value.dump(), findings);
+    return Report{{"header", line(row.header)},
+                  {"cells", line(row.cells)},
+                  {"remarks", remarks(findings)},
+                  {"summary", summary_row(value, findings)}};
+  } catch (const Failure& failure) {
+    if (failure.exit() != Exit::interrupted) throw;
+    return {};
+  }
+}
+
+/// Finished runs of other values are as good: these are no part of what a row rests on.
+std::string identity_of(const CaseFile& file, const CommonOptions& common,
+                        const SamplingOptions& options) {
+  Json fixed = file.json;
+  fixed["sweep"].erase("values");
+  return std::string(WHEELTAP_VERSION) + fixed.dump() + std::to_string(common.seed.value_or(1)) +
+         options_report(options).dump();
+}
+
+std::optional<Report> stored_sweep(const std::filesystem::path& folder) {
+  std::optional<Report> summary = stored_summary(folder);
+  const auto has = [&](const char* name) {
+    return summary->is_object() && summary->contains(name) && (*summary)[name].is_object();
+  };
+  return summary && has("sweep") && has("wheeltap") ? summary : std::nullopt;
+}
+
+std::string stopped(std::size_t done, std::size_t all) {
+  return "stopped after " + std::to_string(done) + " of " + std::to_string(all) + " values" +
+         (done > 0 ? ": the same command with --resume runs the others" : "");
+}
+
+void print_files(const std::filesystem::path& folder) {
+  std::cout << "Results: " << io::printable((folder / "sweep.csv").string()) << " (the table), "
+            << io::printable((folder / "summary.json").string()) << " (all numbers)\n";
+}
+
+/// Of so many rows that are all like the first.
+RunCost cost_of_sweep(CaseFile first, std::size_t values, const CommonOptions& common,
+                      const SamplingOptions& options) {
+  validate_against_schema(first, "sid");
+  require_affordable(first, Pointer("/truth/samples"), cost_of_truth(first), common);
+  const SidCaseFile parsed = parse_sid_case(std::move(first));
+  RunCost cost = cost_of_sid(parsed, common, options);
+  double kept = 20e3;  // what a parsed case keeps besides its record
+  for (const SidChannel& channel : parsed.sid.channels) {
+    kept += 8.0 * static_cast<double>(channel.signal.samples.size());
+  }
+  const auto rows = static_cast<double>(values);
+  cost.bytes += rows * kept;
+  cost.likelihoods *= rows;
+  cost.seconds *= rows;
+  return cost;
 }
 
 }  // namespace
-
-// What a case that is parsed keeps, besides its record.
-constexpr double kCaseBytes = 20e3;
 
 void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,
                spdlog::logger& log) {
@@ -129,72 +193,82 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   if (!file.json.contains(pointer)) {
     file.refuse(Pointer("/sweep/path"), "leads nowhere in this case");
   }
-  {
+  const auto with = [&](const Json& value) {
     CaseFile one = file;
     one.json.erase("sweep");
-    one.json[pointer] = sweep["values"][0];
-    validate_against_schema(one, "sid");
-    require_affordable(one, Pointer("/truth/samples"), cost_of_truth(one), common);
-    const SidCaseFile parsed = parse_sid_case(std::move(one));
-    RunCost cost = cost_of_sid(parsed, common, options);
-    const auto rows = static_cast<double>(sweep["values"].size());
-    double kept = kCaseBytes;
-    for (const SidChannel& channel : parsed.sid.channels) {
-      kept += 8.0 * static_cast<double>(channel.signal.samples.size());
-    }
-    cost.bytes += rows * kept;
-    cost.likelihoods *= rows;
-    cost.seconds *= rows;
-    require_affordable(file, Pointer("/sweep"), cost, common);
-    if (common.dry_run) {
-      std::cout << "The sweep would take " << in_words(cost) << ".\n";
-      return;
-    }
+    one.json[pointer] = value;
+    return one;
+  };
+  const RunCost cost =
+      cost_of_sweep(with(sweep["values"][0]), sweep["values"].size(), common, options);
+  require_affordable(file, Pointer("/sweep"), cost, common);
+  if (common.dry_run) {
+    std::cout << "The sweep would take " << in_words(cost) << ".\n";
+    return;
   }
   make_output_folder(common.output);
   // All of them first, so that a mistake in the last does not cost the runs before it.
   std::vector<SidCaseFile> cases;
-  for (const Json& value : sweep["values"]) {
-    CaseFile one = file;
-    one.json.erase("sweep");
-    one.json[pointer] = value;
-    cases.push_back(parse_sid_case(std::move(one)));
+  for (const Json& value : sweep["values"]) cases.push_back(parse_sid_case(with(value)));
+  io::finish_commit(common.output);
+  const std::string identity = identity_of(file, common, options);
+  const std::string run = io::fingerprint(identity + sweep["values"].dump());
+  const auto stored = stored_sweep(common.output);
+  const bool whole = stored && !(*stored)["sweep"].contains("left");
+  if (common.resume && whole && (*stored)["wheeltap"].value("run", "") == run) {
+    log.info("{} holds this sweep, finished; nothing is run again.",
+             io::printable(common.output.string()));
+    std::cout << sealed_file(common.output, "sweep.csv", *stored).value_or("");
+    return print_files(common.output);
   }
+  outlive_readers();
   io::AtomicFile table_file(common.output / "sweep.csv");
   io::AtomicFile summary_file(common.output / "summary.json");
+  io::AtomicFile report_file(common.output / "report.html");
+  SweepJournal journal(common.output / "sweep.rows", identity, common.resume);
   Report rows = Report::array();
-  std::vector<SweepRow> said;
   std::string table;
   const StopOnInterrupt stop;
   for (std::size_t i = 0; i < cases.size() && !was_interrupted(); ++i) {
     const Json& value = sweep["values"][i];
-    const SidFindings findings = identify(cases[i], common, options, log).findings;
-    const Row row = table_row(value.dump(), findings);
+    const Report key = Report::parse(value.dump());
+    std::optional<Report> row = journal.find(key);
+    if (!row) {
+      row = run_row(cases[i], value, common, options, log);
+      if (!row) break;
+      journal.append(key, *row);
+    }
+    const auto text = [&](const char* of) { return (*row)[of].get<std::string>(); };
     if (i == 0) {
       const std::string& title = cases[i].sid.title;
-      table = "# " + title + "; value of " + path + "\n" + line(row.header);
-      std::cout << '\n' << title << "\nSweep of " << path << "\n" << line(row.header);
+      table = "# " + title + "; value of " + path + "\n" + text("header");
+      std::cout << '\n' << title << "\nSweep of " << path << "\n" << text("header");
     }
-    table += line(row.cells);
-    std::cout << line(row.cells);
-    print_remarks(findings);
-    rows.push_back(summary_row(value, findings));
-    said.push_back({value.dump(), findings.models, findings.sampling.verdict.converged,
-                    findings.fit_verdict.ok()});
+    table += text("cells");
+    std::cout << text("cells") << text("remarks") << std::flush;
+    rows.push_back((*row)["summary"]);
   }
-  const Report summary = {
+  const std::size_t left = cases.size() - rows.size();
+  if (rows.empty() || (left > 0 && whole)) {
+    if (rows.empty()) journal.remove();
+    throw Failure(Exit::interrupted, stopped(rows.size(), cases.size()));
+  }
+  Report summary = {
       {"wheeltap",
        about("sid", {.seed = common.seed.value_or(1), .command_line = common.command_line}, file)},
-      {"answer", json(answer(path, said))},
       {"sweep", {{"path", path}, {"rows", rows}}}};
-  write_text(table_file, table);
-  write_text(summary_file, summary.dump(1) + "\n");
-  table_file.commit();
-  summary_file.commit();
-  write_report(common.output);
-  std::cout << "Results: " << io::printable((common.output / "sweep.csv").string())
-            << " (the table), " << io::printable((common.output / "summary.json").string())
-            << " (all numbers)\n";
+  summary["wheeltap"]["run"] = run;
+  if (left > 0) summary["sweep"]["left"] = left;
+  summary["files"] = {{"sweep.csv", seal(table)}};
+  summary["answer"] = json(read_answer(summary));
+  table_file.write(table);
+  summary_file.write(summary.dump(1) + "\n");
+  report_file.write(report_page(common.output, summary, {}));
+  io::AtomicFile* const files[] = {&table_file, &report_file, &summary_file};
+  io::commit_together(files);
+  if (left > 0) throw Failure(Exit::interrupted, stopped(rows.size(), cases.size()));
+  journal.remove();
+  print_files(common.output);
 }
 
 }  // namespace wheeltap::apps

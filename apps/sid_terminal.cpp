@@ -1,5 +1,6 @@
 #include "apps/sid_terminal.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <ostream>
 
@@ -27,12 +28,27 @@ void print_bayes_factors(std::ostream& out, const SidFindings& findings) {
   }
 }
 
+std::string interval(const Interval& i) {
+  const double width = i.q97_5 - i.q2_5;
+  return resolved(i.q2_5, width) + " to " + resolved(i.q97_5, width);
+}
+
 void print_parameters(const Page& page, const std::vector<ParameterFinding>& parameters) {
   std::vector<std::vector<std::string>> rows = {{"parameter", "mean", "sd", "95 % interval"}};
+  const bool windows = std::ranges::any_of(
+      parameters, [](const ParameterFinding& p) { return p.between_windows.has_value(); });
+  if (windows) {
+    rows.front().emplace_back("a further window (95 %)");
+    rows.front().emplace_back("use");
+  }
   for (const ParameterFinding& p : parameters) {
     const Marginal& e = p.estimate;
     rows.push_back({p.unknown.with_unit(), resolved(e.mean, e.width()), number_or_dash(e.sd, 2),
                     resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width())});
+    if (!windows) continue;
+    const auto& between = p.between_windows;
+    rows.back().push_back(between ? interval(between->next) : "-");
+    rows.back().emplace_back(between && between->scatters() ? "windows" : "this run");
   }
   if (rows.size() > 1) page.table(rows);
 }
@@ -63,7 +79,7 @@ void print_modes(const Page& page, const std::vector<ChainMode>& modes) {
 }
 
 void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
-  std::vector<std::vector<std::string>> rows = {{"response", "MSE", "NRMSE", "R2", "white?"}};
+  std::vector<std::vector<std::string>> rows = {{"response", "MSE (SI)", "NRMSE", "R2", "white?"}};
   for (const ChannelFit& fit : fits) {
     const bool varies = std::isfinite(fit.nrmse);
     rows.push_back(
@@ -101,6 +117,10 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
   page.heading(sid_case.title);
   out << "Data: " << sid_case.origin << "; samples " << sid_case.begin << " to " << sid_case.end
       << " at " << number_or_dash(sid_case.sample_rate_hz, 6) << " Hz\n";
+  for (const SidCase& record : sid_case.further) {
+    out << "and " << record.origin << "; samples " << record.begin << " to " << record.end << " at "
+        << number_or_dash(record.sample_rate_hz, 6) << " Hz\n";
+  }
   print_answer(page, answer(findings));
   if (!findings.discovery.terms.empty()) print_terms(page, findings.discovery);
   page.heading("Which model?");
@@ -112,6 +132,13 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
     const ModelFinding& model = findings.models[m];
     if (!told[m]) continue;
     out << '\n' << page.bold("If " + model.name) << " (" << percent(model.probability()) << ")\n";
+    if (sid_case.models[m].chooses_order) {
+      const int order = findings.of_models[m]->order;
+      out << (order == 0
+                  ? std::string("Residuals: white, by BIC")
+                  : "Residuals: autoregression of order " + std::to_string(order) + ", by BIC")
+          << '\n';
+    }
     print_parameters(page, model.parameters);
     print_modes(page, findings.of_models[m]->modes);
     print_fits(page, findings.of_models[m]->at_mean);

@@ -16,6 +16,22 @@ Report finite(double x) {
   return std::isfinite(x) ? Report(x) : Report();
 }
 
+namespace {
+
+/// null for what JSON cannot hold.
+Report numbers(const std::vector<double>& list) {
+  Report out = Report::array();
+  for (const double x : list) out.push_back(finite(x));
+  return out;
+}
+
+Report json(const Interval& i) {
+  return {{"mean", i.mean}, {"sd", i.sd},   {"q2.5", i.q2_5},  {"q5", i.q5},
+          {"q50", i.q50},   {"q95", i.q95}, {"q97.5", i.q97_5}};
+}
+
+}  // namespace
+
 Report json(const Marginal& e) {
   return {{"mean", e.mean},
           {"sd", e.sd},
@@ -28,10 +44,21 @@ Report json(const Marginal& e) {
           {"rhat", finite(e.rhat)}};
 }
 
+Report json(const BetweenWindows& between) {
+  Report out = json(between.next);
+  out["whole"] = between.whole ? json(*between.whole) : Report();
+  out["scatter"] = {{"times_own_interval", between.scatter.ratio},
+                    {"p_value", between.scatter.p_value}};
+  out["use"] = between.scatters() ? "windows" : "run";
+  out["windows"] = {{"value", numbers(between.value)}, {"sd", numbers(between.sd)}};
+  return out;
+}
+
 Report json(const std::vector<ParameterFinding>& parameters) {
   Report table = Report::object();
   for (const ParameterFinding& p : parameters) {
     Report& row = table[p.unknown.label] = json(p.estimate);
+    if (p.between_windows) row["between_windows"] = json(*p.between_windows);
     if (std::isfinite(p.prior_overlap)) row["prior_overlap"] = p.prior_overlap;
   }
   return table;

@@ -26,7 +26,12 @@ struct RunInfo {
 /// {"mean", "sd", "q2.5", "q50", "q97.5", "mode", "ess_bulk", "ess_tail", "rhat"}.
 [[nodiscard]] Report json(const identification::Marginal& estimate);
 
-/// {label: estimate, …}.
+/// {"mean", "sd", "q2.5", "q5", "q50", "q95", "q97.5"} of a further window, "whole": the same of
+/// what ever longer records would give, "scatter", "use": "windows" or "run", and "windows": what
+/// each of them said.
+[[nodiscard]] Report json(const identification::BetweenWindows& between);
+
+/// {label: estimate, …}, an estimate with its "between_windows" where windows were asked for.
 [[nodiscard]] Report json(const std::vector<identification::ParameterFinding>& parameters);
 
 /// One row a model: name, prior, probability and its Monte Carlo standard error, and what both rest

@@ -57,7 +57,8 @@ std::string p_value(double p) {
 }
 
 std::string share_of_response(double nrmse) {
-  return significant(100.0 * nrmse, 2) + " % of the response";
+  return (nrmse < 0.995 ? significant(100.0 * nrmse, 2) : fixed(100.0 * nrmse, 0)) +
+         " % of the response";
 }
 
 std::string in_words(const std::vector<std::string>& items, const std::string& last) {
@@ -94,7 +95,7 @@ std::string told_by_evidence(const ModelFinding& model) {
                                       : "never entered; ";
   if (!known) return text + "nothing is known of its evidence";
   if (model.prior == 0.0) return "has no prior probability";
-  if (!(s.probability > 0.0)) return text + "its evidence puts it at P < 1e-300";
+  if (!(s.probability > 1e-300)) return text + "its evidence puts it at P < 1e-300";
   text += "its evidence puts it at P ≈ " + significant(s.probability, 3);
   if (std::isfinite(s.mcse)) text += " ± " + significant(s.mcse, 1);
   return text;

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <string>
 
+#include "io/bytes.hpp"
 #include "io/fingerprint.hpp"
 
 namespace wheeltap::emulator {
@@ -36,8 +37,10 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
       sizeof(std::int64_t) + responses * sizeof(double) + sizeof(io::fnv1a(""));
   std::string bytes;
   std::error_code error;
-  if (fs::is_directory(path_, error))
-    throw io::FileError(Kind::unwritable, path_, "is a directory");
+  const auto there = fs::symlink_status(path_, error);
+  if (fs::is_directory(there)) throw io::FileError(Kind::unwritable, path_, "is a directory");
+  if (fs::exists(there) && !fs::is_regular_file(there))
+    throw io::FileError(Kind::unwritable, path_, "is no regular file");
   if (std::ifstream existing(path_, std::ios::binary); existing)
     bytes.assign(std::istreambuf_iterator<char>(existing), {});
 
@@ -63,6 +66,21 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   stream_.open(path_, std::ios::binary | (fresh ? std::ios::trunc : std::ios::app));
   if (fresh) stream_ << header << std::flush;
   if (error || !stream_) throw io::FileError(Kind::unwritable, path_, "cannot be written");
+}
+
+void Journal::remove(const fs::path& path) {
+  std::error_code error;
+  const auto there = fs::symlink_status(path, error);
+  if (!fs::exists(there)) return;
+  const bool ours = fs::is_regular_file(there) && [&] {
+    // A kill while the first line was being written leaves a part of it.
+    const std::string beginning = io::first_bytes(path, kMagic.size());
+    return kMagic.starts_with(beginning);
+  }();
+  if (!ours)
+    throw io::FileError(Kind::unwritable, path,
+                        "is in the way: no journal of runs, and not to be removed");
+  fs::remove(path, error);
 }
 
 void Journal::append(std::int64_t run, std::span<const double> response) {

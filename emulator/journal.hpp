@@ -25,6 +25,10 @@ class Journal {
   /// Throws FileError: foreign (not a journal), mismatch (of another experiment), unwritable.
   Journal(std::filesystem::path path, std::string_view identity, std::size_t responses);
 
+  /// Removes a journal, of whichever experiment, if there is one. Throws FileError (unwritable)
+  /// where something else has its name, which stays.
+  static void remove(const std::filesystem::path& path);
+
   /// The runs found in the file when it was opened.
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
@@ -129,7 +129,7 @@ Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
 void write_design_csv(const fs::path& path, const Design& design) {
   check_factors(design.factors, 1);
   io::AtomicFile file(path);
-  std::ofstream stream(file.temporary());
+  std::ostringstream stream;
   stream.precision(17);
   for (std::size_t j = 0; j < design.factors.size(); ++j)
     stream << (j ? "," : "") << heading(design.factors[j]);
@@ -137,8 +137,7 @@ void write_design_csv(const fs::path& path, const Design& design) {
   for (Eigen::Index i = 0; i < design.runs(); ++i)
     for (Eigen::Index j = 0; j < design.points.cols(); ++j)
       stream << design.points(i, j) << (j + 1 < design.points.cols() ? ',' : '\n');
-  stream.close();
-  if (!stream) throw io::FileError(Kind::unwritable, path, "cannot be written (is the disk full?)");
+  file.write(stream.str());
   file.commit();
 }
 

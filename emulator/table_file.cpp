@@ -362,14 +362,12 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
 
 void write_table_file(const fs::path& path, const TableFile& file) {
   for (const auto& [name, table] : file.tables) check_table(name, table);
-  // Its error says more than NetCDF's where the directory is absent or closed.
   io::AtomicFile target(path);
   {
     const io::NetcdfLock lock;
     const Writer out{path};
     io::NetcdfHandle handle;
-    out.check(nc_create(target.temporary().c_str(), NC_NETCDF4 | NC_CLOBBER, &handle.id));
-    handle.opened();
+    out.check(handle.create_in_memory());
     out.text(handle.id, NC_GLOBAL, kFormatAttribute, kFormatName);
     out.check(
         nc_put_att_int(handle.id, NC_GLOBAL, kVersionAttribute, NC_INT, 1, &kTableFormatVersion));
@@ -377,7 +375,9 @@ void write_table_file(const fs::path& path, const TableFile& file) {
     for (const auto& [name, value] : file.attributes)
       out.text(handle.id, NC_GLOBAL, name.c_str(), value);
     for (const auto& [name, table] : file.tables) out.table(handle.id, name, table);
-    out.check(handle.close());
+    std::string bytes;
+    out.check(handle.close_in_memory(bytes));
+    target.write(bytes);
   }
   target.commit();
 }

@@ -6,9 +6,11 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "identification/between_windows.hpp"
 #include "identification/fit_verdict.hpp"
 #include "identification/marginal.hpp"
 #include "identification/remarks.hpp"
@@ -38,6 +40,7 @@ struct Unknown {
 struct ParameterFinding {
   Unknown unknown;
   Marginal estimate;
+  std::optional<BetweenWindows> between_windows = {};  ///< where windows were asked for
   /// The probability that posterior and prior share, Σ min over twenty parts of the prior: 1 where
   /// the data said nothing. NaN where not computed.
   double prior_overlap = std::numeric_limits<double>::quiet_NaN();

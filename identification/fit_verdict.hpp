@@ -56,13 +56,16 @@ inline constexpr double kSmallResidual = 0.05;
 /// In terms of the residual that a free cubic chain leaves.
 inline constexpr double kMuchMoreThanFree = 3.0;
 
-/// Of the most probable model.
+/// Of the most probable model that explains the data, of those that hold 5 % or more; of the most
+/// probable where none of these does.
 struct FitVerdict {
   int model = -1;                                        ///< -1: nothing was judged
   double r2 = std::numeric_limits<double>::quiet_NaN();  ///< the least over the responses
   /// Posterior predictive p, of χ²: P(of a replicate > of the data).
   double p = std::numeric_limits<double>::quiet_NaN();
   std::vector<misfit::Reason> why = {};
+  int instead_of = -1;  ///< the most probable model, where that fails and this one does not
+  std::vector<misfit::Reason> why_not = {};  ///< what speaks against it
 
   [[nodiscard]] bool ok() const { return why.empty(); }
 };

@@ -158,6 +158,7 @@ std::vector<Remark> implausible(const SidProblem& problem) {
   }
   std::vector<Remark> remarks;
   judge_sizes(problem, remarks);
+  for (const auto& record : problem.further) judge_sizes(*record, remarks);
   return remarks;
 }
 

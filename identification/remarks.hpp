@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "identification/fit_verdict.hpp"
+
 namespace wheeltap::identification {
 
 /// Ways to a model's evidence that are computed on request, each model on its own.
@@ -149,6 +151,11 @@ struct UnknownUnits {
 };
 /// Responses are absolute, and the base's displacement was integrated from its acceleration.
 struct BaseIntegrated {};
+/// The most probable model does not explain the record, and another that is still possible does.
+struct MostProbableFails {
+  std::string model, other;
+  std::vector<misfit::Reason> why;
+};
 /// A response that the best draw reproduces hardly at all, with residuals that are white: a record
 /// of noise.
 struct MostlyNoise {
@@ -186,6 +193,8 @@ struct NoiseMisstated {
 };
 /// Residuals are not white.
 struct ColouredResiduals {
+  bool autoregressive = false;  ///< they are innovations of an autoregression already
+
   struct Channel {
     std::string name;
     int lag;  ///< of the largest autocorrelation, and its value
@@ -195,6 +204,24 @@ struct ColouredResiduals {
   };
   std::string model;
   std::vector<Channel> channels;
+};
+/// Between the windows of a record, parameters scatter by more than each window's interval allows
+/// for, by these factors.
+struct ScatterBetweenWindows {
+  struct Parameter {
+    std::string name;
+    double factor;
+  };
+  std::string model;
+  int windows;
+  std::vector<Parameter> parameters;
+};
+/// Windows that could not be fitted, and parameters along which many a window's likelihood is far
+/// from the normal that stands for it.
+struct WindowsUnsound {
+  std::string model;
+  int windows, failed;
+  std::vector<std::string> rough;
 };
 /// A parameter leans on an end of its prior.
 struct ParameterAtBound {
@@ -213,6 +240,7 @@ using Remark =
                  remark::NoiseAboveResponse, remark::PeculiarWindow, remark::LinearExcitation,
                  remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
                  remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
-                 remark::NoiseMisstated, remark::ColouredResiduals, remark::ParameterAtBound>;
+                 remark::NoiseMisstated, remark::MostProbableFails, remark::ColouredResiduals,
+                 remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound>;
 
 }  // namespace wheeltap::identification

@@ -123,6 +123,24 @@ std::vector<int> SidCase::parameters_of(const SidModel& model) const {
   return {used.begin(), used.end()};
 }
 
+std::vector<const SidCase*> SidCase::records() const {
+  std::vector<const SidCase*> list = {this};
+  for (const SidCase& record : further) list.push_back(&record);
+  return list;
+}
+
+void SidCase::unite() {
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    std::set<int> used;
+    for (const SidCase* record : records()) {
+      for (const int p : record->parameters_of(record->models[m])) used.insert(p);
+    }
+    models[m].parameters.assign(used.begin(), used.end());
+    for (SidCase& record : further) record.models[m].parameters = models[m].parameters;
+  }
+  for (SidCase& record : further) record.parameters = parameters;
+}
+
 Coefficient SidCase::parameter(const std::string& name, inference::Prior prior) {
   const auto same = std::ranges::find(parameters, name, &inference::Parameter::name);
   const auto at = static_cast<int>(same - parameters.begin());

@@ -21,6 +21,7 @@ struct SidChannel {
   enum class Role { time, force, base_acceleration, base_displacement, response, ignore };
 
   std::string column;  ///< header text or 1-based number
+  int record = 1;      ///< of several records, the one it is of
   Role role = Role::ignore;
   int mass = 0;
   dynamics::Quantity quantity = dynamics::Quantity::displacement;
@@ -54,7 +55,11 @@ struct SidChannel {
     return column.find_first_not_of("0123456789") == std::string::npos;
   }
   /// Its header, or "column 3".
-  [[nodiscard]] std::string name() const { return is_numbered() ? "column " + column : column; }
+  [[nodiscard]] std::string header() const { return is_numbered() ? "column " + column : column; }
+  /// The same, with the record's number from the second on.
+  [[nodiscard]] std::string name() const {
+    return header() + (record > 1 ? " (record " + std::to_string(record) + ")" : std::string());
+  }
 };
 
 /// A law that a link may have or not (sid_discovery.hpp).
@@ -90,6 +95,7 @@ struct SidModel {
   std::vector<dynamics::Coefficient> noise = {};  ///< sd, one a response channel
   /// Partial autocorrelations of each response channel's residuals; empty: white.
   std::vector<std::vector<dynamics::Coefficient>> autocorrelations = {};
+  bool chooses_order = false;        ///< of the autoregression: left to choose_orders
   std::vector<int> parameters = {};  ///< those it uses, increasing
   std::vector<int> terms = {};       ///< those of SidCase::discovery that it has, increasing
 
@@ -97,6 +103,10 @@ struct SidModel {
   [[nodiscard]] std::vector<dynamics::Coefficient> autocorrelations_of(std::size_t channel) const {
     return autocorrelations.empty() ? std::vector<dynamics::Coefficient>{}
                                     : autocorrelations[channel];
+  }
+  /// Of the autoregression; 0: white.
+  [[nodiscard]] int order() const {
+    return autocorrelations.empty() ? 0 : static_cast<int>(autocorrelations.front().size());
   }
 };
 
@@ -139,11 +149,17 @@ struct SidCase {
   std::optional<SidDiscovery> discovery = {};
   std::optional<SidTruth> truth = {};
 
+  /// Further records of the same rig: cases with the same models and table of parameters, but
+  /// with channels, windows, initial states and integration of their own.
+  std::vector<SidCase> further = {};
+  int number = 1;  ///< of this record
+
   double sample_rate_hz = 0.0;
   int begin = 0, end = 0;  ///< samples scored, in the record
   int lead_in = 0;         ///< samples before those
   int stride = 1;          ///< excitation samples a response sample
   int beyond = 0;          ///< samples kept of what follows the window, to predict
+  int windows = 0;         ///< to be fitted each by itself, too; 0: none
   bool simulated = false;
   /// Why the initial state is inferred though the case does not ask: how far the responses move at
   /// the window's start (moves_at_start).
@@ -164,6 +180,11 @@ struct SidCase {
   [[nodiscard]] std::vector<dynamics::Sensor> sensors() const;
   /// Indices of the parameters that a model and the channels use, increasing.
   [[nodiscard]] std::vector<int> parameters_of(const SidModel& model) const;
+  /// Brings the table of parameters to all records, and to each model's list what any of them uses:
+  /// to be called once the last coefficient has its place.
+  void unite();
+  /// This one and the further ones.
+  [[nodiscard]] std::vector<const SidCase*> records() const;
   /// The parameter of this name, added where there is none.
   dynamics::Coefficient parameter(const std::string& name, inference::Prior prior);
 };

@@ -7,6 +7,7 @@
 #include "identification/sid_fit_verdict.hpp"
 #include "identification/sid_record.hpp"
 #include "identification/sid_units.hpp"
+#include "identification/sid_windows.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -52,7 +53,9 @@ void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindi
 
 /// The verdict on fit names this response of the model already.
 bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
-  return verdict.model == model && std::ranges::any_of(verdict.why, [&](const auto& reason) {
+  const auto& why = verdict.instead_of == model ? verdict.why_not : verdict.why;
+  return (verdict.model == model || verdict.instead_of == model) &&
+         std::ranges::any_of(why, [&](const auto& reason) {
            return std::visit(
                [&](const auto& r) {
                  if constexpr (requires { r.channel; }) return r.channel == fit.channel;
@@ -68,7 +71,8 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
   for (const int m : told(findings)) {
     const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
     remark::NoiseMisstated off{.model = model.name, .channels = {}};
-    remark::ColouredResiduals coloured{.model = model.name, .channels = {}};
+    remark::ColouredResiduals coloured{
+        .autoregressive = !model.autocorrelations.empty(), .model = model.name, .channels = {}};
     const std::vector<ChannelFit>& fits = finding(findings, m).at_best;
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const ChannelFit& fit = fits[c];
@@ -115,6 +119,32 @@ void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFind
                                                             .prior = prior.describe(),
                                                             .upper = leans_up});
       }
+    }
+  }
+}
+
+std::vector<std::vector<ChannelFit>> further_fits(const SidProblem& problem, int model,
+                                                  std::span<const double> theta) {
+  std::vector<std::vector<ChannelFit>> out;
+  for (const auto& record : problem.further) out.push_back(forward_run(*record, model, theta));
+  return out;
+}
+
+/// What the windows say by themselves, and whether it goes together.
+void judge_windows(const SidRun& run, SidFindings& findings) {
+  const SidProblem& problem = *run.problem;
+  if (problem.sid_case.windows == 0 && problem.further.empty()) return;
+  if (run.engine.quick || run.posterior.stopped_early || run.engine.prior_only) return;
+  for (const int m : told(findings)) {
+    ModelFinding& model = findings.models[static_cast<std::size_t>(m)];
+    const ModelWindows windows =
+        fit_windows(problem, m, finding(findings, m).best_draw, run.engine.threads);
+    findings.windows_evaluations += windows.likelihood_evaluations;
+    for (std::size_t p = 0; p < model.parameters.size(); ++p) {
+      model.parameters[p].between_windows = windows.parameters[p];
+    }
+    for (Remark& remark : window_remarks(problem, m, windows)) {
+      findings.remarks.push_back(std::move(remark));
     }
   }
 }
@@ -206,6 +236,8 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
         .best_draw = {best.begin(), best.end()},
         .at_mean = forward_run(problem, m, mean),
         .at_best = forward_run(problem, m, problem.theta(m, best)),
+        .further = further_fits(problem, m, problem.theta(m, best)),
+        .order = problem.sid_case.models[static_cast<std::size_t>(m)].order(),
         .substeps = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(mean),
         .step_error = step_error(problem, posterior, m),
         .links = {},
@@ -222,10 +254,16 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   out.remarks = run.doubts;
   for (Remark& remark : record_remarks(problem.sid_case)) out.remarks.push_back(std::move(remark));
   out.fit_verdict = judge_fit(problem, posterior, predictive, out);
+  if (const FitVerdict& fit = out.fit_verdict; fit.instead_of >= 0) {
+    const auto name = [&](int m) { return out.models[static_cast<std::size_t>(m)].name; };
+    out.remarks.push_back(
+        remark::MostProbableFails{name(fit.instead_of), name(fit.model), fit.why_not});
+  }
   judge_means(problem, posterior, out);
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);
   judge_integration(out);
+  judge_windows(run, out);
   conclude(out, space, evidence);
   return out;
 }

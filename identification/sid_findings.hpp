@@ -19,6 +19,8 @@ namespace wheeltap::identification {
 struct SidModelFinding {
   std::vector<double> best_draw;  ///< in the order of its parameters
   std::vector<ChannelFit> at_mean, at_best;
+  std::vector<std::vector<ChannelFit>> further;  ///< at the best draw, of each further record
+  int order = 0;     ///< of its residuals' autoregression, as given or chosen
   int substeps = 0;  ///< of a sample, at the posterior mean (Simulator::substeps)
   std::optional<double> step_error;
   // Of a model of at least 5 %:
@@ -41,6 +43,7 @@ struct SidFindings : Findings {
   int predictive_draws = 0;
   Discovery discovery;                  ///< empty where the case asks for none
   std::optional<StepsRefined> refined;  ///< where the run was repeated
+  long windows_evaluations = 0;         ///< likelihoods of windows, each a part of the record's
 };
 
 /// The run must have at least 4 draws a chain, all chains the same.

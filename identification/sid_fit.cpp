@@ -96,6 +96,7 @@ std::vector<ChannelFit> forward_run(const SidProblem& problem, int m,
 std::unique_ptr<const SidProblem> continuation(const SidProblem& problem) {
   if (problem.sid_case.beyond == 0) return nullptr;
   SidCase rest = problem.sid_case;
+  rest.further.clear();
   for (SidChannel& channel : rest.channels) {
     auto& samples = channel.signal.samples;
     samples.insert(samples.end(), channel.beyond.begin(), channel.beyond.end());

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "identification/fit_verdict.hpp"
 #include "identification/sid_problem.hpp"
 #include "inference/reversible_jump.hpp"
 #include "signals/residuals.hpp"
@@ -32,7 +33,7 @@ struct ResidualWhiteness {
   int worst_lag = 1;   ///< of the largest autocorrelation, and its value
   double worst = 0.0;
 
-  [[nodiscard]] bool white() const { return test.p_value >= 0.01; }
+  [[nodiscard]] bool white() const { return test.p_value >= kMisfit; }
 };
 
 /// A forward run of a model against one response, r = measured - predicted [SI].

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
+#include <functional>
 
 #include "identification/free_cubic.hpp"
 
@@ -11,7 +12,10 @@ namespace {
 
 using inference::Posterior;
 
-constexpr std::size_t kDrawsBeyond = 20;
+// Of a stop that the window does not reach few draws have the gap that the rest of the record
+// needs.
+constexpr std::size_t kDrawsBeyond = 400;
+constexpr double kStillPossible = 0.05;  // probability
 
 /// P(χ² of a replicate > χ² of the data), χ² that of the innovations, over a model's draws; NaN
 /// where none was kept.
@@ -103,6 +107,7 @@ void judge_beyond(const SidProblem& problem, const std::vector<std::vector<doubl
   std::vector<double> least(inside.size(), std::numeric_limits<double>::infinity());
   std::vector<bool> always_worse(inside.size(), true);
   for (const std::vector<double>& theta : draws) {
+    if (std::ranges::count(always_worse, true) == 0) return;
     const std::vector<ChannelFit> fits = forward_run(*rest, verdict.model, theta);
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const bool worse = fits[c].rmse > 2.0 * inside[c].rmse &&
@@ -120,27 +125,53 @@ void judge_beyond(const SidProblem& problem, const std::vector<std::vector<doubl
   }
 }
 
+FitVerdict judge_model(const SidProblem& problem, const Posterior& posterior,
+                       const SidPredictive& predictive, const SidFindings& findings, int model) {
+  FitVerdict verdict;
+  verdict.model = model;
+  const SidModelFinding& found = *findings.of_models[static_cast<std::size_t>(model)];
+  const auto count = [&](const std::vector<ChannelFit>& fits) {
+    for (const ChannelFit& fit : fits) {
+      if (std::isfinite(fit.r2)) verdict.r2 = std::fmin(verdict.r2, fit.r2);
+    }
+  };
+  count(found.at_best);
+  for (const auto& fits : found.further) count(fits);
+  verdict.p = predictive_p(problem, posterior, predictive, model);
+  const auto theta = problem.theta(model, found.best_draw);
+  const auto draws = some_draws(problem, posterior, predictive, model);
+  judge_residuals(problem, found.at_best, theta, verdict);
+  judge_beyond(problem, draws, found.at_best, verdict);
+  for (std::size_t r = 0; r < problem.further.size(); ++r) {
+    judge_residuals(*problem.further[r], found.further[r], theta, verdict);
+    judge_beyond(*problem.further[r], draws, found.further[r], verdict);
+  }
+  return verdict;
+}
+
 }  // namespace
 
 FitVerdict judge_fit(const SidProblem& problem, const Posterior& posterior,
                      const SidPredictive& predictive, const SidFindings& findings) {
-  FitVerdict verdict;
-  double most = -1.0;
+  std::vector<int> list;
+  const auto probability = [&](int m) {
+    return findings.models[static_cast<std::size_t>(m)].probability();
+  };
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
-    if (!findings.of_models[m] || findings.models[m].probability() <= most) continue;
-    most = findings.models[m].probability();
-    verdict.model = static_cast<int>(m);
+    if (findings.of_models[m]) list.push_back(static_cast<int>(m));
   }
-  if (verdict.model < 0) return verdict;
-  const SidModelFinding& found = *findings.of_models[static_cast<std::size_t>(verdict.model)];
-  for (const ChannelFit& fit : found.at_best) {
-    if (std::isfinite(fit.r2)) verdict.r2 = std::fmin(verdict.r2, fit.r2);
+  std::ranges::stable_sort(list, std::ranges::greater{}, probability);
+  if (list.empty()) return {};
+  FitVerdict of_best = judge_model(problem, posterior, predictive, findings, list.front());
+  if (of_best.ok()) return of_best;
+  for (std::size_t i = 1; i < list.size() && probability(list[i]) >= kStillPossible; ++i) {
+    FitVerdict other = judge_model(problem, posterior, predictive, findings, list[i]);
+    if (!other.ok()) continue;
+    other.instead_of = of_best.model;
+    other.why_not = std::move(of_best.why);
+    return other;
   }
-  verdict.p = predictive_p(problem, posterior, predictive, verdict.model);
-  judge_residuals(problem, found.at_best, problem.theta(verdict.model, found.best_draw), verdict);
-  judge_beyond(problem, some_draws(problem, posterior, predictive, verdict.model), found.at_best,
-               verdict);
-  return verdict;
+  return of_best;
 }
 
 }  // namespace wheeltap::identification

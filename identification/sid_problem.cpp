@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <mutex>
 
@@ -29,6 +30,19 @@ class RecordLikelihood final : public inference::Likelihood {
 
   double log_likelihood(int m, std::span<const double> x) override {
     return log_likelihood_above(kImpossible, m, x);
+  }
+
+  /// What no record could exceed at these parameters: a perfect fit's. NaN where that is not known.
+  double bound(int m, std::span<const double> x) {
+    const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
+    const Misfit& misfit = problem_.misfits[static_cast<std::size_t>(m)];
+    if (!model.autocorrelations.empty()) return std::numeric_limits<double>::quiet_NaN();
+    scatter(problem_.sid_case, m, x, theta_);
+    double sum = log_scales(misfit);
+    for (const auto& noise : model.noise) {
+      sum += signals::gaussian_log_likelihood(0.0, misfit.samples(), noise.at(theta_));
+    }
+    return sum;
   }
 
   double log_likelihood_above(double floor, int m, std::span<const double> x) override {
@@ -226,6 +240,61 @@ class RecordLikelihood final : public inference::Likelihood {
   std::vector<char> done_;
 };
 
+/// Records of one rig are independent given the parameters.
+class SumOfRecords final : public inference::Likelihood {
+ public:
+  explicit SumOfRecords(const SidProblem& first) {
+    parts_.push_back(std::make_unique<RecordLikelihood>(first));
+    for (const auto& record : first.further) {
+      parts_.push_back(std::make_unique<RecordLikelihood>(*record));
+    }
+  }
+
+  double log_likelihood(int m, std::span<const double> x) override {
+    return log_likelihood_above(kImpossible, m, x);
+  }
+
+  double log_likelihood_above(double floor, int m, std::span<const double> x) override {
+    bounds_.clear();
+    double rest = 0.0;  // the most that is left to come
+    for (const auto& part : parts_) rest += bounds_.emplace_back(part->bound(m, x));
+    double sum = 0.0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      rest -= bounds_[i];
+      const double needed = std::isfinite(rest) ? floor - sum - rest : kImpossible;
+      sum += parts_[i]->log_likelihood_above(needed, m, x);
+      if (sum == kImpossible) break;
+    }
+    return sum;
+  }
+
+  void log_likelihoods(int m, std::span<const double> xs, std::span<double> out) override {
+    std::ranges::fill(out, 0.0);
+    values_.resize(out.size());
+    for (const auto& part : parts_) {
+      part->log_likelihoods(m, xs, values_);
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] += values_[i];
+    }
+  }
+
+  bool gauss_newton(int m, std::span<const double> x, std::span<const double> steps,
+                    std::span<double> gradient, std::span<double> information) override {
+    std::ranges::fill(gradient, 0.0);
+    std::ranges::fill(information, 0.0);
+    std::vector<double> slope(gradient.size()), bend(information.size());
+    for (const auto& part : parts_) {
+      if (!part->gauss_newton(m, x, steps, slope, bend)) return false;
+      std::ranges::transform(gradient, slope, gradient.begin(), std::plus{});
+      std::ranges::transform(information, bend, information.begin(), std::plus{});
+    }
+    return true;
+  }
+
+ private:
+  std::vector<std::unique_ptr<RecordLikelihood>> parts_;
+  std::vector<double> bounds_, values_;
+};
+
 /// The largest extension of each link as far as displacements were measured, with which the steps
 /// of nonlinear laws are chosen; 0 where they were not.
 std::vector<double> measured_extensions(const SidCase& sid_case, const dynamics::Chain& chain) {
@@ -276,6 +345,9 @@ SidCase shortened(SidCase sid_case, int first) {
   }
   sid_case.beyond = 0;
   sid_case.end = sid_case.begin + first;
+  for (SidCase& record : sid_case.further) {
+    record = shortened(std::move(record), std::min(first, record.end - record.begin));
+  }
   return sid_case;
 }
 
@@ -357,8 +429,15 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
       throw InvalidInput(InvalidInput::Part::model, error.what(), static_cast<int>(m));
     }
   }
-  out->problem.likelihood = [problem = out.get()] {
-    return std::make_unique<RecordLikelihood>(*problem);
+  for (SidCase record : sid_case.further) {
+    const int stride = record.integration.stride;
+    record.integration = sid_case.integration;
+    record.integration.stride = stride;
+    out->further.push_back(make_sid_problem(std::move(record)));
+  }
+  out->problem.likelihood = [problem = out.get()]() -> std::unique_ptr<inference::Likelihood> {
+    if (problem->further.empty()) return std::make_unique<RecordLikelihood>(*problem);
+    return std::make_unique<SumOfRecords>(*problem);
   };
   out->problem.samples = out->misfits.front().samples();
   // Every model's search asks for the same few lengths, and hundreds of models make a problem dear.
@@ -373,6 +452,7 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
     return std::shared_ptr<const inference::Problem>(part, &part->problem);
   };
   out->seconds_a_likelihood = estimate_cost(*out);
+  for (const auto& record : out->further) out->seconds_a_likelihood += record->seconds_a_likelihood;
   return out;
 }
 

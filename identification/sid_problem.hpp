@@ -14,6 +14,8 @@ struct SidProblem {
   std::vector<dynamics::Misfit> misfits;  ///< one a model; parameters as in SidCase::parameters
   inference::Problem problem;
   double seconds_a_likelihood = 0.0;  ///< about, on one core
+  /// Of the further records, with parameters laid out alike.
+  std::vector<std::unique_ptr<const SidProblem>> further = {};
 
   /// The parameters of the case from those of a model (as in inference::Model); 0 for the others.
   [[nodiscard]] std::vector<double> theta(int model, std::span<const double> x) const;
@@ -28,7 +30,9 @@ struct SidProblem {
 ///
 /// r_c the N scored residuals of the channel in SI units, white and Gaussian or autoregressive with
 /// the partial autocorrelations π_c (signals/residuals.hpp); the last term, the density of the raw
-/// samples, only where the scale is a parameter. Throws InvalidInput (models, model).
+/// samples, only where the scale is a parameter. Of several records it is their sum, each with the
+/// initial state of its own record; `misfits` are those of the first. Throws InvalidInput (models,
+/// model).
 [[nodiscard]] std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case);
 
 }  // namespace wheeltap::identification

@@ -203,6 +203,28 @@ std::pair<double, double> intercept(std::span<const double> y) {
   return {mean - slope * middle, std::sqrt(variance * (1.0 / n + middle * middle / spread))};
 }
 
+/// What one channel of a record makes one doubt.
+void doubt_channel(const SidCase& record, const SidChannel& channel,
+                   remark::PeculiarWindow& peculiar, remark::UnknownUnits& unknown,
+                   remark::LinearExcitation& linear) {
+  if (channel.window && channel.window->difference_db >= kPeculiar * channel.window->expected_db) {
+    peculiar.channels.push_back(
+        {channel.name(), channel.window->difference_db, channel.window->expected_db});
+  }
+  if (!channel.is_excitation() && channel.role != Role::response) return;
+  if (!channel.foreign_unit().empty()) {
+    unknown.channels.push_back({channel.name(), channel.unit,
+                                std::string(name(channel.dimension())),
+                                known_units(channel.dimension())});
+  }
+  if (!channel.is_excitation() || record.simulated || record.stride > 1) return;
+  std::vector<double> samples = channel.signal.samples;
+  signals::detrend(samples, 0);
+  const double lost = signals::linear_interpolation_loss(
+      signals::welch(samples, record.sample_rate_hz), record.sample_rate_hz);
+  if (lost > linear.loss) linear = {channel.name(), lost};
+}
+
 }  // namespace
 
 void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use) {
@@ -214,29 +236,17 @@ std::vector<Remark> record_remarks(const SidCase& sid_case) {
   remark::PeculiarWindow peculiar;
   remark::UnknownUnits unknown;
   remark::LinearExcitation linear{.channel = {}, .loss = 0.0};
-  for (const SidChannel& channel : sid_case.channels) {
-    if (channel.window &&
-        channel.window->difference_db >= kPeculiar * channel.window->expected_db) {
-      peculiar.channels.push_back(
-          {channel.name(), channel.window->difference_db, channel.window->expected_db});
+  bool base_integrated = false;
+  std::optional<double> moving;
+  for (const SidCase* record : sid_case.records()) {
+    for (const SidChannel& channel : record->channels) {
+      doubt_channel(*record, channel, peculiar, unknown, linear);
     }
-    if (!channel.is_excitation() && channel.role != Role::response) continue;
-    if (!channel.foreign_unit().empty()) {
-      unknown.channels.push_back({channel.name(), channel.unit,
-                                  std::string(name(channel.dimension())),
-                                  known_units(channel.dimension())});
-    }
-    if (!channel.is_excitation() || sid_case.simulated || sid_case.stride > 1) continue;
-    std::vector<double> samples = channel.signal.samples;
-    signals::detrend(samples, 0);
-    const double lost = signals::linear_interpolation_loss(
-        signals::welch(samples, sid_case.sample_rate_hz), sid_case.sample_rate_hz);
-    if (lost > linear.loss) linear = {channel.name(), lost};
+    base_integrated = base_integrated || record->base_integrated;
+    if (record->starts_moving) moving = std::max(moving.value_or(0.0), *record->starts_moving);
   }
-  if (sid_case.base_integrated) out.emplace_back(remark::BaseIntegrated{});
-  if (sid_case.starts_moving) {
-    out.emplace_back(remark::InitialStateInferred{*sid_case.starts_moving});
-  }
+  if (base_integrated) out.emplace_back(remark::BaseIntegrated{});
+  if (moving) out.emplace_back(remark::InitialStateInferred{*moving});
   if (!peculiar.channels.empty()) out.emplace_back(std::move(peculiar));
   if (linear.loss >= kWorthWarning) out.emplace_back(std::move(linear));
   if (!unknown.channels.empty()) out.emplace_back(std::move(unknown));
@@ -299,7 +309,9 @@ void infer_initial(SidCase& sid_case, SidModel& model) {
     throw InvalidInput(Part::initial, "the responses are constant: nothing to infer from");
   }
   for (std::size_t i = 0; i < y.size(); ++i) {
-    const std::string index = "[" + std::to_string(i + 1) + "]";
+    const std::string index =
+        "[" + std::to_string(i + 1) + "]" +
+        (sid_case.number > 1 ? "@" + std::to_string(sid_case.number) : std::string());
     model.initial.displacement.push_back(
         sid_case.parameter("y0" + index, inference::Normal{0.0, y[i] > 0.0 ? y[i] : top_y}));
     model.initial.velocity.push_back(

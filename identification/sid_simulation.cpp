@@ -180,7 +180,7 @@ signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed) {
     const double scale = channel.signal.scale.at(truth.theta);
     const double offset = channel.signal.offset.at(truth.theta);
     for (double& x : values) x = (x - offset) / scale;
-    record.columns.push_back(column(channel.name(), std::move(values)));
+    record.columns.push_back(column(channel.header(), std::move(values)));
   }
   return record;
 }

@@ -84,8 +84,9 @@ std::optional<UnitSystem> unit_system(const SidCase& sid_case) {
   return out;
 }
 
-std::map<std::string, std::string> parameter_units(const SidCase& sid_case) {
-  Uses uses(sid_case.parameters.size());
+namespace {
+
+void add_uses(const SidCase& sid_case, Uses& uses) {
   const auto system = unit_system(sid_case);
   const auto unit = [&](const std::string& si) { return system ? system->in_place_of(si) : ""; };
   const std::string mass = !system || system->is_si() ? "kg" : unit("N s^2/m");
@@ -119,6 +120,13 @@ std::map<std::string, std::string> parameter_units(const SidCase& sid_case) {
     uses.add(channel.signal.scale,
              channel.unit.empty() ? "" : used + "/" + as_factor(channel.unit));
   }
+}
+
+}  // namespace
+
+std::map<std::string, std::string> parameter_units(const SidCase& sid_case) {
+  Uses uses(sid_case.parameters.size());
+  for (const SidCase* record : sid_case.records()) add_uses(*record, uses);
   std::map<std::string, std::string> out;
   for (std::size_t p = 0; p < sid_case.parameters.size(); ++p) {
     out[sid_case.parameters[p].name] = uses.unit(p);

@@ -64,8 +64,10 @@ std::vector<ParameterFinding> coefficients(const SidCase& sid_case, const Poster
     }
     if (!any) continue;
     const bool alike = posterior.log_weight.empty();
-    out.push_back({.unknown = {.name = name, .label = name, .parameter = of_space},
-                   .estimate = marginal(values, alike ? inference::ChainsOf{} : counts)});
+    ParameterFinding& found = out.emplace_back();
+    found.unknown.name = found.unknown.label = name;
+    found.unknown.parameter = of_space;
+    found.estimate = marginal(values, alike ? inference::ChainsOf{} : counts);
   }
   return out;
 }

@@ -49,15 +49,16 @@ struct KnownMode {
 struct ClimbEnd {
   Eigen::VectorXd z;
   double value = -std::numeric_limits<double>::infinity();
-  Eigen::MatrixXd inverse_hessian{};  ///< what BFGS knows of it
+  Eigen::MatrixXd inverse_hessian{};  ///< what the climb knows of it
   int known = -1;                     ///< index of the mode it arrived at
   bool possible = false;              ///< the start was
 };
 
 /// From `start` to a mode: by a few Newton steps with the curvature of the nearest known one where
-/// they do, else by BFGS (mode_search.hpp). Its first differences are those of a draw of the prior,
-/// which from a start near a mode, a thousandth of the prior wide, point nowhere; `fine` ones are
-/// made smaller until the widths that they measure settle.
+/// they do, else by Gauss-Newton steps where the likelihood offers them, or BFGS (mode_search.hpp).
+/// Its first differences are those of a draw of the prior, which from a start near a mode, a
+/// thousandth of the prior wide, point nowhere; `fine` ones are made smaller until the widths that
+/// they measure settle.
 [[nodiscard]] ClimbEnd climb(Surface& f, const Eigen::VectorXd& start,
                              const std::vector<KnownMode>& known, bool fine = false);
 

@@ -45,9 +45,11 @@ inline constexpr long kMostClimbs = 10000;
 ///   z ← z + t B g,   g = ∇ ln π,   B ≈ (-∇² ln π)⁻¹
 ///
 /// by BFGS (Nocedal & Wright 2006, section 6.1) with differences, or the likelihood's own gradient
-/// where it serves, from the diagonal of second differences, t halved
-/// until the gain is what the quadratic model says to within a factor of ten: a step that leaves
-/// the region where the model holds may leave the basin. Where modes are known, one or two Newton
+/// where it serves, from the diagonal of second differences, t halved until the gain is what the
+/// quadratic model says to within a factor of ten: a step that leaves the region where the model
+/// holds may leave the basin. A likelihood that offers Gauss & Newton's quadratic is climbed by
+/// Levenberg & Marquardt's method instead (Moré 1978), its steps held to the same, and by BFGS from
+/// where that does not arrive. Where modes are known, one or two Newton
 /// steps with the nearest one's curvature are tried first; if they end there, and three points on
 /// the way show nothing that they leapt over, that start is spent for a few calls. So thousands of
 /// starts are paid for where the posterior is nearly normal.

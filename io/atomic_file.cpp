@@ -1,75 +1,253 @@
 #include "io/atomic_file.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <random>
+#include <sstream>
 #include <system_error>
+#include <vector>
 
 namespace wheeltap::io {
 namespace {
 
-constexpr int kTries = 100;
+namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& reason) {
+constexpr int kTries = 100;
+constexpr std::string_view kPart = ".part";
+constexpr std::size_t kDigits = 16;
+constexpr const char* kNoteHead = "wheeltap-commit 1";
+
+[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
   throw FileError(FileError::Kind::unwritable, path, reason);
 }
 
-/// Until what was written is on the disk, not only in the system's memory: after a power cut a file
-/// that was renamed sooner may be there and empty.
-int sync(const std::filesystem::path& path, int flags) {
-  const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC);
-  if (descriptor < 0) return errno;
-  const int error = ::fsync(descriptor) == 0 ? 0 : errno;
+[[noreturn]] void fail(const fs::path& path, int error) {
+  fail(path, std::generic_category().message(error));
+}
+
+fs::path folder_of(const fs::path& path) {
+  const fs::path folder = path.parent_path();
+  return folder.empty() ? "." : folder;
+}
+
+/// Until the names in a folder are on the disk, not only in the system's memory. A folder that may
+/// be written to need not be readable, and not every file system knows how: the files are whole
+/// either way.
+void sync_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  static_cast<void>(::fsync(descriptor));
   ::close(descriptor);
-  return error;
+}
+
+/// A name that nobody else can have made, or guess: the folder may be everyone's.
+fs::path temporary_name(const fs::path& path) {
+  std::random_device random;
+  char digits[kDigits + 1];
+  std::snprintf(digits, sizeof digits, "%08x%08x", random(), random());
+  fs::path name = path;
+  return name += std::string(kPart) + digits;
+}
+
+bool is_temporary_of(const std::string& name, const std::string& final_name) {
+  const std::string before = final_name + std::string(kPart);
+  return name.starts_with(before) && name.size() == before.size() + kDigits &&
+         name.find_first_not_of("0123456789abcdef", before.size()) == std::string::npos;
+}
+
+/// Locked by us; false where another has the lock or there are none here.
+bool lock(int descriptor) {
+  return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+}
+
+/// A regular file of our own, opened and locked; -1 for anything else.
+int open_own(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return -1;
+  struct stat found {};
+  if (::fstat(descriptor, &found) == 0 && S_ISREG(found.st_mode) && found.st_uid == ::geteuid() &&
+      lock(descriptor)) {
+    return descriptor;
+  }
+  ::close(descriptor);
+  return -1;
+}
+
+/// Removes the temporary files of `path` that nobody holds.
+void sweep(const fs::path& path) {
+  std::error_code error;
+  std::vector<fs::path> stale;
+  const std::string name = path.filename().string();
+  for (auto entry = fs::directory_iterator(folder_of(path), error);
+       !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    if (is_temporary_of(entry->path().filename().string(), name)) stale.push_back(entry->path());
+  }
+  for (const fs::path& file : stale) {
+    const int descriptor = open_own(file);
+    if (descriptor < 0) continue;
+    ::unlink(file.c_str());
+    ::close(descriptor);
+  }
 }
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(path)) {
   std::error_code none;
-  const auto there = std::filesystem::status(path_, none);
-  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))
-    fail(path_, std::filesystem::is_directory(there)
+  const auto there = fs::status(path_, none);
+  if (fs::exists(there) && !fs::is_regular_file(there))
+    fail(path_, fs::is_directory(there)
                     ? "is a directory"
                     : "is no regular file: a pipe or a device cannot be replaced");
-  // A name that nobody else can have made, or guess: the folder may be everyone's.
-  std::random_device random;
+  sweep(path_);
   int error = EEXIST;
   for (int i = 0; i < kTries && error == EEXIST; ++i) {
-    char digits[20];
-    std::snprintf(digits, sizeof digits, "%08x%08x", random(), random());
-    temporary_ = path_;
-    temporary_ += std::string(".part") + digits;
-    const int descriptor =
-        ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    error = descriptor < 0 ? errno : 0;
-    if (descriptor >= 0) ::close(descriptor);
+    temporary_ = temporary_name(path_);
+    descriptor_ =
+        ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_NOFOLLOW | O_WRONLY | O_CLOEXEC, 0666);
+    error = descriptor_ < 0 ? errno : 0;
+    if (error != 0) continue;
+    // Another process may have swept it away before the lock was there.
+    struct stat found {};
+    lock(descriptor_);
+    if (::fstat(descriptor_, &found) != 0 || found.st_nlink == 0) {
+      close();
+      error = EEXIST;
+    }
   }
+  if (error == ENOSPC || error == EDQUOT || error == EROFS || error == ENAMETOOLONG)
+    fail(path_, error);
   if (error != 0)
     fail(path_, "cannot be created: check that its directory exists and may be written to");
+  if (reserve == 0) return;
+  // Of other errors (a file system that cannot, a limit to a file's size) writing will tell.
+  error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(reserve));
+  if (error == ENOSPC || error == EDQUOT) {
+    ::unlink(temporary_.c_str());
+    close();
+    fail(path_, error);
+  }
 }
 
 AtomicFile::~AtomicFile() {
   std::error_code ignored;
-  if (!committed_) std::filesystem::remove(temporary_, ignored);
+  if (!committed_) fs::remove(temporary_, ignored);
+  close();
+}
+
+void AtomicFile::close() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+}
+
+void AtomicFile::write(std::string_view bytes) {
+  // Over what is reserved, which is given back where it is more.
+  if (::lseek(descriptor_, 0, SEEK_SET) != 0) fail(path_, errno);
+  const auto size = static_cast<off_t>(bytes.size());
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) fail(path_, written < 0 ? errno : ENOSPC);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (::ftruncate(descriptor_, size) != 0) fail(path_, errno);
+}
+
+void AtomicFile::settle() {
+  // After a power cut a file that was renamed sooner may be there and empty.
+  if (::fsync(descriptor_) != 0) fail(path_, errno);
+}
+
+void AtomicFile::rename() const {
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, errno);
 }
 
 void AtomicFile::commit() {
-  if (const int error = sync(temporary_, O_RDONLY); error != 0)
-    fail(path_, std::generic_category().message(error));
-  std::error_code error;
-  std::filesystem::rename(temporary_, path_, error);
-  if (error) fail(path_, error.message());
+  settle();
+  rename();
   committed_ = true;
-  // The new name, too. A folder that may be written to need not be readable, and not every file
-  // system knows how: the file is whole either way.
-  const auto folder = path_.parent_path();
-  static_cast<void>(sync(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY));
+  sync_folder(folder_of(path_));
+}
+
+void commit_together(std::span<AtomicFile* const> files) {
+  if (files.empty()) return;
+  const fs::path folder = folder_of(files[0]->path());
+  std::ostringstream note;
+  note << kNoteHead << '\n';
+  for (AtomicFile* file : files) {
+    file->settle();
+    note << file->temporary().filename().string() << '\n'
+         << file->path().filename().string() << '\n';
+  }
+  // Locked while it lives: nobody else ends what we are at.
+  AtomicFile noted(folder / kCommitNote);
+  noted.write(note.str());
+  noted.commit();
+
+  // What had the names before, under names that are swept some day.
+  std::vector<fs::path> before;
+  std::error_code error;
+  try {
+    for (AtomicFile* file : files) {
+      before.push_back(temporary_name(file->path()));
+      if (::link(file->path().c_str(), before.back().c_str()) != 0) before.back().clear();
+      file->rename();
+      file->committed_ = true;
+    }
+  } catch (const FileError&) {
+    bool undone = true;
+    for (std::size_t i = before.size(); i-- > 0;) {
+      AtomicFile& file = *files[i];
+      if (file.committed_) {
+        fs::rename(file.path(), file.temporary(), error);
+        if (!error && !before[i].empty()) fs::rename(before[i], file.path(), error);
+        undone = undone && !error;
+        file.committed_ = static_cast<bool>(error);
+      }
+      if (!file.committed_) fs::remove(before[i], error);
+    }
+    if (undone) {
+      fs::remove(noted.path(), error);
+    } else {
+      for (AtomicFile* file : files) file->committed_ = true;  // for finish_commit
+    }
+    throw;
+  }
+  sync_folder(folder);
+  fs::remove(noted.path(), error);
+  for (const fs::path& name : before) {
+    if (!name.empty()) fs::remove(name, error);
+  }
+}
+
+void finish_commit(const fs::path& folder) {
+  const fs::path note = folder / kCommitNote;
+  const int descriptor = open_own(note);
+  if (descriptor < 0) return;
+  std::string text;
+  char piece[4096];
+  for (ssize_t got = 0; (got = ::read(descriptor, piece, sizeof piece)) > 0;)
+    text.append(piece, static_cast<std::size_t>(got));
+  std::istringstream lines(text);
+  std::string line, name;
+  if (std::getline(lines, line) && line == kNoteHead) {
+    std::error_code error;
+    while (std::getline(lines, line) && std::getline(lines, name)) {
+      if (name.find('/') != std::string::npos || !is_temporary_of(line, name)) continue;
+      if (fs::is_regular_file(fs::symlink_status(folder / line, error)))
+        fs::rename(folder / line, folder / name, error);
+      sweep(folder / name);
+    }
+    sync_folder(folder);
+    fs::remove(note, error);
+  }
+  ::close(descriptor);
 }
 
 }  // namespace wheeltap::io

@@ -6,6 +6,7 @@
 #include <netcdf_mem.h>
 
 #include <mutex>
+#include <string>
 
 namespace wheeltap::io {
 
@@ -39,10 +40,15 @@ class NetcdfHandle {
     open_ = false;
     return nc_close(id);
   }
+  /// A new NetCDF-4 file that HDF5 keeps in memory: on a full disk, HDF5 would end the program.
+  [[nodiscard]] int create_in_memory();
+  /// The same bytes that a file on the disk would have; the file is closed.
+  [[nodiscard]] int close_in_memory(std::string& bytes);
   int id = -1;
 
  private:
   bool open_ = false;
+  std::string name_;  // in memory
 };
 
 /// What the first bytes of a NetCDF-4 file are (HDF5's signature).

@@ -1,10 +1,11 @@
 // NetCDF-4 files with groups, one call a variable.
 #pragma once
 
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
+#include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "io/file_error.hpp"
@@ -12,41 +13,43 @@
 
 namespace wheeltap::io {
 
-/// Throws io::FileError (unwritable).
+/// Writes to memory; `name` stands for the file in messages. Throws io::FileError (unwritable).
 class NetcdfWriter {
  public:
-  explicit NetcdfWriter(const std::filesystem::path& path) : path_(path) {
-    check(nc_create(path.c_str(), NC_NETCDF4 | NC_CLOBBER, &file_));
+  explicit NetcdfWriter(const std::filesystem::path& name) : path_(name) {
+    check(file_.create_in_memory());
   }
-  NetcdfWriter(const NetcdfWriter&) = delete;
-  NetcdfWriter& operator=(const NetcdfWriter&) = delete;
-  ~NetcdfWriter() {
-    if (file_ >= 0) nc_close(file_);
-  }
-  void close() {
-    const int file = std::exchange(file_, -1);
-    check(nc_close(file));
+  /// The whole file, which is closed.
+  [[nodiscard]] std::string close() {
+    std::string bytes;
+    check(file_.close_in_memory(bytes));
+    return bytes;
   }
 
   void check(int status) const {
     if (status == NC_NOERR) return;
     throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
-  /// The program and the time, as ArviZ has them.
-  void about(const std::string& version) const {
-    text(file_, NC_GLOBAL, "inference_library", "wheeltap");
-    text(file_, NC_GLOBAL, "inference_library_version", version);
-    const std::time_t t = std::time(nullptr);
+  /// The program and the time, as ArviZ has them, and the run; SOURCE_DATE_EPOCH [s] is the time
+  /// where it is set, for files that are to be the same.
+  void about(const std::string& version, const std::string& run) const {
+    text(file_.id, NC_GLOBAL, "inference_library", "wheeltap");
+    text(file_.id, NC_GLOBAL, "inference_library_version", version);
+    text(file_.id, NC_GLOBAL, "run_id", run);
+    std::time_t t = std::time(nullptr);
+    if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
+      std::istringstream(epoch) >> t;
+    }
     std::tm utc{};
     gmtime_r(&t, &utc);
     char created[32];
     std::strftime(created, sizeof created, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    text(file_, NC_GLOBAL, "created_at", created);
+    text(file_.id, NC_GLOBAL, "created_at", created);
   }
-  [[nodiscard]] int root() const { return file_; }
+  [[nodiscard]] int root() const { return file_.id; }
   [[nodiscard]] int group(const char* name) const {
     int id = 0;
-    check(nc_def_grp(file_, name, &id));
+    check(nc_def_grp(file_.id, name, &id));
     return id;
   }
   void text(int group, int variable, const char* name, const std::string& value) const {
@@ -91,7 +94,7 @@ class NetcdfWriter {
 
  private:
   std::filesystem::path path_;
-  int file_ = -1;
+  NetcdfHandle file_;
 };
 
 }  // namespace wheeltap::io

@@ -137,6 +137,41 @@ std::vector<double> partial_autocorrelation(std::span<const double> x, int lags)
   return partial;
 }
 
+std::vector<double> burg_partial_autocorrelation(std::span<const double> x, int lags) {
+  require_lags(lags, 1, x.size());
+  std::vector<double> forward(x.begin(), x.end()), backward = forward, partial;
+  for (std::size_t m = 1; m <= static_cast<std::size_t>(lags); ++m) {
+    double product = 0.0, squares = 0.0;
+    for (std::size_t n = m; n < x.size(); ++n) {
+      product += forward[n] * backward[n - 1];
+      squares += forward[n] * forward[n] + backward[n - 1] * backward[n - 1];
+    }
+    const double pi = squares > 0.0 ? 2.0 * product / squares : 0.0;
+    partial.push_back(pi);
+    for (std::size_t n = x.size() - 1; n >= m; --n) {
+      const double f = forward[n], b = backward[n - 1];
+      forward[n] = f - pi * b;
+      backward[n] = b - pi * f;
+    }
+  }
+  return partial;
+}
+
+int autoregressive_order(std::span<const double> residuals, int most) {
+  most = std::min(most, static_cast<int>(residuals.size()) / 4);
+  if (most < 1) return 0;
+  const auto n = static_cast<double>(residuals.size());
+  double criterion = 0.0, best = 0.0;
+  int order = 0, p = 0;
+  for (const double pi : burg_partial_autocorrelation(residuals, most)) {
+    ++p;
+    if (!(std::abs(pi) < 1.0)) break;
+    criterion += n * std::log1p(-pi * pi) + std::log(n);
+    if (criterion < best) best = criterion, order = p;
+  }
+  return order;
+}
+
 Whiteness ljung_box(std::span<const double> residuals, int lags, int fitted) {
   if (fitted < 0)
     throw std::invalid_argument("fitted = " + std::to_string(fitted) + ", must be >= 0");

@@ -37,6 +37,18 @@ void ar_innovations(std::span<const double> residuals,
 /// for an AR model of the residuals.
 [[nodiscard]] std::vector<double> partial_autocorrelation(std::span<const double> x, int lags);
 
+/// The same by Burg's method (1975): each π_m is the value in [-1, 1] that leaves the least squares
+/// of forward and backward prediction together. Where residuals are nearly as smooth as a response,
+/// Yule-Walker's are far too small in size, and these are not. 0 from where nothing is left.
+[[nodiscard]] std::vector<double> burg_partial_autocorrelation(std::span<const double> x, int lags);
+
+/// The order p <= `most` of an autoregression of these residuals by Schwarz's criterion, the least
+///
+///   N ln σ² ∏_{m<=p} (1 - π_m²) + p ln N,   π by Burg's method,
+///
+/// and at most a quarter of their number.
+[[nodiscard]] int autoregressive_order(std::span<const double> residuals, int most = 20);
+
 /// Ljung & Box (1978): Q = N (N + 2) Σ ρ_k² / (N - k), χ² with lags - fitted degrees of freedom if
 /// the residuals are white.
 struct Whiteness {

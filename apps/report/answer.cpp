@@ -159,7 +159,8 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
     out.headline = "The case allows only " + said(best) + ".";
   } else if (best.probability() >= kDecided) {
     const std::string name = named(best);
-    out.headline = best.probability() >= kCertain ? name + "." : "Most likely " + name + ".";
+    out.headline =
+        best.probability() >= kCertain || !explained ? name + "." : "Most likely " + name + ".";
     if (!converged && explained) out.headline = "So far: " + out.headline;
     out.headline = capitalised(out.headline);
   } else {

@@ -30,14 +30,16 @@ const charts = (() => {
     }
     out.push(...evidence(run));
     out.push(...residuals(run), ...responses(run));
-    for (const [model, list] of Object.entries(draws.parameters)) {
+    // Draws that could not be written have no pictures.
+    const drawn = draws.parameters || {};
+    for (const [model, list] of Object.entries(drawn)) {
       for (const p of list) out.push(marginal(model, p, isShare(p.name)));
       for (const p of draws.pairs[model] || []) out.push(pair(model, p, isShare));
     }
-    out.push(visits(run), running(run));
+    if (draws.visits) out.push(visits(run), running(run));
     if (draws.log_posterior) out.push(Object.assign(history('log-posterior', 'sampling', null, 'log posterior', draws.log_posterior, draws.draws, true), { wide: true }));
     out.push(...acceptance(run));
-    for (const [model, list] of Object.entries(draws.parameters)) {
+    for (const [model, list] of Object.entries(drawn)) {
       for (const p of list) out.push(history(`history-${slug(model)}-${slug(p.name)}`, 'histories', model, p.name + unit(p.name, p.unit), p.history, draws.draws, false, isShare(p.name)));
     }
     out.push(...emulator(run));

@@ -37,7 +37,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
 
   function jointFigures(run) {
     const out = [];
-    for (const joint of run.draws.joint) {
+    for (const joint of run.draws.joint || []) {
       const kind = run.summary.kinds.find((k) => k.name === joint.kind);
       const given = joint.views.filter((v) => v.count > 0);
       const views = given.length > 1 ? joint.views : given.length ? given : joint.views;
@@ -60,7 +60,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
   }
 
   function residuals(run) {
-    const rows = (run.draws.predictive.frequency || []).filter((r) => typeof r.observed === 'number');
+    const rows = (run.draws.predictive?.frequency || []).filter((r) => typeof r.observed === 'number');
     if (!rows.length) return [];
     const bySd = rows.every((r) => typeof r.sd === 'number' && r.sd > 0);
     const scaled = (r, f) => (f - r.observed) / (bySd ? r.sd : r.observed);

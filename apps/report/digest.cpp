@@ -158,8 +158,8 @@ Report predictive(const io::NetcdfReader& file, const std::vector<double>& weigh
 
 }  // namespace
 
-Report digest(const std::filesystem::path& posterior_file, const Report& summary) {
-  const io::NetcdfReader file(posterior_file, "a posterior of wheeltap");
+Report digest(std::string bytes, const std::filesystem::path& name, const Report& summary) {
+  const io::NetcdfReader file(std::move(bytes), name, "a posterior of wheeltap");
   Report out = Report::object();
   {
     const StoredDraws posterior(file, summary);

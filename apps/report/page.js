@@ -155,6 +155,18 @@
   // A sentence in which no line ends within "--warmup".
   const prose = (text) => String(text).split(/(--[a-z][a-z-]*)/).map((part, i) => (i % 2 ? element('code', { class: 'option' }, part) : part));
 
+  // What white residuals say of each parameter beside what windows do, and which of them to use.
+  const windowRows = (rows, unknowns) => {
+    const windowed = Object.entries(rows).filter(([, r]) => r.between_windows);
+    if (!windowed.length) return null;
+    const unit = (name) => charts.bracketed((unknowns || []).find((u) => u.label === name)?.unit);
+    const interval = (r) => (r ? { value: `${r['q2.5']} to ${r['q97.5']}`, text: `${digits(r, 'q2.5')} to ${digits(r, 'q97.5')}` } : '-');
+    return { head: ['parameter', 'this run', 'longer records', 'a further window', 'windows scatter by', 'use'],
+      rows: windowed.map(([name, r]) => [name + unit(name), interval(r), interval(r.between_windows.whole), interval(r.between_windows),
+        { value: r.between_windows.scatter.times_own_interval, text: `${number(r.between_windows.scatter.times_own_interval, 2)} times` }, r.between_windows.use]),
+      caption: 'Intervals (95 %) of this run, from residuals as its likelihood takes them, beside those between windows of the record: of what ever longer records would give, and of what a further window would. Scatter in terms of what the windows’ own intervals allow for' };
+  };
+
   // ---- sections ---------------------------------------------------------------------------
   function caseNotes() {
     const notes = [summary.notes || []].flat();
@@ -227,6 +239,8 @@
       if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model], summary.unknowns?.[model]), caption: 'Posterior given this model' }));
       else out.push(element('p', { class: 'lead' }, 'No parameters.'));
       out.push(...modesTable(summary.modes?.[model]));
+      const windows = windowRows(summary.parameters[model], summary.unknowns?.[model]);
+      if (windows) out.push(copyable(windows));
       if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));
       if (of('parameters', model).length) out.push(grid(of('parameters', model), 4));
       if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));

@@ -11,6 +11,7 @@
 #include "apps/report/answer.hpp"
 #include "apps/report/assets.hpp"
 #include "apps/report/digest.hpp"
+#include "apps/stored_run.hpp"
 #include "dynamics/laws.hpp"
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
@@ -22,7 +23,8 @@ namespace {
 using io::FileError;
 namespace fs = std::filesystem;
 
-Report read_summary(const fs::path& path) {
+Report read_summary(const fs::path& directory) {
+  const fs::path path = directory / "summary.json";
   const std::string text = io::read_bytes(path);
   Report summary;
   try {
@@ -104,7 +106,8 @@ Report laws() {
 }
 
 // What the scripts draw: the summary, what charts need of the draws, and the answer.
-Report content(const fs::path& directory, const Report& summary, const Answer& said) {
+Report content(const fs::path& directory, const Report& summary, const Answer& said,
+               std::optional<std::string> draws) {
   Report out = {{"summary", summary}, {"answer", json(said)}};
   if (summary.contains("sweep")) {  // its runs keep no draws
     const auto path = summary.at("sweep").at("path").get<std::string>();
@@ -119,8 +122,14 @@ Report content(const fs::path& directory, const Report& summary, const Answer& s
   out["told"] = told(summary.at("models"), "");
   if (summary.at("wheeltap").value("command", "") == "sid") out["laws"] = laws();
   out["resolution"] = summary.at("diagnostics").value("resolution_words", "");
-  out["draws"] = digest(directory / "posterior.nc", summary);
+  out["draws"] =
+      draws ? digest(std::move(*draws), directory / "posterior.nc", summary) : Report::object();
   return out;
+}
+
+std::optional<std::string> stored_draws(const fs::path& directory, const Report& summary) {
+  if (summary.contains("sweep")) return {};
+  return sealed_file(directory, "posterior.nc", summary);
 }
 
 // Prose as HTML, numbers and their units kept on one line.
@@ -231,10 +240,10 @@ std::string html_text(const std::string& text) {
 
 namespace {
 
-std::string page_of(const fs::path& directory) {
-  const Report summary = read_summary(directory / "summary.json");
+std::string page_of(const fs::path& directory, const Report& summary,
+                    std::optional<std::string> draws) {
   const Answer said = read_answer(summary);
-  const std::string data = script_safe(content(directory, summary, said));
+  const std::string data = script_safe(content(directory, summary, said, std::move(draws)));
   const std::string title = html_text(title_of(summary));
   const std::string caution =
       said.caution.empty() ? "" : "<p class=\"caution\">" + prose(said.caution) + "</p>";
@@ -257,20 +266,26 @@ std::string page_of(const fs::path& directory) {
 
 }  // namespace
 
+std::string report_page(const fs::path& directory, const Report& summary,
+                        std::optional<std::string> draws) {
+  return trusting(directory, [&] { return page_of(directory, summary, std::move(draws)); });
+}
+
 void write_report(const fs::path& directory) {
-  const std::string page = trusting(directory, [&] { return page_of(directory); });
-  const fs::path path = directory / "report.html";
-  io::AtomicFile file(path);
-  std::ofstream stream(file.temporary(), std::ios::binary);
-  stream << page;
-  stream.close();
-  if (!stream) throw FileError(FileError::Kind::unwritable, path, "cannot be written");
+  io::finish_commit(directory);
+  const Report summary = trusting(directory, [&] { return read_summary(directory); });
+  const std::string page = trusting(
+      directory, [&] { return page_of(directory, summary, stored_draws(directory, summary)); });
+  io::AtomicFile file(directory / "report.html");
+  file.write(page);
   file.commit();
 }
 
 int write_figures(const fs::path& directory) {
-  const Report data = trusting(
-      directory, [&] { return content(directory, read_summary(directory / "summary.json"), {}); });
+  const Report data = trusting(directory, [&] {
+    const Report summary = read_summary(directory);
+    return content(directory, summary, {}, stored_draws(directory, summary));
+  });
   const fs::path folder = directory / "figures";
   std::error_code error;
   fs::create_directories(folder, error);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "apps/summary.hpp"
@@ -15,9 +16,14 @@ namespace wheeltap::apps {
 /// Text as HTML: & < > " ' become entities.
 [[nodiscard]] std::string html_text(const std::string& text);
 
+/// report.html of the run in `directory` (for messages) with this summary and these bytes of
+/// posterior.nc; without them, no pictures of draws. Throws io::FileError as write_report does.
+[[nodiscard]] std::string report_page(const std::filesystem::path& directory, const Report& summary,
+                                      std::optional<std::string> draws);
+
 /// Writes DIRECTORY/report.html from DIRECTORY/summary.json and posterior.nc. Throws
-/// io::FileError: missing where a file is not there, corrupt or foreign where it is not what
-/// a run writes, unwritable.
+/// io::FileError: missing where a file is not there, corrupt, foreign or mismatch where it is not
+/// what the run wrote, unwritable.
 void write_report(const std::filesystem::path& directory);
 
 /// Writes the report's figures as SVG files into DIRECTORY/figures, drawn by the same scripts under

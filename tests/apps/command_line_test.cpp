@@ -54,6 +54,8 @@ TEST(CommandLine, BadCommandLinesEndWith64) {
   expect_refusal(where, "damage " + c + " -o x --prior-only --evidence", 64,
                  {"--prior-only", "--evidence"});
   expect_refusal(where, "schema nothing", 64, {"nothing", "damage"});
+  const std::string sid = WHEELTAP_DATA "/sid/discover_law.case.json";
+  expect_refusal(where, "simulate " + sid + " -o record.json", 64, {"record.json", ".csv"});
 }
 
 TEST(CommandLine, HelpAndVersionEndWell) {

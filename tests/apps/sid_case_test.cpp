@@ -79,6 +79,77 @@ TEST(SidCase, InferredStatesAndCorrelationsAreParameters) {
   EXPECT_EQ(names, (std::vector<std::string>{"k", "ar[1]", "y0[1]", "v0[1]"}));
 }
 
+TEST(SidCase, AnOrderLeftOpenIsNotYetParameters) {
+  const Workspace where;
+  const SidCase open = parse_sid(where, with("/residuals", {{"ar", "auto"}})).sid;
+  EXPECT_TRUE(open.models[0].chooses_order);
+  EXPECT_EQ(open.models[0].order(), 0);
+  EXPECT_FALSE(parse_sid(where, with("/residuals", {{"ar", 2}})).sid.models[0].chooses_order);
+  EXPECT_THAT(refusal(where, with("/residuals", {{"ar", "best"}})), HasSubstr("/residuals/ar"));
+  EXPECT_THAT(refusal(where, with("/residuals", {{"ar", 21}})), HasSubstr("/residuals/ar"));
+}
+
+TEST(SidCase, WindowsMustHoldMoreSamplesThanUnknowns) {
+  const Workspace where;
+  EXPECT_EQ(parse_sid(where, small_sid_case()).sid.windows, 0);
+  EXPECT_EQ(parse_sid(where, with("/windows", 8)).sid.windows, 8);
+  EXPECT_THAT(refusal(where, with("/windows", 1)), HasSubstr("/windows"));
+  EXPECT_THAT(refusal(where, with("/windows", 100)),
+              HasSubstr("/windows: 100: leaves windows of 2 samples; model \"duffing\" has 2"));
+}
+
+/// Its record twice, `second` being the other one.
+json two_records(const std::function<void(json&)>& second = {}) {
+  json c = small_sid_case();
+  c["records"] = {c["record"], c["record"]};
+  c.erase("record");
+  if (second) second(c["records"][1]);
+  return c;
+}
+
+// Each with its own window and initial state; the physical parameters are the same.
+TEST(SidCase, SeveralRecordsShareTheirParameters) {
+  const Workspace where;
+  const SidCase c = parse_sid(where, two_records([](json& r) {
+                                r["samples"] = {50, 150};
+                                r["initial"] = "inferred";
+                              }))
+                        .sid;
+  ASSERT_EQ(c.further.size(), 1U);
+  EXPECT_EQ(c.further[0].begin, 50);
+  EXPECT_EQ(c.end, 200);
+  std::vector<std::string> names;
+  for (const auto& parameter : c.parameters) names.push_back(parameter.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"k", "k3", "y0[1]@2", "v0[1]@2"}));
+  EXPECT_EQ(c.models[0].parameters, (std::vector<int>{0, 2, 3}));
+  EXPECT_EQ(c.further[0].models[0].parameters, c.models[0].parameters);
+  EXPECT_TRUE(c.models[0].initial.displacement.empty());
+  // Two simulations, not one twice.
+  EXPECT_NE(c.channels[1].signal.samples[60], c.further[0].channels[1].signal.samples[10]);
+}
+
+TEST(SidCase, NamesThePlaceOfAMistakeInOneOfSeveralRecords) {
+  const Workspace where;
+  EXPECT_THAT(refusal(where, two_records([](json& r) {
+                        r["samples"] = {0, 201};
+                      })),
+              HasSubstr("/records/1/samples: [0,201]"));
+  EXPECT_THAT(refusal(where, two_records([](json& r) { r["channels"][1]["mass"] = 2; })),
+              HasSubstr("/records/1/channels/1/mass: 2"));
+  json both = two_records();
+  both["record"] = both["records"][0];
+  EXPECT_THAT(refusal(where, both), HasSubstr("/records: "));
+  json neither = two_records();
+  neither.erase("records");
+  EXPECT_THAT(refusal(where, neither), HasSubstr("/record: is missing"));
+  json unused = two_records();
+  unused["parameters"]["scale"] = {{"log_uniform", {0.5, 2.0}}};
+  EXPECT_THAT(refusal(where, unused), HasSubstr("/parameters/scale"));
+  unused["truth"]["parameters"]["scale"] = 1.0;
+  unused["records"][1]["channels"][1]["scale"] = "scale";  // used by one of them: that is enough
+  EXPECT_EQ(parse_sid(where, unused).sid.parameters.size(), 3U);
+}
+
 TEST(SidCase, TheSchemaKnowsEveryLaw) {
   const json properties = schema("sid")["definitions"]["link"]["properties"];
   for (const auto& info : dynamics::law_infos()) {

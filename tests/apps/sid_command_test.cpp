@@ -88,6 +88,110 @@ TEST(SidCommand, NamesAModelThatItsPriorMakesImpossible) {
   EXPECT_TRUE(!std::filesystem::exists(out) || std::filesystem::is_empty(out));
 }
 
+// The interval of a further window beside each parameter: of a right model it is wider than the
+// run's, since a window is a quarter of the record, and that of the whole is about the run's value.
+TEST(SidCommand, TellsWhatHoldsBetweenWindows) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["windows"] = 4;
+  c["truth"]["samples"] = 800;
+  const auto out = where / "out";
+  const Outcome run = wheeltap(
+      where, "sid " + where.write_json("case.json", c).string() + " -o " + out.string() + kShort);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("a further window (95 %)"));
+  const json s = json::parse(read_all(out / "summary.json"));
+  const json& k = s["parameters"]["duffing"]["k"];
+  const json& w = k["between_windows"];
+  for (const char* key : {"mean", "sd", "q2.5", "q5", "q50", "q95", "q97.5"}) {
+    EXPECT_TRUE(w[key].is_number()) << key;
+    EXPECT_TRUE(w["whole"][key].is_number()) << key;
+  }
+  EXPECT_EQ(w["windows"]["value"].size(), 4U);
+  EXPECT_EQ(w["use"], "run");
+  EXPECT_GT(w["sd"].get<double>(), 1.5 * k["sd"].get<double>());
+  EXPECT_LT(w["whole"]["q2.5"].get<double>(), k["mean"].get<double>());
+  EXPECT_GT(w["whole"]["q97.5"].get<double>(), k["mean"].get<double>());
+  EXPECT_GT(w["scatter"]["p_value"].get<double>(), 1e-3);
+  EXPECT_THAT(read_all(out / "report.html"), HasSubstr("between_windows"));
+}
+
+// What two records know of k adds up (precisions do where k is the only unknown, and k3 makes it
+// more), and they are windows to each other.
+TEST(SidCommand, TakesSeveralRecordsTogether) {
+  const Workspace where;
+  json one = small_sid_case(), two = small_sid_case();
+  two["records"] = {two["record"], two["record"]};
+  two.erase("record");
+  const auto run = [&](const json& c, const std::string& name) {
+    const auto out = where / name;
+    const Outcome done = wheeltap(where, "sid " + where.write_json(name + ".json", c).string() +
+                                             " -o " + out.string() + kShort);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return json::parse(read_all(out / "summary.json"));
+  };
+  json other = one;
+  other["truth"]["seed"] = one["truth"]["seed"].get<int>() + 1;
+  const json first = run(one, "one"), second = run(other, "other"), both = run(two, "two");
+  const auto sd = [](const json& s) { return s["parameters"]["duffing"]["k"]["sd"].get<double>(); };
+  const double together = 1.0 / std::hypot(1.0 / sd(first), 1.0 / sd(second));
+  EXPECT_LT(sd(both), 1.2 * together);
+  EXPECT_GT(sd(both), 0.6 * together);
+  ASSERT_EQ(both["further_records"].size(), 1U);
+  EXPECT_NEAR(both["further_records"][0]["fit_at_best_draw"]["duffing"][0]["rmse"].get<double>(),
+              0.05, 0.0125);
+  EXPECT_EQ(both["parameters"]["duffing"]["k"]["between_windows"]["windows"]["value"].size(), 2U);
+}
+
+// A chain that lacks the truth's cubic spring: the terminal, the summary and the warnings say which
+// interval to use. A look leaves windows out.
+TEST(SidCommand, SaysWhichIntervalToUseWhereATermIsMissing) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["truth"]["samples"] = 2000;
+  c["truth"]["noise"] = 0.005;
+  const auto csv = where / "record.csv";
+  const Outcome made = wheeltap(
+      where, "simulate " + where.write_json("truth.json", c).string() + " -o " + csv.string());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  c.erase("truth");
+  c["record"]["file"] = csv.string();
+  c["record"]["sample_rate"] = 100;
+  c["windows"] = 5;
+  c["models"].erase(1);
+  c["models"][0]["noise"] = "sigma";
+  c["parameters"].erase("k3");
+  c["parameters"]["sigma"] = {{"log_uniform", {1e-4, 1.0}}};
+  const auto run = [&](const std::string& options) {
+    const auto out = where / "out";
+    const Outcome done = wheeltap(where, "sid " + where.write_json("case.json", c).string() +
+                                             " -o " + out.string() + options);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return std::pair(done.out, json::parse(read_all(out / "summary.json")));
+  };
+  const auto [text, s] = run(kShort);
+  EXPECT_EQ(s["parameters"]["linear"]["k"]["between_windows"]["use"], "windows");
+  EXPECT_THAT(s["diagnostics"]["warnings"].dump(), HasSubstr("between the 5 windows"));
+  EXPECT_THAT(text, HasSubstr("between the 5 windows"));
+  const auto [quick, look] = run(" --quiet --quick");
+  EXPECT_FALSE(look["parameters"]["linear"]["k"].contains("between_windows"));
+}
+
+TEST(SidCommand, ChoosesTheOrderOfResiduals) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["residuals"] = {{"ar", "auto"}};
+  const auto out = where / "out";
+  const Outcome run = wheeltap(
+      where, "sid " + where.write_json("case.json", c).string() + " -o " + out.string() + kShort);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json s = json::parse(read_all(out / "summary.json"));
+  EXPECT_EQ(s["residuals"]["ar"]["duffing"], 0);  // the truth: white
+  EXPECT_GT(s["residuals"]["ar"]["linear"], 0);   // what it cannot explain is smooth
+  EXPECT_THAT(run.out, HasSubstr("Residuals: white, by BIC"));
+  EXPECT_THAT(s["diagnostics"]["notes"].dump(), HasSubstr("chosen by BIC"));
+}
+
 TEST(SidCommand, SweepsWriteOneTable) {
   const Workspace where;
   json c = small_sid_case();

@@ -54,8 +54,9 @@ Findings found_in(const Posterior& posterior) {
 
 Report judged(const Posterior& posterior) {
   Findings findings = found_in(posterior);
-  findings.remarks = {remark::PeculiarWindow{{{"force", 9.0, 2.0}, {"displacement", 7.0, 2.0}}},
-                      remark::ColouredResiduals{"m", {{"a", 4, -0.58, 0.02, 0.0}}}};
+  findings.remarks = {
+      remark::PeculiarWindow{{{"force", 9.0, 2.0}, {"displacement", 7.0, 2.0}}},
+      remark::ColouredResiduals{.model = "m", .channels = {{"a", 4, -0.58, 0.02, 0.0}}}};
   findings.fit_verdict.why = {misfit::BeyondNoise{1e-9, {1, 2, 3}, false}};
   return diagnostics(findings, warnings(findings, {}));
 }

@@ -155,5 +155,23 @@ TEST_F(JournalTest, FinishedRunsSurviveAFailingOne) {
   EXPECT_EQ(calls, 4);
 }
 
+// `table` without --resume removed whatever had the journal's name.
+TEST(Journal, RemovesJournalsOnly) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "runs";
+  Journal::remove(path);  // there is none
+  { Journal(path, "any", 2).append(0, std::vector<double>{1.0, 2.0}); }
+  Journal::remove(path);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  put_bytes(path, "my notes");
+  EXPECT_THROW(Journal::remove(path), io::FileError);
+  EXPECT_EQ(bytes_of(path), "my notes");
+  std::filesystem::remove(path);
+  std::filesystem::create_symlink(directory / "elsewhere", path);
+  EXPECT_THROW(Journal::remove(path), io::FileError);
+  EXPECT_THROW(Journal(path, "any", 2), io::FileError) << "a link is not followed";
+  EXPECT_FALSE(std::filesystem::exists(directory / "elsewhere"));
+}
+
 }  // namespace
 }  // namespace wheeltap::emulator

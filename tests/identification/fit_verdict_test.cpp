@@ -86,6 +86,40 @@ TEST(FitVerdict, TheTrueModelExplainsItsRecordAndWhatFollows) {
   EXPECT_GT(f.fit_verdict.r2, 0.8);
 }
 
+// A stop that the window does not reach and what follows does: the linear model fails there, and
+// the true one, which the window cannot tell from it, keeps misfit out of the headline.
+TEST(FitVerdict, AModelThatIsPossibleSpeaksForAll) {
+  SidCase c = small_sid_case();
+  const dynamics::Link linear{
+      .a = 0, .b = 1, .stiffness = Coefficient::of_parameter(0), .damping = 0.5, .laws = {}};
+  dynamics::Link stopped = linear;
+  stopped.laws.push_back(
+      dynamics::make_law<dynamics::laws::Contact>({5000.0, Coefficient::of_parameter(1)}));
+  c.parameters = {{"k", inference::Uniform{0.0, 100.0}}, {"gap", inference::Uniform{0.0, 0.5}}};
+  c.models[0].chain.links = {linear};
+  c.models[1].chain.links = {stopped};
+  for (SidModel& model : c.models) model.noise = {0.002};
+  std::vector<double> force;
+  for (int n = 0; n < 400; ++n) force.push_back((n < 200 ? 1.5 : 9.0) * std::sin(0.06 * n));
+  c.models.push_back(c.models[1]);  // the truth, which is taken away
+  c.truth = SidTruth{.model = 2,
+                     .theta = {50.0, 0.14},
+                     .noise = {0.002},
+                     .samples = 400,
+                     .sample_rate_hz = 100.0,
+                     .excitations = {{.mass = 1, .signal = TrueExcitation::Sampled{force}}}};
+  const SidFindings f = found(measured(c, {.samples = {{0, 200}}}));
+  ASSERT_GT(f.models[0].probability(), f.models[1].probability());
+  ASSERT_GT(f.models[1].probability(), 0.05);
+  EXPECT_TRUE(f.fit_verdict.ok());
+  EXPECT_EQ(f.fit_verdict.model, 1);
+  EXPECT_EQ(f.fit_verdict.instead_of, 0);
+  EXPECT_NE(find<misfit::WorseBeyond>(f.fit_verdict.why_not), nullptr);
+  EXPECT_TRUE(std::ranges::any_of(f.remarks, [](const Remark& r) {
+    return std::holds_alternative<remark::MostProbableFails>(r);
+  }));
+}
+
 TEST(FitVerdict, AResponseOfTheWrongSignIsNotExplained) {
   SidCase c = small_sid_case();
   c.models.push_back(c.models[1]);

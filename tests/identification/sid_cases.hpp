@@ -42,7 +42,7 @@ inline SidCase small_sid_case() {
 /// With the record that its truth gives, of which `use` is scored.
 inline SidCase simulated(SidCase sid_case, const RecordUse& use = {}) {
   sid_case.simulated = true;
-  take_record(sid_case, simulate_record(sid_case, sid_case.truth->seed), use);
+  take_record(sid_case, simulate_record(sid_case, sid_case.truth.value().seed), use);
   return sid_case;
 }
 

@@ -152,6 +152,41 @@ TEST(SidProblem, GaussNewtonLeadsToTheBestNoise) {
   EXPECT_EQ(information[1], 0.0);
 }
 
+// Records of one rig: their log likelihoods add up, whichever way they are asked for, and early
+// rejection may not reject what is above the floor.
+TEST(SidProblem, SeveralRecordsAddTheirLikelihoods) {
+  SidCase c = small_sid_case();
+  SidCase second = small_sid_case();
+  second.truth->seed = 2;
+  second.number = 2;
+  second = simulated(std::move(second), {.samples = std::pair(30, 180), .lead_in = 30});
+  const auto alone = make_sid_problem(second);
+  c = simulated(std::move(c));
+  const auto first = make_sid_problem(c);
+  c.further = {second};
+  c.unite();
+  const auto both = make_sid_problem(c);
+  const std::vector<double> x = {49.0, 900.0};
+  const double sum = log_likelihood(*first, 1, x) + log_likelihood(*alone, 1, x);
+  EXPECT_NEAR(log_likelihood(*both, 1, x), sum, 1e-9 * std::abs(sum));
+  const auto likelihood = both->problem.likelihood();
+  EXPECT_NEAR(likelihood->log_likelihood_above(sum - 0.01, 1, x), sum, 1e-9 * std::abs(sum));
+  EXPECT_LT(likelihood->log_likelihood_above(sum + 0.01, 1, x), sum);
+  std::vector<double> xs = x, out(2);
+  xs.insert(xs.end(), {50.0, 1000.0});
+  likelihood->log_likelihoods(1, xs, out);
+  EXPECT_NEAR(out[0], sum, 1e-9 * std::abs(sum));
+  EXPECT_GT(out[1], out[0]);
+  expect_slopes(*both, 1, x, 1e-3);
+  // A shorter problem shortens all of them.
+  const auto part = both->problem.shortened(100);
+  const auto part_of = [&](const SidProblem& p) {
+    return p.problem.shortened(100)->likelihood()->log_likelihood(1, x);
+  };
+  const double parts = part_of(*first) + part_of(*alone);
+  EXPECT_NEAR(part->likelihood()->log_likelihood(1, x), parts, 1e-9 * std::abs(parts));
+}
+
 TEST(SidProblem, AContactOutOfReachChangesNothing) {
   SidCase c = small_sid_case();
   c.models[1].chain.links[0].laws = {dynamics::make_law<dynamics::laws::Contact>(

@@ -30,11 +30,11 @@ TEST(AtomicFile, TakesThePlaceAtCommitOnly) {
   test::put_bytes(path, "old");
   {
     AtomicFile file(path);
-    test::put_bytes(file.temporary(), "lost");
+    file.write("lost");
   }
   EXPECT_EQ(test::bytes_of(path), "old");
   AtomicFile file(path);
-  test::put_bytes(file.temporary(), "new");
+  file.write("new");
   EXPECT_EQ(test::bytes_of(path), "old");
   file.commit();
   EXPECT_EQ(test::bytes_of(path), "new");
@@ -58,7 +58,7 @@ TEST(AtomicFile, ALinkWithTheTemporaryNameIsNeverFollowed) {
     fs::create_symlink(directory / "precious", directory / ("a.part" + std::to_string(::getpid()) +
                                                             "-" + std::to_string(i)));
   AtomicFile file(directory / "a");
-  test::put_bytes(file.temporary(), "new");
+  file.write("new");
   file.commit();
   EXPECT_EQ(test::bytes_of(directory / "precious"), "kept");
 }
@@ -72,6 +72,91 @@ TEST(AtomicFile, NeverReplacesAPipeADeviceOrAFolder) {
   fs::create_directory(directory / "folder");
   EXPECT_EQ(refusal(directory / "folder"), "is a directory");
   EXPECT_EQ(directory.files(), 2);
+}
+
+TEST(AtomicFile, WritesOverWhatWasReservedAndNoMore) {
+  const test::TemporaryDirectory directory;
+  AtomicFile file(directory / "a", 1 << 20);
+  EXPECT_EQ(fs::file_size(file.temporary()), 1U << 20);
+  file.write("a longer text");
+  file.write("short");
+  file.commit();
+  EXPECT_EQ(test::bytes_of(directory / "a"), "short");
+}
+
+TEST(AtomicFile, TemporariesOfTheKilledAreSwept) {
+  const test::TemporaryDirectory directory;
+  test::put_bytes(directory / "a.part0123456789abcdef", "of a killed process");
+  test::put_bytes(directory / "a.part", "not ours");
+  test::put_bytes(directory / "a.part0123456789ABCDEF", "not ours");
+  test::put_bytes(directory / "b.part0123456789abcdef", "another file's");
+  fs::create_symlink(directory / "a.part", directory / "a.partffffffffffffffff");
+  const AtomicFile living(directory / "a");
+  const AtomicFile other(directory / "a");
+  EXPECT_TRUE(fs::exists(living.temporary())) << "somebody is writing it";
+  EXPECT_FALSE(fs::exists(directory / "a.part0123456789abcdef"));
+  EXPECT_TRUE(fs::exists(directory / "a.part0123456789ABCDEF"));
+  EXPECT_TRUE(fs::exists(directory / "b.part0123456789abcdef"));
+  EXPECT_TRUE(fs::is_symlink(directory / "a.partffffffffffffffff"));
+}
+
+class CommitTogether : public testing::Test {
+ protected:
+  void commit() const {
+    AtomicFile a(directory / "a"), b(directory / "b");
+    a.write("new a");
+    b.write("new b");
+    AtomicFile* files[] = {&a, &b};
+    commit_together(files);
+  }
+  test::TemporaryDirectory directory;
+};
+
+TEST_F(CommitTogether, AllHaveTheirNames) {
+  test::put_bytes(directory / "a", "old a");
+  commit();
+  EXPECT_EQ(test::bytes_of(directory / "a"), "new a");
+  EXPECT_EQ(test::bytes_of(directory / "b"), "new b");
+  EXPECT_EQ(directory.files(), 2) << "nothing else stays behind";
+}
+
+TEST_F(CommitTogether, WhereOneCannotHaveItsNameNoneHas) {
+  test::put_bytes(directory / "a", "old a");
+  AtomicFile a(directory / "a"), b(directory / "b"), c(directory / "c");
+  a.write("new a");
+  b.write("new b");
+  fs::create_directory(directory / "c");
+  AtomicFile* files[] = {&a, &b, &c};
+  EXPECT_THROW(commit_together(files), FileError);
+  EXPECT_EQ(test::bytes_of(directory / "a"), "old a");
+  EXPECT_FALSE(fs::exists(directory / "b"));
+  EXPECT_FALSE(fs::exists(directory / kCommitNote));
+}
+
+// What a process killed after the first of two names leaves.
+TEST_F(CommitTogether, WhatAKillLeftIsDoneLater) {
+  test::put_bytes(directory / "a", "new a");
+  test::put_bytes(directory / "b", "old b");
+  test::put_bytes(directory / "b.part0123456789abcdef", "new b");
+  test::put_bytes(directory / kCommitNote,
+                  "wheeltap-commit 1\na.partfedcba9876543210\na\nb.part0123456789abcdef\nb\n");
+  finish_commit(directory / "");
+  EXPECT_EQ(test::bytes_of(directory / "a"), "new a");
+  EXPECT_EQ(test::bytes_of(directory / "b"), "new b");
+  EXPECT_EQ(directory.files(), 2);
+}
+
+TEST_F(CommitTogether, ANoteNamesFilesOfItsFolderOnly) {
+  fs::create_directory(directory / "run");
+  test::put_bytes(directory / "precious", "kept");
+  test::put_bytes(directory / "run/precious.part0123456789abcdef", "planted");
+  test::put_bytes(directory / "run/x", "planted");
+  test::put_bytes(directory / "run/y", "kept");
+  test::put_bytes(fs::path(directory / "run") / kCommitNote,
+                  "wheeltap-commit 1\nprecious.part0123456789abcdef\n../precious\nx\ny\n");
+  finish_commit(directory / "run");
+  EXPECT_EQ(test::bytes_of(directory / "precious"), "kept");
+  EXPECT_EQ(test::bytes_of(directory / "run/y"), "kept");
 }
 
 TEST(AtomicFile, NowhereToWrite) {

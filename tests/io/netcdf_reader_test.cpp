@@ -16,7 +16,7 @@ class NetcdfReaderTest : public testing::Test {
  protected:
   void SetUp() override {
     NetcdfWriter out(path);
-    out.about("1.2.3");
+    out.about("1.2.3", "0123");
     const int group = out.group("posterior");
     const int chain = out.dimension(group, "chain", 2, 0),
               draw = out.dimension(group, "draw", 3, 0);
@@ -24,7 +24,7 @@ class NetcdfReaderTest : public testing::Test {
     const int id = out.put(group, "location", {chain, draw, slot}, std::vector<double>(12, 0.25));
     out.text(group, id, "units", "m");
     out.put(group, "model", {chain, draw}, std::vector<int>{0, 1, 2, 3, 4, 5});
-    out.close();
+    test::put_bytes(path, out.close());
   }
   Kind error(const std::function<void()>& action) const {
     try {
@@ -65,6 +65,16 @@ class NetcdfReaderTest : public testing::Test {
 TEST_F(NetcdfReaderTest, ReadsWhatTheWriterWrote) {
   expect_content(NetcdfReader(path));
   expect_content(NetcdfReader(test::bytes_of(path), path));
+}
+
+// Written in memory, and as good as written on the disk: it takes more, in the order of creation.
+TEST_F(NetcdfReaderTest, OthersMayAddToIt) {
+  int file = 0;
+  ASSERT_EQ(nc_open(path.c_str(), NC_WRITE, &file), NC_NOERR);
+  EXPECT_EQ(nc_put_att_text(file, NC_GLOBAL, "more", 3, "yes"), NC_NOERR);
+  EXPECT_EQ(nc_close(file), NC_NOERR);
+  EXPECT_EQ(NetcdfReader(path).text("more"), "yes");
+  expect_content(NetcdfReader(path));
 }
 
 TEST_F(NetcdfReaderTest, NamesWhatIsWrong) {

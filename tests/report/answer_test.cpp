@@ -168,7 +168,7 @@ TEST(Answer, FrequenciesThatNothingExplainsComeFirst) {
   run.findings.fit_verdict.why = {misfit::BeyondNoise{0.0, {1, 2}, false}};
   EXPECT_THAT(answer(run).headline,
               StartsWith("No number of damages that the case allows explains the frequencies "
-                         "(predictive p < 1e-15). Least wrong: Most likely one damage (65.1 %)."));
+                         "(predictive p < 1e-15). Least wrong: One damage (65.1 %)."));
   run.findings.fit_verdict.why = {misfit::WithinNoise{0.99999998, 0.2}};
   EXPECT_THAT(answer(run).headline, StartsWith("The frequencies fit more closely than the stated "
                                                "noise of 20 % allows (predictive p > 0.9999)."));
@@ -178,7 +178,8 @@ TEST(Answer, AParameterThatRepeatsItsPriorIsMarked) {
   Findings findings;
   findings.sampling.verdict.converged = true;
   findings.models = {{.name = "linear", .standing = {.probability = 1.0}}};
-  findings.models[0].parameters = {{{"k", "k"}, row(1.0, 2.0, 3.0), 0.95}};
+  findings.models[0].parameters = {
+      {.unknown = {"k", "k"}, .estimate = row(1.0, 2.0, 3.0), .prior_overlap = 0.95}};
   EXPECT_THAT(apps::answer(findings).detail, HasSubstr("k = 2 (1 to 3, nearly its prior)"));
 }
 

@@ -1,0 +1,123 @@
+#include "apps/stored_run.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "apps/failure.hpp"
+#include "apps/json_text.hpp"
+#include "io/atomic_file.hpp"
+#include "io/bytes.hpp"
+#include "io/fingerprint.hpp"
+#include "io/netcdf_reader.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using io::FileError;
+namespace fs = std::filesystem;
+
+/// The run that a posterior.nc says it is of; empty where it says nothing.
+std::string run_of(const std::string& bytes, const fs::path& path) {
+  try {
+    return io::NetcdfReader(bytes, path).text("run_id");
+  } catch (const FileError&) {
+    return {};
+  }
+}
+
+std::string text_of(const Report& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+template <class Number>
+std::uint64_t hashed(const std::vector<Number>& values, std::uint64_t hash) {
+  const auto bytes = std::as_bytes(std::span(values));
+  return io::fnv1a({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, hash);
+}
+
+}  // namespace
+
+std::string run_id(const Report& about, const inference::Posterior& posterior) {
+  std::uint64_t hash = io::fnv1a("");
+  for (const auto& chain : posterior.chains) {
+    hash = hashed(chain.theta, hashed(chain.model, hashed(chain.log_likelihood, hash)));
+  }
+  std::string text = std::to_string(hash);
+  for (const char* key : {"version", "command", "seed", "case"}) text += about[key].dump();
+  return io::fingerprint(text);
+}
+
+Report seal(std::string_view bytes) {
+  return {{"bytes", bytes.size()}, {"checksum", io::fingerprint(bytes)}};
+}
+
+std::optional<std::string> sealed_file(const fs::path& folder, const std::string& name,
+                                       const Report& summary) {
+  const auto files = summary.find("files");
+  const bool sealed = files != summary.end() && files->is_object() && files->contains(name);
+  if (sealed && (*files)[name].is_null()) return {};
+  const fs::path path = folder / name;
+  if (!fs::exists(path)) throw FileError(FileError::Kind::missing, path, "no such file");
+  std::string bytes = io::read_bytes(path);
+  if (!sealed || (*files)[name] == seal(bytes)) return bytes;
+  const std::string of = text_of(summary["wheeltap"], "run"), has = run_of(bytes, path);
+  if (!has.empty() && has != of) {
+    throw FileError(FileError::Kind::mismatch, path,
+                    "is of another run (" + has + ") than summary.json beside it (" + of + ")");
+  }
+  const Report wrote =
+      (*files)[name].is_object() ? (*files)[name].value("bytes", Report()) : Report();
+  const auto wanted = wrote.is_number_unsigned() ? wrote.get<std::size_t>() : 0;
+  throw FileError(FileError::Kind::corrupt, path,
+                  bytes.size() < wanted
+                      ? "is truncated: it has " + std::to_string(bytes.size()) + " of the " +
+                            std::to_string(wanted) + " bytes that its run wrote"
+                      : "is damaged: it is not what its run wrote (summary.json has its checksum)");
+}
+
+std::optional<Report> stored_summary(const fs::path& folder) {
+  try {
+    const fs::path path = folder / "summary.json";
+    return parse_json<Report>(path, io::read_bytes(path));
+  } catch (const FileError&) {
+    return {};
+  } catch (const Failure&) {
+    return {};
+  }
+}
+
+std::optional<std::string> finished_run(const fs::path& folder, const Json& case_json,
+                                        std::uint64_t seed, const std::string& key,
+                                        const Report& options) {
+  io::finish_commit(folder);
+  const std::optional<Report> stored = stored_summary(folder);
+  if (!stored || !fs::exists(folder / "summary.txt") || !fs::exists(folder / "posterior.nc")) {
+    return {};
+  }
+  const Report& summary = *stored;
+  const auto has = [&](const char* name) {
+    return summary.is_object() && summary.contains(name) && summary[name].is_object();
+  };
+  if (!has("files") || !has("wheeltap") || !has("diagnostics")) return {};
+  const auto& about = summary["wheeltap"];
+  const auto is = [&](const char* name, const Report& value) {
+    return about.contains(name) && about[name] == value;
+  };
+  const auto& stopped = summary["diagnostics"].value("stopped_early", Report(true));
+  if (!is("version", WHEELTAP_VERSION) || !is("seed", seed) || !is(key.c_str(), options) ||
+      !about.contains("case") || Json::parse(about["case"].dump()) != case_json ||
+      stopped != false) {
+    return {};
+  }
+  if (!sealed_file(folder, "posterior.nc", summary)) return {};
+  std::string text = io::read_bytes(folder / "summary.txt");
+  const auto& of = summary["files"].value("summary.txt", Report::object());
+  if (!text.ends_with('\n') || of != Report{{"lines", std::ranges::count(text, '\n')}}) {
+    throw FileError(FileError::Kind::corrupt, folder / "summary.txt",
+                    "is truncated or damaged: it has not the lines that its run wrote");
+  }
+  return text;
+}
+
+}  // namespace wheeltap::apps

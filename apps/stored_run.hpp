@@ -1,0 +1,41 @@
+// What a folder holds of a run, and whether its files are of one another.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "apps/summary.hpp"
+#include "inference/posterior.hpp"
+
+namespace wheeltap::apps {
+
+/// Names a run by what it drew: the same for the same case, seed and options, whatever machine and
+/// day. posterior.nc has it as the attribute `run_id`, summary.json under /wheeltap/run.
+[[nodiscard]] std::string run_id(const Report& about, const inference::Posterior& posterior);
+
+/// {"bytes", "checksum"} of a file, as summary.json keeps it under /files; the checksum is
+/// io::fingerprint.
+[[nodiscard]] Report seal(std::string_view bytes);
+
+/// summary.json of a folder; none where there is none, or none that can be read.
+[[nodiscard]] std::optional<Report> stored_summary(const std::filesystem::path& folder);
+
+/// The bytes of a file of the run in `folder`, if they are those of its summary; none where the
+/// summary says that the file could not be written. Throws io::FileError: missing; corrupt where
+/// the file is truncated or damaged; mismatch where it is of another run. Runs of before seals are
+/// taken as they are.
+[[nodiscard]] std::optional<std::string> sealed_file(const std::filesystem::path& folder,
+                                                     const std::string& name,
+                                                     const Report& summary);
+
+/// The text that the finished run in `folder` printed, if it is one of this case, seed and options
+/// (as /wheeltap/KEY has them) and all its draws are there. Throws io::FileError where a file is
+/// not what the run wrote.
+[[nodiscard]] std::optional<std::string> finished_run(const std::filesystem::path& folder,
+                                                      const Json& case_json, std::uint64_t seed,
+                                                      const std::string& key,
+                                                      const Report& options);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,341 @@
+#!/usr/bin/env python3
+"""Nothing a machine does loses a finished result or leaves a half-written one.
+
+durable.py PROGRAM PRELOAD CHECK... [--kills N]     CHECK: a function below without its "check_"
+
+Kills at random instants: `durable.py PROGRAM PRELOAD kills --kills 200` takes some minutes.
+"""
+import argparse
+import json
+import os
+import pathlib
+import random
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+
+BEAM = {
+    'kind': 'damage', 'title': 'A small case',
+    'beam': {'length': 1.0, 'elements': 10, 'supports': 'simply-supported',
+             'material': {'young': 70e9, 'poisson': 0.3, 'density': 2700},
+             'section': {'shape': 'rectangle', 'width': 0.025, 'height': 0.006}},
+    'data': {'frequencies': [13.8, 55.3, 124.0], 'cov': 0.01},
+    'damage': {'count': {'min': 0, 'max': 2, 'prior': 'uniform'},
+               'location': {'uniform': [0.0, 1.0]}, 'reduction': {'uniform': [0.0, 0.6]}},
+    'predictor': 'fe'}
+TABLE = BEAM | {'predictor': {'sites': 'every-element', 'multipliers': [0.4, 0.6, 0.8, 1.0], 'holdout': 20}}
+CHAIN = {
+    'kind': 'sid', 'title': 'One mass',
+    'record': {'channels': [{'column': 'force [N]', 'role': 'force', 'mass': 1},
+                            {'column': 'displacement [m]', 'role': 'response', 'mass': 1,
+                             'quantity': 'displacement'}]},
+    'parameters': {'k': {'uniform': [0, 100]}, 'k3': {'uniform': [0, 1e4]}},
+    'models': [{'name': name, 'prior': 0.5, 'masses': [0.5], 'noise': 0.05,
+                'links': [{'between': [0, 1], 'stiffness': 'k', 'damping': 0.1, **law}]}
+               for name, law in (('linear', {}), ('duffing', {'cubic': 'k3'}))],
+    'truth': {'model': 'duffing', 'parameters': {'k': 50, 'k3': 1000}, 'noise': 0.05, 'samples': 60,
+              'sample_rate': 100, 'seed': 1,
+              'excitation': [{'mass': 1, 'kind': 'white', 'variance': 100}]}}
+SWEEP = CHAIN | {'sweep': {'path': '/truth/parameters/k3', 'values': [100, 800, 1500, 3000]}}
+SHORT = ['--chains', '2', '--warmup', '200', '--draws', '200', '--search', '20', '--quiet']
+COMMIT_FILES = ['posterior.nc', 'report.html', 'summary.json', 'summary.txt']
+
+
+class Bench:
+    """The program, in a folder of its own."""
+
+    def __init__(self, program, preload):
+        self.program, self.preload = program, preload
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix='wheeltap-durable-'))
+        self.environment = os.environ | {'SOURCE_DATE_EPOCH': '1700000000'}
+
+    def case(self, name, case):
+        path = self.folder / f'{name}.json'
+        path.write_text(json.dumps(case))
+        return str(path)
+
+    def start(self, *arguments, fail=None, limit=None, **more):
+        environment = self.environment
+        if fail:
+            environment = environment | {'LD_PRELOAD': self.preload} | {k: str(v) for k, v in fail.items()}
+        before = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))) if limit else None
+        return subprocess.Popen([self.program, *map(str, arguments)], env=environment, preexec_fn=before,
+                                stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                                **({'stdout': subprocess.PIPE} | more))
+
+    def run(self, *arguments, code=0, **more):
+        process = self.start(*arguments, **more)
+        out, err = process.communicate()
+        expect(code is None or process.returncode == code, f'{arguments} ended with {process.returncode}: {err}')
+        return process.returncode, out, err
+
+
+def expect(truth, message):
+    if not truth:
+        raise AssertionError(message)
+
+
+def files(folder):
+    return {p.name: p.read_bytes() for p in sorted(folder.iterdir())} if folder.is_dir() else {}
+
+
+def one_line(err):
+    expect(err.count('\n') == 1 and err.startswith('wheeltap: '), f'not one line: {err!r}')
+
+
+def timeless(found):
+    """The files of a run without wall seconds."""
+    seconds = re.compile(rb'"wall_seconds": ?[-+.0-9e]+|Time</dt>|\d[\d.,e-]* s\b[^<"]*')
+    return {name: content if name.endswith('.nc') else seconds.sub(b'', content) for name, content in found.items()}
+
+
+def same(a, b):
+    a, b = timeless(a), timeless(b)
+    expect(a.keys() == b.keys(), f'{sorted(a)} and {sorted(b)}')
+    for name in a:
+        if a[name] == b[name]:
+            continue
+        at = next(i for i, (x, y) in enumerate(zip(a[name] + b'\0', b[name] + b'\1')) if x != y)
+        raise AssertionError(f'{name} differs at {at}: {a[name][at - 60:at + 60]} and {b[name][at - 60:at + 60]}')
+
+
+def damage(bench, out, *more):
+    return ['damage', bench.case('beam', BEAM), '-o', out, *SHORT, *more]
+
+
+def check_full_disk(bench):
+    """posterior.nc does not fit: exit 73, one line, the numbers and the report are there and say so."""
+    out = bench.folder / 'run'
+    big = ['damage', bench.case('beam', BEAM), '-o', out, '--chains', '2', '--warmup', '200', '--draws', '40000',
+           '--search', '20', '--quiet']
+    bench.run(*big)
+    whole = files(out)
+    limit = max(len(whole['report.html']), len(whole['summary.json'])) + 50000
+    expect(limit < len(whole['posterior.nc']), 'the draws are what is large')
+    shutil.rmtree(out)
+    _, printed, err = bench.run(*big, limit=limit, code=73)
+    one_line(err)
+    expect('posterior.nc' in err and 'summary.json' in err, err)
+    expect('A small case' in printed, 'the terminal has the summary')
+    expect(sorted(files(out)) == ['report.html', 'summary.json', 'summary.txt'], sorted(files(out)))
+    summary = json.loads((out / 'summary.json').read_text())
+    expect(summary['models'] == json.loads(whole['summary.json'])['models'], 'the same numbers')
+    expect(summary['files']['posterior.nc'] is None, summary['files'])
+    expect('could not be written' in summary['diagnostics']['warnings'][0], summary['diagnostics'])
+    bench.run('report', out)
+    # Beside an earlier run: that stays.
+    bench.run(*damage(bench, out))
+    before = files(out)
+    _, _, err = bench.run(*big, '--seed', '2', limit=limit, code=73)
+    one_line(err)
+    after = files(out)
+    unkept = json.loads(after.pop('summary.unkept.json'))
+    expect(unkept['wheeltap']['seed'] == 2, 'this run')
+    expect(after == before, 'the earlier run is as it was')
+
+
+def check_file_size_limit_ends_with_73(bench):
+    """SIGXFSZ ends nothing."""
+    table = bench.case('table', TABLE)
+    _, _, err = bench.run('table', table, '-o', bench.folder / 't.nc', '--quiet', limit=20000, code=73)
+    one_line(err)
+    expect(not (bench.folder / 't.nc').exists(), 'nothing half-written')
+
+
+def check_failed_calls(bench):
+    """The n-th write, rename, fsync, open, link, ftruncate, for all n; alone, and all that follow too."""
+    out = bench.folder / 'run'
+    bench.run(*damage(bench, out))
+    before = files(out)
+    for call in ('write', 'rename', 'fsync', 'open', 'link', 'ftruncate', 'posix_fallocate'):
+        for after in (False, True):
+            for n in range(1, 100):
+                fail = {'FAIL_CALL': call, 'FAIL_AT': n, 'FAIL_UNDER': bench.folder} | ({'FAIL_AFTER': 1} if after else {})
+                what = f'{call} {n}{" and after" if after else ""}'
+                again = bench.run(*damage(bench, out, '--seed', '2'), fail=fail, code=None)
+                now = files(out)
+                now.pop('summary.unkept.json', None)
+                expect(again[0] in (0, 73), f'{what}: {again}')
+                if (out / '.wheeltap-commit').exists():  # it could not go back either
+                    bench.run('report', out)
+                    expect(sorted(files(out)) == COMMIT_FILES, f'{what}: {sorted(files(out))}')
+                    expect(json.loads((out / 'summary.json').read_text())['wheeltap']['seed'] == 2, 'the new run, whole')
+                elif again[0] == 73:
+                    one_line(again[2])
+                    left = {k: v for k, v in now.items() if '.part' not in k and k != '.wheeltap-commit'}
+                    expect(left == before, f'{what}: the earlier run changed: {sorted(now)}')
+                fresh = bench.folder / 'fresh'
+                first = bench.run(*damage(bench, fresh), fail=fail, code=None)
+                expect(first[0] in (0, 73), f'{what}: {first}')
+                if first[0] == 73 and (fresh / 'summary.json').exists():
+                    json.loads((fresh / 'summary.json').read_text())
+                    bench.run('report', fresh)
+                shutil.rmtree(fresh, ignore_errors=True)
+                shutil.rmtree(out)
+                out.mkdir()
+                for name, content in before.items():
+                    (out / name).write_bytes(content)
+                if again[0] == 0 and first[0] == 0:
+                    break  # there are no more such calls (or they do not matter: folders, links)
+
+
+def check_resume_refuses_a_truncated_posterior(bench):
+    out = bench.folder / 'run'
+    bench.run(*damage(bench, out))
+    whole = (out / 'posterior.nc').read_bytes()
+    (out / 'posterior.nc').write_bytes(whole[:len(whole) // 2])
+    for command in (damage(bench, out, '--resume'), ['report', out]):
+        _, _, err = bench.run(*command, code=65)
+        expect('is truncated' in err, err)
+    (out / 'posterior.nc').write_bytes(whole[:5000] + bytes([whole[5000] ^ 1]) + whole[5001:])
+    for command in (damage(bench, out, '--resume'), ['report', out]):
+        _, _, err = bench.run(*command, code=65)
+        expect('damaged' in err or 'another run' in err, err)
+
+
+def check_resume_refuses_the_posterior_of_another_run(bench):
+    out, other = bench.folder / 'run', bench.folder / 'other'
+    bench.run(*damage(bench, out))
+    bench.run(*damage(bench, other, '--seed', '2'))
+    shutil.copy(other / 'posterior.nc', out / 'posterior.nc')
+    for command in (damage(bench, out, '--resume'), ['report', out]):
+        _, _, err = bench.run(*command, code=65)
+        one_line(err)
+        expect('is of another run' in err, err)
+
+
+def check_table_keeps_what_is_not_its_journal(bench):
+    table = bench.case('table', TABLE)
+    mine = bench.folder / 't.nc.runs.count_1'
+    mine.write_text('my notes')
+    _, _, err = bench.run('table', table, '-o', bench.folder / 't.nc', '--quiet', code=73)
+    one_line(err)
+    expect(mine.read_text() == 'my notes', 'kept')
+    mine.unlink()
+    (bench.folder / 'notes').write_text('')
+    mine.symlink_to(bench.folder / 'notes')
+    bench.run('table', table, '-o', bench.folder / 't.nc', '--quiet', '--resume', code=73)
+    expect((bench.folder / 'notes').read_text() == '', 'a link is not followed')
+
+
+def sweep(bench, out, *more):
+    return ['sid', bench.case('sweep', SWEEP), '-o', out, *SHORT, *more]
+
+
+def interrupted_sweep(bench, out, number):
+    """Ended by a signal once a row stands in the journal."""
+    process = bench.start(*sweep(bench, out), stdout=subprocess.DEVNULL)
+    journal = out / 'sweep.rows'
+    while process.poll() is None and not (journal.exists() and journal.read_bytes().count(b'\n') > 1):
+        os.sched_yield()
+    process.send_signal(number)
+    _, err = process.communicate()
+    return process.returncode, err
+
+
+def check_interrupted_sweeps_keep_their_rows(bench):
+    whole = bench.folder / 'whole'
+    bench.run(*sweep(bench, whole))
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL):
+        out = bench.folder / number.name
+        code, err = interrupted_sweep(bench, out, number)
+        if number != signal.SIGKILL:
+            expect(code == 130, f'{number.name}: {code}: {err}')
+            one_line(err)
+            rows = json.loads((out / 'summary.json').read_text())['sweep']['rows']
+            expect(0 < len(rows) < 4, f'{len(rows)} rows')
+        bench.run(*sweep(bench, out, '--resume'))
+        # The command lines differ.
+        found = {k: v.replace(b' --resume', b'').replace(str(out).encode(), str(whole).encode()) for k, v in files(out).items()}
+        numbers = json.loads(found['summary.json']), json.loads(files(whole)['summary.json'])
+        for summary in numbers:
+            for row in summary['sweep']['rows']:
+                del row['cost']['wall_seconds']
+        expect(numbers[0] == numbers[1], f'{number.name}: not the same numbers')
+        expect(found['sweep.csv'] == files(whole)['sweep.csv'] and found.keys() == files(whole).keys(), sorted(found))
+        _, _, err = bench.run(*[a for a in sweep(bench, out, '--resume') if a != '--quiet'])
+        expect('nothing is run again' in err, err)
+
+
+def check_a_reader_who_leaves_costs_nothing(bench):
+    for name, command in (('sweep', sweep), ('damage', damage)):
+        out = bench.folder / name
+        process = bench.start(*command(bench, out))
+        process.stdout.close()
+        err = process.stderr.read()
+        expect(process.wait() == 73, f'{process.returncode}: {err}')
+        expect((out / 'summary.json').exists() and not (out / 'sweep.rows').exists(), sorted(files(out)))
+
+
+def check_the_same_seed_makes_the_same_files(bench):
+    for name, case, command in (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('sweep', SWEEP, 'sid'), ('table', TABLE, 'table')):
+        path, found = bench.case(name, case), []
+        for _ in range(2):
+            out = bench.folder / ('t.nc' if name == 'table' else name)
+            bench.run(command, path, '-o', out, *(['--quiet'] if name == 'table' else SHORT))
+            found.append({'t.nc': out.read_bytes()} if name == 'table' else files(out))
+            out.unlink() if name == 'table' else shutil.rmtree(out)
+        same(*found)
+
+
+def check_kills(bench, kills=8):
+    """SIGKILL at random instants; then --resume, and the files are those of an undisturbed run."""
+    randomly = random.Random(os.environ.get('SEED', '1'))
+    jobs = []
+    for name, case, command in (('table', TABLE, 'table'), ('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('sweep', SWEEP, 'sid')):
+        out = bench.folder / name / 'out'
+        out.parent.mkdir()
+        target = out / 't.nc' if name == 'table' else out
+        (out.mkdir() if name == 'table' else None)
+        arguments = [command, bench.case(name, case), '-o', target, *(['--quiet'] if name == 'table' else SHORT), '--resume']
+        began = os.times().elapsed
+        bench.run(*arguments)
+        jobs.append((out, arguments, files(out), os.times().elapsed - began, name == 'table'))
+    for i in range(kills):
+        out, arguments, whole, seconds, empty = jobs[i % len(jobs)]
+        shutil.rmtree(out)
+        if empty:
+            out.mkdir()
+        process = bench.start(*arguments, stdout=subprocess.DEVNULL)
+        try:
+            process.wait(randomly.uniform(0, 1.1 * seconds))
+        except subprocess.TimeoutExpired:
+            process.kill()
+        process.communicate()
+        for name in ('summary.json', 'sweep.csv', 'posterior.nc', 't.nc'):
+            if name in whole and (out / name).exists() and not (out / '.wheeltap-commit').exists():
+                found, wanted = timeless({name: (out / name).read_bytes()}), timeless({name: whole[name]})
+                expect(found == wanted or name.endswith('.json'), f'{name} half-written after kill {i}')
+        bench.run(*arguments)
+        now = files(out)
+        expect(now.keys() == whole.keys(), f'kill {i} of {out}: {sorted(now)}')
+        same({k: v for k, v in now.items() if k.endswith(('.nc', '.csv', '.txt'))},
+             {k: v for k, v in whole.items() if k.endswith(('.nc', '.csv', '.txt'))})
+    print(f'{kills} kills')
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument('program')
+    parser.add_argument('preload')
+    parser.add_argument('checks', nargs='+')
+    parser.add_argument('--kills', type=int, default=8)
+    options = parser.parse_args()
+    for name in options.checks:
+        bench = Bench(options.program, options.preload)
+        try:
+            globals()[f'check_{name}'](bench, **({'kills': options.kills} if name == 'kills' else {}))
+        except AssertionError as failed:
+            print(f'{name}: {failed}')
+            sys.exit(1)
+        finally:
+            shutil.rmtree(bench.folder, ignore_errors=True)
+        print(f'{name}: as it should be')
+
+
+if __name__ == '__main__':
+    main()
