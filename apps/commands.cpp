@@ -168,7 +168,9 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     parsed.file.refuse(predictor / "accuracy",
                        "decides on runs by the runs before: they have no parts");
   }
-  require_affordable(parsed.file, predictor, cost_of_tables(damage_case), common);
+  const RunCost cost = cost_of_tables(damage_case);
+  require_affordable(parsed.file, predictor, cost, common);
+  if (common.dry_run) return print_estimate("table", cost);
   const auto part = options.part.empty() ? std::pair(0, 1) : parse_part(options.part);
   std::optional<emulator::TableFile> made;
   if (!options.merge.empty()) made = read_parts(options.merge, damage_case);
@@ -239,41 +241,18 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
             << io::printable(common.output.filename().string()) << "\"})\n";
 }
 
-namespace {
-
-void print_estimate(const RunCost& sampling, const RunCost& before) {
-  if (before.likelihoods > 0.0) std::cout << "The table would take " << in_words(before) << ".\n";
-  std::cout << "The run would take " << in_words(sampling) << ".\n";
-}
-
-// The FE solution at the prior's middle, timed: emulators take less.
-RunCost cost_of_damages(const DamageCaseFile& parsed, const CommonOptions& common,
-                        const SamplingOptions& options) {
-  DamageCase plain = parsed.damage;
-  plain.emulator.reset();
-  const auto problem = explained(parsed, [&] { return make_damage_problem(plain, {}); });
-  const inference::ModelSpace& space = problem->problem.space;
-  int largest = 0;
-  for (int m = 0; m < space.size(); ++m) {
-    if (space[m].dimension > space[largest].dimension) largest = m;
-  }
-  return cost_of_sampling(space, plain.modes(), seconds_a_likelihood(problem->problem, largest),
-                          common, options);
-}
-
-}  // namespace
-
 void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   const auto methods = evidence_methods(options.evidence);  // refuse before anything runs
   const auto log = make_log(common.quiet);
   const DamageCaseFile parsed = parse_damage_case(read_case(common.case_path, common.overrides));
   const std::uint64_t seed = common.seed.value_or(1);
-  require_affordable(parsed.file, Pointer("/predictor"), cost_of_tables(parsed.damage), common);
-  const RunCost cost = cost_of_damages(parsed, common, options);
+  const RunCost tables = cost_of_tables(parsed.damage);
+  require_affordable(parsed.file, Pointer("/predictor"), tables, common);
+  const RunCost cost = cost_of_damages(parsed.damage, common, options);
   require_affordable(parsed.file, Pointer(), cost, common);
   if (common.dry_run) {
-    print_estimate(cost, cost_of_tables(parsed.damage));
-    return;
+    if (tables.likelihoods > 0.0) print_estimate("table", tables);
+    return print_estimate("run", cost);
   }
   if (common.resume) {
     if (const auto text = finished_run(common.output, parsed.file.json, seed, "options",

@@ -1,5 +1,7 @@
 // wheeltap: the command line.
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
@@ -66,6 +68,18 @@ CLI::Validator whole(std::int64_t lowest, std::int64_t highest) {
       "INT in [" + std::to_string(lowest) + " - " + std::to_string(highest) + "]");
 }
 
+CLI::Validator positive() {
+  return CLI::Validator(
+      [](const std::string& text) -> std::string {
+        double x = 0.0;
+        const char* last = text.data() + text.size();
+        const auto [end, error] = std::from_chars(text.data(), last, x);
+        if (error == std::errc() && end == last && x > 0.0 && std::isfinite(x)) return {};
+        return text + ": must be a positive number";
+      },
+      "NUMBER > 0");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -103,11 +117,11 @@ int main(int argc, char** argv) {
     command
         ->add_option("--max-memory", common.max_memory_gb,
                      "GB: a run is refused that would take more (default 4)")
-        ->check(CLI::PositiveNumber);
+        ->check(positive());
     command
         ->add_option("--max-hours", common.max_hours,
                      "a run is refused that would take longer (default 100)")
-        ->check(CLI::PositiveNumber);
+        ->check(positive());
   };
   const auto add_dry_run = [&](CLI::App* command) {
     command->add_flag("--dry-run", common.dry_run,
@@ -162,6 +176,7 @@ int main(int argc, char** argv) {
   add_seed(table_command, "of the fresh FE runs that measure the error (default 1)");
   add_threads(table_command);
   add_limits(table_command);
+  add_dry_run(table_command);
   table_command->add_flag("--resume", common.resume, "go on where an interrupted table stopped");
   apps::TableOptions tabling;
   table_command->add_option("--part", tabling.part, "I/N: make this part of the FE runs only");

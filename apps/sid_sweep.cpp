@@ -159,22 +159,36 @@ void print_files(const std::filesystem::path& folder) {
             << io::printable((folder / "summary.json").string()) << " (all numbers)\n";
 }
 
-/// Of so many rows that are all like the first.
-RunCost cost_of_sweep(CaseFile first, std::size_t values, const CommonOptions& common,
+/// The case of one value.
+CaseFile with(const CaseFile& file, const Pointer& where, const Json& value) {
+  CaseFile one = file;
+  one.json.erase("sweep");
+  one.json[where] = value;
+  return one;
+}
+
+/// Of all rows, by a few of them from the first to the last.
+RunCost cost_of_sweep(const CaseFile& file, const Pointer& where, const CommonOptions& common,
                       const SamplingOptions& options) {
-  validate_against_schema(first, "sid");
-  require_affordable(first, Pointer("/truth/samples"), cost_of_truth(first), common);
-  const SidCaseFile parsed = parse_sid_case(std::move(first));
-  RunCost cost = cost_of_sid(parsed, common, options);
-  double kept = 20e3;  // what a parsed case keeps besides its record
-  for (const SidChannel& channel : parsed.sid.channels) {
-    kept += 8.0 * static_cast<double>(channel.signal.samples.size());
+  const Json& values = file.json["sweep"]["values"];
+  const std::size_t asked = std::min<std::size_t>(values.size(), 5);
+  RunCost all;
+  for (std::size_t i = 0; i < asked; ++i) {
+    const std::size_t row = asked < 2 ? 0 : i * (values.size() - 1) / (asked - 1);
+    CaseFile one = with(file, where, values[row]);
+    require_room_for_truth(one, common);
+    const SidCaseFile parsed = parse_sid_case(std::move(one));
+    const RunCost cost = cost_of_sid(parsed, common, options);
+    const double share = static_cast<double>(values.size()) / static_cast<double>(asked);
+    double kept = 20e3;  // what a parsed case keeps besides its record
+    for (const SidChannel& channel : parsed.sid.channels) {
+      kept += 8.0 * static_cast<double>(channel.signal.samples.size());
+    }
+    all.bytes += cost.bytes / static_cast<double>(asked) + kept * share;
+    all.likelihoods += cost.likelihoods * share;
+    all.seconds += cost.seconds * share;
   }
-  const auto rows = static_cast<double>(values);
-  cost.bytes += rows * kept;
-  cost.likelihoods *= rows;
-  cost.seconds *= rows;
-  return cost;
+  return all;
 }
 
 }  // namespace
@@ -193,23 +207,17 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   if (!file.json.contains(pointer)) {
     file.refuse(Pointer("/sweep/path"), "leads nowhere in this case");
   }
-  const auto with = [&](const Json& value) {
-    CaseFile one = file;
-    one.json.erase("sweep");
-    one.json[pointer] = value;
-    return one;
-  };
-  const RunCost cost =
-      cost_of_sweep(with(sweep["values"][0]), sweep["values"].size(), common, options);
+  const RunCost cost = cost_of_sweep(file, pointer, common, options);
   require_affordable(file, Pointer("/sweep"), cost, common);
-  if (common.dry_run) {
-    std::cout << "The sweep would take " << in_words(cost) << ".\n";
-    return;
-  }
+  if (common.dry_run) return print_estimate("sweep", cost);
   make_output_folder(common.output);
   // All of them first, so that a mistake in the last does not cost the runs before it.
   std::vector<SidCaseFile> cases;
-  for (const Json& value : sweep["values"]) cases.push_back(parse_sid_case(with(value)));
+  for (const Json& value : sweep["values"]) {
+    CaseFile one = with(file, pointer, value);
+    require_room_for_truth(one, common);
+    cases.push_back(parse_sid_case(std::move(one)));
+  }
   io::finish_commit(common.output);
   const std::string identity = identity_of(file, common, options);
   const std::string run = io::fingerprint(identity + sweep["values"].dump());
