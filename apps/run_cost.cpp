@@ -17,7 +17,7 @@ constexpr double kDraws = 25'000;   // a chain
 constexpr double kThin = 4;
 
 std::string rounded(double x) {
-  return x >= 1e4 && x < 1e15 ? base::grouped(std::lround(std::stod(base::significant(x, 2))))
+  return x >= 1e3 && x < 1e15 ? base::grouped(std::lround(std::stod(base::significant(x, 2))))
                               : base::significant(x, 2);
 }
 

@@ -1,5 +1,6 @@
 #include "inference/prior.hpp"
 
+#include <algorithm>
 #include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
@@ -227,6 +228,11 @@ Prior::Prior(Family family) : family_(family) {
               refuse(kName, "upper", f.upper, "a number above lower");
             if (!(f.lower < f.upper))
               refuse(kName, "lower", f.lower, ("< upper = " + base::number(f.upper)).c_str());
+            // Beyond, its squares overflow and the density has no number.
+            const double remote = std::max({f.lower - f.mean, f.mean - f.upper, 0.0}) / f.sd;
+            if (!(remote <= 1e100))
+              refuse(kName, "sd", f.sd,
+                     "1e-100 times the mean's distance from the interval, or more");
             return -kLogSqrt2Pi - std::log(f.sd) - StandardTruncated(f).log_mass();
           }},
       family_);

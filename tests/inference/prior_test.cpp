@@ -181,7 +181,9 @@ TEST(Prior, RefusesWhatIsNotADensityAndSaysWhy) {
   };
   EXPECT_EQ(message(Uniform{5.0, 2.0}), "uniform prior: lower = 5, must be < upper = 2");
   EXPECT_EQ(message(LogUniform{0.0, 2.0}), "log_uniform prior: lower = 0, must be > 0 and finite");
-  const std::vector<Prior::Family> refused = {Uniform{1.0, 1.0},
+  const std::vector<Prior::Family> refused = {TruncatedNormal{1e300, 1e-300, 0.0, 1.0},
+                                              TruncatedNormal{0.5, 1e-320, 1.0, kInfinity},
+                                              Uniform{1.0, 1.0},
                                               Uniform{0.0, kInfinity},
                                               Uniform{kNaN, 1.0},
                                               Uniform{-1e308, 1e308},
