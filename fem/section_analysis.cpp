@@ -252,6 +252,9 @@ class Scaled {
   Eigen::MatrixX3d values_;  // ω, ψ_y, ψ_z at the nodes
 };
 
+/// Around corners that point inwards, before the first solution.
+constexpr int kRings = 3;
+
 int nodes_of(const TriangleMesh& mesh) {
   return static_cast<int>(mesh.points.size() + number_edges(mesh).ends.size());
 }
@@ -270,7 +273,7 @@ SectionErrors change(const SectionProperties& coarse, const SectionProperties& f
           .shear_centre = (coarse.shear_centre - fine.shear_centre).norm() /
                           std::max(fine.shear_centre.norm(), 0.1 * gyration),
           .shear_flexibility = std::max({share(a.yy, b.yy, 0.0), share(a.zz, b.zz, 0.0),
-                                         share(a.yz, b.yz, 0.01 * std::sqrt(b.yy * b.zz))})};
+                                         share(a.yz, b.yz, 0.05 * std::sqrt(b.yy * b.zz))})};
 }
 
 }  // namespace
@@ -308,6 +311,7 @@ SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regio
   if (!(options.reference_poisson > -1.0 && options.reference_poisson <= 0.5))
     refuse("reference_poisson", options.reference_poisson, "above -1 and at most 0.5");
   std::vector<double> shares = split_shares(mesh);
+  mesh = ringed(std::move(mesh), shares, kRings);
   SectionAnalysis result{};
   result.errors = {INFINITY, INFINITY, INFINITY, INFINITY};
   while (true) {

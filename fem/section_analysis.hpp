@@ -71,7 +71,7 @@ struct SectionLevel {
 
 /// How much halving the mesh last changed a figure, as a share of it; of a figure near zero, of
 /// what it is small against: Γ of 1e-4 (I_yy + I_zz)²/A, a centre of a tenth of the radius of
-/// gyration, α_yz of a hundredth of √(α_yy α_zz). The error left is less: the change over 2^p - 1,
+/// gyration, α_yz of a twentieth of √(α_yy α_zz). The error left is less: the change over 2^p - 1,
 /// p the order of convergence (4 with smooth solutions).
 struct SectionErrors {
   double torsion_constant, warping_constant, shear_centre, shear_flexibility;
@@ -88,7 +88,7 @@ struct SectionAnalysis {
 struct SectionAnalysisOptions {
   double reference_poisson = 0.3;  ///< ν_ref, of G_ref
   double tolerance = 2e-4;         ///< of the last change, > 0
-  int most_nodes = 400'000;        ///< no mesh is refined beyond
+  int most_nodes = 600'000;        ///< no mesh is refined beyond
   int least_levels = 2;            ///< meshes at least, >= 2
 };
 

@@ -258,11 +258,11 @@ class Refinement {
           " points to mesh, most_points allows no more; leave out details that do not matter");
   }
 
-  void split(const Edge& edge) {
+  void split(Edge edge) {
+    if (triangulation_.is_infinite(edge.first)) edge = triangulation_.mirror_edge(edge);
     const auto [a, b] = ends(edge);
-    const Edge mirror = triangulation_.mirror_edge(edge);
-    const int left = edge.first->info(), right = mirror.first->info();
-    // The face of `edge` lies on the side of its third corner, the left of b → a or of a → b.
+    const int this_side = edge.first->info(),
+              that_side = triangulation_.mirror_edge(edge).first->info();
     const Point pa = a->point(), pb = b->point();
     double share = 0.5;
     if (a->info().sharp != b->info().sharp) {
@@ -280,7 +280,7 @@ class Refinement {
       const int i = face->index(v);
       Vertex third = face->vertex(Triangulation::cw(i));
       if (third == a || third == b) third = face->vertex(Triangulation::ccw(i));
-      face->info() = CGAL::orientation(pa, pb, third->point()) == side ? left : right;
+      face->info() = CGAL::orientation(pa, pb, third->point()) == side ? this_side : that_side;
     } while (++face != end);
     watch_around(v);
   }

@@ -41,7 +41,7 @@ EdgeNumbers number_edges(const TriangleMesh& mesh) {
 
 std::vector<double> split_shares(const TriangleMesh& mesh) {
   constexpr double pi = std::numbers::pi;
-  constexpr double kStraight = 0.1;  // rad: polygons that stand for arcs turn less at a corner
+  constexpr double kStraight = 0.35;  // rad: polygons that stand for arcs turn less at a corner
   const EdgeNumbers edges = number_edges(mesh);
   const std::size_t n = mesh.points.size();
   std::vector<double> angle(n, 0.0);
@@ -103,6 +103,51 @@ TriangleMesh refined(const TriangleMesh& mesh, std::vector<double>& shares) {
     }
   }
   return fine;
+}
+
+TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings) {
+  const int corners = static_cast<int>(mesh.points.size());
+  std::vector<std::vector<std::size_t>> around(mesh.points.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const int corner : mesh.triangles[t]) around[at(corner)].push_back(t);
+  for (int v = 0; v < corners; ++v) {
+    if (shares[at(v)] >= 0.5) continue;
+    for (int ring = 0; ring < rings; ++ring) {
+      // Only edges that end at v are split, so what lies beyond its triangles stays as it is.
+      std::unordered_map<int, int> nearer;
+      const auto towards = [&](int corner) {
+        const auto [place, added] =
+            nearer.try_emplace(corner, static_cast<int>(mesh.points.size()));
+        if (added) {
+          const Eigen::Vector2d p =
+              mesh.points[at(v)] + (mesh.points[at(corner)] - mesh.points[at(v)]) / 3.0;
+          mesh.points.push_back(p);
+          around.emplace_back();
+        }
+        return place->second;
+      };
+      for (const std::size_t t : std::vector(around[at(v)])) {
+        const auto corner = mesh.triangles[t];
+        const int i = static_cast<int>(std::ranges::find(corner, v) - corner.begin());
+        const int b = corner[at((i + 1) % 3)], c = corner[at((i + 2) % 3)];
+        const int near_b = towards(b), near_c = towards(c);
+        const auto add = [&](const std::array<int, 3>& triangle) {
+          for (const int point : triangle) around[at(point)].push_back(mesh.triangles.size());
+          mesh.triangles.push_back(triangle);
+          mesh.regions.push_back(mesh.regions[t]);
+        };
+        mesh.triangles[t] = {v, near_b, near_c};
+        std::erase(around[at(b)], t);
+        std::erase(around[at(c)], t);
+        around[at(near_b)].push_back(t);
+        around[at(near_c)].push_back(t);
+        add({near_b, b, c});
+        add({near_b, c, near_c});
+      }
+    }
+  }
+  shares.resize(mesh.points.size(), 0.5);
+  return mesh;
 }
 
 int pieces(const TriangleMesh& mesh) {

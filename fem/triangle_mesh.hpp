@@ -34,6 +34,10 @@ struct EdgeNumbers {
 /// the new ones. An edge between two points of share below ½ is halved.
 [[nodiscard]] TriangleMesh refined(const TriangleMesh& mesh, std::vector<double>& shares);
 
+/// `rings` rings of smaller triangles around each point of share below ½, each ring a third of the
+/// size of that around it. The points keep their numbers; `shares` is extended as above.
+[[nodiscard]] TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings);
+
 /// How many pieces there are that no edge connects.
 [[nodiscard]] int pieces(const TriangleMesh& mesh);
 
