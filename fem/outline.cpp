@@ -110,6 +110,11 @@ Ring checked_ring(const Ring& given, const std::string& name, bool counter_clock
   const double area = signed_area(ring);
   if (std::abs(area) <= 1e-14 * size * size)
     refuse(name, "its area is " + text(area) + " m2: must not be 0");
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point &a = ring[i], &b = ring[(i + 1) % ring.size()], &c = ring[(i + 2) % ring.size()];
+    if (side(a, b, c) == 0 && (b - a).dot(c - b) < 0.0)
+      refuse(name, "turns back onto itself at " + text(b));
+  }
   if ((area > 0.0) != counter_clockwise) std::ranges::reverse(ring);
   return ring;
 }
@@ -118,16 +123,7 @@ void refuse_own_crossings(const std::vector<const Ring*>& rings,
                           const std::vector<std::string>& names) {
   each_pair(segments_of(rings), [&](const Segment& s, const Segment& t) {
     const bool same = s.ring == t.ring;
-    const bool follows = same && (s.index + 1) % s.count == t.index;
-    const bool leads = same && (t.index + 1) % t.count == s.index;
-    if (follows || leads) {
-      // Neighbours share a corner; they must not turn back onto each other.
-      const Segment &first = follows ? s : t, &second = follows ? t : s;
-      if (side(first.a, first.b, second.b) == 0 &&
-          (first.b - first.a).dot(second.b - second.a) < 0.0)
-        refuse(names[s.ring], "turns back onto itself at " + text(first.b));
-      return;
-    }
+    if (same && ((s.index + 1) % s.count == t.index || (t.index + 1) % t.count == s.index)) return;
     if (!meet(s.a, s.b, t.a, t.b)) return;
     const std::string edges = "the edge from " + text(s.a) + " to " + text(s.b) +
                               " meets that from " + text(t.a) + " to " + text(t.b);
@@ -160,36 +156,30 @@ bool inside(const Region& region, const Point& p) {
          std::ranges::none_of(region.holes, [&](const Ring& hole) { return contains(hole, p); });
 }
 
-/// A point well inside: the middle of the widest span of the horizontal line through the middle of
-/// the tallest edge.
-Point inner_point(const Region& region) {
-  double tallest = 0.0, z = 0.0;
-  for (std::size_t i = 0; i < region.outer.size(); ++i) {
-    const Point &a = region.outer[i], &b = region.outer[(i + 1) % region.outer.size()];
-    if (std::abs(b.y() - a.y()) > tallest) {
-      tallest = std::abs(b.y() - a.y());
-      z = 0.5 * (a.y() + b.y()) + 1e-3 * (b.y() - a.y());
-    }
-  }
-  std::vector<double> cuts;
+/// Points `by` beside the region's edges, on its inside: one for each piece of an edge between
+/// corners of `other` that lie on it.
+std::vector<Point> just_inside(const Region& region, const Region& other, double near, double by) {
+  std::vector<Point> points;
   const auto visit = [&](const Ring& ring) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Point &a = ring[i], &b = ring[(i + 1) % ring.size()];
-      if ((a.y() > z) != (b.y() > z))
-        cuts.push_back(a.x() + (z - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+      const Point along = b - a, left = Point(-along.y(), along.x()).normalized();
+      std::vector<double> cuts = {0.0, 1.0};
+      const auto cut = [&](const Ring& corners) {
+        for (const Point& c : corners)
+          if (distance(c, a, b) <= near) cuts.push_back((c - a).dot(along) / along.squaredNorm());
+      };
+      cut(other.outer);
+      for (const Ring& hole : other.holes) cut(hole);
+      std::ranges::sort(cuts);
+      for (std::size_t k = 0; k + 1 < cuts.size(); ++k)
+        if ((cuts[k + 1] - cuts[k]) * along.norm() > 2.0 * by)
+          points.emplace_back(a + 0.5 * (cuts[k] + cuts[k + 1]) * along + by * left);
     }
   };
   visit(region.outer);
   for (const Ring& hole : region.holes) visit(hole);
-  std::ranges::sort(cuts);
-  double widest = 0.0;
-  Point middle(0.0, z);
-  for (std::size_t i = 0; i + 1 < cuts.size(); i += 2)
-    if (cuts[i + 1] - cuts[i] > widest) {
-      widest = cuts[i + 1] - cuts[i];
-      middle.x() = 0.5 * (cuts[i] + cuts[i + 1]);
-    }
-  return middle;
+  return points;
 }
 
 void refuse_overlap(const Outline& outline) {
@@ -215,12 +205,11 @@ void refuse_overlap(const Outline& outline) {
   for (std::size_t p = 0; p < outline.regions.size(); ++p)
     for (std::size_t q = 0; q < outline.regions.size(); ++q) {
       if (p == q) continue;
-      const auto check = [&](const Point& point) {
+      for (const Point& point :
+           just_inside(outline.regions[p], outline.regions[q], near, 100.0 * near))
         if (inside(outline.regions[q], point) && distance(point, outline.regions[q]) > near)
-          refuse(name(p), "overlaps " + name(q) + ": " + text(point) + " lies in both");
-      };
-      for (const Point& point : outline.regions[p].outer) check(point);
-      check(inner_point(outline.regions[p]));
+          refuse(name(std::max(p, q)),
+                 "overlaps " + name(std::min(p, q)) + ": " + text(point) + " lies in both");
     }
 }
 
@@ -277,6 +266,27 @@ Outline checked(const Outline& outline) {
   }
   refuse_overlap(result);
   return result;
+}
+
+std::vector<Region> nested(const std::vector<Ring>& rings) {
+  std::vector<std::vector<std::size_t>> around(rings.size());
+  for (std::size_t i = 0; i < rings.size(); ++i)
+    for (std::size_t k = 0; k < rings.size(); ++k)
+      if (k != i && !rings[i].empty() && contains(rings[k], rings[i][0])) around[i].push_back(k);
+  std::vector<Region> regions;
+  std::vector<std::size_t> region_of(rings.size());
+  for (std::size_t i = 0; i < rings.size(); ++i)
+    if (around[i].size() % 2 == 0) {
+      region_of[i] = regions.size();
+      regions.push_back({.outer = rings[i]});
+    }
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    if (around[i].size() % 2 == 0) continue;
+    const std::size_t owner =
+        *std::ranges::max_element(around[i], {}, [&](std::size_t k) { return around[k].size(); });
+    regions[region_of[owner]].holes.push_back(rings[i]);
+  }
+  return regions;
 }
 
 Ring arc(const Point& from, const Point& to, double turn, int per_turn) {

@@ -44,6 +44,10 @@ struct Outline {
 /// Whether the point lies inside the ring (even-odd rule).
 [[nodiscard]] bool contains(std::span<const Eigen::Vector2d> ring, const Eigen::Vector2d& point);
 
+/// Regions of one material from rings that do not cross: one that lies in an even number of others
+/// is a region, one in an odd number a hole of the smallest region around it.
+[[nodiscard]] std::vector<Region> nested(const std::vector<Ring>& rings);
+
 /// An arc's corners from `from` (inclusive) to `to` (exclusive), `turn` [rad] counter-clockwise
 /// (clockwise where negative), in steps of at most 2π / `per_turn`. The corners between lie a
 /// little off the circle, so that the area is the arc's exactly. Throws std::invalid_argument for a

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <numbers>
 
@@ -84,7 +86,7 @@ TEST(SectionAnalysis, EllipseAndTriangle) {
   for (const double h : {1.0, 0.02}) {
     const double side = 2.0 * h / std::sqrt(3.0);
     const SectionProperties t = properties({{0, 0}, {side, 0}, {0.5 * side, h}}, 0.3);
-    expect_close(t.torsion_constant, std::pow(h, 4) / (15.0 * std::sqrt(3.0)), 1e-6, "J");
+    expect_close(t.torsion_constant, std::pow(h, 4) / (15.0 * std::sqrt(3.0)), 1e-5, "J");
     EXPECT_NEAR(t.shear_centre.norm(), 0.0, 1e-6 * h);
   }
 }
@@ -94,10 +96,10 @@ TEST(SectionAnalysis, TubeAndBox) {
   const SectionProperties tube = properties(circle({0, 0}, ro), 0.3, {circle({0, 0}, ri)});
   expect_close(tube.torsion_constant, 0.5 * kPi * (std::pow(ro, 4) - std::pow(ri, 4)), 1e-5, "J");
   // Bredt's J = 4 A² t / s of a thin box, to the share of its thickness.
-  const double t = 0.01;
+  const double t = 0.002;
   const SectionProperties box =
       properties(rectangle(0, 0, 2 + t, 1 + t), 0.3, {rectangle(t, t, 2, 1)});
-  expect_close(box.torsion_constant, 4.0 * 4.0 * t / 6.0, 2e-3, "J");
+  expect_close(box.torsion_constant, 4.0 * 4.0 * t / 6.0, 1e-3, "J");
 }
 
 TEST(SectionAnalysis, Channel) {

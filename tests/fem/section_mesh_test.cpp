@@ -71,8 +71,7 @@ TEST(SectionMesh, SharpCornersEnd) {
 TEST(SectionMesh, FacesOfASlitDoNotRefineEachOther) {
   const auto wide = section_mesh(of_one(slit_tube(8, 1.25, 0.1, 128), 0.3)).triangles.size();
   for (const double slit : {1e-4, 1e-6, 1e-9})
-    EXPECT_LT(section_mesh(of_one(slit_tube(8, 1.25, slit, 128), 0.3)).triangles.size(),
-              wide + 50);
+    EXPECT_LT(section_mesh(of_one(slit_tube(8, 1.25, slit, 128), 0.3)).triangles.size(), wide + 50);
 }
 
 TEST(SectionMesh, RegionsMeetAlongWhatTheyShare) {
