@@ -75,7 +75,7 @@ double number_of(const Pair& pair, const std::filesystem::path& name) {
 
 /// Metres of $INSUNITS.
 double unit_of(int code) {
-  static const std::map<int, double> units = {{1, 0.0254}, {2, 0.3048}, {4, 1e-3},  {5, 1e-2},
+  static const std::map<int, double> units = {{1, 0.0254}, {2, 0.3048},  {4, 1e-3},    {5, 1e-2},
                                               {6, 1.0},    {8, 2.54e-8}, {9, 2.54e-5}, {10, 0.9144},
                                               {13, 1e-6},  {14, 0.1}};
   const auto found = units.find(code);
@@ -127,8 +127,7 @@ class Reader {
         }
         polyline(e, path);
       } else if (e.type == "LINE") {
-        chains_.push_back(
-            {{{need(e, 10), need(e, 20)}, {need(e, 11), need(e, 21)}}, e.line});
+        chains_.push_back({{{need(e, 10), need(e, 20)}, {need(e, 11), need(e, 21)}}, e.line});
       } else if (e.type == "ARC" || e.type == "CIRCLE") {
         round(e);
       } else if (e.type == "SPLINE" || e.type == "ELLIPSE" || e.type == "INSERT") {

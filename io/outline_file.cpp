@@ -51,7 +51,8 @@ Drawing parse_outline_table(const std::string& bytes, const std::filesystem::pat
       if (word == "part") part = at;
     }
     if (y < 0 || z < 0)
-      fail({.line = table.header_line()}, "an outline needs the columns y and z (and may have part)");
+      fail({.line = table.header_line()},
+           "an outline needs the columns y and z (and may have part)");
     if (units[0] != units[1])
       fail({.line = table.header_line()}, "y is in '" + units[0] + "' and z in '" + units[1] + "'");
     if (!units[0].empty()) {
@@ -72,7 +73,8 @@ Drawing parse_outline_table(const std::string& bytes, const std::filesystem::pat
       const std::string& cell = cells[static_cast<std::size_t>(column)];
       const auto value = parse_number(cell);
       if (!value || !std::isfinite(*value))
-        fail({.line = line, .column = column + 1}, "'" + cell.substr(0, 40) + "': must be a number");
+        fail({.line = line, .column = column + 1},
+             "'" + cell.substr(0, 40) + "': must be a number");
       return *value;
     };
     bool begins = row == 0;
