@@ -63,8 +63,8 @@ std::vector<fem::Region> regions_of_file(const CaseFile& file, const Pointer& wh
   const io::Drawing drawing = io::read_outlines(file.resolve(s.at("file").get<std::string>()));
   const double unit = drawing.unit > 0.0 ? drawing.unit : io::metres(s.value("unit", "m"));
   if (drawing.unit > 0.0 && s.contains("unit") && io::metres(s.at("unit")) != drawing.unit)
-    file.refuse(where / "unit", "the file says that a unit is " + Json(drawing.unit).dump() +
-                                    " m; leave this out");
+    file.refuse(where / "unit",
+                "the file says that a unit is " + Json(drawing.unit).dump() + " m; leave this out");
   std::vector<fem::Ring> rings;
   for (const io::ClosedPath& path : drawing.outlines) rings.push_back(ring_of(path, unit));
   return fem::nested(rings);
@@ -97,15 +97,16 @@ std::vector<fem::Region> regions_of_file(const CaseFile& file, const Pointer& wh
 
 void check_polygon(const CaseFile& file, const Pointer& where) {
   const Json& s = file.json.at(where);
-  static const Keys known = {"shape",   "outline", "holes",            "file",
-                             "regions", "unit",    "shear_coefficient"};
+  static const Keys known = {"shape", "outline",          "holes", "file", "regions",
+                             "unit",  "shear_coefficient"};
   for (const auto& [key, ignored] : s.items())
     if (std::ranges::find(known, key) == known.end())
       file.refuse(where / key,
                   "a \"polygon\" section has no such size; it has outline or file, holes, regions");
   const bool outline = s.contains("outline"), named = s.contains("file");
   if (!outline && !named && !s.contains("regions"))
-    file.refuse(where / "outline", "is missing: a \"polygon\" section has outline, file or regions");
+    file.refuse(where / "outline",
+                "is missing: a \"polygon\" section has outline, file or regions");
   if (outline && named) file.refuse(where / "file", "takes the place of outline: give one of them");
   if (!outline && s.contains("holes"))
     file.refuse(where / "holes", "go with outline; those of a file stand in the file");
@@ -147,7 +148,8 @@ void check_sizes(const CaseFile& file, const Pointer& where) {
   const Json& s = file.json.at(where);
   const auto shape = s.value("shape", std::string());
   if (shape == "polygon") return check_polygon(file, where);
-  const Keys& sizes = std::ranges::find(shapes(), shape, &std::pair<std::string, Keys>::first)->second;
+  const Keys& sizes =
+      std::ranges::find(shapes(), shape, &std::pair<std::string, Keys>::first)->second;
   std::string list;
   for (const auto& size : sizes) list += (list.empty() ? "" : ", ") + size;
   const std::string what =
@@ -236,8 +238,7 @@ fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
   }
 }
 
-MeshedSection analyse(const CaseFile& file, const Pointer& where,
-                      const SectionMaterial& material) {
+MeshedSection analyse(const CaseFile& file, const Pointer& where, const SectionMaterial& material) {
   MeshedSection result{.outline = parse_outline(file, where, material), .mesh = {}, .analysis = {}};
 #ifdef WHEELTAP_WITH_CGAL
   try {
@@ -265,8 +266,9 @@ BeamSection parse_beam_section(const CaseFile& file, const Pointer& where,
         {.poisson = material.poisson, .young = material.young, .density = material.density});
     const fem::SectionProperties& p = meshed.analysis.properties;
     if (!meshed.analysis.converged)
-      file.refuse(where, "its shear coefficient did not settle: leave out details of the outline "
-                         "that do not matter (see wheeltap section)");
+      file.refuse(where,
+                  "its shear coefficient did not settle: leave out details of the outline "
+                  "that do not matter (see wheeltap section)");
     // The shear stiffness κ G A has the reference's G and the weighted A.
     beam.section = {.area = p.area,
                     .second_moment = p.second_moments.yy,

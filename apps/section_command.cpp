@@ -1,8 +1,9 @@
 #include "apps/section_command.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <cmath>
 #include <iostream>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -33,15 +34,15 @@ Json section_alone(const Json& section, const Json& material) {
 
 Found of_structure(const CaseFile& file, const std::string& wanted, const std::string& title) {
   const Pointer where("/structure/sections");
-  if (!file.json.contains(where) || !file.json.at(where).is_object() ||
-      file.json.at(where).empty())
+  if (!file.json.contains(where) || !file.json.at(where).is_object() || file.json.at(where).empty())
     file.refuse(where, "is missing: this structure has no sections");
   const Json& sections = file.json.at(where);
   std::vector<std::string> names;
   for (const auto& [name, ignored] : sections.items()) names.push_back(name);
   if (wanted.empty() && names.size() > 1)
-    throw Failure(Exit::usage, file.path.string() + " has several sections: choose one by --name (" +
-                                   listed(names) + ")");
+    throw Failure(
+        Exit::usage,
+        file.path.string() + " has several sections: choose one by --name (" + listed(names) + ")");
   const std::string name = wanted.empty() ? names[0] : wanted;
   if (!sections.contains(name))
     throw Failure(Exit::usage, "--name " + name + ": there are the sections " + listed(names));
@@ -97,7 +98,8 @@ SectionMaterial material_of(const CaseFile& file) {
   };
   const auto poisson = first("poisson");
   if (!poisson)
-    file.refuse(Pointer("/poisson"), "is missing: must be Poisson's ratio, above -1 and at most 0.5");
+    file.refuse(Pointer("/poisson"),
+                "is missing: must be Poisson's ratio, above -1 and at most 0.5");
   return {.poisson = *poisson, .young = first("young"), .density = first("density")};
 }
 
@@ -140,7 +142,8 @@ Report as_json(const Found& found, const MeshedSection& section, const SectionMa
       {"centroid", pair(p.centroid)},
       {"second_moments",
        {{"yy", p.second_moments.yy}, {"zz", p.second_moments.zz}, {"yz", p.second_moments.yz}}},
-      {"principal", {{"largest", axes.largest}, {"smallest", axes.smallest}, {"angle", axes.angle}}},
+      {"principal",
+       {{"largest", axes.largest}, {"smallest", axes.smallest}, {"angle", axes.angle}}},
       {"torsion_constant", p.torsion_constant},
       {"warping_constant", p.warping_constant},
       {"shear_centre", pair(p.shear_centre)},
@@ -176,9 +179,8 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
   const auto point = [&](const Eigen::Vector2d& v) {
     return "(" + figure(v.x(), none) + ", " + figure(v.y(), none) + ")";
   };
-  const auto line = [](const std::string& what, const std::string& symbol,
-                       const std::string& value, const std::string& unit,
-                       const std::string& note = "") {
+  const auto line = [](const std::string& what, const std::string& symbol, const std::string& value,
+                       const std::string& unit, const std::string& note = "") {
     // Padded by characters, not bytes.
     const auto padded = [](const std::string& text, std::size_t width) {
       const auto characters = static_cast<std::size_t>(std::ranges::count_if(
@@ -186,7 +188,7 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
       return text + std::string(characters < width ? width - characters : 1, ' ');
     };
     std::cout << "  " << padded(what, 34) << padded(symbol, 7) << padded(value, 26)
-              << padded(unit, note.empty() ? 0 : 5) << note << '\n';
+              << (note.empty() ? unit : padded(unit, 5) + note) << '\n';
   };
   if (!found.title.empty()) std::cout << found.title << "\n\n";
   line("area", "A", figure(p.area), "m²");
@@ -197,7 +199,7 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
   line("                bending about z", "Izz", figure(i.zz), "m⁴", "∫ y²");
   line("                product", "Iyz", figure(i.yz, 1e-9 * axes.largest), "m⁴", "∫ y z");
   line("principal axes: largest", "I1", figure(axes.largest), "m⁴",
-       fixed(axes.angle * 57.29577951308232, 3) + "° from y");
+       figure(axes.angle * 180.0 / std::numbers::pi, 1e-6) + "° from y");
   line("                smallest", "I2", figure(axes.smallest), "m⁴");
   line("torsion constant", "J", figure(p.torsion_constant), "m⁴");
   line("warping constant", "Γ",
@@ -215,7 +217,7 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
   std::cout << "\nPoisson's ratio " << significant(material.poisson, 6) << ". ";
   if (composite)
     std::cout << "Figures are weighted by E / E_ref (J by G / G_ref)"
-              << (material.young ? ", E_ref = " + significant(*material.young, 6) + " Pa" : "")
+              << (material.young ? ",\nE_ref = " + significant(*material.young, 6) + " Pa" : "")
               << ". ";
   std::cout << "By quadratic triangles, " << a.levels.size() << " meshes to "
             << a.levels.back().nodes << " nodes;\n";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "apps/words.hpp"
 
@@ -40,8 +41,8 @@ std::string label(double x, double y, const std::string& words, const std::strin
 
 std::string arrow(double x1, double y1, double x2, double y2, const std::string& name) {
   const double angle = std::atan2(y2 - y1, x2 - x1);
-  std::string path = "<path d=\"M" + fixed(x1, 1) + " " + fixed(y1, 1) + "L" + fixed(x2, 1) + " " +
-                     fixed(y2, 1);
+  std::string path =
+      "<path d=\"M" + fixed(x1, 1) + " " + fixed(y1, 1) + "L" + fixed(x2, 1) + " " + fixed(y2, 1);
   for (const double turn : {2.7, -2.7})
     path += "M" + fixed(x2, 1) + " " + fixed(y2, 1) + "l" + fixed(6 * std::cos(angle + turn), 1) +
             " " + fixed(6 * std::sin(angle + turn), 1);
@@ -89,7 +90,7 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
   // Principal axes through the centroid.
   const fem::PrincipalAxes axes = fem::principal_axes(p.second_moments);
   for (const int k : {1, 2}) {
-    const double angle = axes.angle + (k == 2 ? 1.5707963267948966 : 0.0);
+    const double angle = axes.angle + (k == 2 ? 0.5 * std::numbers::pi : 0.0);
     const Vector2d along(std::cos(angle), std::sin(angle));
     const double reach = 0.28 * size;
     const Vector2d from = p.centroid - reach * along, to = p.centroid + reach * along;
@@ -98,7 +99,8 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
     body += label(sheet.x(to) + 4, sheet.y(to) - 4, std::to_string(k));
   }
   const double cx = sheet.x(p.centroid), cy = sheet.y(p.centroid);
-  body += "<circle cx=\"" + fixed(cx, 1) + "\" cy=\"" + fixed(cy, 1) + "\" r=\"4\" fill=\"#222\"/>\n";
+  body +=
+      "<circle cx=\"" + fixed(cx, 1) + "\" cy=\"" + fixed(cy, 1) + "\" r=\"4\" fill=\"#222\"/>\n";
   const double sx = sheet.x(centre), sy = sheet.y(centre);
   body += "<path d=\"M" + fixed(sx - 8, 1) + " " + fixed(sy, 1) + "h16M" + fixed(sx, 1) + " " +
           fixed(sy - 8, 1) + "v16\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n<circle cx=\"" +
@@ -109,14 +111,17 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
   body += arrow(14, sheet.height() - 14, 14, sheet.height() - 44, "z");
   body += "<circle cx=\"" + fixed(left + 4, 1) + "\" cy=\"" + fixed(below + 14, 1) +
           "\" r=\"4\" fill=\"#222\"/>\n";
-  body += label(left + 16, below + 18, "centroid (" + significant(p.centroid.x(), 5) + ", " +
-                                           significant(p.centroid.y(), 5) + ") m");
+  body += label(left + 16, below + 18,
+                "centroid (" + significant(p.centroid.x(), 5) + ", " +
+                    significant(p.centroid.y(), 5) + ") m");
   body += "<circle cx=\"" + fixed(left + 4, 1) + "\" cy=\"" + fixed(below + 34, 1) +
           "\" r=\"5\" fill=\"none\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n";
-  body += label(left + 16, below + 38, "shear centre (" + significant(centre.x(), 5) + ", " +
-                                           significant(centre.y(), 5) + ") m");
-  body += label(left, below + 58, "1, 2: principal axes, I1 = " + significant(axes.largest, 5) +
-                                      " m⁴, I2 = " + significant(axes.smallest, 5) + " m⁴");
+  body += label(
+      left + 16, below + 38,
+      "shear centre (" + significant(centre.x(), 5) + ", " + significant(centre.y(), 5) + ") m");
+  body += label(left, below + 58,
+                "1, 2: principal axes, I1 = " + significant(axes.largest, 5) +
+                    " m⁴, I2 = " + significant(axes.smallest, 5) + " m⁴");
   // A round length below a third of the width.
   double bar = std::pow(10.0, std::floor(std::log10(size / 3.0)));
   for (const double more : {5.0, 2.0})
@@ -131,9 +136,9 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
                     height = fixed(below + kLegend, 0);
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
          "\" viewBox=\"0 0 " + width + " " + height +
-         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" +
-         escaped(title) + "</title>\n<rect width=\"" + width + "\" height=\"" + height +
-         "\" fill=\"#fff\"/>\n" + body + "</svg>\n";
+         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" + escaped(title) +
+         "</title>\n<rect width=\"" + width + "\" height=\"" + height + "\" fill=\"#fff\"/>\n" +
+         body + "</svg>\n";
 }
 
 }  // namespace wheeltap::apps

@@ -261,6 +261,22 @@ TEST(SectionAnalysis, CentresOfSymmetryAndOfThinWalls) {
   expect_close(i.warping_constant, 0.3 * 64.0 / 12.0 * 5.7 * 5.7 / 2.0, 0.01, "Γ");
 }
 
+TEST(SectionAnalysis, ShearCentreOfAHalfDisc) {
+  // From the circle's centre, 8 a (3 + 4 ν) / (15 π (1 + ν)) (Timoshenko & Goodier, article 127);
+  // Trefftz's is that of ν = 0.
+  Ring half = arc({0, -1}, {0, 1}, kPi, 512);
+  half.emplace_back(0, 1);
+  for (const double nu : {0.0, 0.3, 0.5}) {
+    const auto centre = [](double poisson) {
+      return 8.0 * (3.0 + 4.0 * poisson) / (15.0 * kPi * (1.0 + poisson));
+    };
+    const SectionProperties p = properties(half, nu);
+    expect_close(p.centroid.x(), 4.0 / (3.0 * kPi), 1e-5, "centroid");
+    expect_close(p.centroid.x() + p.shear_centre.x(), centre(nu), 1e-4, "shear centre");
+    expect_close(p.centroid.x() + p.trefftz_centre.x(), centre(0.0), 1e-4, "Trefftz's");
+  }
+}
+
 TEST(SectionAnalysis, ConvergesAtItsOrderInSpiteOfCorners) {
   // Re-entrant corners and none: h⁴, since the refinement is graded.
   for (const Ring& ring : {rectangle(0, 0, 2, 1), channel(8, 18, 1)}) {
