@@ -95,8 +95,8 @@ void each_pair(const std::vector<Segment>& all, const Visit& visit) {
       visit(all[i], all[j]);
 }
 
-/// The ring without repeated corners, the given way round.
-Ring checked_ring(const Ring& given, const std::string& name, bool counter_clockwise) {
+/// The ring without repeated corners.
+Ring cleaned(const Ring& given, const std::string& name) {
   Ring ring;
   for (std::size_t i = 0; i < given.size(); ++i) {
     if (!given[i].allFinite()) refuse(corner(name, i), text(given[i]) + ": must be finite");
@@ -105,18 +105,22 @@ Ring checked_ring(const Ring& given, const std::string& name, bool counter_clock
   while (ring.size() > 1 && ring.back() == ring.front()) ring.pop_back();
   if (ring.size() < 3)
     refuse(name, std::to_string(ring.size()) + " different corners: a polygon has at least 3");
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point &a = ring[i], &b = ring[(i + 1) % ring.size()], &c = ring[(i + 2) % ring.size()];
+    if (side(a, b, c) == 0 && (b - a).dot(c - b) < 0.0)
+      refuse(name, "has no area where it turns back onto itself, at " + text(b));
+  }
+  return ring;
+}
+
+/// Turns the ring the given way round.
+void orient(Ring& ring, const std::string& name, bool counter_clockwise) {
   double size = 0.0;
   for (const Point& p : ring) size = std::max(size, (p - ring[0]).norm());
   const double area = signed_area(ring);
   if (std::abs(area) <= 1e-14 * size * size)
     refuse(name, "its area is " + text(area) + " m2: must not be 0");
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Point &a = ring[i], &b = ring[(i + 1) % ring.size()], &c = ring[(i + 2) % ring.size()];
-    if (side(a, b, c) == 0 && (b - a).dot(c - b) < 0.0)
-      refuse(name, "turns back onto itself at " + text(b));
-  }
   if ((area > 0.0) != counter_clockwise) std::ranges::reverse(ring);
-  return ring;
 }
 
 void refuse_own_crossings(const std::vector<const Ring*>& rings,
@@ -245,15 +249,18 @@ Outline checked(const Outline& outline) {
       refuse(name + ".density", text(given.density) + ": must be positive");
     if (!(given.poisson > -1.0 && given.poisson <= 0.5))
       refuse(name + ".poisson", text(given.poisson) + ": must be above -1 and at most 0.5");
-    region.outer = checked_ring(given.outer, name + ".outer", true);
+    region.outer = cleaned(given.outer, name + ".outer");
     std::vector<std::string> names = {name + ".outer"};
     for (std::size_t h = 0; h < given.holes.size(); ++h) {
       names.push_back(name + ".holes[" + std::to_string(h) + "]");
-      region.holes[h] = checked_ring(given.holes[h], names.back(), false);
+      region.holes[h] = cleaned(given.holes[h], names.back());
     }
     std::vector<const Ring*> rings = {&region.outer};
     for (const Ring& hole : region.holes) rings.push_back(&hole);
     refuse_own_crossings(rings, names);
+    orient(region.outer, names[0], true);
+    for (std::size_t h = 0; h < region.holes.size(); ++h)
+      orient(region.holes[h], names[h + 1], false);
     for (std::size_t h = 0; h < region.holes.size(); ++h) {
       const Point& p = region.holes[h][0];
       if (!contains(region.outer, p))

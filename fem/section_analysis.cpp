@@ -311,7 +311,15 @@ SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regio
   if (!(options.reference_poisson > -1.0 && options.reference_poisson <= 0.5))
     refuse("reference_poisson", options.reference_poisson, "above -1 and at most 0.5");
   std::vector<double> shares = split_shares(mesh);
-  mesh = ringed(std::move(mesh), shares, kRings);
+  for (int rings = kRings; rings > 0; --rings) {
+    std::vector<double> more = shares;
+    TriangleMesh finer = ringed(mesh, more, rings);
+    // Outlines of very many such corners keep what it takes to be halved twice.
+    if (16.0 * nodes_of(finer) > options.most_nodes) continue;
+    mesh = std::move(finer);
+    shares = std::move(more);
+    break;
+  }
   SectionAnalysis result{};
   result.errors = {INFINITY, INFINITY, INFINITY, INFINITY};
   while (true) {

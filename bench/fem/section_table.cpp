@@ -75,10 +75,7 @@ std::vector<Case> cases() {
        0.3,
        {{"α", 1.2074, alpha_y}, {"J / a⁴", 0.140577, torsion}}},
       {"circle, ν 0.3", circle({0, 0}, 1.0), 0.3, {{"α", 1.175542, alpha_y}}},
-      {"triangle of height 1",
-       triangle,
-       0.3,
-       {{"J", 1.0 / (15.0 * std::sqrt(3.0)), torsion}}},
+      {"triangle of height 1", triangle, 0.3, {{"J", 1.0 / (15.0 * std::sqrt(3.0)), torsion}}},
       {"channel, ν 1/3",
        channel,
        1.0 / 3.0,
@@ -91,7 +88,9 @@ std::vector<Case> cases() {
       {"angle, ν 0",
        angle,
        0.0,
-       {{"J", 8.1957, torsion}, {"α, short leg", 3.0627, alpha_y}, {"α, long leg", 1.8993, alpha_z}}},
+       {{"J", 8.1957, torsion},
+        {"α, short leg", 3.0627, alpha_y},
+        {"α, long leg", 1.8993, alpha_z}}},
       {"tube with a slit of 9e-5",
        curved_strip(8, 1.25, 0.5 * 9e-5 / 8, 2.0 * pi - 0.5 * 9e-5 / 8, 256),
        0.3,
@@ -106,13 +105,14 @@ std::vector<Case> cases() {
 }  // namespace
 
 int main() {
-  std::puts("| section | figure | known | first mesh | then | | the default's | off | stated | s |");
+  std::puts(
+      "| section | figure | known | first mesh | then | | the default's | off | stated | s |");
   std::puts("|---|---|---|---|---|---|---|---|---|---|");
   for (const Case& c : cases()) {
     const Outline outline = checked({{{.outer = c.outline, .poisson = c.poisson}}});
     const auto start = std::chrono::steady_clock::now();
-    const SectionAnalysis usual = analyse_section(section_mesh(outline), outline.regions,
-                                                  {.reference_poisson = c.poisson});
+    const SectionAnalysis usual =
+        analyse_section(section_mesh(outline), outline.regions, {.reference_poisson = c.poisson});
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const SectionAnalysis meshes =
@@ -121,10 +121,11 @@ int main() {
     for (const Figure& figure : c.figures) {
       const auto on = [&](std::size_t i) { return figure.read(meshes.levels[i].properties); };
       const double value = figure.read(usual.properties);
-      std::printf("| %s | %s | %.7g | %.7g | %.7g | %.7g | %.7g (%d nodes) | %.0e | %.0e | %.2f |\n",
-                  c.name.c_str(), figure.name.c_str(), figure.known, on(0), on(1), on(2), value,
-                  usual.levels.back().nodes, std::abs(value / figure.known - 1.0),
-                  usual.errors.largest(), seconds);
+      std::printf(
+          "| %s | %s | %.7g | %.7g | %.7g | %.7g | %.7g (%d nodes) | %.0e | %.0e | %.2f |\n",
+          c.name.c_str(), figure.name.c_str(), figure.known, on(0), on(1), on(2), value,
+          usual.levels.back().nodes, std::abs(value / figure.known - 1.0), usual.errors.largest(),
+          seconds);
     }
   }
 }

