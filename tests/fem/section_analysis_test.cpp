@@ -178,6 +178,17 @@ TEST(SectionAnalysis, PartsOfOneMaterialAreOne) {
   expect_close(parts.shear_flexibility.zz, whole.shear_flexibility.zz, kPromise, "α");
 }
 
+TEST(SectionAnalysis, StiffnessesAreProportionalToTheModulus) {
+  const SectionProperties p = properties(channel(8, 18, 1), 0.3);
+  const SectionProperties q = analyse({{{.outer = channel(8, 18, 1), .modulus = 2.5}}}).properties;
+  expect_close(q.area, 2.5 * p.area, 1e-12, "A");
+  expect_close(q.second_moments.yy, 2.5 * p.second_moments.yy, 1e-12, "I");
+  expect_close(q.torsion_constant, 2.5 * p.torsion_constant, 1e-9, "J");
+  expect_close(q.warping_constant, 2.5 * p.warping_constant, 1e-9, "Γ");
+  expect_close(q.shear_flexibility.yy, p.shear_flexibility.yy, 1e-9, "α");
+  expect_close(q.shear_centre.x(), p.shear_centre.x(), 1e-9, "centre");
+}
+
 TEST(SectionAnalysis, WithoutPoissonShearIsTheSumOfLayers) {
   // Jourawski's formula is exact for ν = 0 in a rectangle, at any orientation of two of them.
   const Outline layers{{{.outer = rectangle(0, 0, 1, 1), .poisson = 0.0},
