@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -22,6 +24,8 @@ struct Corner {
   int number = -1;     ///< in the mesh
 };
 constexpr int kOutside = -1, kUnknown = -2;
+/// Edges shorter than this, against the section's size, are not split: rounding is near.
+constexpr double kShortest = 1e-10;
 /// A region's corners this close to another region's edge lie on it, against the section's size.
 constexpr double kTouch = 1e-9;
 
@@ -93,6 +97,7 @@ class Refinement {
     longest_squared_ = std::pow(options.coarseness, 2) * area;
     const double sine = std::sin(options.angle * std::numbers::pi / 180.0);
     ratio_squared_ = 0.25 / (sine * sine);  // (R / shortest edge)² = 1 / (2 sin angle)²
+    shortest_squared_ = std::pow(kShortest * size, 2);
     for (const Ring& ring : joined_rings(outline, kTouch * size)) insert(ring);
     mark_sharp_corners();
     mark_regions(outline);
@@ -137,8 +142,10 @@ class Refinement {
       hint = corners.back()->face();
     }
     for (std::size_t i = 0; i < ring.size(); ++i)
-      if (corners[i] != corners[(i + 1) % ring.size()])
-        triangulation_.insert_constraint(corners[i], corners[(i + 1) % ring.size()]);
+      if (const Vertex a = corners[i], b = corners[(i + 1) % ring.size()]; a != b) {
+        triangulation_.insert_constraint(a, b);
+        given_.insert(std::minmax(a, b));
+      }
   }
 
   void mark_sharp_corners() {
@@ -206,13 +213,43 @@ class Refinement {
             edge.first->vertex(Triangulation::ccw(edge.second))};
   }
 
+  bool too_short(const Edge& edge) const {
+    const auto [a, b] = ends(edge);
+    return CGAL::squared_distance(a->point(), b->point()) < shortest_squared_;
+  }
+
   bool encroaches(const Edge& edge, const Point& p) const {
     const auto [a, b] = ends(edge);
     return CGAL::angle(a->point(), p, b->point()) == CGAL::OBTUSE;
   }
 
+  /// The outline's edge that the constrained edge a → b is part of.
+  std::pair<Vertex, Vertex> given_edge(Vertex a, Vertex b) const {
+    if (const auto found = on_.find(a); found != on_.end()) return found->second;
+    if (const auto found = on_.find(b); found != on_.end()) return found->second;
+    return {a, b};
+  }
+
+  /// Whether p and q lie on two edges that meet at a sharp corner: nothing that is added between
+  /// them would widen its angle.
+  bool across_a_sharp_corner(Vertex p, Vertex q) const {
+    const auto reaches = [&](Vertex v, Vertex apex) {
+      const auto found = on_.find(v);
+      return found == on_.end() ? given_.contains(std::minmax(v, apex))
+                                : found->second.first == apex || found->second.second == apex;
+    };
+    for (const Vertex v : {p, q}) {
+      const auto found = on_.find(v);
+      if (found == on_.end()) continue;
+      for (const Vertex apex : {found->second.first, found->second.second})
+        if (apex->info().sharp && reaches(v == p ? q : p, apex)) return true;
+    }
+    return false;
+  }
+
   /// Too long, or with the corner of a triangle inside its diametral circle.
   bool encroached(const Edge& edge) const {
+    if (too_short(edge)) return false;
     const Edge mirror = triangulation_.mirror_edge(edge);
     return (inside(edge.first) && encroaches(edge, edge.first->vertex(edge.second)->point())) ||
            (inside(mirror.first) &&
@@ -227,11 +264,14 @@ class Refinement {
                              CGAL::squared_distance(a, b)};
     const auto [shortest, longest] = std::minmax_element(sides, sides + 3);
     if (*longest > longest_squared_) return true;
+    if (*shortest < shortest_squared_) return false;
     // Nothing removes the angle of a sharp corner, nor that between the shells around it.
     const auto opposite = static_cast<int>(shortest - sides);
     if (face->vertex(opposite)->info().sharp) return false;
     if (face->vertex((opposite + 1) % 3)->info().sharp ||
         face->vertex((opposite + 2) % 3)->info().sharp)
+      return false;
+    if (across_a_sharp_corner(face->vertex((opposite + 1) % 3), face->vertex((opposite + 2) % 3)))
       return false;
     const double area = triangulation_.triangle(face).area();
     return sides[0] * sides[1] * sides[2] > 16.0 * area * area * ratio_squared_ * *shortest;
@@ -272,7 +312,9 @@ class Refinement {
     }
     const Point p(pa.x() + share * (pb.x() - pa.x()), pa.y() + share * (pb.y() - pa.y()));
     const auto side = CGAL::orientation(pa, pb, edge.first->vertex(edge.second)->point());
+    const auto given = given_edge(a, b);
     const Vertex v = triangulation_.insert(p, Triangulation::EDGE, edge.first, edge.second);
+    on_.emplace(v, given);
     auto face = triangulation_.incident_faces(v), end = face;
     do {
       face->info() = kOutside;
@@ -318,6 +360,7 @@ class Refinement {
     std::optional<Edge> in_the_way;
     const Face target = walk(face, centre, in_the_way);
     if (in_the_way) {
+      if (too_short(*in_the_way)) return;
       forced_.push_back(ends(*in_the_way));
       faces_.push_back(corners);
       return;
@@ -326,7 +369,7 @@ class Refinement {
     triangulation_.get_boundary_of_conflicts(centre, std::back_inserter(around), target);
     const std::size_t queued = forced_.size();
     for (const Edge& edge : around)
-      if (edge.first->is_constrained(edge.second) && encroaches(edge, centre))
+      if (edge.first->is_constrained(edge.second) && encroaches(edge, centre) && !too_short(edge))
         forced_.push_back(ends(edge));
     if (forced_.size() > queued) {
       faces_.push_back(corners);
@@ -363,7 +406,9 @@ class Refinement {
 
   SectionMeshOptions options_;
   Triangulation triangulation_;
-  double longest_squared_ = 0.0, ratio_squared_ = 0.0;
+  double longest_squared_ = 0.0, shortest_squared_ = 0.0, ratio_squared_ = 0.0;
+  std::set<std::pair<Vertex, Vertex>> given_;             ///< the outline's edges
+  std::map<Vertex, std::pair<Vertex, Vertex>> on_;        ///< that which a point was added to
   std::deque<std::pair<Vertex, Vertex>> edges_, forced_;  ///< to be split: if encroached; anyway
   std::deque<std::array<Vertex, 3>> faces_;               ///< perhaps bad
 };
