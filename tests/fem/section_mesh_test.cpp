@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "refusal.hpp"
 #include "sections.hpp"
@@ -66,6 +67,47 @@ TEST(SectionMesh, SharpCornersEnd) {
     star.emplace_back(r * std::cos(angle), r * std::sin(angle));
   }
   EXPECT_NEAR(area(section_mesh(of_one(star, 0.3))), signed_area(star), 1e-14);
+}
+
+TEST(SectionMesh, RandomStarsEnd) {
+  // Spikes of any sharpness, several of which meet in one corner where the star is cut in two:
+  // triangles between the shells around such corners must be left as they are.
+  std::mt19937 generator(7);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  int cut = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    std::vector<double> angles(static_cast<std::size_t>(3 + 20 * uniform(generator)));
+    for (double& angle : angles) angle = 2.0 * std::numbers::pi * uniform(generator);
+    std::ranges::sort(angles);
+    Ring star;
+    const double power = 3.0 * uniform(generator);
+    for (const double angle : angles)
+      star.emplace_back((0.01 + std::pow(uniform(generator), power)) *
+                        Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    Outline outline = of_one(star, 0.3);
+    const auto half = static_cast<std::ptrdiff_t>(star.size() / 2);
+    const double first = angles.front(), middle = angles[star.size() / 2], last = angles.back();
+    if (middle - first < 3.0 && last - middle < 3.0 &&
+        first + 2.0 * std::numbers::pi - last < 3.0) {
+      Ring one(star.begin(), star.begin() + half + 1), other(star.begin() + half, star.end());
+      one.emplace_back(0, 0);
+      other.push_back(star[0]);
+      other.emplace_back(0, 0);
+      outline.regions = {{.outer = one}, {.outer = other}};
+      ++cut;
+    }
+    try {
+      outline = checked(outline);
+    } catch (const std::invalid_argument&) {
+      continue;  // an angle above π between neighbours: it crosses itself
+    }
+    double expected = 0.0;
+    for (const Region& region : outline.regions) expected += signed_area(region.outer);
+    const TriangleMesh mesh = section_mesh(outline);
+    EXPECT_NEAR(area(mesh) / expected, 1.0, 1e-9) << trial;
+    EXPECT_LT(mesh.triangles.size(), 50'000u) << trial;
+  }
+  EXPECT_GT(cut, 50);
 }
 
 TEST(SectionMesh, FacesOfASlitDoNotRefineEachOther) {
