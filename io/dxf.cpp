@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -209,7 +210,8 @@ class Reader {
 
   /// Chains end to end.
   void join() {
-    double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
+    constexpr double far = std::numeric_limits<double>::infinity();
+    double low_x = far, high_x = -far, low_y = far, high_y = -far;
     for (const Chain& chain : chains_)
       for (const PathCorner& c : chain.corners) {
         low_x = std::min(low_x, c.x), high_x = std::max(high_x, c.x);
@@ -227,7 +229,7 @@ class Reader {
       while (path.size() < 3 || apart(path.front(), path.back()) > near) {
         std::size_t best = chains_.size();
         bool turned = false;
-        double gap = INFINITY;
+        double gap = far;
         for (std::size_t k = 0; k < chains_.size(); ++k) {
           if (used[k]) continue;
           for (const bool back : {false, true}) {
