@@ -11,6 +11,8 @@
 #include "fem/section.hpp"
 #include "identification/defects/reduction.hpp"
 #include "identification/interpolants.hpp"
+#include "io/netcdf_name.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -148,6 +150,9 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
       .rotation = type->may_be_rotational && b.contains("fix") && b["fix"][0] == "rotation",
       .truth = {}};
   kind.plural = b.value("plural", kind.name + "s");
+  if (const auto why = io::why_no_netcdf_name(kind.name)) {
+    file.refuse(where / "name", "a name " + *why);
+  }
   if (!type->may_be_known && !b.contains(severity)) {
     file.refuse(where / severity, "is missing: must be a prior on [0, 1)");
   }
@@ -426,6 +431,9 @@ void accept_cv(CaseFile& file) {
 
 }  // namespace
 
+// Each is explored by itself before anything is drawn.
+constexpr double kMostModels = 5000;
+
 DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   accept_cv(file);
   validate_against_schema(file, "damage");
@@ -433,7 +441,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   DamageCase& out = parsed.damage;
   const CaseFile& f = parsed.file;
   const Json& json = f.json;
-  out.title = json.value("title", f.path.stem().string());
+  out.title = json.value("title", io::printable(f.path.stem().string()));
   out.balance = json.value("balance", false);
   if (json.contains("notes")) {
     if (json["notes"].is_string()) {
@@ -458,6 +466,13 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   } else {
     parsed.kinds.push_back(at("/damage"));
     out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
+  }
+  double models = 1.0;
+  for (const DefectKind& kind : out.kinds) models *= kind.max_count - kind.min_count + 1.0;
+  if (models > kMostModels) {
+    f.refuse(at("/damage"), "would be " + number(models) +
+                                " models, one a combination of counts: must be at most " +
+                                number(kMostModels) + "; lower the largest counts");
   }
   for (std::size_t i = 1; i < out.kinds.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

@@ -14,6 +14,7 @@
 #include "apps/starter_texts.hpp"
 #include "apps/summary.hpp"
 #include "identification/sid_simulation.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -192,10 +193,12 @@ void run_init(const std::string& kind, const fs::path& folder) {
   make_output_folder(folder);
   for (const File& file : files) write_text(file.path, file.text);
   std::cout << "Written:\n";
-  for (const File& file : files) std::cout << "  " << file.path.string() << '\n';
-  std::cout << "It runs as it is:\n  wheeltap " << kind << ' ' << files[0].path.string() << " -o "
-            << (folder / "results").lexically_normal().string()
-            << "\nThen make it yours: " << files[1].path.string() << " explains every key.\n";
+  for (const File& file : files) std::cout << "  " << io::printable(file.path.string()) << '\n';
+  std::cout << "It runs as it is:\n  wheeltap " << kind << ' '
+            << io::printable(files[0].path.string()) << " -o "
+            << io::printable((folder / "results").lexically_normal().string())
+            << "\nThen make it yours: " << io::printable(files[1].path.string())
+            << " explains every key.\n";
 }
 
 }  // namespace wheeltap::apps

@@ -97,7 +97,10 @@ void fill_lists(AnyJson& rules) {
 /// wrapped without a word. Seeds may have 63 bits.
 template <class AnyJson>
 void bound_integers(AnyJson& rules, const std::string& key = {}) {
-  if (rules.is_object() && rules.contains("type") && rules["type"] == "integer" &&
+  const auto whole = [](const AnyJson& type) {
+    return type == "integer" || type == AnyJson{"string", "integer"};
+  };
+  if (rules.is_object() && rules.contains("type") && whole(rules["type"]) &&
       !rules.contains("maximum")) {
     rules["maximum"] = key == "seed" ? 9223372036854775807 : 2147483647;
   }

@@ -339,22 +339,22 @@ Answer read_answer(const Report& summary) {
   const auto models = [](const Report& rows) {
     std::vector<ModelFinding> out;
     for (const Report& row : rows) {
-      out.emplace_back().name = row["name"];
-      out.back().standing.probability = row["probability"];
+      out.emplace_back().name = row.at("name");
+      out.back().standing.probability = row.at("probability");
     }
     return out;
   };
   if (summary.contains("sweep")) {
     std::vector<SweepRow> rows;
-    for (const Report& row : summary["sweep"]["rows"]) {
-      rows.push_back({row["value"].dump(), models(row["models"]), row.value("converged", false),
-                      row.value("explained", true)});
+    for (const Report& row : summary.at("sweep").at("rows")) {
+      rows.push_back({row.at("value").dump(), models(row.at("models")),
+                      row.value("converged", false), row.value("explained", true)});
     }
-    return answer(summary["sweep"]["path"].get<std::string>(), rows);
+    return answer(summary.at("sweep").at("path").get<std::string>(), rows);
   }
   Findings findings;
-  findings.models = models(summary["models"]);
-  const Report& diagnosed = summary["diagnostics"];
+  findings.models = models(summary.at("models"));
+  const Report& diagnosed = summary.at("diagnostics");
   findings.sampling.verdict.converged = diagnosed.value("converged", false);
   findings.sampling.stopped_early = diagnosed.value("stopped_early", false);
   findings.sampling.quick = diagnosed.value("quick", false);
