@@ -9,6 +9,7 @@
 #include "apps/law_page.hpp"
 #include "apps/nearest.hpp"
 #include "apps/report/report.hpp"
+#include "apps/section_command.hpp"
 #include "inference/target.hpp"
 #include "io/file_error.hpp"
 
@@ -118,6 +119,14 @@ int main(int argc, char** argv) {
   modes_command->add_flag("--json", modes.json, "as JSON");
   modes_command->add_flag("--shapes", modes.shapes, "with --json: the shapes too");
 
+  apps::SectionOptions section;
+  CLI::App* section_command =
+      app.add_subcommand("section", "properties of the case's cross-section, from its outline");
+  add_case(section_command);
+  section_command->add_option("-o,--output", common.output, "draw it into this file, SVG");
+  section_command->add_option("--name", section.name, "which of a structure's sections");
+  section_command->add_flag("--json", section.json, "as JSON");
+
   CLI::App* table_command = app.add_subcommand(
       "table", "run a design of experiments, train the emulator, measure its error");
   add_case(table_command);
@@ -199,6 +208,7 @@ int main(int argc, char** argv) {
 
   try {
     if (modes_command->parsed()) apps::run_modes(common, modes);
+    if (section_command->parsed()) apps::run_section(common, section);
     if (table_command->parsed()) apps::run_table(common, tabling);
     if (damage_command->parsed()) apps::run_damage(common, sampling);
     if (sid_command->parsed()) apps::run_sid(common, sampling);

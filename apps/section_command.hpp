@@ -1,0 +1,19 @@
+// `wheeltap section`: what a cross-section amounts to.
+#pragma once
+
+#include <string>
+
+#include "apps/commands.hpp"
+
+namespace wheeltap::apps {
+
+struct SectionOptions {
+  std::string name;   ///< which of a structure's sections
+  bool json = false;  ///< print JSON
+};
+
+/// Prints the properties of the section of a case, or of a file that holds one section and a
+/// Poisson's ratio, and draws it into `common.output` where that is given. Throws Failure.
+void run_section(const CommonOptions& common, const SectionOptions& options);
+
+}  // namespace wheeltap::apps

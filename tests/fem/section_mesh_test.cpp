@@ -1,0 +1,122 @@
+#include "fem/section_mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "refusal.hpp"
+#include "sections.hpp"
+
+namespace wheeltap::fem {
+namespace {
+
+double area(const TriangleMesh& mesh, int region = -1) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (region >= 0 && mesh.regions[t] != region) continue;
+    Ring ring;
+    for (const int i : mesh.triangles[t]) ring.push_back(mesh.points[static_cast<std::size_t>(i)]);
+    EXPECT_GT(signed_area(ring), 0.0);
+    sum += signed_area(ring);
+  }
+  return sum;
+}
+
+/// Smallest angle of all triangles [degrees].
+double smallest_angle(const TriangleMesh& mesh) {
+  double least = 180.0;
+  for (const auto& corners : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto p = [&](std::size_t k) {
+        return mesh.points[static_cast<std::size_t>(corners[k % 3])];
+      };
+      const Eigen::Vector2d u = (p(i + 1) - p(i)).normalized(), v = (p(i + 2) - p(i)).normalized();
+      least = std::min(least, std::acos(u.dot(v)) * 180.0 / std::numbers::pi);
+    }
+  return least;
+}
+
+TEST(SectionMesh, FillsTheOutlineWithGoodTriangles) {
+  const std::vector<Outline> outlines = {
+      of_one(rectangle(0, 0, 2, 1), 0.3), of_one(channel(8, 18, 1), 0.3),
+      of_one(circle({0, 0}, 1), 0.3, {circle({0.2, 0}, 0.5), circle({-0.6, 0}, 0.1)}),
+      of_one(rectangle(0, 0, 100, 0.1), 0.3), of_one(slit_tube(8, 1.25, 1e-7, 128), 0.3)};
+  for (const Outline& outline : outlines) {
+    const TriangleMesh mesh = section_mesh(outline);
+    double expected = signed_area(outline.regions[0].outer);
+    for (const Ring& hole : outline.regions[0].holes) expected -= std::abs(signed_area(hole));
+    EXPECT_NEAR(area(mesh) / expected, 1.0, 1e-12);
+    EXPECT_GE(smallest_angle(mesh), 22.0);
+    EXPECT_EQ(pieces(mesh), 1);
+  }
+}
+
+TEST(SectionMesh, SharpCornersEnd) {
+  for (const double height : {0.5, 0.1, 0.01}) {
+    const TriangleMesh mesh = section_mesh(of_one({{0, 0}, {1, 0}, {1, height}}, 0.3));
+    EXPECT_NEAR(area(mesh), 0.5 * height, 1e-14);
+    EXPECT_LT(mesh.triangles.size(), 2000u);
+  }
+  // A star, with five of them.
+  Ring star;
+  for (int i = 0; i < 10; ++i) {
+    const double r = i % 2 ? 0.3 : 1.0, angle = i * std::numbers::pi / 5;
+    star.emplace_back(r * std::cos(angle), r * std::sin(angle));
+  }
+  EXPECT_NEAR(area(section_mesh(of_one(star, 0.3))), signed_area(star), 1e-14);
+}
+
+TEST(SectionMesh, FacesOfASlitDoNotRefineEachOther) {
+  const auto wide = section_mesh(of_one(slit_tube(8, 1.25, 0.1, 128), 0.3)).triangles.size();
+  for (const double slit : {1e-4, 1e-6, 1e-9})
+    EXPECT_LT(section_mesh(of_one(slit_tube(8, 1.25, slit, 128), 0.3)).triangles.size(), wide + 50);
+}
+
+TEST(SectionMesh, RegionsMeetAlongWhatTheyShare) {
+  // A wide plate on a narrow web: corners of one lie on an edge of the other; and a filled tube.
+  const Outline tee{{{.outer = rectangle(0, 0, 1, 4)}, {.outer = rectangle(-1.3, 4, 2.7, 4.5)}}};
+  const TriangleMesh mesh = section_mesh(tee);
+  EXPECT_NEAR(area(mesh, 0), 4.0, 1e-12);
+  EXPECT_NEAR(area(mesh, 1), 2.0, 1e-12);
+  EXPECT_EQ(pieces(mesh), 1);
+  // Turned, so that coordinates round.
+  Outline turned = tee;
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  for (Region& region : turned.regions)
+    for (auto& p : region.outer) p = Eigen::Vector2d(c * p.x() - s * p.y(), s * p.x() + c * p.y());
+  const TriangleMesh other = section_mesh(turned);
+  EXPECT_NEAR(area(other), 6.0, 1e-12);
+  EXPECT_EQ(pieces(other), 1);
+  const Ring disc = circle({0, 0}, 1);
+  const Outline filled{{{.outer = circle({0, 0}, 1.2), .holes = {disc}}, {.outer = disc}}};
+  EXPECT_NEAR(area(section_mesh(filled)), 1.44 * std::numbers::pi, 1e-12);
+}
+
+TEST(SectionMesh, Refuses) {
+  expect_refusal([] { (void)section_mesh(of_one(rectangle(0, 0, 1, 1), 0.3), {.coarseness = 0}); },
+                 {"coarseness", "positive"});
+  expect_refusal([] { (void)section_mesh(of_one(rectangle(0, 0, 1, 1), 0.3), {.angle = 45}); },
+                 {"angle", "45", "30"});
+  expect_refusal(
+      [] {
+        (void)section_mesh({{{.outer = rectangle(0, 0, 1, 1)}, {.outer = rectangle(2, 0, 3, 1)}}});
+      },
+      {"2 pieces"});
+  // Corner to corner is no connection.
+  expect_refusal(
+      [] {
+        (void)section_mesh({{{.outer = rectangle(0, 0, 1, 1)}, {.outer = rectangle(1, 1, 2, 2)}}});
+      },
+      {"2 pieces"});
+  expect_refusal(
+      [] {
+        (void)section_mesh(of_one(rectangle(0, 0, 1, 1), 0.3),
+                           {.coarseness = 1e-3, .most_points = 1000});
+      },
+      {"1000", "most_points"});
+}
+
+}  // namespace
+}  // namespace wheeltap::fem
