@@ -122,10 +122,12 @@ StructureModel parse_matrices(const CaseFile& file) {
     change("change", {.lower = -1.0, .open = true, .words = "above -1"}, 0.0);
     out.parts.push_back(std::move(part));
   }
-  for (const char* key : {"scale", "change"})
-    for (const auto& [name, ignored] : s.value(key, Json::object()).items())
+  for (const char* key : {"scale", "change"}) {
+    const Json values = s.value(key, Json::object());
+    for (const auto& [name, ignored] : values.items())
       if (!s.at("stiffness").contains(name))
         file.refuse(kStructure / key / name, "no substructure of stiffness has this name");
+  }
   if (s.contains("dofs")) out.names = read_names(file, out.mass.rows());
   try {
     fem::validate(out);

@@ -142,8 +142,8 @@ class MemberParser {
 
   struct Piece {
     double to;
-    std::string material, section;
-    Pointer material_at, section_at;
+    std::string material = {}, section = {};
+    Pointer material_at{}, section_at{};
   };
 
   void parse_member(const Pointer& where) {
@@ -205,7 +205,7 @@ class MemberParser {
     };
     std::vector<Piece> list;
     if (!m.contains("pieces")) {
-      Piece whole{.to = length, .material = {}, .section = {}, .material_at = {}, .section_at = {}};
+      Piece whole{.to = length};
       named(where, "material", whole);
       named(where, "section", whole);
       return {whole};
@@ -214,7 +214,7 @@ class MemberParser {
     for (std::size_t p = 0; p < m.at("pieces").size(); ++p) {
       const Pointer here = where / "pieces" / p;
       const bool last = p + 1 == m.at("pieces").size();
-      Piece piece{.to = length, .material = {}, .section = {}, .material_at = {}, .section_at = {}};
+      Piece piece{.to = length};
       if (at(here).contains("to"))
         piece.to = at(here).at("to");
       else if (!last)
@@ -284,9 +284,10 @@ class MemberParser {
       file_.refuse(list / name, "is no end of this member");
     };
     const Json& m = at(where);
-    for (const auto& [name, ignored] : m.value("offsets", Json::object()).items())
+    const Json offsets = m.value("offsets", Json::object()), ends = m.value("ends", Json::object());
+    for (const auto& [name, ignored] : offsets.items())
       member.ends[end_of(where / "offsets", name)].offset = vector(where / "offsets" / name);
-    for (const auto& [name, joint] : m.value("ends", Json::object()).items()) {
+    for (const auto& [name, joint] : ends.items()) {
       const Pointer here = where / "ends" / name;
       const std::size_t end = end_of(where / "ends", name);
       if (joint == "hinge") {
@@ -320,7 +321,8 @@ class MemberParser {
       file_.refuse(where / "fix", "is missing: a support has fix, stiffness or both");
     for (std::size_t i = 0; i < j.value("fix", Json::array()).size(); ++i)
       support.fix[static_cast<std::size_t>(direction(where / "fix" / i))] = true;
-    for (const auto& [name, ignored] : j.value("stiffness", Json::object()).items()) {
+    const Json springs = j.value("stiffness", Json::object());
+    for (const auto& [name, ignored] : springs.items()) {
       const Pointer here = where / "stiffness" / name;
       const auto d = static_cast<std::size_t>(direction(here, name));
       if (support.fix[d]) file_.refuse(here, "is fixed already: a direction is held or sprung");
