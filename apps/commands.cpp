@@ -15,6 +15,8 @@
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/stored_run.hpp"
+#include "apps/structure_case.hpp"
+#include "apps/structure_command.hpp"
 #include "apps/terminal.hpp"
 #include "apps/whole_number.hpp"
 #include "base/parallel.hpp"
@@ -49,8 +51,11 @@ std::string sparkline(const Eigen::VectorXd& shape) {
 }  // namespace
 
 void run_modes(const CommonOptions& common, const ModesOptions& options) {
-  const DamageCaseFile parsed =
-      parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
+  CaseFile file = read_case(common.case_path, common.overrides);
+  if (has_structure(file)) return run_structure_modes(file, options);
+  if (!options.vtk.empty())
+    throw Failure(Exit::usage, "--vtk: goes with a structure; this case has a beam");
+  const DamageCaseFile parsed = parse_damage_case(std::move(file), Needs::structure);
   const DamageCase& damage_case = parsed.damage;
   if (options.truth && !damage_case.simulation) {
     parsed.file.refuse(Pointer("/damage/truth"), "is missing: --truth has nothing to show");

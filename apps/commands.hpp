@@ -29,7 +29,8 @@ struct ModesOptions {
   std::optional<int> modes;  ///< rigid-body ones included
   bool truth = false;        ///< damaged as the case's truth says
   bool json = false;
-  bool shapes = false;  ///< with json: add the shapes
+  bool shapes = false;        ///< with json: add the shapes
+  std::filesystem::path vtk;  ///< of a structure: draw it and its shapes into this file
 };
 
 struct TableOptions {

@@ -7,6 +7,7 @@
 
 #include "apps/beam_case.hpp"
 #include "apps/csv_frequencies.hpp"
+#include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
 #include "identification/defects/reduction.hpp"
@@ -435,6 +436,9 @@ void accept_cv(CaseFile& file) {
 constexpr double kMostModels = 5000;
 
 DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
+  if (has_structure(file))
+    file.refuse(at("/structure"),
+                "this command takes a case with a beam (`wheeltap modes` takes both)");
   accept_cv(file);
   validate_against_schema(file, "damage");
   DamageCaseFile parsed{.file = std::move(file), .notes = {}, .damage = {}, .kinds = {}};

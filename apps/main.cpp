@@ -162,13 +162,16 @@ int main(int argc, char** argv) {
         ->excludes(prior_only);
   };
 
-  CLI::App* modes_command = app.add_subcommand("modes", "natural frequencies of the case's beam");
+  CLI::App* modes_command =
+      app.add_subcommand("modes", "natural frequencies of the case's beam or structure");
   add_case(modes_command);
   modes_command->add_option("--modes", modes.modes, "how many, rigid-body ones included")
       ->transform(whole(1, kMany));
   modes_command->add_flag("--truth", modes.truth, "damaged as damage.truth says");
   modes_command->add_flag("--json", modes.json, "as JSON");
   modes_command->add_flag("--shapes", modes.shapes, "with --json: the shapes too");
+  modes_command->add_option("--vtk", modes.vtk,
+                            "draw the structure and its shapes into this file, for ParaView");
 
   apps::SectionOptions section;
   CLI::App* section_command =
@@ -232,7 +235,10 @@ int main(int argc, char** argv) {
   std::filesystem::path start_in = ".";
   CLI::App* init_command =
       app.add_subcommand("init", "a case to start from, every key explained beside it");
+  std::string start_structure = "beam";
   init_command->add_option("KIND", starting, "damage or sid")->required();
+  init_command->add_option("--structure", start_structure,
+                           "of damage: beam (unless given), frame, building or matrices");
   init_command->add_option("-o,--output", start_in, "the folder to write into (default: this one)");
 
   apps::LawsOptions laws;
@@ -272,7 +278,7 @@ int main(int argc, char** argv) {
     if (sid_command->parsed()) apps::run_sid(common, sampling);
     if (simulate_command->parsed()) apps::run_simulate(common);
     if (report_command->parsed()) apps::run_report(common.output, drawing);
-    if (init_command->parsed()) apps::run_init(starting, start_in);
+    if (init_command->parsed()) apps::run_init(starting, start_structure, start_in);
     if (laws_command->parsed()) apps::run_laws(laws);
     if (schema_command->parsed()) apps::run_schema(schema);
     std::cout.flush();

@@ -24,13 +24,18 @@ struct StructureModel {
   AnyStructure nominal;
   /// Sorted by name; empty where everything is known.
   std::vector<inference::Parameter> parameters = {};
-  /// Puts parameter i into every place that names it.
+  /// Puts parameter i into every place that is nothing but its value.
   std::vector<std::function<void(AnyStructure&, double)>> setters = {};
+  /// Puts what depends on the parameters together into its place, after the setters: the
+  /// stiffnesses of a section whose sizes are unknown, say. Throws std::invalid_argument where
+  /// there is no such section.
+  std::vector<std::function<void(AnyStructure&, std::span<const double>)>> dependent = {};
 
-  /// The structure at these values of the parameters.
+  /// The structure at these values of the parameters. Throws as `dependent` does.
   [[nodiscard]] AnyStructure at(std::span<const double> values) const {
     AnyStructure structure = nominal;
     for (std::size_t i = 0; i < values.size(); ++i) setters[i](structure, values[i]);
+    for (const auto& place : dependent) place(structure, values);
     return structure;
   }
 };
