@@ -7,9 +7,11 @@
 
 #include "apps/beam_case.hpp"
 #include "apps/csv_frequencies.hpp"
+#include "apps/damage_parts.hpp"
 #include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
+#include "fem/structures/structure_modes.hpp"
 #include "identification/defects/reduction.hpp"
 #include "identification/interpolants.hpp"
 #include "io/netcdf_name.hpp"
@@ -32,7 +34,8 @@ Pointer at(const char* text) {
   return Pointer(text);
 }
 
-// A prior of something that must lie in [lower, upper]; `allowed` says so in words.
+}  // namespace
+
 inference::Prior bounded_prior(const CaseFile& file, const Pointer& where, double lower,
                                double upper, const std::string& allowed) {
   const inference::Prior prior = parse_prior(file, where);
@@ -69,6 +72,21 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
   return weights;
 }
 
+Simulation parse_simulation(const CaseFile& file, const Json& truth, Simulation simulation) {
+  const Json data = file.json.value("data", Json::object());
+  if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"];
+  simulation.modes = data.value("modes", simulation.modes);
+  simulation.seed = data.value("seed", simulation.seed);
+  if (truth.is_object()) {
+    simulation.modes = truth.value("modes", simulation.modes);
+    simulation.cv = truth.value("cov", simulation.cv);
+    simulation.seed = truth.value("seed", simulation.seed);
+  }
+  return simulation;
+}
+
+namespace {
+
 void parse_truth(const CaseFile& file, const Pointer& block, double length, DefectKind& kind,
                  DamageCase& out) {
   const Json& b = file.json.at(block);
@@ -76,17 +94,7 @@ void parse_truth(const CaseFile& file, const Pointer& block, double length, Defe
   const Json& t = b["truth"];
   const Json& list = t.is_array() ? t : t.at("defects");
   const Pointer where = t.is_array() ? block / "truth" : block / "truth" / "defects";
-  const Json data = file.json.value("data", Json::object());
-  Simulation simulation = out.simulation.value_or(Simulation{});
-  if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"];
-  simulation.modes = data.value("modes", simulation.modes);
-  simulation.seed = data.value("seed", simulation.seed);
-  if (t.is_object()) {
-    simulation.modes = t.value("modes", simulation.modes);
-    simulation.cv = t.value("cov", simulation.cv);
-    simulation.seed = t.value("seed", simulation.seed);
-  }
-  out.simulation = simulation;
+  out.simulation = parse_simulation(file, t, out.simulation.value_or(Simulation{}));
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Json& d = list[i];
     const std::string severity = kind.severity_name();
@@ -115,10 +123,11 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   const Json& b = file.json.at(where);
   const auto type_name = b.value("kind", std::string(defect_types()[0]->name));
   const DefectType* type = find_defect_type(type_name);
-  if (type == nullptr) {
+  if (type == nullptr || type->place == nullptr) {
     std::string known;
     for (const DefectType* t : defect_types())
-      known += (known.empty() ? "\"" : ", \"") + std::string(t->name) + "\"";
+      if (t->place != nullptr)
+        known += (known.empty() ? "\"" : ", \"") + std::string(t->name) + "\"";
     file.refuse(where / "kind", "no such kind of defect; there are " + known);
   }
   const std::string severity(type->severity);
@@ -395,13 +404,13 @@ void DamageCaseFile::refuse(const InvalidInput& error) const {
   const auto kind = static_cast<std::size_t>(error.index());
   switch (error.part()) {
     case Part::beam:
-      file.refuse(at("/beam"), error.what());
+      file.refuse(damage.structure ? at("/structure") : at("/beam"), error.what());
     case Part::truth:
       file.refuse(at("/damage/truth"), error.what());
     case Part::emulator:
       file.refuse(at("/predictor"), error.what());
     case Part::location:
-      file.refuse(kinds[kind] / "location", error.what());
+      file.refuse(kinds[kind] / (damage.structure ? "on" : "location"), error.what());
     case Part::severity:
       file.refuse(kinds[kind] / damage.kinds[kind].severity_name(), error.what());
     default:
@@ -432,15 +441,61 @@ void accept_cv(CaseFile& file) {
 
 }  // namespace
 
+namespace {
+
+// What a case of a structure may say, but this version does not use.
+void refuse_unused(const CaseFile& f) {
+  for (const char* place :
+       {"/baseline", "/data/shapes", "/data/sensors", "/data/shape_sd", "/data/shape_covariance",
+        "/data/covariance", "/data/from", "/data/states", "/data/masses", "/data/temperature"}) {
+    if (f.json.contains(at(place)))
+      f.refuse(at(place), "is not used by this version: it infers damage from frequencies");
+  }
+}
+
+void check_structure_modes(const CaseFile& f, DamageCase& out) {
+  try {
+    const fem::Discretisation d = discretise(out.structure->nominal);
+    out.rigid_body_modes = static_cast<int>(d.rigid_motions.cols());
+    const auto most = static_cast<int>(fem::mode_count(d)) - out.rigid_body_modes;
+    if (out.modes() > most)
+      f.refuse(out.data.modes() > 0 ? at("/data") : at("/data/modes"),
+               std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most) +
+                   ", the elastic modes of this mesh; refine \"elements\"");
+  } catch (const fem::InvalidStructure& error) {
+    refuse_structure(f, out.structure->nominal, error);
+  }
+}
+
+void check_beam_modes(const CaseFile& f, DamageCase& out) {
+  const int free = free_degrees_of_freedom(out.beam);
+  if (free < 1) f.refuse(at("/beam/supports"), "nothing is left to vibrate");
+  out.rigid_body_modes = rigid_body_modes(out.beam);
+  int most_supports = 0;
+  for (const DefectKind& kind : out.kinds) {
+    if (kind.type->may_be_known) {
+      most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
+    }
+  }
+  const int most_modes = free - std::max(out.rigid_body_modes, most_supports);
+  if (out.modes() > most_modes) {
+    f.refuse(out.data.modes() > 0 ? at("/data") : at("/data/modes"),
+             std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most_modes) +
+                 ", the elastic modes of " + std::to_string(out.beam.elements) +
+                 " elements; refine beam.elements");
+  }
+}
+
+}  // namespace
+
 // Each is explored by itself before anything is drawn.
 constexpr double kMostModels = 5000;
 
 DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
-  if (has_structure(file))
-    file.refuse(at("/structure"),
-                "this command takes a case with a beam (`wheeltap modes` takes both)");
+  const bool structure = has_structure(file);
   accept_cv(file);
-  validate_against_schema(file, "damage");
+  validate_against_schema(file, structure ? "structure" : "damage");
+  if (file.json.at("kind") != "damage") file.refuse(at("/kind"), "must be \"damage\" here");
   DamageCaseFile parsed{.file = std::move(file), .notes = {}, .damage = {}, .kinds = {}};
   DamageCase& out = parsed.damage;
   const CaseFile& f = parsed.file;
@@ -454,7 +509,16 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
       parsed.notes = json["notes"].get<std::vector<std::string>>();
     }
   }
-  out.beam = parse_beam(f);
+  if (structure) {
+    refuse_unused(f);
+    out.structure = std::make_shared<const StructureModel>(parse_structure(f));
+    if (!out.structure->parameters.empty())
+      f.refuse(at("/parameters"),
+               "unknown coefficients beside damage need a baseline, which this version does not "
+               "infer: give numbers");
+  } else {
+    out.beam = parse_beam(f);
+  }
   const Json damage = json.value("damage", Json::array());
   if (needs == Needs::data) {
     for (const char* key : {"damage", "data"}) {
@@ -462,7 +526,9 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
         f.refuse(Pointer() / std::string(key), "is missing: must be an object");
     }
   }
-  if (damage.is_array()) {
+  if (structure) {
+    parse_structure_kinds(f, out, parsed.kinds);
+  } else if (damage.is_array()) {
     for (std::size_t i = 0; i < damage.size(); ++i) {
       parsed.kinds.push_back(at("/damage") / i);
       out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
@@ -491,21 +557,10 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   }
   if (json.contains("data")) out.data = parse_data(f);
 
-  const int free = free_degrees_of_freedom(out.beam);
-  if (free < 1) f.refuse(at("/beam/supports"), "nothing is left to vibrate");
-  out.rigid_body_modes = rigid_body_modes(out.beam);
-  int most_supports = 0;
-  for (const DefectKind& kind : out.kinds) {
-    if (kind.type->may_be_known) {
-      most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
-    }
-  }
-  const int most_modes = free - std::max(out.rigid_body_modes, most_supports);
-  if (out.modes() > most_modes) {
-    f.refuse(out.data.modes() > 0 ? at("/data") : at("/data/modes"),
-             std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most_modes) +
-                 ", the elastic modes of " + std::to_string(out.beam.elements) +
-                 " elements; refine beam.elements");
+  if (structure) {
+    check_structure_modes(f, out);
+  } else {
+    check_beam_modes(f, out);
   }
   if (needs == Needs::structure) return parsed;
 

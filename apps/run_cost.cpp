@@ -68,7 +68,12 @@ RunCost cost_of_sampling(const Sampled& sampled, const CommonOptions& common,
 
 RunCost cost_of_damages(const identification::DamageCase& damage_case, const CommonOptions& common,
                         const SamplingOptions& options) {
-  const double n = damage_case.beam.elements;
+  // A beam's element brings two degrees of freedom.
+  const double n =
+      damage_case.structure
+          ? 0.5 * static_cast<double>(
+                      identification::discretise(damage_case.structure->nominal).size())
+          : static_cast<double>(damage_case.beam.elements);
   const double modes = damage_case.modes();
   const double common_ones = damage_case.data.cv_prior ? 1.0 : 0.0;
   // Measured on a core of 2.5 GHz.

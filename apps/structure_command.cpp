@@ -50,7 +50,7 @@ Report shapes_of(const DrawnStructure& structure, const fem::StructureModes& mod
 
 }  // namespace
 
-void run_structure_modes(const CaseFile& file, const ModesOptions& options) {
+void run_structure_modes(CaseFile file, const ModesOptions& options) {
   if (options.truth)
     throw Failure(Exit::usage, "--truth: goes with a beam; a structure is shown without damage");
   validate_against_schema(file, "structure");

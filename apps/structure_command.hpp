@@ -8,6 +8,6 @@ namespace wheeltap::apps {
 
 /// Natural frequencies and shapes with every parameter at its nominal value: a table, JSON, and a
 /// VTK file. Throws Failure; 65 for mechanisms and axial forces beyond buckling.
-void run_structure_modes(const CaseFile& file, const ModesOptions& options);
+void run_structure_modes(CaseFile file, const ModesOptions& options);
 
 }  // namespace wheeltap::apps

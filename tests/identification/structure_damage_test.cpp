@@ -18,10 +18,8 @@ namespace {
 /// Two bays of different width, two storeys: ten members, the beams joined semi-rigidly.
 fem::Structure frame() {
   const fem::Material steel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
-  const fem::MemberSection section{.area = 5e-3,
-                                   .second_moment_y = 1.7e-5,
-                                   .shear_coefficient_z = 0.85,
-                                   .depth = 0.2};
+  const fem::MemberSection section{
+      .area = 5e-3, .second_moment_y = 1.7e-5, .shear_coefficient_z = 0.85, .depth = 0.2};
   fem::Structure s{.dimension = 2, .nodes = {}, .members = {}};
   const double x[] = {0.0, 4.0, 9.0}, y[] = {0.0, 3.0, 6.5};
   for (int level = 0; level < 3; ++level)
@@ -132,8 +130,8 @@ Sum integrate(const F& f, const std::vector<std::pair<double, double>>& box,
   for (int h = 0; h < halvings; ++h) {
     before = now;
     // Neighbours of what counts may hide a peak between midpoints: a generous margin at first.
-    const double worth = before - (h < 1 ? 25.0 : 6.0) -
-                         std::log(static_cast<double>(cells.size()));
+    const double worth =
+        before - (h < 1 ? 25.0 : 6.0) - std::log(static_cast<double>(cells.size()));
     std::vector<Cell> finer;
     for (Cell& cell : cells) {
       if (cell.log_value < worth) {
@@ -191,25 +189,28 @@ TEST(StructureDamage, ACrackAndALooseJointInAFrameOfTenMembers) {
   std::map<int, double> by_member;
   for (int node = 3; node < 9; ++node) {
     add(1,
-        integrate([&](const auto& x) { return log_likelihood({.joints = {{node, x[0]}}}); },
-                  {{0.0, 0.9}}, {64}, 6),
+        integrate(
+            [&](const auto& x) {
+              return log_likelihood({.joints = {{node, x[0]}}});
+            },
+            {{0.0, 0.9}}, {64}, 6),
         reduction_density - std::log(6.0));
   }
   for (int m = 0; m < 10; ++m) {
     const double length = mesh.member_length(m);
-    by_member[m] += add(
-        2,
-        integrate(
-            [&](const auto& x) { return log_likelihood({.cracks = {{m, x[0], x[1], law}}}); },
-            {{0.0, length}, {0.05, 0.6}}, {24, 16}, 4),
-        depth_density - std::log(all_length));
+    by_member[m] += add(2,
+                        integrate(
+                            [&](const auto& x) {
+                              return log_likelihood({.cracks = {{m, x[0], x[1], law}}});
+                            },
+                            {{0.0, length}, {0.05, 0.6}}, {24, 16}, 4),
+                        depth_density - std::log(all_length));
     for (int node = 3; node < 9; ++node) {
       by_member[m] += add(
           3,
           integrate(
               [&](const auto& x) {
-                return log_likelihood(
-                    {.cracks = {{m, x[0], x[1], law}}, .joints = {{node, x[2]}}});
+                return log_likelihood({.cracks = {{m, x[0], x[1], law}}, .joints = {{node, x[2]}}});
               },
               {{0.0, length}, {0.05, 0.6}, {0.0, 0.9}}, {16, 8, 6}, 3),
           depth_density - std::log(all_length) + reduction_density - std::log(6.0));
@@ -257,8 +258,7 @@ TEST(StructureDamage, ASoftStorey) {
                     .max_count = 1,
                     .location = inference::Uniform{0.0, 1.0},  // below: on its line
                     .severity = inference::Prior(inference::Uniform{0.0, 0.8})};
-  storey.line =
-      SiteLine::of_points({0, 1, 2, 3}, {"storey 1", "storey 2", "storey 3", "storey 4"});
+  storey.line = SiteLine::of_points({0, 1, 2, 3}, {"storey 1", "storey 2", "storey 3", "storey 4"});
   storey.location = inference::Uniform{0.0, 4.0};
   storey.truth = {{.location = 2.5, .severity = 0.2}};
   damage_case.kinds = {storey};
@@ -298,7 +298,8 @@ TEST(StructureDamage, ASoftStorey) {
                 4.0 * model.standing.mcse + 1e-4)
         << model.name;
   for (int link = 0; link < 4; ++link)
-    EXPECT_NEAR(found.kinds[0].expected[static_cast<std::size_t>(link)], by_storey[link] / sum, 0.02)
+    EXPECT_NEAR(found.kinds[0].expected[static_cast<std::size_t>(link)], by_storey[link] / sum,
+                0.02)
         << link;
 }
 
