@@ -22,6 +22,7 @@
 #include "base/parallel.hpp"
 #include "emulator/journal.hpp"
 #include "fem/modal_analysis.hpp"
+#include "fem/structures/structure_modes.hpp"
 #include "identification/plausibility.hpp"
 #include "io/atomic_file.hpp"
 #include "io/text.hpp"
@@ -48,6 +49,34 @@ std::string sparkline(const Eigen::VectorXd& shape) {
   return text;
 }
 
+// Of a beam whose truth only structures know: frequencies, and deflections at its nodes.
+fem::Modes true_modes(const DamageCase& damage_case, int wanted) {
+  const fem::StructureModes found = fem::structure_modes(true_structure(damage_case), wanted);
+  const fem::Beam& beam = damage_case.beam;
+  const fem::Mesh mesh(std::get<fem::Structure>(damage_case.solved_structure()));
+  fem::Modes modes{.frequencies_hz = found.frequencies_hz,
+                   .eigenvalues = found.eigenvalues,
+                   .shapes = Eigen::MatrixXd::Zero(2 * beam.nodes(), found.shapes.cols()),
+                   .rigid_body_modes = found.rigid_body_modes,
+                   .certified = found.certified,
+                   .solver = found.solver};
+  int member = 0;
+  double start = 0.0;
+  for (int i = 0; i < beam.nodes(); ++i) {
+    const double x = i * beam.element_length();
+    while (member + 1 < static_cast<int>(mesh.structure().members.size()) &&
+           x > start + mesh.member_length(member) * (1.0 + 1e-9)) {
+      start += mesh.member_length(member++);
+    }
+    const fem::SparseRow deflection =
+        mesh.motion(member, std::min(x - start, mesh.member_length(member)), fem::Direction::y);
+    for (Eigen::Index j = 0; j < found.shapes.cols(); ++j) {
+      modes.shapes(2 * i, j) = deflection.of(found.shapes.col(j));
+    }
+  }
+  return modes;
+}
+
 }  // namespace
 
 void run_modes(const CommonOptions& common, const ModesOptions& options) {
@@ -60,12 +89,16 @@ void run_modes(const CommonOptions& common, const ModesOptions& options) {
   if (options.truth && !damage_case.simulation) {
     parsed.file.refuse(Pointer("/damage/truth"), "is missing: --truth has nothing to show");
   }
-  const fem::Defects defects = options.truth ? damage_case.true_defects() : fem::Defects{};
+  const fem::Defects defects = options.truth && !damage_case.solved_as_structure()
+                                   ? damage_case.true_defects()
+                                   : fem::Defects{};
   const int wanted = options.modes.value_or((damage_case.modes() > 0 ? damage_case.modes() : 10) +
                                             damage_case.rigid_body_modes);
   fem::Modes modes;
   try {
-    modes = fem::modal_analysis(damage_case.beam, defects, {.modes = wanted});
+    modes = options.truth && damage_case.solved_as_structure()
+                ? true_modes(damage_case, wanted)
+                : fem::modal_analysis(damage_case.beam, defects, {.modes = wanted});
   } catch (const std::invalid_argument& error) {
     parsed.file.refuse(Pointer("/beam"), error.what());
   }

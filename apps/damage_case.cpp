@@ -123,11 +123,10 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   const Json& b = file.json.at(where);
   const auto type_name = b.value("kind", std::string(defect_types()[0]->name));
   const DefectType* type = find_defect_type(type_name);
-  if (type == nullptr || type->place == nullptr) {
+  if (type == nullptr || !type->is_for_beams()) {
     std::string known;
     for (const DefectType* t : defect_types())
-      if (t->place != nullptr)
-        known += (known.empty() ? "\"" : ", \"") + std::string(t->name) + "\"";
+      if (t->is_for_beams()) known += (known.empty() ? "\"" : ", \"") + std::string(t->name) + "\"";
     file.refuse(where / "kind", "no such kind of defect; there are " + known);
   }
   const std::string severity(type->severity);
@@ -159,7 +158,21 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
       .severity = DefectKind::Rigid{},
       .rotation = type->may_be_rotational && b.contains("fix") && b["fix"][0] == "rotation",
       .truth = {}};
-  kind.plural = b.value("plural", kind.name + "s");
+  kind.plural = b.value("plural", b.contains("name") ? kind.name + "s" : type->noun_plural());
+  kind.line = SiteLine::of_beam(out.beam);
+  if (b.contains("extent") && type_name != "reduction") {
+    file.refuse(where / "extent", "goes with \"kind\": \"reduction\" only");
+  }
+  if (b.contains("extent") && b["extent"].is_number()) kind.extent = b["extent"].get<double>();
+  if (type_name == "crack") {
+    kind.crack_law = parse_crack_law(file, where);
+    if (!(out.beam_depth > 0.0)) {
+      file.refuse(where / "kind",
+                  "a crack needs the height of the section: give it a \"shape\" with sizes");
+    }
+  } else if (b.contains("law")) {
+    file.refuse(where / "law", "goes with \"kind\": \"crack\" only");
+  }
   if (const auto why = io::why_no_netcdf_name(kind.name)) {
     file.refuse(where / "name", "a name " + *why);
   }
@@ -518,6 +531,9 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
                "infer: give numbers");
   } else {
     out.beam = parse_beam(f);
+    const Json& section = json["beam"]["section"];
+    for (const char* height : {"height", "diameter", "outer_diameter"})
+      if (section.contains(height)) out.beam_depth = section[height];
   }
   const Json damage = json.value("damage", Json::array());
   if (needs == Needs::data) {

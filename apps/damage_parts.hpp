@@ -9,7 +9,8 @@
 
 namespace wheeltap::apps {
 
-/// A prior of something that must lie in [lower, upper]; `allowed` says so in words. Throws Failure.
+/// A prior of something that must lie in [lower, upper]; `allowed` says so in words. Throws
+/// Failure.
 [[nodiscard]] inference::Prior bounded_prior(const CaseFile& file, const Pointer& where,
                                              double lower, double upper,
                                              const std::string& allowed);
@@ -21,6 +22,9 @@ namespace wheeltap::apps {
 /// What "truth" and "data" say of a simulation, beside its defects.
 [[nodiscard]] identification::Simulation parse_simulation(const CaseFile& file, const Json& truth,
                                                           identification::Simulation before);
+
+/// The law that a crack names, or the first. Throws Failure for one that there is not.
+[[nodiscard]] const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where);
 
 /// The kinds of defect of a structure, with where they may be. Throws Failure.
 void parse_structure_kinds(const CaseFile& file, identification::DamageCase& out,

@@ -62,7 +62,7 @@ void add_defects(AnyJson& rules) {
   auto& of_truth = rules["definitions"]["true_defect"]["properties"];
   auto& names = keys["kind"]["enum"] = AnyJson::array();
   for (const auto* type : identification::defect_types()) {
-    if (type->place == nullptr) continue;  // for structures alone
+    if (!type->is_for_beams()) continue;
     names.push_back(std::string(type->name));
     const std::string severity(type->severity);
     if (!keys.contains(severity)) keys[severity] = {{"$ref", "#/definitions/prior"}};

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "apps/damage_case.hpp"
 #include "apps/running.hpp"
 #include "apps/structure_case.hpp"
 #include "apps/structure_drawing.hpp"
@@ -51,12 +52,16 @@ Report shapes_of(const DrawnStructure& structure, const fem::StructureModes& mod
 }  // namespace
 
 void run_structure_modes(CaseFile file, const ModesOptions& options) {
-  if (options.truth)
-    throw Failure(Exit::usage, "--truth: goes with a beam; a structure is shown without damage");
   validate_against_schema(file, "structure");
   std::vector<std::string> remarks;
   const StructureModel model = parse_structure(file, &remarks);
-  const DrawnStructure structure = build(file, model.nominal);
+  DrawnStructure structure = build(file, model.nominal);
+  if (options.truth) {
+    const DamageCaseFile parsed = parse_damage_case(file, Needs::structure);
+    if (!parsed.damage.simulation)
+      file.refuse(Pointer("/damage/truth"), "is missing: --truth has nothing to show");
+    structure.discretisation = explained(parsed, [&] { return true_structure(parsed.damage); });
+  }
   const auto rigid = static_cast<int>(structure.discretisation.rigid_motions.cols());
   const auto there = static_cast<int>(fem::mode_count(structure.discretisation));
   if (there == 0) file.refuse(Pointer("/structure"), "nothing is left to vibrate");
@@ -89,7 +94,8 @@ void run_structure_modes(CaseFile file, const ModesOptions& options) {
     std::cout << out.dump() << '\n';
     return;
   }
-  std::cout << title << " (intact; " << structure.discretisation.size() << " degrees of freedom)\n";
+  std::cout << title << (options.truth ? " (as damaged in truth; " : " (intact; ")
+            << structure.discretisation.size() << " degrees of freedom)\n";
   for (const auto& parameter : model.parameters)
     std::cout << (&parameter == &model.parameters.front() ? "at the priors' medians: " : ", ")
               << parameter.name << " = "

@@ -23,7 +23,8 @@ struct Places {
 class KindParser {
  public:
   KindParser(const CaseFile& file, DamageCase& out) : file_(file), out_(out) {
-    if (const auto* members = std::get_if<fem::Structure>(&out.structure->nominal)) mesh_.emplace(*members);
+    if (const auto* members = std::get_if<fem::Structure>(&out.structure->nominal))
+      mesh_.emplace(*members);
   }
 
   DefectKind parse(const Pointer& where) {
@@ -53,7 +54,7 @@ class KindParser {
                     .weights = parse_count_prior(file_, where / "count", min, max),
                     .location = inference::Uniform{0.0, 1.0},
                     .severity = DefectKind::Rigid{}};
-    kind.plural = b.value("plural", kind.name + "s");
+    kind.plural = b.value("plural", b.contains("name") ? kind.name + "s" : type->noun_plural());
     kind.line = line(where, *type, places);
     kind.location = inference::Uniform{0.0, kind.line.length()};
     if (!type->may_be_known && !b.contains(severity))
@@ -66,15 +67,7 @@ class KindParser {
     if (b.contains("extent") && b["extent"].is_number()) kind.extent = b["extent"].get<double>();
     if (b.contains("extent") && b["extent"].is_object())
       file_.refuse(where / "extent", "this version takes \"element\" or a length, not a prior");
-    if (b.contains("law")) {
-      kind.crack_law = fem::find_crack_law(b["law"].get<std::string>());
-      if (kind.crack_law == nullptr) {
-        std::string list;
-        for (const fem::CrackLaw& law : fem::crack_laws())
-          list += (list.empty() ? "\"" : ", \"") + std::string(law.name) + "\"";
-        file_.refuse(where / "law", "no such crack law; there are " + list);
-      }
-    }
+    if (type_name == "crack") kind.crack_law = parse_crack_law(file_, where);
     if (type_name == "support") kind.direction = direction(where / "fix");
     if (type_name == "crack") require_depths(where, kind);
     parse_truth(where, kind, places);
@@ -107,8 +100,9 @@ class KindParser {
       return out;
     }
     if (!mesh_)
-      file_.refuse(where / "kind", chain ? "needs members; a \"chain\" has \"storey\""
-                                         : "needs members; this version knows no damage of matrices");
+      file_.refuse(where / "kind", chain
+                                       ? "needs members; a \"chain\" has \"storey\""
+                                       : "needs members; this version knows no damage of matrices");
     const fem::Structure& s = mesh_->structure();
     if (type.sites == Sites::nodes) {
       out.what = "node";
@@ -155,8 +149,8 @@ class KindParser {
     std::vector<std::string> names;
     for (const std::size_t i : order) {
       if (!sorted.empty() && sorted.back() == sites[i])
-        file_.refuse(where / "on", "names \"" + places.names[static_cast<std::size_t>(sites[i])] +
-                                       "\" twice");
+        file_.refuse(where / "on",
+                     "names \"" + places.names[static_cast<std::size_t>(sites[i])] + "\" twice");
       sorted.push_back(sites[i]);
       names.push_back(places.names[static_cast<std::size_t>(sites[i])]);
       if (!weights.empty()) sorted_weights.push_back(weights[i]);
@@ -172,20 +166,19 @@ class KindParser {
     const int dimension = mesh_->structure().dimension;
     for (int d = 0; d < fem::kDirections; ++d) {
       const auto one = static_cast<fem::Direction>(d);
-      const bool in_plane = one == fem::Direction::x || one == fem::Direction::y ||
-                            one == fem::Direction::rz;
+      const bool in_plane =
+          one == fem::Direction::x || one == fem::Direction::y || one == fem::Direction::rz;
       if (dimension == 2 && !in_plane) continue;
       if (name == fem::direction_name(one, dimension) || name == fem::direction_name(one, 3))
         return one;
     }
-    file_.refuse(where / 0, "is no direction of a structure of dimension " +
-                                std::to_string(dimension));
+    file_.refuse(where / 0,
+                 "is no direction of a structure of dimension " + std::to_string(dimension));
   }
 
   void require_depths(const Pointer& where, const DefectKind& kind) const {
     for (const SiteLine::Stretch& s : kind.line.stretches())
-      for (const auto& piece :
-           mesh_->structure().members[static_cast<std::size_t>(s.site)].pieces)
+      for (const auto& piece : mesh_->structure().members[static_cast<std::size_t>(s.site)].pieces)
         if (!(piece.section.depth > 0.0))
           file_.refuse(where / "kind", "member \"" + s.name +
                                            "\": a crack needs the height of the section; give it "
@@ -216,8 +209,7 @@ class KindParser {
       const bool along = kind.type->sites == Sites::members;
       const double s = along ? number("location") : 0.0;
       const double x = kind.line.x_of(site, s);
-      if (std::isnan(x))
-        file_.refuse(at / places.what, "is not one that this kind may be on");
+      if (std::isnan(x)) file_.refuse(at / places.what, "is not one that this kind may be on");
       if (along && !(s >= 0.0 && s <= mesh_->member_length(site)))
         file_.refuse(at / "location", "lies outside the member, which is " +
                                           Json(mesh_->member_length(site)).dump() + " m long");
@@ -237,6 +229,17 @@ class KindParser {
 };
 
 }  // namespace
+
+const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where) {
+  if (!file.json.at(where).contains("law")) return &fem::crack_laws()[0];
+  if (const fem::CrackLaw* law =
+          fem::find_crack_law(file.json.at(where / "law").get<std::string>()))
+    return law;
+  std::string list;
+  for (const fem::CrackLaw& law : fem::crack_laws())
+    list += (list.empty() ? "\"" : ", \"") + std::string(law.name) + "\"";
+  file.refuse(where / "law", "no such crack law; there are " + list);
+}
 
 void parse_structure_kinds(const CaseFile& file, DamageCase& out, std::vector<Pointer>& kinds) {
   KindParser parser(file, out);

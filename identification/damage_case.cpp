@@ -155,7 +155,15 @@ fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
   StructureEffects effects;
   for (const PlacedDefect& d : defects) {
     const DefectKind& kind = kinds[static_cast<std::size_t>(d.kind)];
-    kind.type->place_in_structure(kind, kind.line.spot(d.location), d.severity, effects);
+    SiteLine::Spot spot = kind.line.spot(d.location);
+    if (kind.line.is_beam()) {  // which of the members between supports
+      while (spot.site + 1 < static_cast<int>(mesh->structure().members.size()) &&
+             spot.s >= mesh->member_length(spot.site)) {
+        spot.s -= mesh->member_length(spot.site++);
+      }
+      spot.s = std::min(spot.s, mesh->member_length(spot.site));
+    }
+    kind.type->place_in_structure(kind, spot, d.severity, effects);
   }
   if (mesh != nullptr) {
     return fem::change_of(*mesh, effects.defects, std::move(effects.change));
@@ -164,8 +172,9 @@ fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
   return std::move(effects.change);
 }
 
-std::vector<double> true_frequencies(const DamageCase& damage_case, int modes) {
-  const auto* members = std::get_if<fem::Structure>(&damage_case.structure->nominal);
+fem::Discretisation true_structure(const DamageCase& damage_case) {
+  const AnyStructure structure = damage_case.solved_structure();
+  const auto* members = std::get_if<fem::Structure>(&structure);
   const auto mesh = members ? std::make_unique<const fem::Mesh>(*members) : nullptr;
   std::vector<PlacedDefect> placed;
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
@@ -173,15 +182,27 @@ std::vector<double> true_frequencies(const DamageCase& damage_case, int modes) {
       placed.push_back({static_cast<int>(k), t.location, t.severity});
     }
   }
-  const fem::Discretisation intact =
-      mesh ? mesh->discretisation() : discretise(damage_case.structure->nominal);
-  const fem::Discretisation damaged =
-      fem::changed(intact, structure_change(damage_case.kinds, placed, mesh.get()));
+  return fem::changed(mesh ? mesh->discretisation() : discretise(structure),
+                      structure_change(damage_case.kinds, placed, mesh.get()));
+}
+
+std::vector<double> true_frequencies(const DamageCase& damage_case, int modes) {
+  const fem::Discretisation damaged = true_structure(damage_case);
   const auto rigid = static_cast<int>(damaged.rigid_motions.cols());
   const auto available = static_cast<int>(fem::mode_count(damaged));
   const fem::StructureModes found =
       fem::structure_modes(damaged, std::min(available, modes + rigid));
   return {found.frequencies_hz.begin() + rigid, found.frequencies_hz.end()};
+}
+
+bool DamageCase::solved_as_structure() const {
+  return structure || std::ranges::any_of(kinds, [](const DefectKind& kind) {
+           return kind.type->place == nullptr || kind.extent.has_value();
+         });
+}
+
+AnyStructure DamageCase::solved_structure() const {
+  return structure ? structure->nominal : AnyStructure(fem::as_structure(beam, beam_depth));
 }
 
 std::vector<double> elastic_frequencies(const fem::Beam& beam, const fem::Defects& defects,
@@ -208,7 +229,7 @@ FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed) {
   data.origin = "simulated from the case's truth, seed " + std::to_string(seed);
   base::Random random(seed, 0, 0, base::Purpose::simulation);
   const std::vector<double> exact =
-      damage_case.structure
+      damage_case.solved_as_structure()
           ? true_frequencies(damage_case, s.modes)
           : elastic_frequencies(damage_case.beam, damage_case.true_defects(), s.modes);
   for (const double f : exact) {

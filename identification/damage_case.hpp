@@ -28,6 +28,7 @@ struct DamageCase {
   std::string title = {};
   bool balance = false;                                  ///< sample models evenly and reweight
   fem::Beam beam = {};                                   ///< where there is no structure
+  double beam_depth = 0.0;                               ///< height of its section, for cracks
   std::shared_ptr<const StructureModel> structure = {};  ///< in place of the beam
   int rigid_body_modes = 0;  ///< of the intact beam; data and predictions leave them out
   FrequencyData data = {};   ///< empty frequencies where it is to be simulated
@@ -40,9 +41,15 @@ struct DamageCase {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);
   }
   [[nodiscard]] fem::Defects true_defects() const;
+  /// A structure, or a beam with defects that only structures know (a crack, a mass, an extent).
+  [[nodiscard]] bool solved_as_structure() const;
+  /// What is solved then. Throws std::invalid_argument.
+  [[nodiscard]] AnyStructure solved_structure() const;
 };
 
-/// The same of a structure, by the full solve of what its truth makes of it.
+/// What the truth makes of a case that is solved as a structure.
+[[nodiscard]] fem::Discretisation true_structure(const DamageCase& damage_case);
+/// Its elastic frequencies [Hz] by the full solve, `modes` of them.
 [[nodiscard]] std::vector<double> true_frequencies(const DamageCase& damage_case, int modes);
 
 /// What defects of a structure do to it, given where they are on their kinds' lines.

@@ -278,14 +278,15 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
       .symmetric = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam),
       .common = static_cast<int>(common.size())});
   const int wanted = damage_case.modes() + damage_case.rigid_body_modes;
-  if (damage_case.structure) {
+  if (damage_case.solved_as_structure()) {
     try {
-      if (const auto* members = std::get_if<fem::Structure>(&damage_case.structure->nominal)) {
+      const AnyStructure structure = damage_case.solved_structure();
+      if (const auto* members = std::get_if<fem::Structure>(&structure)) {
         out->mesh = std::make_shared<const fem::Mesh>(*members);
       }
       out->structure = std::make_shared<const fem::StructureReanalysis>(
-          std::make_shared<const fem::Discretisation>(
-              out->mesh ? out->mesh->discretisation() : discretise(damage_case.structure->nominal)),
+          std::make_shared<const fem::Discretisation>(out->mesh ? out->mesh->discretisation()
+                                                                : discretise(structure)),
           wanted);
     } catch (const std::invalid_argument& error) {
       throw InvalidInput(InvalidInput::Part::beam, error.what());

@@ -31,6 +31,7 @@ struct StructureEffects {
 struct DefectType {
   std::string_view name;            ///< "kind" in a case
   std::string_view noun;            ///< what it is called where the case does not say
+  std::string_view several = {};    ///< of them; the noun and an s where not given
   std::string_view severity;        ///< name of its severity, a key in a case
   std::string_view severity_words;  ///< heads a column: "stiffness lost"
   std::string_view effect_words;    ///< before the severity in a sentence: "stiffness reduced by"
@@ -52,6 +53,11 @@ struct DefectType {
   /// What it may be found on in a structure.
   enum class Sites { members, nodes, links };
   Sites sites = Sites::members;
+  /// A beam has no nodes or links that a case names.
+  [[nodiscard]] std::string noun_plural() const {
+    return several.empty() ? std::string(noun) + "s" : std::string(several);
+  }
+  [[nodiscard]] bool is_for_beams() const { return sites == Sites::members; }
   /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport: the
   /// solver's gradients are those of the defect.
   bool is_elementary = false;

@@ -186,7 +186,8 @@ class MeshBuilder {
   };
 
   [[nodiscard]] bool active(Direction d) const {
-    return s_.dimension == 3 || d == Direction::x || d == Direction::y || d == Direction::rz;
+    if (s_.dimension == 3) return true;
+    return (d == Direction::x && s_.axial) || d == Direction::y || d == Direction::rz;
   }
 
   SparseRow add_dof(const Vector3& axis, const Vector3& at, bool rotation, int part, DofName name) {

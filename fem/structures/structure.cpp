@@ -199,4 +199,51 @@ void validate(const Structure& s) {
   }
 }
 
+Structure as_structure(const Beam& beam, double depth) {
+  validate(beam);
+  Structure s{.dimension = 2, .nodes = {}, .members = {}};
+  s.axial = false;
+  const MemberSection section{.area = beam.section.area,
+                              .second_moment_y = beam.section.second_moment,
+                              .shear_coefficient_z = beam.section.shear_coefficient,
+                              .depth = depth};
+  const auto mesh_node = [&](double x) {
+    const double nearest = std::round(x / beam.element_length());
+    if (std::abs(x - nearest * beam.element_length()) > 1e-9 * beam.length)
+      throw std::invalid_argument("support at " + number(x) + " m: must be at a node of the mesh");
+    return static_cast<int>(nearest);
+  };
+  std::vector<int> at = {0, beam.elements};
+  for (const Support& support : beam.supports) at.push_back(mesh_node(support.at));
+  std::ranges::sort(at);
+  at.erase(std::unique(at.begin(), at.end()), at.end());
+  for (const int n : at)
+    s.nodes.push_back({.name = number(n * beam.element_length()) + " m",
+                       .at = {n * beam.element_length(), 0.0, 0.0}});
+  for (std::size_t i = 0; i + 1 < at.size(); ++i) {
+    const double length = s.nodes[i + 1].at[0] - s.nodes[i].at[0];
+    s.members.push_back(
+        {.name = "beam",
+         .nodes = {static_cast<int>(i), static_cast<int>(i) + 1},
+         .elements = at[i + 1] - at[i],
+         .pieces = {{.to = length, .material = beam.material, .section = section}}});
+  }
+  for (const Support& support : beam.supports) {
+    const auto node = std::ranges::find(at, mesh_node(support.at)) - at.begin();
+    NodeSupport held{.node = static_cast<int>(node)};
+    for (const auto& [wanted, direction] : {std::pair{support.deflection, Direction::y},
+                                            std::pair{support.rotation, Direction::rz}}) {
+      if (!wanted) continue;
+      const auto d = static_cast<std::size_t>(direction);
+      if (support.stiffness) {
+        held.stiffness[d] = *support.stiffness;
+      } else {
+        held.fix[d] = true;
+      }
+    }
+    s.supports.push_back(held);
+  }
+  return s;
+}
+
 }  // namespace wheeltap::fem

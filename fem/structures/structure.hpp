@@ -112,6 +112,7 @@ struct Structure {
   std::vector<NodeSpring> springs = {};
   Mass mass = Mass::consistent;
   bool rotary_inertia = true;  ///< of consistent masses: whether ρI counts
+  bool axial = true;           ///< of a plane structure: whether anything moves along x
 };
 
 /// What is wrong with a structure, and where.
@@ -144,5 +145,10 @@ struct MemberFrame {
 
 /// Boundaries of a member's elements from its first end [m]: 0 … length, ascending.
 [[nodiscard]] std::vector<double> element_boundaries(const Structure& structure, int member);
+
+/// The plane structure that a beam is: along x from 0, deflecting along y, nothing moving along x;
+/// members between its supports, with elements as the beam's. `depth` is its section's height, for
+/// cracks. Throws std::invalid_argument for supports between nodes of the beam's mesh.
+[[nodiscard]] Structure as_structure(const Beam& beam, double depth = 0.0);
 
 }  // namespace wheeltap::fem

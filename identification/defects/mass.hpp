@@ -10,6 +10,7 @@ namespace wheeltap::identification::defects {
 inline const DefectType kMass = {
     .name = "mass",
     .noun = "added mass",
+    .several = "added masses",
     .severity = "mass",
     .severity_words = "mass",
     .effect_words = "mass",

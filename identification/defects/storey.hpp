@@ -10,6 +10,7 @@ namespace wheeltap::identification::defects {
 inline const DefectType kStorey = {
     .name = "storey",
     .noun = "soft storey",
+    .several = "soft storeys",
     .severity = "reduction",
     .severity_words = "stiffness lost",
     .effect_words = "stiffness reduced by",

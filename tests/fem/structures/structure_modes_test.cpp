@@ -307,5 +307,24 @@ TEST(StructureModes, MatricesAreTheStructureTheyAreOf) {
   EXPECT_THROW((void)discretise(s), InvalidStructure);
 }
 
+/// A beam with springs and inner supports is a plane structure with the same frequencies.
+TEST(StructureModes, ABeamIsAStructure) {
+  Beam beam{.length = 1.2,
+            .elements = 24,
+            .supports = {{.at = 0.0, .rotation = true, .stiffness = {}},
+                         {.at = 0.5, .stiffness = {}},
+                         {.at = 1.2, .deflection = true, .rotation = true, .stiffness = 1e4}},
+            .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
+            .section = {.area = 1e-3, .second_moment = 4e-8, .shear_coefficient = 0.85}};
+  const Modes own = modal_analysis(beam, {}, {.modes = 8});
+  const StructureModes modes = structure_modes(Mesh(as_structure(beam)).discretisation(), 8);
+  for (Eigen::Index i = 0; i < 8; ++i)
+    EXPECT_NEAR(modes.frequencies_hz[i], own.frequencies_hz[i], 1e-9 * own.frequencies_hz[i]);
+  beam.supports.clear();
+  EXPECT_EQ(structure_modes(Mesh(as_structure(beam)).discretisation(), 4).rigid_body_modes, 2);
+  beam.supports = {{.at = 0.51, .stiffness = {}}};
+  EXPECT_THROW((void)as_structure(beam), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace wheeltap::fem
