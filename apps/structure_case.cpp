@@ -23,7 +23,7 @@ using fem::Direction;
 const Pointer kStructure("/structure");
 
 /// What building and solving takes, measured on frames in the plane and in space [bytes].
-constexpr double kBytesPerPlaneDof = 6e3, kBytesPerSpaceDof = 12e3;
+constexpr double kBytesPerPlaneDof = 4e3, kBytesPerSpaceDof = 6e3;
 
 class MemberParser {
  public:

@@ -10,7 +10,7 @@
 
 namespace wheeltap::apps {
 
-/// Most degrees of freedom that are built: modes of so many take minutes.
+/// Most degrees of freedom that are built: the modes of so many take a minute or two.
 inline constexpr long long kMostDegreesOfFreedom = 300'000;
 
 /// Whether the case has a structure. Throws Failure for a case with a beam as well.

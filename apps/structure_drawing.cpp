@@ -169,8 +169,9 @@ std::string largest_motion(const StructureDrawing& drawing, const Eigen::VectorX
     Vector3 components = {};
   } moved, turned;
   const auto look = [&](Most& most, const StructureDrawing::Point& point, const Vector3& v) {
-    // Nodes come first, and keep the place that they share with members.
-    if (fem::norm(v) <= most.motion * (1.0 + 1e-6)) return;
+    // Nodes come first: one that moves almost as much as anything is named.
+    const double tie = most.point != nullptr && most.point->node && !point.node ? 1.01 : 1.0 + 1e-6;
+    if (fem::norm(v) <= most.motion * tie) return;
     most = {fem::norm(v), &point, v};
   };
   for (const auto& point : drawing.points) {

@@ -38,8 +38,8 @@ struct DrawnStructure {
 /// Throws fem::InvalidStructure.
 [[nodiscard]] DrawnStructure drawn(const identification::AnyStructure& structure);
 
-/// What moves most in a shape, and which way: "beam at 0.5 m, y", "node B, x and y", "rotation of
-/// post at 0.5 m about y".
+/// What moves most in a shape (a node within 1 % of it, where there is one), and which way: "beam
+/// at 0.5 m, y", "node B, x and y", "rotation of post at 0.5 m about y".
 [[nodiscard]] std::string largest_motion(const StructureDrawing& drawing,
                                          const Eigen::VectorXd& shape);
 
