@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fem/beam.hpp"
-#include "fem/structures/discretisation.hpp"
+#include "fem/structures/mesh.hpp"
 
 namespace wheeltap::identification {
 

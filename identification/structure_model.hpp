@@ -9,9 +9,9 @@
 #include <variant>
 #include <vector>
 
-#include "fem/structures/discretisation.hpp"
 #include "fem/structures/lumped_chain.hpp"
 #include "fem/structures/matrix_structure.hpp"
+#include "fem/structures/mesh.hpp"
 #include "inference/model_space.hpp"
 
 namespace wheeltap::identification {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 
+#include "fem/structures/mesh.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "fem/structures/structure_reanalysis.hpp"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fem/structures/crack.hpp"
-#include "fem/structures/discretisation.hpp"
+#include "fem/structures/mesh.hpp"
 #include "fem/structures/structure_reanalysis.hpp"
 
 namespace wheeltap::fem {

@@ -1,4 +1,5 @@
 #include "fem/structures/structure_modes.hpp"
+#include "fem/structures/mesh.hpp"
 
 #include <gtest/gtest.h>
 
