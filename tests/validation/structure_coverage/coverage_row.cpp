@@ -43,9 +43,8 @@ class Ranks {
   [[nodiscard]] const std::vector<double>& truth() const { return truth_; }
 
   double among_all(const Function& g) {
-    return among(g(problem_.components(true_model_, truth_)), [&](std::size_t c, std::size_t i) {
-      return g(components(c, i));
-    });
+    return among(g(problem_.components(true_model_, truth_)),
+                 [&](std::size_t c, std::size_t i) { return g(components(c, i)); });
   }
   double of_log_likelihood(double true_value) {
     return among(true_value, [&](std::size_t c, std::size_t i) {
@@ -76,8 +75,7 @@ class Ranks {
     double below = 0.0, same = 0.0, all = 0.0;
     for (std::size_t c = 0; c < posterior_.chains.size(); ++c)
       for (std::size_t i = 0; i < posterior_.chains[c].size(); ++i) {
-        const double weight =
-            weights_[static_cast<std::size_t>(posterior_.chains[c].model[i])];
+        const double weight = weights_[static_cast<std::size_t>(posterior_.chains[c].model[i])];
         const double v = value(c, i);
         (v < own ? below : (v == own ? same : all)) += weight;
       }
@@ -100,9 +98,8 @@ void rank(Row& row, Ranks& ranks, const std::vector<DefectKind>& kinds) {
   const Function deepest = [&](const Components& list) {
     double most = 0.0;
     for (const auto& c : list)
-      most = std::max(most, c.severity / kinds[static_cast<std::size_t>(c.kind)]
-                                             .severity_prior()
-                                             ->upper());
+      most = std::max(
+          most, c.severity / kinds[static_cast<std::size_t>(c.kind)].severity_prior()->upper());
     return most;
   };
   row.ranks["number of all"].push_back(
@@ -166,8 +163,7 @@ Row run(const RandomCase& random_case, int draws) {
   const auto begin = std::chrono::steady_clock::now();
   const Posterior posterior =
       inference::reversible_jump(problem->problem, {.seed = seed, .threads = 1, .draws = draws});
-  row.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   row.likelihood_calls = static_cast<double>(posterior.likelihood_evaluations);
   const DamageFindings found = identification::damage_findings(*problem, posterior, {}, seed);
   for (const auto& model : found.models) row.models.push_back({model.counts, model.probability()});
@@ -183,8 +179,7 @@ Row run(const RandomCase& random_case, int draws) {
   const int true_model = problem->problem.space.find(row.truth);
   Ranks ranks(*problem, posterior, true_model, random);
   rank(row, ranks, kinds);
-  const double true_value =
-      problem->fe_likelihood()->log_likelihood(true_model, ranks.truth());
+  const double true_value = problem->fe_likelihood()->log_likelihood(true_model, ranks.truth());
   row.ranks["log likelihood"].push_back(ranks.of_log_likelihood(true_value));
   double most = -INFINITY;
   for (const auto& chain : posterior.chains)
@@ -195,7 +190,10 @@ Row run(const RandomCase& random_case, int draws) {
 
 std::string Row::to_line() const {
   nlohmann::json models_json = nlohmann::json::array();
-  for (const Model& model : models) models_json.push_back({model.counts, model.probability});
+  for (const Model& model : models) {
+    nlohmann::json entry = {{"counts", model.counts}, {"P", model.probability}};
+    models_json.push_back(std::move(entry));
+  }
   return nlohmann::json{{"case", number},
                         {"family", family},
                         {"kinds", kinds},
@@ -225,7 +223,7 @@ Row Row::from_line(const std::string& line) {
   j.at("cv").get_to(row.cv);
   j.at("modes").get_to(row.modes);
   for (const auto& model : j.at("models"))
-    row.models.push_back({model.at(0).get<std::vector<int>>(), model.at(1).get<double>()});
+    row.models.push_back({model.at("counts").get<std::vector<int>>(), model.at("P").get<double>()});
   j.at("converged").get_to(row.converged);
   j.at("why_not").get_to(row.why_not);
   j.at("warnings").get_to(row.warnings);

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kByChance = 1e-4;
 constexpr double kImprobable = 0.01;
-constexpr double kTail = 0.0005;   // beyond the central 99.9 %
-constexpr double kMissed = 3.0;    // ln p of the truth above that of every draw
+constexpr double kTail = 0.0005;  // beyond the central 99.9 %
+constexpr double kMissed = 3.0;   // ln p of the truth above that of every draw
 constexpr std::array kWithinModel = {"severity", "deepest", "place"};
 
 template <class... Values>
@@ -53,7 +53,8 @@ std::string truth_of(const Row& row) {
 }
 
 std::string reliability_table(const std::vector<Row>& rows, bool totals) {
-  std::string out = "| P stated | of them | sum of P | true | p |\n| --- | ---: | ---: | ---: | ---: |\n";
+  std::string out =
+      "| P stated | of them | sum of P | true | p |\n| --- | ---: | ---: | ---: | ---: |\n";
   for (const Reliability& r : reliability(rows, totals))
     if (r.stated > 0)
       out += text("| %g to %g | %d | %.2f | %d | %.2f |\n", r.low, std::min(r.high, 1.0), r.stated,
@@ -168,21 +169,21 @@ std::vector<std::string> faults(const std::vector<Row>& rows) {
   for (const bool totals : {false, true})
     for (const Reliability& r : reliability(rows, totals))
       if (r.p_value() < kByChance && std::abs(r.truths - r.expected) > 1.5)
-        out.push_back(text("P from %g to %g: %d true, %.2f expected", r.low, r.high, r.truths,
-                           r.expected));
+        out.push_back(
+            text("P from %g to %g: %d true, %.2f expected", r.low, r.high, r.truths, r.expected));
   for (const Row& row : rows) {
     if (row.warned()) continue;
     if (row.truth_above_draws > kMissed || row.probability_of_truth() < kByChance)
-      out.push_back(text("case %d: P(truth) = %.1e, ln p of the truth %.1f above every draw, "
-                         "without a warning",
-                         row.number, row.probability_of_truth(), row.truth_above_draws));
+      out.push_back(
+          text("case %d: P(truth) = %.1e, ln p of the truth %.1f above every draw, "
+               "without a warning",
+               row.number, row.probability_of_truth(), row.truth_above_draws));
   }
   return out;
 }
 
 std::string report(const std::vector<Row>& rows) {
-  const auto converged =
-      std::ranges::count_if(rows, [](const Row& row) { return row.converged; });
+  const auto converged = std::ranges::count_if(rows, [](const Row& row) { return row.converged; });
   double seconds = 0.0, calls = 0.0;
   int right = 0;
   double said = 0.0;
@@ -196,20 +197,23 @@ std::string report(const std::vector<Row>& rows) {
   }
   std::string out = text("%zu cases, %td converged; %.0f s, %.3g likelihood calls\n\n", rows.size(),
                          converged, seconds, calls);
-  out += text("The most probable combination of counts is the true one in %d; the sum of its "
-              "probabilities is %.1f\n\n",
-              right, said);
+  out += text(
+      "The most probable combination of counts is the true one in %d; the sum of its "
+      "probabilities is %.1f\n\n",
+      right, said);
   out += "Every combination of counts:\n\n" + reliability_table(rows, false);
   out += "\nThe number of defects, whatever their kind:\n\n" + reliability_table(rows, true);
-  out += "\n| function | ranks | 90 % intervals held | share, 95 % bounds | uniform, p |\n"
-         "| --- | ---: | ---: | --- | ---: |\n";
+  out +=
+      "\n| function | ranks | 90 % intervals held | share, 95 % bounds | uniform, p |\n"
+      "| --- | ---: | ---: | --- | ---: |\n";
   for (const Coverage& c : coverages(rows))
-    out += text("| %s | %d | %d | %.3f, %.3f to %.3f | %.2f |\n", c.function.c_str(), c.ranks,
-                c.held, static_cast<double>(c.held) / std::max(1, c.ranks), c.lowest, c.highest,
-                c.uniform_p);
+    out +=
+        text("| %s | %d | %d | %.3f, %.3f to %.3f | %.2f |\n", c.function.c_str(), c.ranks, c.held,
+             static_cast<double>(c.held) / std::max(1, c.ranks), c.lowest, c.highest, c.uniform_p);
   const Expected chance = expected_surprises(rows);
-  out += text("\nSurprises; by chance %.2f cases of P(truth) < 0.01 and %.2f ranks beyond 99.9 %%:\n\n",
-              chance.improbable_truths, chance.extreme_ranks);
+  out += text(
+      "\nSurprises; by chance %.2f cases of P(truth) < 0.01 and %.2f ranks beyond 99.9 %%:\n\n",
+      chance.improbable_truths, chance.extreme_ranks);
   out += "| case | truth | surprise | converged | warnings |\n| ---: | --- | --- | --- | --- |\n";
   for (const Surprise& s : surprises(rows))
     out += "| " + std::to_string(s.row->number) + " " + s.row->family + " | " + truth_of(*s.row) +

@@ -26,8 +26,8 @@ struct Reliability {
 struct Coverage {
   std::string function;
   int ranks = 0;
-  int held = 0;          ///< in [0.05, 0.95]: by the central 90 % interval
-  double lowest = 0.0;   ///< 95 % interval of the share held (Clopper & Pearson 1934)
+  int held = 0;         ///< in [0.05, 0.95]: by the central 90 % interval
+  double lowest = 0.0;  ///< 95 % interval of the share held (Clopper & Pearson 1934)
   double highest = 1.0;
   double uniform_p = 1.0;  ///< χ² of equal bins with 5 expected or more, at most 10
 };

@@ -12,9 +12,9 @@ namespace wheeltap::coverage {
 struct RandomCase {
   std::uint64_t seed = 0;
   int number = 0;
-  std::string family;  ///< "cantilever", "frame 2x3"
-  double cv = 0.0;     ///< sd of a frequency over that of the intact structure
-  identification::DamageCase damage_case;
+  std::string family = {};  ///< "cantilever", "frame 2x3"
+  double cv = 0.0;          ///< sd of a frequency over that of the intact structure
+  identification::DamageCase damage_case = {};
 };
 
 /// Case `number` of the study `seed`. A simply supported, clamped-free or two-span beam, a plane

@@ -37,20 +37,19 @@ RandomStructure beam(base::Random& random, DamageCase& into) {
   const double height = length / between(random, 15.0, 40.0);
   const double width = height * between(random, 0.5, 2.0);
   const int elements = 24 + 2 * random.index(7);
-  into.beam = {.length = length,
-               .elements = elements,
-               .supports =
-                   fem::named_supports(family == 1 ? "cantilever" : "simply-supported", length),
-               .material = kSteel,
-               .section = fem::section(fem::Rectangle{width, height}, kSteel.poisson)};
+  into.beam = {
+      .length = length,
+      .elements = elements,
+      .supports = fem::named_supports(family == 1 ? "cantilever" : "simply-supported", length),
+      .material = kSteel,
+      .section = fem::section(fem::Rectangle{width, height}, kSteel.poisson)};
   into.beam_depth = height;
   if (family == 2) {
     const auto node = static_cast<int>(elements * between(random, 0.35, 0.65));
     into.beam.supports.push_back({.at = node * into.beam.element_length(), .stiffness = {}});
   }
-  return {.family = kFamilies[family],
-          .mass = kSteel.density * width * height * length,
-          .joints = {}};
+  return {
+      .family = kFamilies[family], .mass = kSteel.density * width * height * length, .joints = {}};
 }
 
 /// Adds members one by one, and their mass up.
@@ -84,9 +83,9 @@ RandomStructure frame(base::Random& random, DamageCase& into) {
   for (int i = 0; i < storeys; ++i) y.push_back(y.back() + between(random, 2.8, 4.5));
   for (std::size_t level = 0; level < y.size(); ++level)
     for (std::size_t column = 0; column < x.size(); ++column)
-      b.structure.nodes.push_back({std::string(1, static_cast<char>('A' + column)) +
-                                       std::to_string(level),
-                                   {x[column], y[level], 0.0}});
+      b.structure.nodes.push_back(
+          {std::string(1, static_cast<char>('A' + column)) + std::to_string(level),
+           {x[column], y[level], 0.0}});
   const fem::MemberSection post = random_section(random), girder = random_section(random);
   for (int level = 0; level < storeys; ++level)
     for (int column = 0; column < columns; ++column) {
