@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/random.hpp"
 #include "coverage_score.hpp"
 
 namespace wheeltap::coverage {
