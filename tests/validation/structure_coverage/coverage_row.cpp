@@ -149,7 +149,7 @@ double Row::probability_of_truth() const {
   return 0.0;
 }
 
-Row run(const RandomCase& random_case, int draws) {
+Row run(const RandomCase& random_case, inference::Options options) {
   Row row{.number = random_case.number, .family = random_case.family, .cv = random_case.cv};
   const auto problem = identification::make_damage_problem(random_case.damage_case, {});
   const std::vector<DefectKind>& kinds = problem->damage_case.kinds;
@@ -161,8 +161,9 @@ Row run(const RandomCase& random_case, int draws) {
   row.modes = problem->damage_case.data.modes();
   const auto seed = static_cast<std::uint64_t>(row.number) + 1;
   const auto begin = std::chrono::steady_clock::now();
-  const Posterior posterior =
-      inference::reversible_jump(problem->problem, {.seed = seed, .threads = 1, .draws = draws});
+  options.seed = seed;
+  options.threads = 1;
+  const Posterior posterior = inference::reversible_jump(problem->problem, options);
   row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   row.likelihood_calls = static_cast<double>(posterior.likelihood_evaluations);
   const DamageFindings found = identification::damage_findings(*problem, posterior, {}, seed);

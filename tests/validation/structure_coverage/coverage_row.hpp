@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "inference/options.hpp"
 #include "random_case.hpp"
 
 namespace wheeltap::coverage {
@@ -42,14 +43,14 @@ struct Row {
   [[nodiscard]] static Row from_line(const std::string& line);  ///< throws what the parser throws
 };
 
-/// Runs the engine on the case with its default settings, or with `draws` a chain where not 0.
+/// Runs the engine on the case, on one thread and with a seed of the case's own.
 ///
 /// Ranks over all models: "number" (of each kind), "number of all", "severity of all" (the sum of
 /// each kind's), "deepest of all" (the largest severity in terms of its prior's end), "log
 /// likelihood". Within the true model, whose draws alone are asked: "severity" (the sum of each
 /// kind that the truth has), "deepest", and "place" where it has one of the kind. The last three
 /// are left out where they have fewer than `kEnough` effective draws.
-[[nodiscard]] Row run(const RandomCase& random, int draws);
+[[nodiscard]] Row run(const RandomCase& random, inference::Options options = {});
 inline constexpr double kEnough = 50.0;
 
 }  // namespace wheeltap::coverage

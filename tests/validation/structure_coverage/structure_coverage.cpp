@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   }
   for (int i = first; i < first + cases; ++i) {
     if (known.contains(i)) continue;
-    rows.push_back(run(random_case(seed, i), draws));
+    rows.push_back(run(random_case(seed, i), {.draws = draws}));
     const Row& row = rows.back();
     std::printf("case %d: %s, %d modes, cov %.2g %%; P(truth) = %.3f; %s, %.1f s\n", row.number,
                 row.family.c_str(), row.modes, 100.0 * row.cv, row.probability_of_truth(),

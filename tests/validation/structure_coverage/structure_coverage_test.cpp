@@ -65,7 +65,7 @@ TEST(StructureCoverage, ARowIsItsLine) {
 TEST(StructureCoverage, SixRandomStructures) {
   std::vector<Row> rows;
   for (int i = 0; i < 6; ++i) {
-    rows.push_back(run(random_case(1, i), 3000));
+    rows.push_back(run(random_case(1, i), {.warmup = 1000, .draws = 2000, .searches = 60}));
     const Row& row = rows.back();
     EXPECT_LT(row.truth_above_draws, 1.0) << row.to_line();
     EXPECT_GT(row.probability_of_truth(), 1e-3) << row.to_line();
