@@ -133,7 +133,7 @@ Compared compare(const Structure& s, int sets, int wide_sets, std::uint64_t seed
         worst.wide = std::max(worst.wide, std::abs(f[i] / wide[i] - 1.0));
       double& kind = change.masses.empty() ? worst.full : worst.with_mass;
       kind = std::max(kind, error);
-      if (error > (change.masses.empty() ? 1e-9 : 2e-6))
+      if (error > (change.masses.empty() ? 1e-9 : 2e-7))
         ADD_FAILURE() << "set " << trial << ", mode " << i << ": " << f[i] << " for " << exact;
     }
   }
