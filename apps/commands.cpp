@@ -184,6 +184,10 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
       parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
   const DamageCase& damage_case = parsed.damage;
   const Pointer predictor("/predictor");
+  if (damage_case.structure) {
+    parsed.file.refuse(Pointer("/structure"),
+                       "an emulator is trained on a beam, not on a structure");
+  }
   if (!damage_case.emulator || damage_case.emulator->table) {
     parsed.file.refuse(
         predictor, "must describe a table to compute: {\"sites\": [...], \"multipliers\": [...]}");

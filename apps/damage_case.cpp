@@ -11,7 +11,6 @@
 #include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
-#include "fem/structures/structure_modes.hpp"
 #include "identification/defects/reduction.hpp"
 #include "identification/interpolants.hpp"
 #include "io/netcdf_name.hpp"
@@ -456,30 +455,6 @@ void accept_cv(CaseFile& file) {
 
 namespace {
 
-// What a case of a structure may say, but this version does not use.
-void refuse_unused(const CaseFile& f) {
-  for (const char* place :
-       {"/baseline", "/data/shapes", "/data/sensors", "/data/shape_sd", "/data/shape_covariance",
-        "/data/covariance", "/data/from", "/data/states", "/data/masses", "/data/temperature"}) {
-    if (f.json.contains(at(place)))
-      f.refuse(at(place), "is not used by this version: it infers damage from frequencies");
-  }
-}
-
-void check_structure_modes(const CaseFile& f, DamageCase& out) {
-  try {
-    const fem::Discretisation d = discretise(out.structure->nominal);
-    out.rigid_body_modes = static_cast<int>(d.rigid_motions.cols());
-    const auto most = static_cast<int>(fem::mode_count(d)) - out.rigid_body_modes;
-    if (out.modes() > most)
-      f.refuse(out.data.modes() > 0 ? at("/data") : at("/data/modes"),
-               std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most) +
-                   ", the elastic modes of this mesh; refine \"elements\"");
-  } catch (const fem::InvalidStructure& error) {
-    refuse_structure(f, out.structure->nominal, error);
-  }
-}
-
 void check_beam_modes(const CaseFile& f, DamageCase& out) {
   const int free = free_degrees_of_freedom(out.beam);
   if (free < 1) f.refuse(at("/beam/supports"), "nothing is left to vibrate");
@@ -523,9 +498,9 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     }
   }
   if (structure) {
-    refuse_unused(f);
+    if (needs == Needs::data) refuse_unused(f);
     out.structure = std::make_shared<const StructureModel>(parse_structure(f));
-    if (!out.structure->parameters.empty())
+    if (needs == Needs::data && !out.structure->parameters.empty())
       f.refuse(at("/parameters"),
                "unknown coefficients beside damage need a baseline, which this version does not "
                "infer: give numbers");

@@ -127,6 +127,7 @@ int main(int argc, char** argv) {
   const auto add_dry_run = [&](CLI::App* command) {
     command->add_flag("--dry-run", common.dry_run,
                       "say what the run would take, and do nothing else");
+    command->get_option("--output")->required(false);  // unless it runs
   };
   const auto add_threads = [&](CLI::App* command) {
     command
@@ -271,6 +272,12 @@ int main(int argc, char** argv) {
   }
 
   try {
+    for (const CLI::App* runs : {table_command, damage_command, sid_command}) {
+      if (runs->parsed() && common.output.empty() && !common.dry_run) {
+        throw apps::Failure(Exit::usage,
+                            "--output is required (see wheeltap " + runs->get_name() + " --help)");
+      }
+    }
     if (modes_command->parsed()) apps::run_modes(common, modes);
     if (section_command->parsed()) apps::run_section(common, section);
     if (table_command->parsed()) apps::run_table(common, tabling);

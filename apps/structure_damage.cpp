@@ -5,6 +5,8 @@
 
 #include "apps/damage_parts.hpp"
 #include "apps/nearest.hpp"
+#include "apps/structure_case.hpp"
+#include "fem/structures/structure_modes.hpp"
 
 namespace wheeltap::apps {
 
@@ -229,6 +231,30 @@ class KindParser {
 };
 
 }  // namespace
+
+// What a case of a structure may say, but this version does not use.
+void refuse_unused(const CaseFile& f) {
+  for (const char* place :
+       {"/baseline", "/data/shapes", "/data/sensors", "/data/shape_sd", "/data/shape_covariance",
+        "/data/covariance", "/data/from", "/data/states", "/data/masses", "/data/temperature"}) {
+    if (f.json.contains(Pointer(place)))
+      f.refuse(Pointer(place), "is not used by this version: it infers damage from frequencies");
+  }
+}
+
+void check_structure_modes(const CaseFile& f, DamageCase& out) {
+  try {
+    const fem::Discretisation d = discretise(out.structure->nominal);
+    out.rigid_body_modes = static_cast<int>(d.rigid_motions.cols());
+    const auto most = static_cast<int>(fem::mode_count(d)) - out.rigid_body_modes;
+    if (out.modes() > most)
+      f.refuse(out.data.modes() > 0 ? Pointer("/data") : Pointer("/data/modes"),
+               std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most) +
+                   ", the elastic modes of this mesh; refine \"elements\"");
+  } catch (const fem::InvalidStructure& error) {
+    refuse_structure(f, out.structure->nominal, error);
+  }
+}
 
 const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where) {
   if (!file.json.at(where).contains("law")) return &fem::crack_laws()[0];

@@ -79,7 +79,8 @@ std::array<SparseRow, 4> Mesh::bending_motions(int element, bool along_z) const 
   const int m = elements_[index(element)].member;
   const std::size_t e = index(element - first_element(m));
   const auto& stations = station_motions_[index(m)];
-  return detail::plane_motions(detail::own_motions(frames_[index(m)], stations[e], stations[e + 1]), along_z);
+  return detail::plane_motions(detail::own_motions(frames_[index(m)], stations[e], stations[e + 1]),
+                               along_z);
 }
 
 const SparseRow& Mesh::motion(int node, Direction direction) const {

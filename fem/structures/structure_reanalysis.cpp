@@ -25,7 +25,7 @@ constexpr int kFewSupports = 8;
 constexpr double kRigidSpring = 1e14;
 /// What is left of a held motion's compliance, relative, that others do not hold already.
 constexpr double kDependentRow = 1e-12;
-/// s of a floating mass's pole over the lowest elastic eigenvalue: it adds nothing to static parts.
+/// s of a lost mass's pole over the lowest elastic eigenvalue: it adds nothing to static parts.
 constexpr double kFloating = 1e30;
 
 std::size_t index(Index i) {
@@ -286,7 +286,11 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
   const double lowest = intact.scales[0];
   eigenvalues.assign(p, 0.0);
   eigenvalues.insert(eigenvalues.end(), intact.eigenvalues.begin(), intact.eigenvalues.end());
-  scales.assign(p, kFloating * lowest);
+  scales.clear();
+  // A gained mass's pole has the lowest elastic eigenvalue for its s, so that its column is scaled
+  // by the mass where that is light; a lost one's adds nothing to static parts, whatever its sign.
+  for (std::size_t m = 0; m < p; ++m)
+    scales.push_back(index(negative_poles) > m ? kFloating * lowest : lowest);
   scales.insert(scales.end(), intact.scales.begin(), intact.scales.end());
   columns.clear();
   held = rigid = 0;
@@ -314,7 +318,9 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
     const double own = compliance(c, c);
     if (pole >= 0) c[pole] = -1.0 / std::sqrt(std::abs(mass));
     const bool is_rigid = pole >= 0 || stiffness * own > kRigidSpring;
-    double left = own + (is_rigid ? 0.0 : 1.0 / stiffness);
+    double left = own;
+    if (!is_rigid) left += 1.0 / stiffness;
+    if (pole >= 0) left += c[pole] * c[pole] / scales[index(pole)];
     const double before = left;
     const Index a = supports;
     for (Index b = 0; b < a; ++b) {

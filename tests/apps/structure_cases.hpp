@@ -68,7 +68,7 @@ inline nlohmann::json chain(const std::vector<double>& masses,
 inline identification::StructureModel parsed(const nlohmann::json& json,
                                              std::vector<std::string>* remarks = nullptr,
                                              const std::filesystem::path& path = "case.json") {
-  const CaseFile file{.path = path, .json = json};
+  CaseFile file{.path = path, .json = json};
   validate_against_schema(file, "structure");
   return parse_structure(file, remarks);
 }

@@ -276,11 +276,13 @@ TEST(StructureCommand, BeamAndStructureAreNotMixed) {
   const std::string path = where.write_json("portal.json", portal_frame()).string();
   const Outcome ran = wheeltap(where, "table " + path + " -o " + (where / "t.nc").string());
   EXPECT_EQ(ran.exit_code, 65);
-  EXPECT_THAT(ran.err, HasSubstr("/structure: this command takes a case with a beam"));
+  EXPECT_THAT(ran.err, HasSubstr("/structure: an emulator is trained on a beam"));
   const std::string beam = where.write_json("beam.json", small_case()).string();
   EXPECT_EQ(wheeltap(where, "modes " + beam + " --vtk " + (where / "b.vtk").string()).exit_code,
             64);
-  EXPECT_EQ(wheeltap(where, "modes " + path + " --truth").exit_code, 64);
+  const Outcome no_truth = wheeltap(where, "modes " + path + " --truth");
+  EXPECT_EQ(no_truth.exit_code, 65);
+  EXPECT_THAT(no_truth.err, HasSubstr("--truth has nothing to show"));
   EXPECT_EQ(wheeltap(where, "modes " + path + " --modes 1000").exit_code, 65);
 }
 
