@@ -131,8 +131,7 @@ SiteSymmetries find_symmetries(const AnyStructure& structure, const std::vector<
     for (std::size_t k = 0; k < kinds.size(); ++k) {
       of_kinds.push_back(line_map(candidate, kinds[k]));
       if (of_kinds.back().stretch.empty()) break;
-      symmetry.parts.push_back(
-          {static_cast<int>(k), 0, image_on(kinds[k].line, of_kinds.back())});
+      symmetry.parts.push_back({static_cast<int>(k), 0, image_on(kinds[k].line, of_kinds.back())});
     }
     if (symmetry.parts.size() != kinds.size()) continue;
     if (frequencies.empty())

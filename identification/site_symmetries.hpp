@@ -27,9 +27,9 @@ struct SiteSymmetries {
 using SolveDefects = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
 
 /// Looks at every map of the shape (fem::self_maps) that takes every kind's line to itself with its
-/// prior weights, and keeps those under which the frequencies agree to 1e-9 relative (1e-6 where mass may be lost): with one
-/// defect on each stretch of each line in turn, and with one on all of them at once. The places and
-/// severities are drawn from the priors with a fixed seed.
+/// prior weights, and keeps those under which the frequencies agree to 1e-9 relative (1e-6 where
+/// mass may be lost): with one defect on each stretch of each line in turn, and with one on all of
+/// them at once. The places and severities are drawn from the priors with a fixed seed.
 [[nodiscard]] SiteSymmetries find_symmetries(const AnyStructure& structure,
                                              const std::vector<DefectKind>& kinds,
                                              const SolveDefects& solve);

@@ -25,8 +25,7 @@ class Search {
     tolerance_ = kSame * *std::ranges::max_element(radii_);
     choose_references();
     for (std::size_t m = 0; m < s_.members.size(); ++m)
-      members_[ends(s_.members[m].nodes[0], s_.members[m].nodes[1])].push_back(
-          static_cast<int>(m));
+      members_[ends(s_.members[m].nodes[0], s_.members[m].nodes[1])].push_back(static_cast<int>(m));
   }
 
   std::vector<SelfMap> find() {

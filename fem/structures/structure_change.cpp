@@ -169,7 +169,8 @@ Discretisation changed(const Discretisation& d, const StructureChange& change) {
   // row + weight · other
   const auto plus = [&](const SparseRow& row, double weight, const SparseRow& other) {
     Eigen::SparseVector<double> sum(d.size());
-    for (std::size_t i = 0; i < row.dofs.size(); ++i) sum.coeffRef(row.dofs[i]) += row.coefficients[i];
+    for (std::size_t i = 0; i < row.dofs.size(); ++i)
+      sum.coeffRef(row.dofs[i]) += row.coefficients[i];
     for (std::size_t i = 0; i < other.dofs.size(); ++i)
       sum.coeffRef(other.dofs[i]) += weight * other.coefficients[i];
     SparseRow out_row;

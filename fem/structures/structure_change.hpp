@@ -51,8 +51,8 @@ void compound(StructureChange& change);
 /// ImpossibleChange for more mass taken than there is.
 [[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change);
 
-/// Throws std::invalid_argument for q outside (0, 1], k <= 0, masses that are not finite, and strains
-/// that there are not.
+/// Throws std::invalid_argument for q outside (0, 1], k <= 0, masses that are not finite, and
+/// strains that there are not.
 void validate(const Discretisation& d, const StructureChange& change);
 
 }  // namespace wheeltap::fem

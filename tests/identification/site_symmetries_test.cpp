@@ -83,8 +83,7 @@ TEST(SiteSymmetries, ADifferenceInMassStiffnessSupportOrPriorIsSeen) {
   for (const fem::Structure& s : {mass, stiffness, support, joint})
     EXPECT_THAT(symmetries(cracked(s)).maps, IsEmpty()) << number++;
   DamageCase weighted = cracked(portal());
-  weighted.kinds[0].line =
-      SiteLine::of_members(fem::Mesh(portal()), {0, 1, 2}, {2.0, 1.0, 1.0});
+  weighted.kinds[0].line = SiteLine::of_members(fem::Mesh(portal()), {0, 1, 2}, {2.0, 1.0, 1.0});
   weighted.kinds[0].location = inference::Uniform{0.0, weighted.kinds[0].line.length()};
   EXPECT_THAT(symmetries(weighted).maps, IsEmpty());
 }

@@ -67,7 +67,8 @@ TEST(SelfMaps, OfArmsAroundACentre) {
 TEST(SelfMaps, OfACubeInSpace) {
   std::vector<Vector3> nodes;
   std::vector<std::array<int, 2>> members;
-  for (int i = 0; i < 8; ++i) nodes.push_back({i & 1 ? 1.0 : 0.0, i & 2 ? 1.0 : 0.0, i & 4 ? 1.0 : 0.0});
+  for (int i = 0; i < 8; ++i)
+    nodes.push_back({i & 1 ? 1.0 : 0.0, i & 2 ? 1.0 : 0.0, i & 4 ? 1.0 : 0.0});
   for (int i = 0; i < 8; ++i)
     for (const int bit : {1, 2, 4})
       if (!(i & bit)) members.push_back({i, i | bit});
@@ -75,11 +76,9 @@ TEST(SelfMaps, OfACubeInSpace) {
 }
 
 TEST(SelfMaps, OfChains) {
-  const LumpedChain fixed{.masses = {1, 2, 1},
-                          .links = {{"a", {0, 1}, 1.0},
-                                    {"b", {1, 2}, 1.0},
-                                    {"c", {2, 3}, 1.0},
-                                    {"d", {3, 0}, 1.0}}};
+  const LumpedChain fixed{
+      .masses = {1, 2, 1},
+      .links = {{"a", {0, 1}, 1.0}, {"b", {1, 2}, 1.0}, {"c", {2, 3}, 1.0}, {"d", {3, 0}, 1.0}}};
   ASSERT_EQ(self_maps(fixed).size(), 1U);
   EXPECT_EQ(self_maps(fixed)[0].member, (std::vector{3, 2, 1, 0}));
   const LumpedChain building{.masses = {1, 1}, .links = {{"a", {0, 1}, 1.0}, {"b", {1, 2}, 1.0}}};
