@@ -6,6 +6,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "apps/checkpoint_file.hpp"
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_summary.hpp"
 #include "apps/damage_terminal.hpp"
@@ -242,6 +243,12 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
     }
   }
   RunFiles files(common.output);
+  CheckpointFile checkpoint(common.output,
+                            {.command = "damage",
+                             .seed = seed,
+                             .options = options_report(options),
+                             .case_json = parsed.file.json},
+                            common);
   ProgressBar bar(common.quiet);
   const auto problem = explained(parsed, [&] {
     return make_damage_problem(
@@ -263,7 +270,7 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   inference::Options engine = engine_options(common, options);
   engine.balance = problem->damage_case.balance;
   const inference::Posterior posterior =
-      run_engine(problem->problem, engine, common.case_path, common.quiet);
+      run_engine(problem->problem, engine, common.case_path, common.quiet, checkpoint);
 
   const DamageFindings findings = damage_findings(
       *problem, posterior, compute_evidence(problem->problem, methods, seed, common.threads, *log),
@@ -280,6 +287,8 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   print_damage(std::cout, parsed, findings, colour_wanted());
   if (failed) throw *failed;
   print_results(common.output, findings.sampling.verdict.converged);
+  say_what_goes_on(checkpoint, posterior.stopped_early);
+  if (!posterior.stopped_early) checkpoint.remove();
 }
 
 void run_simulate(const CommonOptions& common) {

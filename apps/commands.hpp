@@ -19,6 +19,7 @@ struct CommonOptions {
   int threads = 0;  ///< 0: as many as the machine has
   bool quiet = false;
   bool resume = false;
+  double checkpoint_seconds = 60.0;  ///< between two of a run; 0: none
   std::string command_line;
 };
 

@@ -98,6 +98,10 @@ int main(int argc, char** argv) {
         ->add_option("--search", sampling.searches,
                      "climbs to modes of each model, from draws of its prior (default: chosen)")
         ->check(CLI::Range(0, kMany));
+    command
+        ->add_option("--checkpoint", common.checkpoint_seconds,
+                     "seconds between two checkpoints for --resume (default 60; 0: none)")
+        ->check(CLI::Range(0.0, 1e9));
     CLI::Option* prior_only = command->add_flag("--prior-only", sampling.prior_only,
                                                 "leave the data out: must return the prior");
     command
@@ -146,7 +150,7 @@ int main(int argc, char** argv) {
   add_threads(damage_command);
   add_sampling(damage_command);
   damage_command->add_flag("--resume", common.resume,
-                           "print a finished run of the same case again instead of repeating it");
+                           "go on where an interrupted run stopped; print a finished one again");
 
   CLI::App* sid_command = app.add_subcommand("sid", "which equation of motion a record obeys");
   add_case(sid_command);
@@ -155,7 +159,8 @@ int main(int argc, char** argv) {
   add_threads(sid_command);
   add_sampling(sid_command);
   sid_command->add_flag("--resume", common.resume,
-                        "go on with an interrupted sweep; print a finished run again");
+                        "go on where an interrupted run or sweep stopped; print a finished one "
+                        "again");
 
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");

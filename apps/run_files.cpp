@@ -4,6 +4,7 @@
 #include <iostream>
 #include <vector>
 
+#include "apps/checkpoint_file.hpp"
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
 #include "apps/stored_run.hpp"
@@ -132,6 +133,7 @@ std::string RunFiles::keep_without_draws(Report& summary, const std::string& tex
 
 void print_finished(const std::filesystem::path& folder, const std::string& text,
                     spdlog::logger& log) {
+  CheckpointFile::discard(folder);
   log.info("{} holds a finished run of this case; nothing is run again.", folder.string());
   std::cout << text;
   print_results(folder, true);  // what else there is to say stands in the text

@@ -6,9 +6,11 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <iostream>
 #include <optional>
 #include <sstream>
 
+#include "apps/checkpoint_file.hpp"
 #include "apps/failure.hpp"
 #include "apps/terminal.hpp"
 #include "io/atomic_file.hpp"
@@ -17,6 +19,8 @@ namespace wheeltap::apps {
 namespace {
 
 std::atomic<bool> interrupted{false};
+
+constexpr const char* kGoesOn = "; the same command with --resume goes on";
 
 void ask_to_stop(int signal) {
   if (interrupted.exchange(true)) std::_Exit(128 + signal);
@@ -33,11 +37,13 @@ class TimeLeft {
       stage_ = progress.stage;
       began_ = now;
       calls_before_ = progress.likelihood_evaluations;
+      share_before_ = progress.fraction;  // of a run that was taken up
     }
     const double seconds = std::chrono::duration<double>(now - began_).count();
     const auto calls = static_cast<double>(progress.likelihood_evaluations - calls_before_);
-    if (seconds < kEnough || progress.fraction < kShare) return {};
-    const double rest = seconds * (1.0 - progress.fraction) / progress.fraction;
+    const double share = progress.fraction - share_before_;
+    if (seconds < kEnough || share < kShare) return {};
+    const double rest = seconds * (1.0 - progress.fraction) / share;
     return rest + (calls > 0.0 ? progress.evaluations_to_come * seconds / calls : 0.0);
   }
 
@@ -45,6 +51,7 @@ class TimeLeft {
   std::string stage_;
   std::chrono::steady_clock::time_point began_{};
   long calls_before_ = 0;
+  double share_before_ = 0.0;
 };
 
 // Chains that were stopped early may differ in length.
@@ -75,6 +82,10 @@ std::shared_ptr<spdlog::logger> make_log(bool quiet) {
   return log;
 }
 
+void say_what_goes_on(const CheckpointFile& checkpoint, bool stopped) {
+  if (stopped && checkpoint.kept()) std::cerr << "wheeltap: stopped" << kGoesOn << '\n';
+}
+
 bool was_interrupted() {
   return interrupted.load();
 }
@@ -97,7 +108,9 @@ void outlive_readers() {
 }
 
 inference::Posterior run_engine(const inference::Problem& problem, inference::Options options,
-                                const std::filesystem::path& case_path, bool quiet) {
+                                const std::filesystem::path& case_path, bool quiet,
+                                CheckpointFile& checkpoint) {
+  checkpoint.attach(options);
   ProgressBar bar(quiet);
   TimeLeft time_left;
   const auto began = std::chrono::steady_clock::now();
@@ -121,9 +134,13 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
     bar.clear();
     cut_to_shortest(posterior);
     if (posterior.draws < 100) {
-      throw Failure(Exit::interrupted, "stopped before anything was found: nothing to report");
+      throw Failure(Exit::interrupted, "stopped before anything was found: nothing to report" +
+                                           std::string(checkpoint.kept() ? kGoesOn : ""));
     }
     return posterior;
+  } catch (const inference::CheckpointError& error) {
+    bar.clear();
+    throw Failure(Exit::bad_input, checkpoint.path().string() + ": " + error.what());
   } catch (const inference::LikelihoodError& error) {
     bar.clear();
     throw Failure(Exit::bad_input, case_path.string() + ": " + error.what());

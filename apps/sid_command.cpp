@@ -31,18 +31,24 @@ Report used_options(const SamplingOptions& options, const inference::Options& en
 }  // namespace
 
 SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
-                    const SamplingOptions& options, spdlog::logger& log) {
+                    const SamplingOptions& options, CheckpointFile& checkpoint,
+                    spdlog::logger& log) {
   const SidRunOptions how = {
       .engine = engine_options(common, options),
       .sample =
           [&](const inference::Problem& problem, const inference::Options& engine) {
-            return run_engine(problem, engine, common.case_path, common.quiet);
+            return run_engine(problem, engine, common.case_path, common.quiet, checkpoint);
           },
       .doubt =
           [&](const std::vector<Remark>& doubts) {
             for (const Remark& doubt : doubts) log.warn(sentence(doubt, {}));
           },
-      .repeat = [&](const StepsRefined& refined) { log.info(repeat_note(refined)); }};
+      .repeat =
+          [&](const StepsRefined& refined) {
+            log.info(repeat_note(refined));
+            checkpoint.repeat(refined);
+          },
+      .refined = checkpoint.refined()};
   SidOutcome out{.run = explained(parsed, [&] { return identification::run_sid(parsed.sid, how); }),
                  .predictive = {},
                  .findings = {}};
@@ -68,8 +74,14 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
     }
   }
   RunFiles files(common.output);
+  CheckpointFile checkpoint(common.output,
+                            {.command = "sid",
+                             .seed = common.seed.value_or(1),
+                             .options = asked,
+                             .case_json = parsed.file.json},
+                            common);
   const StopOnInterrupt stop;
-  const SidOutcome out = identify(parsed, common, options, *log);
+  const SidOutcome out = identify(parsed, common, options, checkpoint, *log);
   const std::uint64_t seed = out.run.engine.seed;
   Report summary = sid_summary(parsed, *out.run.problem, out.findings,
                                {.seed = seed, .command_line = common.command_line});
@@ -85,6 +97,8 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   print_sid(std::cout, parsed, out.findings, colour_wanted());
   if (failed) throw *failed;
   print_results(common.output, out.findings.sampling.verdict.converged);
+  say_what_goes_on(checkpoint, out.run.posterior.stopped_early);
+  if (!out.run.posterior.stopped_early) checkpoint.remove();
 }
 
 void simulate_sid(const CommonOptions& common, CaseFile file) {

@@ -117,9 +117,9 @@ std::string remarks(const SidFindings& findings) {
 /// All that is told of one value: what the journal keeps. None where it was interrupted.
 std::optional<Report> run_row(const SidCaseFile& one, const Json& value,
                               const CommonOptions& common, const SamplingOptions& options,
-                              spdlog::logger& log) {
+                              CheckpointFile& checkpoint, spdlog::logger& log) {
   try {
-    const SidFindings findings = identify(one, common, options, log).findings;
+    const SidFindings findings = identify(one, common, options, checkpoint, log).findings;
     if (was_interrupted()) return {};
     const Row row = table_row(value.dump(), findings);
     return Report{{"header", line(row.header)},
@@ -151,9 +151,9 @@ std::optional<Report> stored_summary(const std::filesystem::path& folder) {
   return summary;
 }
 
-std::string stopped(std::size_t done, std::size_t all) {
+std::string stopped(std::size_t done, std::size_t all, bool within) {
   return "stopped after " + std::to_string(done) + " of " + std::to_string(all) + " values" +
-         (done > 0 ? ": the same command with --resume runs the others" : "");
+         (done > 0 || within ? ": the same command with --resume runs the others" : "");
 }
 
 void print_files(const std::filesystem::path& folder) {
@@ -194,6 +194,10 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
   if (common.resume && whole && (*stored)["wheeltap"].value("run", "") == run) {
     log.info("{} holds this sweep, finished; nothing is run again.", common.output.string());
     std::cout << sealed_file(common.output, "sweep.csv", *stored).value_or("");
+    // What a run that was killed just then could not remove.
+    if (const auto rows = common.output / "sweep.rows"; std::filesystem::exists(rows))
+      SweepJournal(rows, identity, true).remove();
+    CheckpointFile::discard(common.output);
     return print_files(common.output);
   }
   outlive_readers();
@@ -203,15 +207,24 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
   SweepJournal journal(common.output / "sweep.rows", identity, common.resume);
   Report rows = Report::array();
   std::string table;
+  bool within = false;  // stopped within a row that has a checkpoint
   const StopOnInterrupt stop;
   for (std::size_t i = 0; i < cases.size() && !was_interrupted(); ++i) {
     const Json& value = sweep["values"][i];
     const Report key = Report::parse(value.dump());
     std::optional<Report> row = journal.find(key);
     if (!row) {
-      row = run_row(cases[i], value, common, options, log);
+      CheckpointFile checkpoint(common.output,
+                                {.command = "sid",
+                                 .seed = common.seed.value_or(1),
+                                 .options = options_report(options),
+                                 .case_json = cases[i].file.json},
+                                common, true);
+      row = run_row(cases[i], value, common, options, checkpoint, log);
+      within = checkpoint.kept();
       if (!row) break;
       journal.append(key, *row);
+      checkpoint.remove();
     }
     const auto text = [&](const char* of) { return (*row)[of].get<std::string>(); };
     if (i == 0) {
@@ -226,7 +239,7 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
   const std::size_t left = cases.size() - rows.size();
   if (rows.empty() || (left > 0 && whole)) {
     if (rows.empty()) journal.remove();
-    throw Failure(Exit::interrupted, stopped(rows.size(), cases.size()));
+    throw Failure(Exit::interrupted, stopped(rows.size(), cases.size(), within));
   }
   Report summary = {
       {"wheeltap",
@@ -241,8 +254,9 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
   report_file.write(report_page(common.output, summary, {}));
   io::AtomicFile* const files[] = {&table_file, &report_file, &summary_file};
   io::commit_together(files);
-  if (left > 0) throw Failure(Exit::interrupted, stopped(rows.size(), cases.size()));
+  if (left > 0) throw Failure(Exit::interrupted, stopped(rows.size(), cases.size(), within));
   journal.remove();
+  CheckpointFile::discard(common.output);
   print_files(common.output);
 }
 

@@ -17,10 +17,10 @@ using In = std::conditional_t<Archive::kReads, T, const T>;
 
 // The type of the column that holds numbers of this type.
 template <class Number>
-using Stored = std::conditional_t<
-    std::same_as<Number, long> || std::same_as<Number, long long>, std::int64_t,
-    std::conditional_t<std::same_as<Number, bool> || std::same_as<Number, char>, std::uint8_t,
-                       Number>>;
+using Stored =
+    std::conditional_t<std::same_as<Number, long> || std::same_as<Number, long long>, std::int64_t,
+                       std::conditional_t<std::same_as<Number, bool> || std::same_as<Number, char>,
+                                          std::uint8_t, Number>>;
 
 }  // namespace
 
@@ -422,7 +422,8 @@ class Reader {
   // Every number must have been read.
   void end() const {
     for (const auto& [name, column] : from_.columns) {
-      const std::size_t size = std::visit([](const auto& numbers) { return numbers.size(); }, column);
+      const std::size_t size =
+          std::visit([](const auto& numbers) { return numbers.size(); }, column);
       const auto read = read_.find(name);
       if (size != (read == read_.end() ? 0 : read->second)) {
         throw CheckpointError("it has more of \"" + name + "\" than a run has");
@@ -437,9 +438,8 @@ class Reader {
     if (n == 0) return nullptr;
     const std::string name = names_(suffix);
     const auto at = from_.columns.find(name);
-    const auto* numbers = at == from_.columns.end()
-                              ? nullptr
-                              : std::get_if<std::vector<Stored<N>>>(&at->second);
+    const auto* numbers =
+        at == from_.columns.end() ? nullptr : std::get_if<std::vector<Stored<N>>>(&at->second);
     if (numbers == nullptr) throw CheckpointError("it lacks \"" + name + "\"");
     std::size_t& read = read_[name];
     if (n > numbers->size() - read) throw CheckpointError("it lacks a part of \"" + name + "\"");
@@ -449,8 +449,7 @@ class Reader {
   std::size_t length(const char* suffix) {
     const std::int64_t n = *take<long>(1, suffix);
     if (n < 0 || n > kLongest) {
-      throw CheckpointError("\"" + names_(suffix) + "\" = " + std::to_string(n) +
-                            " is no length");
+      throw CheckpointError("\"" + names_(suffix) + "\" = " + std::to_string(n) + " is no length");
     }
     return static_cast<std::size_t>(n);
   }
@@ -515,16 +514,15 @@ void check(const RunState& state, const ModelSpace& space, int chains) {
   const auto models = static_cast<std::size_t>(space.size());
   const auto fits = [&](const State& at) {
     return at.model >= 0 && at.model < space.size() &&
-           (at.z.empty() ||
-            at.z.size() == static_cast<std::size_t>(space[at.model].dimension));
+           (at.z.empty() || at.z.size() == static_cast<std::size_t>(space[at.model].dimension));
   };
   expect(state.chains.size() == static_cast<std::size_t>(chains) &&
              state.posterior.chains.size() == state.chains.size(),
          "chains");
   expect(state.explorations.size() == models, "models");
-  expect(!state.pilot.fit || (state.pilot.fit->density.size() == models &&
-                              state.pilot.fit->weight.size() == models &&
-                              state.pilot.archive->size() == models),
+  expect(!state.pilot.fit ||
+             (state.pilot.fit->density.size() == models &&
+              state.pilot.fit->weight.size() == models && state.pilot.archive->size() == models),
          "models");
   expect(state.posterior.dimension == space.max_dimension(), "parameters");
   for (const ChainState& chain : state.chains) {

@@ -12,17 +12,18 @@
 
 namespace wheeltap::inference {
 
-/// The columns of a RunState. A member of a structure is a column of its name, "chains.lesson.steps",
-/// with one number a structure, in order; a list adds its length to "….size" and its entries to the
-/// column of its name ("….each" where they are lists themselves), a matrix its shape to "….rows" and "….columns". So there are as many
-/// columns as there are members, however many chains, models or draws.
+/// The columns of a RunState. A member of a structure is a column of its name,
+/// "chains.lesson.steps", with one number a structure, in order; a list adds its length to "….size"
+/// and its entries to the column of its name ("….each" where they are lists themselves), a matrix
+/// its shape to "….rows" and "….columns". So there are as many columns as there are members,
+/// however many chains, models or draws.
 struct Checkpoint {
   /// Changes whenever a member does.
   static constexpr int kFormat = 1;
 
-  using Column = std::variant<std::vector<double>, std::vector<float>, std::vector<std::int64_t>,
-                              std::vector<std::int32_t>, std::vector<std::int16_t>,
-                              std::vector<std::uint8_t>>;
+  using Column =
+      std::variant<std::vector<double>, std::vector<float>, std::vector<std::int64_t>,
+                   std::vector<std::int32_t>, std::vector<std::int16_t>, std::vector<std::uint8_t>>;
   std::map<std::string, Column> columns;
 };
 

@@ -56,17 +56,17 @@ struct Position {
   bool tempering = false;  ///< chains are on their way through temper()
 
   Explore explore = Explore::begin;
-  std::vector<int> models{};      ///< that are searched, or glanced at
-  int model = 0;                  ///< of these: the next one
+  std::vector<int> models{};                               ///< that are searched, or glanced at
+  int model = 0;                                           ///< of these: the next one
   double best = -std::numeric_limits<double>::infinity();  ///< ln P Z of the models searched so far
-  int look = 0;                   ///< at many models: round
-  int looks_left = 0;             ///< models
-  std::vector<double> before{};   ///< ln Z of all models before this look
+  int look = 0;                                            ///< at many models: round
+  int looks_left = 0;                                      ///< models
+  std::vector<double> before{};                            ///< ln Z of all models before this look
 
-  int round = 0;       ///< of tuning
-  int tuned = 0;       ///< steps of the rounds before
+  int round = 0;  ///< of tuning
+  int tuned = 0;  ///< steps of the rounds before
   Sample sample = Sample::begin;
-  int goal = 0;        ///< draws a chain at the end of this round
+  int goal = 0;  ///< draws a chain at the end of this round
 };
 
 /// The modes of a model whose shares the draws are counted for.

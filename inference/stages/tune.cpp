@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr int kBetweenLooks = 4;  // steps between two looks at the clock
+constexpr int kBetweenLooks = 4;                          // steps between two looks at the clock
 constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit
 static_assert(kTuning[0] + kTuning[1] + kTuning[2] == kTuningSteps);
 // The last round of tuning is one of this length more where its effective draws of the model index
@@ -168,9 +168,9 @@ void tune(RunContext& run, RunState& state) {
   while (at.round < kRounds && !run.monitor.stopped()) {
     const int steps = kTuning[static_cast<std::size_t>(at.round)];
     tune_once(run, state,
-              options.warmup > 0 ? static_cast<int>(static_cast<double>(options.warmup) / 2 * steps /
-                                                    kTuningSteps)
-                                 : steps);
+              options.warmup > 0
+                  ? static_cast<int>(static_cast<double>(options.warmup) / 2 * steps / kTuningSteps)
+                  : steps);
   }
   if (at.round == kRounds && !run.monitor.stopped() && options.warmup == 0) {
     const int thin = state.posterior.thin;
