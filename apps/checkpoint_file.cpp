@@ -69,7 +69,8 @@ template <std::size_t I = 0, class F>
 bool with_column_of(nc_type type, F&& f) {
   if constexpr (I < std::variant_size_v<Checkpoint::Column>) {
     using Numbers = std::variant_alternative_t<I, Checkpoint::Column>;
-    if (type != io::kNetcdfType<typename Numbers::value_type>) return with_column_of<I + 1>(type, f);
+    if (type != io::kNetcdfType<typename Numbers::value_type>)
+      return with_column_of<I + 1>(type, f);
     f(Numbers{});
     return true;
   }
@@ -112,9 +113,9 @@ void CheckpointFile::read(bool others_pass) {
     differs(path_, "wheeltap was " + was + " and is " + WHEELTAP_VERSION);
   }
   if (format != std::to_string(Checkpoint::kFormat)) {
-    throw FileError(FileError::Kind::version, path_,
-                    "has format " + format + ", this program reads " +
-                        std::to_string(Checkpoint::kFormat));
+    throw FileError(
+        FileError::Kind::version, path_,
+        "has format " + format + ", this program reads " + std::to_string(Checkpoint::kFormat));
   }
   const auto same = [&](const char* what, const std::string& was, const std::string& is) {
     if (was != is) differs(path_, std::string(what) + " was " + was + " and is " + is);
