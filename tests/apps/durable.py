@@ -328,10 +328,11 @@ def check_foreign_checkpoints_are_refused(bench):
         whole = path.read_bytes()
         expect(len(whole) > 1000, 'there is one')
         if name != 'sweep':  # its journal refuses these
-            for more, what in ((['--seed', '7'], 'the seed was 1 and is 7'),
-                               (['--draws', '2001'], '/draws was 2000 and is 2001'),
-                               (['--set', 'title=Another'], '/title was')):
-                _, _, err = bench.run(*arguments, *more, code=65)
+            more_draws = [a if a != '2000' or b != '--draws' else '2001' for a, b in zip(arguments, ['', *arguments])]
+            for other, what in (([*arguments, '--seed', '7'], 'the seed was 1 and is 7'),
+                                (more_draws, '/draws was 2000 and is 2001'),
+                                ([*arguments, '--set', 'title=Another'], '/title was')):
+                _, _, err = bench.run(*other, code=65)
                 one_line(err)
                 expect(what in err and 'checkpoint.nc' in err, err)
         randomly = random.Random(1)
