@@ -1,11 +1,8 @@
 #include "apps/case_file.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
-#include <map>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -14,9 +11,14 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include "apps/json_text.hpp"
 #include "apps/nearest.hpp"
 #include "apps/schema_lists.hpp"
 #include "apps/schema_texts.hpp"
+#include "apps/whole_number.hpp"
+#include "io/bytes.hpp"
+#include "io/file_error.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -27,63 +29,6 @@ std::string shortened(const Json& value) {
   return text;
 }
 
-std::string read_text(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw Failure(Exit::no_input, path.string() + ": cannot be read: is a directory");
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    throw Failure(Exit::no_input, path.string() + ": cannot be read: " + std::strerror(errno));
-  }
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-// The parser's byte count as line and column, both from 1.
-std::pair<std::size_t, std::size_t> line_and_column(const std::string& text, std::size_t byte) {
-  const std::size_t at = std::min(byte > 0 ? byte - 1 : 0, text.size());
-  const std::string_view before = std::string_view(text).substr(0, at);
-  const auto line = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
-  const std::size_t newline = before.rfind('\n');
-  return {line, newline == std::string_view::npos ? at + 1 : at - newline};
-}
-
-Json parse_text(const std::filesystem::path& path, const std::string& text) {
-  // JSON readers keep the last of two equal keys in silence; a case's author should know.
-  std::vector<std::vector<std::string>> open;
-  const auto no_duplicates = [&](int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) open.emplace_back();
-    if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event == Json::parse_event_t::key) {
-      const auto key = parsed.get<std::string>();
-      if (std::ranges::find(open.back(), key) != open.back().end()) {
-        throw Failure(Exit::bad_input,
-                      path.string() + ": the key \"" + key + "\" stands twice in one object");
-      }
-      open.back().push_back(key);
-    }
-    return true;
-  };
-  try {
-    return Json::parse(text, no_duplicates);
-  } catch (const Json::parse_error& error) {
-    const auto [line, column] = line_and_column(text, error.byte);
-    std::string what = error.what();
-    if (const auto at = what.find(": ", what.find("column")); at != std::string::npos) {
-      what = what.substr(at + 2);
-    }
-    std::ranges::replace(what, '\n', ' ');
-    throw Failure(Exit::bad_input, path.string() + ":" + std::to_string(line) + ":" +
-                                       std::to_string(column) + ": not JSON: " + what +
-                                       (text.find("NaN") != std::string::npos
-                                            ? " (JSON has no NaN; null is a mode not measured)"
-                                            : ""));
-  } catch (const Json::out_of_range& error) {
-    throw Failure(Exit::bad_input,
-                  path.string() + ": a number is too large for double precision: " + error.what());
-  }
-}
-
 void apply_override(const std::filesystem::path& path, Json& json, const std::string& override) {
   const auto fail = [&](const std::string& why) {
     throw Failure(Exit::usage, "--set " + override + ": " + why);
@@ -91,22 +36,24 @@ void apply_override(const std::filesystem::path& path, Json& json, const std::st
   const auto equals = override.find('=');
   if (equals == std::string::npos || equals == 0) fail("must read path.to.key=VALUE");
   const std::string value_text = override.substr(equals + 1);
-  Json value = Json::parse(value_text, nullptr, false);
-  if (value.is_discarded()) value = value_text;
+  Json value = value_text;
+  // A text that is no JSON is meant as it is; "accept" builds nothing, so no depth is too much.
+  if (Json::accept(value_text)) value = parse_json<Json>("--set", value_text);
+  std::size_t depth = 0;
 
   Json* at = &json;
   std::istringstream keys(override.substr(0, equals));
   for (std::string key; std::getline(keys, key, '.');) {
     if (key.empty()) fail("an empty key");
+    if (++depth > kDeepestJson) fail("more than " + std::to_string(kDeepestJson) + " keys deep");
     if (at->is_array()) {
-      std::size_t index = at->size() + 1;
-      if (std::ranges::all_of(key, [](char c) { return c >= '0' && c <= '9'; }) && key.size() < 9) {
-        index = std::stoul(key);
-      }
-      if (index > at->size()) {
+      const auto last = static_cast<std::int64_t>(at->size());
+      const auto found = whole_number(key, 0, last);
+      if (!found) {
         fail("\"" + key + "\" is not an element of a list of " + std::to_string(at->size()) +
              " in " + path.string());
       }
+      const auto index = static_cast<std::size_t>(*found);
       if (index == at->size()) at->push_back(nullptr);
       at = &(*at)[index];
     } else {
@@ -286,12 +233,66 @@ std::string place(const Pointer& where, const std::string& record_place) {
   return text.empty() ? "/" : text;
 }
 
+constexpr std::size_t kLongestText = 4096;  // bytes, but for notes
+
+// Every key and text is UTF-8 that may be printed anywhere; notes may have several lines.
+void check_texts(const CaseFile& file, const Json& value, const Pointer& where) {
+  if (value.is_array()) {
+    for (std::size_t i = 0; i < value.size(); ++i) check_texts(file, value[i], where / i);
+  } else if (value.is_object()) {
+    for (const auto& [key, item] : value.items()) {
+      if (io::first_unprintable(key)) {
+        file.refuse(where / key, "a key holds a control character, or bytes that are not UTF-8");
+      }
+      check_texts(file, item, where / key);
+    }
+  } else if (value.is_string()) {
+    const auto& text = value.get_ref<const std::string&>();
+    const bool notes = where.to_string().starts_with("/notes");
+    if (const auto at = io::first_unprintable(text, notes ? "\n\t" : "")) {
+      file.refuse(where, "holds a control character, or bytes that are not UTF-8, at byte " +
+                             std::to_string(*at + 1));
+    }
+    if (text.size() > kLongestText && !notes) {
+      file.refuse(where, "has " + std::to_string(text.size()) + " bytes, must have at most " +
+                             std::to_string(kLongestText));
+    }
+  }
+}
+
+// Numbers like 5.0 become whole ones where the schema wants these: what reads them need not ask.
+void make_whole(const Json& root, const Json& reference, Json& value) {
+  const Json& rule = resolved(root, reference);
+  for (const Json& alternative : rule.value("anyOf", Json::array())) {
+    make_whole(root, alternative, value);
+  }
+  if (value.is_number_float()) {
+    const Json type = rule.value("type", Json());
+    if (type == "integer" || (type.is_array() && std::ranges::find(type, "integer") != type.end() &&
+                              std::ranges::find(type, "number") == type.end())) {
+      constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+      if (const auto n = whole_number(value.get<double>(), -kMost, kMost)) value = *n;
+    }
+  } else if (value.is_array() && rule.contains("items")) {
+    for (Json& item : value) make_whole(root, rule["items"], item);
+  } else if (value.is_object()) {
+    for (auto& [key, item] : value.items()) {
+      if (rule.contains("properties") && rule["properties"].contains(key)) {
+        make_whole(root, rule["properties"][key], item);
+      } else if (rule.contains("additionalProperties") &&
+                 rule["additionalProperties"].is_object()) {
+        make_whole(root, rule["additionalProperties"], item);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void CaseFile::refuse(const Pointer& where, const std::string& message) const {
   std::string line = path.string() + ": " + place(where, record_place) + ": ";
   if (json.contains(where) && !json.at(where).is_object()) line += shortened(json.at(where)) + ": ";
-  throw Failure(Exit::bad_input, line + message);
+  throw Failure(Exit::bad_input, io::printable(line + message));
 }
 
 std::filesystem::path CaseFile::resolve(const std::string& name) const {
@@ -304,12 +305,20 @@ std::filesystem::path CaseFile::resolve(const std::string& name) const {
 }
 
 CaseFile read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
-  CaseFile file{.path = path, .json = parse_text(path, read_text(path))};
+  std::string text;
+  try {
+    text = io::read_bytes(path, kLargestCase);
+  } catch (const io::FileError& error) {
+    throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
+                  error.what());
+  }
+  CaseFile file{.path = path, .json = parse_json<Json>(path, text)};
   if (!file.json.is_object()) {
     throw Failure(Exit::bad_input, path.string() + ": /: must be an object, is a " +
                                        std::string(file.json.type_name()));
   }
   for (const std::string& override : overrides) apply_override(path, file.json, override);
+  check_texts(file, file.json, Pointer());
   return file;
 }
 
@@ -343,8 +352,9 @@ Json schema(std::string_view name) {
   return *found;
 }
 
-void validate_against_schema(const CaseFile& file, std::string_view schema_name) {
+void validate_against_schema(CaseFile& file, std::string_view schema_name) {
   const Json rules = schema(schema_name);
+  make_whole(rules, rules, file.json);
   valijson::Schema compiled;
   valijson::SchemaParser parser;
   parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(rules), compiled);
@@ -358,9 +368,13 @@ void validate_against_schema(const CaseFile& file, std::string_view schema_name)
   }
   valijson::ValidationResults::Error error;
   results.popError(error);
-  std::string context;
-  for (const std::string& part : error.context) context += part;
-  throw Failure(Exit::bad_input, file.path.string() + ": " + context + ": " + error.description);
+  // "<root>[data][modes]", as the validator has it, is /data/modes here.
+  std::string where;
+  for (const std::string& part : error.context) {
+    if (part.size() > 2 && part.front() == '[') where += "/" + part.substr(1, part.size() - 2);
+  }
+  throw Failure(Exit::bad_input, file.path.string() + ": " + (where.empty() ? "/" : where) + ": " +
+                                     error.description);
 }
 
 inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {

@@ -33,7 +33,8 @@ struct CaseFile {
 
 /// Reads FILE and applies `overrides`, each "path.to.key=VALUE" (array elements by 0-based number;
 /// VALUE is JSON, or else taken as text). Throws Failure: 66 for a file that cannot be read, 65
-/// with line and column for text that is not JSON, 64 for an override that leads nowhere.
+/// with line and column for text that is not JSON, 65 for keys and texts that are not UTF-8 or
+/// that hold control characters, 64 for an override that leads nowhere.
 [[nodiscard]] CaseFile read_case(const std::filesystem::path& path,
                                  const std::vector<std::string>& overrides = {});
 
@@ -43,9 +44,9 @@ struct CaseFile {
 /// (64) for another name.
 [[nodiscard]] Json schema(std::string_view name);
 
-/// Holds the case against its schema. Throws Failure (65) with the first complaint, worded for the
-/// case's author.
-void validate_against_schema(const CaseFile& file, std::string_view schema_name);
+/// Holds the case against its schema; 5.0 becomes 5 where that wants whole numbers. Throws Failure
+/// (65) with the first complaint, worded for the case's author.
+void validate_against_schema(CaseFile& file, std::string_view schema_name);
 
 /// The prior written at `where`. Throws Failure (65) where it is improper.
 [[nodiscard]] inference::Prior parse_prior(const CaseFile& file, const Pointer& where);

@@ -11,16 +11,22 @@
 #include "apps/damage_summary.hpp"
 #include "apps/damage_terminal.hpp"
 #include "apps/posterior_file.hpp"
+#include "apps/run_cost.hpp"
 #include "apps/run_files.hpp"
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/stored_run.hpp"
+#include "apps/structure_case.hpp"
+#include "apps/structure_command.hpp"
 #include "apps/terminal.hpp"
+#include "apps/whole_number.hpp"
 #include "base/parallel.hpp"
 #include "emulator/journal.hpp"
 #include "fem/modal_analysis.hpp"
+#include "fem/structures/structure_modes.hpp"
 #include "identification/plausibility.hpp"
 #include "io/atomic_file.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -44,21 +50,56 @@ std::string sparkline(const Eigen::VectorXd& shape) {
   return text;
 }
 
+// Of a beam whose truth only structures know: frequencies, and deflections at its nodes.
+fem::Modes true_modes(const DamageCase& damage_case, int wanted) {
+  const fem::StructureModes found = fem::structure_modes(true_structure(damage_case), wanted);
+  const fem::Beam& beam = damage_case.beam;
+  const fem::Mesh mesh(std::get<fem::Structure>(damage_case.solved_structure()));
+  fem::Modes modes{.frequencies_hz = found.frequencies_hz,
+                   .eigenvalues = found.eigenvalues,
+                   .shapes = Eigen::MatrixXd::Zero(2 * beam.nodes(), found.shapes.cols()),
+                   .rigid_body_modes = found.rigid_body_modes,
+                   .certified = found.certified,
+                   .solver = found.solver};
+  int member = 0;
+  double start = 0.0;
+  for (int i = 0; i < beam.nodes(); ++i) {
+    const double x = i * beam.element_length();
+    while (member + 1 < static_cast<int>(mesh.structure().members.size()) &&
+           x > start + mesh.member_length(member) * (1.0 + 1e-9)) {
+      start += mesh.member_length(member++);
+    }
+    const fem::SparseRow deflection =
+        mesh.motion(member, std::min(x - start, mesh.member_length(member)), fem::Direction::y);
+    for (Eigen::Index j = 0; j < found.shapes.cols(); ++j) {
+      modes.shapes(2 * i, j) = deflection.of(found.shapes.col(j));
+    }
+  }
+  return modes;
+}
+
 }  // namespace
 
 void run_modes(const CommonOptions& common, const ModesOptions& options) {
-  const DamageCaseFile parsed =
-      parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
+  CaseFile file = read_case(common.case_path, common.overrides);
+  if (has_structure(file)) return run_structure_modes(file, options);
+  if (!options.vtk.empty())
+    throw Failure(Exit::usage, "--vtk: goes with a structure; this case has a beam");
+  const DamageCaseFile parsed = parse_damage_case(std::move(file), Needs::structure);
   const DamageCase& damage_case = parsed.damage;
   if (options.truth && !damage_case.simulation) {
     parsed.file.refuse(Pointer("/damage/truth"), "is missing: --truth has nothing to show");
   }
-  const fem::Defects defects = options.truth ? damage_case.true_defects() : fem::Defects{};
+  const fem::Defects defects = options.truth && !damage_case.solved_as_structure()
+                                   ? damage_case.true_defects()
+                                   : fem::Defects{};
   const int wanted = options.modes.value_or((damage_case.modes() > 0 ? damage_case.modes() : 10) +
                                             damage_case.rigid_body_modes);
   fem::Modes modes;
   try {
-    modes = fem::modal_analysis(damage_case.beam, defects, {.modes = wanted});
+    modes = options.truth && damage_case.solved_as_structure()
+                ? true_modes(damage_case, wanted)
+                : fem::modal_analysis(damage_case.beam, defects, {.modes = wanted});
   } catch (const std::invalid_argument& error) {
     parsed.file.refuse(Pointer("/beam"), error.what());
   }
@@ -104,12 +145,17 @@ namespace {
 
 // "2/5": the second of five, 0-based.
 std::pair<int, int> parse_part(const std::string& text) {
-  int part = 0, parts = 0;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%c", &part, &parts, &rest) != 2 || part < 1 || parts < part) {
-    throw Failure(Exit::usage, "--part " + text + ": must be I/N with 1 <= I <= N, e.g. 1/4");
+  constexpr std::int64_t kMostParts = 1'000'000;
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const auto parts =
+      whole_number(std::string_view(text).substr(std::min(slash + 1, text.size())), 1, kMostParts);
+  const auto part =
+      whole_number(std::string_view(text).substr(0, slash), 1, parts.value_or(kMostParts));
+  if (!part || !parts) {
+    throw Failure(Exit::usage,
+                  "--part " + text + ": must be I/N with 1 <= I <= N <= 1000000, e.g. 1/4");
   }
-  return {part - 1, parts};
+  return {static_cast<int>(*part - 1), static_cast<int>(*parts)};
 }
 
 emulator::TableFile read_parts(const std::vector<std::filesystem::path>& paths,
@@ -139,6 +185,10 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
       parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
   const DamageCase& damage_case = parsed.damage;
   const Pointer predictor("/predictor");
+  if (damage_case.structure) {
+    parsed.file.refuse(Pointer("/structure"),
+                       "an emulator is trained on a beam, not on a structure");
+  }
   if (!damage_case.emulator || damage_case.emulator->table) {
     parsed.file.refuse(
         predictor, "must describe a table to compute: {\"sites\": [...], \"multipliers\": [...]}");
@@ -161,6 +211,9 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     parsed.file.refuse(predictor / "accuracy",
                        "decides on runs by the runs before: they have no parts");
   }
+  const RunCost cost = cost_of_tables(damage_case);
+  require_affordable(parsed.file, predictor, cost, common);
+  if (common.dry_run) return print_estimate("table", cost);
   const auto part = options.part.empty() ? std::pair(0, 1) : parse_part(options.part);
   std::optional<emulator::TableFile> made;
   if (!options.merge.empty()) made = read_parts(options.merge, damage_case);
@@ -218,7 +271,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     }
   }
   if (!trained) {
-    std::cout << "Part " << options.part << ": " << common.output.string()
+    std::cout << "Part " << options.part << ": " << io::printable(common.output.string())
               << "  (join the parts with wheeltap table CASE -o TABLE.nc --merge PART...)\n";
     return;
   }
@@ -226,9 +279,9 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
       static_cast<std::size_t>(damage_case.rigid_body_modes));
   print_emulator(std::cout, emulator_finding(*trained, measurement_noise(damage_case, intact)),
                  colour_wanted(), true);
-  std::cout << "\nTable: " << common.output.string()
-            << "  (use it with \"predictor\": {\"table\": \"" << common.output.filename().string()
-            << "\"})\n";
+  std::cout << "\nTable: " << io::printable(common.output.string())
+            << "  (use it with \"predictor\": {\"table\": \""
+            << io::printable(common.output.filename().string()) << "\"})\n";
 }
 
 void run_damage(const CommonOptions& common, const SamplingOptions& options) {
@@ -236,6 +289,14 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   const auto log = make_log(common.quiet);
   const DamageCaseFile parsed = parse_damage_case(read_case(common.case_path, common.overrides));
   const std::uint64_t seed = common.seed.value_or(1);
+  const RunCost tables = cost_of_tables(parsed.damage);
+  require_affordable(parsed.file, Pointer("/predictor"), tables, common);
+  const RunCost cost = cost_of_damages(parsed.damage, common, options);
+  require_affordable(parsed.file, Pointer(), cost, common);
+  if (common.dry_run) {
+    if (tables.likelihoods > 0.0) print_estimate("table", tables);
+    return print_estimate("run", cost);
+  }
   if (common.resume) {
     if (const auto text = finished_run(common.output, parsed.file.json, seed, "options",
                                        options_report(options))) {
@@ -312,8 +373,8 @@ void run_simulate(const CommonOptions& common) {
   }
   write_text(common.output, text);
   if (!common.quiet) {
-    std::cout << data.modes() << " frequencies (" << data.origin << "): " << common.output.string()
-              << '\n';
+    std::cout << data.modes() << " frequencies (" << data.origin
+              << "): " << io::printable(common.output.string()) << '\n';
   }
 }
 

@@ -20,6 +20,9 @@ struct CommonOptions {
   bool quiet = false;
   bool resume = false;
   double checkpoint_seconds = 60.0;  ///< between two of a run; 0: none
+  bool dry_run = false;              ///< says what it would take, and ends
+  double max_memory_gb = 4.0;        ///< estimates beyond these are refused
+  double max_hours = 100.0;
   std::string command_line;
 };
 
@@ -27,7 +30,8 @@ struct ModesOptions {
   std::optional<int> modes;  ///< rigid-body ones included
   bool truth = false;        ///< damaged as the case's truth says
   bool json = false;
-  bool shapes = false;  ///< with json: add the shapes
+  bool shapes = false;        ///< with json: add the shapes
+  std::filesystem::path vtk;  ///< of a structure: draw it and its shapes into this file
 };
 
 struct TableOptions {

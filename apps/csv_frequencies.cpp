@@ -1,9 +1,7 @@
 #include "apps/csv_frequencies.hpp"
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <sstream>
 
@@ -90,13 +88,7 @@ FrequencyTable parse_frequency_csv(std::string bytes, const std::filesystem::pat
 }
 
 FrequencyTable read_frequency_csv(const std::filesystem::path& path, const FrequencyCells& cells) {
-  std::string bytes;
-  try {
-    bytes = io::read_bytes(path);
-  } catch (const io::FileError&) {
-    throw Failure(Exit::no_input, path.string() + ": cannot be read: " + std::strerror(errno));
-  }
-  return parse_frequency_csv(std::move(bytes), path, cells);
+  return parse_frequency_csv(io::read_bytes(path), path, cells);
 }
 
 std::string frequency_csv(const FrequencyTable& table, const std::string& comment) {

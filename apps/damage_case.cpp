@@ -7,10 +7,14 @@
 
 #include "apps/beam_case.hpp"
 #include "apps/csv_frequencies.hpp"
+#include "apps/damage_parts.hpp"
+#include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
 #include "identification/defects/reduction.hpp"
 #include "identification/interpolants.hpp"
+#include "io/netcdf_name.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -29,7 +33,8 @@ Pointer at(const char* text) {
   return Pointer(text);
 }
 
-// A prior of something that must lie in [lower, upper]; `allowed` says so in words.
+}  // namespace
+
 inference::Prior bounded_prior(const CaseFile& file, const Pointer& where, double lower,
                                double upper, const std::string& allowed) {
   const inference::Prior prior = parse_prior(file, where);
@@ -66,6 +71,21 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
   return weights;
 }
 
+Simulation parse_simulation(const CaseFile& file, const Json& truth, Simulation simulation) {
+  const Json data = file.json.value("data", Json::object());
+  if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"];
+  simulation.modes = data.value("modes", simulation.modes);
+  simulation.seed = data.value("seed", simulation.seed);
+  if (truth.is_object()) {
+    simulation.modes = truth.value("modes", simulation.modes);
+    simulation.cv = truth.value("cov", simulation.cv);
+    simulation.seed = truth.value("seed", simulation.seed);
+  }
+  return simulation;
+}
+
+namespace {
+
 void parse_truth(const CaseFile& file, const Pointer& block, double length, DefectKind& kind,
                  DamageCase& out) {
   const Json& b = file.json.at(block);
@@ -73,17 +93,7 @@ void parse_truth(const CaseFile& file, const Pointer& block, double length, Defe
   const Json& t = b["truth"];
   const Json& list = t.is_array() ? t : t.at("defects");
   const Pointer where = t.is_array() ? block / "truth" : block / "truth" / "defects";
-  const Json data = file.json.value("data", Json::object());
-  Simulation simulation = out.simulation.value_or(Simulation{});
-  if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"];
-  simulation.modes = data.value("modes", simulation.modes);
-  simulation.seed = data.value("seed", simulation.seed);
-  if (t.is_object()) {
-    simulation.modes = t.value("modes", simulation.modes);
-    simulation.cv = t.value("cov", simulation.cv);
-    simulation.seed = t.value("seed", simulation.seed);
-  }
-  out.simulation = simulation;
+  out.simulation = parse_simulation(file, t, out.simulation.value_or(Simulation{}));
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Json& d = list[i];
     const std::string severity = kind.severity_name();
@@ -112,10 +122,10 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   const Json& b = file.json.at(where);
   const auto type_name = b.value("kind", std::string(defect_types()[0]->name));
   const DefectType* type = find_defect_type(type_name);
-  if (type == nullptr) {
+  if (type == nullptr || !type->is_for_beams()) {
     std::string known;
     for (const DefectType* t : defect_types())
-      known += (known.empty() ? "\"" : ", \"") + std::string(t->name) + "\"";
+      if (t->is_for_beams()) known += (known.empty() ? "\"" : ", \"") + std::string(t->name) + "\"";
     file.refuse(where / "kind", "no such kind of defect; there are " + known);
   }
   const std::string severity(type->severity);
@@ -147,7 +157,24 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
       .severity = DefectKind::Rigid{},
       .rotation = type->may_be_rotational && b.contains("fix") && b["fix"][0] == "rotation",
       .truth = {}};
-  kind.plural = b.value("plural", kind.name + "s");
+  kind.plural = b.value("plural", b.contains("name") ? kind.name + "s" : type->noun_plural());
+  kind.line = SiteLine::of_beam(out.beam);
+  if (b.contains("extent") && type_name != "reduction") {
+    file.refuse(where / "extent", "goes with \"kind\": \"reduction\" only");
+  }
+  if (b.contains("extent") && b["extent"].is_number()) kind.extent = b["extent"].get<double>();
+  if (type_name == "crack") {
+    kind.crack_law = parse_crack_law(file, where);
+    if (!(out.beam_depth > 0.0)) {
+      file.refuse(where / "kind",
+                  "a crack needs the height of the section: give it a \"shape\" with sizes");
+    }
+  } else if (b.contains("law")) {
+    file.refuse(where / "law", "goes with \"kind\": \"crack\" only");
+  }
+  if (const auto why = io::why_no_netcdf_name(kind.name)) {
+    file.refuse(where / "name", "a name " + *why);
+  }
   if (!type->may_be_known && !b.contains(severity)) {
     file.refuse(where / severity, "is missing: must be a prior on [0, 1)");
   }
@@ -389,13 +416,13 @@ void DamageCaseFile::refuse(const InvalidInput& error) const {
   const auto kind = static_cast<std::size_t>(error.index());
   switch (error.part()) {
     case Part::beam:
-      file.refuse(at("/beam"), error.what());
+      file.refuse(damage.structure ? at("/structure") : at("/beam"), error.what());
     case Part::truth:
       file.refuse(at("/damage/truth"), error.what());
     case Part::emulator:
       file.refuse(at("/predictor"), error.what());
     case Part::location:
-      file.refuse(kinds[kind] / "location", error.what());
+      file.refuse(kinds[kind] / (damage.structure ? "on" : "location"), error.what());
     case Part::severity:
       file.refuse(kinds[kind] / damage.kinds[kind].severity_name(), error.what());
     default:
@@ -426,52 +453,9 @@ void accept_cv(CaseFile& file) {
 
 }  // namespace
 
-DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
-  accept_cv(file);
-  validate_against_schema(file, "damage");
-  DamageCaseFile parsed{.file = std::move(file), .notes = {}, .damage = {}, .kinds = {}};
-  DamageCase& out = parsed.damage;
-  const CaseFile& f = parsed.file;
-  const Json& json = f.json;
-  out.title = json.value("title", f.path.stem().string());
-  out.balance = json.value("balance", false);
-  if (json.contains("notes")) {
-    if (json["notes"].is_string()) {
-      parsed.notes = {json["notes"].get<std::string>()};
-    } else {
-      parsed.notes = json["notes"].get<std::vector<std::string>>();
-    }
-  }
-  out.beam = parse_beam(f);
-  const Json damage = json.value("damage", Json::array());
-  if (needs == Needs::data) {
-    for (const char* key : {"damage", "data"}) {
-      if (!json.contains(key))
-        f.refuse(Pointer() / std::string(key), "is missing: must be an object");
-    }
-  }
-  if (damage.is_array()) {
-    for (std::size_t i = 0; i < damage.size(); ++i) {
-      parsed.kinds.push_back(at("/damage") / i);
-      out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
-    }
-  } else {
-    parsed.kinds.push_back(at("/damage"));
-    out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
-  }
-  for (std::size_t i = 1; i < out.kinds.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (out.kinds[i].name == out.kinds[j].name) {
-        f.refuse(parsed.kinds[i],
-                 "two kinds are called \"" + out.kinds[i].name + "\"; give one of them a \"name\"");
-      }
-    }
-  }
-  if (json.contains("predictor") && json["predictor"].is_object()) {
-    out.emulator = parse_emulator(f, out);
-  }
-  if (json.contains("data")) out.data = parse_data(f);
+namespace {
 
+void check_beam_modes(const CaseFile& f, DamageCase& out) {
   const int free = free_degrees_of_freedom(out.beam);
   if (free < 1) f.refuse(at("/beam/supports"), "nothing is left to vibrate");
   out.rigid_body_modes = rigid_body_modes(out.beam);
@@ -487,6 +471,87 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
              std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most_modes) +
                  ", the elastic modes of " + std::to_string(out.beam.elements) +
                  " elements; refine beam.elements");
+  }
+}
+
+}  // namespace
+
+// Each is explored by itself before anything is drawn.
+constexpr double kMostModels = 5000;
+
+DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
+  const bool structure = has_structure(file);
+  accept_cv(file);
+  validate_against_schema(file, structure ? "structure" : "damage");
+  if (file.json.at("kind") != "damage") file.refuse(at("/kind"), "must be \"damage\" here");
+  DamageCaseFile parsed{.file = std::move(file), .notes = {}, .damage = {}, .kinds = {}};
+  DamageCase& out = parsed.damage;
+  const CaseFile& f = parsed.file;
+  const Json& json = f.json;
+  out.title = json.value("title", io::printable(f.path.stem().string()));
+  out.balance = json.value("balance", false);
+  if (json.contains("notes")) {
+    if (json["notes"].is_string()) {
+      parsed.notes = {json["notes"].get<std::string>()};
+    } else {
+      parsed.notes = json["notes"].get<std::vector<std::string>>();
+    }
+  }
+  if (structure) {
+    if (needs == Needs::data) refuse_unused(f);
+    out.structure = std::make_shared<const StructureModel>(parse_structure(f));
+    if (needs == Needs::data && !out.structure->parameters.empty())
+      f.refuse(at("/parameters"),
+               "unknown coefficients beside damage need a baseline, which this version does not "
+               "infer: give numbers");
+  } else {
+    out.beam = parse_beam(f);
+    const Json& section = json["beam"]["section"];
+    for (const char* height : {"height", "diameter", "outer_diameter"})
+      if (section.contains(height)) out.beam_depth = section[height];
+  }
+  const Json damage = json.value("damage", Json::array());
+  if (needs == Needs::data) {
+    for (const char* key : {"damage", "data"}) {
+      if (!json.contains(key))
+        f.refuse(Pointer() / std::string(key), "is missing: must be an object");
+    }
+  }
+  if (structure) {
+    parse_structure_kinds(f, out, parsed.kinds);
+  } else if (damage.is_array()) {
+    for (std::size_t i = 0; i < damage.size(); ++i) {
+      parsed.kinds.push_back(at("/damage") / i);
+      out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
+    }
+  } else {
+    parsed.kinds.push_back(at("/damage"));
+    out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
+  }
+  double models = 1.0;
+  for (const DefectKind& kind : out.kinds) models *= kind.max_count - kind.min_count + 1.0;
+  if (models > kMostModels) {
+    f.refuse(at("/damage"), "would be " + number(models) +
+                                " models, one a combination of counts: must be at most " +
+                                number(kMostModels) + "; lower the largest counts");
+  }
+  for (std::size_t i = 1; i < out.kinds.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (out.kinds[i].name == out.kinds[j].name) {
+        f.refuse(parsed.kinds[i],
+                 "two kinds are called \"" + out.kinds[i].name + "\"; give one of them a \"name\"");
+      }
+    }
+  }
+  if (json.contains("predictor") && json["predictor"].is_object()) {
+    out.emulator = parse_emulator(f, out);
+  }
+  if (json.contains("data")) out.data = parse_data(f);
+
+  if (structure) {
+    check_structure_modes(f, out);
+  } else {
+    check_beam_modes(f, out);
   }
   if (needs == Needs::structure) return parsed;
 

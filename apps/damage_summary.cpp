@@ -12,6 +12,24 @@ using namespace identification;
 
 namespace {
 
+// Expected number on each member (node, link): {"left post": 0.9}; per kind where there are
+// several.
+Report by_member(const DamageCase& damage_case, const DamageFindings& findings) {
+  Report out = Report::object();
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    Report one = Report::object();
+    for (const SiteLine::Stretch& s : kind.line.stretches()) one[s.name] = 0.0;
+    for (std::size_t c = 0; c < findings.kinds[k].expected.size(); ++c) {
+      const int stretch = kind.line.stretch_of_cell(static_cast<int>(c));
+      Report& sum = one[kind.line.stretches()[static_cast<std::size_t>(stretch)].name];
+      sum = sum.get<double>() + findings.kinds[k].expected[c];
+    }
+    (damage_case.kinds.size() > 1 ? out[kind.name] : out) = one;
+  }
+  return out;
+}
+
 Report where(const DamageCase& damage_case, const DamageFindings& findings) {
   Report by_element = Report::object(), all_places = Report::object();
   const bool several = damage_case.kinds.size() > 1;
@@ -26,12 +44,17 @@ Report where(const DamageCase& damage_case, const DamageFindings& findings) {
     for (const Place& p : found.places) {
       Report place = {
           {"from", p.from}, {"to", p.to}, {"expected", p.expected}, {"location", json(p.location)}};
+      if (damage_case.structure) {
+        const auto& on = kind.line.stretches()[static_cast<std::size_t>(p.stretch)];
+        place[kind.site_name()] = on.name;
+      }
       if (p.severity) place[kind.severity_name()] = json(*p.severity);
       places.push_back(std::move(place));
     }
     all_places[kind.name] = places;
   }
   Report out = {{"inclusion_by_element", by_element}, {"places", all_places}};
+  if (damage_case.structure) out["inclusion_by_member"] = by_member(damage_case, findings);
   if (!findings.folded.empty()) {
     Report folded = Report::object();
     for (std::size_t m = 0; m < findings.folded.size(); ++m) {
@@ -131,9 +154,15 @@ Report kinds_of(const DamageCase& damage_case) {
   for (const DefectKind& kind : damage_case.kinds) {
     Report truth = Report::array();
     for (const auto& t : kind.truth) {
-      truth.push_back({{"location", t.location},
-                       {kind.severity_name(),
-                        std::isfinite(t.severity) ? Report(t.severity) : Report("rigid")}});
+      Report one = {
+          {"location", t.location},
+          {kind.severity_name(), std::isfinite(t.severity) ? Report(t.severity) : Report("rigid")}};
+      if (!kind.line.is_beam()) {
+        const SiteLine::Spot spot = kind.line.spot(t.location);
+        one[kind.site_name()] = kind.line.stretches()[static_cast<std::size_t>(spot.stretch)].name;
+        one["location"] = spot.s;
+      }
+      truth.push_back(std::move(one));
     }
     kinds.push_back({{"name", kind.name},
                      {"plural", kind.plural},
@@ -154,6 +183,42 @@ Report supports_of(const fem::Beam& beam) {
                     {"stiffness", s.stiffness ? Report(*s.stiffness) : Report("rigid")}});
   }
   return list;
+}
+
+Report beam_of(const fem::Beam& beam) {
+  return {{"length", beam.length},
+          {"elements", beam.elements},
+          {"supports", supports_of(beam)},
+          {"shear_coefficient", beam.section.shear_coefficient}};
+}
+
+// What a drawing needs: nodes, members, held nodes, and where each kind's cells lie.
+Report structure_of(const DamageCase& damage_case) {
+  Report out = Report::object();
+  if (const auto* s = std::get_if<fem::Structure>(&damage_case.structure->nominal)) {
+    out["dimension"] = s->dimension;
+    Report nodes = Report::array(), members = Report::array(), supports = Report::array();
+    for (const fem::Node& node : s->nodes) nodes.push_back({{"name", node.name}, {"at", node.at}});
+    for (const fem::Member& m : s->members)
+      members.push_back({{"name", m.name}, {"nodes", m.nodes}, {"elements", m.elements}});
+    for (const fem::NodeSupport& support : s->supports)
+      supports.push_back({{"node", support.node}, {"fix", support.fix}});
+    out.update({{"nodes", nodes}, {"members", members}, {"supports", supports}});
+  } else if (const auto* chain = std::get_if<fem::LumpedChain>(&damage_case.structure->nominal)) {
+    Report links = Report::array();
+    for (const fem::LumpedChain::Link& link : chain->links)
+      links.push_back({{"name", link.name}, {"between", link.between}});
+    out.update({{"masses", chain->masses}, {"links", links}});
+  }
+  Report lines = Report::object();
+  for (const DefectKind& kind : damage_case.kinds) {
+    Report stretches = Report::array();
+    for (const SiteLine::Stretch& s : kind.line.stretches())
+      stretches.push_back({{"site", s.site}, {"name", s.name}, {"first_cell", s.first_cell}});
+    lines[kind.name] = {{"of", kind.site_name()}, {"stretches", stretches}};
+  }
+  out["lines"] = lines;
+  return out;
 }
 
 }  // namespace
@@ -219,11 +284,8 @@ Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings
       {"parameters", parameter_tables(findings)},
       {"damage", where(damage_case, findings)},
       {"data", {{"origin", damage_case.data.origin}, {"simulated", damage_case.data.simulated}}},
-      {"beam",
-       {{"length", damage_case.beam.length},
-        {"elements", damage_case.beam.elements},
-        {"supports", supports_of(damage_case.beam)},
-        {"shear_coefficient", damage_case.beam.section.shear_coefficient}}},
+      {damage_case.structure ? "structure" : "beam",
+       damage_case.structure ? structure_of(damage_case) : beam_of(damage_case.beam)},
       {"kinds", kinds_of(damage_case)},
       {"unknowns", unknowns_of(file, findings)},
       {"fit", fit_report(findings.fit_verdict)},

@@ -29,6 +29,13 @@ std::string severity_text(const DefectKind& kind, double x) {
   return significant(x, 3) + " " + kind.severity_unit();
 }
 
+std::string true_place(const DefectKind& kind, double location) {
+  if (kind.line.is_beam()) return metres(location) + " m";
+  const SiteLine::Spot spot = kind.line.spot(location);
+  const auto& on = kind.line.stretches()[static_cast<std::size_t>(spot.stretch)];
+  return on.size > 0.0 ? on.name + ", " + metres(spot.s) + " m" : on.name;
+}
+
 // One line a defect.
 void print_defects(const Page& page, const DamageCase& damage_case,
                    const std::vector<ParameterFinding>& shown, bool folded) {
@@ -63,6 +70,40 @@ void print_defects(const Page& page, const DamageCase& damage_case,
   }
   rows.insert(rows.begin(), header);
   page.table(rows);
+}
+
+// Of a structure, the places that hold a tenth of a defect or more.
+void print_places(const Page& page, const DamageCase& damage_case, const DamageFindings& findings) {
+  std::vector<std::vector<std::string>> rows = {
+      {"", "on", "expected", "location", "95 % interval", "severity", "95 % interval"}};
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    for (const Place& p : findings.kinds[k].places) {
+      const auto& on = kind.line.stretches()[static_cast<std::size_t>(p.stretch)];
+      std::vector<std::string> row = {kind.name, on.name, fixed(p.expected, 2)};
+      const bool along = on.size > 0.0;
+      row.push_back(along ? metres(p.location.q50) + " m" : "-");
+      row.push_back(along ? interval(p.location, metres) + " m" : "-");
+      const auto text = [&](double value) { return severity_text(kind, value); };
+      row.push_back(p.severity ? text(p.severity->q50) : "-");
+      row.push_back(p.severity ? interval(*p.severity, text) : "-");
+      rows.push_back(std::move(row));
+    }
+  }
+  if (rows.size() > 1) page.table(rows);
+}
+
+// A bar for each member, node or link.
+void print_sites(std::ostream& out, const DefectKind& kind, const std::vector<double>& expected) {
+  std::vector<double> sums(kind.line.stretches().size());
+  std::size_t width = 0;
+  for (std::size_t c = 0; c < expected.size(); ++c)
+    sums[static_cast<std::size_t>(kind.line.stretch_of_cell(static_cast<int>(c)))] += expected[c];
+  for (const auto& s : kind.line.stretches()) width = std::max(width, columns(s.name));
+  const double peak = std::max(1e-300, *std::ranges::max_element(sums));
+  for (std::size_t s = 0; s < sums.size(); ++s)
+    out << "  " << pad_right(kind.line.stretches()[s].name, width) << "  " << fixed(sums[s], 3)
+        << "  " << bar(sums[s] / peak, 30) << '\n';
 }
 
 std::string support_glyph(const fem::Support& s) {
@@ -205,8 +246,13 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
     const ModelFinding& model = findings.models[m];
     const bool any = std::ranges::any_of(model.counts, [](int n) { return n > 0; });
     if (model.probability() < kWorthPrinting || !model.drawn() || !any) continue;
+    if (damage_case.structure) continue;
     out << '\n' << page.bold("If " + model.name) << " (" << percent(model.probability()) << ")\n";
     print_defects(page, damage_case, findings.shown(m), !findings.folded.empty());
+  }
+  if (damage_case.structure) {
+    page.heading("Where, and how bad?");
+    print_places(page, damage_case, findings);
   }
   for (const ModelFinding& model : findings.models) {
     if (model.probability() < kWorthPrinting || !model.drawn()) continue;
@@ -224,7 +270,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
     std::string truth;
     for (const DefectKind& kind : damage_case.kinds) {
       for (const auto& t : kind.truth) {
-        truth += (truth.empty() ? "" : "; ") + kind.name + " at " + metres(t.location) + " m";
+        truth += (truth.empty() ? "" : "; ") + kind.name + " at " + true_place(kind, t.location);
         if (kind.type->percent) truth += ", " + severity_text(kind, t.severity);
       }
     }
@@ -234,6 +280,13 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
 
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     const std::vector<double>& expected = findings.kinds[k].expected;
+    if (damage_case.structure) {
+      out << '\n'
+          << page.bold("Where are the " + damage_case.kinds[k].plural + "?")
+          << " (expected number)\n";
+      print_sites(out, damage_case.kinds[k], expected);
+      continue;
+    }
     out << '\n'
         << page.bold("Where along the beam are the " + damage_case.kinds[k].plural + "?")
         << " (expected number "

@@ -14,6 +14,7 @@
 #include "apps/starter_texts.hpp"
 #include "apps/summary.hpp"
 #include "identification/sid_simulation.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -35,6 +36,16 @@ std::vector<std::string> starter_kinds() {
     if (file == name + ".json") kinds.push_back(name);
   }
   return kinds;
+}
+
+// The structures, other than a beam, that a kind has a starter for.
+std::vector<std::string> starter_structures(const std::string& kind) {
+  std::vector<std::string> structures;
+  for (const auto& [file, text] : kStarterTexts) {
+    if (!file.starts_with(kind + ".") || !file.ends_with(".md") || file == kind + ".md") continue;
+    structures.emplace_back(file.substr(kind.size() + 1, file.size() - kind.size() - 4));
+  }
+  return structures;
 }
 
 std::string bounds(const Report& rule) {
@@ -148,7 +159,7 @@ std::string describe_keys(const std::string& kind) {
          "\n`wheeltap schema " + kind + "` prints the same for programs (JSON Schema).\n";
 }
 
-void run_init(const std::string& kind, const fs::path& folder) {
+void run_init(const std::string& kind, const std::string& structure, const fs::path& folder) {
   const auto kinds = starter_kinds();
   if (std::ranges::find(kinds, kind) == kinds.end()) {
     std::string list;
@@ -158,14 +169,31 @@ void run_init(const std::string& kind, const fs::path& folder) {
                                    (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
                                    " (there are: " + list + ")");
   }
+  // A damage case starts from a beam, or from another structure.
+  const bool beam = structure == "beam";
+  const auto structures = starter_structures(kind);
+  if (!beam && std::ranges::find(structures, structure) == structures.end())
+    throw Failure(Exit::usage, "--structure " + structure + ": a " + kind +
+                                   " case starts from beam" +
+                                   (structures.empty() ? "" : ", " + listed(structures)));
   struct File {
     fs::path path;
     std::string text;
   };
-  const std::string text = starter(kind + ".json");
-  std::vector<File> files = {{(folder / (kind + ".json")).lexically_normal(), text},
-                             {(folder / (kind + ".md")).lexically_normal(),
-                              starter(kind + ".md") + "\n" + describe_keys(kind)}};
+  const std::string stem = beam ? kind : kind + "." + structure;
+  const std::string text = starter(stem + ".json");
+  std::vector<File> files = {
+      {(folder / (kind + ".json")).lexically_normal(), text},
+      {(folder / (kind + ".md")).lexically_normal(),
+       starter(stem + ".md") + "\n" + describe_keys(beam ? kind : "structure")}};
+  // Files that the case names, in a folder: KIND.STRUCTURE.FOLDER.NAME.
+  for (const auto& [name, content] : kStarterTexts)
+    if (!beam && name.starts_with(stem + ".") && name != stem + ".json" && name != stem + ".md") {
+      const std::string rest(name.substr(stem.size() + 1));
+      const auto dot = rest.find('.');
+      files.push_back({(folder / rest.substr(0, dot) / rest.substr(dot + 1)).lexically_normal(),
+                       std::string(content)});
+    }
   if (const std::string truth = starter(kind + ".truth.json"); !truth.empty()) {
     // The record that the case names, simulated from the case with this truth in its place.
     CaseFile file{.path = folder / (kind + ".json"), .json = Json::parse(text)};
@@ -190,12 +218,20 @@ void run_init(const std::string& kind, const fs::path& folder) {
     }
   }
   make_output_folder(folder);
-  for (const File& file : files) write_text(file.path, file.text);
+  for (const File& file : files) {
+    if (file.path.has_parent_path()) make_output_folder(file.path.parent_path());
+    write_text(file.path, file.text);
+  }
   std::cout << "Written:\n";
-  for (const File& file : files) std::cout << "  " << file.path.string() << '\n';
-  std::cout << "It runs as it is:\n  wheeltap " << kind << ' ' << files[0].path.string() << " -o "
-            << (folder / "results").lexically_normal().string()
-            << "\nThen make it yours: " << files[1].path.string() << " explains every key.\n";
+  const auto shown = [](const std::filesystem::path& path) { return io::printable(path.string()); };
+  for (const File& file : files) std::cout << "  " << shown(file.path) << '\n';
+  std::cout << "It runs as it is:\n  wheeltap ";
+  if (beam)
+    std::cout << kind << ' ' << shown(files[0].path) << " -o "
+              << shown((folder / "results").lexically_normal());
+  else
+    std::cout << "modes " << shown(files[0].path);
+  std::cout << "\nThen make it yours: " << shown(files[1].path) << " explains every key.\n";
 }
 
 }  // namespace wheeltap::apps

@@ -12,8 +12,10 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string describe_keys(const std::string& kind);
 
 /// Writes KIND.json, KIND.md and the data they need into `folder`, and prints what to do next.
-/// Throws Failure: 64 for a kind that has no starter case, 73 where one of the files exists
-/// already (none is written then) or cannot be written.
-void run_init(const std::string& kind, const std::filesystem::path& folder);
+/// `structure` is "beam", or what else the kind has a starter for. Throws Failure: 64 for a kind
+/// (or a structure) that has no starter case, 73 where one of the files exists already (none is
+/// written then) or cannot be written.
+void run_init(const std::string& kind, const std::string& structure,
+              const std::filesystem::path& folder);
 
 }  // namespace wheeltap::apps

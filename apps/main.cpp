@@ -1,7 +1,13 @@
 // wheeltap: the command line.
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
+#include <limits>
+#include <new>
+#include <system_error>
 
 #include "apps/commands.hpp"
 #include "apps/failure.hpp"
@@ -10,8 +16,10 @@
 #include "apps/nearest.hpp"
 #include "apps/report/report.hpp"
 #include "apps/section_command.hpp"
+#include "apps/whole_number.hpp"
 #include "inference/target.hpp"
 #include "io/file_error.hpp"
+#include "io/text.hpp"
 
 namespace {
 
@@ -19,7 +27,8 @@ using namespace wheeltap;
 using apps::Exit;
 
 int report(Exit exit, const std::string& line) {
-  std::cerr << "wheeltap: " << line << '\n';
+  // Names, keys and values in it are a user's: one line, whatever they hold.
+  std::cerr << "wheeltap: " << io::printable(line) << '\n';
   return static_cast<int>(exit);
 }
 
@@ -37,12 +46,39 @@ Exit exit_of(io::FileError::Kind kind) {
 std::string joined(int argc, char** argv) {
   std::string line = "wheeltap";
   for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
+    const std::string word = io::printable(argv[i]);
     const bool plain =
         !word.empty() && word.find_first_of(" '\"{}[]$*?&|;<>()\\") == std::string::npos;
     line += " " + (plain ? word : "'" + word + "'");
   }
   return line;
+}
+
+// Whole numbers in [lowest, highest], by the one reader of them; what stands for the option is the
+// number's plain form, so that nothing reads it otherwise.
+CLI::Validator whole(std::int64_t lowest, std::int64_t highest) {
+  return CLI::Validator(
+      [=](std::string& text) -> std::string {
+        if (const auto n = apps::whole_number(text, lowest, highest)) {
+          text = std::to_string(*n);
+          return {};
+        }
+        return text + ": must be a whole number from " + std::to_string(lowest) + " to " +
+               std::to_string(highest);
+      },
+      "INT in [" + std::to_string(lowest) + " - " + std::to_string(highest) + "]");
+}
+
+CLI::Validator positive() {
+  return CLI::Validator(
+      [](const std::string& text) -> std::string {
+        double x = 0.0;
+        const char* last = text.data() + text.size();
+        const auto [end, error] = std::from_chars(text.data(), last, x);
+        if (error == std::errc() && end == last && x > 0.0 && std::isfinite(x)) return {};
+        return text + ": must be a positive number";
+      },
+      "NUMBER > 0");
 }
 
 }  // namespace
@@ -63,6 +99,7 @@ int main(int argc, char** argv) {
   apps::SamplingOptions sampling;
   std::string schema = "damage";
   constexpr int kMany = 1'000'000'000;
+  constexpr std::int64_t kLargestSeed = std::numeric_limits<std::int64_t>::max();
 
   const auto add_case = [&](CLI::App* command) {
     command->add_option("CASE", common.case_path, "the case, a JSON file")->required();
@@ -75,29 +112,44 @@ int main(int argc, char** argv) {
     command->add_flag("--quiet", common.quiet, "no progress on standard error");
   };
   const auto add_seed = [&](CLI::App* command, const char* what) {
-    command->add_option("--seed", common.seed, what);
+    command->add_option("--seed", common.seed, what)->transform(whole(0, kLargestSeed));
+  };
+  const auto add_limits = [&](CLI::App* command) {
+    command
+        ->add_option("--max-memory", common.max_memory_gb,
+                     "GB: a run is refused that would take more (default 4)")
+        ->check(positive());
+    command
+        ->add_option("--max-hours", common.max_hours,
+                     "a run is refused that would take longer (default 100)")
+        ->check(positive());
+  };
+  const auto add_dry_run = [&](CLI::App* command) {
+    command->add_flag("--dry-run", common.dry_run,
+                      "say what the run would take, and do nothing else");
+    command->get_option("--output")->required(false);  // unless it runs
   };
   const auto add_threads = [&](CLI::App* command) {
     command
         ->add_option("--threads", common.threads, "threads (default: all); never changes a result")
-        ->check(CLI::Range(1, 4096));
+        ->transform(whole(1, 4096));
   };
 
   const auto add_sampling = [&](CLI::App* command) {
     command->add_option("--chains", sampling.chains, "independent chains (default 4)")
-        ->check(CLI::Range(1, 1000));
+        ->transform(whole(1, 1000));
     command
         ->add_option("--warmup", sampling.warmup,
                      "iterations a chain before the first draw (default: chosen)")
-        ->check(CLI::Range(1, kMany));
+        ->transform(whole(1, kMany));
     command
         ->add_option("--draws", sampling.draws,
                      "draws a chain, after warm-up (default: until converged)")
-        ->check(CLI::Range(100, kMany));
+        ->transform(whole(100, kMany));
     command
         ->add_option("--search", sampling.searches,
                      "climbs to modes of each model, from draws of its prior (default: chosen)")
-        ->check(CLI::Range(0, kMany));
+        ->transform(whole(0, kMany));
     command
         ->add_option("--checkpoint", common.checkpoint_seconds,
                      "seconds between two checkpoints for --resume (default 60; 0: none)")
@@ -115,13 +167,16 @@ int main(int argc, char** argv) {
         ->excludes(prior_only);
   };
 
-  CLI::App* modes_command = app.add_subcommand("modes", "natural frequencies of the case's beam");
+  CLI::App* modes_command =
+      app.add_subcommand("modes", "natural frequencies of the case's beam or structure");
   add_case(modes_command);
   modes_command->add_option("--modes", modes.modes, "how many, rigid-body ones included")
-      ->check(CLI::Range(1, kMany));
+      ->transform(whole(1, kMany));
   modes_command->add_flag("--truth", modes.truth, "damaged as damage.truth says");
   modes_command->add_flag("--json", modes.json, "as JSON");
   modes_command->add_flag("--shapes", modes.shapes, "with --json: the shapes too");
+  modes_command->add_option("--vtk", modes.vtk,
+                            "draw the structure and its shapes into this file, for ParaView");
 
   apps::SectionOptions section;
   CLI::App* section_command =
@@ -137,6 +192,8 @@ int main(int argc, char** argv) {
   add_output(table_command, "the table file to write, NetCDF");
   add_seed(table_command, "of the fresh FE runs that measure the error (default 1)");
   add_threads(table_command);
+  add_limits(table_command);
+  add_dry_run(table_command);
   table_command->add_flag("--resume", common.resume, "go on where an interrupted table stopped");
   apps::TableOptions tabling;
   table_command->add_option("--part", tabling.part, "I/N: make this part of the FE runs only");
@@ -149,6 +206,8 @@ int main(int argc, char** argv) {
   add_seed(damage_command, "of the chains (default 1)");
   add_threads(damage_command);
   add_sampling(damage_command);
+  add_limits(damage_command);
+  add_dry_run(damage_command);
   damage_command->add_flag("--resume", common.resume,
                            "go on where an interrupted run stopped; print a finished one again");
 
@@ -158,6 +217,8 @@ int main(int argc, char** argv) {
   add_seed(sid_command, "of the chains (default 1)");
   add_threads(sid_command);
   add_sampling(sid_command);
+  add_limits(sid_command);
+  add_dry_run(sid_command);
   sid_command->add_flag("--resume", common.resume,
                         "go on where an interrupted run or sweep stopped; print a finished one "
                         "again");
@@ -166,6 +227,7 @@ int main(int argc, char** argv) {
       app.add_subcommand("simulate", "synthetic data from the case's truth");
   add_case(simulate_command);
   add_output(simulate_command, "the file to write: .csv, or .json for a complete damage case");
+  add_limits(simulate_command);
   add_seed(simulate_command, "of the noise (default: the case's, or 1)");
 
   apps::ReportOptions drawing;
@@ -179,7 +241,10 @@ int main(int argc, char** argv) {
   std::filesystem::path start_in = ".";
   CLI::App* init_command =
       app.add_subcommand("init", "a case to start from, every key explained beside it");
+  std::string start_structure = "beam";
   init_command->add_option("KIND", starting, "damage or sid")->required();
+  init_command->add_option("--structure", start_structure,
+                           "of damage: beam (unless given), frame, building or matrices");
   init_command->add_option("-o,--output", start_in, "the folder to write into (default: this one)");
 
   apps::LawsOptions laws;
@@ -212,6 +277,12 @@ int main(int argc, char** argv) {
   }
 
   try {
+    for (const CLI::App* runs : {table_command, damage_command, sid_command}) {
+      if (runs->parsed() && common.output.empty() && !common.dry_run) {
+        throw apps::Failure(Exit::usage,
+                            "--output is required (see wheeltap " + runs->get_name() + " --help)");
+      }
+    }
     if (modes_command->parsed()) apps::run_modes(common, modes);
     if (section_command->parsed()) apps::run_section(common, section);
     if (table_command->parsed()) apps::run_table(common, tabling);
@@ -219,7 +290,7 @@ int main(int argc, char** argv) {
     if (sid_command->parsed()) apps::run_sid(common, sampling);
     if (simulate_command->parsed()) apps::run_simulate(common);
     if (report_command->parsed()) apps::run_report(common.output, drawing);
-    if (init_command->parsed()) apps::run_init(starting, start_in);
+    if (init_command->parsed()) apps::run_init(starting, start_structure, start_in);
     if (laws_command->parsed()) apps::run_laws(laws);
     if (schema_command->parsed()) apps::run_schema(schema);
     std::cout.flush();
@@ -231,6 +302,18 @@ int main(int argc, char** argv) {
     return report(exit_of(error.kind()), error.what());
   } catch (const inference::LikelihoodError& error) {
     return report(Exit::bad_input, common.case_path.string() + ": " + error.what());
+  } catch (const std::bad_alloc&) {
+    return report(Exit::bad_input, common.case_path.string() +
+                                       ": asks for more memory than there is (--dry-run estimates "
+                                       "how much a run takes)");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(Exit::no_input, error.path1().string() + ": " + error.code().message());
+  } catch (const std::system_error& error) {
+    return report(Exit::internal, std::string("internal fault: ") + error.what());
+  } catch (const std::runtime_error& error) {
+    // Misuse throws logic errors; what is left are numbers for which the arithmetic gives up.
+    return report(Exit::bad_input, common.case_path.string() + ": cannot be computed: " +
+                                       error.what() + "; check units and sizes");
   } catch (const std::exception& error) {
     return report(Exit::internal, std::string("internal fault: ") + error.what());
   }

@@ -126,7 +126,8 @@ std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
       const int slot = file.dimension(group, (prefix + "slot").c_str(), slots, 1);
       if (several) file.put(group, "k_" + kind.name, {chain, draw}, count_of(k));
       const auto parameters = static_cast<std::size_t>(kind.parameters());
-      for (std::size_t p = 0; p < parameters; ++p) {
+      // One number a draw and slot, NaN where there are fewer defects.
+      const auto each_slot = [&](std::size_t p, auto&& of) {
         std::vector<double> values;
         values.reserve(chains * draws * slots);
         for (const auto& c : posterior.chains) {
@@ -134,18 +135,33 @@ std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
             const auto& m = space[c.model[i]];
             for (std::size_t s = 0; s < slots; ++s) {
               values.push_back(static_cast<int>(s) < m.counts[k]
-                                   ? c.theta[i * width + static_cast<std::size_t>(m.offsets[k]) +
-                                             parameters * s + p]
+                                   ? of(c.theta[i * width + static_cast<std::size_t>(m.offsets[k]) +
+                                                parameters * s + p])
                                    : std::nan(""));
             }
           }
         }
-        const std::string name = p == 0 ? "location" : kind.severity_name();
-        const int id = file.put(group, prefix + name, {chain, draw, slot}, values);
-        if (p == 0) file.text(group, id, "units", "m");
-        if (p == 1 && !kind.severity_unit().empty()) {
-          file.text(group, id, "units", kind.severity_unit());
+        return values;
+      };
+      const auto itself = [](double x) { return x; };
+      if (kind.line.is_beam()) {
+        const int id =
+            file.put(group, prefix + "location", {chain, draw, slot}, each_slot(0, itself));
+        file.text(group, id, "units", "m");
+      } else {
+        file.put(group, prefix + kind.site_name(), {chain, draw, slot}, each_slot(0, [&](double x) {
+                   return static_cast<double>(kind.line.spot(x).site);
+                 }));
+        if (kind.type->sites == DefectType::Sites::members) {
+          const int id = file.put(group, prefix + "location", {chain, draw, slot},
+                                  each_slot(0, [&](double x) { return kind.line.spot(x).s; }));
+          file.text(group, id, "units", "m");
         }
+      }
+      if (parameters > 1) {
+        const int id = file.put(group, prefix + kind.severity_name(), {chain, draw, slot},
+                                each_slot(1, itself));
+        if (!kind.severity_unit().empty()) file.text(group, id, "units", kind.severity_unit());
       }
     }
   }

@@ -8,6 +8,7 @@
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
 #include "apps/stored_run.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -134,15 +135,16 @@ std::string RunFiles::keep_without_draws(Report& summary, const std::string& tex
 void print_finished(const std::filesystem::path& folder, const std::string& text,
                     spdlog::logger& log) {
   CheckpointFile::discard(folder);
-  log.info("{} holds a finished run of this case; nothing is run again.", folder.string());
+  log.info("{} holds a finished run of this case; nothing is run again.",
+           io::printable(folder.string()));
   std::cout << text;
   print_results(folder, true);  // what else there is to say stands in the text
 }
 
 void print_results(const std::filesystem::path& folder, bool converged) {
-  std::cout << "Results: " << (folder / "summary.json").string() << " (numbers), "
-            << (folder / "posterior.nc").string() << " (every draw), "
-            << (folder / "report.html").string() << " (pictures)\n";
+  const auto shown = [&](const char* name) { return io::printable((folder / name).string()); };
+  std::cout << "Results: " << shown("summary.json") << " (numbers), " << shown("posterior.nc")
+            << " (every draw), " << shown("report.html") << " (pictures)\n";
   if (!converged) std::cout << "NOT CONVERGED: do not trust these numbers yet.\n";
 }
 

@@ -62,6 +62,7 @@ void add_defects(AnyJson& rules) {
   auto& of_truth = rules["definitions"]["true_defect"]["properties"];
   auto& names = keys["kind"]["enum"] = AnyJson::array();
   for (const auto* type : identification::defect_types()) {
+    if (!type->is_for_beams()) continue;
     names.push_back(std::string(type->name));
     const std::string severity(type->severity);
     if (!keys.contains(severity)) keys[severity] = {{"$ref", "#/definitions/prior"}};
@@ -97,7 +98,10 @@ void fill_lists(AnyJson& rules) {
 /// wrapped without a word. Seeds may have 63 bits.
 template <class AnyJson>
 void bound_integers(AnyJson& rules, const std::string& key = {}) {
-  if (rules.is_object() && rules.contains("type") && rules["type"] == "integer" &&
+  const auto whole = [](const AnyJson& type) {
+    return type == "integer" || type == AnyJson{"string", "integer"};
+  };
+  if (rules.is_object() && rules.contains("type") && whole(rules["type"]) &&
       !rules.contains("maximum")) {
     rules["maximum"] = key == "seed" ? 9223372036854775807 : 2147483647;
   }

@@ -234,7 +234,7 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
 
 void run_section(const CommonOptions& common, const SectionOptions& options) {
   const CaseFile file = read_case(common.case_path, common.overrides);
-  const Found found = find_section(file, options.name);
+  Found found = find_section(file, options.name);
   try {
     validate_against_schema(found.file, "section");
     const SectionMaterial material = material_of(found.file);

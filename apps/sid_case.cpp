@@ -1,13 +1,17 @@
 #include "apps/sid_case.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "apps/law_words.hpp"
+#include "apps/sid_posterior_file.hpp"
 #include "apps/sid_record.hpp"
 #include "apps/sid_truth.hpp"
 #include "identification/sid_discovery.hpp"
 #include "identification/sid_residuals.hpp"
 #include "io/columns.hpp"
+#include "io/netcdf_name.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -49,8 +53,18 @@ class Parser {
 
   void parse_parameters() {
     const Json priors = json_.value("parameters", Json::object());
+    std::map<std::string, std::string> by_variable;
     for (const auto& [name, ignored] : priors.items()) {
       if (out_.number > 1) break;  // the first record's table is the table of all
+      const std::string variable = sid_variable(name);
+      if (const auto why = io::why_no_netcdf_name(variable)) {
+        file_.refuse(Pointer("/parameters") / name, "a parameter's name " + *why);
+      }
+      if (const auto [other, fresh] = by_variable.emplace(variable, name); !fresh) {
+        file_.refuse(Pointer("/parameters") / name, "is too like the parameter \"" + other->second +
+                                                        "\": draws of both would be called \"" +
+                                                        variable + "\"");
+      }
       out_.parameters.push_back({name, parse_prior(file_, Pointer("/parameters") / name)});
     }
     used_.assign(out_.parameters.size(), false);
@@ -463,7 +477,7 @@ SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, in
   out.sid.parameters = std::move(table);
   const Json& json = out.file.json;
   SidCase& sid_case = out.sid;
-  sid_case.title = json.value("title", out.file.path.stem().string());
+  sid_case.title = json.value("title", io::printable(out.file.path.stem().string()));
   sid_case.band = json.value("band", sid_case.band);
   sid_case.balance = json.value("balance", false);
   if (json.contains("notes")) {

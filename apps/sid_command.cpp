@@ -14,6 +14,7 @@
 #include "apps/stored_run.hpp"
 #include "apps/terminal.hpp"
 #include "identification/sid_simulation.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -29,6 +30,33 @@ Report used_options(const SamplingOptions& options, const inference::Options& en
 }
 
 }  // namespace
+
+void require_room_for_truth(CaseFile& file, const CommonOptions& common) {
+  validate_against_schema(file, "sid");
+  require_affordable(file, Pointer("/truth/samples"), cost_of_truth(file), common);
+}
+
+RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
+                    const SamplingOptions& options) {
+  const auto problem = explained(parsed, [&] { return make_sid_problem(parsed.sid); });
+  SamplingOptions chosen = options;
+  const inference::Options engine =
+      affordable(engine_options(common, options), problem->seconds_a_likelihood);
+  chosen.warmup = engine.warmup;
+  chosen.draws = engine.draws;
+  const inference::ModelSpace& space = problem->problem.space;
+  Sampled sampled{
+      .models = static_cast<double>(space.size()),
+      .largest = static_cast<double>(space.max_dimension()),
+      // 10 000 to 150 000 on the shipped cases, the repetition with finer steps included
+      .explored = 40'000.0,
+      .seconds_a_likelihood = problem->seconds_a_likelihood};
+  for (int m = 0; m < space.size(); ++m) sampled.dimensions += space[m].dimension;
+  RunCost cost = cost_of_sampling(sampled, common, chosen);
+  const RunCost truth = cost_of_truth(parsed.file);
+  cost.bytes += truth.bytes;
+  return cost;
+}
 
 SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
                     const SamplingOptions& options, CheckpointFile& checkpoint,
@@ -64,8 +92,12 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   static_cast<void>(evidence_methods(options.evidence));  // refuse before anything runs
   const auto log = make_log(common.quiet);
   CaseFile file = read_case(common.case_path, common.overrides);
-  if (file.json.contains("sweep")) return sweep_sid(file, common, options, *log);
+  if (file.json.contains("sweep")) return sweep_sid(std::move(file), common, options, *log);
+  require_room_for_truth(file, common);
   const SidCaseFile parsed = parse_sid_case(std::move(file));
+  const RunCost cost = cost_of_sid(parsed, common, options);
+  require_affordable(parsed.file, Pointer(), cost, common);
+  if (common.dry_run) return print_estimate("run", cost);
   const Report asked = options_report(options);
   if (common.resume) {
     if (const auto text = finished_run(common.output, parsed.file.json, common.seed.value_or(1),
@@ -106,6 +138,7 @@ void simulate_sid(const CommonOptions& common, CaseFile file) {
     throw Failure(Exit::usage, "--output: " + common.output.string() +
                                    ": a simulated record is a table: name it .csv");
   }
+  require_room_for_truth(file, common);
   const SidCaseFile parsed = parse_sid_case(std::move(file), SidNeeds::truth);
   const SidCase& sid_case = parsed.sid;
   const std::uint64_t seed = common.seed.value_or(sid_case.truth ? sid_case.truth->seed : 1);
@@ -115,7 +148,7 @@ void simulate_sid(const CommonOptions& common, CaseFile file) {
                                              WHEELTAP_VERSION + ", seed " + std::to_string(seed)));
   if (!common.quiet) {
     std::cout << record.samples() << " samples of " << record.columns.size()
-              << " columns: " << common.output.string() << '\n';
+              << " columns: " << io::printable(common.output.string()) << '\n';
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "apps/checkpoint_file.hpp"
 #include "apps/commands.hpp"
+#include "apps/run_cost.hpp"
 #include "apps/sid_case.hpp"
 #include "identification/sid_findings.hpp"
 
@@ -12,6 +13,14 @@ namespace wheeltap::apps {
 
 /// Writes the record that the case's truth produces as CSV.
 void simulate_sid(const CommonOptions& common, CaseFile file);
+
+/// Throws Failure (65) where a record that is to be simulated, which happens while the case is
+/// parsed, takes more memory than is allowed.
+void require_room_for_truth(CaseFile& file, const CommonOptions& common);
+
+/// Of a run of the case, and what its record takes.
+[[nodiscard]] RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
+                                  const SamplingOptions& options);
 
 /// A case run to its end.
 struct SidOutcome {

@@ -9,6 +9,7 @@
 #include "identification/marginal.hpp"
 #include "identification/sid_fit.hpp"
 #include "identification/sid_units.hpp"
+#include "io/netcdf_name.hpp"
 
 namespace wheeltap::apps {
 
@@ -16,19 +17,18 @@ using namespace identification;
 
 namespace {
 
-std::string netcdf_name(std::string name) {
-  std::ranges::replace(name, '/', '_');
-  while (!name.empty() && name.back() == ' ') name.pop_back();
-  return name;
-}
-
 /// A channel's name without its unit, unlike the `others`.
 std::string variable_name(const SidChannel& channel, const std::vector<std::string>& others) {
-  std::string name = netcdf_name(channel.column.substr(0, channel.column.find(" [")));
+  std::string name = io::netcdf_name(channel.column.substr(0, channel.column.find(" [")));
   if (name.find_first_not_of("0123456789") == std::string::npos) name = "column_" + name;
-  if (std::ranges::find(others, name) != others.end()) {
-    name += "_" + std::to_string(others.size() + 1);
-  }
+  // Names that the groups have for something else.
+  static const std::vector<std::string> kTaken = {"time", "sample",     "chain",
+                                                  "draw", "draw_index", "quantile"};
+  const auto taken = [&](const std::string& one) {
+    return std::ranges::count(others, one) > 0 || std::ranges::count(kTaken, one) > 0;
+  };
+  const std::string stem = name;
+  for (std::size_t n = others.size() + 1; taken(name); ++n) name = stem + "_" + std::to_string(n);
   return name;
 }
 
@@ -124,7 +124,10 @@ void write_link_paths(const io::NetcdfWriter& file, const SidProblem& problem,
 }  // namespace
 
 std::string sid_variable(const std::string& parameter) {
-  std::string name = netcdf_name(parameter);
+  // Not netcdf_name: what a name must not hold, a case refuses.
+  std::string name = parameter;
+  std::ranges::replace(name, '/', '_');
+  while (!name.empty() && name.back() == ' ') name.pop_back();
   if (name == "model" || name == "chain" || name == "draw") name += "_";
   return name;
 }

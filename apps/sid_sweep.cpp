@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iostream>
 
 #include "apps/failure.hpp"
@@ -17,6 +16,7 @@
 #include "apps/verdict_words.hpp"
 #include "io/atomic_file.hpp"
 #include "io/fingerprint.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -141,14 +141,12 @@ std::string identity_of(const CaseFile& file, const CommonOptions& common,
          options_report(options).dump();
 }
 
-std::optional<Report> stored_summary(const std::filesystem::path& folder) {
-  std::ifstream stream(folder / "summary.json", std::ios::binary);
-  Report summary = stream ? Report::parse(stream, nullptr, false) : Report();
-  if (!summary.is_object() || !summary.contains("sweep") || !summary.contains("wheeltap") ||
-      !summary["wheeltap"].is_object() || !summary["sweep"].is_object()) {
-    return {};
-  }
-  return summary;
+std::optional<Report> stored_sweep(const std::filesystem::path& folder) {
+  std::optional<Report> summary = stored_summary(folder);
+  const auto has = [&](const char* name) {
+    return summary->is_object() && summary->contains(name) && (*summary)[name].is_object();
+  };
+  return summary && has("sweep") && has("wheeltap") ? summary : std::nullopt;
 }
 
 std::string stopped(std::size_t done, std::size_t all, bool within) {
@@ -157,16 +155,47 @@ std::string stopped(std::size_t done, std::size_t all, bool within) {
 }
 
 void print_files(const std::filesystem::path& folder) {
-  std::cout << "Results: " << (folder / "sweep.csv").string() << " (the table), "
-            << (folder / "summary.json").string() << " (all numbers)\n";
+  std::cout << "Results: " << io::printable((folder / "sweep.csv").string()) << " (the table), "
+            << io::printable((folder / "summary.json").string()) << " (all numbers)\n";
+}
+
+/// The case of one value.
+CaseFile with(const CaseFile& file, const Pointer& where, const Json& value) {
+  CaseFile one = file;
+  one.json.erase("sweep");
+  one.json[where] = value;
+  return one;
+}
+
+/// Of all rows, by a few of them from the first to the last.
+RunCost cost_of_sweep(const CaseFile& file, const Pointer& where, const CommonOptions& common,
+                      const SamplingOptions& options) {
+  const Json& values = file.json["sweep"]["values"];
+  const std::size_t asked = std::min<std::size_t>(values.size(), 5);
+  RunCost all;
+  for (std::size_t i = 0; i < asked; ++i) {
+    const std::size_t row = asked < 2 ? 0 : i * (values.size() - 1) / (asked - 1);
+    CaseFile one = with(file, where, values[row]);
+    require_room_for_truth(one, common);
+    const SidCaseFile parsed = parse_sid_case(std::move(one));
+    const RunCost cost = cost_of_sid(parsed, common, options);
+    const double share = static_cast<double>(values.size()) / static_cast<double>(asked);
+    double kept = 20e3;  // what a parsed case keeps besides its record
+    for (const SidChannel& channel : parsed.sid.channels) {
+      kept += 8.0 * static_cast<double>(channel.signal.samples.size());
+    }
+    all.bytes += cost.bytes / static_cast<double>(asked) + kept * share;
+    all.likelihoods += cost.likelihoods * share;
+    all.seconds += cost.seconds * share;
+  }
+  return all;
 }
 
 }  // namespace
 
-void sweep_sid(const CaseFile& file, const CommonOptions& common, const SamplingOptions& options,
+void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,
                spdlog::logger& log) {
   validate_against_schema(file, "sid");
-  make_output_folder(common.output);
   const Json sweep = file.json["sweep"];
   const auto path = sweep["path"].get<std::string>();
   Pointer pointer;
@@ -178,21 +207,25 @@ void sweep_sid(const CaseFile& file, const CommonOptions& common, const Sampling
   if (!file.json.contains(pointer)) {
     file.refuse(Pointer("/sweep/path"), "leads nowhere in this case");
   }
+  const RunCost cost = cost_of_sweep(file, pointer, common, options);
+  require_affordable(file, Pointer("/sweep"), cost, common);
+  if (common.dry_run) return print_estimate("sweep", cost);
+  make_output_folder(common.output);
   // All of them first, so that a mistake in the last does not cost the runs before it.
   std::vector<SidCaseFile> cases;
   for (const Json& value : sweep["values"]) {
-    CaseFile one = file;
-    one.json.erase("sweep");
-    one.json[pointer] = value;
+    CaseFile one = with(file, pointer, value);
+    require_room_for_truth(one, common);
     cases.push_back(parse_sid_case(std::move(one)));
   }
   io::finish_commit(common.output);
   const std::string identity = identity_of(file, common, options);
   const std::string run = io::fingerprint(identity + sweep["values"].dump());
-  const auto stored = stored_summary(common.output);
+  const auto stored = stored_sweep(common.output);
   const bool whole = stored && !(*stored)["sweep"].contains("left");
   if (common.resume && whole && (*stored)["wheeltap"].value("run", "") == run) {
-    log.info("{} holds this sweep, finished; nothing is run again.", common.output.string());
+    log.info("{} holds this sweep, finished; nothing is run again.",
+             io::printable(common.output.string()));
     std::cout << sealed_file(common.output, "sweep.csv", *stored).value_or("");
     // What a run that was killed just then could not remove.
     if (const auto rows = common.output / "sweep.rows"; std::filesystem::exists(rows))

@@ -12,7 +12,7 @@ namespace wheeltap::apps {
 /// and report.html. Finished rows are kept in sweep.rows until then; with `common.resume` they are
 /// not run again. Interrupted, the files have the rows that are finished, where no whole sweep has
 /// their names. Throws Failure.
-void sweep_sid(const CaseFile& file, const CommonOptions& common, const SamplingOptions& options,
+void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,
                spdlog::logger& log);
 
 }  // namespace wheeltap::apps

@@ -1,9 +1,10 @@
 #include "apps/stored_run.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <span>
 
+#include "apps/failure.hpp"
+#include "apps/json_text.hpp"
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
 #include "io/fingerprint.hpp"
@@ -22,6 +23,11 @@ std::string run_of(const std::string& bytes, const fs::path& path) {
   } catch (const FileError&) {
     return {};
   }
+}
+
+std::string text_of(const Report& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
 template <class Number>
@@ -55,12 +61,14 @@ std::optional<std::string> sealed_file(const fs::path& folder, const std::string
   if (!fs::exists(path)) throw FileError(FileError::Kind::missing, path, "no such file");
   std::string bytes = io::read_bytes(path);
   if (!sealed || (*files)[name] == seal(bytes)) return bytes;
-  const std::string of = summary["wheeltap"].value("run", ""), has = run_of(bytes, path);
+  const std::string of = text_of(summary["wheeltap"], "run"), has = run_of(bytes, path);
   if (!has.empty() && has != of) {
     throw FileError(FileError::Kind::mismatch, path,
                     "is of another run (" + has + ") than summary.json beside it (" + of + ")");
   }
-  const auto wanted = (*files)[name].value("bytes", std::size_t{0});
+  const Report wrote =
+      (*files)[name].is_object() ? (*files)[name].value("bytes", Report()) : Report();
+  const auto wanted = wrote.is_number_unsigned() ? wrote.get<std::size_t>() : 0;
   throw FileError(FileError::Kind::corrupt, path,
                   bytes.size() < wanted
                       ? "is truncated: it has " + std::to_string(bytes.size()) + " of the " +
@@ -68,20 +76,30 @@ std::optional<std::string> sealed_file(const fs::path& folder, const std::string
                       : "is damaged: it is not what its run wrote (summary.json has its checksum)");
 }
 
+std::optional<Report> stored_summary(const fs::path& folder) {
+  try {
+    const fs::path path = folder / "summary.json";
+    return parse_json<Report>(path, io::read_bytes(path));
+  } catch (const FileError&) {
+    return {};
+  } catch (const Failure&) {
+    return {};
+  }
+}
+
 std::optional<std::string> finished_run(const fs::path& folder, const Json& case_json,
                                         std::uint64_t seed, const std::string& key,
                                         const Report& options) {
   io::finish_commit(folder);
-  std::ifstream stream(folder / "summary.json", std::ios::binary);
-  if (!stream || !fs::exists(folder / "summary.txt") || !fs::exists(folder / "posterior.nc")) {
+  const std::optional<Report> stored = stored_summary(folder);
+  if (!stored || !fs::exists(folder / "summary.txt") || !fs::exists(folder / "posterior.nc")) {
     return {};
   }
-  const Report summary = Report::parse(stream, nullptr, false);
-  if (!summary.is_object() || !summary.contains("files") || !summary.contains("wheeltap") ||
-      !summary["wheeltap"].is_object() || !summary.contains("diagnostics") ||
-      !summary["diagnostics"].is_object()) {
-    return {};
-  }
+  const Report& summary = *stored;
+  const auto has = [&](const char* name) {
+    return summary.is_object() && summary.contains(name) && summary[name].is_object();
+  };
+  if (!has("files") || !has("wheeltap") || !has("diagnostics")) return {};
   const auto& about = summary["wheeltap"];
   const auto is = [&](const char* name, const Report& value) {
     return about.contains(name) && about[name] == value;

@@ -19,6 +19,9 @@ namespace wheeltap::apps {
 /// io::fingerprint.
 [[nodiscard]] Report seal(std::string_view bytes);
 
+/// summary.json of a folder; none where there is none, or none that can be read.
+[[nodiscard]] std::optional<Report> stored_summary(const std::filesystem::path& folder);
+
 /// The bytes of a file of the run in `folder`, if they are those of its summary; none where the
 /// summary says that the file could not be written. Throws io::FileError: missing; corrupt where
 /// the file is truncated or damaged; mismatch where it is of another run. Runs of before seals are

@@ -6,6 +6,7 @@
 #include "apps/fit_words.hpp"
 #include "apps/verdict_words.hpp"
 #include "base/parallel.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -203,7 +204,7 @@ Report about(const std::string& command, const RunInfo& info, const CaseFile& fi
           {"command_line", info.command_line},
           {"seed", info.seed},
           {"machine", machine()},
-          {"case_file", file.path.string()},
+          {"case_file", io::printable(file.path.string())},
           {"case", Report::parse(file.json.dump())}};
 }
 

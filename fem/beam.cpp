@@ -25,6 +25,12 @@ void require_positive(const std::string& name, double value) {
   if (!(value > 0.0) || !std::isfinite(value)) refuse(name, value, "must be positive and finite");
 }
 
+// Squares and products of these are formed, and their ratios decide whether modes are found.
+void require_computable(const std::string& name, double value) {
+  if (!(value >= 1e-60 && value <= 1e60))
+    refuse(name, value, "must be between 1e-60 and 1e60; check the units, which are SI");
+}
+
 void require_inside(const std::string& name, double x, double length) {
   if (x >= 0.0 && x <= length) return;
   std::ostringstream allowed;
@@ -90,13 +96,25 @@ void validate(const Beam& beam) {
   require_positive("beam.section.area", beam.section.area);
   require_positive("beam.section.second_moment", beam.section.second_moment);
   require_positive("beam.section.shear_coefficient", beam.section.shear_coefficient);
+  const double h = beam.element_length();
+  const double shear_modulus = beam.material.young / (2.0 * (1.0 + poisson));
+  require_computable("an element's bending stiffness 12 E I / h^3",
+                     12.0 * beam.material.young * beam.section.second_moment / (h * h * h));
+  require_computable("an element's shear stiffness kappa G A / h",
+                     beam.section.shear_coefficient * shear_modulus * beam.section.area / h);
+  require_computable("an element's mass density A h",
+                     beam.material.density * beam.section.area * h);
+  require_computable("an element's length", h);
   for (std::size_t i = 0; i < beam.supports.size(); ++i) {
     const Support& s = beam.supports[i];
     const std::string name = "beam.supports[" + std::to_string(i) + "]";
     require_inside(name + ".at", s.at, beam.length);
     if (!s.deflection && !s.rotation)
       throw std::invalid_argument(name + ": must hold the deflection, the rotation or both");
-    if (s.stiffness) require_positive(name + ".stiffness", *s.stiffness);
+    if (s.stiffness) {
+      require_positive(name + ".stiffness", *s.stiffness);
+      require_computable(name + ".stiffness", *s.stiffness);
+    }
   }
 }
 

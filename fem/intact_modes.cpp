@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -19,10 +18,6 @@ namespace {
 /// Added supports may raise root i as far as intact eigenvalue i + their number; this many are
 /// served by a short sum over the near modes, more by the sum over all.
 constexpr int kFewSupports = 8;
-/// Modes above kFarRatio · cap enter through the Chebyshev series.
-constexpr double kFarRatio = 3.0;
-/// Truncation of that series, relative.
-constexpr double kSeriesError = 1e-17;
 /// Share of the strain energy in the elements, rather than in springs, of a mode that bends the
 /// beam.
 constexpr double kBends = 0.1;
@@ -34,38 +29,6 @@ std::size_t index(Eigen::Index i) {
 }
 
 }  // namespace
-
-/// 1/(ξ - x) = (1 + 2 Σ_p ρ^-p T_p(x)) / √(ξ² - 1), ρ = ξ + √(ξ² - 1), for |x| <= 1 < ξ; the terms
-/// are of κ_j e_j e_jᵀ / λ = c_j c_jᵀ / (λ_j (λ_j - λ)).
-Window::Window(const std::vector<double>& eigenvalues, int modes, int highest_root) {
-  if (highest_root + 2 >= modes) {
-    near = std::max(modes, 2);
-    cap = std::numeric_limits<double>::infinity();
-    return;
-  }
-  cap = eigenvalues[index(highest_root)];
-  near = highest_root + 2;
-  while (near < modes && eigenvalues[index(near)] < kFarRatio * cap) ++near;
-  const int far = modes - near;
-  if (far == 0) return;
-  const auto ratio = [&](int j) {
-    const double xi = 2.0 * eigenvalues[index(near + j)] / cap - 1.0;
-    return std::pair{xi, std::sqrt(xi * xi - 1.0)};
-  };
-  const auto [xi0, root0] = ratio(0);
-  terms = 2 + static_cast<int>(-std::log(kSeriesError) / std::log(xi0 + root0));
-  series.resize(index(terms) * index(far));
-  series_end.assign(index(terms), 0);
-  for (int j = 0; j < far; ++j) {
-    const auto [xi, root] = ratio(j);
-    double weight = 2.0 / cap / root;
-    for (int p = 0; p < terms; ++p) {
-      series[index(p) * index(far) + index(j)] = weight / eigenvalues[index(near + j)];
-      if (weight * cap > kSeriesError) series_end[index(p)] = j + 1;
-      weight *= (p == 0 ? 2.0 : 1.0) / (xi + root);
-    }
-  }
-}
 
 IntactModes::IntactModes(const Beam& intact_beam, int wanted_modes)
     : beam(intact_beam), element((validate(intact_beam), intact_beam)), wanted(wanted_modes) {

@@ -5,19 +5,9 @@
 
 #include "fem/beam.hpp"
 #include "fem/timoshenko_element.hpp"
+#include "fem/window.hpp"
 
 namespace wheeltap::fem::detail {
-
-/// The range of λ and how S is summed over it (`Secular`).
-struct Window {
-  int near = 0;
-  int terms = 0;
-  double cap = 0.0;
-  std::vector<double> series;   // terms × (modes - near)
-  std::vector<int> series_end;  // per term: modes beyond do not matter
-
-  Window(const std::vector<double>& eigenvalues, int modes, int highest_root);
-};
 
 struct IntactModes {
   Beam beam;

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "fem/defect_columns.hpp"
+#include "fem/intact_modes.hpp"
 #include "fem/reanalysis.hpp"
 #include "fem/root_search.hpp"
 

@@ -99,7 +99,19 @@ void Reanalysis::solve(std::span<const Damage> damages, std::span<const SpringSu
     if (readings.wanted()) readings.read_unchanged(root);
   }
   if (first < count) {
-    search.set(intact, columns, kernel);
+    const int held_motions = columns.supports();
+    search.set({.eigenvalues = intact.eigenvalues.data(),
+                .scales = (held_motions > 0 ? intact.held_scales : intact.scales).data(),
+                .stride = intact.stride,
+                .modes = intact.modes,
+                .window = &intact.window(held_motions),
+                .columns = columns.count(),
+                .supports = held_motions,
+                .held = columns.held(),
+                .least_remaining = columns.least_remaining(),
+                .added_stiffness = columns.added_stiffness(),
+                .c = columns.columns()},
+               kernel);
     search.find(first, lambda);
     if (readings.wanted())
       search.modes(first, lambda,

@@ -28,24 +28,24 @@ std::size_t index(int i) {
 
 }  // namespace
 
-void RootSearch::set(const IntactModes& intact, const DefectColumns& columns,
-                     const SecularKernel& kernel) {
-  intact_ = &intact;
-  columns_ = &columns;
+void RootSearch::set(const SecularProblem& problem, const SecularKernel& kernel) {
+  problem_ = problem;
   kernel_ = &kernel;
-  const Window& window = intact.window(columns.supports());
-  secular_ = {.columns = columns.count(),
-              .supports = columns.supports(),
-              .near = window.near,
+  const Window& window = *problem.window;
+  secular_ = {.columns = problem.columns,
+              .supports = problem.supports,
+              .near = window.near + problem.added_poles,
+              .negative = problem.negative_poles,
+              .residual_factor = problem.residual_factor,
               .terms = window.terms,
               .cap = window.cap,
-              .eigenvalues = intact.eigenvalues.data(),
-              .scales = (columns.supports() > 0 ? intact.held_scales : intact.scales).data(),
-              .stride = intact.stride,
-              .c = columns.columns()};
+              .eigenvalues = problem.eigenvalues,
+              .scales = problem.scales,
+              .stride = problem.stride,
+              .c = problem.c};
   reserve();
   secular_.pairs = pairs_.data();
-  kernel.fill_pairs(secular_, static_cast<int>(intact.stride), window.series.data(),
+  kernel.fill_pairs(secular_, static_cast<int>(problem.stride), window.series.data(),
                     window.series_end.data(), product_.data(), pairs_.data());
 }
 
@@ -64,27 +64,33 @@ void RootSearch::reserve() {
   scratch_.forward = take(2 * m);
   scratch_.forces = take(2 * m);
   if (pairs_.size() < pairs * rows) pairs_.resize(pairs * rows);
-  product_.resize(intact_->stride);
+  product_.resize(problem_.stride);
   eta_.resize(m);
 }
 
 RootSearch::Search RootSearch::begin(int root) const {
-  const IntactModes& intact = *intact_;
   Search search;
   search.root = root;
-  const double own = intact.eigenvalues[index(root)];
-  const double scale = secular_.scales[root];
+  const double own = problem_.eigenvalues[root];
+  const double scale = secular_.scales[root + problem_.added_poles];
   // Interlacing: each support raises a root to the next intact one at most, and springs by no more
   // than they add to K.
-  const int lifted = root + columns_->supports(), held = root + columns_->held();
-  double top = intact.eigenvalues[index(held)] + columns_->added_stiffness();
-  if (lifted < intact.modes) top = std::min(top, intact.eigenvalues[index(lifted)]);
-  search.low = std::max(columns_->least_remaining() * own * (1.0 - kMargin), 1e-20 * scale);
+  // No more does each negative mass.
+  const int lifted = root + problem_.supports + problem_.negative_poles;
+  const int held = root + problem_.held + problem_.negative_poles;
+  double top = std::numeric_limits<double>::infinity();
+  if (held < problem_.modes) top = problem_.eigenvalues[held] + problem_.added_stiffness;
+  if (lifted < problem_.modes) top = std::min(top, problem_.eigenvalues[lifted]);
+  search.low = std::max(problem_.least_remaining * own * (1.0 - kMargin), 1e-20 * scale);
   search.high = (1.0 + kMargin) * top;
+  if (!problem_.starts.empty()) {
+    search.z = std::clamp(problem_.starts[index(root)], search.low, search.high);
+    return search;
+  }
   // 1 / κ = eᵀ J e where the mode is moved by itself: first order in added compliance.
   double softer = 1.0, stiffer = 0.0;
   for (int a = 0; a < secular_.columns; ++a) {
-    const double c = secular_.c[index(a) * intact.stride + index(root)];
+    const double c = secular_.c[index(a) * problem_.stride + index(root)];
     if (a < secular_.supports)
       stiffer += c * c;
     else
@@ -106,8 +112,9 @@ RootSearch::Search RootSearch::confirm(int root) const {
 /// The two modes nearest to z.
 int RootSearch::lower_pole(double z, int guess) const {
   const double* value = secular_.eigenvalues;
-  int p = std::clamp(guess, 0, secular_.near - 2);
-  while (p > 0 && z - value[p - 1] < value[p + 1] - z) --p;
+  const int first = secular_.negative;  // a pole of negative mass is at zero, far from any root
+  int p = std::clamp(guess, first, secular_.near - 2);
+  while (p > first && z - value[p - 1] < value[p + 1] - z) --p;
   while (p + 2 < secular_.near && value[p + 2] - z < z - value[p]) ++p;
   return p;
 }
@@ -143,7 +150,8 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
     return false;
   }
   // Damaged eigenvalues below the two that H follows, and below z.
-  const int first = pole + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports;
+  const int first =
+      pole + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports - secular_.negative;
   const int below = first + (low_sign < 0.0) + (high_sign < 0.0);
   (search.root < below ? search.high : search.low) = search.z;
 
@@ -275,7 +283,7 @@ void RootSearch::queue_unproven(int first, int count, int total) {
 
 void RootSearch::find(int first, std::span<double> lambda) {
   const int count = static_cast<int>(lambda.size());
-  const int total = intact_->modes - columns_->held();
+  const int total = problem_.modes - problem_.held;
   found_.resize(index(count) + 1);
   last_ = count < total ? count : -1;
   queue_.clear();
@@ -288,7 +296,8 @@ void RootSearch::find(int first, std::span<double> lambda) {
 
 RootSearch::Mode RootSearch::mode_at(int root, double lambda, int pole, int lane) {
   const auto at = [lane](const Pack& pack) { return pack.lane[lane]; };
-  const int first = pole + static_cast<int>(at(steps_.negative)) - secular_.supports;
+  const int first =
+      pole + static_cast<int>(at(steps_.negative)) - secular_.supports - secular_.negative;
   const bool is_low =
       root == first || (root != first + 1 && std::abs(at(steps_.low)) < std::abs(at(steps_.high)));
   const double v1 = at(is_low ? steps_.low_v1 : steps_.high_v1);
@@ -305,7 +314,7 @@ RootSearch::Mode RootSearch::mode_at(int root, double lambda, int pole, int lane
 }
 
 void RootSearch::coordinates(const Mode& mode, double* coordinates) const {
-  kernel_->coordinates(secular_, static_cast<int>(intact_->stride), mode.eta.data(), mode.lambda,
+  kernel_->coordinates(secular_, static_cast<int>(problem_.stride), mode.eta.data(), mode.lambda,
                        mode.pole, coordinates);
   coordinates[mode.pole] = mode.a1;
   coordinates[mode.pole + 1] = mode.a2;

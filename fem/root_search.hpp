@@ -5,9 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "fem/defect_columns.hpp"
-#include "fem/intact_modes.hpp"
 #include "fem/secular.hpp"
+#include "fem/window.hpp"
 
 namespace wheeltap::fem::detail {
 
@@ -20,6 +19,25 @@ struct Found {
   double radius = 0.0;  ///< an eigenvalue lies within it of lambda
   double at = 0.0;      ///< where the secular problem was evaluated
   int below = 0;        ///< eigenvalues below `at`
+};
+
+/// The intact modes, and what of the defects bounds the roots. Arrays are the caller's.
+struct SecularProblem {
+  const double* eigenvalues;  ///< ascending, `stride` of them
+  const double* scales;       ///< s_j
+  std::size_t stride;         ///< between columns: the modes, and at least two
+  int modes;
+  const Window* window;
+  int added_poles = 0;           ///< of `eigenvalues`, the first: not counted in `window`
+  int negative_poles = 0;        ///< of these, the first: of negative mass
+  double residual_factor = 1.0;  ///< see Secular
+  int columns;
+  int supports;                         ///< columns of them, the first ones
+  int held;                             ///< degrees of freedom that they take
+  double least_remaining;               ///< root i >= this λ_i, or 0
+  double added_stiffness;               ///< of springs: bounds what they raise a root by
+  const double* c;                      ///< columns × stride
+  std::span<const double> starts = {};  ///< where to look for each root first; empty: first order
 };
 
 /// Eight roots are followed at a time, each in a lane of `SecularKernel`. The inertia of S brackets
@@ -38,7 +56,7 @@ struct Found {
 class RootSearch {
  public:
   /// Points to the problem's memory; call for each set of defects.
-  void set(const IntactModes& intact, const DefectColumns& columns, const SecularKernel& kernel);
+  void set(const SecularProblem& problem, const SecularKernel& kernel);
 
   /// Writes eigenvalues first … lambda.size() - 1; those before `first` are at zero.
   void find(int first, std::span<double> lambda);
@@ -84,8 +102,7 @@ class RootSearch {
   Mode mode_at(int root, double lambda, int pole, int lane);
   void reserve();
 
-  const IntactModes* intact_ = nullptr;
-  const DefectColumns* columns_ = nullptr;
+  SecularProblem problem_{};
   const SecularKernel* kernel_ = nullptr;
   Secular secular_;
   SecularScratch scratch_;  // parts of `packs_`

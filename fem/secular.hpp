@@ -26,9 +26,12 @@ struct alignas(64) Pack {
 /// the columns c so. The modes far above the wanted range, j >= `near`, enter through a Chebyshev
 /// series of κ / λ in λ over [0, cap], exact to rounding.
 struct Secular {
-  int columns = 0;                      ///< m
-  int supports = 0;                     ///< columns of supports, the first ones
-  int near = 0;                         ///< modes summed explicitly
+  int columns = 0;   ///< m
+  int supports = 0;  ///< columns of supports, the first ones
+  int near = 0;      ///< modes summed explicitly
+  int negative = 0;  ///< of them the first, which count with the other sign
+  /// 1/θ, |v|² >= θ Σ v_j² over the modes that count with their own sign; 1 without `negative`.
+  double residual_factor = 1.0;
   int terms = 0;                        ///< of the Chebyshev series
   double cap = 0.0;                     ///< largest λ that may be asked for
   const double* eigenvalues = nullptr;  ///< λ_j of all modes
@@ -55,8 +58,9 @@ struct Secular {
 ///   a_j = c_jᵀ η / (λ_j - λ), j ≠ p, p + 1,   a_p = (√s_p / (s_p - λ_p + λ)) v_p - (H v)_p / √s_p,
 ///
 /// which satisfies the damaged problem but for the residual g_p = (s_p - λ_p + λ) (H v)_p / √s_p on
-/// those two modes. So its Rayleigh quotient is λ + aᵀ g / |a|², right to second order, and an
-/// eigenvalue lies within r of it, r² = |g|² / |a|² - (aᵀ g / |a|²)² (Parlett 1998, theorem 4.5.1).
+/// those two modes (1/θ is `residual_factor`). So its Rayleigh quotient is λ + aᵀ g / |a|², right
+/// to second order, and an eigenvalue lies within r of it, r² = |g|² / (θ |a|²) - (aᵀ g / |a|²)²
+/// (Parlett 1998, theorem 4.5.1).
 struct SecularSteps {
   Pack negative;                        ///< negative inertia of A
   Pack smallest_pivot;                  ///< of A's factors, relative to the diagonal

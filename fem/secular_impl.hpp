@@ -77,6 +77,10 @@ inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_po
     at(scratch.weights[j], lanes) = kept * (z + (s.scales[j] - s.eigenvalues[j]));
     at(scratch.slopes[j], lanes) = kept * kept;
   }
+  for (int j = 0; j < s.negative; ++j) {
+    at(scratch.weights[j], lanes) = -at(scratch.weights[j], lanes);
+    at(scratch.slopes[j], lanes) = -at(scratch.slopes[j], lanes);
+  }
   if (s.terms == 0) return;
   // T_{p+1} = 2 x T_p - T_{p-1}; T_p' = p U_{p-1}.
   const double scale = 2.0 / s.cap;
@@ -105,8 +109,8 @@ struct Small {
 };
 
 /// What the shape of one δ says; see SecularSteps.
-inline void shape(const Small& k, const Vec& delta, bool low, Pack& step, Pack& residual, Pack& v1,
-                  Pack& v2, Pack& a1, Pack& a2, int lanes) {
+inline void shape(const Small& k, const Vec& delta, double residual_factor, bool low, Pack& step,
+                  Pack& residual, Pack& v1, Pack& v2, Pack& a1, Pack& a2, int lanes) {
   const Vec zero{};
   const Vec r11 = k.h11 - delta * k.n11, r12 = k.h12 - delta * k.n12, r22 = k.h22 - delta * k.n22;
   const Vec m11 = r11 < zero ? -r11 : r11, m22 = r22 < zero ? -r22 : r22;
@@ -122,7 +126,7 @@ inline void shape(const Small& k, const Vec& delta, bool low, Pack& step, Pack& 
   const Vec inverse =
       1.0 / (p1 * p1 + p2 * p2 + (k.b11 * x * x + 2.0 * (k.b12 * x * y) + k.b22 * y * y));
   const Vec gain = (p1 * g1 + p2 * g2) * inverse;
-  const Vec rest = (g1 * g1 + g2 * g2) * inverse - gain * gain;
+  const Vec rest = (g1 * g1 + g2 * g2) * inverse * residual_factor - gain * gain;
   Vec size = inverse;
   for (int l = 0; l < kWidth; ++l) size[l] = __builtin_sqrt(size[l]);
   at(step, lanes) = gain;
@@ -217,8 +221,9 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
     at(y2[a], lanes) = second;
   }
 
-  // B = -Yᵀ A' Y.
+  // B = -Yᵀ A' Y; apart from it, what the modes that count negatively took from it.
   k.b11 = k.b12 = k.b22 = zero;
+  Vec m11 = zero, m12 = zero, m22 = zero;
   for (int j = 0; j < s.near; ++j) {
     Vec first = zero, second = zero;
     for (int a = 0; a < m; ++a) {
@@ -230,6 +235,10 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
     k.b11 += slope * first * first;
     k.b12 += slope * first * second;
     k.b22 += slope * second * second;
+    if (j >= s.negative) continue;
+    m11 -= slope * first * first;
+    m12 -= slope * first * second;
+    m22 -= slope * second * second;
   }
   if (s.terms > 0)
     for (int a = 0, t = 0; a < m; ++a) {
@@ -246,9 +255,10 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
       k.b22 += a2 * (2.0 * second + f * a2);
     }
   const Vec per1 = k.root1 / k.above1, per2 = k.root2 / k.above2;
-  k.n11 = per1 * per1 + k.b11;
-  k.n12 = k.b12;
-  k.n22 = per2 * per2 + k.b22;
+  // N must be positive for δ to have the signs of H, whose root's v any such N finds.
+  k.n11 = per1 * per1 + (k.b11 + 2.0 * m11);
+  k.n12 = k.b12 + 2.0 * m12;
+  k.n22 = per2 * per2 + (k.b22 + 2.0 * m22);
 
   // Both δ of H v = δ N v, through N's Cholesky factor; the smaller one as determinant / larger, so
   // that it keeps its relative accuracy at convergence.
@@ -267,10 +277,10 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
   at(steps.high, lanes) = high;
   at(steps.negative, lanes) = negative;
   at(steps.smallest_pivot, lanes) = smallest;
-  shape(k, low, true, steps.low_step, steps.low_residual, steps.low_v1, steps.low_v2, steps.low_a1,
-        steps.low_a2, lanes);
-  shape(k, high, false, steps.high_step, steps.high_residual, steps.high_v1, steps.high_v2,
-        steps.high_a1, steps.high_a2, lanes);
+  shape(k, low, s.residual_factor, true, steps.low_step, steps.low_residual, steps.low_v1,
+        steps.low_v2, steps.low_a1, steps.low_a2, lanes);
+  shape(k, high, s.residual_factor, false, steps.high_step, steps.high_residual, steps.high_v1,
+        steps.high_v2, steps.high_a1, steps.high_a2, lanes);
 }
 
 void evaluate(const Secular& s, const Pack& lambda, const int (&lower_pole)[kLanes],

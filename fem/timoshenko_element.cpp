@@ -4,17 +4,32 @@
 
 namespace wheeltap::fem {
 
+namespace {
+
+template <class Real>
+Flexure<Real> flexure_of(const Beam& beam) {
+  const Real young = static_cast<Real>(beam.material.young);
+  const Real shear_modulus = young / (2 * (1 + static_cast<Real>(beam.material.poisson)));
+  return {.length = static_cast<Real>(beam.length) / beam.elements,
+          .bending_stiffness = young * beam.section.second_moment,
+          .shear_stiffness = beam.section.shear_coefficient * shear_modulus * beam.section.area,
+          .mass = static_cast<Real>(beam.material.density) * beam.section.area,
+          .rotary = static_cast<Real>(beam.material.density) * beam.section.second_moment};
+}
+
+}  // namespace
+
 template <class Real>
 TimoshenkoElement<Real>::TimoshenkoElement(const Beam& beam)
-    : l_(static_cast<Real>(beam.length) / beam.elements),
-      bending_(static_cast<Real>(beam.material.young) * beam.section.second_moment) {
-  const Real shear_modulus =
-      static_cast<Real>(beam.material.young) / (2 * (1 + static_cast<Real>(beam.material.poisson)));
-  const Real shear_stiffness = beam.section.shear_coefficient * shear_modulus * beam.section.area;
-  phi_ = 12 * bending_ / (shear_stiffness * l_ * l_);
-  mass_ = static_cast<Real>(beam.material.density) * beam.section.area;
-  rotary_ = static_cast<Real>(beam.material.density) * beam.section.second_moment;
-}
+    : TimoshenkoElement(flexure_of<Real>(beam)) {}
+
+template <class Real>
+TimoshenkoElement<Real>::TimoshenkoElement(const Flexure<Real>& flexure)
+    : l_(flexure.length),
+      bending_(flexure.bending_stiffness),
+      phi_(12 * bending_ / (flexure.shear_stiffness * l_ * l_)),
+      mass_(flexure.mass),
+      rotary_(flexure.rotary) {}
 
 template <class Real>
 auto TimoshenkoElement<Real>::bending() const -> Vector {
@@ -66,6 +81,14 @@ auto TimoshenkoElement<Real>::rotation_row(Real xi) const -> Vector {
   const Real p = phi_, x2 = xi * xi, s = 1 / (1 + p);
   return {s * 6 * (x2 - xi) / l_, s * (3 * x2 - (4 + p) * xi + 1 + p), -s * 6 * (x2 - xi) / l_,
           s * (3 * x2 - (2 - p) * xi)};
+}
+
+template <class Real>
+auto TimoshenkoElement<Real>::slope_row(Real xi) const -> Vector {
+  const Real p = phi_, x2 = xi * xi, s = 1 / (1 + p);
+  const Real chord = s * (6 * x2 - 6 * xi - p) / l_;
+  return {chord, s * (3 * x2 - (4 + p) * xi + 1 + p / 2), -chord,
+          s * (3 * x2 - (2 - p) * xi - p / 2)};
 }
 
 template class TimoshenkoElement<double>;

@@ -8,6 +8,16 @@
 
 namespace wheeltap::fem {
 
+/// What bends: EI, κGA (∞: no shear deformation), ρA and ρI of an element of length l.
+template <class Real>
+struct Flexure {
+  Real length;             ///< l [m]
+  Real bending_stiffness;  ///< E I [N·m²]
+  Real shear_stiffness;    ///< κ G A [N]
+  Real mass;               ///< ρ A [kg/m]
+  Real rotary;             ///< ρ I [kg·m]
+};
+
 /// Deflection w and rotation θ inside an element of length l follow from the homogeneous static
 /// equilibrium of a Timoshenko beam, so the shape functions hold Φ = 12 E I / (κ G A l²) and the
 /// element does not lock (Friedman & Kosmatka 1993, Computers & Structures 47:473). Degrees of
@@ -21,6 +31,7 @@ class TimoshenkoElement {
   using Matrix = Eigen::Matrix<Real, 4, 4>;
 
   explicit TimoshenkoElement(const Beam& beam);
+  explicit TimoshenkoElement(const Flexure<Real>& flexure);
 
   /// K = b bᵀ + a aᵀ [N/m, N, N·m], of rank 2: every rigid motion is stress-free.
   [[nodiscard]] Matrix stiffness() const {
@@ -36,6 +47,8 @@ class TimoshenkoElement {
   /// N_w(ξ) and N_θ(ξ), 0 <= ξ = x/l <= 1: w = N_w · u, θ = N_θ · u.
   [[nodiscard]] Vector deflection_row(Real xi) const;
   [[nodiscard]] Vector rotation_row(Real xi) const;
+  /// w'(ξ) = N_w'(ξ) · u [1/m, 1]: unlike N_θ where shear deforms.
+  [[nodiscard]] Vector slope_row(Real xi) const;
 
   [[nodiscard]] Real length() const { return l_; }
 

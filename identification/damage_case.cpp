@@ -7,6 +7,7 @@
 #include "base/number.hpp"
 #include "base/random.hpp"
 #include "fem/modal_analysis.hpp"
+#include "fem/structures/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
 
 namespace wheeltap::identification {
@@ -24,7 +25,9 @@ int rigid_body_modes(const fem::Beam& beam) {
   return fem::modal_analysis(beam, {}, {.modes = std::min(3, free)}).rigid_body_modes;
 }
 
-void complete(DamageCase& damage_case) {
+namespace {
+
+void complete_beam(DamageCase& damage_case) {
   using Part = InvalidInput::Part;
   try {
     fem::validate(damage_case.beam);
@@ -35,6 +38,40 @@ void complete(DamageCase& damage_case) {
     throw InvalidInput(Part::beam, "nothing is left to vibrate");
   }
   damage_case.rigid_body_modes = rigid_body_modes(damage_case.beam);
+  for (DefectKind& kind : damage_case.kinds) {
+    if (kind.line.empty()) kind.line = SiteLine::of_beam(damage_case.beam);
+  }
+}
+
+void complete_structure(DamageCase& damage_case) {
+  try {
+    damage_case.rigid_body_modes =
+        static_cast<int>(discretise(damage_case.structure->nominal).rigid_motions.cols());
+  } catch (const fem::InvalidStructure& error) {
+    throw InvalidInput(InvalidInput::Part::beam, error.what());
+  }
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    if (kind.type != nullptr && kind.type->place_in_structure == nullptr) {
+      throw InvalidInput(InvalidInput::Part::severity,
+                         "\"" + std::string(kind.type->name) + "\" is not for structures",
+                         static_cast<int>(k));
+    }
+    if (kind.line.empty()) {
+      throw InvalidInput(InvalidInput::Part::location, "has nowhere to be", static_cast<int>(k));
+    }
+  }
+}
+
+}  // namespace
+
+void complete(DamageCase& damage_case) {
+  using Part = InvalidInput::Part;
+  if (damage_case.structure) {
+    complete_structure(damage_case);
+  } else {
+    complete_beam(damage_case);
+  }
   if (damage_case.kinds.empty()) {
     throw InvalidInput(Part::location, "no kind of defect: nothing is asked");
   }
@@ -56,11 +93,10 @@ void complete(DamageCase& damage_case) {
                              std::to_string(counts) + ", one a count",
                          index);
     }
-    if (kind.location.lower() < 0.0 || kind.location.upper() > damage_case.beam.length) {
+    if (kind.location.lower() < 0.0 || kind.location.upper() > kind.line.length()) {
       throw InvalidInput(
           Part::location,
-          "locations lie on the beam, in [0, " + base::number(damage_case.beam.length) + "] m",
-          index);
+          "locations lie on the beam, in [0, " + base::number(kind.line.length()) + "] m", index);
     }
     for (const double weight : kind.weights) {
       if (!(weight >= 0.0)) {
@@ -113,6 +149,62 @@ fem::Defects DamageCase::true_defects() const {
   return defects;
 }
 
+fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
+                                      const std::vector<PlacedDefect>& defects,
+                                      const fem::Mesh* mesh) {
+  StructureEffects effects;
+  for (const PlacedDefect& d : defects) {
+    const DefectKind& kind = kinds[static_cast<std::size_t>(d.kind)];
+    SiteLine::Spot spot = kind.line.spot(d.location);
+    if (kind.line.is_beam()) {  // which of the members between supports
+      while (spot.site + 1 < static_cast<int>(mesh->structure().members.size()) &&
+             spot.s >= mesh->member_length(spot.site)) {
+        spot.s -= mesh->member_length(spot.site++);
+      }
+      spot.s = std::min(spot.s, mesh->member_length(spot.site));
+    }
+    kind.type->place_in_structure(kind, spot, d.severity, effects);
+  }
+  if (mesh != nullptr) {
+    return fem::change_of(*mesh, effects.defects, std::move(effects.change));
+  }
+  fem::compound(effects.change);
+  return std::move(effects.change);
+}
+
+fem::Discretisation true_structure(const DamageCase& damage_case) {
+  const AnyStructure structure = damage_case.solved_structure();
+  const auto* members = std::get_if<fem::Structure>(&structure);
+  const auto mesh = members ? std::make_unique<const fem::Mesh>(*members) : nullptr;
+  std::vector<PlacedDefect> placed;
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    for (const DefectKind::True& t : damage_case.kinds[k].truth) {
+      placed.push_back({static_cast<int>(k), t.location, t.severity});
+    }
+  }
+  return fem::changed(mesh ? mesh->discretisation() : discretise(structure),
+                      structure_change(damage_case.kinds, placed, mesh.get()));
+}
+
+std::vector<double> true_frequencies(const DamageCase& damage_case, int modes) {
+  const fem::Discretisation damaged = true_structure(damage_case);
+  const auto rigid = static_cast<int>(damaged.rigid_motions.cols());
+  const auto available = static_cast<int>(fem::mode_count(damaged));
+  const fem::StructureModes found =
+      fem::structure_modes(damaged, std::min(available, modes + rigid));
+  return {found.frequencies_hz.begin() + rigid, found.frequencies_hz.end()};
+}
+
+bool DamageCase::solved_as_structure() const {
+  return structure || std::ranges::any_of(kinds, [](const DefectKind& kind) {
+           return kind.type->place == nullptr || kind.extent.has_value();
+         });
+}
+
+AnyStructure DamageCase::solved_structure() const {
+  return structure ? structure->nominal : AnyStructure(fem::as_structure(beam, beam_depth));
+}
+
 std::vector<double> elastic_frequencies(const fem::Beam& beam, const fem::Defects& defects,
                                         int modes) {
   const int free = free_degrees_of_freedom(beam) - static_cast<int>(defects.supports.size());
@@ -136,8 +228,11 @@ FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed) {
   data.simulated = true;
   data.origin = "simulated from the case's truth, seed " + std::to_string(seed);
   base::Random random(seed, 0, 0, base::Purpose::simulation);
-  for (const double f :
-       elastic_frequencies(damage_case.beam, damage_case.true_defects(), s.modes)) {
+  const std::vector<double> exact =
+      damage_case.solved_as_structure()
+          ? true_frequencies(damage_case, s.modes)
+          : elastic_frequencies(damage_case.beam, damage_case.true_defects(), s.modes);
+  for (const double f : exact) {
     data.frequencies_hz.push_back(f * (1.0 + s.cv * random.normal()));
     data.sd_hz.push_back(s.cv * f);
   }

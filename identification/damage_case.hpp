@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "identification/defect_kind.hpp"
 #include "identification/emulator_spec.hpp"
 #include "identification/noise_model.hpp"
+#include "identification/structure_model.hpp"
 
 namespace wheeltap::identification {
 
@@ -24,8 +26,10 @@ struct Simulation {
 
 struct DamageCase {
   std::string title = {};
-  bool balance = false;  ///< sample models evenly and reweight
-  fem::Beam beam = {};
+  bool balance = false;                                  ///< sample models evenly and reweight
+  fem::Beam beam = {};                                   ///< where there is no structure
+  double beam_depth = 0.0;                               ///< height of its section, for cracks
+  std::shared_ptr<const StructureModel> structure = {};  ///< in place of the beam
   int rigid_body_modes = 0;  ///< of the intact beam; data and predictions leave them out
   FrequencyData data = {};   ///< empty frequencies where it is to be simulated
   std::optional<Simulation> simulation = {};
@@ -37,7 +41,26 @@ struct DamageCase {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);
   }
   [[nodiscard]] fem::Defects true_defects() const;
+  /// A structure, or a beam with defects that only structures know (a crack, a mass, an extent).
+  [[nodiscard]] bool solved_as_structure() const;
+  /// What is solved then. Throws std::invalid_argument.
+  [[nodiscard]] AnyStructure solved_structure() const;
 };
+
+/// What the truth makes of a case that is solved as a structure.
+[[nodiscard]] fem::Discretisation true_structure(const DamageCase& damage_case);
+/// Its elastic frequencies [Hz] by the full solve, `modes` of them.
+[[nodiscard]] std::vector<double> true_frequencies(const DamageCase& damage_case, int modes);
+
+/// What defects of a structure do to it, given where they are on their kinds' lines.
+struct PlacedDefect {
+  int kind;
+  double location;  ///< on the kind's line
+  double severity;
+};
+[[nodiscard]] fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
+                                                    const std::vector<PlacedDefect>& defects,
+                                                    const fem::Mesh* mesh);
 
 /// Degrees of freedom that rigid supports leave.
 [[nodiscard]] int free_degrees_of_freedom(const fem::Beam& beam);

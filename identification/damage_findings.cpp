@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "identification/plausibility.hpp"
@@ -60,8 +61,8 @@ class UnpackedDraws {
 // ---- where ---------------------------------------------------------------------------------
 
 KindFinding where(const UnpackedDraws& draws, int kind) {
-  const fem::Beam& beam = draws.problem().damage_case.beam;
-  const auto elements = static_cast<std::size_t>(beam.elements);
+  const SiteLine& line = draws.problem().damage_case.kinds[static_cast<std::size_t>(kind)].line;
+  const auto elements = static_cast<std::size_t>(line.cells());
   struct Tally {
     double draws = 0.0;
     std::vector<double> expected;
@@ -75,7 +76,7 @@ KindFinding where(const UnpackedDraws& draws, int kind) {
     tally.draws += weight;
     for (const Component& component : draws.at(c, i)) {
       if (component.kind != kind) continue;
-      tally.expected[static_cast<std::size_t>(beam.element_at(component.location))] += weight;
+      tally.expected[static_cast<std::size_t>(line.cell_at(component.location))] += weight;
     }
   });
   double all = 0.0;
@@ -95,7 +96,7 @@ KindFinding where(const UnpackedDraws& draws, int kind) {
 std::vector<Place> places(const UnpackedDraws& draws, int kind,
                           const std::vector<double>& overall) {
   const DamageProblem& problem = draws.problem();
-  const fem::Beam& beam = problem.damage_case.beam;
+  const SiteLine& line = problem.damage_case.kinds[static_cast<std::size_t>(kind)].line;
   constexpr double kTenth = 0.1;
   // What a uniform spread of the expected number would put on an element is background.
   const double total = std::accumulate(overall.begin(), overall.end(), 0.0);
@@ -108,22 +109,29 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
     }
     std::size_t end = e;
     double expected = 0.0;
-    while (end < overall.size() && overall[end] > background) expected += overall[end++];
+    const int stretch = line.stretch_of_cell(static_cast<int>(e));
+    while (end < overall.size() && overall[end] > background &&
+           line.stretch_of_cell(static_cast<int>(end)) == stretch)
+      expected += overall[end++];
     if (expected >= kTenth) {
       std::vector<double> location, severity, weight;
       draws.for_each([&](std::size_t c, std::size_t i) {
         for (const Component& component : draws.at(c, i)) {
-          const auto at = static_cast<std::size_t>(beam.element_at(component.location));
-          if (component.kind != kind || at < e || at >= end) continue;
-          location.push_back(component.location);
+          if (component.kind != kind) continue;
+          const auto at = static_cast<std::size_t>(line.cell_at(component.location));
+          if (at < e || at >= end) continue;
+          location.push_back(line.is_beam() ? component.location : line.spot(component.location).s);
           severity.push_back(component.severity);
           weight.push_back(draws.weight(c, i));
         }
       });
       ChainsOf weights;
       if (!draws.posterior().log_weight.empty()) weights.push_back(std::move(weight));
-      Place place{.from = static_cast<double>(e) * beam.element_length(),
-                  .to = static_cast<double>(end) * beam.element_length(),
+      const SiteLine::Stretch& on = line.stretches()[static_cast<std::size_t>(stretch)];
+      const double scale = line.is_beam() ? 1.0 : on.size / (on.end - on.start);
+      Place place{.stretch = stretch,
+                  .from = scale * (line.cell_start(static_cast<int>(e)) - on.start),
+                  .to = scale * (line.cell_start(static_cast<int>(end)) - on.start),
                   .expected = expected,
                   .location = marginal({location}, weights),
                   .severity = {}};
@@ -260,7 +268,7 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
     for (std::size_t k = 0; k < model.counts.size(); ++k) {
       const DefectKind& kind = problem.damage_case.kinds[k];
       const int smaller = draws.space().neighbour(static_cast<int>(m), static_cast<int>(k), -1);
-      if (smaller < 0 || model.counts[k] < 2) continue;
+      if (smaller < 0 || model.counts[k] < 2 || !kind.line.is_beam()) continue;
       const ModelFinding& other = models[static_cast<std::size_t>(smaller)];
       if (other.parameters.empty()) continue;
       // The component that the smaller model explains least is the hidden one.
@@ -384,6 +392,46 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
       }
     });
     if (near > 0.25 * all) remarks.push_back(remark::SeverityAtBound{static_cast<int>(k)});
+  }
+}
+
+// A place on a structure is told as the member (node, link) that it is on, and, of a member, how
+// far along: two findings in place of the one of the line's number.
+void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
+  const std::vector<DefectKind>& kinds = draws.problem().damage_case.kinds;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    std::vector<ParameterFinding> told;
+    for (ParameterFinding& p : models[m].parameters) {
+      if (p.unknown.kind < 0 || p.unknown.parameter != 0 ||
+          kinds[static_cast<std::size_t>(p.unknown.kind)].line.is_beam()) {
+        told.push_back(std::move(p));
+        continue;
+      }
+      const DefectKind& kind = kinds[static_cast<std::size_t>(p.unknown.kind)];
+      const auto of_spot = [&](auto value) {
+        return marginal(draws_in_model(
+            draws.posterior(), static_cast<int>(m), [&](std::size_t c, std::size_t i) {
+              int n = 0;
+              for (const Component& component : draws.at(c, i)) {
+                if (component.kind != p.unknown.kind || n++ != p.unknown.component) continue;
+                return value(kind.line.spot(component.location));
+              }
+              return std::numeric_limits<double>::quiet_NaN();
+            }));
+      };
+      Unknown site = p.unknown;
+      site.name = kind.site_name();
+      const std::size_t at = site.label.rfind(p.unknown.name);
+      if (at != std::string::npos) site.label.replace(at, p.unknown.name.size(), site.name);
+      site.unit = "1";
+      told.push_back({.unknown = site, .estimate = of_spot([](const SiteLine::Spot& spot) {
+                                         return static_cast<double>(spot.site);
+                                       })});
+      if (kind.type->sites == DefectType::Sites::members)
+        told.push_back({.unknown = p.unknown,
+                        .estimate = of_spot([](const SiteLine::Spot& spot) { return spot.s; })});
+    }
+    models[m].parameters = std::move(told);
   }
 }
 
@@ -524,6 +572,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   }
   out.remarks = std::move(remarks);
   conclude(out, draws.space(), evidence);
+  if (damage_case.structure) tell_sites(draws, out.models);
   return out;
 }
 

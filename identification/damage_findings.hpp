@@ -11,8 +11,9 @@
 
 namespace wheeltap::identification {
 
-/// A stretch of beam that holds a tenth of a defect or more.
+/// A stretch of beam, or of one member, that holds a tenth of a defect or more.
 struct Place {
+  int stretch = 0;  ///< of the kind's line: which member, joint, storey
   double from, to;  ///< [m]
   double expected;  ///< number of defects
   Marginal location;

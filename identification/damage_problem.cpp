@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "identification/invalid_input.hpp"
@@ -108,9 +109,14 @@ std::vector<inference::ModelSpace::Counts> combinations(const std::vector<Defect
 
 FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
     : problem_(problem),
-      workspace_(problem.reanalysis->make_workspace()),
-      rigid_(static_cast<std::size_t>(problem.reanalysis->rigid_body_modes())),
-      all_(static_cast<std::size_t>(problem.damage_case.modes()) + rigid_) {}
+      rigid_(static_cast<std::size_t>(problem.damage_case.rigid_body_modes)),
+      all_(static_cast<std::size_t>(problem.damage_case.modes()) + rigid_) {
+  if (problem.structure) {
+    structure_workspace_ = problem.structure->make_workspace();
+  } else {
+    workspace_ = problem.reanalysis->make_workspace();
+  }
+}
 
 void FrequencyPredictor::place(int model, std::span<const double> x) {
   placed_.damages.clear();
@@ -122,7 +128,7 @@ void FrequencyPredictor::place(int model, std::span<const double> x) {
 }
 
 void FrequencyPredictor::solve_placed(std::span<double> out) {
-  problem_.reanalysis->frequencies_hz(placed_.damages, placed_.supports, workspace_, all_);
+  problem_.reanalysis->frequencies_hz(placed_.damages, placed_.supports, *workspace_, all_);
   std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
 }
 
@@ -135,6 +141,7 @@ std::size_t FrequencyPredictor::first_elastic() const {
 
 bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
                                        std::span<double> jacobian) {
+  if (problem_.structure) return false;
   for (const DefectKind& kind : problem_.damage_case.kinds) {
     if (!kind.type->is_elementary) return false;
   }
@@ -145,14 +152,14 @@ bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std
   along_damages_.resize(n * damages);
   by_stiffness_.resize(n * supports);
   along_supports_.resize(n * supports);
-  problem_.reanalysis->solve(placed_.damages, placed_.supports, workspace_,
+  problem_.reanalysis->solve(placed_.damages, placed_.supports, *workspace_,
                              {.frequencies_hz = all_,
                               .damage_gradients_hz = by_reduction_,
                               .element_gradients_hz = {},
                               .shapes = {},
                               .points = {},
                               .support_gradients_hz = by_stiffness_});
-  problem_.reanalysis->location_slopes(placed_.damages, placed_.supports, workspace_,
+  problem_.reanalysis->location_slopes(placed_.damages, placed_.supports, *workspace_,
                                        {.modes = static_cast<int>(n),
                                         .damages_hz_m = along_damages_,
                                         .supports_hz_m = along_supports_});
@@ -190,8 +197,26 @@ bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std
 }
 
 void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<double> out) {
+  if (problem_.structure) return solve_structure(model, x, out);
   place(model, x);
   solve_placed(out);
+}
+
+void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
+                                         std::span<double> out) {
+  in_structure_.clear();
+  for (const DamageProblem::Component& c : problem_.components(model, x)) {
+    in_structure_.push_back({c.kind, c.location, c.severity});
+  }
+  try {
+    problem_.structure->solve(
+        structure_change(problem_.damage_case.kinds, in_structure_, problem_.mesh.get()),
+        *structure_workspace_, {.frequencies_hz = all_});
+  } catch (const fem::ImpossibleChange&) {
+    std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());  // no such structure
+    return;
+  }
+  std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
 }
 
 void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span<double> out,
@@ -242,17 +267,33 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   std::vector<inference::Parameter> common;
   if (damage_case.data.cv_prior) common.push_back({"cov", *damage_case.data.cv_prior});
 
-  auto out = std::make_unique<DamageProblem>(
-      DamageProblem{.damage_case = damage_case,
-                    .reanalysis = std::make_shared<const fem::Reanalysis>(
-                        damage_case.beam, damage_case.modes() + damage_case.rigid_body_modes),
-                    .emulator = nullptr,
-                    .problem = {.space = inference::ModelSpace::of_components(
-                                    common, kinds, combinations(damage_case.kinds)),
-                                .likelihood = {}},
-                    .fe_likelihood = nullptr,
-                    .symmetric = fem::is_mirror_symmetric(damage_case.beam),
-                    .common = static_cast<int>(common.size())});
+  auto out = std::make_unique<DamageProblem>(DamageProblem{
+      .damage_case = damage_case,
+      .reanalysis = nullptr,
+      .emulator = nullptr,
+      .problem = {.space = inference::ModelSpace::of_components(common, kinds,
+                                                                combinations(damage_case.kinds)),
+                  .likelihood = {}},
+      .fe_likelihood = nullptr,
+      .symmetric = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam),
+      .common = static_cast<int>(common.size())});
+  const int wanted = damage_case.modes() + damage_case.rigid_body_modes;
+  if (damage_case.solved_as_structure()) {
+    try {
+      const AnyStructure structure = damage_case.solved_structure();
+      if (const auto* members = std::get_if<fem::Structure>(&structure)) {
+        out->mesh = std::make_shared<const fem::Mesh>(*members);
+      }
+      out->structure = std::make_shared<const fem::StructureReanalysis>(
+          std::make_shared<const fem::Discretisation>(out->mesh ? out->mesh->discretisation()
+                                                                : discretise(structure)),
+          wanted);
+    } catch (const std::invalid_argument& error) {
+      throw InvalidInput(InvalidInput::Part::beam, error.what());
+    }
+  } else {
+    out->reanalysis = std::make_shared<const fem::Reanalysis>(damage_case.beam, wanted);
+  }
   for (const DefectKind& kind : damage_case.kinds) {
     out->symmetric = out->symmetric && is_mirror_symmetric(kind.location, damage_case.beam.length);
   }
@@ -267,8 +308,8 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
     const DefectKind& kind = damage_case.kinds[k];
     if (!kind.type->compounds || kind.max_count < 2) continue;
     out->problem.moves.push_back(
-        {"split and merge",
-         [kind_index = static_cast<int>(k), h = damage_case.beam.element_length()] {
+        {"split and merge", [kind_index = static_cast<int>(k),
+                             h = kind.line.length() / static_cast<double>(kind.line.cells())] {
            return std::make_unique<inference::SplitMerge>(
                kind_index, h, inference::SplitMerge::Keeps::product_of_complements);
          }});

@@ -15,7 +15,9 @@ namespace wheeltap::identification {
 /// All that a run needs, kept together because the problem's likelihood refers to it.
 struct DamageProblem {
   DamageCase damage_case;
-  std::shared_ptr<const fem::Reanalysis> reanalysis;
+  std::shared_ptr<const fem::Reanalysis> reanalysis;  ///< of a beam
+  std::shared_ptr<const fem::StructureReanalysis> structure = {};
+  std::shared_ptr<const fem::Mesh> mesh = {};  ///< of a structure of members
   std::shared_ptr<const FrequencyEmulator>
       emulator;  ///< null where the FE solution itself predicts
   inference::Problem problem;
@@ -58,8 +60,12 @@ class FrequencyPredictor {
   void solve_placed(std::span<double> out);
   [[nodiscard]] std::size_t first_elastic() const;
 
+  void solve_structure(int model, std::span<const double> x, std::span<double> out);
+
   const DamageProblem& problem_;
-  fem::Reanalysis::Workspace workspace_;
+  std::optional<fem::Reanalysis::Workspace> workspace_;
+  std::optional<fem::StructureReanalysis::Workspace> structure_workspace_;
+  std::vector<PlacedDefect> in_structure_;
   std::size_t rigid_;
   std::vector<double> all_;
   fem::Defects placed_;

@@ -1,25 +1,37 @@
-// What may be wrong with a beam: the types of defect that there are, and so many of one of them as
-// a case allows.
+// What may be wrong with a beam or a structure: the types of defect that there are, and so many of
+// one of them as a case allows.
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "fem/defect.hpp"
+#include "fem/structures/structure_defects.hpp"
+#include "identification/site_line.hpp"
 #include "inference/prior.hpp"
 
 namespace wheeltap::identification {
 
 struct DefectKind;
 
-/// A type of defect: somewhere on the beam, and so severe. Everything that is particular to it
-/// stands here; identification/defects/ has a file for each, and `defect_types` lists them.
+/// What defects do to a structure: places on members, nodes and the like, and what is a change of
+/// strains already.
+struct StructureEffects {
+  fem::StructureDefects defects = {};
+  fem::StructureChange change = {};
+};
+
+/// A type of defect: somewhere on the beam or structure, and so severe. Everything that is
+/// particular to it stands here; identification/defects/ has a file for each, and `defect_types`
+/// lists them.
 struct DefectType {
   std::string_view name;            ///< "kind" in a case
   std::string_view noun;            ///< what it is called where the case does not say
+  std::string_view several = {};    ///< of them; the noun and an s where not given
   std::string_view severity;        ///< name of its severity, a key in a case
   std::string_view severity_words;  ///< heads a column: "stiffness lost"
   std::string_view effect_words;    ///< before the severity in a sentence: "stiffness reduced by"
@@ -32,8 +44,20 @@ struct DefectType {
   bool may_be_rotational = false;
   /// Unit of the severity, "" for a share.
   std::string_view (*unit)(const DefectKind&);
-  /// Adds what a defect at `location` [m] of this severity does to the beam.
-  void (*place)(const DefectKind&, double location, double severity, fem::Defects& out);
+  /// Adds what a defect at `location` [m] of this severity does to a beam; none where it is not for
+  /// beams.
+  void (*place)(const DefectKind&, double location, double severity, fem::Defects& out) = nullptr;
+  /// The same of a structure; none where it is not for structures.
+  void (*place_in_structure)(const DefectKind&, const SiteLine::Spot&, double severity,
+                             StructureEffects& out) = nullptr;
+  /// What it may be found on in a structure.
+  enum class Sites { members, nodes, links };
+  Sites sites = Sites::members;
+  /// A beam has no nodes or links that a case names.
+  [[nodiscard]] std::string noun_plural() const {
+    return several.empty() ? std::string(noun) + "s" : std::string(several);
+  }
+  [[nodiscard]] bool is_for_beams() const { return sites == Sites::members; }
   /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport: the
   /// solver's gradients are those of the defect.
   bool is_elementary = false;
@@ -63,11 +87,26 @@ struct DefectKind {
   std::vector<double> weights = {};  ///< prior of min_count … max_count, sums to 1
   inference::Prior location;         ///< [m]
   Severity severity = Rigid{};
-  bool rotation = false;         ///< a support that holds the rotation
-  std::vector<True> truth = {};  ///< what simulations use, by increasing location
+  bool rotation = false;  ///< a support that holds the rotation
+  SiteLine line = {};     ///< where it may be; `location` is a prior on it
+  const fem::CrackLaw* crack_law = &fem::crack_laws()[0];
+  std::optional<double> extent = {};             ///< of a reduction in a structure [m]; an element
+  fem::Direction direction = fem::Direction::y;  ///< of a support in a structure
+  std::vector<True> truth = {};                  ///< what simulations use, by increasing location
 
   [[nodiscard]] const inference::Prior* severity_prior() const {
     return std::get_if<inference::Prior>(&severity);
+  }
+  /// "member", "node" or "link": what its line consists of, in a structure.
+  [[nodiscard]] std::string site_name() const {
+    switch (type->sites) {
+      case DefectType::Sites::nodes:
+        return "node";
+      case DefectType::Sites::links:
+        return "link";
+      default:
+        return "member";
+    }
   }
   [[nodiscard]] std::string severity_name() const { return std::string(type->severity); }
   [[nodiscard]] std::string severity_unit() const { return std::string(type->unit(*this)); }

@@ -1,5 +1,6 @@
 #include "inference/prior.hpp"
 
+#include <algorithm>
 #include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
@@ -68,6 +69,16 @@ double from_tails(double p, double q) {
 double interpolate(double lower, double upper, double z) {
   const double width = upper - lower;
   return z < 0.0 ? lower + width * normal_cdf(z) : upper - width * normal_cdf(-z);
+}
+
+// ln(a/b), also where the quotient of the two overflows, as it does above a denormal b.
+double log_ratio(double a, double b) {
+  const double quotient = a / b;
+  return std::isfinite(quotient) ? std::log(quotient) : std::log(a) - std::log(b);
+}
+
+double log_span(const LogUniform& f) {
+  return log_ratio(f.upper, f.lower);
 }
 
 double clamp(double x, double lower, double upper) {
@@ -178,7 +189,7 @@ Prior::Prior(Family family) : family_(family) {
           [](const LogUniform& f) {
             require_positive("log_uniform", "lower", f.lower);
             require_interval("log_uniform", f.lower, f.upper);
-            return -std::log(std::log(f.upper / f.lower));
+            return -std::log(log_span(f));
           },
           [](const Normal& f) {
             require_finite("normal", "mean", f.mean);
@@ -217,6 +228,11 @@ Prior::Prior(Family family) : family_(family) {
               refuse(kName, "upper", f.upper, "a number above lower");
             if (!(f.lower < f.upper))
               refuse(kName, "lower", f.lower, ("< upper = " + base::number(f.upper)).c_str());
+            // Beyond, its squares overflow and the density has no number.
+            const double remote = std::max({f.lower - f.mean, f.mean - f.upper, 0.0}) / f.sd;
+            if (!(remote <= 1e100))
+              refuse(kName, "sd", f.sd,
+                     "1e-100 times the mean's distance from the interval, or more");
             return -kLogSqrt2Pi - std::log(f.sd) - StandardTruncated(f).log_mass();
           }},
       family_);
@@ -265,7 +281,7 @@ double Prior::from_standard_normal(double z) const {
   return std::visit(
       Overloaded{[z](const Uniform& f) { return interpolate(f.lower, f.upper, z); },
                  [z](const LogUniform& f) {
-                   const double span = std::log(f.upper / f.lower);
+                   const double span = log_span(f);
                    const double x = z < 0.0 ? f.lower * std::exp(span * normal_cdf(z))
                                             : f.upper * std::exp(-span * normal_cdf(-z));
                    return clamp(x, f.lower, f.upper);
@@ -307,7 +323,7 @@ double Prior::slope(double z) const {
   return std::visit(
       Overloaded{
           [&](const Uniform& f) { return (f.upper - f.lower) * std::exp(log_phi); },
-          [&](const LogUniform& f) { return x * std::log(f.upper / f.lower) * std::exp(log_phi); },
+          [&](const LogUniform& f) { return x * log_span(f) * std::exp(log_phi); },
           [](const Normal& f) { return f.sd; }, [&](const LogNormal& f) { return f.sigma * x; },
           [&](const Beta& f) {
             // 1 - t would lose a t near 1.
@@ -329,8 +345,8 @@ double Prior::to_standard_normal(double x) const {
                    return from_tails((x - f.lower) / width, (f.upper - x) / width);
                  },
                  [x](const LogUniform& f) {
-                   const double span = std::log(f.upper / f.lower);
-                   return from_tails(std::log(x / f.lower) / span, std::log(f.upper / x) / span);
+                   const double span = log_span(f);
+                   return from_tails(log_ratio(x, f.lower) / span, log_ratio(f.upper, x) / span);
                  },
                  [x](const Normal& f) { return (x - f.mean) / f.sd; },
                  [x](const LogNormal& f) { return (std::log(x) - f.mu) / f.sigma; },
@@ -381,15 +397,14 @@ double Prior::upper() const {
 
 double Prior::mean() const {
   return std::visit(
-      Overloaded{
-          [](const Uniform& f) { return f.lower + 0.5 * (f.upper - f.lower); },
-          [](const LogUniform& f) { return (f.upper - f.lower) / std::log(f.upper / f.lower); },
-          [](const Normal& f) { return f.mean; },
-          [](const LogNormal& f) { return std::exp(f.mu + 0.5 * f.sigma * f.sigma); },
-          [](const HalfNormal& f) { return f.sd * std::sqrt(2.0 * std::numbers::inv_pi); },
-          [](const Gamma& f) { return f.shape * f.scale; },
-          [](const Beta& f) { return f.lower + (f.upper - f.lower) * f.a / (f.a + f.b); },
-          [this](const TruncatedNormal&) { return moments_by_quadrature(*this).mean; }},
+      Overloaded{[](const Uniform& f) { return f.lower + 0.5 * (f.upper - f.lower); },
+                 [](const LogUniform& f) { return (f.upper - f.lower) / log_span(f); },
+                 [](const Normal& f) { return f.mean; },
+                 [](const LogNormal& f) { return std::exp(f.mu + 0.5 * f.sigma * f.sigma); },
+                 [](const HalfNormal& f) { return f.sd * std::sqrt(2.0 * std::numbers::inv_pi); },
+                 [](const Gamma& f) { return f.shape * f.scale; },
+                 [](const Beta& f) { return f.lower + (f.upper - f.lower) * f.a / (f.a + f.b); },
+                 [this](const TruncatedNormal&) { return moments_by_quadrature(*this).mean; }},
       family_);
 }
 

@@ -1,40 +1,77 @@
 #include "io/bytes.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
-#include <cstdio>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
 #include <limits>
-#include <memory>
 
 #include "io/file_error.hpp"
 
 namespace wheeltap::io {
+namespace {
 
-std::string first_bytes(const std::filesystem::path& path, std::size_t most) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             std::fclose);
-  const auto fail = [&] {
-    throw FileError(FileError::Kind::missing, path, "no such file, or it cannot be read");
-  };
-  if (!file) fail();
-  // A whole file in one go; what has no size, such as a pipe, in pieces.
-  std::error_code unknown;
-  const auto stated = std::filesystem::file_size(path, unknown);
-  std::string bytes;
-  std::size_t size = 0;
-  for (std::size_t piece = unknown ? 65536 : static_cast<std::size_t>(stated) + 1; size < most;
-       piece = 65536) {
-    bytes.resize(size + std::min(piece, most - size));
-    const std::size_t got = std::fread(bytes.data() + size, 1, bytes.size() - size, file.get());
-    size += got;
-    if (size < bytes.size()) break;
+/// An open file, closed at the end of its scope.
+class Descriptor {
+ public:
+  // Without O_NONBLOCK, opening a pipe waits for somebody to write into it.
+  explicit Descriptor(const std::filesystem::path& path)
+      : id_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (id_ >= 0) ::close(id_);
   }
-  if (std::ferror(file.get()) != 0) fail();  // a folder, too
-  bytes.resize(size);
+  [[nodiscard]] int id() const { return id_; }
+
+ private:
+  int id_;
+};
+
+const char* kind_of(mode_t mode) {
+  if (S_ISDIR(mode)) return "is a directory";
+  if (S_ISFIFO(mode)) return "is a pipe, not a file: its content must be stored first";
+  if (S_ISCHR(mode) || S_ISBLK(mode)) return "is a device, not a file";
+  return "is not a file";
+}
+
+}  // namespace
+
+std::string first_bytes(const std::filesystem::path& path, std::size_t most, std::size_t largest) {
+  const auto fail = [&](const std::string& why) {
+    throw FileError(FileError::Kind::missing, path, "cannot be read: " + why);
+  };
+  const Descriptor file(path);
+  if (file.id() < 0 && errno == ENOENT)
+    throw FileError(FileError::Kind::missing, path, "no such file");
+  if (file.id() < 0) fail(std::strerror(errno));
+  struct stat status {};
+  if (::fstat(file.id(), &status) != 0) fail(std::strerror(errno));
+  if (!S_ISREG(status.st_mode)) fail(kind_of(status.st_mode));
+  const auto size = static_cast<std::size_t>(std::max<off_t>(status.st_size, 0));
+  if (std::min(size, most) > largest) {
+    throw FileError(FileError::Kind::corrupt, path,
+                    std::to_string(size) + " bytes, must be at most " + std::to_string(largest));
+  }
+  std::string bytes(std::min(size, most), '\0');
+  std::size_t got = 0;
+  while (got < bytes.size()) {
+    const ssize_t n = ::read(file.id(), bytes.data() + got, bytes.size() - got);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail(std::strerror(errno));
+    if (n == 0) break;
+    got += static_cast<std::size_t>(n);
+  }
+  bytes.resize(got);
   return bytes;
 }
 
-std::string read_bytes(const std::filesystem::path& path) {
-  return first_bytes(path, std::numeric_limits<std::size_t>::max());
+std::string read_bytes(const std::filesystem::path& path, std::size_t largest) {
+  return first_bytes(path, std::numeric_limits<std::size_t>::max(), largest);
 }
 
 }  // namespace wheeltap::io

@@ -55,14 +55,9 @@ const Format& format_of(const std::filesystem::path& path, std::string_view begi
 
 Columns read_columns(const std::filesystem::path& path, const Wanted& wanted,
                      std::span<const Format> known) {
-  std::error_code unknown;
-  const bool regular = std::filesystem::is_regular_file(path, unknown);
-  // A pipe can be read once only.
-  std::string bytes = regular ? first_bytes(path, kBeginning) : read_bytes(path);
-  const Format& format = format_of(path, bytes, known);
+  const Format& format = format_of(path, first_bytes(path, kBeginning), known);
   if (format.read != nullptr) return format.read(path, wanted);
-  if (regular) bytes = read_bytes(path);
-  return format.parse(std::move(bytes), path, wanted);
+  return format.parse(read_bytes(path), path, wanted);
 }
 
 }  // namespace wheeltap::io

@@ -56,6 +56,8 @@ std::string metres(const Marginal& x) {
   return fixed(x.q2_5, 3) + " to " + fixed(x.q97_5, 3) + " m";
 }
 
+std::string how_bad(const DefectKind& kind, const Marginal& severity);
+
 // One component: "near 0.095 m (95 % interval 0.09 to 0.1 m) or its mirror image 0.905 m, …".
 std::string place(const Marginal& x, const Marginal* severity, const DefectKind& kind,
                   double length, bool mirrored) {
@@ -70,18 +72,61 @@ std::string place(const Marginal& x, const Marginal* severity, const DefectKind&
     }
   }
   if (severity == nullptr) return text;
-  if (kind.type->percent) {
-    text += ", " + std::string(kind.type->effect_words) + " " + percent_of(severity->q50) + " (" +
-            fixed(100.0 * severity->q2_5, 0) + " to " + percent_of(severity->q97_5) + ")";
-  } else {
-    text += ", " + std::string(kind.type->effect_words) + " " + median(*severity) + " (" +
-            interval(*severity) + ")";
-  }
+  text += ", " + how_bad(kind, *severity);
   return text;
+}
+
+// "30 % (20 to 40 %)", "0.3 kg (0.2 to 0.4)".
+std::string how_bad(const DefectKind& kind, const Marginal& severity) {
+  const std::string words = std::string(kind.type->effect_words) + " ";
+  if (kind.type->percent) {
+    return words + percent_of(severity.q50) + " (" + fixed(100.0 * severity.q2_5, 0) + " to " +
+           percent_of(severity.q97_5) + ")";
+  }
+  const std::string unit = kind.severity_unit();
+  return words + median(severity) + (unit.empty() ? "" : " " + unit) + " (" + interval(severity) +
+         ")";
+}
+
+// Of a structure, the places that hold a tenth of a defect or more, likeliest first: "crack on beam
+// near 0.37 m (0.35 to 0.4 m; 93 %), depth a/h 30 % (20 to 40 %)".
+std::string places_in_structure(const DamageCase& damage_case, const DamageFindings& findings) {
+  struct One {
+    double expected;
+    std::string text;
+  };
+  std::vector<One> all;
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    for (const Place& p : findings.kinds[k].places) {
+      const auto& on = kind.line.stretches()[static_cast<std::size_t>(p.stretch)];
+      std::string text =
+          kind.name + (kind.type->sites == DefectType::Sites::nodes ? " at " : " on ") + on.name;
+      if (on.size > 0.0)
+        text += " near " + fixed(p.location.q50, 3) + " m (95 % interval " + metres(p.location) +
+                "; expected number " + fixed(p.expected, 2) + ")";
+      else
+        text += " (expected number " + fixed(p.expected, 2) + ")";
+      if (p.severity) text += ", " + how_bad(kind, *p.severity);
+      all.push_back({p.expected, text});
+    }
+  }
+  std::ranges::sort(all, std::ranges::greater{}, &One::expected);
+  if (all.empty()) return {};
+  std::string text;
+  for (std::size_t i = 0; i < std::min(all.size(), kMostValues); ++i) {
+    text += (i == 0 ? "" : "; ") +
+            (all.size() > 1 ? "(" + std::to_string(i + 1) + ") " : std::string()) + all[i].text;
+  }
+  if (all.size() > kMostValues)
+    text += "; and " + std::to_string(all.size() - kMostValues) + " more places, tabulated below";
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text + ".";
 }
 
 std::string where_and_how_bad(const DamageCase& damage_case, const DamageFindings& findings,
                               std::size_t model) {
+  if (damage_case.structure) return places_in_structure(damage_case, findings);
   const bool mirrored = findings.symmetry.has_value();
   const auto& shown = findings.shown(model);
   const bool several = damage_case.kinds.size() > 1;
@@ -294,22 +339,22 @@ Answer read_answer(const Report& summary) {
   const auto models = [](const Report& rows) {
     std::vector<ModelFinding> out;
     for (const Report& row : rows) {
-      out.emplace_back().name = row["name"];
-      out.back().standing.probability = row["probability"];
+      out.emplace_back().name = row.at("name");
+      out.back().standing.probability = row.at("probability");
     }
     return out;
   };
   if (summary.contains("sweep")) {
     std::vector<SweepRow> rows;
-    for (const Report& row : summary["sweep"]["rows"]) {
-      rows.push_back({row["value"].dump(), models(row["models"]), row.value("converged", false),
-                      row.value("explained", true)});
+    for (const Report& row : summary.at("sweep").at("rows")) {
+      rows.push_back({row.at("value").dump(), models(row.at("models")),
+                      row.value("converged", false), row.value("explained", true)});
     }
-    return answer(summary["sweep"]["path"].get<std::string>(), rows);
+    return answer(summary.at("sweep").at("path").get<std::string>(), rows);
   }
   Findings findings;
-  findings.models = models(summary["models"]);
-  const Report& diagnosed = summary["diagnostics"];
+  findings.models = models(summary.at("models"));
+  const Report& diagnosed = summary.at("diagnostics");
   findings.sampling.verdict.converged = diagnosed.value("converged", false);
   findings.sampling.stopped_early = diagnosed.value("stopped_early", false);
   findings.sampling.quick = diagnosed.value("quick", false);

@@ -4,7 +4,7 @@
 const charts = (() => {
   const { themes, number, percent, probability, pValue, r2, slug, unit, bracketed, shares } = kit;
   const { modelProbabilities, evidence, sweep } = modelCharts;
-  const { beam, jointFigures, residuals, emulator } = damageCharts;
+  const { beam, structure, jointFigures, residuals, emulator } = damageCharts;
   const { chain, laws, loops } = chainCharts;
   const { discovery } = discoveryCharts;
   const { responses } = recordCharts;
@@ -19,7 +19,7 @@ const charts = (() => {
       const several = summary.kinds.length > 1;
       for (const kind of summary.kinds) {
         const inclusion = (several ? summary.damage.inclusion_by_element[kind.name] : summary.damage.inclusion_by_element)?.overall;
-        if (inclusion?.length) out.push(beam(run, kind, inclusion, several));
+        if (inclusion?.length) out.push((summary.structure ? structure : beam)(run, kind, inclusion, several));
       }
       out.push(...jointFigures(run));
     } else {

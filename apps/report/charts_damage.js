@@ -35,6 +35,65 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     };
   }
 
+  // A structure, or a chain, drawn in the plane (space: seen from a corner), its cells coloured by the
+  // expected number of defects.
+  function structure(run, kind, inclusion, several) {
+    const of = run.summary.structure, line = of.lines[kind.name];
+    const view = (at) => of.dimension === 3
+      ? [at[0] * 0.866 - at[1] * 0.866, at[0] * 0.35 + at[1] * 0.35 + at[2]] : [at[0], at[1]];
+    const nodes = of.nodes ? of.nodes.map((n) => view(n.at)) : [[0, 0], ...of.masses.map((m, i) => [0, i + 1])];
+    const bars = of.members ? of.members.map((m) => m.nodes) : of.links.map((l) => l.between);
+    const cells = [], points = [];
+    line.stretches.forEach((s, i) => {
+      const end = i + 1 < line.stretches.length ? line.stretches[i + 1].first_cell : inclusion.length;
+      const n = end - s.first_cell;
+      for (let c = s.first_cell; c < end; c += 1) {
+        const what = { p: inclusion[c], name: s.name };
+        if (line.of === 'node') { points.push({ ...what, x: nodes[s.site][0], y: nodes[s.site][1] }); continue; }
+        const [a, b] = bars[s.site].map((k) => nodes[k]);
+        const on = (share) => [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
+        const from = on((c - s.first_cell) / n), to = on((c + 1 - s.first_cell) / n);
+        cells.push({ ...what, x: from[0], y: from[1], x2: to[0], y2: to[1] });
+      }
+    });
+    const xs = nodes.map((n) => n[0]), ys = nodes.map((n) => n[1]);
+    const low = [Math.min(...xs), Math.min(...ys)], size = [Math.max(...xs) - low[0], Math.max(...ys) - low[1]];
+    const top = Math.max(...inclusion, 1e-9);
+    const held = (of.supports || []).map((s) => ({ x: nodes[s.node][0], y: nodes[s.node][1] }));
+    const total = line.stretches.map((s, i) => [s.name, inclusion.slice(s.first_cell,
+      i + 1 < line.stretches.length ? line.stretches[i + 1].first_cell : inclusion.length).reduce((a, b) => a + b, 0)]);
+    return {
+      id: 'where' + (several ? '-' + slug(kind.name) : ''), section: 'where', wide: true,
+      title: `Where the ${kind.plural} are`,
+      caption: `The structure${of.dimension === 3 ? ', seen from a corner' : ''}; the darker, the more ${kind.plural} are expected there, all counts together (at most ${top.toPrecision(2)} in one ${line.of === 'member' ? 'element' : line.of}).`,
+      table: () => ({ head: [line.of, `expected ${kind.plural}`], rows: total }),
+      spec: (width, theme) => {
+        const height = Math.min(360, Math.max(140, size[0] > 0 ? width * size[1] / size[0] : 240));
+        const scale = Math.min((width - 60) / (size[0] || 1), (height - 60) / (size[1] || 1));
+        const place = (x, y) => ({ x: width / 2 + (x - low[0] - size[0] / 2) * scale, y: height / 2 - (y - low[1] - size[1] / 2) * scale });
+        const flat = (c) => { const a = place(c.x, c.y), b = place(c.x2, c.y2); return { p: c.p, name: c.name, x: a.x, y: a.y, x2: b.x, y2: b.y }; };
+        const all = bars.map(([a, b]) => flat({ x: nodes[a][0], y: nodes[a][1], x2: nodes[b][0], y2: nodes[b][1] }));
+        const rule = (data, width_, stroke) => ({ type: 'rule', from: { data }, encode: { enter: { x: { field: 'x' }, y: { field: 'y' }, x2: { field: 'x2' }, y2: { field: 'y2' },
+          strokeWidth: { value: width_ }, strokeCap: { value: 'round' }, stroke } } });
+        const cell = rule('cells', 7, { scale: 'heat', field: 'p' });
+        cell.encode.enter.tooltip = { signal: "datum.name + ': ' + format(datum.p, '.3~g')" };
+        return frame(width, height, theme, {
+          data: [{ name: 'bars', values: all }, { name: 'cells', values: cells.map(flat) },
+            { name: 'points', values: points.map((p) => ({ ...p, ...place(p.x, p.y) })) },
+            { name: 'held', values: held.map((h) => place(h.x, h.y)) },
+            { name: 'nodes', values: nodes.map(([x, y], i) => ({ ...place(x, y), name: of.nodes ? of.nodes[i].name : i === 0 ? 'ground' : String(i) })) }],
+          scales: [linear('heat', [0, Math.max(top, 0.2)], [theme.grid, theme.main], { interpolate: 'rgb' })],
+          axes: [],
+          marks: [rule('bars', 9, { value: theme.soft }), rule('bars', 7, { value: theme.grid }), cell,
+            { type: 'symbol', from: { data: 'held' }, encode: { enter: { x: { field: 'x' }, y: { signal: 'datum.y + 12' }, shape: { value: 'triangle-up' }, size: { value: 130 }, fill: { value: theme.ink } } } },
+            { type: 'symbol', from: { data: 'points' }, encode: { enter: { x: { field: 'x' }, y: { field: 'y' }, size: { value: 220 }, fill: { scale: 'heat', field: 'p' }, stroke: { value: theme.soft },
+              tooltip: { signal: "datum.name + ': ' + format(datum.p, '.3~g')" } } } },
+            { type: 'text', from: { data: 'nodes' }, encode: { enter: { x: { signal: 'datum.x + 8' }, y: { signal: 'datum.y - 8' }, text: { field: 'name' }, fill: { value: theme.soft }, fontSize: { value: 11 } } } }],
+        });
+      },
+    };
+  }
+
   function jointFigures(run) {
     const out = [];
     for (const joint of run.draws.joint || []) {
@@ -112,5 +171,5 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     }];
   }
 
-  return { beam, jointFigures, residuals, emulator };
+  return { beam, structure, jointFigures, residuals, emulator };
 })(kit);

@@ -58,14 +58,14 @@ Report visits(const StoredDraws& posterior, std::size_t models) {
 Report joint(const StoredDraws& posterior, const Report& summary) {
   Report out = Report::array();
   if (!summary.contains("kinds") || !summary.contains("beam")) return out;
-  const double length = summary["beam"]["length"];
-  const bool several = summary["kinds"].size() > 1;
-  for (const Report& kind : summary["kinds"]) {
-    if (!kind["severity"].is_string()) continue;
-    const auto name = kind["name"].get<std::string>();
+  const double length = summary.at("beam").at("length");
+  const bool several = summary.at("kinds").size() > 1;
+  for (const Report& kind : summary.at("kinds")) {
+    if (!kind.at("severity").is_string()) continue;
+    const auto name = kind.at("name").get<std::string>();
     const std::string prefix = several ? name + "_" : "";
     const bool share = kind.value("share", kind["severity"] == "reduction");
-    const std::string severity = kind["severity"];
+    const std::string severity = kind.at("severity");
     const io::NetcdfArray* x = posterior.find(prefix + "location");
     const io::NetcdfArray* y = posterior.find(prefix + severity);
     if (x == nullptr || y == nullptr || x->values.size() != y->values.size()) continue;
@@ -93,7 +93,7 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
     if (by_count[0].x.empty()) continue;
     // About a hundred along the beam, a whole number of them in each element.
     const auto elements =
-        std::max<std::size_t>(1, summary["beam"].value("elements", std::size_t{1}));
+        std::max<std::size_t>(1, summary.at("beam").value("elements", std::size_t{1}));
     const std::size_t along = elements * std::max<std::size_t>(1, (100 + elements - 1) / elements);
     const Bins bx{0.0, length / static_cast<double>(along), along};
     const auto [low, high] = std::ranges::minmax(by_count[0].y);
@@ -165,7 +165,7 @@ Report digest(std::string bytes, const std::filesystem::path& name, const Report
     const StoredDraws posterior(file, summary);
     out["chains"] = posterior.chains();
     out["draws"] = posterior.draws();
-    out["visits"] = visits(posterior, summary["models"].size());
+    out["visits"] = visits(posterior, summary.at("models").size());
     digest_parameters(posterior, summary, out);
     out["joint"] = joint(posterior, summary);
     out["predictive"] = predictive(file, posterior.weights());

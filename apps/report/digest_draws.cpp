@@ -60,7 +60,8 @@ Report cells(const std::vector<double>& x, const std::vector<double>& y, const B
 }
 
 StoredDraws::StoredDraws(const io::NetcdfReader& file, const Report& summary)
-    : unknowns_(summary.contains("unknowns") ? summary["unknowns"] : unknowns_of_older(summary)) {
+    : unknowns_(summary.contains("unknowns") ? summary.at("unknowns")
+                                             : unknowns_of_older(summary)) {
   const int group = file.required_group("posterior");
   const io::NetcdfArray model = file.read(group, "model");
   if (model.shape.size() != 2 || model.values.empty()) {
@@ -68,7 +69,7 @@ StoredDraws::StoredDraws(const io::NetcdfReader& file, const Report& summary)
   }
   chains_ = model.shape[0];
   draws_ = model.shape[1];
-  const auto models = static_cast<double>(summary["models"].size());
+  const auto models = static_cast<double>(summary.at("models").size());
   for (const double m : model.values) {
     if (!(m >= 0.0 && m < models)) file.foreign("names a model that summary.json does not have");
     model_.push_back(static_cast<std::size_t>(m));
@@ -119,7 +120,7 @@ Report unknowns_of_older(const Report& summary) {
     kinds.push_back(kind.value("name", ""));
   }
   const bool several = kinds.size() > 1;
-  for (const auto& [model, table] : summary["parameters"].items()) {
+  for (const auto& [model, table] : summary.at("parameters").items()) {
     Report list = Report::array();
     std::map<std::string, int> most;
     for (const auto& [label, row] : table.items()) {
@@ -149,7 +150,7 @@ Report unknowns_of_older(const Report& summary) {
            {"prior", (several ? "/damage/" + std::to_string(kind) + "/" : "/damage/") + base}});
     }
     for (Report& one : list) {
-      const std::string variable = one["variable"];
+      const std::string variable = one.at("variable");
       if (variable.ends_with("location")) one["ordered_among"] = most[variable];
     }
     out[model] = std::move(list);

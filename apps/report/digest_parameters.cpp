@@ -104,13 +104,13 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
 
 void digest_parameters(const StoredDraws& posterior, const Report& summary, Report& out) {
   CaseFile stated;
-  stated.json = Json::parse(summary["wheeltap"]["case"].dump());
+  stated.json = Json::parse(summary.at("wheeltap").at("case").dump());
   out["parameters"] = Report::object();
   out["pairs"] = Report::object();
-  for (std::size_t m = 0; m < summary["models"].size(); ++m) {
-    const std::string name = summary["models"][m]["name"];
-    if (!(summary["models"][m]["probability"].get<double>() >= kCharted) ||
-        !summary["parameters"].contains(name)) {
+  for (std::size_t m = 0; m < summary.at("models").size(); ++m) {
+    const std::string name = summary.at("models")[m].at("name");
+    if (!(summary.at("models")[m].at("probability").get<double>() >= kCharted) ||
+        !summary.at("parameters").contains(name)) {
       continue;
     }
     Report list = Report::array();

@@ -7,12 +7,15 @@
 #include <sstream>
 
 #include "apps/failure.hpp"
+#include "apps/json_text.hpp"
 #include "apps/report/answer.hpp"
 #include "apps/report/assets.hpp"
 #include "apps/report/digest.hpp"
 #include "apps/stored_run.hpp"
 #include "dynamics/laws.hpp"
 #include "io/atomic_file.hpp"
+#include "io/bytes.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -20,17 +23,22 @@ namespace {
 using io::FileError;
 namespace fs = std::filesystem;
 
-Report read_summary(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw FileError(FileError::Kind::missing, path, "no such file");
-  Report summary = Report::parse(stream, nullptr, false);
-  if (summary.is_discarded()) {
-    throw FileError(FileError::Kind::corrupt, path, "is truncated or not JSON");
+Report read_summary(const fs::path& directory) {
+  const fs::path path = directory / "summary.json";
+  const std::string text = io::read_bytes(path);
+  Report summary;
+  try {
+    summary = parse_json<Report>(path, text);
+  } catch (const Failure& failure) {
+    throw FileError(FileError::Kind::corrupt, path,
+                    std::string("is truncated or not JSON: ") + failure.what());
   }
   const auto lacks = [&](const std::string& what) {
     throw FileError(FileError::Kind::foreign, path,
                     "has no " + what + ": not the summary of a wheeltap run");
   };
+  // Charts have a bin an element; no beam of a case has nearly so many.
+  constexpr double kMostElements = 1e5;
   const bool sweep = summary.is_object() && summary.contains("sweep");
   const auto need = [&](const std::string& key, Report::value_t type) {
     if (!summary.is_object() || !summary.contains(key)) lacks('"' + key + '"');
@@ -38,28 +46,35 @@ Report read_summary(const fs::path& path) {
   };
   using enum Report::value_t;
   need("wheeltap", object);
-  if (!summary["wheeltap"].contains("case")) lacks("\"wheeltap\".\"case\"");
+  if (!summary.at("wheeltap").contains("case")) lacks("\"wheeltap\".\"case\"");
   if (sweep) {
     need("sweep", object);
+    if (const auto rows = summary["sweep"].find("rows");
+        rows == summary["sweep"].end() || !rows->is_array() || rows->empty()) {
+      lacks("\"rows\" of a sweep");
+    }
     return summary;
   }
   need("models", array);
   need("diagnostics", object);
-  if (!summary.contains("parameters") || !summary["parameters"].is_object()) {
+  if (!summary.contains("parameters") || !summary.at("parameters").is_object()) {
     lacks("usable \"parameters\"");
   }
-  for (const auto& [model, table] : summary["parameters"].items()) {
+  for (const auto& [model, table] : summary.at("parameters").items()) {
     if (!table.is_object()) lacks("table of parameters of \"" + model + '"');
   }
-  for (const auto& model : summary["models"]) {
-    if (!model.is_object() || !model.contains("name") || !model["name"].is_string() ||
-        !model.contains("probability") || !model["probability"].is_number()) {
+  for (const auto& model : summary.at("models")) {
+    if (!model.is_object() || !model.contains("name") || !model.at("name").is_string() ||
+        !model.contains("probability") || !model.at("probability").is_number()) {
       lacks("name and probability of a model");
     }
   }
-  if (summary["wheeltap"].value("command", "") == "damage") {
-    need("beam", object);
+  if (summary.at("wheeltap").value("command", "") == "damage") {
+    const bool beam = !summary.contains("structure");
+    need(beam ? "beam" : "structure", object);
     need("damage", object);
+    const double elements = beam ? summary["beam"].value("elements", 1.0) : 1.0;
+    if (!(elements >= 1.0 && elements <= kMostElements)) lacks("number of elements of a beam");
     need("kinds", array);
   }
   return summary;
@@ -70,7 +85,8 @@ Report told(const Report& models, const std::string& before) {
   Report out = Report::array();
   for (const auto& model : models) {
     const auto text = model.value("told", std::string());
-    if (!text.empty()) out.push_back(before + model["name"].get<std::string>() + ": " + text + ".");
+    if (!text.empty())
+      out.push_back(before + model.at("name").get<std::string>() + ": " + text + ".");
   }
   return out;
 }
@@ -94,26 +110,21 @@ Report laws() {
 Report content(const fs::path& directory, const Report& summary, const Answer& said,
                std::optional<std::string> draws) {
   Report out = {{"summary", summary}, {"answer", json(said)}};
-  try {
-    if (summary.contains("sweep")) {  // its runs keep no draws
-      const auto path = summary["sweep"]["path"].get<std::string>();
-      out["told"] = Report::array();
-      for (const auto& row : summary["sweep"]["rows"]) {
-        for (auto& text : told(row["models"], path + " = " + row["value"].dump() + ", ")) {
-          out["told"].push_back(std::move(text));
-        }
+  if (summary.contains("sweep")) {  // its runs keep no draws
+    const auto path = summary.at("sweep").at("path").get<std::string>();
+    out["told"] = Report::array();
+    for (const auto& row : summary.at("sweep").at("rows")) {
+      for (auto& text : told(row.at("models"), path + " = " + row.at("value").dump() + ", ")) {
+        out["told"].push_back(std::move(text));
       }
-      return out;
     }
-    out["told"] = told(summary["models"], "");
-    if (summary["wheeltap"].value("command", "") == "sid") out["laws"] = laws();
-    out["resolution"] = summary["diagnostics"].value("resolution_words", "");
-    out["draws"] =
-        draws ? digest(std::move(*draws), directory / "posterior.nc", summary) : Report::object();
-  } catch (const nlohmann::json::exception& error) {
-    throw FileError(FileError::Kind::foreign, directory / "summary.json",
-                    std::string("does not hold what a run writes: ") + error.what());
+    return out;
   }
+  out["told"] = told(summary.at("models"), "");
+  if (summary.at("wheeltap").value("command", "") == "sid") out["laws"] = laws();
+  out["resolution"] = summary.at("diagnostics").value("resolution_words", "");
+  out["draws"] =
+      draws ? digest(std::move(*draws), directory / "posterior.nc", summary) : Report::object();
   return out;
 }
 
@@ -164,8 +175,21 @@ std::string fill(std::string_view text,
   return out += text.substr(at);
 }
 
+/// work(), in which a summary is read that anybody may have edited: what is not as a run writes it
+/// is the file's fault.
+template <class Work>
+auto trusting(const fs::path& directory, const Work& work) {
+  try {
+    return work();
+  } catch (const nlohmann::json::exception& error) {
+    throw FileError(FileError::Kind::foreign, directory / "summary.json",
+                    std::string("does not hold what a run writes: ") + error.what());
+  }
+}
+
 std::string title_of(const Report& summary) {
-  const std::string title = summary.value("title", summary["wheeltap"]["case"].value("title", ""));
+  const std::string title =
+      summary.value("title", summary.at("wheeltap").at("case").value("title", ""));
   return title.empty() ? "Untitled run" : title;
 }
 
@@ -215,15 +239,11 @@ std::string html_text(const std::string& text) {
   return out;
 }
 
-std::string report_page(const fs::path& directory, const Report& summary,
-                        std::optional<std::string> draws) {
-  Answer said;
-  try {
-    said = read_answer(summary);
-  } catch (const nlohmann::json::exception& error) {
-    throw FileError(FileError::Kind::foreign, directory / "summary.json",
-                    std::string("does not hold what a run writes: ") + error.what());
-  }
+namespace {
+
+std::string page_of(const fs::path& directory, const Report& summary,
+                    std::optional<std::string> draws) {
+  const Answer said = read_answer(summary);
   const std::string data = script_safe(content(directory, summary, said, std::move(draws)));
   const std::string title = html_text(title_of(summary));
   const std::string caution =
@@ -245,18 +265,28 @@ std::string report_page(const fs::path& directory, const Report& summary,
                                   {"licences", licences}});
 }
 
+}  // namespace
+
+std::string report_page(const fs::path& directory, const Report& summary,
+                        std::optional<std::string> draws) {
+  return trusting(directory, [&] { return page_of(directory, summary, std::move(draws)); });
+}
+
 void write_report(const fs::path& directory) {
   io::finish_commit(directory);
-  const Report summary = read_summary(directory / "summary.json");
-  const std::string page = report_page(directory, summary, stored_draws(directory, summary));
+  const Report summary = trusting(directory, [&] { return read_summary(directory); });
+  const std::string page = trusting(
+      directory, [&] { return page_of(directory, summary, stored_draws(directory, summary)); });
   io::AtomicFile file(directory / "report.html");
   file.write(page);
   file.commit();
 }
 
 int write_figures(const fs::path& directory) {
-  const Report summary = read_summary(directory / "summary.json");
-  const Report data = content(directory, summary, {}, stored_draws(directory, summary));
+  const Report data = trusting(directory, [&] {
+    const Report summary = read_summary(directory);
+    return content(directory, summary, {}, stored_draws(directory, summary));
+  });
   const fs::path folder = directory / "figures";
   std::error_code error;
   fs::create_directories(folder, error);
@@ -288,10 +318,10 @@ void run_report(const fs::path& directory, const ReportOptions& options) {
     throw FileError(FileError::Kind::missing, directory, "no such folder");
   }
   write_report(directory);
-  std::cout << "Report: " << (directory / "report.html").string() << '\n';
+  std::cout << "Report: " << io::printable((directory / "report.html").string()) << '\n';
   if (options.figures) {
     const int n = write_figures(directory);
-    std::cout << n << " figures: " << (directory / "figures").string() << '\n';
+    std::cout << n << " figures: " << io::printable((directory / "figures").string()) << '\n';
   }
 }
 

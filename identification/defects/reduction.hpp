@@ -1,4 +1,5 @@
-// Lost stiffness: the element that contains x keeps (1 - r) of its EI and κGA.
+// Lost stiffness: the element that contains x keeps (1 - r) of its EI and κGA; in a structure of
+// its other stiffnesses, too, or over a stated length.
 #pragma once
 
 #include <cmath>
@@ -21,6 +22,18 @@ inline const DefectType kReduction = {
     .place =
         [](const DefectKind&, double location, double severity, fem::Defects& out) {
           out.damages.push_back({location, severity});
+        },
+    .place_in_structure =
+        [](const DefectKind& kind, const SiteLine::Spot& spot, double severity,
+           StructureEffects& out) {
+          if (kind.extent) {
+            out.defects.reductions.push_back({.member = spot.site,
+                                              .from = spot.s - 0.5 * *kind.extent,
+                                              .to = spot.s + 0.5 * *kind.extent,
+                                              .reduction = severity});
+          } else {
+            out.defects.elements.push_back({spot.site, spot.s, severity});
+          }
         },
     .is_elementary = true,
     .compounds = true};

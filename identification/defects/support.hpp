@@ -2,6 +2,8 @@
 // rotation [N m/rad], or rigid.
 #pragma once
 
+#include <algorithm>
+
 #include "identification/defect_kind.hpp"
 
 namespace wheeltap::identification::defects {
@@ -20,7 +22,13 @@ inline const DefectType kSupport = {
     },
     .place =
         [](const DefectKind& kind, double location, double severity, fem::Defects& out) {
-          out.supports.push_back({location, severity, kind.rotation});
+          // Priors near 0 may underflow, and a spring of 1e-200 is as good as none.
+          out.supports.push_back({location, std::max(severity, 1e-200), kind.rotation});
+        },
+    .place_in_structure =
+        [](const DefectKind& kind, const SiteLine::Spot& spot, double severity,
+           StructureEffects& out) {
+          out.defects.supports.push_back({spot.site, spot.s, kind.direction, severity});
         },
     .is_elementary = true};
 

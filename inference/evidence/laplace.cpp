@@ -188,7 +188,8 @@ std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
   const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(mode.z.data(), d);
   const Eigen::MatrixXd h = -derivatives(f, z, mode.value, steps(f, z, mode.value, 0.5)).hessian;
   evaluations += posterior.evaluations();
-  if (!h.allFinite()) return start;
+  // Nothing is known of its width: a population of one, which the next search completes.
+  if (!h.allFinite()) return {mode.z};
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
   // No direction is wider than the prior.
   const Eigen::VectorXd sd =

@@ -13,7 +13,8 @@ using testing::HasSubstr;
 std::string complaint(const Json& json, Exit expected = Exit::bad_input) {
   const Workspace where;
   try {
-    validate_against_schema(read_case(where.write_json("c.json", json)), "damage");
+    CaseFile file = read_case(where.write_json("c.json", json));
+    validate_against_schema(file, "damage");
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.exit(), expected);
     EXPECT_EQ(std::string(failure.what()).find('\n'), std::string::npos) << "one line";
@@ -49,6 +50,43 @@ TEST(CaseFile, WholeNumbersBeyondWhatIsCountedWithAreRefused) {
   EXPECT_EQ(complaint(json), "") << "seeds have 63 bits";
   json["data"]["seed"] = 18446744073709551615ULL;
   EXPECT_THAT(complaint(json), HasSubstr("/data/seed: 18446744073709551615: must be"));
+}
+
+// Fault: the validator refused 3.0, at "<root>[data][modes]".
+TEST(CaseFile, WholeNumbersMayBeWrittenWithAPoint) {
+  Json json = small_case();
+  json["data"]["modes"] = 3.0;
+  json["damage"]["count"]["max"] = 2.0;
+  EXPECT_EQ(complaint(json), "");
+  const Workspace where;
+  CaseFile file = read_case(where.write_json("c.json", json));
+  validate_against_schema(file, "damage");
+  EXPECT_TRUE(file.json["data"]["modes"].is_number_integer());
+  EXPECT_TRUE(file.json["beam"]["length"].is_number_float()) << "is no whole number";
+  json["data"]["modes"] = 3.5;
+  EXPECT_THAT(complaint(json), HasSubstr("/data/modes: 3.5: must be how many modes to simulate"));
+  json["data"]["modes"] = 1e30;
+  EXPECT_THAT(complaint(json), HasSubstr("/data/modes: 1e+30: must be <= 2147483647"));
+}
+
+// Fault: an escape sequence in a title reached the terminal, and a byte of Latin-1 ended the
+// program when its run was to be written.
+TEST(CaseFile, TextsThatMayNotBePrintedAreRefused) {
+  EXPECT_THAT(reading(R"({"title": "a\u001b[31mb"})"), HasSubstr("/title: "));
+  EXPECT_THAT(reading(R"({"notes": "two\nlines"})"), testing::IsEmpty());
+  EXPECT_THAT(reading(R"({"notes": "a\u0007"})"), HasSubstr("control character"));
+  EXPECT_THAT(reading(R"({"a\nwheeltap: done": 1})"), HasSubstr("a key holds a control"));
+  EXPECT_THAT(reading("{}", {"title=a\xff"}), HasSubstr("/title: "));
+  EXPECT_THAT(reading("{}", {"title=" + std::string(5000, 'x')}), HasSubstr("at most 4096"));
+}
+
+// Fault: 60 000 keys deep, the program ended in its stack.
+TEST(CaseFile, OverridesAreNotFollowedWithoutEnd) {
+  std::string path = "a";
+  for (int i = 0; i < 1000; ++i) path += ".a";
+  EXPECT_THAT(reading("{}", {path + "=1"}, Exit::usage), HasSubstr("keys deep"));
+  EXPECT_THAT(reading("{}", {"a=" + std::string(1000, '[') + std::string(1000, ']')}),
+              HasSubstr("100 deep"));
 }
 
 TEST(CaseFile, NamesLineAndColumnOfASyntaxError) {

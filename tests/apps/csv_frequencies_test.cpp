@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "io/file_error.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {
@@ -55,8 +56,8 @@ TEST(CsvFrequencies, MissingFile) {
   try {
     (void)read_frequency_csv("/no/such.csv", {});
     FAIL();
-  } catch (const Failure& failure) {
-    EXPECT_EQ(failure.exit(), Exit::no_input);
+  } catch (const io::FileError& error) {  // the program's exit code 66
+    EXPECT_EQ(error.kind(), io::FileError::Kind::missing);
   }
 }
 

@@ -90,5 +90,18 @@ TEST(Beam, RefusesWhatCannotBeBuilt) {
   refuses([](Beam& b) { b.supports[0].deflection = false; }, {"beam.supports[0]", "hold"});
 }
 
+// Fault: no modes converged, and the program took that for a fault of its own.
+TEST(Beam, RefusesStiffnessesAndMassesThatCannotBeComputedWith) {
+  Beam beam = slender_beam();
+  beam.material.young = 1e300;
+  expect_refusal([&] { validate(beam); }, {"bending stiffness", "1e-60 and 1e60", "units"});
+  beam = slender_beam();
+  beam.material.density = 1e-308;
+  expect_refusal([&] { validate(beam); }, {"mass", "1e-60 and 1e60"});
+  beam = slender_beam();
+  beam.material.young = 1e30;  // odd, but no harm
+  EXPECT_NO_THROW(validate(beam));
+}
+
 }  // namespace
 }  // namespace wheeltap::fem

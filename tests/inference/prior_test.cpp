@@ -181,7 +181,9 @@ TEST(Prior, RefusesWhatIsNotADensityAndSaysWhy) {
   };
   EXPECT_EQ(message(Uniform{5.0, 2.0}), "uniform prior: lower = 5, must be < upper = 2");
   EXPECT_EQ(message(LogUniform{0.0, 2.0}), "log_uniform prior: lower = 0, must be > 0 and finite");
-  const std::vector<Prior::Family> refused = {Uniform{1.0, 1.0},
+  const std::vector<Prior::Family> refused = {TruncatedNormal{1e300, 1e-300, 0.0, 1.0},
+                                              TruncatedNormal{0.5, 1e-320, 1.0, kInfinity},
+                                              Uniform{1.0, 1.0},
                                               Uniform{0.0, kInfinity},
                                               Uniform{kNaN, 1.0},
                                               Uniform{-1e308, 1e308},
@@ -245,6 +247,24 @@ TEST(Prior, SlopeInTheTails) {
     for (const double z : {-100.0, -40.0, -9.0, 9.0, 40.0}) {
       const double slope = prior.slope(z);
       EXPECT_TRUE(std::isfinite(slope) && slope >= 0.0) << prior.describe() << " at " << z;
+    }
+  }
+}
+
+// Fault: upper / lower overflowed, and all that was made of it was NaN.
+TEST(Prior, OfLogUniformMayBeginAtTheSmallestNumbers) {
+  const double lower = 1e-320;
+  const Prior prior = LogUniform{lower, 1.0};
+  const double span = -std::log(lower);
+  EXPECT_NEAR(prior.log_density(0.5), -std::log(span) - std::log(0.5), 1e-12);
+  EXPECT_NEAR(prior.from_standard_normal(0.0), std::exp(-0.5 * span), 1e-9 * std::exp(-0.5 * span));
+  for (const double z : {-8.0, -1.0, 0.0, 1.0, 8.0}) {
+    const double x = prior.from_standard_normal(z);
+    EXPECT_GE(x, lower);
+    EXPECT_LE(x, 1.0);
+    EXPECT_TRUE(std::isfinite(prior.slope(z)));
+    if (std::abs(z) < 2.0) {
+      EXPECT_NEAR(prior.to_standard_normal(x), z, 1e-9);
     }
   }
 }

@@ -221,7 +221,7 @@ TEST(Answer, AKindCalledAnythingHasItsOwnSeverity) {
                         "stiffness reduced by 28 %"));
   EXPECT_THAT(answer(run).detail,
               HasSubstr("(2) bearing near 0.425 m (95 % interval 0.410 to 0.440 "
-                        "m), stiffness 1000 (900 to 1100)."));
+                        "m), stiffness 1000 N/m (900 to 1100)."));
 }
 
 TEST(Answer, EquationOfMotion) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <stdexcept>
 
 #include "tests/inference/evidence/problems.hpp"
@@ -55,6 +57,21 @@ TEST(Laplace, SaysWhereThePosteriorIsNotNormal) {
   const Laplace result = laplace(steps, 0, {});
   ASSERT_EQ(result.evidence.warnings.size(), 1U);
   EXPECT_NE(result.evidence.warnings[0].find("does not look normal"), std::string::npos);
+}
+
+// Fault: a mode at the edge of the impossible has no curvature, and the next search began from the
+// first of no starting points.
+TEST(MaximumAPosteriori, IsFoundAtTheEdgeOfALongRecordsPossibleParameters) {
+  Problem edge = one_model({{"a", Normal{0.0, 1.0}}}, [](int, std::span<const double> x) {
+    return x[0] > 0.0 ? -std::numeric_limits<double>::infinity() : 10.0 * x[0];
+  });
+  edge.samples = 200;
+  edge.shortened = [edge](long n) {
+    Problem part = edge;
+    part.samples = n;
+    return std::make_shared<const Problem>(part);
+  };
+  EXPECT_NEAR(maximum_a_posteriori(edge, 0, {}).z[0], 0.0, 1e-3);
 }
 
 TEST(MaximumLikelihood, IsNotThePosteriorMode) {

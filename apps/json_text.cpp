@@ -1,0 +1,103 @@
+#include "apps/json_text.hpp"
+
+#include <algorithm>
+#include <string>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "apps/failure.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using nlohmann::json;
+
+// The parser's byte count as line and column, both from 1.
+std::pair<std::size_t, std::size_t> line_and_column(std::string_view text, std::size_t byte) {
+  const std::size_t at = std::min(byte > 0 ? byte - 1 : 0, text.size());
+  const std::string_view before = text.substr(0, at);
+  const auto line = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
+  const std::size_t newline = before.rfind('\n');
+  return {line, newline == std::string_view::npos ? at + 1 : at - newline};
+}
+
+/// Looks a text through before anything is built of it, in linear time.
+class Watch : public nlohmann::json_sax<json> {
+ public:
+  Watch(const std::filesystem::path& path, std::string_view text, std::size_t most_keys)
+      : path_(path), text_(text), most_keys_(most_keys) {}
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(std::size_t) override { return open(); }
+  bool end_object() override { return close(); }
+  bool start_array(std::size_t) override { return open(); }
+  bool end_array() override { return close(); }
+  // JSON readers keep the last of two equal keys in silence; a case's author should know.
+  bool key(string_t& key) override {
+    if (!keys_.back().insert(key).second) {
+      refuse(": the key \"" + key + "\" stands twice in one object");
+    }
+    if (keys_.back().size() > most_keys_) {
+      refuse(": more than " + std::to_string(most_keys_) + " keys in one object");
+    }
+    return true;
+  }
+  bool parse_error(std::size_t at, const std::string&,
+                   const nlohmann::detail::exception& error) override {
+    if (dynamic_cast<const json::out_of_range*>(&error) != nullptr) {
+      refuse(std::string(": a number is too large for double precision: ") + error.what());
+    }
+    const auto [line, column] = line_and_column(text_, at);
+    std::string what = error.what();
+    if (const auto from = what.find(": ", what.find("column")); from != std::string::npos) {
+      what = what.substr(from + 2);
+    }
+    const bool nan = text_.find("NaN") != std::string_view::npos;
+    refuse(":" + std::to_string(line) + ":" + std::to_string(column) + ": not JSON: " + what +
+           (nan ? " (JSON has no NaN; null is a mode not measured)" : ""));
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw Failure(Exit::bad_input, path_.string() + why);
+  }
+  bool open() {
+    if (keys_.size() == kDeepestJson) {
+      refuse(": lists and objects stand more than " + std::to_string(kDeepestJson) +
+             " deep within one another");
+    }
+    keys_.emplace_back();
+    return true;
+  }
+  bool close() {
+    keys_.pop_back();
+    return true;
+  }
+
+  const std::filesystem::path& path_;
+  std::string_view text_;
+  std::size_t most_keys_;
+  std::vector<std::unordered_set<std::string>> keys_;  // of every list and object that is open
+};
+
+}  // namespace
+
+template <class AnyJson>
+AnyJson parse_json(const std::filesystem::path& path, std::string_view text) {
+  constexpr bool kOrdered = std::is_same_v<AnyJson, nlohmann::ordered_json>;
+  Watch watch(path, text, kOrdered ? kMostOrderedKeys : text.size());
+  (void)json::sax_parse(text, &watch);
+  return AnyJson::parse(text);
+}
+
+template nlohmann::json parse_json(const std::filesystem::path&, std::string_view);
+template nlohmann::ordered_json parse_json(const std::filesystem::path&, std::string_view);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,56 @@
+// What a run would take, as far as its case and its options say, before it starts.
+#pragma once
+
+#include <string>
+
+#include "apps/case_file.hpp"
+#include "apps/commands.hpp"
+#include "identification/damage_case.hpp"
+
+namespace wheeltap::apps {
+
+/// An estimate, not a promise: within a factor of ten.
+struct RunCost {
+  double bytes = 0.0;        ///< at the most, at one time
+  double likelihoods = 0.0;  ///< evaluations, or FE runs of a table
+  double seconds = 0.0;      ///< of them, on the threads asked for
+};
+
+/// "about 0.02 GB and 120 000 likelihoods of 0.3 ms: 10 s on 4 threads".
+[[nodiscard]] std::string in_words(const RunCost& cost);
+
+/// Says so of a "run", a "table", on standard output.
+void print_estimate(const std::string& what, const RunCost& cost);
+
+/// Throws Failure (65) at `where` for what takes more than --max-memory or --max-hours allow, with
+/// the estimate in words.
+void require_affordable(const CaseFile& file, const Pointer& where, const RunCost& cost,
+                        const CommonOptions& common);
+
+/// What there is to sample.
+struct Sampled {
+  double models = 1.0;
+  double dimensions = 0.0;   ///< of all models together
+  double largest = 0.0;      ///< dimension of a model
+  double predictions = 0.0;  ///< numbers that a draw keeps besides its parameters
+  double explored = 0.0;     ///< likelihoods a dimension before the first draw
+  double seconds_a_likelihood = 0.0;
+};
+
+/// Of draws. Engines that stop when they have converged are taken to do so in their first round.
+[[nodiscard]] RunCost cost_of_sampling(const Sampled& sampled, const CommonOptions& common,
+                                       const SamplingOptions& options);
+
+/// Of a damage case, FE solutions throughout: emulators take less. Its model space and its beam's
+/// spectrum are not built for that.
+[[nodiscard]] RunCost cost_of_damages(const identification::DamageCase& damage_case,
+                                      const CommonOptions& common, const SamplingOptions& options);
+
+/// Of a record that is simulated from the truth, from a case that its schema has passed; none
+/// without a truth.
+[[nodiscard]] RunCost cost_of_truth(const CaseFile& file);
+
+/// Of the FE runs for a predictor that is to be trained; none for "fe" and finished tables.
+[[nodiscard]] RunCost cost_of_tables(const identification::DamageCase& damage_case);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,38 @@
+// The one door for whole numbers from outside: command lines and cases alike.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace wheeltap::apps {
+
+/// The whole number that x is, in [lowest, highest]; none where it is not one.
+[[nodiscard]] inline std::optional<std::int64_t> whole_number(double x, std::int64_t lowest,
+                                                              std::int64_t highest) {
+  constexpr double kExact = 9007199254740992.0;  // 2^53: all smaller ones are doubles
+  if (!(std::fabs(x) <= kExact) || std::trunc(x) != x) return {};
+  const auto n = static_cast<std::int64_t>(x);
+  return n >= lowest && n <= highest ? std::optional(n) : std::nullopt;
+}
+
+/// The whole number that all of `text` is, in [lowest, highest]: "5", "-3", "5.0", "1e6". None
+/// where it is anything else, so that nothing wraps.
+[[nodiscard]] inline std::optional<std::int64_t> whole_number(std::string_view text,
+                                                              std::int64_t lowest,
+                                                              std::int64_t highest) {
+  const char *first = text.data(), *last = first + text.size();
+  std::int64_t n = 0;
+  if (const auto [end, error] = std::from_chars(first, last, n); end == last && !text.empty()) {
+    if (error != std::errc()) return {};
+    return n >= lowest && n <= highest ? std::optional(n) : std::nullopt;
+  }
+  double x = 0.0;
+  const auto [end, error] = std::from_chars(first, last, x);
+  if (error != std::errc() || end != last) return {};
+  return whole_number(x, lowest, highest);
+}
+
+}  // namespace wheeltap::apps

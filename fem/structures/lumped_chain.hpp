@@ -1,0 +1,29 @@
+// Masses on springs: storeys, rigs, whatever moves along one line.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "fem/structures/discretisation.hpp"
+
+namespace wheeltap::fem {
+
+/// Point masses, each with one degree of freedom, and springs between two of them or to the ground.
+struct LumpedChain {
+  struct Link {
+    std::string name;
+    std::array<int, 2> between;  ///< 0 is the ground, i the i-th mass
+    double stiffness;            ///< [N/m], > 0
+  };
+  std::vector<double> masses;  ///< [kg], > 0
+  std::vector<Link> links;
+};
+
+/// Throws InvalidStructure (a mass is a `masses` part, a link a `members` part).
+void validate(const LumpedChain& chain);
+
+/// Strain i is that of link i. Throws as `validate`.
+[[nodiscard]] Discretisation discretise(const LumpedChain& chain);
+
+}  // namespace wheeltap::fem

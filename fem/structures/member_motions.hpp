@@ -1,0 +1,44 @@
+// How the ends of an element move along and about its own axes. Internal to the mesh.
+#pragma once
+
+#include <array>
+#include <map>
+
+#include "fem/structures/discretisation.hpp"
+#include "fem/structures/structure.hpp"
+
+namespace wheeltap::fem::detail {
+
+/// Sums of rows.
+class RowSum {
+ public:
+  void add(double factor, const SparseRow& row) {
+    if (factor == 0.0) return;
+    for (std::size_t i = 0; i < row.dofs.size(); ++i)
+      terms_[row.dofs[i]] += factor * row.coefficients[i];
+  }
+  [[nodiscard]] SparseRow row(double factor = 1.0) const {
+    SparseRow out;
+    for (const auto& [dof, coefficient] : terms_) {
+      if (coefficient == 0.0) continue;
+      out.dofs.push_back(dof);
+      out.coefficients.push_back(factor * coefficient);
+    }
+    return out;
+  }
+
+ private:
+  std::map<int, double> terms_;
+};
+
+/// Of a node, or of a boundary between elements: its six motions.
+using Motions = std::array<SparseRow, kDirections>;
+/// [end][k]: along the member's own axis k, and about it.
+using OwnMotions = std::array<std::array<SparseRow, 6>, 2>;
+
+[[nodiscard]] OwnMotions own_motions(const MemberFrame& frame, const Motions& first,
+                                     const Motions& second);
+/// (w₁, w₁', w₂, w₂'): w' = -θ_y of a deflection along z, +θ_z of one along y.
+[[nodiscard]] std::array<SparseRow, 4> plane_motions(const OwnMotions& own, bool along_z);
+
+}  // namespace wheeltap::fem::detail

@@ -1,0 +1,370 @@
+#include "fem/structures/structure_modes.hpp"
+
+#include <Spectra/MatOp/SparseSymMatProd.h>
+#include <Spectra/SymEigsSolver.h>
+#include <Spectra/SymGEigsShiftSolver.h>
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace wheeltap::fem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Sparse = Discretisation::Sparse;
+using Part = InvalidStructure::Part;
+
+/// Fewer degrees of freedom than this are solved densely.
+constexpr Index kDense = 120;
+/// Most that may be solved densely where Lanczos misses modes.
+constexpr Index kMostDense = 3000;
+/// Modes that are found beyond those wanted, so that the count is taken in a gap.
+constexpr Index kExtra = 6;
+/// Energy over what it would be had no strain cancelled: below it a motion strains nothing.
+constexpr double kNoStrain = 1e-22;
+/// Where a gap begins, relative.
+constexpr double kGap = 1e-6;
+
+/// L D Lᵀ of a sparse symmetric matrix; also its solution for Spectra.
+class Factor {
+ public:
+  using Scalar = double;
+
+  explicit Factor(const Sparse& matrix) { ldlt_.compute(matrix); }
+  Factor(const Sparse& k, const Sparse& m) : k_(&k), m_(&m) {}
+  [[nodiscard]] Index rows() const { return ldlt_.rows() > 0 ? ldlt_.rows() : k_->rows(); }
+  [[nodiscard]] Index cols() const { return rows(); }
+  void set_shift(double sigma) { ldlt_.compute(Sparse(*k_ - sigma * *m_)); }
+  void perform_op(const double* x, double* y) const {
+    Eigen::Map<VectorXd>(y, rows()) = ldlt_.solve(Eigen::Map<const VectorXd>(x, rows()));
+  }
+  [[nodiscard]] MatrixXd solve(const MatrixXd& b) const { return ldlt_.solve(b); }
+  [[nodiscard]] bool ok() const { return ldlt_.info() == Eigen::Success; }
+  [[nodiscard]] int negative() const {
+    return static_cast<int>((ldlt_.vectorD().array() < 0.0).count());
+  }
+
+ private:
+  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt_;
+  const Sparse* k_ = nullptr;
+  const Sparse* m_ = nullptr;
+};
+
+std::string place_of(const Discretisation& d, Index dof) {
+  const DofName& name = d.names[static_cast<std::size_t>(dof)];
+  return name.place + ", " + name.direction;
+}
+
+/// Columns made M-orthonormal, twice over; those that depend on earlier ones are dropped.
+MatrixXd orthonormal(const Sparse& mass, const MatrixXd& against, const MatrixXd& columns) {
+  std::vector<VectorXd> kept;
+  for (Index c = 0; c < columns.cols(); ++c) {
+    VectorXd v = columns.col(c);
+    const double before = std::sqrt(std::max(0.0, v.dot(mass * v)));
+    if (!(before > 0.0)) continue;
+    v /= before;
+    for (int pass = 0; pass < 2; ++pass) {
+      const VectorXd momentum = mass * v;
+      if (against.cols() > 0) v -= against * (against.transpose() * momentum);
+      VectorXd correction = VectorXd::Zero(v.size());
+      for (const VectorXd& other : kept) correction += other.dot(momentum) * other;
+      v -= correction;
+    }
+    const double left = std::sqrt(std::max(0.0, v.dot(mass * v)));
+    if (left > 1e-8) kept.emplace_back(v / left);
+  }
+  MatrixXd out(columns.rows(), static_cast<Index>(kept.size()));
+  for (std::size_t i = 0; i < kept.size(); ++i) out.col(static_cast<Index>(i)) = kept[i];
+  return out;
+}
+
+/// The strains of shapes, scaled by their own size; energies are sums of factor · square.
+struct Ritz {
+  VectorXd values;
+  MatrixXd shapes;
+};
+
+/// Rayleigh-Ritz on M-orthonormal columns, the energies from the strains.
+Ritz rayleigh_ritz(const Discretisation& d, const MatrixXd& basis) {
+  const Index m = basis.cols();
+  MatrixXd energy = MatrixXd::Zero(m, m);
+  VectorXd strain(m);
+  for (const Strain& s : d.strains) {
+    strain.setZero();
+    for (std::size_t i = 0; i < s.row.dofs.size(); ++i)
+      strain += s.row.coefficients[i] * basis.row(s.row.dofs[i]).transpose();
+    energy.selfadjointView<Eigen::Lower>().rankUpdate(strain, s.factor);
+  }
+  if (d.rest.nonZeros() > 0) {
+    const MatrixXd rest = basis.transpose() * (d.rest * basis);
+    energy += 0.5 * (rest + rest.transpose());
+  }
+  energy = MatrixXd(energy.selfadjointView<Eigen::Lower>());
+  const MatrixXd gram = basis.transpose() * (d.mass * basis);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(energy, gram);
+  return {.values = solver.eigenvalues(), .shapes = basis * solver.eigenvectors()};
+}
+
+/// What the search for modes shares: the matrices in units of the lowest elastic eigenvalue.
+struct Search {
+  const Discretisation& d;
+  MatrixXd rigid;     // M-orthonormal
+  double unit = 1.0;  // of λ
+  Sparse mass;        // M · unit
+  Factor shifted;     // K + M · unit
+};
+
+/// The size of λ₁: power iteration on (K + s M)⁻¹ M without the rigid motions.
+double lowest_size(const Discretisation& d, const MatrixXd& rigid) {
+  double scale = 0.0;
+  for (Index i = 0; i < d.size(); ++i) {
+    const double m = d.mass.coeff(i, i), k = d.stiffness.coeff(i, i);
+    if (m > 0.0 && k > 0.0 && (scale == 0.0 || k / m < scale)) scale = k / m;
+  }
+  if (scale == 0.0) scale = 1.0;
+  double shift = rigid.cols() > 0 ? 1e-6 * scale : 1e-9 * scale;
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const Factor factor(Sparse(d.stiffness + shift * d.mass));
+    if (!factor.ok()) {
+      shift *= 1e3;
+      continue;
+    }
+    VectorXd v(d.size());
+    for (Index i = 0; i < v.size(); ++i) v[i] = 1.0 + 0.5 * std::sin(1.7 * static_cast<double>(i));
+    double lambda = 0.0;
+    for (int step = 0; step < 6; ++step) {
+      VectorXd next = factor.solve(d.mass * v);
+      if (rigid.cols() > 0) next -= rigid * (rigid.transpose() * (d.mass * next));
+      const double size = std::sqrt(std::max(0.0, next.dot(d.mass * next)));
+      if (!(size > 0.0)) return scale;
+      v = next / size;
+      lambda = d.energy(v);
+    }
+    if (lambda > 0.0) return lambda;
+    shift *= 1e3;
+  }
+  return scale;
+}
+
+/// Approximate lowest modes by Lanczos, M-orthogonal to `known`; fewer where it does not converge.
+MatrixXd lanczos(const Search& s, const MatrixXd& known, Index count, int start) {
+  struct Deflated {
+    using Scalar = double;
+    const Search& s;
+    const MatrixXd& known;  // M·unit-orthonormal
+    Eigen::LLT<MatrixXd> none;
+    [[nodiscard]] Index rows() const { return s.d.size(); }
+    [[nodiscard]] Index cols() const { return s.d.size(); }
+    void set_shift(double) {}
+    void perform_op(const double* x, double* y) const {
+      Eigen::Map<VectorXd> out(y, rows());
+      s.shifted.perform_op(x, y);
+      if (known.cols() > 0)
+        for (int pass = 0; pass < 2; ++pass) out -= known * (known.transpose() * (s.mass * out));
+    }
+  };
+  const Index n = s.d.size();
+  count = std::min(count, n - 1 - known.cols());
+  if (count < 1) return MatrixXd(n, 0);
+  Deflated inverse{s, known, {}};
+  Spectra::SparseSymMatProd<double> mass(s.mass);
+  const Index krylov = std::min(n, std::max<Index>(2 * count + 1, count + 20));
+  Spectra::SymGEigsShiftSolver<Deflated, Spectra::SparseSymMatProd<double>,
+                               Spectra::GEigsMode::ShiftInvert>
+      solver(inverse, mass, count, krylov, -1.0);
+  VectorXd residual(n);
+  for (Index i = 0; i < n; ++i)
+    residual[i] = std::sin((1.0 + 0.37 * start) * static_cast<double>(i + 1)) + 0.1;
+  residual = s.shifted.solve(s.mass * residual);
+  if (known.cols() > 0) residual -= known * (known.transpose() * (s.mass * residual));
+  solver.init(residual.data());
+  const Index found = solver.compute(Spectra::SortRule::LargestMagn, 300, 1e-11);
+  return solver.eigenvectors(std::min(found, count));
+}
+
+/// All modes, lowest first: M φ = μ (K + unit M) φ has the lowest for its largest μ, and massless
+/// degrees of freedom at μ = 0.
+MatrixXd dense(const Search& s, Index count) {
+  const MatrixXd mass(s.mass), shifted(Sparse(s.d.stiffness + s.mass));
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(mass, shifted);
+  const Index available = (solver.eigenvalues().array() > 1e-15).count();
+  return solver.eigenvectors().rowwise().reverse().leftCols(std::min(count, available));
+}
+
+/// One step with the residuals as further directions: the strains' residuals are right where the
+/// factored matrix was rounded. Returns the `count` lowest.
+Ritz refined(const Search& s, const MatrixXd& vectors, Index count) {
+  const Discretisation& d = s.d;
+  MatrixXd basis = orthonormal(d.mass, s.rigid, vectors);
+  Ritz ritz = rayleigh_ritz(d, basis);
+  for (int step = 0; step < 2; ++step) {
+    const Index m = std::min<Index>(ritz.shapes.cols(), count);
+    MatrixXd residuals(d.size(), m);
+    for (Index i = 0; i < m; ++i)
+      residuals.col(i) =
+          d.stiffness_times(ritz.shapes.col(i)) - ritz.values[i] * (d.mass * ritz.shapes.col(i));
+    MatrixXd corrections = s.shifted.solve(residuals);
+    // Far below rounding, a correction is only noise.
+    for (Index i = 0; i < m; ++i)
+      if (corrections.col(i).dot(d.mass * corrections.col(i)) < 1e-30) corrections.col(i).setZero();
+    MatrixXd both(d.size(), ritz.shapes.cols() + m);
+    both << ritz.shapes, corrections;
+    basis = orthonormal(d.mass, s.rigid, both);
+    ritz = rayleigh_ritz(d, basis);
+  }
+  const Index kept = std::min(count, ritz.shapes.cols());
+  return {.values = ritz.values.head(kept), .shapes = ritz.shapes.leftCols(kept)};
+}
+
+void refuse_mechanisms(const Discretisation& d, const Ritz& ritz) {
+  for (Index i = 0; i < ritz.shapes.cols(); ++i) {
+    const VectorXd shape = ritz.shapes.col(i);
+    const double all = d.uncancelled_energy(shape);
+    Index largest = 0;
+    shape.cwiseAbs().maxCoeff(&largest);
+    if (ritz.values[i] < -1e-12 * all)
+      throw InvalidStructure(Part::members, 0,
+                             "the axial forces exceed buckling: a motion largest at " +
+                                 place_of(d, largest) + " has negative stiffness");
+    if (std::abs(ritz.values[i]) <= kNoStrain * all)
+      throw InvalidStructure(
+          Part::whole, 0,
+          "is a mechanism: nothing resists a motion that is largest at " + place_of(d, largest));
+  }
+}
+
+void refuse_empty_pivots(const Discretisation& d) {
+  for (Index i = 0; i < d.size(); ++i)
+    if (!(d.stiffness.coeff(i, i) > 0.0) && !(d.mass.coeff(i, i) > 0.0))
+      throw InvalidStructure(Part::whole, 0, "has neither stiffness nor mass at " + place_of(d, i));
+}
+
+}  // namespace
+
+int eigenvalues_below(const Discretisation& d, double sigma) {
+  return Factor(Sparse(d.stiffness - sigma * d.mass)).negative();
+}
+
+Index mode_count(const Discretisation& d) {
+  // Blocks of coupled masses are small: the rank of M is that of its L D Lᵀ, pivot by pivot.
+  const Eigen::SimplicialLDLT<Sparse> ldlt(d.mass);
+  if (ldlt.info() == Eigen::Success) {
+    const VectorXd pivots = ldlt.vectorD();
+    const double largest = pivots.cwiseAbs().maxCoeff();
+    return (pivots.array() > 1e-14 * largest).count();
+  }
+  Index massive = 0;
+  for (Index i = 0; i < d.size(); ++i) massive += d.mass.coeff(i, i) > 0.0;
+  return massive;
+}
+
+StructureModes structure_modes(const Discretisation& d, int modes) {
+  refuse_empty_pivots(d);
+  const Index n = d.size();
+  const Index available = mode_count(d);
+  if (modes < 1 || modes > available)
+    throw std::invalid_argument("modes = " + std::to_string(modes) + ": must be between 1 and " +
+                                std::to_string(available) +
+                                ", the free degrees of freedom that have mass");
+  const MatrixXd rigid = orthonormal(d.mass, MatrixXd(n, 0), d.rigid_motions);
+  const double unit = lowest_size(d, rigid);
+  const Search search{.d = d,
+                      .rigid = rigid,
+                      .unit = unit,
+                      .mass = d.mass * unit,
+                      .shifted = Factor(Sparse(d.stiffness + unit * d.mass))};
+  if (!search.shifted.ok())
+    throw InvalidStructure(Part::whole, 0, "is a mechanism: its stiffness cannot be factored");
+
+  StructureModes out;
+  out.rigid_body_modes = static_cast<int>(rigid.cols());
+  const Index elastic = std::min<Index>(modes - std::min<Index>(modes, rigid.cols()) + kExtra,
+                                        available - rigid.cols());
+  const bool most = 3 * (modes + kExtra) > n;
+  Ritz ritz{.values = VectorXd(0), .shapes = MatrixXd(n, 0)};
+  bool densely = n <= kDense || most;
+  out.solver = densely ? "dense (few degrees of freedom, or most of the modes wanted)" : "spectra";
+  if (elastic > 0 && !densely) {
+    MatrixXd found = rigid;
+    MatrixXd known = rigid / std::sqrt(unit);
+    for (int attempt = 0; attempt < 6 && !out.certified; ++attempt) {
+      const Index wanted = attempt == 0 ? elastic : std::min<Index>(elastic, 4 + 2 * attempt);
+      MatrixXd more = lanczos(search, known, wanted, attempt);
+      MatrixXd all(n, ritz.shapes.cols() + more.cols());
+      all << ritz.shapes, more;
+      ritz = refined(search, all, elastic);
+      refuse_mechanisms(d, ritz);
+      // The widest gap from the last wanted mode on.
+      Index at = -1;
+      double widest = kGap;
+      const Index last = modes - rigid.cols() - 1;
+      for (Index i = std::max<Index>(last, 0); i + 1 < ritz.values.size(); ++i) {
+        const double gap = ritz.values[i + 1] / ritz.values[i] - 1.0;
+        if (gap > widest) {
+          widest = gap;
+          at = i;
+        }
+      }
+      if (at >= 0) {
+        const double sigma = std::sqrt(ritz.values[at] * ritz.values[at + 1]);
+        out.certified = eigenvalues_below(d, sigma) == static_cast<int>(at + 1 + rigid.cols());
+      }
+      if (!out.certified) {
+        const MatrixXd taken = orthonormal(d.mass, MatrixXd(n, 0), ritz.shapes);
+        known.resize(n, rigid.cols() + taken.cols());
+        known << rigid / std::sqrt(unit), taken / std::sqrt(unit);
+      }
+    }
+    if (!out.certified && n <= kMostDense) {
+      densely = true;
+      out.solver = "dense (Lanczos missed a mode)";
+    }
+  }
+  if (elastic > 0 && densely) {
+    ritz = refined(search, dense(search, available), elastic);
+    refuse_mechanisms(d, ritz);
+    const Index last = std::min<Index>(ritz.values.size(), modes - rigid.cols()) - 1;
+    if (last + 1 < ritz.values.size() && last >= 0) {
+      const double sigma = std::sqrt(ritz.values[last] * ritz.values[last + 1]);
+      if (ritz.values[last + 1] > ritz.values[last] * (1.0 + kGap))
+        out.certified = eigenvalues_below(d, sigma) == static_cast<int>(last + 1 + rigid.cols());
+      else
+        out.certified = true;  // every mode was computed
+    } else {
+      out.certified = true;
+    }
+  }
+
+  const Index rigid_wanted = std::min<Index>(modes, rigid.cols());
+  out.eigenvalues = VectorXd::Zero(modes);
+  out.residuals = VectorXd::Zero(modes);
+  out.shapes.resize(n, modes);
+  out.shapes.leftCols(rigid_wanted) = rigid.leftCols(rigid_wanted);
+  for (Index i = rigid_wanted; i < modes; ++i) {
+    const Index k = i - rigid_wanted;
+    VectorXd shape = ritz.shapes.col(k);
+    shape /= std::sqrt(shape.dot(d.mass * shape));
+    out.shapes.col(i) = shape;
+    out.eigenvalues[i] = d.energy(shape);
+    const VectorXd residual = d.stiffness_times(shape) - out.eigenvalues[i] * (d.mass * shape);
+    const VectorXd moved = search.shifted.solve(residual);
+    out.residuals[i] = std::sqrt(std::max(0.0, residual.dot(moved)) / out.eigenvalues[i]);
+  }
+  for (auto shape : out.shapes.colwise()) {
+    const double almost_largest = (1.0 - 1e-6) * shape.cwiseAbs().maxCoeff();
+    for (const double u : shape)
+      if (std::abs(u) >= almost_largest) {
+        if (u < 0.0) shape = -shape.eval();
+        break;
+      }
+  }
+  out.frequencies_hz = out.eigenvalues.cwiseSqrt() / (2.0 * std::numbers::pi);
+  return out;
+}
+
+}  // namespace wheeltap::fem

@@ -1,0 +1,113 @@
+// Frequencies of a structure with a few defects from the modes of the intact one, exactly.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "fem/structures/discretisation.hpp"
+
+namespace wheeltap::fem {
+
+/// What defects change, as terms of low rank.
+struct StructureChange {
+  /// Strains e = Bu of a few rows become stiffer or softer along one direction v, |v| = 1, of them:
+  /// Bᵀ B turns into Bᵀ (I - (1 - q) v vᵀ) B, q > 0. Directions that share rows must be orthogonal.
+  struct Softening {
+    std::vector<std::pair<int, double>> direction;  ///< rows of `Discretisation::strains`, v
+    double remaining = 1.0;                         ///< q in (0, 1]
+  };
+  /// K gains k r rᵀ, r · u a motion; ∞ holds it.
+  struct Spring {
+    SparseRow motion;
+    double stiffness;  ///< k [N/m], [N·m/rad]
+  };
+  /// M gains μ r rᵀ, r · u a motion. What is taken away must leave M positive (semi)definite.
+  struct Mass {
+    SparseRow motion;
+    double mass;  ///< μ [kg], [kg·m²]; negative where mass is lost
+  };
+
+  std::vector<Softening> softenings = {};
+  std::vector<Spring> springs = {};
+  std::vector<Mass> masses = {};
+
+  [[nodiscard]] bool empty() const {
+    return softenings.empty() && springs.empty() && masses.empty();
+  }
+};
+
+/// A change that leaves no structure: more mass taken than there is.
+class ImpossibleChange : public std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Softenings of one and the same strain become one, whose remaining stiffness is their product.
+void compound(StructureChange& change);
+
+/// The discretisation with these changes made: the reference for the reanalysis.
+[[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change);
+
+/// As `Reanalysis` does for a beam: with the columns of C spanning the changes, eigenvalues are the
+/// roots of a small secular problem, which the same kernels evaluate and whose inertia counts them.
+///
+/// A softening is a column Bᵀv with Γ = 1 - q; a spring a column with Γ = -k. An added mass is
+/// Γ⁻¹ = 1/(λ μ): a mass μ that floats freely beside the structure, a mode at λ = 0 whose motion is
+/// 1/√μ, and is linked rigidly to r; so it costs a column and a pole, and the count still holds. A
+/// lost mass is a floating one that counts with the other sign.
+///
+/// All modes of the mesh are kept. Frequencies are right to 1e-9 relative; with lost masses to
+/// 2e-7, since their columns are scaled by what the place itself yields (of 2000 random sets,
+/// tests/fem/structures/structure_reanalysis_test.cpp). Immutable after construction; a workspace a
+/// thread.
+class StructureReanalysis {
+ public:
+  class Workspace;
+
+  /// `modes`: how many of the lowest frequencies may be asked for, rigid-body ones included. Throws
+  /// as `structure_modes`.
+  StructureReanalysis(std::shared_ptr<const Discretisation> discretisation, int modes);
+  ~StructureReanalysis();
+  StructureReanalysis(StructureReanalysis&&) noexcept;
+  StructureReanalysis& operator=(StructureReanalysis&&) noexcept;
+
+  [[nodiscard]] Workspace make_workspace() const;
+  [[nodiscard]] int modes() const;
+  [[nodiscard]] int rigid_body_modes() const;
+  [[nodiscard]] std::span<const double> intact_frequencies_hz() const;
+  [[nodiscard]] const Discretisation& discretisation() const;
+
+  /// Where `solve` writes; what is empty is not computed. Row-major, a row a mode.
+  struct Results {
+    std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
+    /// n × motions: mass-normalised shapes of the changed structure at these motions.
+    std::span<double> shapes = {};
+    std::span<const SparseRow> motions = {};
+  };
+
+  /// Throws std::invalid_argument for q outside (0, 1], k <= 0, or sizes that do not fit;
+  /// ImpossibleChange.
+  void solve(const StructureChange& change, Workspace& workspace, const Results& results) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
+
+/// Scratch memory of one thread; move-only.
+class StructureReanalysis::Workspace {
+ public:
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(Workspace&&) noexcept;
+  ~Workspace();
+
+ private:
+  friend class StructureReanalysis;
+  struct Impl;
+  explicit Workspace(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace wheeltap::fem

@@ -1,0 +1,81 @@
+#include "fem/structures/structure_spectrum.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "fem/structures/structure_modes.hpp"
+
+namespace wheeltap::fem {
+namespace {
+
+using Eigen::Index;
+
+/// Of the largest μ: below it, a mode has no mass. Rounding leaves those at 1e-16 or 1e-19.
+template <class Real>
+constexpr double kMassless = 1e-13;
+template <>
+constexpr double kMassless<long double> = 1e-16;
+
+template <class Real>
+using Dense = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+
+/// Bᵀ D B + K_rest, each product in `Real`.
+template <class Real>
+Dense<Real> dense_stiffness(const Discretisation& d) {
+  Dense<Real> k = Dense<Real>::Zero(d.size(), d.size());
+  if (d.rest.nonZeros() > 0) k = Eigen::MatrixXd(d.rest).cast<Real>();
+  for (const Strain& strain : d.strains)
+    for (std::size_t i = 0; i < strain.row.dofs.size(); ++i)
+      for (std::size_t j = 0; j < strain.row.dofs.size(); ++j)
+        k(strain.row.dofs[i], strain.row.dofs[j]) += static_cast<Real>(strain.factor) *
+                                                     strain.row.coefficients[i] *
+                                                     strain.row.coefficients[j];
+  return k;
+}
+
+struct All {
+  StructureSpectrum::Matrix shapes;  // mass-normalised, lowest first
+  Eigen::VectorXd eigenvalues;
+};
+
+template <class Real>
+All all_modes(const Discretisation& d, double unit) {
+  const Dense<Real> mass = Eigen::MatrixXd(d.mass).cast<Real>();
+  const Dense<Real> shifted = dense_stiffness<Real>(d) + static_cast<Real>(unit) * mass;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Dense<Real>> solver(mass, shifted);
+  const auto& mu = solver.eigenvalues();
+  const Index n = mu.size();
+  Index massive = 0;
+  while (massive < n && mu[n - 1 - massive] > kMassless<Real> * mu[n - 1]) ++massive;
+  All all{.shapes = StructureSpectrum::Matrix(d.size(), massive), .eigenvalues = {}};
+  all.eigenvalues.resize(massive);
+  for (Index i = 0; i < massive; ++i) {
+    const Real m = mu[n - 1 - i];
+    all.shapes.col(i) =
+        (solver.eigenvectors().col(n - 1 - i) / std::sqrt(m)).template cast<long double>();
+    all.eigenvalues[i] = static_cast<double>(1 / m - static_cast<Real>(unit));
+  }
+  return all;
+}
+
+}  // namespace
+
+StructureSpectrum structure_spectrum(const Discretisation& d, int refined) {
+  const auto available = static_cast<int>(mode_count(d));
+  const auto rigid = static_cast<int>(d.rigid_motions.cols());
+  const StructureModes low = structure_modes(d, std::min(available, std::max(refined, rigid + 1)));
+  const double unit = low.eigenvalues.size() > rigid ? low.eigenvalues[rigid] : 1.0;
+  const bool wide = d.size() <= kWideSpectrum;
+  All all = wide ? all_modes<long double>(d, unit) : all_modes<double>(d, unit);
+  const Index taken = wide ? rigid : low.eigenvalues.size();
+  for (Index i = 0; i < taken; ++i) {
+    all.shapes.col(i) = low.shapes.col(i).cast<long double>();
+    all.eigenvalues[i] = low.eigenvalues[i];
+  }
+  return {.eigenvalues = std::move(all.eigenvalues),
+          .shapes = std::move(all.shapes),
+          .rigid_body_modes = rigid};
+}
+
+}  // namespace wheeltap::fem

@@ -1,0 +1,40 @@
+// Sparse matrices of other programs: MATLAB files, and Matrix Market files.
+#pragma once
+
+#include <Eigen/SparseCore>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "base/eigen.hpp"
+#include "io/file_error.hpp"
+
+namespace wheeltap::io {
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+/// Largest number of rows, columns and stored entries that are read.
+inline constexpr long long kMostMatrixEntries = 2'000'000'000;
+
+/// The matrix called `name`: of a MATLAB file (v5 or v7.3, sparse or full, real), or of a folder of
+/// Matrix Market files, where NAME or NAME.mtx is its file. Throws FileError: missing where there
+/// is no such file or folder, corrupt where it has no such matrix (naming those that there are),
+/// where the matrix is not real or has an index out of range, and as `parse_matrix_market`.
+[[nodiscard]] SparseMatrix read_sparse_matrix(const std::filesystem::path& path,
+                                              const std::string& name);
+
+/// A Matrix Market text (Boisvert, Pozo & Remington 1996, NISTIR 5935):
+///
+///   %%MatrixMarket matrix coordinate|array real|integer|pattern general|symmetric
+///   % comments
+///   rows columns entries         (array: rows columns)
+///   row column value             (from 1; pattern: no value, 1 is meant; array: a value, columns
+///                                 first)
+///
+/// A symmetric matrix holds its diagonal and what is below. Entries that stand twice are added.
+/// Throws FileError (corrupt, with the line; foreign without the first line) for anything else.
+[[nodiscard]] SparseMatrix parse_matrix_market(std::string_view text,
+                                               const std::filesystem::path& name);
+
+}  // namespace wheeltap::io

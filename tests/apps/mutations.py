@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""Runs shipped cases with one to three values changed at random, and holds the program to its word.
+
+usage: mutations.py PROGRAM DATA [COUNT] [SEED]
+
+Every mutation must end with exit code 0, 65 or 66, without a signal, within 10 s of processor time and 1 GB; where it
+ends otherwise, its case and what it said are printed, and kept in the folder that the last line names. A run that
+--dry-run announces as long or large may be either. Runs are `--warmup 100 --draws 100`.
+
+ctest runs 40 of them (apps.mutations). The long run, about half an hour on two cores:
+
+    tests/apps/mutations.py build/release/apps/wheeltap data 3000
+"""
+import concurrent.futures
+import copy
+import json
+import os
+import pathlib
+import random
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+
+SECONDS, BYTES = 10, 1 << 30
+SHORT = ["--quiet", "--chains", "2", "--warmup", "100", "--draws", "100", "--threads", "1"]
+NUMBERS = [0, -1, 1, 2, 0.5, 5.0, 1e-320, 1e-300, 1e-12, 1e12, 1e300, 1.7e308, -1e300, 2**31, 2**32 + 1, 2**63, 2**64,
+           10**30, -(2**31) - 1, 1e9, 20, 64, 1000]
+TEXTS = ["", " ", "x", "..", "a/b", "k" * 257, "\x1b[31m", "two\nlines", "\u202e", "梁", "NaN", "1e5", "/dev/zero",
+         "/", "no such file", "-1", "\ud800".encode("utf-8", "replace").decode()]
+OTHERS = [None, True, False, [], {}, [[]], [0], [1, 2, 3], {"uniform": [0, 1]}, {"normal": [0, 1e300]},
+          {"log_uniform": [1e-320, 1]}, {"truncated_normal": [0, 1, 40, 50]}, {"truncated_normal": [-1e10, 1, 0, 1]},
+          {"beta": [1e-5, 1e5]}, {"gamma": [1e-300, 1]}, {"half_normal": 1e-320}, {"log_normal": [0, 1000]}]
+
+
+def places(value, start=()):
+    """The path of everything in a case."""
+    keys = value.keys() if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
+    for key in keys:
+        yield start + (key,)
+        yield from places(value[key], start + (key,))
+
+
+def at(case, path):
+    for key in path:
+        case = case[key]
+    return case
+
+
+def is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def mutate(case, rng):
+    case = copy.deepcopy(case)
+    for _ in range(rng.choice((1, 1, 1, 2, 3))):
+        path = rng.choice(list(places(case)))
+        if rng.random() < 0.5:  # most of what is changed otherwise is refused at the door
+            path = rng.choice([p for p in places(case) if is_number(at(case, p))] or [path])
+        parent = at(case, path[:-1])
+        key, old = path[-1], parent[path[-1]]
+        how = rng.random()
+        if how < 0.08:
+            del parent[key]
+        elif how < 0.14 and isinstance(parent, dict):
+            parent[rng.choice(TEXTS + ["kind", "name", "prior"])] = parent.pop(key)
+        elif how < 0.2 and isinstance(parent, list):
+            parent.insert(rng.randrange(len(parent) + 1), copy.deepcopy(rng.choice(parent)))
+        elif how < 0.26:
+            parent[key] = copy.deepcopy(at(case, rng.choice(list(places(case)))))
+        elif is_number(old) and how < 0.75:
+            parent[key] = rng.choice([old * 10, old / 10, -old, old + 1, max(old - 1, 0), old * 1e6, float(old), old * 2,
+                                      old * rng.random(), old * (1 + rng.random())])
+        else:
+            parent[key] = copy.deepcopy(rng.choice(rng.choice((NUMBERS, NUMBERS, TEXTS, OTHERS))))
+    return case
+
+
+def limits():
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS + 1, SECONDS + 2))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def announced(program, case, out):
+    """Whether the program says beforehand that a run is long or large."""
+    try:
+        asked = subprocess.run([program, case_command(case), str(case), "-o", str(out), "--dry-run", *SHORT],
+                               capture_output=True, timeout=60, stdin=subprocess.DEVNULL)
+    except subprocess.TimeoutExpired:
+        return False
+    text = asked.stdout.decode(errors="replace")
+    seconds = sum(float(n.replace(" ", "")) * (3600 if unit == "h" else 1)
+                  for n, unit in re.findall(r", ([0-9][0-9. e+]*) (s|h)\b", text))
+    gigabytes = max([float(n) for n in re.findall(r"about ([0-9.e+-]+) GB", text)], default=0.0)
+    # An estimate is right within a factor of ten.
+    return seconds > SECONDS / 10 or gigabytes > BYTES / 1e9 / 10
+
+
+def case_command(case):
+    return "sid" if '"kind": "sid"' in case.read_text() else "damage"
+
+
+def run(program, origin, number, seed, scratch):
+    """A complaint about one mutation, or None."""
+    rng = random.Random(f"{seed}/{number}")
+    folder = scratch / str(number)
+    folder.mkdir()
+    # Beside links to the original's neighbours, whose files it names.
+    for neighbour in origin.parent.iterdir():
+        (folder / neighbour.name).symlink_to(neighbour)
+    case = folder / "mutated.json"
+    original = json.loads(origin.read_text())
+    case.write_text(json.dumps(mutate(original, rng)))
+    command = "sid" if original.get("kind") == "sid" else "damage"
+    process = subprocess.Popen([program, command, str(case), "-o", str(folder / "out"), *SHORT],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL,
+                               preexec_fn=limits)
+    said = process.stderr.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = 0  # waited for
+    code = os.waitstatus_to_exitcode(status)
+    seconds, largest = usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
+    why = []
+    if code not in (0, 65, 66):
+        why.append(f"signal {-code}" if code < 0 else f"exit code {code}")
+    if seconds > SECONDS:
+        why.append(f"{seconds:.0f} s")
+    if largest > BYTES:
+        why.append(f"{largest / 1e9:.1f} GB")
+    last = said.decode(errors="replace").rstrip("\n").split("\n")[-1]
+    if code in (65, 66) and not last.startswith("wheeltap: "):
+        why.append("no line says why")
+    if any(byte < 32 and byte != 10 or byte == 127 for byte in said):
+        why.append("control characters on standard error")
+    too_much = seconds > SECONDS or largest > BYTES
+    if why and too_much and code in (0, 65, 66, -signal.SIGXCPU) and announced(program, case, folder / "out"):
+        why = []
+    if not why:
+        shutil.rmtree(folder)
+        return code, None
+    return code, f"{case} (of {origin.name}): {', '.join(why)}: {last[:200]}"
+
+
+def main():
+    program, data = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
+    count = int(sys.argv[3]) if len(sys.argv) > 3 else 3000
+    seed = sys.argv[4] if len(sys.argv) > 4 else "1"
+    cases = [p for p in sorted(data.rglob("*.json"))
+             if json.loads(p.read_text()).get("kind") in ("damage", "sid")]
+    scratch = pathlib.Path(tempfile.mkdtemp(prefix="wheeltap-mutations-"))
+    codes, faults = {}, 0
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        jobs = [pool.submit(run, program, cases[n % len(cases)], n, seed, scratch) for n in range(count)]
+        for job in concurrent.futures.as_completed(jobs):
+            code, complaint = job.result()
+            codes[code] = codes.get(code, 0) + 1
+            if complaint:
+                faults += 1
+                print(complaint, flush=True)
+    print(f"{count} mutations of {len(cases)} cases: "
+          + ", ".join(f"{n} ended with {code}" for code, n in sorted(codes.items()))
+          + f"; {faults} faults" + (f", kept in {scratch}" if faults else ""))
+    if not faults:
+        shutil.rmtree(scratch)
+    sys.exit(1 if faults else 0)
+
+
+main()

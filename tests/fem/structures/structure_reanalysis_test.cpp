@@ -1,0 +1,198 @@
+#include "fem/structures/structure_reanalysis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+#include <random>
+
+#include "fem/structures/structure_defects.hpp"
+#include "fem/structures/structure_modes.hpp"
+
+namespace wheeltap::fem {
+namespace {
+
+/// A portal of three members on a clamped and a pinned foot, with a brace.
+Structure portal(int elements, int dimension) {
+  const Material material{.young = 210e9, .poisson = 0.3, .density = 7850.0};
+  const MemberSection section{.area = 6e-3,
+                              .second_moment_y = 2e-5,
+                              .second_moment_z = 8e-6,
+                              .torsion_constant = 3e-6,
+                              .shear_coefficient_z = 0.5,
+                              .shear_coefficient_y = 0.6,
+                              .depth = 0.2};
+  Structure s{.dimension = dimension,
+              .nodes = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {5, 3.5, 0}}, {"D", {5, 0, 0}}},
+              .members = {}};
+  if (dimension == 3) s.nodes[2].at[2] = 1.0;
+  for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {2, 3}, {0, 2}}) {
+    Member m{.name = "m" + std::to_string(s.members.size()), .nodes = {a, b}, .elements = elements};
+    const Vector3 line = difference(s.nodes[static_cast<std::size_t>(b)].at,
+                                    s.nodes[static_cast<std::size_t>(a)].at);
+    m.pieces = {{.to = norm(line), .material = material, .section = section}};
+    s.members.push_back(m);
+  }
+  s.members[1].ends[0].rotation.fill(3e6);
+  s.supports = {{.node = 0, .fix = {true, true, true, true, true, true}},
+                {.node = 3, .fix = {true, true, true}}};
+  return s;
+}
+
+StructureChange random_change(const Mesh& mesh, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  StructureChange change;
+  std::vector<int> elements;
+  for (int n = 1 + static_cast<int>(3.0 * uniform(random)); n > 0; --n) {
+    const auto e = static_cast<int>(uniform(random) * static_cast<double>(mesh.elements().size()));
+    if (std::ranges::find(elements, e) != elements.end()) continue;
+    elements.push_back(e);
+    const double left = std::pow(10.0, -3.0 * uniform(random));
+    const auto& strains = mesh.elements()[static_cast<std::size_t>(e)].strains;
+    if (uniform(random) < 0.5) {
+      for (const int row : strains)
+        if (row >= 0) change.softenings.push_back({{{row, 1.0}}, left});
+    } else {  // as a crack: one combination of a moment and a shear force
+      const double angle = uniform(random);
+      change.softenings.push_back(
+          {{{strains[static_cast<std::size_t>(ElementStrain::bending_z)], std::cos(angle)},
+            {strains[static_cast<std::size_t>(ElementStrain::shear_z)], std::sin(angle)}},
+           left});
+    }
+  }
+  const auto place = [&] {
+    const auto member = static_cast<int>(uniform(random) * 4.0);
+    const auto direction = uniform(random) < 0.5 ? Direction::x : Direction::y;
+    return mesh.motion(member, uniform(random) * mesh.member_length(member), direction);
+  };
+  if (uniform(random) < 0.4) {
+    const int member = static_cast<int>(uniform(random) * 4.0);
+    const double s = uniform(random) * mesh.member_length(member);
+    // Gained, or a part of an element's own lost.
+    const double mass = uniform(random) < 0.5 ? std::pow(10.0, -2.0 + 4.0 * uniform(random))
+                                              : -2.0 * uniform(random);
+    change.masses = change_of(mesh, {.masses = {{member, s, mass}}}).masses;
+  }
+  if (uniform(random) < 0.4)
+    change.springs.push_back({place(), std::pow(10.0, 3.0 + 6.0 * uniform(random))});
+  return change;
+}
+
+/// Elastic frequencies [Hz] in long double, the strains' products unrounded.
+std::vector<double> long_double_frequencies(const Discretisation& d, std::size_t count) {
+  using Real = long double;
+  using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+  Matrix k = Matrix::Zero(d.size(), d.size());
+  for (const Strain& s : d.strains)
+    for (std::size_t i = 0; i < s.row.dofs.size(); ++i)
+      for (std::size_t j = 0; j < s.row.dofs.size(); ++j)
+        k(s.row.dofs[i], s.row.dofs[j]) +=
+            static_cast<Real>(s.factor) * s.row.coefficients[i] * s.row.coefficients[j];
+  const Matrix m = Eigen::MatrixXd(d.mass).cast<Real>();
+  // The lowest are the largest μ of M φ = μ (K + u M) φ.
+  const Real unit = 1e3L;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(m, k + unit * m,
+                                                                Eigen::EigenvaluesOnly);
+  std::vector<double> out;
+  const Eigen::Index n = d.size(), rigid = d.rigid_motions.cols();
+  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(count); ++i) {
+    const Real lambda = 1 / solver.eigenvalues()[n - 1 - i] - unit;
+    out.push_back(
+        i < rigid ? 0.0 : static_cast<double>(std::sqrt(lambda) / (2 * std::numbers::pi_v<Real>)));
+  }
+  return out;
+}
+
+/// The changes of `random_change` leave down to a thousandth of an element, add a hundredth to a
+/// hundred kilograms or take some away, and hold by soft and stiff springs.
+struct Compared {
+  double full = 0.0, with_mass = 0.0, wide = 0.0;  // worst relative errors
+};
+Compared compare(const Structure& s, int sets, int wide_sets, std::uint64_t seed) {
+  const Mesh mesh(s);
+  const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
+  const StructureReanalysis reanalysis(d, 16);
+  auto workspace = reanalysis.make_workspace();
+  std::mt19937_64 random(seed);
+  Compared worst;
+  for (int trial = 0; trial < sets; ++trial) {
+    const StructureChange change = random_change(mesh, random);
+    std::vector<double> f(12);
+    reanalysis.solve(change, workspace, {.frequencies_hz = f});
+    const Discretisation after = changed(*d, change);
+    const StructureModes full = structure_modes(after, 12);
+    const std::vector<double> wide =
+        trial < wide_sets ? long_double_frequencies(after, f.size()) : std::vector<double>();
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      const double exact = full.frequencies_hz[static_cast<Eigen::Index>(i)];
+      const double error = exact == 0.0 ? f[i] : std::abs(f[i] / exact - 1.0);
+      if (!wide.empty() && wide[i] > 0.0 && change.masses.empty())
+        worst.wide = std::max(worst.wide, std::abs(f[i] / wide[i] - 1.0));
+      double& kind = change.masses.empty() ? worst.full : worst.with_mass;
+      kind = std::max(kind, error);
+      if (error > (change.masses.empty() ? 1e-9 : 2e-7))
+        ADD_FAILURE() << "set " << trial << ", mode " << i << ": " << f[i] << " for " << exact;
+    }
+  }
+  return worst;
+}
+
+TEST(StructureReanalysis, AgreesWithFullSolutions) {
+  for (const int dimension : {2, 3})
+    for (const bool free : {false, true}) {
+      Structure s = portal(dimension == 2 ? 6 : 3, dimension);
+      if (free) s.supports.clear();
+      const Compared worst = compare(s, 500, 75, 11);
+      const std::string which = std::to_string(dimension) + (free ? " free" : " held");
+      std::cout << which << ": worst " << worst.full << ", with masses " << worst.with_mass
+                << "; of 75 in long double " << worst.wide << "\n";
+      EXPECT_LT(worst.full, 1e-9) << which;
+      EXPECT_LT(worst.wide, 1e-9) << which;
+    }
+}
+
+/// Shapes of a changed structure are those of its full solution.
+TEST(StructureReanalysis, ShapesAreThoseOfTheChangedStructure) {
+  const Mesh mesh(portal(6, 2));
+  const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
+  const StructureReanalysis reanalysis(d, 8);
+  auto workspace = reanalysis.make_workspace();
+  const StructureChange change =
+      change_of(mesh, {.cracks = {{1, 2.0, 0.5, &crack_laws()[0]}}, .masses = {{2, 1.0, 20.0}}});
+  const std::vector<SparseRow> motions = {mesh.motion(1, 2.2, Direction::y),
+                                          mesh.motion(2, 1.0, Direction::x),
+                                          mesh.motion(0, 1.5, Direction::x)};
+  std::vector<double> f(6), shapes(6 * motions.size());
+  reanalysis.solve(change, workspace, {.frequencies_hz = f, .shapes = shapes, .motions = motions});
+  const StructureModes full = structure_modes(changed(*d, change), 6);
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    double sign = 0.0;
+    for (std::size_t m = 0; m < motions.size(); ++m) {
+      const double expected = motions[m].of(full.shapes.col(static_cast<Eigen::Index>(i)));
+      const double found = shapes[i * motions.size() + m];
+      if (sign == 0.0) sign = expected * found > 0.0 ? 1.0 : -1.0;
+      EXPECT_NEAR(sign * found, expected, 1e-6 * full.shapes.cwiseAbs().maxCoeff()) << i << m;
+    }
+  }
+}
+
+TEST(StructureReanalysis, RefusesWhatIsNoChange) {
+  const Mesh mesh(portal(2, 2));
+  const StructureReanalysis reanalysis(
+      std::make_shared<const Discretisation>(mesh.discretisation()), 4);
+  auto workspace = reanalysis.make_workspace();
+  std::vector<double> f(4);
+  const auto solve = [&](StructureChange change) {
+    reanalysis.solve(change, workspace, {.frequencies_hz = f});
+  };
+  EXPECT_THROW(solve({.softenings = {{{{0, 1.0}}, 0.0}}}), std::invalid_argument);
+  EXPECT_THROW(solve({.softenings = {{{{100000, 1.0}}, 0.5}}}), std::invalid_argument);
+  EXPECT_THROW(solve({.springs = {{mesh.motion(1, Direction::x), -1.0}}}), std::invalid_argument);
+  EXPECT_THROW(solve({.masses = {{mesh.motion(1, Direction::x), -1e6}}}), ImpossibleChange);
+}
+
+}  // namespace
+}  // namespace wheeltap::fem

@@ -1,0 +1,69 @@
+#include "io/netcdf_name.hpp"
+
+#include <gtest/gtest.h>
+#include <netcdf.h>
+
+#include "io/netcdf_writer.hpp"
+#include "tests/emulator/temporary_directory.hpp"
+
+namespace wheeltap::io {
+namespace {
+
+const std::vector<std::string> kNames = {"k",
+                                         "k3",
+                                         "µ",
+                                         "0",
+                                         "_",
+                                         "a b",
+                                         "a.b",
+                                         "k[1]",
+                                         " k",
+                                         "..",
+                                         ".",
+                                         "-k",
+                                         "k ",
+                                         "a/b",
+                                         "k'",
+                                         "(k",
+                                         "\"",
+                                         "",
+                                         "\x1b",
+                                         "k\n",
+                                         "\xff",
+                                         "\x7f",
+                                         "梁",
+                                         std::string(200, 'k'),
+                                         std::string(257, 'k'),
+                                         "col " + std::string(300, 'x')};
+
+// The library itself is asked: what we let pass, it takes.
+TEST(NetcdfName, WhatPassesTheLibraryTakes) {
+  const test::TemporaryDirectory directory;
+  NetcdfWriter file(directory / "names.nc");
+  int groups = 0;
+  for (const std::string& name : kNames) {
+    if (why_no_netcdf_name(name)) continue;
+    ++groups;
+    EXPECT_NO_THROW(file.put(file.group(("g" + std::to_string(groups)).c_str()), name, {},
+                             std::vector<double>{1.0}))
+        << name;
+  }
+}
+
+TEST(NetcdfName, SaysWhatIsWrong) {
+  EXPECT_FALSE(why_no_netcdf_name("k3 (left)"));
+  EXPECT_EQ(why_no_netcdf_name(" k"), "must begin with a letter, a digit or _");
+  EXPECT_EQ(why_no_netcdf_name(".."), "must begin with a letter, a digit or _");
+  EXPECT_EQ(why_no_netcdf_name(std::string(257, 'k')), "has 257 bytes, must have at most 200");
+  EXPECT_EQ(why_no_netcdf_name("k\n"), "must be UTF-8 without control characters");
+}
+
+TEST(NetcdfName, TheNearestNameIsOne) {
+  for (const std::string& name : kNames)
+    EXPECT_FALSE(why_no_netcdf_name(netcdf_name(name))) << name;
+  EXPECT_EQ(netcdf_name("displacement"), "displacement");
+  EXPECT_EQ(netcdf_name("a/b"), "a_b");
+}
+
+}  // namespace
+}  // namespace wheeltap::io

@@ -1,0 +1,36 @@
+#include "io/text.hpp"
+
+#include <gtest/gtest.h>
+
+namespace wheeltap::io {
+namespace {
+
+TEST(Text, ShowsWhatItIsAndEscapesTheRest) {
+  EXPECT_EQ(printable("a beam, 12 µm, Größe, 梁, 🔧"), "a beam, 12 µm, Größe, 梁, 🔧");
+  EXPECT_EQ(printable("a\x1b[31mb\nwheeltap: done\t\x7f"), R"(a\x1b[31mb\nwheeltap: done\t\x7f)");
+  EXPECT_EQ(printable("a\xff"
+                      "b"),
+            R"(a\xffb)");
+  EXPECT_EQ(printable("\xc2\x9b[2J"), R"(\u{9b}[2J)");    // a C1 control sequence
+  EXPECT_EQ(printable("a\xe2\x80\xae"), R"(a\u{202e})");  // right-to-left override
+  EXPECT_EQ(printable(std::string("a\0b", 3)), R"(a\x00b)");
+  EXPECT_EQ(printable(""), "");
+}
+
+TEST(Text, KnowsWhatIsNotUtf8) {
+  for (const char* wrong : {"\x80", "\xc0\xaf", "\xe0\x80\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80",
+                            "\xc3", "\xe2\x82", "\xf8\x88\x80\x80\x80"}) {
+    EXPECT_EQ(first_unprintable(wrong), 0U) << printable(wrong);
+    // What is escaped once holds nothing to escape.
+    EXPECT_FALSE(first_unprintable(printable(wrong)));
+  }
+}
+
+TEST(Text, AllowsLinesWhereTheyAreAskedFor) {
+  EXPECT_EQ(first_unprintable("ab\nc"), 2U);
+  EXPECT_FALSE(first_unprintable("ab\nc\td", "\n\t"));
+  EXPECT_EQ(first_unprintable("ab\nc\r", "\n\t"), 4U);
+}
+
+}  // namespace
+}  // namespace wheeltap::io

@@ -1,0 +1,24 @@
+// Beams, frames, portals and buildings of random sizes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/random.hpp"
+#include "identification/damage_case.hpp"
+
+namespace wheeltap::coverage {
+
+/// What a case is about, and where it may have which defects.
+struct RandomStructure {
+  std::string family;
+  double mass;              ///< of all members [kg]; 0 of a building
+  std::vector<int> joints;  ///< nodes that may come loose
+};
+
+/// Fills in the beam or the structure of a case. Members are steel, rectangular, as deep as a 15th
+/// to a 40th of a beam's length or 0.15 to 0.4 m.
+[[nodiscard]] RandomStructure random_structure(base::Random& random,
+                                               identification::DamageCase& into);
+
+}  // namespace wheeltap::coverage
