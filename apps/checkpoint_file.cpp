@@ -4,6 +4,7 @@
 #include <iostream>
 #include <utility>
 
+#include "apps/several_ranks.hpp"
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
 #include "io/fingerprint.hpp"
@@ -82,20 +83,22 @@ bool with_column_of(nc_type type, F&& f) {
 CheckpointFile::CheckpointFile(const fs::path& folder, CheckpointOf of, const CommonOptions& common,
                                bool others_pass)
     : path_(folder / kName), of_(std::move(of)), every_seconds_(common.checkpoint_seconds) {
-  { const io::AtomicFile writable(path_); }  // and what a killed run left half-written is gone
-  if (!fs::exists(path_)) return;
-  if (common.resume) {
-    read(others_pass);
-  } else if (is_sealed(io::read_bytes(path_))) {
+  const auto bytes = first_rank_says([&]() -> std::optional<std::string> {
+    { const io::AtomicFile writable(path_); }  // and what a killed run left half-written is gone
+    if (!fs::exists(path_)) return {};
+    std::string found = io::read_bytes(path_);
+    if (common.resume) return found;
+    if (!is_sealed(found)) {
+      throw FileError(FileError::Kind::unwritable, path_,
+                      std::string("is in the way: not ") + kWhat + ", and not to be written over");
+    }
     remove();
-  } else {
-    throw FileError(FileError::Kind::unwritable, path_,
-                    std::string("is in the way: not ") + kWhat + ", and not to be written over");
-  }
+    return {};
+  });
+  if (bytes) read(*bytes, others_pass);
 }
 
-void CheckpointFile::read(bool others_pass) {
-  std::string bytes = io::read_bytes(path_);
+void CheckpointFile::read(std::string bytes, bool others_pass) {
   if (!bytes.starts_with(io::kNetcdfMagic)) {
     throw FileError(FileError::Kind::foreign, path_, std::string("is not ") + kWhat);
   }
@@ -194,6 +197,7 @@ void CheckpointFile::discard(const fs::path& folder) {
 }
 
 void CheckpointFile::remove() {
+  if (!base::is_first_rank()) return;
   std::error_code ignored;
   fs::remove(path_, ignored);
   kept_ = false;

@@ -55,7 +55,7 @@ class CheckpointFile {
   static void discard(const std::filesystem::path& folder);
 
  private:
-  void read(bool others_pass);
+  void read(std::string bytes, bool others_pass);
   void save(const inference::Checkpoint& checkpoint);
 
   std::filesystem::path path_;

@@ -8,12 +8,16 @@
 #include <csignal>
 #include <iostream>
 #include <optional>
+#include <span>
 #include <sstream>
 
 #include "apps/checkpoint_file.hpp"
 #include "apps/failure.hpp"
+#include "apps/several_ranks.hpp"
 #include "apps/terminal.hpp"
+#include "base/parallel.hpp"
 #include "io/atomic_file.hpp"
+#include "io/fingerprint.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -54,6 +58,15 @@ class TimeLeft {
   double share_before_ = 0.0;
 };
 
+std::string fingerprint_of(const inference::Posterior& posterior) {
+  std::string text;
+  for (const auto& chain : posterior.chains) {
+    const auto bytes = std::as_bytes(std::span(chain.log_likelihood));
+    text += io::fingerprint({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  }
+  return text;
+}
+
 // Chains that were stopped early may differ in length.
 void cut_to_shortest(inference::Posterior& posterior) {
   std::size_t n = posterior.chains.empty() ? 0 : posterior.chains[0].model.size();
@@ -87,13 +100,14 @@ void say_what_goes_on(const CheckpointFile& checkpoint, bool stopped) {
 }
 
 bool was_interrupted() {
-  return interrupted.load();
+  return base::is_to_stop(interrupted.load());
 }
 
 StopOnInterrupt::StopOnInterrupt()
     : interrupt_(std::signal(SIGINT, ask_to_stop)),
       terminate_(std::signal(SIGTERM, ask_to_stop)),
       hang_up_(std::signal(SIGHUP, ask_to_stop)) {
+  if (base::ranks()) base::ranks()->on_wish_to_stop([] { return interrupted.load(); });
   if (hang_up_ == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
 }
 
@@ -127,12 +141,13 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
       if (m < 8) detail += " " + fixed(progress.model_probabilities[m], 2);
     }
     bar.show(progress.stage, progress.fraction, detail, time_left.estimate(progress));
-    return !was_interrupted();
+    return !interrupted.load();
   };
   try {
     inference::Posterior posterior = inference::reversible_jump(problem, options);
     bar.clear();
     cut_to_shortest(posterior);
+    require_same_on_all_ranks("draws", fingerprint_of(posterior));
     if (posterior.draws < 100) {
       throw Failure(Exit::interrupted, "stopped before anything was found: nothing to report" +
                                            std::string(checkpoint.kept() ? kGoesOn : ""));

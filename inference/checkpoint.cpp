@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/parcel.hpp"
+
 namespace wheeltap::inference {
 namespace {
 
@@ -505,6 +507,14 @@ class Reader {
   std::map<std::string, std::size_t> read_;
 };
 
+template <std::size_t I = 0>
+Checkpoint::Column empty_column(std::size_t type) {
+  if constexpr (I + 1 < std::variant_size_v<Checkpoint::Column>) {
+    if (type != I) return empty_column<I + 1>(type);
+  }
+  return Checkpoint::Column(std::in_place_index<I>);
+}
+
 void expect(bool holds, const char* what) {
   if (!holds) throw CheckpointError(std::string("it is of a problem with other ") + what);
 }
@@ -546,6 +556,37 @@ Checkpoint checkpoint_of(const RunState& state) {
   Writer writer(checkpoint);
   CheckpointFields::of(writer, state);
   return checkpoint;
+}
+
+std::string packed(const ChainState& chain, const Chain& draws) {
+  Checkpoint checkpoint;
+  Writer writer(checkpoint);
+  writer("chain", chain);
+  writer("draws", draws);
+  base::Packer parcel;
+  for (const auto& [name, column] : checkpoint.columns) {
+    parcel(name, column.index());
+    std::visit([&](const auto& numbers) { parcel(numbers); }, column);
+  }
+  return std::move(parcel).bytes();
+}
+
+void unpack(std::string_view bytes, ChainState& chain, Chain& draws) {
+  Checkpoint checkpoint;
+  base::Unpacker parcel(bytes);
+  while (!parcel.empty()) {
+    std::string name;
+    std::size_t type = 0;
+    parcel(name, type);
+    Checkpoint::Column& column = checkpoint.columns[name];
+    column = empty_column(type);
+    std::visit([&](auto& numbers) { parcel(numbers); }, column);
+  }
+  chain = ChainState();
+  draws = Chain();
+  Reader reader(checkpoint);
+  reader("chain", chain);
+  reader("draws", draws);
 }
 
 RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains) {

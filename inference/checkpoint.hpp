@@ -5,6 +5,7 @@
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -40,5 +41,10 @@ class CheckpointError : public std::runtime_error {
 /// a column is missing, too short, too long or unknown, or speaks of another number of chains,
 /// models or parameters.
 [[nodiscard]] RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains);
+
+/// A chain and its draws for another rank of the same run, and back, to the last bit. No format for
+/// files.
+[[nodiscard]] std::string packed(const ChainState& chain, const Chain& draws);
+void unpack(std::string_view bytes, ChainState& chain, Chain& draws);
 
 }  // namespace wheeltap::inference

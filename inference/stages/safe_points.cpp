@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include "base/ranks.hpp"
+
 namespace wheeltap::inference {
 
 void SafePoints::pass(RunState& state) {
-  if (!options_.save) return;
+  if (!options_.save || !base::is_first_rank()) return;
   if (due()) {
     clock(state);
     return save(checkpoint_of(state));
@@ -17,7 +19,7 @@ void SafePoints::pass(RunState& state) {
 }
 
 void SafePoints::stop(RunState& state) {
-  if (!options_.save) return;
+  if (!options_.save || !base::is_first_rank()) return;
   clock(state);
   save(checkpoint_of(state));
 }

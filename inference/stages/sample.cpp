@@ -189,8 +189,8 @@ void set_up_ladder(RunContext& run, RunState& state) {
   temper(
       run, state,
       {.scans = kLadderScans, .balanced = run.space().size() <= kBalancedModels, .fitted = true});
-  run.each_chain(
-      state, [&](int, ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
+  run.each_chain_here(
+      state, [&](ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
 }
 
 // What has been drawn so far was tuning.

@@ -69,7 +69,6 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
       at.scans += n;
       at.steps = 0;
       at.round_scans *= 2;
-      if (c == 0) state.posterior.warmup += n * kStepsAScan;
       at.barrier = tempered.barrier();
       // A round trip takes some 2 + 2 Λ scans (Syed et al. 2022, section 3.5): a hundred of them
       // will do.
@@ -88,6 +87,7 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
     target.set_model_bias(std::vector<double>(run.models(), 0.0));
     return true;
   });
+  state.posterior.warmup += state.chains.front().lesson.scans * kStepsAScan;
   double& barrier = state.posterior.barrier = 0.0;
   for (const ChainState& chain : state.chains) barrier = std::max(barrier, chain.lesson.barrier);
   if (run.monitor.stopped()) return;

@@ -189,8 +189,8 @@ void tune(RunContext& run, RunState& state) {
   if (options.balance) {
     for (const double b : state.sampling_bias) state.posterior.log_weight.push_back(-b);
   }
-  run.each_chain(
-      state, [&](int, ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
+  run.each_chain_here(
+      state, [&](ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
   state.posterior.warmup += at.tuned;
   const long explored = state.posterior.warmup_evaluations;
   state.posterior.warmup_evaluations = likelihood_evaluations(state);

@@ -384,6 +384,39 @@ def check_kills_between_checkpoints(bench, kills=30):
     print(f'{killed} kills, {taken_up} of them with a checkpoint')
 
 
+def check_interrupted_batches_go_on(bench):
+    """Stopped and killed, with several cases on their way: --resume comes to what an undisturbed batch does."""
+    cases = [bench.case(name, case) for name, case in (('beam', BEAM), ('chain', CHAIN), ('sweep', SWEEP), ('beam2', BEAM | {'title': 'Another'}))]
+    plan = bench.folder / 'list.txt'
+    plan.write_text('\n'.join(cases))
+    out = bench.folder / 'out'
+    command = ['batch', plan, *LONGER, '--threads', '2', '-o']
+
+    def found(folder):
+        # Command lines name the folder.
+        return {f'{one.name}/{name}': content.replace(str(folder).encode(), b'')
+                for one in sorted(folder.iterdir()) if one.is_dir()
+                for name, content in files(one).items() if name != 'sweep.rows'}
+
+    bench.run(*command, out, '--resume')
+    whole, table = found(out), (out / 'batch.csv').read_text().splitlines()
+    expect([line.split(',')[:3] for line in table[1:]] ==
+           [['beam', 'damage', '0'], ['chain', 'sid', '0'], ['sweep', 'sid', '0'], ['beam2', 'damage', '0']], table)
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL):
+        shutil.rmtree(out)
+        process = bench.start(*command, out, '--resume', stdout=subprocess.DEVNULL)
+        while process.poll() is None and not len(list(out.glob('*/checkpoint.nc'))) > 1:
+            os.sched_yield()
+        process.send_signal(number)
+        _, err = process.communicate()
+        if number != signal.SIGKILL:
+            expect(process.returncode == 130, f'{number.name}: {process.returncode}: {err}')
+            one_line(err)
+            expect('--resume goes on' in err and list(out.glob('*/checkpoint.nc')), f'{number.name}: {err}')
+        bench.run(*command, out, '--resume')
+        same(found(out), whole)
+
+
 def check_kills(bench, kills=8):
     """SIGKILL at random instants; then --resume, and the files are those of an undisturbed run."""
     randomly = random.Random(os.environ.get('SEED', '1'))
