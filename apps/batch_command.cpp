@@ -49,7 +49,8 @@ std::string as_argument(const std::filesystem::path& path) {
 std::vector<std::string> arguments(const std::string& command, const std::filesystem::path& path,
                                    const std::filesystem::path& folder, int threads,
                                    const CommonOptions& common, const SamplingOptions& sampling) {
-  std::vector<std::string> out{command, as_argument(path), "--output=" + folder.string(), "--quiet"};
+  std::vector<std::string> out{command, as_argument(path), "--output=" + folder.string(),
+                               "--quiet"};
   const auto add = [&](const char* option, auto value) {
     out.insert(out.end(), {option, std::to_string(value)});
   };
@@ -148,8 +149,8 @@ class Batch {
 
   void end(Running& one, int exit) {
     free_ += one.threads;
-    const bool stopped = exit == static_cast<int>(Exit::interrupted) ||
-                         (exit == 0 && stopped_early(folder(one.at)));
+    const bool stopped =
+        exit == static_cast<int>(Exit::interrupted) || (exit == 0 && stopped_early(folder(one.at)));
     if (stopped && was_interrupted()) return;  // it goes on another time
     BatchRow row = std::move(one.row);
     row.exit = stopped ? static_cast<int>(Exit::interrupted) : exit;

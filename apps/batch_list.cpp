@@ -41,8 +41,8 @@ std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
     at = end + 1;
     if (line.empty() || line.front() == '#') continue;
     if (const auto bad = io::first_unprintable(line)) {
-      throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) + ": column " +
-                                         std::to_string(*bad + 1) +
+      throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) +
+                                         ": column " + std::to_string(*bad + 1) +
                                          ": paths are UTF-8 without control characters");
     }
     const std::filesystem::path path = list.parent_path() / line;

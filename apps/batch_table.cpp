@@ -78,15 +78,14 @@ bool stopped_early(const std::filesystem::path& folder) {
 }
 
 std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows) {
-  std::string text =
-      "case,kind,exit,model,probability,converged,wall_seconds,folder,error\n";
+  std::string text = "case,kind,exit,model,probability,converged,wall_seconds,folder,error\n";
   for (const auto& row : rows) {
     if (!row) continue;
     const std::string converged = row->converged ? (*row->converged ? "1" : "0") : "";
     const std::string probability = row->probability ? significant(*row->probability, 8) : "";
-    const std::string cells[] = {row->name,   row->kind,   std::to_string(row->exit),
-                                 row->model,  probability, converged,
-                                 significant(row->seconds, 4), row->name, row->error};
+    const std::string cells[] = {row->name,   row->kind, std::to_string(row->exit),    row->model,
+                                 probability, converged, significant(row->seconds, 4), row->name,
+                                 row->error};
     const char* between = "";
     for (const std::string& cell : cells) {
       text += between + quoted(cell);
@@ -103,7 +102,8 @@ std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all) {
   count.insert(0, total.size() - std::min(count.size(), total.size()), ' ');
   std::string text = "[" + count + "/" + total + "] " + io::printable(row.name) + "  ";
   if (row.exit != 0) return text + "FAILED (" + std::to_string(row.exit) + "): " + row.error;
-  if (row.probability) text += io::printable(row.model) + ", " + probability_is(*row.probability) + "  ";
+  if (row.probability)
+    text += io::printable(row.model) + ", " + probability_is(*row.probability) + "  ";
   if (row.converged) text += *row.converged ? "converged  " : "NOT CONVERGED  ";
   return text + significant(row.seconds, 2) + " s";
 }

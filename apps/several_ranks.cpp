@@ -34,8 +34,7 @@ void* load_module() {
   std::error_code ignored;
   const std::filesystem::path here =
       std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const std::filesystem::path& place :
-       {here / kModule, here / WHEELTAP_MODULES / kModule}) {
+  for (const std::filesystem::path& place : {here / kModule, here / WHEELTAP_MODULES / kModule}) {
     // Open MPI's own parts look for its symbols among those of the program.
     if (void* module = dlopen(place.c_str(), RTLD_NOW | RTLD_GLOBAL)) return module;
   }
@@ -65,9 +64,9 @@ JoinedRanks::JoinedRanks() {
     throw Failure(Exit::usage, std::string("started by mpirun, but ") + kModule +
                                    " is not beside the program: it was built without MPI");
   }
-  const auto join =
-      reinterpret_cast<base::Ranks* (*)()>(dlsym(module, "wheeltap_join_ranks"));
-  if (join == nullptr) throw Failure(Exit::internal, std::string(kModule) + " is not of this program");
+  const auto join = reinterpret_cast<base::Ranks* (*)()>(dlsym(module, "wheeltap_join_ranks"));
+  if (join == nullptr)
+    throw Failure(Exit::internal, std::string(kModule) + " is not of this program");
   base::Ranks* all = join();
   if (all->size() == 1) {
     delete all;

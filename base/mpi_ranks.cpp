@@ -107,7 +107,6 @@ class Workers {
 
  private:
   void work() {
-    within() = {.job = true, .shared = true};
     std::unique_lock lock(mutex_);
     while (true) {
       ++free_;
@@ -325,13 +324,7 @@ class MpiRanks final : public Ranks {
     for (const Workers::Outcome& outcome : mine) {
       if (outcome.unit == failed) std::rethrow_exception(outcome.error);
     }
-    const Within before = std::exchange(within(), {.job = true, .shared = true});
-    try {
-      job(static_cast<int>(failed));
-    } catch (...) {
-      within() = before;
-      throw;
-    }
+    job(static_cast<int>(failed));
     throw std::runtime_error("unit " + std::to_string(failed) + " failed on another rank");
   }
 

@@ -25,7 +25,7 @@ void parallel_for(int n, int threads, Job&& job) {
   std::atomic<int> next{0};
   const bool shared = within().shared;
   const auto work = [&] {
-    const Within before = std::exchange(within(), {.job = true, .shared = shared});
+    const Inside marked({.job = true, .shared = shared});
     for (int i = next++; i < n; i = next++) {
       try {
         job(i);
@@ -33,7 +33,6 @@ void parallel_for(int n, int threads, Job&& job) {
         errors[static_cast<std::size_t>(i)] = std::current_exception();
       }
     }
-    within() = before;
   };
   const int extra = std::min(thread_count(threads), n) - 1;
   std::vector<std::jthread> pool;
@@ -50,7 +49,13 @@ void parallel_for(int n, int threads, Job&& job) {
 template <typename Job>
 void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
   if (ranks() == nullptr || within().job) return parallel_for(n, threads, job);
-  ranks()->share_out(n, threads, job, carriage);
+  ranks()->share_out(
+      n, threads,
+      [&](int i) {
+        const Inside marked({.job = true, .shared = true});
+        job(i);
+      },
+      carriage);
 }
 
 /// Whether the run is to stop, as far as this thread may know: where ranks must take the same turn,

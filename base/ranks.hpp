@@ -89,4 +89,16 @@ struct Within {
   return at;
 }
 
+/// Marks this thread for as long as it lives.
+class Inside {
+ public:
+  explicit Inside(Within at) : before_(std::exchange(within(), at)) {}
+  Inside(const Inside&) = delete;
+  Inside& operator=(const Inside&) = delete;
+  ~Inside() { within() = before_; }
+
+ private:
+  Within before_;
+};
+
 }  // namespace wheeltap::base

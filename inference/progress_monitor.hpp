@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "inference/options.hpp"
 
 namespace wheeltap::inference {

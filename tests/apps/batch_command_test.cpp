@@ -29,8 +29,8 @@ TEST(BatchList, NamesAreStemsAndUnique) {
                                 "# a fleet\n\n a/one.json \r\nb/one.json\nc/one.json\none-2.json\n"
                                 "batch.csv.json\n..json\n   # no case\nlast.json");
   const auto cases = read_batch_list(list);
-  EXPECT_THAT(names(cases), ElementsAre("one", "one-2", "one-3", "one-2-2", "batch.csv-2", "case",
-                                        "last"));
+  EXPECT_THAT(names(cases),
+              ElementsAre("one", "one-2", "one-3", "one-2-2", "batch.csv-2", "case", "last"));
   EXPECT_EQ(cases[0].path, where / "a/one.json");
   EXPECT_EQ(cases[6].path, where / "last.json");
 }
@@ -59,8 +59,7 @@ TEST(BatchTable, CellsAreQuotedAsRfc4180Asks) {
                .probability = 0.75,
                .converged = true,
                .seconds = 1.25},
-      std::nullopt,
-      BatchRow{.name = "c", .exit = 65, .error = "no, \"x\""}};
+      std::nullopt, BatchRow{.name = "c", .exit = 65, .error = "no, \"x\""}};
   EXPECT_EQ(batch_csv(rows),
             "case,kind,exit,model,probability,converged,wall_seconds,folder,error\n"
             "\"a,b\",damage,0,\"1 \"\"crack\"\"\",0.75,1,1.25,\"a,b\",\n"
@@ -105,9 +104,9 @@ TEST_F(Batch, EveryCaseIsRunAsByItself) {
     const std::string name = table[row][0];
     EXPECT_EQ(table[row][1], command);
     EXPECT_EQ(table[row][2], "0");
-    const Outcome alone = wheeltap(where, command + (" " + (where / "cases" / name).string()) +
-                                              ".json -o " + (where / name).string() + kShort +
-                                              "--seed 3");
+    const Outcome alone =
+        wheeltap(where, command + (" " + (where / "cases" / name).string()) + ".json -o " +
+                            (where / name).string() + kShort + "--seed 3");
     ASSERT_EQ(alone.exit_code, 0) << alone.err;
     const json ours = summary(name), theirs = json::parse(read_all(where / name / "summary.json"));
     EXPECT_EQ(ours["models"], theirs["models"]);
@@ -127,16 +126,17 @@ TEST_F(Batch, AFailedCaseStopsNoneAndSaysItself) {
   static_cast<void>(where.write_json("cases/bad.json", bad));
   static_cast<void>(where.write("cases/odd.json", R"({"kind": "moon"})"));
   static_cast<void>(where.write("cases/text.json", "no JSON"));
-  const Outcome all = run("beam.json\nmissing.json\nbad.json\nodd.json\ntext.json\n", "--threads 2");
+  const Outcome all =
+      run("beam.json\nmissing.json\nbad.json\nodd.json\ntext.json\n", "--threads 2");
   EXPECT_EQ(all.exit_code, 66);  // the first of the list that failed, whichever ended first
   EXPECT_EQ(std::ranges::count(all.err, '\n'), 1) << all.err;
   EXPECT_THAT(all.err, HasSubstr("4 of 5 cases failed, the first of them missing (exit code 66)"));
   const std::string csv = read_all(where / "out/batch.csv");
   EXPECT_EQ(std::ranges::count(csv, '\n'), 6);
-  EXPECT_THAT(csv, AllOf(HasSubstr("\nbeam,damage,0,"), HasSubstr("\nmissing,,66,"),
-                         HasSubstr("\nbad,damage,65,"), HasSubstr("/beam/material/poisson"),
-                         HasSubstr("\nodd,,65,"), HasSubstr("damage, sid"),
-                         HasSubstr("\ntext,,65,")));
+  EXPECT_THAT(csv,
+              AllOf(HasSubstr("\nbeam,damage,0,"), HasSubstr("\nmissing,,66,"),
+                    HasSubstr("\nbad,damage,65,"), HasSubstr("/beam/material/poisson"),
+                    HasSubstr("\nodd,,65,"), HasSubstr("damage, sid"), HasSubstr("\ntext,,65,")));
   EXPECT_THAT(all.out, HasSubstr("odd  FAILED (65): "));
 }
 
