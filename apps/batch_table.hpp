@@ -11,14 +11,14 @@ namespace wheeltap::apps {
 inline constexpr const char* kBatchTable = "batch.csv";
 
 struct BatchRow {
-  std::string name;   ///< of the case and its folder
+  std::string name;     ///< of the case and its folder
   std::string kind{};   ///< empty where the case does not say
-  int exit = 0;       ///< of its run; 128 + the signal where one ended it
+  int exit = 0;         ///< of its run; 128 + the signal where one ended it
   std::string model{};  ///< the most probable one; empty where there is none, as for a sweep
   std::optional<double> probability{};  ///< of that model
   std::optional<bool> converged{};
   double seconds = 0.0;  ///< wall time of the run itself, however many sessions it took
-  std::string error{};     ///< one line, where exit is not 0
+  std::string error{};   ///< one line, where exit is not 0
 };
 
 /// What summary.json in `folder` says of a run that ended well; of a sweep, whether all its rows

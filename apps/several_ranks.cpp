@@ -14,7 +14,8 @@ namespace wheeltap::apps {
 namespace {
 
 constexpr const char* kModule = "wheeltap_mpi.so";
-constexpr double kPatience = 5.0;  // seconds that a rank that failed waits for others to fail alike
+constexpr double kPatience =
+    30.0;  // seconds that a rank that failed waits for others to fail alike
 
 // What a launcher tells its processes.
 bool is_launched() {
