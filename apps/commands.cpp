@@ -6,6 +6,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "apps/checkpoint_file.hpp"
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_summary.hpp"
 #include "apps/damage_terminal.hpp"
@@ -13,6 +14,7 @@
 #include "apps/run_cost.hpp"
 #include "apps/run_files.hpp"
 #include "apps/running.hpp"
+#include "apps/several_ranks.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/structure_case.hpp"
@@ -296,13 +298,23 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
     if (tables.likelihoods > 0.0) print_estimate("table", tables);
     return print_estimate("run", cost);
   }
+  require_same_on_all_ranks("case", parsed.file.json.dump());
   if (common.resume) {
-    if (const auto text = finished_run(common.output, parsed.file.json, seed, "options",
-                                       options_report(options))) {
-      return print_finished(common.output, *text, *log);
-    }
+    const auto text = first_rank_says([&] {
+      return finished_run(common.output, parsed.file.json, seed, "options",
+                          options_report(options));
+    });
+    if (text && !base::is_first_rank()) return;
+    if (text) return print_finished(common.output, *text, *log);
   }
-  RunFiles files(common.output);
+  std::optional<RunFiles> files;
+  on_first_rank([&] { files.emplace(common.output); });
+  CheckpointFile checkpoint(common.output,
+                            {.command = "damage",
+                             .seed = seed,
+                             .options = options_report(options),
+                             .case_json = parsed.file.json},
+                            common);
   ProgressBar bar(common.quiet);
   const auto problem = explained(parsed, [&] {
     return make_damage_problem(
@@ -324,23 +336,25 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   inference::Options engine = engine_options(common, options);
   engine.balance = problem->damage_case.balance;
   const inference::Posterior posterior =
-      run_engine(problem->problem, engine, common.case_path, common.quiet);
+      run_engine(problem->problem, engine, common.case_path, common.quiet, checkpoint);
 
-  const DamageFindings findings = damage_findings(
-      *problem, posterior, compute_evidence(problem->problem, methods, seed, common.threads, *log),
-      seed);
+  const auto evidence = compute_evidence(problem->problem, methods, seed, common.threads, *log);
+  if (!base::is_first_rank()) return;
+  const DamageFindings findings = damage_findings(*problem, posterior, evidence, seed);
   Report summary =
       damage_summary(parsed, findings, {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
   std::ostringstream text;
   print_damage(text, parsed, findings, false);
   const std::string run = run_id(summary["wheeltap"], posterior);
-  const auto failed = files.keep(std::move(summary), text.str(), run, [&] {
+  const auto failed = files->keep(std::move(summary), text.str(), run, [&] {
     return posterior_file(run, parsed, *problem, posterior, seed);
   });
   print_damage(std::cout, parsed, findings, colour_wanted());
   if (failed) throw *failed;
   print_results(common.output, findings.sampling.verdict.converged);
+  say_what_goes_on(checkpoint, posterior.stopped_early);
+  if (!posterior.stopped_early) checkpoint.remove();
 }
 
 void run_simulate(const CommonOptions& common) {

@@ -19,8 +19,9 @@ struct CommonOptions {
   int threads = 0;  ///< 0: as many as the machine has
   bool quiet = false;
   bool resume = false;
-  bool dry_run = false;        ///< says what it would take, and ends
-  double max_memory_gb = 4.0;  ///< estimates beyond these are refused
+  double checkpoint_seconds = 60.0;  ///< between two of a run; 0: none
+  bool dry_run = false;              ///< says what it would take, and ends
+  double max_memory_gb = 4.0;        ///< estimates beyond these are refused
   double max_hours = 100.0;
   std::string command_line;
 };

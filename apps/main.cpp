@@ -1,4 +1,6 @@
 // wheeltap: the command line.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
@@ -9,6 +11,7 @@
 #include <new>
 #include <system_error>
 
+#include "apps/batch_command.hpp"
 #include "apps/commands.hpp"
 #include "apps/failure.hpp"
 #include "apps/init.hpp"
@@ -16,7 +19,9 @@
 #include "apps/nearest.hpp"
 #include "apps/report/report.hpp"
 #include "apps/section_command.hpp"
+#include "apps/several_ranks.hpp"
 #include "apps/whole_number.hpp"
+#include "base/simd.hpp"
 #include "inference/target.hpp"
 #include "io/file_error.hpp"
 #include "io/text.hpp"
@@ -26,9 +31,15 @@ namespace {
 using namespace wheeltap;
 using apps::Exit;
 
+std::string& last_words() {
+  static std::string words;
+  return words;
+}
+
 int report(Exit exit, const std::string& line) {
   // Names, keys and values in it are a user's: one line, whatever they hold.
   std::cerr << "wheeltap: " << io::printable(line) << '\n';
+  last_words() = io::printable(line);
   return static_cast<int>(exit);
 }
 
@@ -81,9 +92,35 @@ CLI::Validator positive() {
       "NUMBER > 0");
 }
 
-}  // namespace
+// --simd keeps libraries, which choose by the processor for themselves, to the same instructions:
+// they read these variables when the program starts, so it starts once more.
+void start_with(const std::string& instructions, char** argv) {
+  const char* chosen = std::getenv(base::kInstructionsVariable);
+  if (chosen != nullptr && instructions == chosen) return;
+  const bool baseline = instructions == "baseline";
+  const std::string without =
+      baseline ? "-AVX2,-FMA,-FMA4,-AVX512F,-AVX512VL,-AVX512DQ" : "-AVX512F,-AVX512VL,-AVX512DQ";
+  setenv(base::kInstructionsVariable, instructions.c_str(), 1);
+  if (instructions != "avx512") {
+    setenv("GLIBC_TUNABLES", ("glibc.cpu.hwcaps=" + without).c_str(), 1);
+    setenv("OPENBLAS_CORETYPE", baseline ? "NEHALEM" : "HASWELL", 1);
+  }
+  execv("/proc/self/exe", argv);
+}
 
-int main(int argc, char** argv) {
+// How the program is asked to start, before anything else of the command line is read.
+void obey_simd(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    constexpr std::string_view kOption = "--simd";
+    std::string value;
+    if (word == kOption && i + 1 < argc) value = argv[i + 1];
+    if (word.starts_with(std::string(kOption) + "=")) value = word.substr(kOption.size() + 1);
+    if (value == "baseline" || value == "avx2" || value == "avx512") start_with(value, argv);
+  }
+}
+
+int run(int argc, char** argv) {
   // A file that may not grow is an error of writing, which has a line and an exit code.
   std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{
@@ -129,7 +166,13 @@ int main(int argc, char** argv) {
                       "say what the run would take, and do nothing else");
     command->get_option("--output")->required(false);  // unless it runs
   };
+  std::string simd;  // obeyed before
   const auto add_threads = [&](CLI::App* command) {
+    command
+        ->add_option("--simd", simd,
+                     "keep to the vector instructions baseline, avx2 or avx512 (default: the "
+                     "processor's)")
+        ->check(CLI::IsMember({"baseline", "avx2", "avx512"}));
     command
         ->add_option("--threads", common.threads, "threads (default: all); never changes a result")
         ->transform(whole(1, 4096));
@@ -150,6 +193,10 @@ int main(int argc, char** argv) {
         ->add_option("--search", sampling.searches,
                      "climbs to modes of each model, from draws of its prior (default: chosen)")
         ->transform(whole(0, kMany));
+    command
+        ->add_option("--checkpoint", common.checkpoint_seconds,
+                     "seconds between two checkpoints for --resume (default 60; 0: none)")
+        ->check(CLI::Range(0.0, 1e9));
     CLI::Option* prior_only = command->add_flag("--prior-only", sampling.prior_only,
                                                 "leave the data out: must return the prior");
     command
@@ -205,7 +252,7 @@ int main(int argc, char** argv) {
   add_limits(damage_command);
   add_dry_run(damage_command);
   damage_command->add_flag("--resume", common.resume,
-                           "print a finished run of the same case again instead of repeating it");
+                           "go on where an interrupted run stopped; print a finished one again");
 
   CLI::App* sid_command = app.add_subcommand("sid", "which equation of motion a record obeys");
   add_case(sid_command);
@@ -216,7 +263,23 @@ int main(int argc, char** argv) {
   add_limits(sid_command);
   add_dry_run(sid_command);
   sid_command->add_flag("--resume", common.resume,
-                        "go on with an interrupted sweep; print a finished run again");
+                        "go on where an interrupted run or sweep stopped; print a finished one "
+                        "again");
+
+  CLI::App* batch_command =
+      app.add_subcommand("batch", "many cases, each by its kind, with one table of results");
+  batch_command->add_option("LIST", common.case_path, "one path of a case a line; # comments")
+      ->required();
+  batch_command->add_option("--set", common.overrides, "override every case: path.to.key=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_output(batch_command, "the folder to write into: batch.csv, and a folder a case");
+  add_seed(batch_command, "of every run's chains (default 1)");
+  add_threads(batch_command);
+  add_sampling(batch_command);
+  add_limits(batch_command);
+  batch_command->add_flag("--resume", common.resume,
+                          "keep finished runs, go on with interrupted ones, run the others");
 
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");
@@ -271,7 +334,18 @@ int main(int argc, char** argv) {
                                    (chosen.empty() ? "" : chosen[0]->get_name() + " ") + "--help)");
   }
 
+  if (base::ranks() != nullptr) {
+    if (common.threads == 0) common.threads = 1;
+    for (const CLI::App* alone : {table_command, batch_command}) {
+      if (alone->parsed()) {
+        return report(Exit::usage, alone->get_name() + " runs in one process, not under mpirun");
+      }
+    }
+    // What is no work is rank 0's.
+    if (!base::is_first_rank() && !damage_command->parsed() && !sid_command->parsed()) return 0;
+  }
   try {
+    if (base::ranks() != nullptr) apps::require_equal_processors();
     for (const CLI::App* runs : {table_command, damage_command, sid_command}) {
       if (runs->parsed() && common.output.empty() && !common.dry_run) {
         throw apps::Failure(Exit::usage,
@@ -283,6 +357,7 @@ int main(int argc, char** argv) {
     if (table_command->parsed()) apps::run_table(common, tabling);
     if (damage_command->parsed()) apps::run_damage(common, sampling);
     if (sid_command->parsed()) apps::run_sid(common, sampling);
+    if (batch_command->parsed()) apps::run_batch(common, sampling);
     if (simulate_command->parsed()) apps::run_simulate(common);
     if (report_command->parsed()) apps::run_report(common.output, drawing);
     if (init_command->parsed()) apps::run_init(starting, start_structure, start_in);
@@ -291,6 +366,8 @@ int main(int argc, char** argv) {
     std::cout.flush();
     if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");
     return static_cast<int>(Exit::done);
+  } catch (const apps::FailedOnFirstRank&) {
+    return static_cast<int>(Exit::done);  // that one says and returns what it was
   } catch (const apps::Failure& failure) {
     return report(failure.exit(), failure.what());
   } catch (const io::FileError& error) {
@@ -311,5 +388,19 @@ int main(int argc, char** argv) {
                                        error.what() + "; check units and sizes");
   } catch (const std::exception& error) {
     return report(Exit::internal, std::string("internal fault: ") + error.what());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  obey_simd(argc, argv);
+  try {
+    apps::JoinedRanks joined;
+    const int code = run(argc, argv);
+    joined.leave(code, last_words());
+    return code;
+  } catch (const apps::Failure& failure) {
+    return report(failure.exit(), failure.what());
   }
 }

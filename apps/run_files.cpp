@@ -4,6 +4,7 @@
 #include <iostream>
 #include <vector>
 
+#include "apps/checkpoint_file.hpp"
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
 #include "apps/stored_run.hpp"
@@ -133,6 +134,7 @@ std::string RunFiles::keep_without_draws(Report& summary, const std::string& tex
 
 void print_finished(const std::filesystem::path& folder, const std::string& text,
                     spdlog::logger& log) {
+  CheckpointFile::discard(folder);
   log.info("{} holds a finished run of this case; nothing is run again.",
            io::printable(folder.string()));
   std::cout << text;

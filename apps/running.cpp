@@ -6,17 +6,25 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <iostream>
 #include <optional>
+#include <span>
 #include <sstream>
 
+#include "apps/checkpoint_file.hpp"
 #include "apps/failure.hpp"
+#include "apps/several_ranks.hpp"
 #include "apps/terminal.hpp"
+#include "base/parallel.hpp"
 #include "io/atomic_file.hpp"
+#include "io/fingerprint.hpp"
 
 namespace wheeltap::apps {
 namespace {
 
 std::atomic<bool> interrupted{false};
+
+constexpr const char* kGoesOn = "; the same command with --resume goes on";
 
 void ask_to_stop(int signal) {
   if (interrupted.exchange(true)) std::_Exit(128 + signal);
@@ -33,11 +41,13 @@ class TimeLeft {
       stage_ = progress.stage;
       began_ = now;
       calls_before_ = progress.likelihood_evaluations;
+      share_before_ = progress.fraction;  // of a run that was taken up
     }
     const double seconds = std::chrono::duration<double>(now - began_).count();
     const auto calls = static_cast<double>(progress.likelihood_evaluations - calls_before_);
-    if (seconds < kEnough || progress.fraction < kShare) return {};
-    const double rest = seconds * (1.0 - progress.fraction) / progress.fraction;
+    const double share = progress.fraction - share_before_;
+    if (seconds < kEnough || share < kShare) return {};
+    const double rest = seconds * (1.0 - progress.fraction) / share;
     return rest + (calls > 0.0 ? progress.evaluations_to_come * seconds / calls : 0.0);
   }
 
@@ -45,7 +55,17 @@ class TimeLeft {
   std::string stage_;
   std::chrono::steady_clock::time_point began_{};
   long calls_before_ = 0;
+  double share_before_ = 0.0;
 };
+
+std::string fingerprint_of(const inference::Posterior& posterior) {
+  std::string text;
+  for (const auto& chain : posterior.chains) {
+    const auto bytes = std::as_bytes(std::span(chain.log_likelihood));
+    text += io::fingerprint({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  }
+  return text;
+}
 
 // Chains that were stopped early may differ in length.
 void cut_to_shortest(inference::Posterior& posterior) {
@@ -75,14 +95,19 @@ std::shared_ptr<spdlog::logger> make_log(bool quiet) {
   return log;
 }
 
+void say_what_goes_on(const CheckpointFile& checkpoint, bool stopped) {
+  if (stopped && checkpoint.kept()) std::cerr << "wheeltap: stopped" << kGoesOn << '\n';
+}
+
 bool was_interrupted() {
-  return interrupted.load();
+  return base::is_to_stop(interrupted.load());
 }
 
 StopOnInterrupt::StopOnInterrupt()
     : interrupt_(std::signal(SIGINT, ask_to_stop)),
       terminate_(std::signal(SIGTERM, ask_to_stop)),
       hang_up_(std::signal(SIGHUP, ask_to_stop)) {
+  if (base::ranks()) base::ranks()->on_wish_to_stop([] { return interrupted.load(); });
   if (hang_up_ == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
 }
 
@@ -97,7 +122,9 @@ void outlive_readers() {
 }
 
 inference::Posterior run_engine(const inference::Problem& problem, inference::Options options,
-                                const std::filesystem::path& case_path, bool quiet) {
+                                const std::filesystem::path& case_path, bool quiet,
+                                CheckpointFile& checkpoint) {
+  checkpoint.attach(options);
   ProgressBar bar(quiet);
   TimeLeft time_left;
   const auto began = std::chrono::steady_clock::now();
@@ -114,16 +141,21 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
       if (m < 8) detail += " " + fixed(progress.model_probabilities[m], 2);
     }
     bar.show(progress.stage, progress.fraction, detail, time_left.estimate(progress));
-    return !was_interrupted();
+    return !interrupted.load();
   };
   try {
     inference::Posterior posterior = inference::reversible_jump(problem, options);
     bar.clear();
     cut_to_shortest(posterior);
+    require_same_on_all_ranks("draws", fingerprint_of(posterior));
     if (posterior.draws < 100) {
-      throw Failure(Exit::interrupted, "stopped before anything was found: nothing to report");
+      throw Failure(Exit::interrupted, "stopped before anything was found: nothing to report" +
+                                           std::string(checkpoint.kept() ? kGoesOn : ""));
     }
     return posterior;
+  } catch (const inference::CheckpointError& error) {
+    bar.clear();
+    throw Failure(Exit::bad_input, checkpoint.path().string() + ": " + error.what());
   } catch (const inference::LikelihoodError& error) {
     bar.clear();
     throw Failure(Exit::bad_input, case_path.string() + ": " + error.what());

@@ -15,6 +15,8 @@ class logger;
 
 namespace wheeltap::apps {
 
+class CheckpointFile;
+
 /// Lines for people who watch, on standard error; warnings only where `quiet`.
 [[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
 
@@ -38,11 +40,16 @@ void outlive_readers();
 
 [[nodiscard]] bool was_interrupted();
 
-/// Samples with a progress bar, until it is interrupted (StopOnInterrupt). Chains are cut to one
-/// length. Throws Failure where the likelihood fails, or nothing was sampled.
+/// Samples with a progress bar, until it is interrupted (StopOnInterrupt), keeping checkpoints, and
+/// from the one that is there. Chains are cut to one length. Throws Failure where the likelihood
+/// fails, or nothing was sampled.
 [[nodiscard]] inference::Posterior run_engine(const inference::Problem& problem,
                                               inference::Options options,
-                                              const std::filesystem::path& case_path, bool quiet);
+                                              const std::filesystem::path& case_path, bool quiet,
+                                              CheckpointFile& checkpoint);
+
+/// Says on standard error, of a run that was stopped early, that --resume goes on with it.
+void say_what_goes_on(const CheckpointFile& checkpoint, bool stopped);
 
 /// "tmcmc+bridge" → both methods; none for "". Throws Failure (usage) for a method that is neither
 /// tmcmc, bridge nor laplace.

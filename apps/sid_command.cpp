@@ -7,6 +7,7 @@
 
 #include "apps/run_files.hpp"
 #include "apps/running.hpp"
+#include "apps/several_ranks.hpp"
 #include "apps/sid_posterior_file.hpp"
 #include "apps/sid_summary.hpp"
 #include "apps/sid_sweep.hpp"
@@ -59,24 +60,31 @@ RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
 }
 
 SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
-                    const SamplingOptions& options, spdlog::logger& log) {
+                    const SamplingOptions& options, CheckpointFile& checkpoint,
+                    spdlog::logger& log) {
   const SidRunOptions how = {
       .engine = engine_options(common, options),
       .sample =
           [&](const inference::Problem& problem, const inference::Options& engine) {
-            return run_engine(problem, engine, common.case_path, common.quiet);
+            return run_engine(problem, engine, common.case_path, common.quiet, checkpoint);
           },
       .doubt =
           [&](const std::vector<Remark>& doubts) {
             for (const Remark& doubt : doubts) log.warn(sentence(doubt, {}));
           },
-      .repeat = [&](const StepsRefined& refined) { log.info(repeat_note(refined)); }};
+      .repeat =
+          [&](const StepsRefined& refined) {
+            log.info(repeat_note(refined));
+            checkpoint.repeat(refined);
+          },
+      .refined = checkpoint.refined()};
   SidOutcome out{.run = explained(parsed, [&] { return identification::run_sid(parsed.sid, how); }),
                  .predictive = {},
                  .findings = {}};
   const auto evidence =
       compute_evidence(out.run.problem->problem, evidence_methods(options.evidence),
                        out.run.engine.seed, common.threads, log);
+  if (!base::is_first_rank()) return out;
   out.predictive = predict(*out.run.problem, out.run.posterior);
   out.findings = sid_findings(out.run, out.predictive, evidence);
   return out;
@@ -93,15 +101,25 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   require_affordable(parsed.file, Pointer(), cost, common);
   if (common.dry_run) return print_estimate("run", cost);
   const Report asked = options_report(options);
+  require_same_on_all_ranks("case", parsed.file.json.dump());
   if (common.resume) {
-    if (const auto text = finished_run(common.output, parsed.file.json, common.seed.value_or(1),
-                                       "asked", asked)) {
-      return print_finished(common.output, *text, *log);
-    }
+    const auto text = first_rank_says([&] {
+      return finished_run(common.output, parsed.file.json, common.seed.value_or(1), "asked", asked);
+    });
+    if (text && !base::is_first_rank()) return;
+    if (text) return print_finished(common.output, *text, *log);
   }
-  RunFiles files(common.output);
+  std::optional<RunFiles> files;
+  on_first_rank([&] { files.emplace(common.output); });
+  CheckpointFile checkpoint(common.output,
+                            {.command = "sid",
+                             .seed = common.seed.value_or(1),
+                             .options = asked,
+                             .case_json = parsed.file.json},
+                            common);
   const StopOnInterrupt stop;
-  const SidOutcome out = identify(parsed, common, options, *log);
+  const SidOutcome out = identify(parsed, common, options, checkpoint, *log);
+  if (!base::is_first_rank()) return;
   const std::uint64_t seed = out.run.engine.seed;
   Report summary = sid_summary(parsed, *out.run.problem, out.findings,
                                {.seed = seed, .command_line = common.command_line});
@@ -110,13 +128,15 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   std::ostringstream text;
   print_sid(text, parsed, out.findings, false);
   const std::string run = run_id(summary["wheeltap"], out.run.posterior);
-  const auto failed = files.keep(std::move(summary), text.str(), run, [&] {
+  const auto failed = files->keep(std::move(summary), text.str(), run, [&] {
     return sid_posterior_file(run, parsed, *out.run.problem, out.run.posterior, out.predictive,
                               seed);
   });
   print_sid(std::cout, parsed, out.findings, colour_wanted());
   if (failed) throw *failed;
   print_results(common.output, out.findings.sampling.verdict.converged);
+  say_what_goes_on(checkpoint, out.run.posterior.stopped_early);
+  if (!out.run.posterior.stopped_early) checkpoint.remove();
 }
 
 void simulate_sid(const CommonOptions& common, CaseFile file) {

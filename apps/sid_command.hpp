@@ -3,6 +3,7 @@
 
 #include <spdlog/logger.h>
 
+#include "apps/checkpoint_file.hpp"
 #include "apps/commands.hpp"
 #include "apps/run_cost.hpp"
 #include "apps/sid_case.hpp"
@@ -29,6 +30,7 @@ struct SidOutcome {
 };
 /// Throws Failure.
 [[nodiscard]] SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
-                                  const SamplingOptions& options, spdlog::logger& log);
+                                  const SamplingOptions& options, CheckpointFile& checkpoint,
+                                  spdlog::logger& log);
 
 }  // namespace wheeltap::apps

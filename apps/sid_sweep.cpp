@@ -9,6 +9,7 @@
 #include "apps/report/report.hpp"
 #include "apps/run_files.hpp"
 #include "apps/running.hpp"
+#include "apps/several_ranks.hpp"
 #include "apps/sid_command.hpp"
 #include "apps/sid_summary.hpp"
 #include "apps/stored_run.hpp"
@@ -117,10 +118,11 @@ std::string remarks(const SidFindings& findings) {
 /// All that is told of one value: what the journal keeps. None where it was interrupted.
 std::optional<Report> run_row(const SidCaseFile& one, const Json& value,
                               const CommonOptions& common, const SamplingOptions& options,
-                              spdlog::logger& log) {
+                              CheckpointFile& checkpoint, spdlog::logger& log) {
   try {
-    const SidFindings findings = identify(one, common, options, log).findings;
+    const SidFindings findings = identify(one, common, options, checkpoint, log).findings;
     if (was_interrupted()) return {};
+    if (!base::is_first_rank()) return Report();
     const Row row = table_row(value.dump(), findings);
     return Report{{"header", line(row.header)},
                   {"cells", line(row.cells)},
@@ -149,15 +151,27 @@ std::optional<Report> stored_sweep(const std::filesystem::path& folder) {
   return summary && has("sweep") && has("wheeltap") ? summary : std::nullopt;
 }
 
-std::string stopped(std::size_t done, std::size_t all) {
+std::string stopped(std::size_t done, std::size_t all, bool within) {
   return "stopped after " + std::to_string(done) + " of " + std::to_string(all) + " values" +
-         (done > 0 ? ": the same command with --resume runs the others" : "");
+         (done > 0 || within ? ": the same command with --resume runs the others" : "");
 }
 
 void print_files(const std::filesystem::path& folder) {
   std::cout << "Results: " << io::printable((folder / "sweep.csv").string()) << " (the table), "
             << io::printable((folder / "summary.json").string()) << " (all numbers)\n";
 }
+
+/// What a sweep writes: its names are reserved before it runs.
+struct SweepFiles {
+  SweepFiles(const std::filesystem::path& folder, const std::string& identity, bool resume)
+      : table(folder / "sweep.csv"),
+        summary(folder / "summary.json"),
+        report(folder / "report.html"),
+        journal(folder / "sweep.rows", identity, resume) {}
+
+  io::AtomicFile table, summary, report;
+  SweepJournal journal;
+};
 
 /// The case of one value.
 CaseFile with(const CaseFile& file, const Pointer& where, const Json& value) {
@@ -210,7 +224,7 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   const RunCost cost = cost_of_sweep(file, pointer, common, options);
   require_affordable(file, Pointer("/sweep"), cost, common);
   if (common.dry_run) return print_estimate("sweep", cost);
-  make_output_folder(common.output);
+  on_first_rank([&] { make_output_folder(common.output); });
   // All of them first, so that a mistake in the last does not cost the runs before it.
   std::vector<SidCaseFile> cases;
   for (const Json& value : sweep["values"]) {
@@ -218,33 +232,60 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
     require_room_for_truth(one, common);
     cases.push_back(parse_sid_case(std::move(one)));
   }
-  io::finish_commit(common.output);
+  require_same_on_all_ranks("case", file.json.dump());
+  const bool first = base::is_first_rank();
   const std::string identity = identity_of(file, common, options);
   const std::string run = io::fingerprint(identity + sweep["values"].dump());
-  const auto stored = stored_sweep(common.output);
-  const bool whole = stored && !(*stored)["sweep"].contains("left");
-  if (common.resume && whole && (*stored)["wheeltap"].value("run", "") == run) {
+  bool whole = false;
+  const auto finished = first_rank_says([&]() -> std::optional<std::string> {
+    io::finish_commit(common.output);
+    const auto stored = stored_sweep(common.output);
+    whole = stored && !(*stored)["sweep"].contains("left");
+    if (!common.resume || !whole || (*stored)["wheeltap"].value("run", "") != run) return {};
+    return sealed_file(common.output, "sweep.csv", *stored).value_or("");
+  });
+  if (finished && !first) return;
+  if (finished) {
     log.info("{} holds this sweep, finished; nothing is run again.",
              io::printable(common.output.string()));
-    std::cout << sealed_file(common.output, "sweep.csv", *stored).value_or("");
+    std::cout << *finished;
+    // What a run that was killed just then could not remove.
+    if (const auto rows = common.output / "sweep.rows"; std::filesystem::exists(rows))
+      SweepJournal(rows, identity, true).remove();
+    CheckpointFile::discard(common.output);
     return print_files(common.output);
   }
   outlive_readers();
-  io::AtomicFile table_file(common.output / "sweep.csv");
-  io::AtomicFile summary_file(common.output / "summary.json");
-  io::AtomicFile report_file(common.output / "report.html");
-  SweepJournal journal(common.output / "sweep.rows", identity, common.resume);
+  std::optional<SweepFiles> files;
+  on_first_rank([&] { files.emplace(common.output, identity, common.resume); });
   Report rows = Report::array();
   std::string table;
+  bool within = false;  // stopped within a row that has a checkpoint
   const StopOnInterrupt stop;
   for (std::size_t i = 0; i < cases.size() && !was_interrupted(); ++i) {
     const Json& value = sweep["values"][i];
     const Report key = Report::parse(value.dump());
-    std::optional<Report> row = journal.find(key);
-    if (!row) {
-      row = run_row(cases[i], value, common, options, log);
+    std::optional<Report> row;
+    const auto found = first_rank_says([&]() -> std::optional<std::string> {
+      row = files->journal.find(key);
+      return row ? std::optional<std::string>("") : std::nullopt;
+    });
+    if (!found) {
+      CheckpointFile checkpoint(common.output,
+                                {.command = "sid",
+                                 .seed = common.seed.value_or(1),
+                                 .options = options_report(options),
+                                 .case_json = cases[i].file.json},
+                                common, true);
+      row = run_row(cases[i], value, common, options, checkpoint, log);
+      within = checkpoint.kept();
       if (!row) break;
-      journal.append(key, *row);
+      on_first_rank([&] { files->journal.append(key, *row); });
+      checkpoint.remove();
+    }
+    if (!first) {
+      rows.push_back(nullptr);
+      continue;
     }
     const auto text = [&](const char* of) { return (*row)[of].get<std::string>(); };
     if (i == 0) {
@@ -258,9 +299,10 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   }
   const std::size_t left = cases.size() - rows.size();
   if (rows.empty() || (left > 0 && whole)) {
-    if (rows.empty()) journal.remove();
-    throw Failure(Exit::interrupted, stopped(rows.size(), cases.size()));
+    if (rows.empty() && first) files->journal.remove();
+    throw Failure(Exit::interrupted, stopped(rows.size(), cases.size(), within));
   }
+  if (!first) return;
   Report summary = {
       {"wheeltap",
        about("sid", {.seed = common.seed.value_or(1), .command_line = common.command_line}, file)},
@@ -269,13 +311,14 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   if (left > 0) summary["sweep"]["left"] = left;
   summary["files"] = {{"sweep.csv", seal(table)}};
   summary["answer"] = json(read_answer(summary));
-  table_file.write(table);
-  summary_file.write(summary.dump(1) + "\n");
-  report_file.write(report_page(common.output, summary, {}));
-  io::AtomicFile* const files[] = {&table_file, &report_file, &summary_file};
-  io::commit_together(files);
-  if (left > 0) throw Failure(Exit::interrupted, stopped(rows.size(), cases.size()));
-  journal.remove();
+  files->table.write(table);
+  files->summary.write(summary.dump(1) + "\n");
+  files->report.write(report_page(common.output, summary, {}));
+  io::AtomicFile* const all[] = {&files->table, &files->report, &files->summary};
+  io::commit_together(all);
+  if (left > 0) throw Failure(Exit::interrupted, stopped(rows.size(), cases.size(), within));
+  files->journal.remove();
+  CheckpointFile::discard(common.output);
   print_files(common.output);
 }
 

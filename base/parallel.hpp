@@ -1,4 +1,4 @@
-// Independent jobs on a few threads.
+// Independent jobs on a few threads, and on other ranks where there are any.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,8 @@
 #include <mutex>
 #include <thread>
 #include <vector>
+
+#include "base/ranks.hpp"
 
 namespace wheeltap::base {
 
@@ -21,7 +23,9 @@ template <typename Job>
 void parallel_for(int n, int threads, Job&& job) {
   std::vector<std::exception_ptr> errors(static_cast<std::size_t>(n));
   std::atomic<int> next{0};
+  const bool shared = within().shared;
   const auto work = [&] {
+    const Inside marked({.job = true, .shared = shared});
     for (int i = next++; i < n; i = next++) {
       try {
         job(i);
@@ -38,6 +42,29 @@ void parallel_for(int n, int threads, Job&& job) {
   for (const std::exception_ptr& error : errors) {
     if (error) std::rethrow_exception(error);
   }
+}
+
+/// The same where each job's outcome can be carried: the jobs are shared out among the ranks, if
+/// there are others and this is not a part of another parallel_for.
+template <typename Job>
+void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
+  if (ranks() == nullptr || within().job) return parallel_for(n, threads, job);
+  ranks()->share_out(
+      n, threads,
+      [&](int i) {
+        const Inside marked({.job = true, .shared = true});
+        job(i);
+      },
+      carriage);
+}
+
+/// Whether the run is to stop, as far as this thread may know: where ranks must take the same turn,
+/// what they have agreed on; within a unit that is shared out, what any of them wishes; and, alone,
+/// `wish`.
+[[nodiscard]] inline bool is_to_stop(bool wish) {
+  const Ranks* all = ranks();
+  if (all == nullptr) return wish;
+  return within().shared ? wish || all->told_to_stop() : all->stop_agreed();
 }
 
 }  // namespace wheeltap::base

@@ -8,12 +8,30 @@
 // so that they give the same bits; tests ask for each in turn.
 #pragma once
 
+#include <cstdlib>
+#include <string_view>
 #include <vector>
 
 namespace wheeltap::base {
 
 /// The vector instructions to use; `automatic` is whatever the processor has.
 enum class Instructions { automatic, baseline, avx2, avx512 };
+
+/// The environment variable that keeps `automatic` to these instructions or narrower ones:
+/// "baseline", "avx2" or "avx512".
+inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
+
+/// The widest instructions that `automatic` may choose.
+[[nodiscard]] inline Instructions widest_allowed() {
+  static const Instructions widest = [] {
+    const char* chosen = std::getenv(kInstructionsVariable);
+    const std::string_view name = chosen == nullptr ? "" : chosen;
+    return name == "baseline" ? Instructions::baseline
+           : name == "avx2"   ? Instructions::avx2
+                              : Instructions::avx512;
+  }();
+  return widest;
+}
 
 /// Whether this processor has what the files of these instructions are compiled with: for avx2
 /// -mavx2, for avx512 -mavx512f -mavx512dq -mavx512vl.
@@ -44,9 +62,9 @@ template <class Table>
                                                  Instructions wanted = Instructions::automatic) {
   std::vector<const Table*> tables;
   const auto add = [&](Instructions offered, const Table* table) {
-    if ((wanted == offered || wanted == Instructions::automatic) && table != nullptr &&
-        processor_has(offered))
-      tables.push_back(table);
+    const bool chosen =
+        wanted == Instructions::automatic ? offered <= widest_allowed() : wanted == offered;
+    if (chosen && table != nullptr && processor_has(offered)) tables.push_back(table);
   };
   add(Instructions::baseline, compiled.baseline);
   add(Instructions::avx2, compiled.avx2);

@@ -5,6 +5,9 @@ install(TARGETS ${libraries} EXPORT wheeltapTargets ARCHIVE DESTINATION ${CMAKE_
 if(TARGET wheeltap)
   install(TARGETS wheeltap RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
+if(TARGET wheeltap_mpi)
+  install(TARGETS wheeltap_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/wheeltap)
+endif()
 foreach(folder base io signals fem dynamics emulator inference identification)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/wheeltap
     FILES_MATCHING PATTERN "*.hpp")

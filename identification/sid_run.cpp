@@ -103,7 +103,15 @@ SidRun run_sid(SidCase sid_case, const SidRunOptions& options) {
   if (const int few = samples_of_a_look(all, run.problem->seconds_a_likelihood);
       options.engine.quick && few < all)
     run.problem = make_sid_problem(shortened(run.problem->sid_case, few));
-  for (int repeats = 0;; ++repeats) {
+  const auto integrate_like = [&](const StepsRefined& how) {
+    run.refined = how;
+    SidCase finer = run.problem->sid_case;
+    finer.integration.prefer_series = how.prefer_series;
+    finer.integration.step_limit = how.step_limit;
+    run.problem = make_sid_problem(std::move(finer));
+  };
+  if (options.refined) integrate_like(*options.refined);
+  for (int repeats = run.refined ? run.refined->repeats : 0;; ++repeats) {
     const SidCase& now = run.problem->sid_case;
     run.engine = options.engine;
     run.engine.balance = now.balance;
@@ -121,12 +129,12 @@ SidRun run_sid(SidCase sid_case, const SidRunOptions& options) {
       break;
     const auto better = better_integration(*run.problem, run.posterior);
     if (!better || repeats == kMostRepeats) break;
-    run.refined = StepsRefined{.by_series = better->prefer_series && !now.integration.prefer_series,
-                               .step_limit = better->step_limit};
-    if (options.repeat) options.repeat(*run.refined);
-    SidCase finer = now;
-    finer.integration = *better;
-    run.problem = make_sid_problem(std::move(finer));
+    const StepsRefined how{.by_series = better->prefer_series && !now.integration.prefer_series,
+                           .step_limit = better->step_limit,
+                           .prefer_series = better->prefer_series,
+                           .repeats = repeats + 1};
+    if (options.repeat) options.repeat(how);
+    integrate_like(how);
   }
   return run;
 }

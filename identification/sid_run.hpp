@@ -14,8 +14,10 @@ namespace wheeltap::identification {
 
 /// What a run was repeated with, since its steps were too long for the noise of the record.
 struct StepsRefined {
-  bool by_series = false;   ///< Taylor series, where there were none before
-  double step_limit = 0.0;  ///< else; SimulatorOptions::step_limit
+  bool by_series = false;      ///< Taylor series, where there were none before
+  double step_limit = 0.0;     ///< else; SimulatorOptions::step_limit
+  bool prefer_series = false;  ///< SimulatorOptions::prefer_series
+  int repeats = 1;             ///< so far, this one included
 };
 
 struct SidRunOptions {
@@ -28,6 +30,8 @@ struct SidRunOptions {
   std::function<void(const std::vector<Remark>&)> doubt = {};
   /// Told before a run is repeated.
   std::function<void(const StepsRefined&)> repeat = {};
+  /// Goes on with a run that is being repeated like this.
+  std::optional<StepsRefined> refined = {};
 };
 
 struct SidRun {

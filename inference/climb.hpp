@@ -29,6 +29,12 @@ class Surface {
   [[nodiscard]] std::vector<double> ordered(const Eigen::VectorXd& z);
   [[nodiscard]] Eigen::Index dimension() const { return posterior_.dimension(); }
   [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
+  /// All that one call leaves for the next, for another rank's surface of the same problem.
+  template <class Parcel>
+  void carry(Parcel& parcel) {
+    posterior_.carry(parcel);
+    parcel(offers_gradient_);
+  }
 
  private:
   ModelPosterior posterior_;

@@ -9,6 +9,8 @@
 
 namespace wheeltap::inference {
 
+struct CheckpointFields;  // checkpoint.cpp
+
 /// Keeps kKeep to 2 kKeep draws of each model, in order and equally far apart: every second one
 /// goes where there are too many, and from then on every second one comes.
 class KeptDraws {
@@ -52,6 +54,9 @@ class KeptDraws {
   }
 
  private:
+  friend struct CheckpointFields;
+  KeptDraws() = default;
+
   static constexpr std::size_t kKeep = 2000;
   std::vector<OfModel> models_;
 };

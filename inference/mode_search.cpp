@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "base/parcel.hpp"
 #include "inference/climb.hpp"
 
 namespace wheeltap::inference {
@@ -175,14 +176,23 @@ class Search {
   template <typename Start>
   std::vector<ClimbEnd> climb(long n, Start&& start, bool fine = false) {
     std::vector<ClimbEnd> ends(static_cast<std::size_t>(n));
-    base::parallel_for(kSlices, options_.threads, [&](int s) {
-      Surface& surface = *surfaces_[static_cast<std::size_t>(s)];
-      Vector z(surface.dimension());
-      for (long i = s; i < n; i += kSlices) {
-        start(i, surface, z);
-        ends[static_cast<std::size_t>(i)] = inference::climb(surface, z, known_, fine);
-      }
-    });
+    base::parallel_for(
+        kSlices, options_.threads,
+        [&](int s) {
+          Surface& surface = *surfaces_[static_cast<std::size_t>(s)];
+          Vector z(surface.dimension());
+          for (long i = s; i < n; i += kSlices) {
+            start(i, surface, z);
+            ends[static_cast<std::size_t>(i)] = inference::climb(surface, z, known_, fine);
+          }
+        },
+        base::carriage([&](int s, auto& parcel) {
+          surfaces_[static_cast<std::size_t>(s)]->carry(parcel);
+          for (long i = s; i < n; i += kSlices) {
+            ClimbEnd& end = ends[static_cast<std::size_t>(i)];
+            parcel(end.z, end.value, end.inverse_hessian, end.known, end.possible);
+          }
+        }));
     return ends;
   }
 

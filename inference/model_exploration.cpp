@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "base/parcel.hpp"
 #include "inference/convergence.hpp"
 #include "inference/evidence/tmcmc.hpp"
 #include "inference/normal_mixture.hpp"
@@ -95,21 +96,31 @@ class ImportanceSampler {
     log_posterior_.resize(total);
     const int blocks = (n + kBlock - 1) / kBlock;
     std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
-    base::parallel_for(blocks, options_.threads, [&](int block) {
-      ModelPosterior posterior(problem_, model_);
-      base::Random random(
-          options_.seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 61U),
-          static_cast<std::uint64_t>(model_) | static_cast<std::uint64_t>(proposals_.size()) << 32U,
-          base::Purpose::evidence);
-      const auto begin = before + static_cast<std::size_t>(block) * kBlock;
-      const auto end = std::min(begin + kBlock, total);
-      for (std::size_t i = begin; i < end; ++i) proposal.sample(random, {z_.data() + i * d, d});
-      std::vector<ModelPosterior::Value> values(end - begin);
-      posterior.evaluate({z_.data() + begin * d, (end - begin) * d}, values);
-      for (std::size_t i = begin; i < end; ++i)
-        log_posterior_[i] = values[i - begin].log_posterior();
-      counted[static_cast<std::size_t>(block)] = posterior.evaluations();
-    });
+    base::parallel_for(
+        blocks, options_.threads,
+        [&](int block) {
+          ModelPosterior posterior(problem_, model_);
+          base::Random random(options_.seed,
+                              static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 61U),
+                              static_cast<std::uint64_t>(model_) |
+                                  static_cast<std::uint64_t>(proposals_.size()) << 32U,
+                              base::Purpose::evidence);
+          const auto begin = before + static_cast<std::size_t>(block) * kBlock;
+          const auto end = std::min(begin + kBlock, total);
+          for (std::size_t i = begin; i < end; ++i) proposal.sample(random, {z_.data() + i * d, d});
+          std::vector<ModelPosterior::Value> values(end - begin);
+          posterior.evaluate({z_.data() + begin * d, (end - begin) * d}, values);
+          for (std::size_t i = begin; i < end; ++i)
+            log_posterior_[i] = values[i - begin].log_posterior();
+          counted[static_cast<std::size_t>(block)] = posterior.evaluations();
+        },
+        base::carriage([&](int block, auto& parcel) {
+          const auto begin = before + static_cast<std::size_t>(block) * kBlock;
+          const auto size = std::min<std::size_t>(kBlock, total - begin);
+          parcel(std::span(z_).subspan(begin * d, size * d),
+                 std::span(log_posterior_).subspan(begin, size),
+                 counted[static_cast<std::size_t>(block)]);
+        }));
     for (const long c : counted) evaluations_ += c;
     // The mixture of all proposals, at old draws and new.
     log_proposals_.resize(total, -kInfinity);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace wheeltap::inference {
@@ -102,6 +103,21 @@ std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
     if (best > 0.0) efficiency[k] = std::clamp(rate[k] / best, kLeast, 1.0);
   }
   return efficiency;
+}
+
+std::vector<double> KernelMixture::learnt() const {
+  std::vector<double> numbers;
+  for (const auto& kernel : kernels_) kernel->save(numbers);
+  return numbers;
+}
+
+void KernelMixture::restore(std::span<const double> learnt) {
+  const std::size_t wanted = this->learnt().size();
+  if (learnt.size() != wanted) {
+    throw std::invalid_argument("kernels: " + std::to_string(learnt.size()) +
+                                " numbers learnt, must be " + std::to_string(wanted));
+  }
+  for (const auto& kernel : kernels_) kernel->restore(learnt);
 }
 
 int KernelMixture::step(State& state, const Step& step, Kernel::Outcome& outcome) {

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,10 @@ class Kernel {
   Kernel& operator=(const Kernel&) = delete;
 
   virtual Outcome step(State& state, const Step& step) = 0;
+  /// Appends what steps have taught it, and takes it back from the front of `numbers`: a kernel
+  /// made anew and given them goes on bit for bit.
+  virtual void save(std::vector<double>& /*numbers*/) const {}
+  virtual void restore(std::span<const double>& /*numbers*/) {}
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] double work() const { return work_; }
 
@@ -84,6 +89,9 @@ class Move {
 
   /// Called after each of its proposals during warm-up.
   virtual void adapt(double /*acceptance_probability*/, const State& /*reached*/) {}
+  /// What `adapt` has learnt; see Kernel::save.
+  virtual void save(std::vector<double>& /*numbers*/) const {}
+  virtual void restore(std::span<const double>& /*numbers*/) {}
 };
 
 /// Accepts a move with probability
@@ -103,6 +111,8 @@ class MetropolisHastings : public Kernel {
   MetropolisHastings(std::string name, std::unique_ptr<Move> move, double work = 0.0)
       : Kernel(std::move(name), work), move_(std::move(move)) {}
   Outcome step(State& state, const Step& step) override;
+  void save(std::vector<double>& numbers) const override { move_->save(numbers); }
+  void restore(std::span<const double>& numbers) override { move_->restore(numbers); }
 
  private:
   std::unique_ptr<Move> move_;
@@ -126,6 +136,10 @@ class KernelMixture {
   void reweigh(const std::vector<double>& factors);
   /// Makes one step; returns the index of the kernel used, -1 where there is none.
   int step(State& state, const Step& step, Kernel::Outcome& outcome);
+  /// What its kernels have learnt, one after the other.
+  [[nodiscard]] std::vector<double> learnt() const;
+  /// Takes it back. Throws std::invalid_argument where that is not what these kernels learn.
+  void restore(std::span<const double> learnt);
   [[nodiscard]] int size() const { return static_cast<int>(kernels_.size()); }
   [[nodiscard]] const Kernel& operator[](int i) const {
     return *kernels_[static_cast<std::size_t>(i)];

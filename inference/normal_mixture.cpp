@@ -24,6 +24,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }  // namespace
 
 NormalMixture::NormalMixture(std::vector<Component> components, double degrees_of_freedom)
+    : NormalMixture(std::move(components), degrees_of_freedom, false) {}
+
+NormalMixture NormalMixture::restored(std::vector<Component> components,
+                                      double degrees_of_freedom) {
+  return {std::move(components), degrees_of_freedom, true};
+}
+
+NormalMixture::NormalMixture(std::vector<Component> components, double degrees_of_freedom,
+                             bool normalised)
     : nu_(degrees_of_freedom), components_(std::move(components)) {
   if (components_.empty() || components_.size() > kMaxComponents)
     throw std::invalid_argument("normal mixture: " + std::to_string(components_.size()) +
@@ -49,7 +58,7 @@ NormalMixture::NormalMixture(std::vector<Component> components, double degrees_o
   }
   double running = 0.0;
   for (Component& c : components_) {
-    c.weight /= sum;
+    if (!normalised) c.weight /= sum;
     cumulative_.push_back(running += c.weight);
   }
   packed_ = pack(components_, nu_);

@@ -48,6 +48,11 @@ class NormalMixture {
   explicit NormalMixture(std::vector<Component> components,
                          double degrees_of_freedom = std::numeric_limits<double>::infinity());
 
+  /// Of another mixture's components, whose weights are taken as they are: the same bits. Throws as
+  /// the constructor does.
+  [[nodiscard]] static NormalMixture restored(std::vector<Component> components,
+                                              double degrees_of_freedom);
+
   /// N(0, sd² I) in d dimensions.
   [[nodiscard]] static NormalMixture standard(int dimension, double sd = 1.0);
 
@@ -89,6 +94,8 @@ class NormalMixture {
   [[nodiscard]] double log_determinant(int k) const;
 
  private:
+  NormalMixture(std::vector<Component> components, double degrees_of_freedom, bool normalised);
+
   int dimension_ = 0;
   double nu_ = std::numeric_limits<double>::infinity();
   std::vector<Component> components_;

@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace wheeltap::inference {
+
+struct Checkpoint;  // checkpoint.hpp
 
 /// 0 means, wherever it is allowed, that the engine chooses.
 struct Options {
@@ -56,6 +59,18 @@ struct Options {
   /// Called from one thread at a time, a few times a second. Returning false stops the run early:
   /// what has been drawn is kept, and before anything was, draws of what the searches have found.
   std::function<bool(const Progress&)> progress = nullptr;
+
+  /// What a run can be taken up again from, bit for bit.
+  struct Checkpoints {
+    /// Called from one thread, between two iterations of all chains: every so many seconds, and
+    /// once where the run is stopped early. Its time is kept below 3 % of the run's.
+    std::function<void(const Checkpoint&)> save = nullptr;
+    double every_seconds = 0.0;  ///< 0: wherever a run can be left
+    /// Goes on from there. Problem, seed and all options but threads and callbacks must be those
+    /// that it was saved with.
+    std::shared_ptr<const Checkpoint> from = nullptr;
+  };
+  Checkpoints checkpoints{};
 };
 
 }  // namespace wheeltap::inference

@@ -28,6 +28,8 @@ using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
                                                                  const Options& options,
                                                                  const Atlases& atlases);
 
+struct CheckpointFields;  // checkpoint.cpp
+
 /// States met in warm-up, by model: columns are states, thinned to a few thousand.
 class PilotSamples {
  public:
@@ -41,6 +43,9 @@ class PilotSamples {
   [[nodiscard]] Eigen::MatrixXd states(int model) const;
 
  private:
+  friend struct CheckpointFields;
+  PilotSamples() = default;
+
   static constexpr std::size_t kKeep = 4000;
   struct OfModel {
     std::size_t dimension = 0;

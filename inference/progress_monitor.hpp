@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "inference/options.hpp"
 
 namespace wheeltap::inference {
@@ -35,7 +36,7 @@ class ProgressMonitor {
     const std::scoped_lock lock(mutex_);
     done_ += work;
     const auto now = std::chrono::steady_clock::now();
-    if (!options_.progress || now - last_ < std::chrono::milliseconds(100)) return !stop_;
+    if (!options_.progress || now - last_ < std::chrono::milliseconds(100)) return !stopped();
     last_ = now;
     Options::Progress progress{.stage = stage_,
                                .fraction = std::min(1.0, done_ / total_),
@@ -49,10 +50,14 @@ class ProgressMonitor {
         progress.model_probabilities.push_back(static_cast<double>(n) / static_cast<double>(sum));
       }
     }
-    if (!options_.progress(progress)) stop_ = true;
-    return !stop_;
+    if (!options_.progress(progress)) {
+      stop_ = true;
+      if (base::ranks() != nullptr) base::ranks()->ask_to_stop();
+    }
+    return !stopped();
   }
-  [[nodiscard]] bool stopped() const { return stop_; }
+  /// As far as this thread may know (base::is_to_stop).
+  [[nodiscard]] bool stopped() const { return base::is_to_stop(stop_); }
 
  private:
   const Options& options_;

@@ -1,10 +1,10 @@
 #include "inference/reversible_jump.hpp"
 
-#include <chrono>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "inference/checkpoint.hpp"
 #include "inference/stages/explore.hpp"
 #include "inference/stages/run_context.hpp"
 #include "inference/stages/salvage.hpp"
@@ -41,20 +41,27 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
                                   " must be at least 0 (0: the engine chooses)");
     }
   }
-  const auto began = std::chrono::steady_clock::now();
   const Options chosen = options.quick ? as_a_look(options) : options;
   RunContext run(problem, chosen);
-  RunState state = begin(run);
-  explore(run, state);
-  state.posterior.calls.explore = state.posterior.warmup_evaluations =
-      likelihood_evaluations(state);
-  if (!run.monitor.stopped()) tune(run, state);
-  if (!run.monitor.stopped()) sample(run, state);
-  if (run.monitor.stopped()) salvage(run, state);
-  Posterior posterior = finish(run, state);
-  posterior.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  return posterior;
+  RunState state;
+  if (options.checkpoints.from) {
+    state = state_of(*options.checkpoints.from, problem.space, options.chains);
+    resume(run, state);
+  } else {
+    state = begin(run);
+    run.safe_points.pass(state);
+  }
+  using Stage = Position::Stage;
+  if (state.at.stage == Stage::explore) explore(run, state);
+  if (state.at.stage == Stage::tune && !run.monitor.stopped()) tune(run, state);
+  if (state.at.stage == Stage::sample && !run.monitor.stopped()) sample(run, state);
+  if (run.monitor.stopped()) {
+    run.safe_points.stopped();
+    if (state.at.stage == Stage::explore) count_exploring(state);
+    salvage(run, state);
+  }
+  run.safe_points.clock(state);
+  return finish(run, state);
 }
 
 }  // namespace wheeltap::inference

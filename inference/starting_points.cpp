@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "base/parcel.hpp"
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/evidence/tmcmc.hpp"
 
@@ -70,9 +71,17 @@ std::vector<Laplace> climb_with_record(const Problem& problem, const Options& op
     return mode;
   };
   std::vector<Laplace> modes(static_cast<std::size_t>(models));
-  base::parallel_for(models, options.threads, [&](int m) {
-    modes[static_cast<std::size_t>(m)] = find_mode(monitor, [&] { return climb(m); });
-  });
+  base::parallel_for(
+      models, options.threads,
+      [&](int m) {
+        modes[static_cast<std::size_t>(m)] = find_mode(monitor, [&] { return climb(m); });
+      },
+      base::carriage([&](int m, auto& parcel) {
+        Laplace& mode = modes[static_cast<std::size_t>(m)];
+        Evidence& e = mode.evidence;
+        parcel(e.log_evidence, e.standard_error, e.likelihood_evaluations, e.warnings, mode.z,
+               mode.x, mode.covariance);
+      }));
   return modes;
 }
 

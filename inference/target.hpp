@@ -170,6 +170,12 @@ class Target {
   };
   [[nodiscard]] const Memory& memory() const { return memory_; }
   void set_memory(Memory memory) { memory_ = std::move(memory); }
+  /// The counts alone, for another rank's target of the same problem (base/parcel.hpp).
+  template <class Parcel>
+  void carry(Parcel& parcel) {
+    parcel(memory_.evaluations, memory_.full_evaluations, memory_.proper.values,
+           memory_.proper.impossible, memory_.stand_in.values, memory_.stand_in.impossible);
+  }
 
   /// Fills in everything of `state` that follows from model and z. An infinite z is impossible: -∞.
   /// The residuals are those of the stand-in where the problem has one.

@@ -108,6 +108,16 @@ TemperedChain::TemperedChain(Target& target, Ladder ladder, KernelFactory kernel
   for (int i = 0; i < rungs(); ++i) kernels_.push_back(factory_());
 }
 
+std::vector<std::vector<double>> TemperedChain::learnt() const {
+  std::vector<std::vector<double>> out;
+  for (const auto& kernels : kernels_) out.push_back(kernels->learnt());
+  return out;
+}
+
+void TemperedChain::restore(const std::vector<std::vector<double>>& learnt) {
+  for (std::size_t r = 0; r < kernels_.size(); ++r) kernels_[r]->restore(learnt.at(r));
+}
+
 void TemperedChain::start() {
   ladder_.states.clear();
   for (int i = 0; i < rungs(); ++i) {

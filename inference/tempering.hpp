@@ -83,6 +83,9 @@ class TemperedChain {
   [[nodiscard]] double barrier() const;
 
   [[nodiscard]] const Ladder& ladder() const { return ladder_; }
+  /// What each rung's kernels have learnt, and its return (KernelMixture).
+  [[nodiscard]] std::vector<std::vector<double>> learnt() const;
+  void restore(const std::vector<std::vector<double>>& learnt);
   [[nodiscard]] const std::vector<double>& betas() const { return ladder_.betas; }
   [[nodiscard]] int rungs() const { return ladder_.rungs(); }
   [[nodiscard]] const State& state(int rung) const {

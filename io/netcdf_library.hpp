@@ -5,6 +5,7 @@
 #include <netcdf.h>
 #include <netcdf_mem.h>
 
+#include <cstdint>
 #include <mutex>
 #include <string>
 
@@ -50,6 +51,24 @@ class NetcdfHandle {
   bool open_ = false;
   std::string name_;  // in memory
 };
+
+/// The type of a variable that holds such numbers as they are.
+template <class Number>
+inline constexpr nc_type kNetcdfType = NC_NAT;
+template <>
+inline constexpr nc_type kNetcdfType<double> = NC_DOUBLE;
+template <>
+inline constexpr nc_type kNetcdfType<float> = NC_FLOAT;
+template <>
+inline constexpr nc_type kNetcdfType<std::int64_t> = NC_INT64;
+template <>
+inline constexpr nc_type kNetcdfType<std::int32_t> = NC_INT;
+template <>
+inline constexpr nc_type kNetcdfType<std::int16_t> = NC_SHORT;
+template <>
+inline constexpr nc_type kNetcdfType<std::uint8_t> = NC_UBYTE;
+template <>
+inline constexpr nc_type kNetcdfType<char> = NC_CHAR;
 
 /// What the first bytes of a NetCDF-4 file are (HDF5's signature).
 inline constexpr char kNetcdfMagic[] = "\x89HDF\r\n\x1a\n";

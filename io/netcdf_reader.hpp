@@ -89,6 +89,30 @@ class NetcdfReader {
     check(nc_get_var_double(group, id, out.values.data()));
     return out;
   }
+  [[nodiscard]] nc_type type(int group, const std::string& name) const {
+    int id = 0;
+    nc_type type = NC_NAT;
+    if (nc_inq_varid(group, name.c_str(), &id) != NC_NOERR)
+      foreign("has no variable \"" + name + "\"");
+    check(nc_inq_vartype(group, id, &type));
+    return type;
+  }
+  /// What NetcdfWriter::column wrote; empty where there is none. Another type is foreign.
+  template <class Sequence>
+  [[nodiscard]] Sequence column(int group, const std::string& name) const {
+    Sequence out;
+    int id = 0, rank = 0, dimension = 0;
+    if (nc_inq_varid(group, name.c_str(), &id) != NC_NOERR) return out;
+    check(nc_inq_varndims(group, id, &rank));
+    if (rank != 1 || type(group, name) != kNetcdfType<typename Sequence::value_type>)
+      foreign("has another \"" + name + "\"");
+    check(nc_inq_vardimid(group, id, &dimension));
+    std::size_t length = 0;
+    check(nc_inq_dimlen(group, dimension, &length));
+    out.resize(length);
+    check(nc_get_var(group, id, out.data()));
+    return out;
+  }
   /// A global attribute; empty where there is none.
   [[nodiscard]] std::string text(const char* attribute) const {
     return attribute_of(file_.id, NC_GLOBAL, attribute);

@@ -91,6 +91,17 @@ class NetcdfWriter {
     check(nc_put_var_int(group, id, values.data()));
     return id;
   }
+  /// Numbers or characters of any length as they are, with a dimension of their own; of none,
+  /// nothing is written.
+  template <class Sequence>
+  void column(int group, const std::string& name, const Sequence& values) const {
+    if (values.empty()) return;
+    int dimension = 0, id = 0;
+    check(nc_def_dim(group, name.c_str(), values.size(), &dimension));
+    check(nc_def_var(group, name.c_str(), kNetcdfType<typename Sequence::value_type>, 1, &dimension,
+                     &id));
+    check(nc_put_var(group, id, values.data()));
+  }
 
  private:
   std::filesystem::path path_;

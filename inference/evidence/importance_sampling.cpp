@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/parallel.hpp"
+#include "base/parcel.hpp"
 
 namespace wheeltap::inference {
 
@@ -17,19 +18,27 @@ std::vector<double> log_importance_ratios(const Problem& problem, int model,
   const int blocks = (n + kBlock - 1) / kBlock;
   std::vector<double> ratios(static_cast<std::size_t>(n));
   std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
-  base::parallel_for(blocks, threads, [&](int block) {
-    ModelPosterior posterior(problem, model);
-    base::Random random(seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 62U),
-                        static_cast<std::uint64_t>(model), base::Purpose::evidence);
-    std::vector<double> z(static_cast<std::size_t>(posterior.dimension()));
-    const int end = std::min(n, (block + 1) * kBlock);
-    for (int i = block * kBlock; i < end; ++i) {
-      proposal.sample(random, z);
-      const double log_posterior = posterior(z).log_posterior();
-      ratios[static_cast<std::size_t>(i)] = log_posterior - proposal.log_density(z);
-    }
-    counted[static_cast<std::size_t>(block)] = posterior.evaluations();
-  });
+  base::parallel_for(
+      blocks, threads,
+      [&](int block) {
+        ModelPosterior posterior(problem, model);
+        base::Random random(seed, static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 62U),
+                            static_cast<std::uint64_t>(model), base::Purpose::evidence);
+        std::vector<double> z(static_cast<std::size_t>(posterior.dimension()));
+        const int end = std::min(n, (block + 1) * kBlock);
+        for (int i = block * kBlock; i < end; ++i) {
+          proposal.sample(random, z);
+          const double log_posterior = posterior(z).log_posterior();
+          ratios[static_cast<std::size_t>(i)] = log_posterior - proposal.log_density(z);
+        }
+        counted[static_cast<std::size_t>(block)] = posterior.evaluations();
+      },
+      base::carriage([&](int block, auto& parcel) {
+        const auto begin = static_cast<std::size_t>(block * kBlock);
+        parcel(
+            std::span(ratios).subspan(begin, std::min<std::size_t>(kBlock, ratios.size() - begin)),
+            counted[static_cast<std::size_t>(block)]);
+      }));
   for (const long c : counted) evaluations += c;
   return ratios;
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/parallel.hpp"
+#include "base/parcel.hpp"
 #include "inference/diagnostics.hpp"
 
 namespace wheeltap::inference {
@@ -156,19 +157,26 @@ ModelSamples run(const Problem& problem, int model, const NormalMixture* pilot,
                        0,
                        {}};
   std::vector<long> accepted(chains, 0), evaluations(chains, 0);
-  base::parallel_for(options.chains, options.threads, [&](int chain) {
-    const auto c = static_cast<std::size_t>(chain);
-    Walker walker(problem, model, pilot, options.seed, c);
-    for (int i = 0; i < options.warmup; ++i) walker.step(i, true);
-    for (int i = 0; i < options.draws; ++i) {
-      accepted[c] += walker.step(i, false) ? 1 : 0;
-      samples.z[c].row(i) = walker.z().transpose();
-      samples.x[c].row(i) = walker.x().transpose();
-      samples.log_posterior[c].push_back(walker.value().log_posterior());
-      samples.log_likelihood[c].push_back(walker.value().log_likelihood);
-    }
-    evaluations[c] = walker.posterior().evaluations();
-  });
+  base::parallel_for(
+      options.chains, options.threads,
+      [&](int chain) {
+        const auto c = static_cast<std::size_t>(chain);
+        Walker walker(problem, model, pilot, options.seed, c);
+        for (int i = 0; i < options.warmup; ++i) walker.step(i, true);
+        for (int i = 0; i < options.draws; ++i) {
+          accepted[c] += walker.step(i, false) ? 1 : 0;
+          samples.z[c].row(i) = walker.z().transpose();
+          samples.x[c].row(i) = walker.x().transpose();
+          samples.log_posterior[c].push_back(walker.value().log_posterior());
+          samples.log_likelihood[c].push_back(walker.value().log_likelihood);
+        }
+        evaluations[c] = walker.posterior().evaluations();
+      },
+      base::carriage([&](int chain, auto& parcel) {
+        const auto c = static_cast<std::size_t>(chain);
+        parcel(samples.z[c], samples.x[c], samples.log_posterior[c], samples.log_likelihood[c],
+               accepted[c], evaluations[c]);
+      }));
   for (std::size_t c = 0; c < chains; ++c) {
     samples.acceptance += static_cast<double>(accepted[c]) / (options.chains * 1.0 * options.draws);
     samples.likelihood_evaluations += evaluations[c];

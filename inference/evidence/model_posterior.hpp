@@ -73,6 +73,10 @@ class ModelPosterior {
 
   [[nodiscard]] int dimension() const { return static_cast<int>(state_.z.size()); }
   [[nodiscard]] long evaluations() const { return target_.evaluations(); }
+  template <class Parcel>
+  void carry(Parcel& parcel) {
+    target_.carry(parcel);
+  }
   [[nodiscard]] const std::string& name() const { return target_.space()[state_.model].name; }
 
  private:

@@ -10,6 +10,7 @@
 
 #include "base/number.hpp"
 #include "base/parallel.hpp"
+#include "base/parcel.hpp"
 
 namespace wheeltap::inference {
 namespace {
@@ -355,12 +356,17 @@ bool better_growing(const Problem& problem, int model, const TmcmcOptions& optio
   if (options.progress) pilot.progress = [&](double) { return options.progress(0.0); };
   std::vector<double> log_evidence(2 * kPilots);
   std::vector<long> cost(2 * kPilots);
-  base::parallel_for(2 * kPilots, options.threads, [&](int i) {
-    Replicate replicate(problem, model, pilot, options.replicates + i, i < kPilots);
-    const double found = replicate.run();
-    log_evidence[static_cast<std::size_t>(i)] = std::isnan(found) ? -kInfinity : found;
-    cost[static_cast<std::size_t>(i)] = replicate.evaluations();
-  });
+  base::parallel_for(
+      2 * kPilots, options.threads,
+      [&](int i) {
+        Replicate replicate(problem, model, pilot, options.replicates + i, i < kPilots);
+        const double found = replicate.run();
+        log_evidence[static_cast<std::size_t>(i)] = std::isnan(found) ? -kInfinity : found;
+        cost[static_cast<std::size_t>(i)] = replicate.evaluations();
+      },
+      base::carriage([&](int i, auto& parcel) {
+        parcel(log_evidence[static_cast<std::size_t>(i)], cost[static_cast<std::size_t>(i)]);
+      }));
   for (const long c : cost) evaluations += c;
   return std::max(log_evidence[0], log_evidence[1]) >
          std::max(log_evidence[2], log_evidence[3]) - kClearly;
@@ -395,19 +401,30 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   const bool growing =
       better_growing(problem, model, options, result.evidence.likelihood_evaluations);
   result.z.resize(static_cast<Eigen::Index>(r) * options.samples, posterior.dimension());
-  base::parallel_for(options.replicates, options.threads, [&](int index) {
-    const auto i = static_cast<std::size_t>(index);
-    Replicate replicate(problem, model, options, index, growing);
-    log_evidence[i] = replicate.run();
-    evaluations[i] = replicate.evaluations();
-    stages[i] = replicate.stages();
-    sluggish[i] = replicate.sluggish() ? 1 : 0;
-    stuck[i] = replicate.stuck();
-    if (std::isnan(log_evidence[i])) return;
-    Eigen::Index row = static_cast<Eigen::Index>(index) * options.samples;
-    for (const Particle& p : replicate.particles())
-      result.z.row(row++) = Eigen::Map<const Eigen::RowVectorXd>(p.z.data(), posterior.dimension());
-  });
+  base::parallel_for(
+      options.replicates, options.threads,
+      [&](int index) {
+        const auto i = static_cast<std::size_t>(index);
+        Replicate replicate(problem, model, options, index, growing);
+        log_evidence[i] = replicate.run();
+        evaluations[i] = replicate.evaluations();
+        stages[i] = replicate.stages();
+        sluggish[i] = replicate.sluggish() ? 1 : 0;
+        stuck[i] = replicate.stuck();
+        if (std::isnan(log_evidence[i])) return;
+        Eigen::Index row = static_cast<Eigen::Index>(index) * options.samples;
+        for (const Particle& p : replicate.particles())
+          result.z.row(row++) =
+              Eigen::Map<const Eigen::RowVectorXd>(p.z.data(), posterior.dimension());
+      },
+      base::carriage([&](int index, auto& parcel) {
+        const auto i = static_cast<std::size_t>(index);
+        parcel(log_evidence[i], evaluations[i], stages[i], sluggish[i], stuck[i]);
+        const Eigen::Index first = static_cast<Eigen::Index>(index) * options.samples;
+        for (Eigen::Index row = first; row < first + options.samples; ++row) {
+          for (Eigen::Index j = 0; j < result.z.cols(); ++j) parcel(result.z(row, j));
+        }
+      }));
 
   Evidence& evidence = result.evidence;
   for (const long e : evaluations) evidence.likelihood_evaluations += e;

@@ -18,6 +18,8 @@ class DelayedRejection : public Kernel {
   explicit DelayedRejection(RandomWalk::Scales scales)
       : Kernel("delayed rejection"), scales_(std::move(scales)) {}
   Outcome step(State& state, const Step& step) override;
+  void save(std::vector<double>& numbers) const override { RandomWalk::save(scales_, numbers); }
+  void restore(std::span<const double>& numbers) override { RandomWalk::restore(scales_, numbers); }
 
  private:
   static constexpr double kShrink = 0.2;  ///< γ

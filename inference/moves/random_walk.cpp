@@ -54,6 +54,26 @@ void RandomWalk::adapt(double acceptance_probability, const State&) {
   if (factor_ == 1.0) learn(*block_, u_, acceptance_probability);
 }
 
+void RandomWalk::save(const Scales& scales, std::vector<double>& numbers) {
+  for (const std::vector<Block>& blocks : scales) {
+    for (const Block& block : blocks) {
+      numbers.insert(numbers.end(), block.factor.data(), block.factor.data() + block.factor.size());
+      numbers.push_back(static_cast<double>(block.adaptations));
+    }
+  }
+}
+
+void RandomWalk::restore(Scales& scales, std::span<const double>& numbers) {
+  for (std::vector<Block>& blocks : scales) {
+    for (Block& block : blocks) {
+      const auto size = static_cast<std::size_t>(block.factor.size());
+      std::copy_n(numbers.begin(), size, block.factor.data());
+      block.adaptations = static_cast<long>(numbers[size]);
+      numbers = numbers.subspan(size + 1);
+    }
+  }
+}
+
 void RandomWalk::learn(Block& block, const Eigen::VectorXd& u, double acceptance_probability) {
   const Eigen::Index n = block.factor.rows();
   const auto d = static_cast<double>(n);

@@ -1,6 +1,7 @@
 // Random walks within a model.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "base/eigen.hpp"
@@ -33,9 +34,15 @@ class RandomWalk : public Move {
   /// Blocks of every model, with S = the identity; the last block of each is all its coordinates.
   [[nodiscard]] static Scales initial_scales(const ModelSpace& space);
 
+  /// S and the number of steps it was learnt in, block after block: as Kernel::save.
+  static void save(const Scales& scales, std::vector<double>& numbers);
+  static void restore(Scales& scales, std::span<const double>& numbers);
+
   explicit RandomWalk(Scales scales) : scales_(std::move(scales)) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
   void adapt(double acceptance_probability, const State& reached) override;
+  void save(std::vector<double>& numbers) const override { save(scales_, numbers); }
+  void restore(std::span<const double>& numbers) override { restore(scales_, numbers); }
   [[nodiscard]] const Scales& scales() const { return scales_; }
 
  private:

@@ -27,7 +27,7 @@ constexpr long kClimbsInMany = 2;    // in each of those
 // Models of a nested list of a record: climbs that start from one another's modes find more, for
 // a tenth of the calls, than annealing each from its prior.
 constexpr int kManyNested = 8;
-constexpr std::size_t kSearchedModels = 60;  // of those: no more than these are searched in full
+constexpr int kSearchedModels = 60;  // of those: no more than these are searched in full
 constexpr int kSearchRounds = 4;
 constexpr std::size_t kNestedStarts = 3;  // models within another whose modes it is searched from
 constexpr std::size_t kReachedModels =
@@ -69,12 +69,21 @@ void count(RunContext& run, RunState& state, const ModelExploration& found,
   run.monitor.evaluated(more);
 }
 
+// The models that explore_each explores next.
+void search_next(RunState& state, std::vector<int> models) {
+  state.at.explore = Position::Explore::search;
+  state.at.models = std::move(models);
+  state.at.model = 0;
+  state.at.best = -kInfinity;
+}
+
 // Each model of the list by itself: all are surveyed before any is annealed, since a hopeless one
 // of a record, whose likelihoods are dear, needs no more than a survey. Models of a nested list
 // have each the budget that one has alone, and start from the modes of those within them as well.
-void explore_each(RunContext& run, RunState& state, const std::vector<int>& list, bool anneal,
-                  bool nested = false) {
+void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = false) {
   const Problem& problem = run.problem;
+  Position& at = state.at;
+  const std::vector<int>& list = at.models;
   const auto with_parameters =
       std::ranges::count_if(list, [&](int m) { return problem.space[m].dimension > 0; });
   if (with_parameters == 0 && !anneal) return;
@@ -103,38 +112,51 @@ void explore_each(RunContext& run, RunState& state, const std::vector<int>& list
       how.starts.push_back(mode.z);
     return how;
   };
-  double best = -kInfinity;
   const auto log_mass = [&](int m) {
     return problem.space[m].log_prior +
            state.explorations[static_cast<std::size_t>(m)].log_evidence();
   };
   const double parts = static_cast<double>(std::max<long>(1, with_parameters));
   const double later = planned_tuning(run) + planned_draws(run) + planned_evidence(run);
-  run.monitor.begin("searching", parts, later + (anneal ? kBriefAnnealing * parts : 0.0));
-  for (const int m : list) {
-    if (!std::isfinite(problem.space[m].log_prior)) continue;
+  // body(m) of the models that are left, from one safe point to the next; false: stopped.
+  const auto each_left = [&](auto&& body) {
+    for (; at.model < static_cast<int>(list.size()); ++at.model) {
+      run.safe_points.pass(state);
+      body(list[static_cast<std::size_t>(at.model)]);
+      if (run.monitor.stopped()) return false;
+    }
+    return true;
+  };
+  const auto survey = [&](int m) {
+    if (!std::isfinite(problem.space[m].log_prior)) return;
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)] =
         survey_model(problem, m, options(m));
     count(run, state, found, {});
-    best = std::max(best, log_mass(m));
-    if (run.monitor.stopped()) return;
-  }
-  if (!anneal) return;
-  run.monitor.begin("annealing", parts, later);
-  for (const int m : list) {
+    at.best = std::max(at.best, log_mass(m));
+  };
+  const auto anneal_one = [&](int m) {
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
-    if (!std::isfinite(problem.space[m].log_prior) || problem.space[m].dimension == 0) continue;
-    const bool hopeless = problem.shortened && log_mass(m) < best - kHopeless;
+    if (!std::isfinite(problem.space[m].log_prior) || problem.space[m].dimension == 0) return;
+    const bool hopeless = problem.shortened && log_mass(m) < at.best - kHopeless;
     if (hopeless && found.settled()) {
-      if (!run.monitor.advance(1.0)) return;
-      continue;
+      run.monitor.advance(1.0);
+      return;
     }
     const ExplorationCalls before = found.calls;
     anneal_model(problem, m, options(m), hopeless ? Annealing::brief : Annealing::as_needed, found);
     count(run, state, found, before);
-    best = std::max(best, log_mass(m));
-    if (run.monitor.stopped()) return;
+    at.best = std::max(at.best, log_mass(m));
+  };
+  if (at.explore == Position::Explore::search) {
+    run.monitor.begin("searching", parts, later + (anneal ? kBriefAnnealing * parts : 0.0));
+    run.monitor.advance(at.model);
+    if (!each_left(survey) || !anneal) return;
+    at.explore = Position::Explore::anneal;
+    at.model = 0;
   }
+  run.monitor.begin("annealing", parts, later);
+  run.monitor.advance(at.model);
+  each_left(anneal_one);
 }
 
 // One of many models: climbs alone; of a nested list from the best mode of the models within it,
@@ -197,35 +219,56 @@ std::vector<int> probable(const RunContext& run, const RunState& state, double l
 // A glance at each of very many models, the smaller first, and a look at those that this makes
 // probable.
 void explore_many(RunContext& run, RunState& state) {
+  using Part = Position::Explore;
   const Problem& problem = run.problem;
   const bool nested = problem.shortened && is_nested(problem.space);
-  run.monitor.begin("searching", static_cast<double>(run.models()));
-  for (const int m : by_dimension(problem.space)) {
-    if (!std::isfinite(problem.space[m].log_prior)) continue;
-    glance(run, state, m, nested);
-    if (!run.monitor.advance(1.0)) return;
+  Position& at = state.at;
+  if (at.explore == Part::begin) {
+    at.explore = Part::glance;
+    at.models = by_dimension(problem.space);
   }
-  estimate_probabilities(run, state);
+  if (at.explore == Part::glance) {
+    run.monitor.begin("searching", static_cast<double>(run.models()));
+    run.monitor.advance(at.model);
+    for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
+      run.safe_points.pass(state);
+      const int m = at.models[static_cast<std::size_t>(at.model)];
+      if (!std::isfinite(problem.space[m].log_prior)) continue;
+      glance(run, state, m, nested);
+      if (!run.monitor.advance(1.0)) return;
+    }
+    estimate_probabilities(run, state);
+    at.explore = Part::look;
+    at.looks_left = kSearchedModels;
+  }
   if (!nested) {
-    std::vector<int> list = probable(run, state, kReached);
-    if (list.size() > kReachedModels) list.resize(kReachedModels);
-    return explore_each(run, state, list, false);
+    if (at.explore == Part::look) {
+      std::vector<int> list = probable(run, state, kReached);
+      if (list.size() > kReachedModels) list.resize(kReachedModels);
+      search_next(state, std::move(list));
+    }
+    return explore_each(run, state, false);
   }
   // What holds the probability is searched as a single model would be, the smaller first: their
   // modes are starts of the larger. A look may show more than the glance did, and then others hold
   // it.
-  std::size_t left = kSearchedModels;
-  for (int round = 0; round < kSearchRounds && left > 0; ++round) {
-    std::vector<int> list = probable(run, state, kLimits.searched_model);
-    if (list.empty()) return;
-    if (list.size() > left) list.resize(left);
-    left -= list.size();
-    std::ranges::stable_sort(list, {}, [&](int m) { return problem.space[m].dimension; });
-    const std::vector<double> before = log_evidences(state);
-    explore_each(run, state, list, false, true);
+  for (; at.look < kSearchRounds; ++at.look) {
+    if (at.explore == Part::look) {
+      std::vector<int> list = probable(run, state, kLimits.searched_model);
+      if (list.empty() || at.looks_left == 0) return;
+      if (list.size() > static_cast<std::size_t>(at.looks_left))
+        list.resize(static_cast<std::size_t>(at.looks_left));
+      at.looks_left -= static_cast<int>(list.size());
+      std::ranges::stable_sort(list, {}, [&](int m) { return problem.space[m].dimension; });
+      at.before = log_evidences(state);
+      search_next(state, std::move(list));
+    }
+    explore_each(run, state, false, true);
     if (run.monitor.stopped()) return;
-    glance_again(run, state, before);
+    glance_again(run, state, at.before);
+    if (run.monitor.stopped()) return;
     estimate_probabilities(run, state);
+    at.explore = Part::look;
   }
 }
 
@@ -306,37 +349,56 @@ void start_chains(RunContext& run, RunState& state) {
   });
 }
 
+void end_exploring(RunContext& run, RunState& state) {
+  count_exploring(state);
+  if (run.monitor.stopped()) return;
+  state.at.stage = Position::Stage::tune;
+  run.safe_points.pass(state);
+}
+
 }  // namespace
+
+void count_exploring(RunState& state) {
+  state.posterior.calls.explore = state.posterior.warmup_evaluations =
+      likelihood_evaluations(state);
+}
 
 void explore(RunContext& run, RunState& state) {
   const Problem& problem = run.problem;
   const bool list = problem.space.kinds().empty();
+  const bool begins = state.at.explore == Position::Explore::begin;
   const bool balanced = problem.space.size() <= kBalancedModels;
   if (run.options.prior_only) {
     temper(run, state, {.scans = kExplorationScans});
     if (run.monitor.stopped()) return;
     pool_ladders(run, state);
     take_prior_probabilities(run, state);
-    return fit_proposals(run, state, 0);
+    fit_proposals(run, state, 0);
+    return end_exploring(run, state);
   }
   if (list && problem.samples >= kLongRecord && problem.shortened) {
     explore_growing(run, state);
   } else if (list && problem.space.size() <= kFewModels &&
              !(problem.shortened && problem.space.size() >= kManyNested &&
                is_nested(problem.space))) {
-    explore_each(run, state, every_model(run), !run.options.quick);
+    if (begins) search_next(state, every_model(run));
+    explore_each(run, state, !run.options.quick);
   } else if (list && problem.space.size() <= kManyModels) {
     explore_many(run, state);
   } else {
-    temper(run, state, {.scans = kExplorationScans, .balanced = balanced});
-    if (run.monitor.stopped()) return;
-    pool_ladders(run, state);
-    explore_each(run, state, reached(run, state), false);
+    if (begins) {
+      temper(run, state, {.scans = kExplorationScans, .balanced = balanced});
+      if (run.monitor.stopped()) return;
+      pool_ladders(run, state);
+      search_next(state, reached(run, state));
+    }
+    explore_each(run, state, false);
   }
   if (run.monitor.stopped()) return;
   estimate_probabilities(run, state);
   start_chains(run, state);
   fit_proposals(run, state, 0);
+  end_exploring(run, state);
 }
 
 }  // namespace wheeltap::inference

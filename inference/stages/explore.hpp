@@ -9,5 +9,7 @@ namespace wheeltap::inference {
 /// tempering first, from the prior; a long record as it grows (starting_points.hpp). Leaves what
 /// was found, every chain at a start of its own, and first proposals.
 void explore(RunContext& run, RunState& state);
+/// What has been spent so far was spent on exploring.
+void count_exploring(RunState& state);
 
 }  // namespace wheeltap::inference

@@ -56,6 +56,22 @@ void resume(RunContext& run, const RunState& state) {
     run.targets.push_back(std::make_unique<Target>(run.problem, run.options.prior_only));
     run.targets.back()->set_memory(chain.target);
   }
+  Target fresh(run.problem, run.options.prior_only);
+  const auto check = [&](const State& was) {
+    if (!was.evaluated) return;
+    State now;
+    now.model = was.model;
+    now.z = was.z;
+    fresh.evaluate(now);
+    if (now.log_likelihood == was.log_likelihood && now.x == was.x) return;
+    throw CheckpointError(
+        "the likelihood is another one than when this was saved: a file that the case names has "
+        "changed, or the processor has other vector instructions");
+  };
+  for (const ChainState& chain : state.chains) {
+    check(chain.state);
+    if (chain.ladder && !chain.ladder->states.empty()) check(chain.ladder->states.back());
+  }
 }
 
 long likelihood_evaluations(const RunState& state) {

@@ -1,6 +1,7 @@
 // A run between two rounds, as a value: what a checkpoint writes and what ranks exchange.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -15,8 +16,20 @@
 
 namespace wheeltap::inference {
 
+/// A chain on its way through a stage whose kernels learn.
+struct Lesson {
+  int steps = 0;  ///< of this round: of tuning, or scans of a ladder
+  // Tempering alone:
+  bool begun = false;
+  bool ended = false;
+  int round_scans = 0;  ///< of this round in all
+  int scans = 0;        ///< of the rounds before
+  double barrier = 0.0;
+  std::vector<std::vector<double>> learnt{};  ///< KernelMixture::learnt: of each rung, or one
+};
+
 /// One chain. Its target and kernels are made of this and of the run's state for each round
-/// (run_context.hpp): between rounds a kernel keeps nothing.
+/// (run_context.hpp): what a kernel has learnt in the midst of a round stands in `lesson`.
 struct ChainState {
   State state;                     ///< where it is
   long iteration = 0;              ///< steps that draws were made with: the key of the next one
@@ -29,6 +42,31 @@ struct ChainState {
   std::vector<std::vector<long>> at_mode{};  ///< draws nearest to each mode of each model
   std::vector<MoveStatistics> moves{};       ///< after warm-up
   std::vector<std::vector<long>> proposed{}, accepted{};  ///< jumps, models × models
+  Lesson lesson{};
+};
+
+/// Where a run is: what it does next. A stage's own work between two of these is done again from
+/// the first of them, to the same end.
+struct Position {
+  enum class Stage { explore, tune, sample };
+  enum class Explore { begin, glance, look, search, anneal };
+  enum class Sample { begin, ladder, prepare, settle, draw };
+
+  Stage stage = Stage::explore;
+  bool tempering = false;  ///< chains are on their way through temper()
+
+  Explore explore = Explore::begin;
+  std::vector<int> models{};                               ///< that are searched, or glanced at
+  int model = 0;                                           ///< of these: the next one
+  double best = -std::numeric_limits<double>::infinity();  ///< ln P Z of the models searched so far
+  int look = 0;                                            ///< at many models: round
+  int looks_left = 0;                                      ///< models
+  std::vector<double> before{};                            ///< ln Z of all models before this look
+
+  int round = 0;  ///< of tuning
+  int tuned = 0;  ///< steps of the rounds before
+  Sample sample = Sample::begin;
+  int goal = 0;  ///< draws a chain at the end of this round
 };
 
 /// The modes of a model whose shares the draws are counted for.
@@ -42,6 +80,7 @@ struct WeightyModes {
 /// space). A stage that is given a copy, with the same problem, options and seed, makes the same
 /// draws bit for bit.
 struct RunState {
+  Position at;
   std::vector<ChainState> chains;
 
   // What exploring found, one a model.

@@ -139,9 +139,49 @@ void collect(RunState& state) {
       any.model.empty() ? 0 : static_cast<int>(any.prediction.size() / any.size());
 }
 
-void draw_and_weigh(RunContext& run, RunState& state, int n, const char* stage) {
-  run.monitor.begin(stage, static_cast<double>(n) * run.options.chains, planned_evidence(run));
-  draw(run, state, n);
+// Up to the goal.
+void draw_on(RunContext& run, RunState& state) {
+  const int goal = state.at.goal;
+  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
+    Sampler sampler(run, state, c, chain, target);
+    Chain& out = state.posterior.chains[static_cast<std::size_t>(c)];
+    std::vector<long> visits(run.models(), 0);
+    long before = target.evaluations();
+    while (static_cast<int>(out.size()) < goal) {
+      sampler.draw(out);
+      ++visits[static_cast<std::size_t>(chain.state.model)];
+      if (out.size() % kTogether == 0) {
+        run.monitor.evaluated(target.evaluations() - before);
+        before = target.evaluations();
+        run.monitor.visited(visits);
+        std::fill(visits.begin(), visits.end(), 0);
+        run.monitor.advance(static_cast<double>(kTogether));
+      }
+      if (run.leave()) break;
+    }
+    return static_cast<int>(out.size()) == goal;
+  });
+  // A run that was stopped keeps what every chain has.
+  std::vector<Chain>& chains = state.posterior.chains;
+  std::size_t common = chains.front().size();
+  for (const Chain& chain : chains) common = std::min(common, chain.size());
+  for (Chain& chain : chains) chain.truncate(common);
+  state.posterior.draws = static_cast<int>(common);
+  collect(state);
+}
+
+void draw_and_weigh(RunContext& run, RunState& state) {
+  const Posterior& posterior = state.posterior;
+  run.monitor.begin(posterior.draws > 0 ? "sampling on"
+                    : posterior.tempered_draws && !run.options.tempered_draws
+                        ? "sampling with tempering"
+                        : "sampling",
+                    static_cast<double>(state.at.goal - posterior.draws) * run.options.chains,
+                    planned_evidence(run));
+  for (const Chain& chain : posterior.chains)
+    run.monitor.advance(static_cast<double>(chain.size()) - posterior.draws);
+  draw_on(run, state);
+  if (!run.monitor.stopped()) run.safe_points.pass(state);
   weigh(run, state);
 }
 
@@ -149,8 +189,8 @@ void set_up_ladder(RunContext& run, RunState& state) {
   temper(
       run, state,
       {.scans = kLadderScans, .balanced = run.space().size() <= kBalancedModels, .fitted = true});
-  run.each_chain(
-      state, [&](int, ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
+  run.each_chain_here(
+      state, [&](ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
 }
 
 // What has been drawn so far was tuning.
@@ -162,20 +202,17 @@ void forget_draws(RunState& state) {
 
 // Chains that disagree have not met the same modes: what they drew becomes warm-up, and a ladder is
 // in use from here on.
-void restart_tempered(RunContext& run, RunState& state) {
+void restart_tempered(const RunContext& run, RunState& state) {
   Posterior& posterior = state.posterior;
   posterior.tempered_draws = true;
   posterior.notes.push_back(
       "The chains disagreed, so they were restarted with parallel tempering throughout.");
   posterior.warmup += posterior.draws * posterior.thin;
-  set_up_ladder(run, state);
-  forget_draws(state);
   posterior.draws = 0;
   if (run.options.thin == 0) posterior.thin = 1;  // a scan is a step of every rung already
   for (Chain& chain : posterior.chains) chain = Chain{};
-  prepare_draws(run, state);
-  settle(run, state);
-  draw_and_weigh(run, state, kDefaultDraws, "sampling with tempering");
+  state.at.sample = Position::Sample::ladder;
+  state.at.goal = kDefaultDraws;
 }
 
 }  // namespace
@@ -232,51 +269,47 @@ void settle(RunContext& run, RunState& state) {
 }
 
 void draw(RunContext& run, RunState& state, int n) {
-  run.each_chain(state, [&](int c, ChainState& chain, Target& target) {
-    Sampler sampler(run, state, c, chain, target);
-    Chain& out = state.posterior.chains[static_cast<std::size_t>(c)];
-    std::vector<long> visits(run.models(), 0);
-    long before = target.evaluations();
-    for (int i = 0; i < n; ++i) {
-      sampler.draw(out);
-      ++visits[static_cast<std::size_t>(chain.state.model)];
-      if (i % kTogether == kTogether - 1) {
-        run.monitor.evaluated(target.evaluations() - before);
-        before = target.evaluations();
-        run.monitor.visited(visits);
-        std::fill(visits.begin(), visits.end(), 0);
-        if (!run.monitor.advance(static_cast<double>(kTogether))) break;
-      }
-    }
-  });
-  // A run that was stopped keeps what every chain has.
-  std::vector<Chain>& chains = state.posterior.chains;
-  std::size_t common = chains.front().size();
-  for (const Chain& chain : chains) common = std::min(common, chain.size());
-  for (Chain& chain : chains) chain.truncate(common);
-  state.posterior.draws = static_cast<int>(common);
-  collect(state);
+  state.at.goal = state.posterior.draws + n;
+  draw_on(run, state);
 }
 
 void sample(RunContext& run, RunState& state) {
+  using Part = Position::Sample;
   const Options& options = run.options;
   Posterior& posterior = state.posterior;
-  posterior.tempered_draws = options.tempered_draws;
-  if (posterior.tempered_draws && !state.chains.front().ladder) {
-    set_up_ladder(run, state);
-    forget_draws(state);
+  Part& part = state.at.sample;
+  if (part == Part::begin) {
+    posterior.tempered_draws = options.tempered_draws;
+    state.at.goal = options.draws > 0 ? options.draws : kDefaultDraws;
+    const bool ladder = posterior.tempered_draws && !state.chains.front().ladder;
+    part = ladder ? Part::ladder : Part::prepare;
   }
-  prepare_draws(run, state);
-  settle(run, state);
-  draw_and_weigh(run, state, options.draws > 0 ? options.draws : kDefaultDraws, "sampling");
-  while (options.draws == 0 && !run.monitor.stopped() && posterior.draws < kMaxDraws &&
-         !may_stop(posterior, options.balance)) {
+  while (true) {
+    if (part == Part::ladder) {
+      set_up_ladder(run, state);
+      if (run.monitor.stopped()) return;
+      forget_draws(state);
+      part = Part::prepare;
+    }
+    if (part == Part::prepare) {
+      prepare_draws(run, state);
+      part = Part::settle;
+      run.safe_points.pass(state);
+    }
+    if (part == Part::settle) {
+      settle(run, state);
+      part = Part::draw;
+      run.safe_points.pass(state);
+    }
+    draw_and_weigh(run, state);
+    if (options.draws > 0 || run.monitor.stopped() || posterior.draws >= kMaxDraws ||
+        may_stop(posterior, options.balance))
+      return;
     if (!posterior.tempered_draws && options.moves.tempering && !options.prior_only &&
         !chains_agree(posterior)) {
       restart_tempered(run, state);
     } else {
-      draw_and_weigh(run, state, std::min(posterior.draws, kMaxDraws - posterior.draws),
-                     "sampling on");
+      state.at.goal += std::min(posterior.draws, kMaxDraws - posterior.draws);
     }
   }
 }

@@ -21,52 +21,78 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
                         : how.scans;
   run.monitor.begin(how.fitted ? "setting up the ladder" : "exploring",
                     static_cast<double>(scans) * options.chains);
-  std::vector<double> barriers(state.chains.size(), 0.0);
-  run.each_chain(state, [&](int c, ChainState& chain, Target& target) {
+  for (const ChainState& chain : state.chains)
+    if (state.at.tempering) run.monitor.advance(chain.lesson.scans + chain.lesson.steps);
+  if (!state.at.tempering) {
+    for (ChainState& chain : state.chains) chain.lesson = {};
+    state.at.tempering = true;
+  }
+  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
+    Lesson& at = chain.lesson;
+    if (at.ended) return true;
     const int rungs = options.moves.tempering ? kExplorationRungs : 1;
     TemperedChain tempered(
-        target, rungs > 1 ? geometric_ladder(rungs) : std::vector<double>{1.0},
+        target,
+        at.begun ? *chain.ladder
+                 : Ladder(rungs > 1 ? geometric_ladder(rungs) : std::vector<double>{1.0},
+                          run.space().size()),
         [&] {
           return how.fitted ? sampling_kernels(run.problem, options, run.atlases, state.pilot)
                             : exploration_kernels(run.problem, options, run.atlases);
         },
         options.seed, c);
-    tempered.start();
-    if (how.fitted) tempered.set_cold(chain.state);
-    if (how.balanced) tempered.balance_models();
-    int done = 0;
-    bool stopped = false;
-    for (int round = kFirstScans; done < scans && !stopped; round *= 2) {
-      const int n = std::min(round, scans - done);
-      chain.by_rung.assign(static_cast<std::size_t>(tempered.rungs()), PilotSamples(run.space()));
-      for (int i = 0; i < n && !stopped; ++i) {
+    if (at.begun) {
+      tempered.restore(at.learnt);
+    } else {
+      tempered.start();
+      if (how.fitted) tempered.set_cold(chain.state);
+      if (how.balanced) tempered.balance_models();
+      at.begun = true;
+      at.round_scans = kFirstScans;
+    }
+    while (!at.ended && !run.monitor.stopped()) {
+      const int n = std::min(at.round_scans, scans - at.scans);
+      if (at.steps == 0)
+        chain.by_rung.assign(static_cast<std::size_t>(tempered.rungs()), PilotSamples(run.space()));
+      while (at.steps < n) {
         const long before = target.evaluations();
         tempered.scan(kStepsAScan, true, base::Purpose::exploration);
         for (int r = 0; r < tempered.rungs(); ++r) {
           chain.by_rung[static_cast<std::size_t>(r)].add(tempered.state(r));
         }
+        ++at.steps;
         run.monitor.evaluated(target.evaluations() - before);
-        stopped = !run.monitor.advance(1.0);
+        run.monitor.advance(1.0);
+        if (run.leave()) break;
       }
-      if (stopped) break;
-      done += n;
-      if (c == 0) state.posterior.warmup += n * kStepsAScan;
-      const double barrier = barriers[static_cast<std::size_t>(c)] = tempered.barrier();
+      if (at.steps < n) break;
+      at.scans += n;
+      at.steps = 0;
+      at.round_scans *= 2;
+      at.barrier = tempered.barrier();
       // A round trip takes some 2 + 2 Λ scans (Syed et al. 2022, section 3.5): a hundred of them
       // will do.
-      if (chosen && done >= kFewestScans && done >= 100.0 * (2.0 + 2.0 * barrier)) break;
+      at.ended = at.scans >= scans || (chosen && at.scans >= kFewestScans &&
+                                       at.scans >= 100.0 * (2.0 + 2.0 * at.barrier));
       // Two neighbours a unit of the barrier (ibid., section 4.3), while there is time left.
-      if (tempered.rungs() > 1 && done < scans) {
+      if (tempered.rungs() > 1 && !at.ended) {
         tempered.adapt_ladder(
-            std::clamp(static_cast<int>(std::ceil(2.0 * tempered.barrier())) + 2, 6, kMaxRungs));
+            std::clamp(static_cast<int>(std::ceil(2.0 * at.barrier)) + 2, 6, kMaxRungs));
       }
     }
     chain.ladder = tempered.ladder();
-    if (stopped) return;
+    at.learnt = at.ended ? std::vector<std::vector<double>>{} : tempered.learnt();
+    if (!at.ended) return false;
     chain.state = tempered.cold();
     target.set_model_bias(std::vector<double>(run.models(), 0.0));
+    return true;
   });
-  state.posterior.barrier = *std::ranges::max_element(barriers);
+  state.posterior.warmup += state.chains.front().lesson.scans * kStepsAScan;
+  double& barrier = state.posterior.barrier = 0.0;
+  for (const ChainState& chain : state.chains) barrier = std::max(barrier, chain.lesson.barrier);
+  if (run.monitor.stopped()) return;
+  state.at.tempering = false;
+  for (ChainState& chain : state.chains) chain.lesson = {};
 }
 
 void pool_ladders(const RunContext& run, RunState& state) {

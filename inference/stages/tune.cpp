@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+constexpr int kBetweenLooks = 4;                          // steps between two looks at the clock
 constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit
 static_assert(kTuning[0] + kTuning[1] + kTuning[2] == kTuningSteps);
 // The last round of tuning is one of this length more where its effective draws of the model index
@@ -44,18 +45,26 @@ std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
                              sums);
 }
 
-int tune_once(RunContext& run, RunState& state, int done, int steps) {
+// A round of so many steps, or what is left of it; then the fit, and the next round is due.
+void tune_once(RunContext& run, RunState& state, int steps) {
   state.tuning_bias = equal_visits_bias(state.probability, kLeastTuned);
-  run.each_chain(state, [&](int c, ChainState& chain, Target& target) {
+  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
+    int& i = chain.lesson.steps;
+    if (i > 0 && i == steps) return true;
     target.set_model_bias(state.tuning_bias);
     const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot);
-    chain.by_rung.assign(1, PilotSamples(run.space()));
-    chain.models.clear();
-    chain.records.assign(static_cast<std::size_t>(kernels->size()), {});
+    if (i == 0) {
+      chain.by_rung.assign(1, PilotSamples(run.space()));
+      chain.models.clear();
+      chain.records.assign(static_cast<std::size_t>(kernels->size()), {});
+    } else {
+      kernels->restore(chain.lesson.learnt.at(0));
+    }
     long before = target.evaluations();
-    for (int i = 0; i < steps; ++i) {
+    while (i < steps) {
       base::Random random(run.options.seed, static_cast<std::uint64_t>(c),
-                          static_cast<std::uint64_t>(done + i), base::Purpose::adaptation);
+                          static_cast<std::uint64_t>(state.at.tuned + i),
+                          base::Purpose::adaptation);
       Kernel::Outcome outcome;
       const int from = chain.state.model;
       const int kernel = kernels->step(chain.state, {target, random, 1.0, true}, outcome);
@@ -63,14 +72,22 @@ int tune_once(RunContext& run, RunState& state, int done, int steps) {
         chain.records[static_cast<std::size_t>(kernel)].add(outcome, outcome.to_model != from);
       chain.by_rung[0].add(chain.state);
       chain.models.push_back(chain.state.model);
-      if (i % 64 == 63) {
+      ++i;
+      if (i % 64 == 0) {
         run.monitor.evaluated(target.evaluations() - before);
         before = target.evaluations();
-        if (!run.monitor.advance(64.0)) return;
+        run.monitor.advance(64.0);
       }
+      if (i % kBetweenLooks == 0 && run.leave()) break;
     }
+    chain.lesson.learnt.assign(1, kernels->learnt());
+    return i == steps;
   });
-  return steps;
+  if (run.monitor.stopped()) return;
+  state.at.tuned += steps;
+  fit_proposals(run, state, ++state.at.round);
+  for (ChainState& chain : state.chains) chain.lesson = {};
+  run.safe_points.pass(state);
 }
 
 // Effective draws of the least certain model's indicator in the last round of tuning; infinite
@@ -136,28 +153,34 @@ void fit_proposals(RunContext& run, RunState& state, int round) {
 
 void tune(RunContext& run, RunState& state) {
   const Options& options = run.options;
-  int total = 0;
-  for (const int steps : kTuning) total += steps;
-  run.monitor.begin("tuning", static_cast<double>(total) * options.chains,
-                    planned_draws(run) + planned_evidence(run));
-  int done = 0;
-  for (std::size_t round = 0; round < kTuning.size() && !run.monitor.stopped(); ++round) {
-    const int steps =
-        options.warmup > 0
-            ? static_cast<int>(static_cast<double>(options.warmup) / 2 * kTuning[round] / total)
-            : kTuning[round];
-    done += tune_once(run, state, done, steps);
-    if (!run.monitor.stopped()) fit_proposals(run, state, static_cast<int>(round) + 1);
+  Position& at = state.at;
+  constexpr int kRounds = static_cast<int>(kTuning.size());
+  const double later = planned_draws(run) + planned_evidence(run);
+  const auto begin_monitor = [&](const char* stage, int steps) {
+    run.monitor.begin(stage, static_cast<double>(steps) * options.chains, later);
+    for (const ChainState& chain : state.chains)
+      run.monitor.advance(static_cast<double>(chain.lesson.steps));
+  };
+  if (at.round < kRounds) {
+    begin_monitor("tuning", kTuningSteps);
+    run.monitor.advance(static_cast<double>(at.tuned) * options.chains);
   }
-  if (!run.monitor.stopped() && options.warmup == 0) {
+  while (at.round < kRounds && !run.monitor.stopped()) {
+    const int steps = kTuning[static_cast<std::size_t>(at.round)];
+    tune_once(run, state,
+              options.warmup > 0
+                  ? static_cast<int>(static_cast<double>(options.warmup) / 2 * steps / kTuningSteps)
+                  : steps);
+  }
+  if (at.round == kRounds && !run.monitor.stopped() && options.warmup == 0) {
     const int thin = state.posterior.thin;
     const int longest =
         options.draws > 0 ? std::min(kLongTuning / thin, options.draws) * thin : kLongTuning;
-    if (longest > kTuning.back() && tuned_model_draws(state) < kEnoughModelDraws) {
-      run.monitor.begin("tuning on", static_cast<double>(longest) * options.chains,
-                        planned_draws(run) + planned_evidence(run));
-      done += tune_once(run, state, done, longest);
-      if (!run.monitor.stopped()) fit_proposals(run, state, static_cast<int>(kTuning.size()) + 1);
+    const bool begun = std::ranges::any_of(
+        state.chains, [](const ChainState& chain) { return chain.lesson.steps > 0; });
+    if (begun || (longest > kTuning.back() && tuned_model_draws(state) < kEnoughModelDraws)) {
+      begin_monitor("tuning on", longest);
+      tune_once(run, state, longest);
     }
   }
   // The draws' own bias: none, or, where models are to be drawn evenly, what makes them even.
@@ -166,12 +189,15 @@ void tune(RunContext& run, RunState& state) {
   if (options.balance) {
     for (const double b : state.sampling_bias) state.posterior.log_weight.push_back(-b);
   }
-  run.each_chain(
-      state, [&](int, ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
-  state.posterior.warmup += done;
+  run.each_chain_here(
+      state, [&](ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
+  state.posterior.warmup += at.tuned;
   const long explored = state.posterior.warmup_evaluations;
   state.posterior.warmup_evaluations = likelihood_evaluations(state);
   state.posterior.calls.tune += state.posterior.warmup_evaluations - explored;
+  if (run.monitor.stopped()) return;
+  at.stage = Position::Stage::sample;
+  run.safe_points.pass(state);
 }
 
 }  // namespace wheeltap::inference

@@ -282,6 +282,141 @@ def check_the_same_seed_makes_the_same_files(bench):
         same(*found)
 
 
+LONGER = ['--chains', '2', '--warmup', '2000', '--draws', '2000', '--search', '20', '--quiet', '--checkpoint', '0.01']
+
+
+def resumable(bench):
+    """Name, arguments and folder of a run of each sort that keeps checkpoints."""
+    return [(name, [command, bench.case(name, case), '-o', bench.folder / name, *LONGER, '--resume'], bench.folder / name)
+            for name, case, command in (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('sweep', SWEEP, 'sid'))]
+
+
+def until_checkpoint(bench, arguments, out, number):
+    """Sends the signal once there is a checkpoint; what the program said and how it ended."""
+    process = bench.start(*arguments, stdout=subprocess.DEVNULL)
+    while process.poll() is None and not (out / 'checkpoint.nc').exists():
+        os.sched_yield()
+    process.send_signal(number)
+    _, err = process.communicate()
+    return process.returncode, err
+
+
+def check_signals_leave_a_checkpoint(bench):
+    """One line, a checkpoint, and --resume comes to what an undisturbed run does."""
+    for name, arguments, out in resumable(bench):
+        bench.run(*arguments)
+        whole = files(out)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            shutil.rmtree(out)
+            code, err = until_checkpoint(bench, arguments, out, number)
+            expect(code in (0, 130), f'{name}, {number.name}: {code}: {err}')
+            one_line(err)
+            expect('--resume' in err and (out / 'checkpoint.nc').exists(), f'{name}, {number.name}: {err}')
+            bench.run(*arguments)
+            same(files(out), whole)
+        # Without --resume a run begins anew.
+        until_checkpoint(bench, arguments, out, signal.SIGKILL)
+        bench.run(*[a for a in arguments if a != '--resume'])
+        expect(files(out).keys() == whole.keys(), sorted(files(out)))
+        shutil.rmtree(out)
+
+
+def check_foreign_checkpoints_are_refused(bench):
+    for name, arguments, out in resumable(bench):
+        until_checkpoint(bench, arguments, out, signal.SIGKILL)
+        path = out / 'checkpoint.nc'
+        whole = path.read_bytes()
+        expect(len(whole) > 1000, 'there is one')
+        if name != 'sweep':  # its journal refuses these
+            more_draws = [a if a != '2000' or b != '--draws' else '2001' for a, b in zip(arguments, ['', *arguments])]
+            for other, what in (([*arguments, '--seed', '7'], 'the seed was 1 and is 7'),
+                                (more_draws, '/draws was 2000 and is 2001'),
+                                ([*arguments, '--set', 'title=Another'], '/title was')):
+                _, _, err = bench.run(*other, code=65)
+                one_line(err)
+                expect(what in err and 'checkpoint.nc' in err, err)
+        randomly = random.Random(1)
+        broken = [whole[:n] for n in (0, 4, 100, len(whole) // 2, len(whole) - 17, len(whole) - 1)] + [b'my notes', whole + b'x']
+        for _ in range(40):
+            at = randomly.randrange(len(whole))
+            broken.append(whole[:at] + bytes([whole[at] ^ 1 << randomly.randrange(8)]) + whole[at + 1:])
+        for content in broken:
+            path.write_bytes(content)
+            _, _, err = bench.run(*arguments, code=65)
+            one_line(err)
+            expect('checkpoint.nc' in err, err)
+            expect(path.read_bytes() == content, 'it stays')
+        path.write_bytes(b'my notes')
+        _, _, err = bench.run(*[a for a in arguments if a != '--resume'], code=73)
+        one_line(err)
+        expect('in the way' in err and path.read_bytes() == b'my notes', err)
+        path.write_bytes(whole)
+        bench.run(*arguments)
+        expect(not path.exists(), 'a finished run removes it')
+
+
+def check_kills_between_checkpoints(bench, kills=30):
+    """Killed again and again, and resumed each time until it ends: the files of an undisturbed run."""
+    randomly = random.Random(os.environ.get('SEED', '1'))
+    jobs = []
+    for name, arguments, out in resumable(bench):
+        began = os.times().elapsed
+        bench.run(*arguments)
+        jobs.append((name, arguments, out, files(out), os.times().elapsed - began))
+    killed = taken_up = 0
+    while killed < kills:
+        for name, arguments, out, whole, seconds in jobs:
+            shutil.rmtree(out)
+            while True:
+                process = bench.start(*arguments, stdout=subprocess.DEVNULL)
+                try:
+                    process.wait(randomly.uniform(0, 0.7 * seconds))
+                    _, err = process.communicate()
+                    expect(process.returncode == 0, f'{name}: {process.returncode}: {err}')
+                    break
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                process.communicate()
+                killed += 1
+                taken_up += (out / 'checkpoint.nc').exists()
+            same(files(out), whole)
+    expect(taken_up > kills / 4, f'{taken_up} of {killed} left a checkpoint')
+    print(f'{killed} kills, {taken_up} of them with a checkpoint')
+
+
+def check_interrupted_batches_go_on(bench):
+    """Stopped and killed, with several cases on their way: --resume comes to what an undisturbed batch does."""
+    cases = [bench.case(name, case) for name, case in (('beam', BEAM), ('chain', CHAIN), ('sweep', SWEEP), ('beam2', BEAM | {'title': 'Another'}))]
+    plan = bench.folder / 'list.txt'
+    plan.write_text('\n'.join(cases))
+    out = bench.folder / 'out'
+    command = ['batch', plan, *LONGER, '--threads', '2', '-o']
+
+    def found(folder):
+        # Command lines name the folder.
+        return {f'{one.name}/{name}': content.replace(str(folder).encode(), b'')
+                for one in sorted(folder.iterdir()) if one.is_dir()
+                for name, content in files(one).items() if name != 'sweep.rows'}
+
+    bench.run(*command, out, '--resume')
+    whole, table = found(out), (out / 'batch.csv').read_text().splitlines()
+    expect([line.split(',')[:3] for line in table[1:]] ==
+           [['beam', 'damage', '0'], ['chain', 'sid', '0'], ['sweep', 'sid', '0'], ['beam2', 'damage', '0']], table)
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL):
+        shutil.rmtree(out)
+        process = bench.start(*command, out, '--resume', stdout=subprocess.DEVNULL)
+        while process.poll() is None and not len(list(out.glob('*/checkpoint.nc'))) > 1:
+            os.sched_yield()
+        process.send_signal(number)
+        _, err = process.communicate()
+        if number != signal.SIGKILL:
+            expect(process.returncode == 130, f'{number.name}: {process.returncode}: {err}')
+            one_line(err)
+            expect('--resume goes on' in err and list(out.glob('*/checkpoint.nc')), f'{number.name}: {err}')
+        bench.run(*command, out, '--resume')
+        same(found(out), whole)
+
+
 def check_kills(bench, kills=8):
     """SIGKILL at random instants; then --resume, and the files are those of an undisturbed run."""
     randomly = random.Random(os.environ.get('SEED', '1'))
@@ -323,12 +458,12 @@ def main():
     parser.add_argument('program')
     parser.add_argument('preload')
     parser.add_argument('checks', nargs='+')
-    parser.add_argument('--kills', type=int, default=8)
+    parser.add_argument('--kills', type=int)
     options = parser.parse_args()
     for name in options.checks:
         bench = Bench(options.program, options.preload)
         try:
-            globals()[f'check_{name}'](bench, **({'kills': options.kills} if name == 'kills' else {}))
+            globals()[f'check_{name}'](bench, **({'kills': options.kills} if name.startswith('kills') and options.kills else {}))
         except AssertionError as failed:
             print(f'{name}: {failed}')
             sys.exit(1)

@@ -1,0 +1,57 @@
+#include "apps/batch_list.hpp"
+
+#include <set>
+#include <string_view>
+
+#include "apps/batch_table.hpp"
+#include "apps/failure.hpp"
+#include "io/bytes.hpp"
+#include "io/text.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+constexpr std::string_view kBlank = " \t\r";
+
+std::string_view trimmed(std::string_view line) {
+  const std::size_t first = line.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return line.substr(first, line.find_last_not_of(kBlank) - first + 1);
+}
+
+/// A name that no case before has, and that is no file of the batch itself.
+std::string unique(const std::filesystem::path& path, std::set<std::string>& taken) {
+  std::string stem = path.stem().string();
+  if (stem.empty() || stem == "." || stem == "..") stem = "case";
+  std::string name = stem;
+  for (int n = 2; !taken.insert(name).second; ++n) name = stem + "-" + std::to_string(n);
+  return name;
+}
+
+}  // namespace
+
+std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
+  const std::string text = io::read_bytes(list);
+  std::vector<BatchCase> cases;
+  std::set<std::string> taken{kBatchTable};
+  int number = 0;
+  for (std::size_t at = 0; at < text.size(); ++number) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = trimmed(std::string_view(text).substr(at, end - at));
+    at = end + 1;
+    if (line.empty() || line.front() == '#') continue;
+    if (const auto bad = io::first_unprintable(line)) {
+      throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) +
+                                         ": column " + std::to_string(*bad + 1) +
+                                         ": paths are UTF-8 without control characters");
+    }
+    const std::filesystem::path path = list.parent_path() / line;
+    cases.push_back({path, unique(path, taken)});
+  }
+  if (cases.empty()) {
+    throw Failure(Exit::bad_input, list.string() + ": names no case: one path a line");
+  }
+  return cases;
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,111 @@
+#include "apps/batch_table.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "apps/stored_run.hpp"
+#include "apps/words.hpp"
+#include "io/text.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+std::string quoted(const std::string& cell) {
+  if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
+  std::string text = "\"";
+  for (const char c : cell) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + "\"";
+}
+
+const Report* at(const Report& object, const char* key) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(key);
+  return found == object.end() ? nullptr : &*found;
+}
+
+const Report* at(const Report& object, const char* first, const char* second) {
+  const Report* inner = at(object, first);
+  return inner ? at(*inner, second) : nullptr;
+}
+
+std::optional<double> number(const Report* value) {
+  if (value == nullptr || !value->is_number()) return {};
+  return value->get<double>();
+}
+
+std::optional<bool> truth(const Report* value) {
+  if (value == nullptr || !value->is_boolean()) return {};
+  return value->get<bool>();
+}
+
+void take_models(const Report& models, BatchRow& row) {
+  if (!models.is_array()) return;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Report& model : models) {
+    const auto p = number(at(model, "probability"));
+    const Report* name = at(model, "name");
+    if (!p || !(*p > most) || name == nullptr || !name->is_string()) continue;
+    most = *p;
+    row.model = name->get<std::string>();
+    row.probability = most;
+  }
+}
+
+void take_sweep(const Report& rows, BatchRow& row) {
+  if (!rows.is_array()) return;
+  row.seconds = 0.0;
+  row.converged = true;
+  for (const Report& one : rows) {
+    row.seconds += number(at(one, "cost", "wall_seconds")).value_or(0.0);
+    if (!truth(at(one, "converged")).value_or(false)) row.converged = false;
+  }
+}
+
+}  // namespace
+
+void take_from_summary(const std::filesystem::path& folder, BatchRow& row) {
+  const std::optional<Report> summary = stored_summary(folder);
+  if (!summary) return;
+  if (const Report* rows = at(*summary, "sweep", "rows")) return take_sweep(*rows, row);
+  if (const Report* models = at(*summary, "models")) take_models(*models, row);
+  row.converged = truth(at(*summary, "diagnostics", "converged"));
+  row.seconds = number(at(*summary, "cost", "wall_seconds")).value_or(row.seconds);
+}
+
+bool stopped_early(const std::filesystem::path& folder) {
+  const std::optional<Report> summary = stored_summary(folder);
+  return summary && truth(at(*summary, "diagnostics", "stopped_early")).value_or(false);
+}
+
+std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows) {
+  std::string text = "case,kind,exit,model,probability,converged,wall_seconds,folder,error\n";
+  for (const auto& row : rows) {
+    if (!row) continue;
+    const std::string converged = row->converged ? (*row->converged ? "1" : "0") : "";
+    const std::string probability = row->probability ? significant(*row->probability, 8) : "";
+    const std::string cells[] = {row->name,   row->kind, std::to_string(row->exit),    row->model,
+                                 probability, converged, significant(row->seconds, 4), row->name,
+                                 row->error};
+    const char* between = "";
+    for (const std::string& cell : cells) {
+      text += between + quoted(cell);
+      between = ",";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all) {
+  const std::string total = std::to_string(all);
+  std::string count = std::to_string(done);
+  count.insert(0, total.size() - std::min(count.size(), total.size()), ' ');
+  std::string text = "[" + count + "/" + total + "] " + io::printable(row.name) + "  ";
+  if (row.exit != 0) return text + "FAILED (" + std::to_string(row.exit) + "): " + row.error;
+  if (row.probability)
+    text += io::printable(row.model) + ", " + probability_is(*row.probability) + "  ";
+  if (row.converged) text += *row.converged ? "converged  " : "NOT CONVERGED  ";
+  return text + significant(row.seconds, 2) + " s";
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,38 @@
+// The results of a batch: one row a case.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wheeltap::apps {
+
+inline constexpr const char* kBatchTable = "batch.csv";
+
+struct BatchRow {
+  std::string name;     ///< of the case and its folder
+  std::string kind{};   ///< empty where the case does not say
+  int exit = 0;         ///< of its run; 128 + the signal where one ended it
+  std::string model{};  ///< the most probable one; empty where there is none, as for a sweep
+  std::optional<double> probability{};  ///< of that model
+  std::optional<bool> converged{};
+  double seconds = 0.0;  ///< wall time of the run itself, however many sessions it took
+  std::string error{};   ///< one line, where exit is not 0
+};
+
+/// What summary.json in `folder` says of a run that ended well; of a sweep, whether all its rows
+/// converged.
+void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
+
+/// Whether the run in `folder` was stopped before its end.
+[[nodiscard]] bool stopped_early(const std::filesystem::path& folder);
+
+/// Columns case, kind, exit, model, probability, converged, wall_seconds, folder, error (RFC 4180),
+/// one line for each row that there is.
+[[nodiscard]] std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows);
+
+/// "[ 3/10] name  2 damages, P = 97 %  converged  12 s": a line without its end.
+[[nodiscard]] std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,69 @@
+// A run's checkpoint beside its results: written while it runs, taken up by --resume.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apps/commands.hpp"
+#include "apps/summary.hpp"
+#include "identification/sid_run.hpp"
+#include "inference/checkpoint.hpp"
+#include "inference/options.hpp"
+
+namespace wheeltap::apps {
+
+/// What a checkpoint is a checkpoint of: its draws are those of no other run.
+struct CheckpointOf {
+  std::string command;  ///< "damage" or "sid"
+  std::uint64_t seed = 1;
+  Report options;  ///< options_report
+  Json case_json;  ///< with what the command line overrode
+};
+
+/// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case, and
+/// what of it a sid run is repeating), a group "state" (inference::Checkpoint), and behind it 16
+/// hexadecimal digits, the fingerprint of all bytes before.
+class CheckpointFile {
+ public:
+  static constexpr const char* kName = "checkpoint.nc";
+
+  /// With `resume`, reads what is there: throws io::FileError for a file that is truncated or
+  /// damaged (corrupt), none of ours (foreign), of another version of the format (version), or of
+  /// another run (mismatch, the difference said; where `others_pass`, one of another case is passed
+  /// over). Without, removes it, unless it is none of ours (unwritable).
+  CheckpointFile(const std::filesystem::path& folder, CheckpointOf of, const CommonOptions& common,
+                 bool others_pass = false);
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// How the run that is taken up was being repeated.
+  [[nodiscard]] const std::optional<identification::StepsRefined>& refined() const {
+    return refined_;
+  }
+  /// The run is repeated like this from here on.
+  void repeat(const identification::StepsRefined& refined) { refined_ = refined; }
+  /// Makes the engine save here, and go on from what was read the first time. Where a checkpoint
+  /// cannot be written, a line on standard error says so once and the run goes on.
+  void attach(inference::Options& engine);
+  /// A checkpoint of this run is there.
+  [[nodiscard]] bool kept() const { return kept_; }
+  /// The run is finished, and its results are kept.
+  void remove();
+  /// Of a folder whose run was finished already: removes what is ours, as a run killed just then
+  /// could not.
+  static void discard(const std::filesystem::path& folder);
+
+ private:
+  void read(std::string bytes, bool others_pass);
+  void save(const inference::Checkpoint& checkpoint);
+
+  std::filesystem::path path_;
+  CheckpointOf of_;
+  double every_seconds_;
+  std::shared_ptr<const inference::Checkpoint> from_;
+  std::optional<identification::StepsRefined> refined_;
+  bool kept_ = false, warned_ = false;
+};
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,393 @@
+// Ranks by MPI (plain C interface; MPI 3.1): the one file that calls it. Built as a module that
+// the program loads where mpirun has started it, so that it runs without MPI elsewhere.
+//
+// While units are shared out, the thread that joined speaks and others compute. A rank asks rank 0
+// for a unit whenever one of its threads is free; at the end each sends what it did to all.
+#include <mpi.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <cstring>
+#include <deque>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "base/ranks.hpp"
+
+namespace wheeltap::base {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+enum class Says : std::int64_t { want, give, none, done, stop, pause };
+
+/// What ranks say to one another while units are shared out.
+struct Message {
+  std::int64_t says = 0;
+  std::int64_t section = 0;  ///< which sharing out it belongs to
+  std::int64_t unit = 0;
+};
+
+/// Sleeps a little longer each time that there was nothing to do. Where ranks share processors, one
+/// that waits must not take another's.
+class Patience {
+ public:
+  void reset() { wait_ = kFirst; }
+  void wait() {
+    std::this_thread::sleep_for(wait_);
+    wait_ = std::min(2 * wait_, kLongest);
+  }
+
+ private:
+  static constexpr std::chrono::microseconds kFirst{5}, kLongest{500};
+  std::chrono::microseconds wait_ = kFirst;
+};
+
+void append(std::string& to, const void* bytes, std::size_t n) {
+  to.append(static_cast<const char*>(bytes), n);
+}
+void append(std::string& to, std::int64_t number) {
+  append(to, &number, sizeof number);
+}
+std::int64_t take(std::string_view& from) {
+  std::int64_t number = 0;
+  if (from.size() < sizeof number) throw std::logic_error("a rank's message is too short");
+  std::memcpy(&number, from.data(), sizeof number);
+  from.remove_prefix(sizeof number);
+  return number;
+}
+
+/// The threads of one rank at the units it is given, and what they made of them.
+class Workers {
+ public:
+  struct Outcome {
+    std::int64_t unit;
+    std::string bytes;
+    std::exception_ptr error;
+  };
+
+  Workers(int threads, const std::function<void(int)>& job, const Carriage& carriage)
+      : job_(job), carriage_(carriage), working_(threads) {
+    for (int t = 0; t < threads; ++t) pool_.emplace_back([this] { work(); });
+  }
+  Workers(const Workers&) = delete;
+  Workers& operator=(const Workers&) = delete;
+  ~Workers() {
+    none_left();
+    pool_.clear();
+  }
+
+  /// Threads that have begun to wait for a unit since this was last asked.
+  [[nodiscard]] int newly_free() {
+    const std::scoped_lock lock(mutex_);
+    return std::exchange(free_, 0);
+  }
+  void give(std::int64_t unit) {
+    const std::scoped_lock lock(mutex_);
+    given_.push_back(unit);
+    some_.notify_one();
+  }
+  void none_left() {
+    const std::scoped_lock lock(mutex_);
+    closed_ = true;
+    some_.notify_all();
+  }
+  [[nodiscard]] bool ended() {
+    const std::scoped_lock lock(mutex_);
+    return working_ == 0;
+  }
+  /// Once all have ended.
+  [[nodiscard]] std::vector<Outcome>& outcomes() { return outcomes_; }
+
+ private:
+  void work() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      ++free_;
+      some_.wait(lock, [&] { return closed_ || !given_.empty(); });
+      if (given_.empty()) break;
+      Outcome outcome{given_.front(), {}, {}};
+      given_.pop_front();
+      lock.unlock();
+      try {
+        job_(static_cast<int>(outcome.unit));
+        outcome.bytes = carriage_.pack(static_cast<int>(outcome.unit));
+      } catch (...) {
+        outcome.error = std::current_exception();
+      }
+      lock.lock();
+      outcomes_.push_back(std::move(outcome));
+    }
+    --working_;
+  }
+
+  const std::function<void(int)>& job_;
+  const Carriage& carriage_;
+  std::mutex mutex_;
+  std::condition_variable some_;
+  std::deque<std::int64_t> given_;
+  bool closed_ = false;
+  int free_ = 0, working_;
+  std::vector<Outcome> outcomes_;
+  std::vector<std::jthread> pool_;
+};
+
+class MpiRanks final : public Ranks {
+ public:
+  MpiRanks() {
+    int provided = 0;
+    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+    MPI_Comm_dup(MPI_COMM_WORLD, &talk_);
+    MPI_Comm_dup(MPI_COMM_WORLD, &together_);
+    MPI_Comm_dup(MPI_COMM_WORLD, &farewell_);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+    MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  }
+  ~MpiRanks() override { MPI_Finalize(); }
+
+  [[nodiscard]] int rank() const override { return rank_; }
+  [[nodiscard]] int size() const override { return size_; }
+  [[nodiscard]] bool stop_agreed() const override { return agreed_; }
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+  [[nodiscard]] bool told_to_pause() const override { return told_to_pause_; }
+
+  void share_out(int n, int threads, const std::function<void(int)>& job,
+                 const Carriage& carriage) override {
+    ++section_;
+    told_to_pause_ = false;
+    std::vector<Workers::Outcome> mine;
+    {
+      Workers workers(std::max(1, std::min(thread_count(threads), n)), job, carriage);
+      if (rank_ == 0) {
+        hand_out(n, workers, carriage);
+      } else {
+        ask_for(workers);
+      }
+      mine = std::move(workers.outcomes());
+    }
+    exchange(n, mine, job, carriage);
+  }
+
+  [[nodiscard]] std::string from_first(std::string bytes) override {
+    auto size = static_cast<std::int64_t>(bytes.size());
+    broadcast(&size, sizeof size, 0);
+    bytes.resize(static_cast<std::size_t>(size));
+    broadcast(bytes.data(), bytes.size(), 0);
+    return bytes;
+  }
+
+  [[nodiscard]] bool all_have(const std::string& bytes) override {
+    const char same = from_first(bytes) == bytes ? 1 : 0;
+    for (const char s : gathered(std::string(1, same))) {
+      if (s != 1) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool meet(double seconds) override {
+    MPI_Request request = MPI_REQUEST_NULL;
+    MPI_Ibarrier(farewell_, &request);
+    const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+    for (Patience patience; !is_done(request); patience.wait()) {
+      if (Clock::now() >= end) return false;
+    }
+    return true;
+  }
+
+  [[noreturn]] void abort(int exit_code) override {
+    MPI_Abort(MPI_COMM_WORLD, exit_code);
+    std::abort();
+  }
+
+ private:
+  // Rank 0's part: the next unit to whoever asks, its own threads among them.
+  void hand_out(int n, Workers& workers, const Carriage& carriage) {
+    std::int64_t next = 0;
+    int at_work = size_ - 1;
+    bool stop = false;
+    Patience patience;
+    while (at_work > 0 || !workers.ended()) {
+      bool idle = true;
+      for (int k = workers.newly_free(); k > 0; --k) {
+        next < n ? workers.give(next++) : workers.none_left();
+        idle = false;
+      }
+      int from = 0;
+      for (Message message; receive(message, from);) {
+        idle = false;
+        switch (static_cast<Says>(message.says)) {
+          case Says::want:
+            next < n ? send(Says::give, next, from) : send(Says::none, 0, from);
+            next += next < n ? 1 : 0;
+            break;
+          case Says::stop:
+            stop = true;
+            break;
+          default:  // done
+            --at_work;
+        }
+      }
+      if (!told_to_stop_ && (stop || wishes_to_stop())) {
+        told_to_stop_ = true;
+        send_all(Says::stop);
+      }
+      if (!told_to_pause_ && carriage.pause && carriage.pause()) {
+        told_to_pause_ = true;
+        send_all(Says::pause);
+      }
+      idle ? patience.wait() : patience.reset();
+    }
+  }
+
+  // The others' part.
+  void ask_for(Workers& workers) {
+    int asked = 0;  // and not answered
+    bool wished = false;
+    Patience patience;
+    while (!workers.ended() || asked > 0) {
+      bool idle = true;
+      for (int k = workers.newly_free(); k > 0; --k, ++asked) {
+        send(Says::want, 0, 0);
+        idle = false;
+      }
+      int from = 0;
+      for (Message message; receive(message, from);) {
+        idle = false;
+        switch (static_cast<Says>(message.says)) {
+          case Says::give:
+            workers.give(message.unit);
+            --asked;
+            break;
+          case Says::none:
+            workers.none_left();
+            --asked;
+            break;
+          case Says::pause:
+            told_to_pause_ = true;
+            break;
+          default:  // stop
+            told_to_stop_ = true;
+        }
+      }
+      if (!wished && wishes_to_stop()) {
+        wished = true;
+        told_to_stop_ = true;
+        send(Says::stop, 0, 0);
+      }
+      idle ? patience.wait() : patience.reset();
+    }
+    send(Says::done, 0, 0);
+  }
+
+  void exchange(int n, std::vector<Workers::Outcome>& mine, const std::function<void(int)>& job,
+                const Carriage& carriage) {
+    constexpr std::int64_t kFailed = 1;
+    std::string bytes;
+    for (const Workers::Outcome& outcome : mine) {
+      append(bytes, outcome.unit);
+      append(bytes, outcome.error ? kFailed : 0);
+      append(bytes, static_cast<std::int64_t>(outcome.bytes.size()));
+      bytes += outcome.bytes;
+    }
+    std::string head;
+    append(head, section_);
+    append(head, n);
+    append(head, told_to_stop_ || wishes_to_stop() ? 1 : 0);
+    append(head, static_cast<std::int64_t>(bytes.size()));
+    const std::string heads = gathered(head);
+    std::int64_t failed = n;  // the lowest
+    std::string_view next = heads;
+    for (int r = 0; r < size_; ++r) {
+      if (take(next) != section_ || take(next) != n)
+        throw std::logic_error("the ranks have gone different ways");
+      if (take(next) != 0) agreed_ = true;
+      const std::int64_t size = take(next);
+      std::string theirs = r == rank_ ? std::move(bytes) : std::string();
+      theirs.resize(static_cast<std::size_t>(size));
+      broadcast(theirs.data(), theirs.size(), r);
+      for (std::string_view rest = theirs; !rest.empty();) {
+        const std::int64_t unit = take(rest);
+        const bool fails = take(rest) == kFailed;
+        const auto length = static_cast<std::size_t>(take(rest));
+        if (fails) failed = std::min(failed, unit);
+        if (!fails && r != rank_) carriage.unpack(static_cast<int>(unit), rest.substr(0, length));
+        rest.remove_prefix(length);
+      }
+    }
+    if (failed == n) return;
+    for (const Workers::Outcome& outcome : mine) {
+      if (outcome.unit == failed) std::rethrow_exception(outcome.error);
+    }
+    job(static_cast<int>(failed));
+    throw std::runtime_error("unit " + std::to_string(failed) + " failed on another rank");
+  }
+
+  // All ranks' bytes, which are as many on each.
+  [[nodiscard]] std::string gathered(std::string bytes) {
+    std::string all(bytes.size() * static_cast<std::size_t>(size_), '\0');
+    MPI_Request request = MPI_REQUEST_NULL;
+    const int n = static_cast<int>(bytes.size());
+    MPI_Iallgather(bytes.data(), n, MPI_BYTE, all.data(), n, MPI_BYTE, together_, &request);
+    finish(request);
+    return all;
+  }
+
+  void broadcast(void* bytes, std::size_t n, int from) {
+    constexpr std::size_t kMost = std::size_t{1} << 30;  // MPI counts in int
+    for (std::size_t at = 0; at < n; at += kMost) {
+      MPI_Request request = MPI_REQUEST_NULL;
+      MPI_Ibcast(static_cast<char*>(bytes) + at, static_cast<int>(std::min(kMost, n - at)),
+                 MPI_BYTE, from, together_, &request);
+      finish(request);
+    }
+  }
+
+  static bool is_done(MPI_Request& request) {
+    int done = 0;
+    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    return done != 0;
+  }
+  static void finish(MPI_Request& request) {
+    for (Patience patience; !is_done(request);) patience.wait();
+  }
+
+  void send(Says says, std::int64_t unit, int to) const {
+    const Message message{static_cast<std::int64_t>(says), section_, unit};
+    MPI_Send(&message, sizeof message, MPI_BYTE, to, 0, talk_);
+  }
+  void send_all(Says says) const {
+    for (int r = 1; r < size_; ++r) send(says, 0, r);
+  }
+  // The next one of this section, if there is one. Others are of sections that have ended.
+  bool receive(Message& message, int& from) const {
+    while (true) {
+      int there = 0;
+      MPI_Status status;
+      MPI_Iprobe(MPI_ANY_SOURCE, 0, talk_, &there, &status);
+      if (there == 0) return false;
+      from = status.MPI_SOURCE;
+      MPI_Recv(&message, sizeof message, MPI_BYTE, from, 0, talk_, MPI_STATUS_IGNORE);
+      if (message.section == section_) return true;
+    }
+  }
+
+  MPI_Comm talk_ = MPI_COMM_NULL, together_ = MPI_COMM_NULL, farewell_ = MPI_COMM_NULL;
+  int rank_ = 0, size_ = 1;
+  std::int64_t section_ = 0;
+  bool agreed_ = false;
+  std::atomic<bool> told_to_stop_{false}, told_to_pause_{false};
+};
+
+}  // namespace
+}  // namespace wheeltap::base
+
+/// What the program looks for in the module. The caller deletes it last of all.
+extern "C" wheeltap::base::Ranks* wheeltap_join_ranks() {
+  return new wheeltap::base::MpiRanks;
+}

@@ -1,0 +1,612 @@
+#include "inference/checkpoint.hpp"
+
+#include <concepts>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include "base/parcel.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+// Members are listed once, in CheckpointFields, for both directions: what is written of a T is read
+// into it.
+template <class Archive, class T>
+using In = std::conditional_t<Archive::kReads, T, const T>;
+
+// The type of the column that holds numbers of this type.
+template <class Number>
+using Stored =
+    std::conditional_t<std::same_as<Number, long> || std::same_as<Number, long long>, std::int64_t,
+                       std::conditional_t<std::same_as<Number, bool> || std::same_as<Number, char>,
+                                          std::uint8_t, Number>>;
+
+}  // namespace
+
+struct CheckpointFields {
+  template <class T>
+  static T make() {
+    if constexpr (std::same_as<T, Ladder>) {
+      return Ladder({}, 0);
+    } else {
+      return T();
+    }
+  }
+
+  template <class A>
+  static void of(A& a, In<A, State>& s) {
+    a("model", s.model);
+    a("z", s.z);
+    a("x", s.x);
+    a("log_likelihood", s.log_likelihood);
+    a("log_screen", s.log_screen);
+    a("log_prior_factor", s.log_prior_factor);
+    a("prediction", s.prediction);
+    a("residuals", s.residuals);
+    a("noise_scale", s.noise_scale);
+    a("screened", s.screened);
+    a("evaluated", s.evaluated);
+  }
+  template <class A>
+  static void of(A& a, In<A, Target::Tally>& t) {
+    a("values", t.values);
+    a("impossible", t.impossible);
+  }
+  template <class A>
+  static void of(A& a, In<A, Target::Memory>& m) {
+    a("bias", m.bias);
+    a("log_model", m.log_model);
+    a("evaluations", m.evaluations);
+    a("full_evaluations", m.full_evaluations);
+    a("proper", m.proper);
+    a("stand_in", m.stand_in);
+  }
+  template <class A>
+  static void of(A& a, In<A, Ladder>& l) {
+    a("betas", l.betas);
+    a("states", l.states);
+    a("rejection", l.rejection);
+    a("tried", l.tried);
+    a("direction", l.direction);
+    a("replica", l.replica);
+    a("weights", l.weights);
+    a("balancing", l.balancing);
+    a("scans", l.scans);
+    a("round_trips", l.round_trips);
+  }
+  template <class A>
+  static void of(A& a, In<A, PilotSamples::OfModel>& m) {
+    a("dimension", m.dimension);
+    a("values", m.values);
+    a("stride", m.stride);
+  }
+  template <class A>
+  static void of(A& a, In<A, PilotSamples>& s) {
+    a("models", s.models_);
+    a("visits", s.visits_);
+  }
+  template <class A>
+  static void of(A& a, In<A, KeptDraws::OfModel>& m) {
+    a("dimension", m.dimension);
+    a("z", m.z);
+    a("log_posterior", m.log_posterior);
+    a("visits", m.visits);
+    a("stride", m.stride);
+  }
+  template <class A>
+  static void of(A& a, In<A, KeptDraws>& k) {
+    a("models", k.models_);
+  }
+  template <class A>
+  static void of(A& a, In<A, KernelRecord>& r) {
+    a("proposed", r.proposed);
+    a("accepted", r.accepted);
+    a("jumps_proposed", r.jumps_proposed);
+    a("jumps_accepted", r.jumps_accepted);
+  }
+  template <class A>
+  static void of(A& a, In<A, MoveStatistics>& m) {
+    a("name", m.name);
+    a("proposed", m.proposed);
+    a("accepted", m.accepted);
+  }
+  template <class A>
+  static void of(A& a, In<A, Lesson>& l) {
+    a("steps", l.steps);
+    a("begun", l.begun);
+    a("ended", l.ended);
+    a("round_scans", l.round_scans);
+    a("scans", l.scans);
+    a("barrier", l.barrier);
+    a("learnt", l.learnt);
+  }
+  template <class A>
+  static void of(A& a, In<A, ChainState>& c) {
+    a("state", c.state);
+    a("iteration", c.iteration);
+    a("target", c.target);
+    a("ladder", c.ladder);
+    a("by_rung", c.by_rung);
+    a("models", c.models);
+    a("records", c.records);
+    a("kept", c.kept);
+    a("at_mode", c.at_mode);
+    a("moves", c.moves);
+    a("proposed", c.proposed);
+    a("accepted", c.accepted);
+    a("lesson", c.lesson);
+  }
+  template <class A>
+  static void of(A& a, In<A, Mode>& m) {
+    a("z", m.z);
+    a("log_posterior", m.log_posterior);
+    a("covariance", m.covariance);
+    a("log_mass", m.log_mass);
+    a("climbs", m.climbs);
+  }
+  template <class A>
+  static void of(A& a, In<A, WeightyModes>& w) {
+    a("modes", w.modes);
+    a("precisions", w.precisions);
+    a("shares", w.shares);
+  }
+  template <class A>
+  static void of(A& a, In<A, Evidence>& e) {
+    a("log_evidence", e.log_evidence);
+    a("standard_error", e.standard_error);
+    a("likelihood_evaluations", e.likelihood_evaluations);
+    a("warnings", e.warnings);
+  }
+  template <class A>
+  static void of(A& a, In<A, ExplorationCalls>& c) {
+    a("search", c.search);
+    a("anneal", c.anneal);
+    a("weigh", c.weigh);
+  }
+  template <class A>
+  static void of(A& a, In<A, ModelExploration>& m) {
+    a("modes", m.modes);
+    a("shares", m.shares);
+    a("climbs", m.climbs);
+    a("glanced", m.glanced);
+    a("population", m.population);
+    a("annealed", m.annealed);
+    a("sampled", m.sampled);
+    a("effective_draws", m.effective_draws);
+    a("efficiency", m.efficiency);
+    a("calls", m.calls);
+  }
+  template <class A>
+  static void of(A& a, In<A, NormalMixture::Component>& c) {
+    a("weight", c.weight);
+    a("mean", c.mean);
+    a("factor", c.factor);
+  }
+  template <class A>
+  static void of(A& a, In<A, RandomWalk::Block>& b) {
+    a("first", b.first);
+    a("factor", b.factor);
+    a("adaptations", b.adaptations);
+  }
+  template <class A>
+  static void of(A& a, In<A, Chain>& c) {
+    a("model", c.model);
+    a("theta", c.theta);
+    a("log_prior", c.log_prior);
+    a("log_likelihood", c.log_likelihood);
+    a("move", c.move);
+    a("accepted", c.accepted);
+    a("prediction", c.prediction);
+  }
+  template <class A>
+  static void of(A& a, In<A, Calls>& c) {
+    a("explore", c.explore);
+    a("search", c.search);
+    a("anneal", c.anneal);
+    a("weigh", c.weigh);
+    a("tune", c.tune);
+    a("sample", c.sample);
+    a("evidence", c.evidence);
+  }
+  template <class A>
+  static void of(A& a, In<A, Posterior>& p) {
+    a("chains", p.chains);
+    a("log_weight", p.log_weight);
+    a("draws", p.draws);
+    a("warmup", p.warmup);
+    a("thin", p.thin);
+    a("dimension", p.dimension);
+    a("warmup_evaluations", p.warmup_evaluations);
+    a("calls", p.calls);
+    a("wall_seconds", p.wall_seconds);
+    a("quick", p.quick);
+    a("tempered_draws", p.tempered_draws);
+    a("barrier", p.barrier);
+    a("notes", p.notes);
+  }
+  template <class A>
+  static void of(A& a, In<A, Position>& p) {
+    a("stage", p.stage);
+    a("tempering", p.tempering);
+    a("explore", p.explore);
+    a("models", p.models);
+    a("model", p.model);
+    a("best", p.best);
+    a("look", p.look);
+    a("looks_left", p.looks_left);
+    a("before", p.before);
+    a("round", p.round);
+    a("tuned", p.tuned);
+    a("sample", p.sample);
+    a("goal", p.goal);
+  }
+  // Mixtures are immutable: they go through what they are made of.
+  struct Mixture {
+    double degrees_of_freedom = 0.0;
+    std::vector<NormalMixture::Component> components;  // none: there is no mixture
+  };
+  template <class A>
+  static void of(A& a, In<A, Mixture>& m) {
+    a("degrees_of_freedom", m.degrees_of_freedom);
+    a("components", m.components);
+  }
+  struct PilotParts {
+    bool fitted = false;
+    std::vector<Mixture> density;
+    std::vector<double> weight;
+    Archive archive;
+  };
+  static PilotParts parts_of(const Pilot& pilot) {
+    PilotParts parts;
+    if (!pilot.fit) return parts;
+    parts.fitted = true;
+    for (const auto& density : pilot.fit->density) {
+      Mixture& mixture = parts.density.emplace_back();
+      if (!density) continue;
+      mixture.degrees_of_freedom = density->degrees_of_freedom();
+      for (int k = 0; k < density->size(); ++k) mixture.components.push_back((*density)[k]);
+    }
+    parts.weight = pilot.fit->weight;
+    parts.archive = *pilot.archive;
+    return parts;
+  }
+  static void put(PilotParts parts, Pilot& pilot) {
+    if (!parts.fitted) return;
+    auto fit = std::make_shared<PilotFit>();
+    for (Mixture& mixture : parts.density) {
+      auto& density = fit->density.emplace_back();
+      if (mixture.components.empty()) continue;
+      density = std::make_unique<NormalMixture>(
+          NormalMixture::restored(std::move(mixture.components), mixture.degrees_of_freedom));
+    }
+    fit->weight = std::move(parts.weight);
+    pilot.fit = std::move(fit);
+    pilot.archive = std::make_shared<const Archive>(std::move(parts.archive));
+  }
+  template <class A>
+  static void of(A& a, In<A, PilotParts>& p) {
+    a("fitted", p.fitted);
+    a("density", p.density);
+    a("weight", p.weight);
+    a("archive", p.archive);
+  }
+  template <class A>
+  static void of(A& a, In<A, Pilot>& p) {
+    PilotParts parts = parts_of(p);
+    a("fit", parts);
+    if constexpr (A::kReads) put(std::move(parts), p);
+    a("scales", p.scales);
+    a("efficiencies", p.efficiencies);
+  }
+  template <class A>
+  static void of(A& a, In<A, RunState>& s) {
+    a("at", s.at);
+    a("chains", s.chains);
+    a("explorations", s.explorations);
+    a("log_probability", s.log_probability);
+    a("probability", s.probability);
+    a("by_rung", s.by_rung);
+    a("pilot", s.pilot);
+    a("tuning_bias", s.tuning_bias);
+    a("sampling_bias", s.sampling_bias);
+    a("weighty_modes", s.weighty_modes);
+    a("at_mixture", s.at_mixture);
+    a("posterior", s.posterior);
+    a("shared_evaluations", s.shared_evaluations);
+  }
+};
+
+namespace {
+
+template <class T>
+inline constexpr bool kIsMatrix = false;
+template <class Scalar, int R, int C, int O, int MR, int MC>
+inline constexpr bool kIsMatrix<Eigen::Matrix<Scalar, R, C, O, MR, MC>> = true;
+template <class T>
+inline constexpr bool kIsVector = false;
+template <class T>
+inline constexpr bool kIsVector<std::vector<T>> = true;
+template <class T>
+inline constexpr bool kIsOptional = false;
+template <class T>
+inline constexpr bool kIsOptional<std::optional<T>> = true;
+template <class T>
+inline constexpr bool kIsList = kIsVector<T> || std::same_as<T, std::string>;
+template <class T>
+concept Number = std::is_arithmetic_v<T>;
+
+// Names of members, one within the other.
+class Names {
+ public:
+  std::string operator()(const char* suffix = nullptr) const {
+    return suffix == nullptr ? name_ : name_ + "." + suffix;
+  }
+  template <class Body>
+  void within(const char* member, Body&& body) {
+    const std::size_t before = name_.size();
+    if (before > 0) name_ += '.';
+    name_ += member;
+    body();
+    name_.resize(before);
+  }
+
+ private:
+  std::string name_;
+};
+
+class Writer {
+ public:
+  static constexpr bool kReads = false;
+  explicit Writer(Checkpoint& to) : to_(to) {}
+
+  template <class T>
+  void operator()(const char* member, const T& value) {
+    names_.within(member, [&] { put(value); });
+  }
+
+ private:
+  template <class N>
+  std::vector<Stored<N>>& column(const char* suffix = nullptr) {
+    const auto at = to_.columns.try_emplace(names_(suffix), std::vector<Stored<N>>{}).first;
+    return std::get<std::vector<Stored<N>>>(at->second);
+  }
+  template <class T>
+  void put(const T& value) {
+    if constexpr (std::is_enum_v<T>) {
+      put(static_cast<int>(value));
+    } else if constexpr (std::same_as<T, std::size_t>) {
+      put(static_cast<long>(value));
+    } else if constexpr (Number<T>) {
+      column<T>().push_back(static_cast<Stored<T>>(value));
+    } else if constexpr (kIsMatrix<T>) {
+      column<long>("rows").push_back(value.rows());
+      column<long>("columns").push_back(value.cols());
+      auto& numbers = column<double>();
+      numbers.insert(numbers.end(), value.data(), value.data() + value.size());
+    } else if constexpr (kIsOptional<T>) {
+      column<bool>("there").push_back(value.has_value());
+      if (value) put(*value);
+    } else if constexpr (kIsList<T>) {
+      column<long>("size").push_back(static_cast<std::int64_t>(value.size()));
+      if constexpr (Number<typename T::value_type>) {
+        auto& numbers = column<typename T::value_type>();
+        numbers.insert(numbers.end(), value.begin(), value.end());
+      } else {
+        for (const auto& entry : value) {
+          if constexpr (kIsList<typename T::value_type>) {
+            (*this)("each", entry);  // its length is another column than that of `value`
+          } else {
+            put(entry);
+          }
+        }
+      }
+    } else {
+      CheckpointFields::of(*this, value);
+    }
+  }
+
+  Checkpoint& to_;
+  Names names_;
+};
+
+class Reader {
+ public:
+  static constexpr bool kReads = true;
+  explicit Reader(const Checkpoint& from) : from_(from) {}
+
+  template <class T>
+  void operator()(const char* member, T& value) {
+    names_.within(member, [&] { get(value); });
+  }
+  // Every number must have been read.
+  void end() const {
+    for (const auto& [name, column] : from_.columns) {
+      const std::size_t size =
+          std::visit([](const auto& numbers) { return numbers.size(); }, column);
+      const auto read = read_.find(name);
+      if (size != (read == read_.end() ? 0 : read->second)) {
+        throw CheckpointError("it has more of \"" + name + "\" than a run has");
+      }
+    }
+  }
+
+ private:
+  // The next `n` numbers of a column.
+  template <class N>
+  const Stored<N>* take(std::size_t n, const char* suffix = nullptr) {
+    if (n == 0) return nullptr;
+    const std::string name = names_(suffix);
+    const auto at = from_.columns.find(name);
+    const auto* numbers =
+        at == from_.columns.end() ? nullptr : std::get_if<std::vector<Stored<N>>>(&at->second);
+    if (numbers == nullptr) throw CheckpointError("it lacks \"" + name + "\"");
+    std::size_t& read = read_[name];
+    if (n > numbers->size() - read) throw CheckpointError("it lacks a part of \"" + name + "\"");
+    read += n;
+    return numbers->data() + read - n;
+  }
+  std::size_t length(const char* suffix) {
+    const std::int64_t n = *take<long>(1, suffix);
+    if (n < 0 || n > kLongest) {
+      throw CheckpointError("\"" + names_(suffix) + "\" = " + std::to_string(n) + " is no length");
+    }
+    return static_cast<std::size_t>(n);
+  }
+  template <class T>
+  void get(T& value) {
+    if constexpr (std::is_enum_v<T>) {
+      int number = 0;
+      get(number);
+      value = static_cast<T>(number);
+    } else if constexpr (std::same_as<T, std::size_t>) {
+      value = static_cast<std::size_t>(*take<long>(1));
+    } else if constexpr (Number<T>) {
+      value = static_cast<T>(*take<T>(1));
+    } else if constexpr (kIsMatrix<T>) {
+      const std::size_t rows = length("rows"), columns = length("columns");
+      const double* numbers = take<double>(rows * columns);
+      value.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+      std::copy_n(numbers, rows * columns, value.data());
+    } else if constexpr (kIsOptional<T>) {
+      value.reset();
+      if (*take<bool>(1, "there") == 0) return;
+      using Inner = typename T::value_type;
+      Inner inner = CheckpointFields::make<Inner>();
+      get(inner);
+      value = std::move(inner);
+    } else if constexpr (kIsList<T>) {
+      const std::size_t n = length("size");
+      using Entry = typename T::value_type;
+      value.clear();
+      if constexpr (Number<Entry>) {
+        const auto* numbers = take<Entry>(n);
+        if (n > 0) value.assign(numbers, numbers + n);
+      } else {
+        for (std::size_t i = 0; i < n; ++i) {
+          Entry entry = CheckpointFields::make<Entry>();
+          if constexpr (kIsList<Entry>) {
+            (*this)("each", entry);
+          } else {
+            get(entry);
+          }
+          value.push_back(std::move(entry));
+        }
+      }
+    } else {
+      CheckpointFields::of(*this, value);
+    }
+  }
+
+  static constexpr std::int64_t kLongest = std::int64_t{1} << 40;
+
+  const Checkpoint& from_;
+  Names names_;
+  std::map<std::string, std::size_t> read_;
+};
+
+template <std::size_t I = 0>
+Checkpoint::Column empty_column(std::size_t type) {
+  if constexpr (I + 1 < std::variant_size_v<Checkpoint::Column>) {
+    if (type != I) return empty_column<I + 1>(type);
+  }
+  return Checkpoint::Column(std::in_place_index<I>);
+}
+
+void expect(bool holds, const char* what) {
+  if (!holds) throw CheckpointError(std::string("it is of a problem with other ") + what);
+}
+
+// That nothing the run will look up is out of its place.
+void check(const RunState& state, const ModelSpace& space, int chains) {
+  const auto models = static_cast<std::size_t>(space.size());
+  const auto fits = [&](const State& at) {
+    return at.model >= 0 && at.model < space.size() &&
+           (at.z.empty() || at.z.size() == static_cast<std::size_t>(space[at.model].dimension));
+  };
+  expect(state.chains.size() == static_cast<std::size_t>(chains) &&
+             state.posterior.chains.size() == state.chains.size(),
+         "chains");
+  expect(state.explorations.size() == models, "models");
+  expect(!state.pilot.fit ||
+             (state.pilot.fit->density.size() == models &&
+              state.pilot.fit->weight.size() == models && state.pilot.archive->size() == models),
+         "models");
+  expect(state.posterior.dimension == space.max_dimension(), "parameters");
+  for (const ChainState& chain : state.chains) {
+    expect(fits(chain.state), "parameters");
+    if (chain.ladder) {
+      for (const State& at : chain.ladder->states) expect(fits(at), "parameters");
+    }
+  }
+  for (std::size_t m = 0; m < models && state.pilot.fit; ++m) {
+    const auto& density = state.pilot.fit->density[m];
+    expect((density ? density->dimension() : 0) == space[static_cast<int>(m)].dimension,
+           "parameters");
+  }
+  for (const int m : state.at.models) expect(m >= 0 && m < space.size(), "models");
+}
+
+}  // namespace
+
+Checkpoint checkpoint_of(const RunState& state) {
+  Checkpoint checkpoint;
+  Writer writer(checkpoint);
+  CheckpointFields::of(writer, state);
+  return checkpoint;
+}
+
+std::string packed(const ChainState& chain, const Chain& draws) {
+  Checkpoint checkpoint;
+  Writer writer(checkpoint);
+  writer("chain", chain);
+  writer("draws", draws);
+  base::Packer parcel;
+  for (const auto& [name, column] : checkpoint.columns) {
+    parcel(name, column.index());
+    std::visit([&](const auto& numbers) { parcel(numbers); }, column);
+  }
+  return std::move(parcel).bytes();
+}
+
+void unpack(std::string_view bytes, ChainState& chain, Chain& draws) {
+  Checkpoint checkpoint;
+  base::Unpacker parcel(bytes);
+  while (!parcel.empty()) {
+    std::string name;
+    std::size_t type = 0;
+    parcel(name, type);
+    Checkpoint::Column& column = checkpoint.columns[name];
+    column = empty_column(type);
+    std::visit([&](auto& numbers) { parcel(numbers); }, column);
+  }
+  chain = ChainState();
+  draws = Chain();
+  Reader reader(checkpoint);
+  reader("chain", chain);
+  reader("draws", draws);
+}
+
+RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains) {
+  RunState state;
+  Reader reader(checkpoint);
+  try {
+    CheckpointFields::of(reader, state);
+  } catch (const std::invalid_argument& impossible) {  // a mixture that is none
+    throw CheckpointError(impossible.what());
+  }
+  reader.end();
+  check(state, space, chains);
+  state.posterior.space = std::make_shared<const ModelSpace>(space);
+  if (state.pilot.fit) {
+    for (std::size_t j = 0; j < space.kinds().size(); ++j) {
+      state.pilot.conditionals.push_back(std::make_shared<const ConditionalMixtures>(
+          space, *state.pilot.fit, static_cast<int>(j)));
+    }
+  }
+  return state;
+}
+
+}  // namespace wheeltap::inference

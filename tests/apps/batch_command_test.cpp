@@ -1,0 +1,176 @@
+// wheeltap batch, as its users run it.
+#include <gmock/gmock.h>
+
+#include "apps/batch_list.hpp"
+#include "apps/batch_table.hpp"
+#include "apps/failure.hpp"
+#include "sid_cases.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kShort = " --chains 2 --warmup 100 --draws 100 --search 20 --quiet ";
+
+std::vector<std::string> names(const std::vector<BatchCase>& cases) {
+  std::vector<std::string> out;
+  for (const BatchCase& one : cases) out.push_back(one.name);
+  return out;
+}
+
+TEST(BatchList, NamesAreStemsAndUnique) {
+  const Workspace where;
+  const auto list = where.write("list.txt",
+                                "# a fleet\n\n a/one.json \r\nb/one.json\nc/one.json\none-2.json\n"
+                                "batch.csv.json\n..json\n   # no case\nlast.json");
+  const auto cases = read_batch_list(list);
+  EXPECT_THAT(names(cases),
+              ElementsAre("one", "one-2", "one-3", "one-2-2", "batch.csv-2", "case", "last"));
+  EXPECT_EQ(cases[0].path, where / "a/one.json");
+  EXPECT_EQ(cases[6].path, where / "last.json");
+}
+
+TEST(BatchList, LinesThatAreNoPathsAreRefused) {
+  const Workspace where;
+  for (const auto& [text, words] : {std::pair("ok.json\nbad\x1b[2J.json\n", "list.txt:2: column 4"),
+                                    std::pair("\xff.json\n", "list.txt:1: column 1"),
+                                    std::pair("# nothing\n\n", "names no case")}) {
+    const auto list = where.write("list.txt", text);
+    try {
+      static_cast<void>(read_batch_list(list));
+      ADD_FAILURE() << words;
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.exit(), Exit::bad_input);
+      EXPECT_THAT(failure.what(), HasSubstr(words));
+    }
+  }
+}
+
+TEST(BatchTable, CellsAreQuotedAsRfc4180Asks) {
+  const std::vector<std::optional<BatchRow>> rows{
+      BatchRow{.name = "a,b",
+               .kind = "damage",
+               .model = "1 \"crack\"",
+               .probability = 0.75,
+               .converged = true,
+               .seconds = 1.25},
+      std::nullopt, BatchRow{.name = "c", .exit = 65, .error = "no, \"x\""}};
+  EXPECT_EQ(batch_csv(rows),
+            "case,kind,exit,model,probability,converged,wall_seconds,folder,error\n"
+            "\"a,b\",damage,0,\"1 \"\"crack\"\"\",0.75,1,1.25,\"a,b\",\n"
+            "c,,65,,,,0,c,\"no, \"\"x\"\"\"\n");
+}
+
+class Batch : public testing::Test {
+ protected:
+  Batch() {
+    std::filesystem::create_directory(where / "cases");
+    static_cast<void>(where.write_json("cases/beam.json", small_case()));
+    static_cast<void>(where.write_json("cases/chain.json", small_sid_case()));
+  }
+  [[nodiscard]] Outcome run(const std::string& list, const std::string& options = "") const {
+    return wheeltap(where, "batch " + where.write("cases/list.txt", list).string() + " -o " +
+                               (where / "out").string() + kShort + options);
+  }
+  [[nodiscard]] json summary(const std::string& name) const {
+    return json::parse(read_all(where / "out" / name / "summary.json"));
+  }
+  Workspace where;
+};
+
+// The rows as cells; of these cases no cell holds a comma.
+std::vector<std::vector<std::string>> cells(const std::string& csv) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line + ",");
+    for (rows.emplace_back(); std::getline(words, line, ',');) rows.back().push_back(line);
+  }
+  return rows;
+}
+
+TEST_F(Batch, EveryCaseIsRunAsByItself) {
+  const Outcome all = run("beam.json\nchain.json\n", "--seed 3");
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_THAT(all.out, AllOf(HasSubstr("/2] beam  "), HasSubstr("/2] chain  ")));
+  const auto table = cells(read_all(where / "out/batch.csv"));
+  ASSERT_EQ(table.size(), 3U);
+  for (const auto& [row, command] : {std::pair(1U, "damage"), std::pair(2U, "sid")}) {
+    const std::string name = table[row][0];
+    EXPECT_EQ(table[row][1], command);
+    EXPECT_EQ(table[row][2], "0");
+    const Outcome alone =
+        wheeltap(where, command + (" " + (where / "cases" / name).string()) + ".json -o " +
+                            (where / name).string() + kShort + "--seed 3");
+    ASSERT_EQ(alone.exit_code, 0) << alone.err;
+    const json ours = summary(name), theirs = json::parse(read_all(where / name / "summary.json"));
+    EXPECT_EQ(ours["models"], theirs["models"]);
+    EXPECT_EQ(ours["parameters"], theirs["parameters"]);
+    EXPECT_EQ(ours["wheeltap"]["run"], theirs["wheeltap"]["run"]);
+    const json& likely = *std::ranges::max_element(
+        ours["models"], {}, [](const json& model) { return model["probability"].get<double>(); });
+    EXPECT_EQ(table[row][3], likely["name"]);
+    EXPECT_NEAR(std::stod(table[row][4]), likely["probability"].get<double>(), 1e-7);
+    EXPECT_EQ(table[row][5], ours["diagnostics"]["converged"] ? "1" : "0");
+  }
+}
+
+TEST_F(Batch, AFailedCaseStopsNoneAndSaysItself) {
+  json bad = small_case();
+  bad["beam"]["material"]["poisson"] = 2.0;
+  static_cast<void>(where.write_json("cases/bad.json", bad));
+  static_cast<void>(where.write("cases/odd.json", R"({"kind": "moon"})"));
+  static_cast<void>(where.write("cases/text.json", "no JSON"));
+  const Outcome all =
+      run("beam.json\nmissing.json\nbad.json\nodd.json\ntext.json\n", "--threads 2");
+  EXPECT_EQ(all.exit_code, 66);  // the first of the list that failed, whichever ended first
+  EXPECT_EQ(std::ranges::count(all.err, '\n'), 1) << all.err;
+  EXPECT_THAT(all.err, HasSubstr("4 of 5 cases failed, the first of them missing (exit code 66)"));
+  const std::string csv = read_all(where / "out/batch.csv");
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 6);
+  EXPECT_THAT(csv,
+              AllOf(HasSubstr("\nbeam,damage,0,"), HasSubstr("\nmissing,,66,"),
+                    HasSubstr("\nbad,damage,65,"), HasSubstr("/beam/material/poisson"),
+                    HasSubstr("\nodd,,65,"), HasSubstr("damage, sid"), HasSubstr("\ntext,,65,")));
+  EXPECT_THAT(all.out, HasSubstr("odd  FAILED (65): "));
+}
+
+TEST_F(Batch, ResumeKeepsWhatIsFinishedAndRunsTheRest) {
+  const std::string list = "beam.json\nchain.json\nlate.json\n";
+  EXPECT_EQ(run(list).exit_code, 66);
+  const auto written = std::filesystem::last_write_time(where / "out/beam/posterior.nc");
+  static_cast<void>(where.write_json("cases/late.json", small_case()));
+  const Outcome again = run(list, "--resume");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(std::filesystem::last_write_time(where / "out/beam/posterior.nc"), written);
+  EXPECT_TRUE(std::filesystem::exists(where / "out/late/posterior.nc"));
+  // A result that is damaged is not taken for finished.
+  static_cast<void>(where.write("out/beam/posterior.nc", "rubbish"));
+  const Outcome damaged = run(list, "--resume");
+  EXPECT_EQ(damaged.exit_code, 65);
+  EXPECT_THAT(read_all(where / "out/batch.csv"), HasSubstr("\nbeam,damage,65,"));
+}
+
+TEST_F(Batch, ALineThatBeginsWithADashIsAPath) {
+  static_cast<void>(where.write_json("cases/-o.json", small_case()));
+  static_cast<void>(where.write("cases/list.txt", "-o.json\n"));
+  const std::string command = "cd " + (where / "cases").string() + " && " + WHEELTAP_PROGRAM +
+                              " batch list.txt -o out >/dev/null" + kShort;
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_TRUE(std::filesystem::exists(where / "cases/out/-o/summary.json"));
+}
+
+TEST_F(Batch, NothingRunsWhereItsTableCannotBeWritten) {
+  std::filesystem::create_directories(where / "out/batch.csv");
+  const Outcome outcome = run("beam.json\n");
+  EXPECT_EQ(outcome.exit_code, 73);
+  EXPECT_FALSE(std::filesystem::exists(where / "out/beam"));
+}
+
+}  // namespace
+}  // namespace wheeltap::apps

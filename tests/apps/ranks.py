@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""mpirun -n N wheeltap comes to the same files as one process, whatever N.
+
+ranks.py PROGRAM CHECK...     CHECK: a function below without its "check_"
+
+Exit code 77, and a line, where there is no mpirun or no module beside the program.
+"""
+import os
+import pathlib
+import shutil
+import signal
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from durable import BEAM, CHAIN, LONGER, SHORT, SWEEP, Bench, expect, files, same  # noqa: E402
+
+MPIRUN = ['mpirun', '--oversubscribe', '--mca', 'odls_base_sigkill_timeout', '20']
+JOBS = (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'))
+# A list of many models of a record, and evidence by methods of its own.
+TERMS = CHAIN | {'models': [{'name': f'm{i}', 'masses': [0.5], 'noise': 0.05,
+                             'links': [{'between': [0, 1], 'stiffness': 'k', 'damping': 0.1,
+                                        **({'cubic': 'k3'} if i & 1 else {}), **({'coulomb': 'f'} if i & 2 else {}),
+                                        **({'quadratic': 'k2'} if i & 4 else {})}]} for i in range(8)],
+                 'parameters': {'k': {'uniform': [0, 100]}, 'k3': {'uniform': [0, 1e4]}, 'f': {'uniform': [0, 1]},
+                                'k2': {'uniform': [-100, 100]}}}
+
+
+class Ranks(Bench):
+    """The program, by itself or as several ranks."""
+
+    def __init__(self, program):
+        super().__init__(program, '')
+        self.environment |= {'OMPI_ALLOW_RUN_AS_ROOT': '1', 'OMPI_ALLOW_RUN_AS_ROOT_CONFIRM': '1'}
+        self.alone = program
+
+    def run(self, *arguments, ranks=0, **how):
+        return super().run(*self.words(ranks, arguments), **how)
+
+    def words(self, ranks, arguments):
+        """Of one process, or of mpirun."""
+        self.program = 'mpirun' if ranks else self.alone
+        return [*MPIRUN[1:], '-n', ranks, self.alone, *arguments] if ranks else list(arguments)
+
+
+def compare(bench, name, command, arguments, ranks=(1, 2, 3, 5)):
+    out = bench.folder / name
+    words = [command, bench.case(name, arguments[0]), '-o', out, *arguments[1]]
+    bench.run(*words)
+    whole = files(out)
+    for n in ranks:
+        shutil.rmtree(out)
+        bench.run(*words, ranks=n)
+        same(files(out), whole)
+
+
+def check_any_number_of_ranks_makes_the_same_files(bench):
+    for name, case, command in JOBS:
+        compare(bench, name, command, (case, SHORT))
+
+
+def check_every_stage_is_the_same(bench):
+    compare(bench, 'converged', 'damage', (BEAM | {'predictor': 'fe'}, ['--chains', '3', '--quiet', '--warmup', '1000']), (3,))
+    compare(bench, 'evidence', 'sid', (CHAIN, [*SHORT, '--evidence=tmcmc+bridge']), (3,))
+    compare(bench, 'quick', 'sid', (CHAIN, ['--quick', '--quiet']), (2,))
+    compare(bench, 'terms', 'sid', (TERMS, SHORT), (3,))
+    compare(bench, 'sweep', 'sid', (SWEEP, SHORT), (3,))
+    compare(bench, 'prior', 'damage', (BEAM, [*SHORT, '--prior-only']), (2,))
+
+
+def started(bench, words, out):
+    """mpirun with 3 ranks, once there is a checkpoint."""
+    process = bench.start(*bench.words(3, words))
+    while process.poll() is None and not (out / 'checkpoint.nc').exists():
+        time.sleep(0.005)
+    expect(process.poll() is None, 'it ended before its checkpoint')
+    return process
+
+
+def children(process):
+    listed = pathlib.Path(f'/proc/{process.pid}/task/{process.pid}/children').read_text().split()
+    found = []
+    for pid in listed:
+        command = pathlib.Path(f'/proc/{pid}/cmdline').read_bytes().split(b'\0')
+        if command[0].endswith(b'wheeltap'):
+            found.append(int(pid))
+    return found
+
+
+def check_a_killed_rank_leaves_a_checkpoint(bench):
+    for name, case, command in JOBS:
+        out = bench.folder / name
+        words = [command, bench.case(name, case), '-o', out, *LONGER, '--resume']
+        bench.run(*words)
+        whole = files(out)
+        for victim in (1, 0):
+            shutil.rmtree(out)
+            process = started(bench, words, out)
+            os.kill(children(process)[victim], signal.SIGKILL)
+            _, err = process.communicate()
+            expect(process.returncode != 0 and 'signal 9 (Killed)' in err, f'{name}: {process.returncode}: {err}')
+            expect((out / 'checkpoint.nc').exists(), 'the checkpoint stays')
+            bench.run(*words, ranks=2)  # as many as are left
+            same(files(out), whole)
+
+
+def check_signals_leave_a_checkpoint(bench):
+    for name, case, command in JOBS:
+        out = bench.folder / name
+        words = [command, bench.case(name, case), '-o', out, *LONGER, '--resume']
+        bench.run(*words)
+        whole = files(out)
+        for number in (signal.SIGTERM, signal.SIGINT):
+            shutil.rmtree(out)
+            process = started(bench, words, out)
+            process.send_signal(number)
+            _, err = process.communicate()
+            expect('--resume goes on' in err and err.count('wheeltap: ') == 1, f'{name}, {number.name}: {err}')
+            expect((out / 'checkpoint.nc').exists(), err)
+            bench.run(*words)  # one process takes it up
+            same(files(out), whole)
+
+
+def check_errors_are_said_once(bench):
+    bad = bench.case('bad', BEAM | {'data': {'frequencies': [-1.0], 'cov': 0.01}})
+    good = bench.case('good', BEAM)
+    (bench.folder / 'file').write_text('')
+    for words, code in ((['damage', bad, '-o', bench.folder / 'o', *SHORT], 65),
+                        (['damage', good, '-o', bench.folder / 'file' / 'o', *SHORT], 73),
+                        (['table', good, '-o', bench.folder / 't.nc'], 64),
+                        (['damage', good], 64)):
+        _, _, err = bench.run(*words, ranks=3, code=code)
+        expect(err.count('wheeltap: ') == 1, err)
+        expect('MPI_ABORT' not in err, 'they end together')
+    _, out, _ = bench.run('--version', ranks=3)
+    expect(out.count('wheeltap') == 1, out)
+
+
+def check_unequal_ranks_are_refused(bench):
+    good = bench.case('good', BEAM)
+    words = [bench.alone, 'damage', good, '-o', bench.folder / 'o', *SHORT]
+    other = ['-x', 'WHEELTAP_SIMD=avx2', *words]
+    bench.program = 'mpirun'
+    arguments = [*MPIRUN[1:], '-n', '1', *words, ':', '-n', '1', *other]
+    _, _, err = Bench.run(bench, *arguments, code=64)
+    expect('unequal processors' in err and '--simd baseline' in err, err)
+    Bench.run(bench, *[word for a in arguments for word in ([a, '--simd', 'baseline'] if a == bench.folder / 'o' else [a])])
+    # Other cases, as on machines whose folders are not the same.
+    different = bench.case('different', BEAM | {'title': 'Another'})
+    swapped = [different if a == good else a for a in words]
+    _, _, err = Bench.run(bench, *MPIRUN[1:], '-n', '1', *words, ':', '-n', '1', *swapped, code=65)
+    expect('have not the same case' in err, err)
+
+
+def main():
+    program, *checks = sys.argv[1:]
+    if not shutil.which('mpirun') or not pathlib.Path(program).with_name('wheeltap_mpi.so').exists():
+        print('skipped: no mpirun, or wheeltap was built without MPI (Debian: libopenmpi-dev openmpi-bin)')
+        sys.exit(77)
+    for name in checks:
+        bench = Ranks(program)
+        try:
+            globals()[f'check_{name}'](bench)
+        except AssertionError as failed:
+            print(f'{name}: {failed}')
+            sys.exit(1)
+        finally:
+            shutil.rmtree(bench.folder, ignore_errors=True)
+        print(f'{name}: as it should be')
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,396 @@
+// A run that is left at any safe point and taken up from its columns is the run that was never
+// left.
+#include "inference/checkpoint.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <concepts>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "inference/reversible_jump.hpp"
+#include "tests/inference/toy_problems.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+// y(t) = 1 + t + something small, by a level and any of `terms` powers of t: 2^terms nested models.
+Problem powers(int terms, long samples, bool shortens) {
+  class Powers : public Likelihood {
+   public:
+    Powers(int terms, long samples) : terms_(terms) {
+      for (long i = 0; i < samples; ++i) {
+        t_.push_back(std::sin(0.7 * static_cast<double>(i)));
+        y_.push_back(1.0 + t_.back() + 0.1 * std::sin(7.0 * static_cast<double>(i * i % 1000)));
+      }
+    }
+    double log_likelihood(int model, std::span<const double> x) override {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < t_.size(); ++i) {
+        const double t = t_[i];
+        double r = y_[i] - x[0];
+        double power = 1.0;
+        for (int j = 0, at = 1; j < terms_; ++j) {
+          power *= t;
+          if ((model >> j) & 1) r -= x[static_cast<std::size_t>(at++)] * power;
+        }
+        sum -= 0.5 * r * r / 0.04;
+      }
+      return sum;
+    }
+
+   private:
+    int terms_;
+    std::vector<double> t_, y_;
+  };
+  std::vector<Parameter> parameters{{"level", Normal{0.0, 2.0}}};
+  for (int j = 1; j <= terms; ++j)
+    parameters.push_back({"b" + std::to_string(j), Normal{0.0, 2.0}});
+  std::vector<ModelSpace::ListedModel> models;
+  for (int m = 0; m < 1 << terms; ++m) {
+    ModelSpace::ListedModel& model = models.emplace_back();
+    model = {"m" + std::to_string(m), 1.0, {"level"}};
+    for (int j = 0; j < terms; ++j)
+      if ((m >> j) & 1) model.parameters.push_back("b" + std::to_string(j + 1));
+  }
+  Problem problem{.space = ModelSpace::of_models(parameters, models),
+                  .likelihood = [=] { return std::make_unique<Powers>(terms, samples); }};
+  if (shortens) {
+    problem.samples = samples;
+    problem.shortened = [=](long first) {
+      return std::make_shared<const Problem>(powers(terms, first, true));
+    };
+  }
+  return problem;
+}
+
+const std::vector<double> kData{0.9, 1.0, 0.2, -0.7, -0.9, -0.3};
+
+Problem one_bump() {
+  return toy::bump_problem(kData, {1, 1});
+}
+
+Problem screened() {
+  return toy::screened_bump_problem(kData, {1, 1});
+}
+
+struct Case {
+  const char* name;
+  Problem (*problem)();
+  Options options;
+};
+
+// WHEELTAP_LONG_TESTS=1: from every safe point of every run. Else from a part of them, spread
+// evenly.
+bool is_long() {
+  return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
+}
+
+// Every way that a run can take through its stages.
+std::vector<Case> cases() {
+  const Options brief{
+      .seed = 3, .chains = 2, .threads = 2, .warmup = 80, .draws = 16, .thin = 2, .searches = 2};
+  std::vector<Case> all;
+  const auto add = [&](const char* name, Problem (*problem)()) -> Options& {
+    return all.emplace_back(Case{name, problem, brief}).options;
+  };
+  add("Components", toy::bumps);
+  add("ComponentsBalanced", one_bump).balance = true;
+  add("ComponentsTempered", one_bump).tempered_draws = true;
+  add("Screened", screened).chains = 3;
+  add("PriorOnly", one_bump).prior_only = true;
+  add("Look", one_bump).quick = true;
+  add("List", [] { return powers(2, 20, false); }).chains = 4;
+  add("ListTempered", [] { return powers(1, 20, false); }).tempered_draws = true;
+  add("ListBalanced", [] { return powers(1, 20, true); }).balance = true;
+  add("NestedList", [] { return powers(3, 60, true); });
+  add("LongList", [] { return powers(6, 10, false); });
+  // The engine follows records beyond 5000 samples as they grow.
+  add("LongRecord", [] { return powers(1, is_long() ? 20000 : 5400, true); }).quick = true;
+  return all;
+}
+
+// Bits, so that NaN is NaN.
+template <class T>
+void expect_bits(const std::vector<T>& a, const std::vector<T>& b, const char* what) {
+  ASSERT_EQ(a.size(), b.size()) << what;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if constexpr (std::same_as<T, double>) {
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(a[i]), std::bit_cast<std::uint64_t>(b[i]))
+          << what << ' ' << i << ": " << a[i] << ", " << b[i];
+    } else if constexpr (std::same_as<T, float>) {
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(a[i]), std::bit_cast<std::uint32_t>(b[i])) << what;
+    } else {
+      ASSERT_EQ(a[i], b[i]) << what << ' ' << i;
+    }
+  }
+}
+
+void expect_same(const Evidence& a, const Evidence& b) {
+  expect_bits<double>({a.log_evidence, a.standard_error}, {b.log_evidence, b.standard_error},
+                      "evidence");
+  EXPECT_EQ(a.warnings, b.warnings);
+}
+
+void expect_same(const Posterior& a, const Posterior& b) {
+  ASSERT_EQ(a.chains.size(), b.chains.size());
+  for (std::size_t c = 0; c < a.chains.size(); ++c) {
+    expect_bits(a.chains[c].model, b.chains[c].model, "model");
+    expect_bits(a.chains[c].theta, b.chains[c].theta, "theta");
+    expect_bits(a.chains[c].log_prior, b.chains[c].log_prior, "log prior");
+    expect_bits(a.chains[c].log_likelihood, b.chains[c].log_likelihood, "log likelihood");
+    expect_bits(a.chains[c].move, b.chains[c].move, "move");
+    expect_bits(a.chains[c].accepted, b.chains[c].accepted, "accepted");
+    expect_bits(a.chains[c].prediction, b.chains[c].prediction, "prediction");
+  }
+  expect_bits(a.log_weight, b.log_weight, "weight");
+  ASSERT_EQ(a.moves.size(), b.moves.size());
+  for (std::size_t i = 0; i < a.moves.size(); ++i) {
+    EXPECT_EQ(a.moves[i].name, b.moves[i].name);
+    EXPECT_EQ(a.moves[i].proposed, b.moves[i].proposed);
+    EXPECT_EQ(a.moves[i].accepted, b.moves[i].accepted);
+  }
+  EXPECT_EQ(a.jumps_proposed, b.jumps_proposed);
+  EXPECT_EQ(a.jumps_accepted, b.jumps_accepted);
+  const auto numbers = [](const Posterior& p) {
+    const Calls& c = p.calls;
+    return std::vector<long>{p.draws,
+                             p.warmup,
+                             p.thin,
+                             p.dimension,
+                             p.predictions,
+                             p.warmup_evaluations,
+                             c.explore,
+                             c.search,
+                             c.anneal,
+                             c.weigh,
+                             c.tune,
+                             c.sample,
+                             c.evidence,
+                             p.likelihood_evaluations,
+                             p.full_evaluations,
+                             p.stopped_early,
+                             p.quick,
+                             p.tempered_draws,
+                             p.ladder_round_trips,
+                             p.impossible};
+  };
+  EXPECT_EQ(numbers(a), numbers(b));
+  expect_bits<double>({a.barrier}, {b.barrier}, "barrier");
+  EXPECT_EQ(a.notes, b.notes);
+  ASSERT_EQ(a.found.size(), b.found.size());
+  for (std::size_t m = 0; m < a.found.size(); ++m) {
+    const ModelFindings &one = a.found[m], &other = b.found[m];
+    EXPECT_EQ(one.climbs, other.climbs);
+    EXPECT_EQ(one.glanced, other.glanced);
+    expect_same(one.annealed, other.annealed);
+    expect_same(one.sampled, other.sampled);
+    expect_same(one.bridged, other.bridged);
+    ASSERT_EQ(one.modes.size(), other.modes.size());
+    for (std::size_t k = 0; k < one.modes.size(); ++k) {
+      expect_bits(one.modes[k].x, other.modes[k].x, "mode");
+      expect_bits(one.modes[k].drawn, other.modes[k].drawn, "draws of a mode");
+      expect_bits<double>({one.modes[k].log_posterior, one.modes[k].share},
+                          {other.modes[k].log_posterior, other.modes[k].share}, "mode");
+      EXPECT_EQ(one.modes[k].climbs, other.modes[k].climbs);
+    }
+  }
+}
+
+// Every checkpoint of a run, and what the run came to.
+struct Whole {
+  std::vector<std::shared_ptr<const Checkpoint>> checkpoints;
+  Posterior posterior;
+};
+Whole run_whole(const Problem& problem, Options options) {
+  Whole whole;
+  options.checkpoints.save = [&](const Checkpoint& checkpoint) {
+    whole.checkpoints.push_back(std::make_shared<const Checkpoint>(checkpoint));
+  };
+  whole.posterior = reversible_jump(problem, options);
+  return whole;
+}
+
+Posterior resumed(const Problem& problem, Options options,
+                  std::shared_ptr<const Checkpoint> checkpoint) {
+  options.checkpoints.from = std::move(checkpoint);
+  return reversible_jump(problem, options);
+}
+
+template <class Number>
+Number first(const Checkpoint& checkpoint, const char* column) {
+  return std::get<std::vector<Number>>(checkpoint.columns.at(column)).at(0);
+}
+int stage(const Checkpoint& checkpoint) {
+  return first<std::int32_t>(checkpoint, "at.stage");
+}
+
+class CheckpointOf : public testing::TestWithParam<Case> {};
+
+TEST_P(CheckpointOf, EverySafePointLeadsToTheSamePosterior) {
+  const Problem problem = GetParam().problem();
+  const Options options = GetParam().options;
+  const Posterior straight = reversible_jump(problem, options);
+  const Whole whole = run_whole(problem, options);
+  expect_same(straight, whole.posterior);
+  ASSERT_GT(whole.checkpoints.size(), 10U);
+  std::vector<int> stages(3);
+  for (const auto& checkpoint : whole.checkpoints)
+    ++stages[static_cast<std::size_t>(stage(*checkpoint))];
+  EXPECT_THAT(stages, testing::Each(testing::Gt(0)));
+  constexpr std::size_t kPart = 12;
+  const std::size_t every = is_long() ? 1 : 1 + whole.checkpoints.size() / kPart;
+  for (std::size_t i = 0; i < whole.checkpoints.size(); i += every) {
+    SCOPED_TRACE(i);
+    const Problem again = GetParam().problem();  // nothing is left of the one before
+    Options other = options;
+    other.threads = 1 + static_cast<int>(i % 2);
+    expect_same(straight, resumed(again, other, whole.checkpoints[i]));
+    if (HasFailure()) return;
+  }
+}
+
+TEST_P(CheckpointOf, ColumnsAreTheState) {
+  const Problem problem = GetParam().problem();
+  const Whole whole = run_whole(problem, GetParam().options);
+  for (const auto& checkpoint : whole.checkpoints) {
+    const Checkpoint again =
+        checkpoint_of(state_of(*checkpoint, problem.space, GetParam().options.chains));
+    ASSERT_EQ(again.columns.size(), checkpoint->columns.size());
+    for (const auto& [name, column] : checkpoint->columns) {
+      std::visit(
+          [&, &name = name](const auto& numbers) {
+            using Numbers = std::decay_t<decltype(numbers)>;
+            expect_bits(numbers, std::get<Numbers>(again.columns.at(name)), name.c_str());
+          },
+          column);
+    }
+  }
+}
+
+// Stopped again and again, each time after a little more: the sum is one run.
+TEST_P(CheckpointOf, ARunOfManySessionsIsOneRun) {
+  const Problem problem = GetParam().problem();
+  Options options = GetParam().options;
+  const Posterior straight = reversible_jump(problem, options);
+  int sessions = 0, calls = 0;
+  options.checkpoints.every_seconds = 1e9;  // when it is stopped, and only then
+  std::shared_ptr<const Checkpoint> last;
+  options.checkpoints.save = [&](const Checkpoint& checkpoint) {
+    last = std::make_shared<const Checkpoint>(checkpoint);
+  };
+  options.progress = [&](const Options::Progress&) {
+    return ++calls < 2 + (is_long() ? sessions / 4 : 4 * sessions);
+  };
+  Posterior posterior;
+  do {
+    calls = 0;
+    options.checkpoints.from = last;
+    posterior = reversible_jump(problem, options);
+    ASSERT_LT(++sessions, 500);
+  } while (posterior.stopped_early);
+  EXPECT_GT(sessions, 2);
+  expect_same(straight, posterior);
+}
+
+INSTANTIATE_TEST_SUITE_P(Runs, CheckpointOf, testing::ValuesIn(cases()),
+                         [](const auto& at) { return std::string(at.param.name); });
+
+// The control: each of these left as it was at the beginning, and it is another run.
+TEST(Checkpoint, AMemberLeftOutMakesAnotherRun) {
+  const Problem problem = toy::bumps();
+  const Options options{
+      .seed = 3, .chains = 2, .threads = 1, .warmup = 240, .draws = 40, .thin = 2};
+  const Whole whole = run_whole(problem, options);
+  // The first checkpoint for which this holds, but with one column of zeros.
+  const auto without = [&](const char* column, auto&& where) {
+    for (const auto& checkpoint : whole.checkpoints) {
+      if (!where(*checkpoint)) continue;
+      auto broken = std::make_shared<Checkpoint>(*checkpoint);
+      std::visit([](auto& numbers) { std::ranges::fill(numbers, 0); }, broken->columns.at(column));
+      return resumed(problem, options, broken);
+    }
+    ADD_FAILURE() << "no checkpoint to break " << column << " in";
+    return Posterior{};
+  };
+  const auto differs = [&](const Posterior& posterior) {
+    for (std::size_t c = 0; c < posterior.chains.size(); ++c)
+      if (posterior.chains[c].log_likelihood != whole.posterior.chains[c].log_likelihood)
+        return true;
+    return false;
+  };
+  const auto tempering = [](const Checkpoint& c) {
+    return first<std::uint8_t>(c, "at.tempering") == 1 &&
+           first<std::int32_t>(c, "chains.lesson.steps") > 5;
+  };
+  const auto tuning = [](const Checkpoint& c) {
+    return stage(c) == 1 && first<std::int32_t>(c, "chains.lesson.steps") > 5 &&
+           first<std::int32_t>(c, "at.tuned") > 0;
+  };
+  const auto drawing = [](const Checkpoint& c) {
+    return stage(c) == 2 && first<std::int64_t>(c, "chains.iteration") > 20;
+  };
+  EXPECT_TRUE(differs(without("chains.ladder.scans", tempering)));
+  EXPECT_TRUE(differs(without("chains.lesson.learnt.each", tempering)));
+  EXPECT_TRUE(differs(without("chains.lesson.learnt.each", tuning)));
+  EXPECT_TRUE(differs(without("at.tuned", tuning)));
+  EXPECT_TRUE(differs(without("chains.iteration", drawing)));
+  EXPECT_TRUE(differs(without("pilot.efficiencies", drawing)));
+}
+
+TEST(Checkpoint, OneThatIsNoneOfTheProblemIsRefused) {
+  const Problem problem = toy::bumps();
+  const Options options{.seed = 3, .chains = 2, .warmup = 240, .draws = 40};
+  const Whole whole = run_whole(problem, options);
+  const Checkpoint& good = *whole.checkpoints.back();
+  for (const auto& [name, column] : good.columns) {
+    if (std::visit([](const auto& numbers) { return numbers.empty(); }, column)) continue;
+    Checkpoint missing = good;
+    missing.columns.erase(name);
+    EXPECT_THROW(static_cast<void>(state_of(missing, problem.space, 2)), CheckpointError) << name;
+    Checkpoint shorter = good, longer = good;
+    std::visit([](auto& numbers) { numbers.pop_back(); }, shorter.columns.at(name));
+    std::visit([](auto& numbers) { numbers.push_back(numbers.back()); }, longer.columns.at(name));
+    EXPECT_THROW(static_cast<void>(state_of(shorter, problem.space, 2)), CheckpointError) << name;
+    EXPECT_THROW(static_cast<void>(state_of(longer, problem.space, 2)), CheckpointError) << name;
+  }
+  Checkpoint more = good;
+  more.columns["moon"] = std::vector<double>{1.0};
+  EXPECT_THAT([&] { static_cast<void>(state_of(more, problem.space, 2)); },
+              ThrowsMessage<CheckpointError>(HasSubstr("\"moon\"")));
+  EXPECT_THAT([&] { static_cast<void>(state_of(good, problem.space, 3)); },
+              ThrowsMessage<CheckpointError>(HasSubstr("other chains")));
+  EXPECT_THAT(
+      [&] {
+        static_cast<void>(state_of(good, toy::bump_space({1, 1}), 2));
+      },
+      ThrowsMessage<CheckpointError>(HasSubstr("other models")));
+  // Other data: the same parameters have another likelihood.
+  EXPECT_THAT(
+      [&] {
+        static_cast<void>(resumed(toy::bump_problem({1, 0, 0, 0, 0, 0}, {1, 1, 1, 1}), options,
+                                  whole.checkpoints.back()));
+      },
+      ThrowsMessage<CheckpointError>(HasSubstr("likelihood is another one")));
+}
+
+TEST(Checkpoint, SavingKeepsToItsInterval) {
+  int saved = 0;
+  Options options{.seed = 3, .chains = 2, .warmup = 240, .draws = 200};
+  options.checkpoints = {.save = [&](const Checkpoint&) { ++saved; }, .every_seconds = 3600.0};
+  static_cast<void>(reversible_jump(toy::bumps(), options));
+  EXPECT_EQ(saved, 0);
+}
+
+}  // namespace
+}  // namespace wheeltap::inference
