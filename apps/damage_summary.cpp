@@ -5,6 +5,7 @@
 
 #include "apps/posterior_file.hpp"
 #include "apps/report/answer.hpp"
+#include "apps/structure_drawing.hpp"
 
 namespace wheeltap::apps {
 
@@ -199,6 +200,33 @@ Report beam_of(const fem::Beam& beam) {
 }
 
 // What a drawing needs: nodes, members, held nodes, and where each kind's cells lie.
+// Points and lines, and how the intact structure's modes move them: what the report plays.
+Report drawing_of(const DamageCase& damage_case) {
+  constexpr std::size_t kMostPoints = 3000;
+  constexpr int kMostModes = 12;
+  const DrawnStructure structure = drawn(damage_case.structure->nominal);
+  const StructureDrawing& drawing = structure.drawing;
+  if (drawing.points.empty() || drawing.points.size() > kMostPoints) return {};
+  const auto rigid = static_cast<int>(structure.discretisation.rigid_motions.cols());
+  const int there = static_cast<int>(fem::mode_count(structure.discretisation));
+  const fem::StructureModes found = fem::structure_modes(
+      structure.discretisation, std::min(there, rigid + std::min(kMostModes, damage_case.modes())));
+  const auto rounded = [](const fem::Vector3& v) {
+    Report row = Report::array();
+    for (const double x : v) row.push_back(std::round(1e4 * x) / 1e4);
+    return row;
+  };
+  Report points = Report::array(), modes = Report::array();
+  for (const auto& point : drawing.points) points.push_back(point.at);
+  for (Eigen::Index j = rigid; j < found.shapes.cols(); ++j) {
+    Report motions = Report::array();
+    for (const fem::Vector3& v : point_motions(drawing, found.shapes.col(j)))
+      motions.push_back(rounded(v));
+    modes.push_back({{"frequency_hz", found.frequencies_hz[j]}, {"motions", motions}});
+  }
+  return {{"points", points}, {"lines", drawing.lines}, {"modes", modes}};
+}
+
 Report structure_of(const DamageCase& damage_case) {
   Report out = Report::object();
   if (const auto* s = std::get_if<fem::Structure>(&damage_case.structure->nominal)) {
@@ -224,6 +252,7 @@ Report structure_of(const DamageCase& damage_case) {
     lines[kind.name] = {{"of", kind.site_name()}, {"stretches", stretches}};
   }
   out["lines"] = lines;
+  if (Report drawing = drawing_of(damage_case); !drawing.empty()) out["drawing"] = drawing;
   return out;
 }
 

@@ -226,7 +226,7 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
   const auto shown = [](const std::filesystem::path& path) { return io::printable(path.string()); };
   for (const File& file : files) std::cout << "  " << shown(file.path) << '\n';
   std::cout << "It runs as it is:\n  wheeltap ";
-  if (beam)
+  if (Json::parse(text).contains("data"))
     std::cout << kind << ' ' << shown(files[0].path) << " -o "
               << shown((folder / "results").lexically_normal());
   else

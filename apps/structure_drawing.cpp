@@ -215,6 +215,17 @@ std::vector<NodeMotion> node_motions(const StructureDrawing& drawing,
   return out;
 }
 
+std::vector<Vector3> point_motions(const StructureDrawing& drawing, const Eigen::VectorXd& shape) {
+  std::vector<Vector3> out;
+  double largest = 0.0;
+  for (const auto& point : drawing.points) {
+    out.push_back(values(point.translation, shape));
+    largest = std::max(largest, fem::norm(out.back()));
+  }
+  for (Vector3& v : out) v = largest > 0.0 ? fem::scaled(v, 1.0 / largest) : Vector3{};
+  return out;
+}
+
 std::string vtk_text(const StructureDrawing& drawing, const fem::StructureModes& modes,
                      const std::string& title) {
   if (drawing.points.empty())
@@ -239,18 +250,11 @@ std::string vtk_text(const StructureDrawing& drawing, const fem::StructureModes&
   }
   text += "POINT_DATA " + count + '\n';
   for (Eigen::Index mode = 0; mode < modes.shapes.cols(); ++mode) {
-    std::vector<Vector3> moved;
-    double largest = 0.0;
-    for (const auto& point : drawing.points) {
-      moved.push_back(values(point.translation, modes.shapes.col(mode)));
-      largest = std::max(largest, fem::norm(moved.back()));
-    }
     char field[64];
     std::snprintf(field, sizeof field, "VECTORS mode_%02d_%.5g_Hz double\n",
                   static_cast<int>(mode) + 1, modes.frequencies_hz[mode]);
     text += field;
-    for (const Vector3& v : moved)
-      text += row(largest > 0.0 ? fem::scaled(v, 1.0 / largest) : Vector3{});
+    for (const Vector3& v : point_motions(drawing, modes.shapes.col(mode))) text += row(v);
   }
   return text;
 }

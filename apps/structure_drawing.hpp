@@ -51,6 +51,10 @@ struct NodeMotion {
 [[nodiscard]] std::vector<NodeMotion> node_motions(const StructureDrawing& drawing,
                                                    const Eigen::VectorXd& shape);
 
+/// Displacement of every point in a shape, the largest scaled to 1 (all 0 where nothing moves).
+[[nodiscard]] std::vector<fem::Vector3> point_motions(const StructureDrawing& drawing,
+                                                      const Eigen::VectorXd& shape);
+
 /// Legacy VTK polydata (The VTK User's Guide, "VTK file formats"): members as polylines, and one
 /// vector field of displacements a mode, scaled to a largest one of 1. Throws std::invalid_argument
 /// for a structure that has no places.

@@ -223,6 +223,8 @@
       return [element('h3', { class: 'apart' }, `Link ${key}`), lead ? element('p', { class: 'lead' }, lead) : null, grid(of('where', key), 4, ' pairs')];
     }));
 
+    if (summary.structure?.drawing?.modes?.length) section('shapes', 'How the structure moves', null, shapeView(summary.structure, element));
+
     const folded = summary.damage?.folded;
     section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${pValue(p)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
       of('fit').length ? grid(of('fit')) : null);
