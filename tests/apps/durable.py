@@ -285,10 +285,13 @@ def check_the_same_seed_makes_the_same_files(bench):
 LONGER = ['--chains', '2', '--warmup', '2000', '--draws', '2000', '--search', '20', '--quiet', '--checkpoint', '0.01']
 
 
-def resumable(bench):
+FRAME = json.loads((pathlib.Path(__file__).parents[2] / 'data/structures/cracked-portal.json').read_text())
+
+
+def resumable(bench, *more):
     """Name, arguments and folder of a run of each sort that keeps checkpoints."""
     return [(name, [command, bench.case(name, case), '-o', bench.folder / name, *LONGER, '--resume'], bench.folder / name)
-            for name, case, command in (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('sweep', SWEEP, 'sid'))]
+            for name, case, command in (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('sweep', SWEEP, 'sid'), *more)]
 
 
 def until_checkpoint(bench, arguments, out, number):
@@ -306,7 +309,7 @@ def check_signals_leave_a_checkpoint(bench):
     for name, arguments, out in resumable(bench):
         bench.run(*arguments)
         whole = files(out)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
             shutil.rmtree(out)
             code, err = until_checkpoint(bench, arguments, out, number)
             expect(code in (0, 130), f'{name}, {number.name}: {code}: {err}')
@@ -359,7 +362,7 @@ def check_kills_between_checkpoints(bench, kills=30):
     """Killed again and again, and resumed each time until it ends: the files of an undisturbed run."""
     randomly = random.Random(os.environ.get('SEED', '1'))
     jobs = []
-    for name, arguments, out in resumable(bench):
+    for name, arguments, out in resumable(bench, ('frame', FRAME, 'damage')):
         began = os.times().elapsed
         bench.run(*arguments)
         jobs.append((name, arguments, out, files(out), os.times().elapsed - began))
