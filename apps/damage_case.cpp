@@ -113,6 +113,7 @@ void parse_truth(const CaseFile& file, const Pointer& block, double length, Defe
                   "lies outside the beam, which is " + number(length) + " m long");
     }
     if (d.contains(severity) && d[severity].is_number()) truth.severity = d[severity];
+    truth.extent = true_extent(file, where / i, kind);
     kind.truth.push_back(truth);
   }
   std::ranges::sort(kind.truth, {}, &DefectKind::True::location);
@@ -162,7 +163,7 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   if (b.contains("extent") && type_name != "reduction") {
     file.refuse(where / "extent", "goes with \"kind\": \"reduction\" only");
   }
-  if (b.contains("extent") && b["extent"].is_number()) kind.extent = b["extent"].get<double>();
+  parse_extent(file, where, length, kind);
   if (type_name == "crack") {
     kind.crack_law = parse_crack_law(file, where);
     if (!(out.beam_depth > 0.0)) {
@@ -247,6 +248,12 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
   if (out.kinds.size() != 1 || out.kinds[0].type != &defects::kReduction) {
     file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
   }
+  if (out.kinds[0].extent || out.kinds[0].extent_prior)
+    file.refuse(where,
+                "an emulator knows reductions of one element, not over an \"extent\"; use \"fe\" "
+                "here");
+  if (out.structure)
+    file.refuse(where, "an emulator is trained on a beam, not on a structure; use \"fe\" here");
   EmulatorSpec spec;
   spec.emulator_error = p.value("emulator_error", true);
   spec.exact = p.value("exact", false);

@@ -23,6 +23,14 @@ namespace wheeltap::apps {
 [[nodiscard]] identification::Simulation parse_simulation(const CaseFile& file, const Json& truth,
                                                           identification::Simulation before);
 
+/// What "extent" says of a reduction: nothing, a length, or a prior of one up to `most` [m]. Throws
+/// Failure.
+void parse_extent(const CaseFile& file, const Pointer& where, double most,
+                  identification::DefectKind& kind);
+/// The extent of a true defect at `where`, where it is unknown. Throws Failure.
+[[nodiscard]] double true_extent(const CaseFile& file, const Pointer& where,
+                                 const identification::DefectKind& kind);
+
 /// The law that a crack names, or the first. Throws Failure for one that there is not.
 [[nodiscard]] const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where);
 

@@ -71,6 +71,11 @@ Report json(const SymmetryFinding& symmetry) {
     chains.push_back(
         {{"left", c.left}, {"right", c.right}, {"mcse_of_difference", c.mcse_of_difference}});
   }
+  if (!symmetry.alike.empty() || !symmetry.turned.empty())
+    return {{"alike", symmetry.alike},
+            {"turned", symmetry.turned},
+            {"statement", images_statement(symmetry.alike, symmetry.turned)},
+            {"per_chain", chains}};
   return {{"mirror_symmetric", true},
           {"center", symmetry.center},
           {"statement", symmetry_statement(symmetry.emulated)},
@@ -157,6 +162,7 @@ Report kinds_of(const DamageCase& damage_case) {
       Report one = {
           {"location", t.location},
           {kind.severity_name(), std::isfinite(t.severity) ? Report(t.severity) : Report("rigid")}};
+      if (kind.extent_prior) one["extent"] = t.extent;
       if (!kind.line.is_beam()) {
         const SiteLine::Spot spot = kind.line.spot(t.location);
         one[kind.site_name()] = kind.line.stretches()[static_cast<std::size_t>(spot.stretch)].name;

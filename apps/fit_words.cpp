@@ -88,7 +88,7 @@ std::string what_to_check(const std::vector<int>& modes, bool emulated) {
          (emulated ? ". The emulator's error may be larger here than on average over its box: try "
                      "\"predictor\": \"fe\". Otherwise check"
                    : ". Check") +
-         " the beam's properties, the mode numbering and data.cov before believing the locations; "
+         " the model's properties, the mode numbering and data.cov before believing the locations; "
          "or "
          "infer the noise: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";
 }

@@ -77,7 +77,7 @@ class Speaker {
   }
 
   std::string operator()(const remark::FrequenciesOutOfReach& r) const {
-    return "The measured frequencies are far from anything that this beam does, whatever its "
+    return "The measured frequencies are far from anything that this model does, whatever its "
            "damage: mode " +
            std::to_string(r.mode) + " is measured at " + significant(r.measured, 4) +
            " Hz and predicted at " + significant(r.lowest, 4) + " to " + significant(r.highest, 4) +
@@ -96,6 +96,10 @@ class Speaker {
   std::string operator()(const remark::MirrorImages& r) const {
     return symmetry_statement(r.emulated) +
            " To tell them apart, measure mode shapes or add a small mass off the middle.";
+  }
+  std::string operator()(const remark::StructureImages& r) const {
+    return images_statement(r.alike, r.turned) +
+           " To tell them apart, measure mode shapes or add a small mass that breaks the symmetry.";
   }
   std::string operator()(const remark::FittedNotTested& r) const {
     return "The " + unknowns_of(r.unknowns) + " of " + r.model + " are fitted to " +
@@ -330,6 +334,7 @@ struct Rank {
   int operator()(const remark::FittedNotTested&) const { return 3; }
   int operator()(const remark::CannotExclude&) const { return 3; }
   int operator()(const remark::MirrorImages&) const { return 3; }
+  int operator()(const remark::StructureImages&) const { return 3; }
   int operator()(const remark::WindowsUnsound&) const { return 3; }
   int operator()(const remark::NearlyPrior&) const { return 4; }
   int operator()(const remark::LargestCount&) const { return 4; }

@@ -7,6 +7,7 @@
 #include "apps/failure.hpp"
 #include "base/number.hpp"
 #include "base/parallel.hpp"
+#include "fem/structures/structure_spectrum.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -68,19 +69,19 @@ RunCost cost_of_sampling(const Sampled& sampled, const CommonOptions& common,
 
 RunCost cost_of_damages(const identification::DamageCase& damage_case, const CommonOptions& common,
                         const SamplingOptions& options) {
-  // A beam's element brings two degrees of freedom.
-  const double n =
-      damage_case.structure
-          ? 0.5 * static_cast<double>(
-                      identification::discretise(damage_case.structure->nominal).size())
-          : static_cast<double>(damage_case.beam.elements);
+  const bool structure = damage_case.solved_as_structure();
+  const auto n =
+      structure
+          ? static_cast<double>(identification::discretise(damage_case.solved_structure()).size())
+          : 2.0 * damage_case.beam.elements;
   const double modes = damage_case.modes();
   const double common_ones = damage_case.data.cv_prior ? 1.0 : 0.0;
   // Measured on a core of 2.5 GHz.
-  Sampled sampled{.largest = common_ones,
-                  .predictions = modes,
-                  .explored = 10'000.0,  // 5 000 to 14 000 on the starter cases
-                  .seconds_a_likelihood = 1e-6 * modes * (0.6 + 0.0025 * n)};
+  Sampled sampled{
+      .largest = common_ones,
+      .predictions = modes,
+      .explored = 10'000.0,  // 5 000 to 14 000 on the starter cases
+      .seconds_a_likelihood = 1e-6 * modes * (structure ? 1.5 + 0.01 * n : 0.6 + 0.00125 * n)};
   double mean = common_ones;
   for (const identification::DefectKind& kind : damage_case.kinds) {
     const double each = kind.severity_prior() != nullptr ? 2.0 : 1.0;
@@ -90,9 +91,14 @@ RunCost cost_of_damages(const identification::DamageCase& damage_case, const Com
   }
   sampled.dimensions = sampled.models * mean;
   RunCost cost = cost_of_sampling(sampled, common, options);
-  // All modes of the intact beam, 2 n motions each.
-  cost.seconds += 1.6e-5 * n * n;
-  cost.bytes += 3.0 * 8.0 * 4.0 * n * n;
+  // All n modes of the intact structure.
+  if (structure) {
+    cost.seconds += (n <= fem::kWideSpectrum ? 1.2e-8 : 1.35e-9) * n * n * n;
+    cost.bytes += 52.0 * n * n;
+  } else {
+    cost.seconds += 4e-6 * n * n;
+    cost.bytes += 24.0 * n * n;
+  }
   return cost;
 }
 

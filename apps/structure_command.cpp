@@ -109,9 +109,8 @@ void run_structure_modes(CaseFile file, const ModesOptions& options) {
     std::cout << line << largest_motion(structure.drawing, modes.shapes.col(j))
               << (j < modes.rigid_body_modes ? "  (rigid body)" : "") << '\n';
   }
-  std::cout << (modes.certified
-                    ? "\nA Sturm count certifies that no mode below the last is missing.\n"
-                    : "\nNot certified: a mode may be missing.\n");
+  std::cout << (modes.certified ? "\nCertified: no mode below the last is missing.\n"
+                                : "\nNot certified: a mode may be missing.\n");
   for (const std::string& remark : remarks) std::cout << "Note: " << remark << ".\n";
 }
 

@@ -6,6 +6,7 @@
 #include "apps/damage_parts.hpp"
 #include "apps/nearest.hpp"
 #include "apps/structure_case.hpp"
+#include "apps/whole_number.hpp"
 #include "fem/structures/structure_modes.hpp"
 
 namespace wheeltap::apps {
@@ -66,9 +67,7 @@ class KindParser {
     else if (b.contains(severity) && b[severity].is_object())
       kind.severity = bounded_prior(file_, where / severity, type->lower, type->upper,
                                     std::string(type->bounds_words));
-    if (b.contains("extent") && b["extent"].is_number()) kind.extent = b["extent"].get<double>();
-    if (b.contains("extent") && b["extent"].is_object())
-      file_.refuse(where / "extent", "this version takes \"element\" or a length, not a prior");
+    if (mesh_) parse_extent(file_, where, longest_member(), kind);
     if (type_name == "crack") kind.crack_law = parse_crack_law(file_, where);
     if (type_name == "support") kind.direction = direction(where / "fix");
     if (type_name == "crack") require_depths(where, kind);
@@ -122,6 +121,18 @@ class KindParser {
     const std::string near = nearest(name, places.names);
     file_.refuse(where, "there is no " + places.what + " of this name" +
                             (near.empty() ? std::string() : "; is it \"" + near + "\"?"));
+  }
+
+  /// A site by its name, or by its number in the case's order.
+  int site_of(const Pointer& where, const Places& places) const {
+    const Json& named = file_.json.at(where);
+    if (!named.is_number()) return find(where, places, named.get<std::string>());
+    const auto last = static_cast<std::int64_t>(places.names.size()) - 1;
+    const auto number = whole_number(named.get<double>(), 0, last);
+    if (!number)
+      file_.refuse(where, "must be the name of a " + places.what + ", or its number from 0 to " +
+                              std::to_string(last));
+    return static_cast<int>(*number);
   }
 
   SiteLine line(const Pointer& where, const DefectType& type, const Places& places) const {
@@ -178,6 +189,13 @@ class KindParser {
                  "is no direction of a structure of dimension " + std::to_string(dimension));
   }
 
+  double longest_member() const {
+    double longest = 0.0;
+    for (int m = 0; m < static_cast<int>(mesh_->structure().members.size()); ++m)
+      longest = std::max(longest, mesh_->member_length(m));
+    return longest;
+  }
+
   void require_depths(const Pointer& where, const DefectKind& kind) const {
     for (const SiteLine::Stretch& s : kind.line.stretches())
       for (const auto& piece : mesh_->structure().members[static_cast<std::size_t>(s.site)].pieces)
@@ -205,9 +223,7 @@ class KindParser {
       };
       if (!d.contains(places.what))
         file_.refuse(at / places.what, "is missing: say which " + places.what + " by its name");
-      const int site = d[places.what].is_number_integer()
-                           ? d[places.what].get<int>()
-                           : find(at / places.what, places, d[places.what].get<std::string>());
+      const int site = site_of(at / places.what, places);
       const bool along = kind.type->sites == Sites::members;
       const double s = along ? number("location") : 0.0;
       const double x = kind.line.x_of(site, s);
@@ -220,6 +236,7 @@ class KindParser {
       if (!(truth.severity >= kind.type->lower && truth.severity <= kind.type->upper) &&
           std::isfinite(truth.severity))
         file_.refuse(at / severity, std::string(kind.type->bounds_words));
+      truth.extent = true_extent(file_, at, kind);
       kind.truth.push_back(truth);
     }
     std::ranges::sort(kind.truth, {}, &DefectKind::True::location);
@@ -246,14 +263,42 @@ void check_structure_modes(const CaseFile& f, DamageCase& out) {
   try {
     const fem::Discretisation d = discretise(out.structure->nominal);
     out.rigid_body_modes = static_cast<int>(d.rigid_motions.cols());
-    const auto most = static_cast<int>(fem::mode_count(d)) - out.rigid_body_modes;
+    int most_supports = 0;  // each may be rigid, and takes a mode
+    for (const DefectKind& kind : out.kinds)
+      if (kind.type->may_be_known)
+        most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
+    const auto most = static_cast<int>(fem::mode_count(d)) - out.rigid_body_modes - most_supports;
     if (out.modes() > most)
       f.refuse(out.data.modes() > 0 ? Pointer("/data") : Pointer("/data/modes"),
                std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most) +
-                   ", the elastic modes of this mesh; refine \"elements\"");
+                   ", the elastic modes of this mesh" +
+                   (most_supports > 0 ? " that supports may leave" : "") + "; refine \"elements\"");
   } catch (const fem::InvalidStructure& error) {
     refuse_structure(f, out.structure->nominal, error);
   }
+}
+
+void parse_extent(const CaseFile& file, const Pointer& where, double most,
+                  identification::DefectKind& kind) {
+  const Json& b = file.json.at(where);
+  if (!b.contains("extent")) return;
+  if (b["extent"].is_number()) kind.extent = b["extent"].get<double>();
+  if (b["extent"].is_object())
+    kind.extent_prior = bounded_prior(
+        file, where / "extent", 0.0, most,
+        "an extent lies in [0, " + Json(most).dump() + "] m, the length of what it is on");
+}
+
+double true_extent(const CaseFile& file, const Pointer& where, const DefectKind& kind) {
+  const Json& d = file.json.at(where);
+  if (!kind.extent_prior) {
+    if (d.contains("extent")) file.refuse(where / "extent", "is not among this kind's unknowns");
+    return 0.0;
+  }
+  if (!d.contains("extent") || !d["extent"].is_number())
+    file.refuse(where / "extent", "is missing: must be a number");
+  if (!(d["extent"].get<double>() > 0.0)) file.refuse(where / "extent", "must be positive");
+  return d["extent"].get<double>();
 }
 
 const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where) {

@@ -124,6 +124,28 @@ std::string symmetry_statement(bool emulated) {
                   : start + ": each location named here stands for both.";
 }
 
+std::string images_statement(const std::vector<std::vector<std::string>>& alike,
+                             const std::vector<std::string>& turned) {
+  static constexpr std::size_t kNamed = 8;
+  const auto some = [](const std::vector<std::string>& names) {
+    std::vector<std::string> list(
+        names.begin(), names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kNamed)));
+    if (names.size() > kNamed) list.push_back(std::to_string(names.size() - kNamed) + " more");
+    return in_words(list);
+  };
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < std::min(alike.size(), kNamed); ++i)
+    parts.push_back((i == 0 ? "" : "nor ") + some(alike[i]));
+  if (alike.size() > kNamed)
+    parts.push_back("nor " + std::to_string(alike.size() - kNamed) + " more such groups");
+  if (!turned.empty())
+    parts.push_back((parts.empty() ? "" : "nor ") + std::string("a place s on ") + some(turned) +
+                    " from L - s");
+  std::string text = "The intact structure is its own image, so its frequencies cannot tell apart ";
+  for (std::size_t i = 0; i < parts.size(); ++i) text += (i == 0 ? "" : ", ") + parts[i];
+  return text + ": what is found in one place stands for its images, too.";
+}
+
 std::string emulator_warning(int damages, const std::vector<int>& blind) {
   if (blind.empty()) return {};
   return "With " + std::to_string(damages) + (damages == 1 ? " damage" : " damages") +

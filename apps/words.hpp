@@ -65,6 +65,9 @@ struct Context {
 
 /// What frequencies of a symmetric beam cannot tell.
 [[nodiscard]] std::string symmetry_statement(bool emulated);
+/// The same of a structure: what is alike, and on which members s is like L - s.
+[[nodiscard]] std::string images_statement(const std::vector<std::vector<std::string>>& alike,
+                                           const std::vector<std::string>& turned);
 /// Why an emulator for so many damages should not be used; empty where it may.
 [[nodiscard]] std::string emulator_warning(int damages, const std::vector<int>& blind);
 

@@ -113,6 +113,12 @@ void complete(DamageCase& damage_case) {
                              std::string(kind.type->bounds_words),
                          index);
     }
+    if (kind.extent_prior && !(kind.extent_prior->lower() >= 0.0)) {
+      throw InvalidInput(Part::severity,
+                         "the extent reaches down to " + base::number(kind.extent_prior->lower()) +
+                             " m: must be positive",
+                         index);
+    }
     if (!kind.type->may_be_known && kind.severity_prior() == nullptr) {
       throw InvalidInput(Part::severity, "is missing: must be a prior", index);
     }
@@ -156,6 +162,7 @@ fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
   for (const PlacedDefect& d : defects) {
     const DefectKind& kind = kinds[static_cast<std::size_t>(d.kind)];
     SiteLine::Spot spot = kind.line.spot(d.location);
+    spot.extent = kind.extent.value_or(d.extent);
     if (kind.line.is_beam()) {  // which of the members between supports
       while (spot.site + 1 < static_cast<int>(mesh->structure().members.size()) &&
              spot.s >= mesh->member_length(spot.site)) {
@@ -172,32 +179,38 @@ fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
   return std::move(effects.change);
 }
 
-fem::Discretisation true_structure(const DamageCase& damage_case) {
+fem::Discretisation true_structure(const DamageCase& damage_case) try {
   const AnyStructure structure = damage_case.solved_structure();
   const auto* members = std::get_if<fem::Structure>(&structure);
   const auto mesh = members ? std::make_unique<const fem::Mesh>(*members) : nullptr;
   std::vector<PlacedDefect> placed;
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     for (const DefectKind::True& t : damage_case.kinds[k].truth) {
-      placed.push_back({static_cast<int>(k), t.location, t.severity});
+      placed.push_back({static_cast<int>(k), t.location, t.severity, t.extent});
     }
   }
   return fem::changed(mesh ? mesh->discretisation() : discretise(structure),
                       structure_change(damage_case.kinds, placed, mesh.get()));
+} catch (const fem::ImpossibleChange& error) {
+  throw InvalidInput(InvalidInput::Part::truth, error.what());
+} catch (const fem::InvalidStructure& error) {
+  throw InvalidInput(InvalidInput::Part::beam, error.what());
 }
 
-std::vector<double> true_frequencies(const DamageCase& damage_case, int modes) {
+std::vector<double> true_frequencies(const DamageCase& damage_case, int modes) try {
   const fem::Discretisation damaged = true_structure(damage_case);
   const auto rigid = static_cast<int>(damaged.rigid_motions.cols());
   const auto available = static_cast<int>(fem::mode_count(damaged));
   const fem::StructureModes found =
       fem::structure_modes(damaged, std::min(available, modes + rigid));
   return {found.frequencies_hz.begin() + rigid, found.frequencies_hz.end()};
+} catch (const fem::InvalidStructure& error) {
+  throw InvalidInput(InvalidInput::Part::beam, error.what());
 }
 
 bool DamageCase::solved_as_structure() const {
   return structure || std::ranges::any_of(kinds, [](const DefectKind& kind) {
-           return kind.type->place == nullptr || kind.extent.has_value();
+           return kind.type->place == nullptr || kind.extent || kind.extent_prior;
          });
 }
 

@@ -57,6 +57,7 @@ struct PlacedDefect {
   int kind;
   double location;  ///< on the kind's line
   double severity;
+  double extent = 0.0;  ///< [m], where the kind's is unknown
 };
 [[nodiscard]] fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
                                                     const std::vector<PlacedDefect>& defects,

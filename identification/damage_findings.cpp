@@ -185,14 +185,41 @@ std::vector<std::vector<ParameterFinding>> folded(const UnpackedDraws& draws) {
   return tables;
 }
 
+// A symmetry that is its own inverse, so that as many defects are before their images on the line
+// as are beyond; the first of any where there is none such.
+const inference::Symmetry& mirror_of(const DamageProblem& problem) {
+  const auto& maps = problem.symmetries.maps;
+  const auto is_its_inverse = [&](const inference::Symmetry& map) {
+    return std::ranges::all_of(map.parts, [&](const inference::Symmetry::Part& part) {
+      const SiteLine& line = problem.damage_case.kinds[static_cast<std::size_t>(part.kind)].line;
+      return std::ranges::all_of(line.stretches(), [&](const SiteLine::Stretch& s) {
+        const double x = s.start + 0.3 * (s.end - s.start);
+        return std::abs(part.image(part.image(x)) - x) <= 1e-6 * line.length();
+      });
+    });
+  };
+  const auto found = std::ranges::find_if(maps, is_its_inverse);
+  return found == maps.end() ? maps.front() : *found;
+}
+
+// -1 for a defect before its image, 1 beyond.
+std::function<double(const Component&)> side(const DamageProblem& problem) {
+  if (problem.symmetries.empty()) {
+    return [middle = 0.5 * problem.damage_case.beam.length](const Component& c) {
+      return c.location < middle ? -1.0 : 1.0;
+    };
+  }
+  return [&map = mirror_of(problem)](const Component& c) {
+    return c.location < map.parts[static_cast<std::size_t>(c.kind)].image(c.location) ? -1.0 : 1.0;
+  };
+}
+
 // Expected number left less that right of the middle, a quantity that mirrors must balance.
 ChainsOf left_less_right(const UnpackedDraws& draws) {
-  const double middle = 0.5 * draws.problem().damage_case.beam.length;
+  const auto side_of = side(draws.problem());
   return all_draws(draws.posterior(), [&](std::size_t c, std::size_t i) {
     double difference = 0.0;
-    for (const Component& component : draws.at(c, i)) {
-      difference += component.location < middle ? 1.0 : -1.0;
-    }
+    for (const Component& component : draws.at(c, i)) difference -= side_of(component);
     return difference;
   });
 }
@@ -202,20 +229,26 @@ SymmetryFinding symmetry(const UnpackedDraws& draws, const ChainsOf& difference,
   const DamageProblem& problem = draws.problem();
   SymmetryFinding out{.center = 0.5 * problem.damage_case.beam.length,
                       .emulated = problem.emulator && !problem.exact(),
-                      .chains = {}};
+                      .chains = {},
+                      .alike = problem.symmetries.alike,
+                      .turned = problem.symmetries.turned};
+  const auto side_of = side(problem);
   double expected = 0.0;
   for (std::size_t c = 0; c < difference.size(); ++c) {
     double left = 0.0, right = 0.0, all = 0.0;
     for (std::size_t i = 0; i < difference[c].size(); ++i) all += draws.weight(c, i);
     for (std::size_t i = 0; i < difference[c].size(); ++i) {
       for (const Component& component : draws.at(c, i)) {
-        (component.location < out.center ? left : right) += draws.weight(c, i) / all;
+        (side_of(component) < 0.0 ? left : right) += draws.weight(c, i) / all;
       }
     }
     out.chains.push_back({left, right, inference::mcse_mean({difference[c]})});
     expected += (left + right) / static_cast<double>(difference.size());
   }
-  if (expected > kWorthTelling) remarks.push_back(remark::MirrorImages{out.emulated});
+  if (expected > kWorthTelling && problem.symmetries.empty())
+    remarks.push_back(remark::MirrorImages{out.emulated});
+  else if (expected > kWorthTelling)
+    remarks.push_back(remark::StructureImages{out.alike, out.turned});
   return out;
 }
 
@@ -526,7 +559,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
          })});
   }
   std::optional<SymmetryFinding> symmetric;
-  if (problem.symmetric) {
+  if (problem.symmetric || !problem.symmetries.empty()) {
     const ChainsOf difference = left_less_right(draws);
     symmetric = symmetry(draws, difference, remarks);
     watched.push_back({"left less right", difference});

@@ -27,15 +27,18 @@ struct KindFinding {
   std::vector<Place> places;
 };
 
-/// A beam that is its own mirror image: frequencies cannot tell x from L - x.
+/// A beam that is its own mirror image, or a structure that is its own image: frequencies cannot
+/// tell x from L - x, or what is alike.
 struct SymmetryFinding {
   struct Chain {
-    double left, right;  ///< expected number of defects
+    double left, right;  ///< expected number of defects before and beyond their images on the line
     double mcse_of_difference;
   };
-  double center;  ///< [m]
+  double center;  ///< [m], of a beam
   bool emulated;  ///< an emulator takes part in the likelihood
   std::vector<Chain> chains;
+  std::vector<std::vector<std::string>> alike = {};  ///< of a structure; as SiteSymmetries
+  std::vector<std::string> turned = {};
 };
 
 struct FitFinding {

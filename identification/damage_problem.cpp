@@ -85,6 +85,31 @@ bool is_mirror_symmetric(const Prior& prior, double length) {
   return true;
 }
 
+// What the intact structure's symmetry cannot tell apart, and the moves from one to the other.
+void find_images(DamageProblem& problem) {
+  const DamageCase& damage_case = problem.damage_case;
+  auto workspace = problem.structure->make_workspace();
+  problem.symmetries = find_symmetries(
+      damage_case.structure->nominal, damage_case.kinds,
+      [&](const std::vector<PlacedDefect>& defects) {
+        std::vector<double> f(static_cast<std::size_t>(problem.structure->modes()));
+        try {
+          problem.structure->solve(structure_change(damage_case.kinds, defects, problem.mesh.get()),
+                                   workspace, {.frequencies_hz = f});
+        } catch (const std::invalid_argument&) {
+          f.clear();
+        }
+        return f;
+      });
+  if (problem.symmetries.empty()) return;
+  for (const bool whole : {true, false}) {
+    problem.problem.moves.push_back(
+        {whole ? "image" : "image of one", [maps = problem.symmetries.maps, whole] {
+           return std::make_unique<inference::Image>(maps, whole);
+         }});
+  }
+}
+
 // Every combination of the kinds' counts, the last kind running fastest, with product weights.
 std::vector<inference::ModelSpace::Counts> combinations(const std::vector<DefectKind>& kinds) {
   std::vector<inference::ModelSpace::Counts> list = {{{}, 1.0}};
@@ -206,14 +231,15 @@ void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
                                          std::span<double> out) {
   in_structure_.clear();
   for (const DamageProblem::Component& c : problem_.components(model, x)) {
-    in_structure_.push_back({c.kind, c.location, c.severity});
+    in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
   }
   try {
     problem_.structure->solve(
         structure_change(problem_.damage_case.kinds, in_structure_, problem_.mesh.get()),
         *structure_workspace_, {.frequencies_hz = all_});
   } catch (const fem::ImpossibleChange&) {
-    std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());  // no such structure
+    // No such structure: its likelihood is 0.
+    std::ranges::fill(out, std::numeric_limits<double>::infinity());
     return;
   }
   std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
@@ -247,7 +273,10 @@ std::vector<DamageProblem::Component> DamageProblem::components(int model,
     const auto width = static_cast<std::size_t>(kind.parameters());
     for (int c = 0; c < m.counts[k]; ++c) {
       const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
-      list.push_back({static_cast<int>(k), x[at], width == 2 ? x[at + 1] : kind.known_severity()});
+      list.push_back({.kind = static_cast<int>(k),
+                      .location = x[at],
+                      .severity = kind.severity_prior() ? x[at + 1] : kind.known_severity(),
+                      .extent = kind.extent_prior ? x[at + width - 1] : 0.0});
     }
   }
   return list;
@@ -262,6 +291,7 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
     if (const Prior* severity = kind.severity_prior()) {
       component.parameters.push_back({kind.severity_name(), *severity});
     }
+    if (kind.extent_prior) component.parameters.push_back({"extent", *kind.extent_prior});
     kinds.push_back(std::move(component));
   }
   std::vector<inference::Parameter> common;
@@ -302,6 +332,8 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
       out->problem.reflections.push_back({static_cast<int>(k), 0, 0.5 * damage_case.beam.length});
     }
   }
+
+  if (damage_case.structure) find_images(*out);
 
   // Two damages in one element are hard to tell from one that compounds them, but far from it.
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {

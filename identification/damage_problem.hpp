@@ -8,6 +8,7 @@
 
 #include "identification/damage_case.hpp"
 #include "identification/frequency_emulator.hpp"
+#include "identification/site_symmetries.hpp"
 #include "inference/target.hpp"
 
 namespace wheeltap::identification {
@@ -23,13 +24,15 @@ struct DamageProblem {
   inference::Problem problem;
   inference::LikelihoodFactory fe_likelihood;  ///< of the FE solution, whatever predicts
   bool symmetric = false;  ///< the intact beam and the location priors equal their mirror images
-  int common = 0;          ///< parameters that all models have: 1 where cv is inferred
+  SiteSymmetries symmetries = {};  ///< of a structure
+  int common = 0;                  ///< parameters that all models have: 1 where cv is inferred
 
   /// The components of a parameter vector of `model`, in the order of kinds.
   struct Component {
     int kind;
     double location;
-    double severity;  ///< reduction, or stiffness (∞: rigid)
+    double severity;      ///< reduction, or stiffness (∞: rigid)
+    double extent = 0.0;  ///< [m], where it is unknown
   };
   [[nodiscard]] std::vector<Component> components(int model, std::span<const double> x) const;
 

@@ -76,8 +76,9 @@ struct DefectKind {
   struct Rigid {};
   using Severity = std::variant<Rigid, double, inference::Prior>;
   struct True {
-    double location;  ///< [m]
-    double severity;  ///< ∞: rigid
+    double location;      ///< [m]
+    double severity;      ///< ∞: rigid
+    double extent = 0.0;  ///< [m], where the kind's is unknown
   };
 
   const DefectType* type = nullptr;
@@ -90,9 +91,10 @@ struct DefectKind {
   bool rotation = false;  ///< a support that holds the rotation
   SiteLine line = {};     ///< where it may be; `location` is a prior on it
   const fem::CrackLaw* crack_law = &fem::crack_laws()[0];
-  std::optional<double> extent = {};             ///< of a reduction in a structure [m]; an element
-  fem::Direction direction = fem::Direction::y;  ///< of a support in a structure
-  std::vector<True> truth = {};                  ///< what simulations use, by increasing location
+  std::optional<double> extent = {};  ///< of a reduction [m]; an element where there is none
+  std::optional<inference::Prior> extent_prior = {};  ///< in place of it, where it is unknown
+  fem::Direction direction = fem::Direction::y;       ///< of a support in a structure
+  std::vector<True> truth = {};  ///< what simulations use, by increasing location
 
   [[nodiscard]] const inference::Prior* severity_prior() const {
     return std::get_if<inference::Prior>(&severity);
@@ -110,8 +112,10 @@ struct DefectKind {
   }
   [[nodiscard]] std::string severity_name() const { return std::string(type->severity); }
   [[nodiscard]] std::string severity_unit() const { return std::string(type->unit(*this)); }
-  /// Parameters of one defect: its location, and its severity where that is not known.
-  [[nodiscard]] int parameters() const { return severity_prior() ? 2 : 1; }
+  /// Parameters of one defect: its location, its severity and its extent where they are unknown.
+  [[nodiscard]] int parameters() const {
+    return 1 + (severity_prior() ? 1 : 0) + (extent_prior ? 1 : 0);
+  }
   /// The severity where it is known: a number, or ∞.
   [[nodiscard]] double known_severity() const {
     const double* number = std::get_if<double>(&severity);

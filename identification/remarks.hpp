@@ -63,6 +63,12 @@ struct NoiseHidesDamage {
 struct MirrorImages {
   bool emulated;
 };
+/// The structure is its own image: what is alike, by name, and members that are turned upon
+/// themselves.
+struct StructureImages {
+  std::vector<std::vector<std::string>> alike;
+  std::vector<std::string> turned;
+};
 /// A model with at least as many unknowns as data, and no simpler one that counts.
 struct FittedNotTested {
   std::string model;
@@ -234,13 +240,14 @@ struct ParameterAtBound {
 using Remark =
     std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
                  remark::NearlyPrior, remark::FrequenciesOutOfReach, remark::NoiseHidesDamage,
-                 remark::MirrorImages, remark::FittedNotTested, remark::CannotExclude,
-                 remark::NoModelFits, remark::LargestCount, remark::SeverityAtBound,
-                 remark::EmulatorBlind, remark::EmulatorMoved, remark::ResponsesOutOfReach,
-                 remark::NoiseAboveResponse, remark::PeculiarWindow, remark::LinearExcitation,
-                 remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
-                 remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
-                 remark::NoiseMisstated, remark::MostProbableFails, remark::ColouredResiduals,
-                 remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound>;
+                 remark::MirrorImages, remark::StructureImages, remark::FittedNotTested,
+                 remark::CannotExclude, remark::NoModelFits, remark::LargestCount,
+                 remark::SeverityAtBound, remark::EmulatorBlind, remark::EmulatorMoved,
+                 remark::ResponsesOutOfReach, remark::NoiseAboveResponse, remark::PeculiarWindow,
+                 remark::LinearExcitation, remark::UnknownUnits, remark::BaseIntegrated,
+                 remark::MostlyNoise, remark::InitialStateInferred, remark::StepsTooLong,
+                 remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::MostProbableFails,
+                 remark::ColouredResiduals, remark::ParameterAtBound, remark::ScatterBetweenWindows,
+                 remark::WindowsUnsound>;
 
 }  // namespace wheeltap::identification

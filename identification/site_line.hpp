@@ -28,6 +28,8 @@ class SiteLine {
     int stretch;
     int site;
     double s;  ///< m from the member's first end; 0 of a point
+    /// Length [m] that a defect there covers, about the spot; 0 where it is an element's, or none.
+    double extent = 0.0;
   };
 
   SiteLine() = default;

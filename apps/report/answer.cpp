@@ -126,7 +126,12 @@ std::string places_in_structure(const DamageCase& damage_case, const DamageFindi
 
 std::string where_and_how_bad(const DamageCase& damage_case, const DamageFindings& findings,
                               std::size_t model) {
-  if (damage_case.structure) return places_in_structure(damage_case, findings);
+  if (damage_case.structure) {
+    const std::string places = places_in_structure(damage_case, findings);
+    return places.empty() || !findings.symmetry
+               ? places
+               : places + " Frequencies cannot tell a place from its images in this structure.";
+  }
   const bool mirrored = findings.symmetry.has_value();
   const auto& shown = findings.shown(model);
   const bool several = damage_case.kinds.size() > 1;

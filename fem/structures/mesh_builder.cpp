@@ -55,7 +55,7 @@ const Member::Piece& piece_of(const Member& member, double s) {
   return member.pieces.back();
 }
 
-std::string millimetres(double metres) {
+std::string in_metres(double metres) {
   std::string text = std::to_string(metres);
   text.erase(text.find_last_not_of('0') + 1);
   if (text.back() == '.') text.pop_back();
@@ -153,7 +153,7 @@ class MeshBuilder {
       const int part = add_part();
       unite(part, before);
       before = part;
-      const std::string place = "member \"" + member.name + "\" at " + millimetres(places[i]);
+      const std::string place = "member \"" + member.name + "\" at " + in_metres(places[i]);
       for (std::size_t d = 0; d < kDirections; ++d) {
         const auto direction = static_cast<Direction>(d);
         if (active(direction))

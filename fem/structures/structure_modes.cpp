@@ -1,7 +1,6 @@
 #include "fem/structures/structure_modes.hpp"
 
 #include <Spectra/MatOp/SparseSymMatProd.h>
-#include <Spectra/SymEigsSolver.h>
 #include <Spectra/SymGEigsShiftSolver.h>
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
@@ -36,10 +35,7 @@ class Factor {
   using Scalar = double;
 
   explicit Factor(const Sparse& matrix) { ldlt_.compute(matrix); }
-  Factor(const Sparse& k, const Sparse& m) : k_(&k), m_(&m) {}
-  [[nodiscard]] Index rows() const { return ldlt_.rows() > 0 ? ldlt_.rows() : k_->rows(); }
-  [[nodiscard]] Index cols() const { return rows(); }
-  void set_shift(double sigma) { ldlt_.compute(Sparse(*k_ - sigma * *m_)); }
+  [[nodiscard]] Index rows() const { return ldlt_.rows(); }
   void perform_op(const double* x, double* y) const {
     Eigen::Map<VectorXd>(y, rows()) = ldlt_.solve(Eigen::Map<const VectorXd>(x, rows()));
   }
@@ -51,8 +47,6 @@ class Factor {
 
  private:
   Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt_;
-  const Sparse* k_ = nullptr;
-  const Sparse* m_ = nullptr;
 };
 
 std::string place_of(const Discretisation& d, Index dof) {
@@ -83,7 +77,7 @@ MatrixXd orthonormal(const Sparse& mass, const MatrixXd& against, const MatrixXd
   return out;
 }
 
-/// The strains of shapes, scaled by their own size; energies are sums of factor · square.
+/// Ritz values λ, ascending, and their vectors, M-orthonormal.
 struct Ritz {
   VectorXd values;
   MatrixXd shapes;
@@ -113,10 +107,9 @@ Ritz rayleigh_ritz(const Discretisation& d, const MatrixXd& basis) {
 /// What the search for modes shares: the matrices in units of the lowest elastic eigenvalue.
 struct Search {
   const Discretisation& d;
-  MatrixXd rigid;     // M-orthonormal
-  double unit = 1.0;  // of λ
-  Sparse mass;        // M · unit
-  Factor shifted;     // K + M · unit
+  MatrixXd rigid;  // M-orthonormal
+  Sparse mass;     // M · unit, the size of the lowest elastic λ
+  Factor shifted;  // K + M · unit
 };
 
 /// The size of λ₁: power iteration on (K + s M)⁻¹ M without the rigid motions.
@@ -157,7 +150,6 @@ MatrixXd lanczos(const Search& s, const MatrixXd& known, Index count, int start)
     using Scalar = double;
     const Search& s;
     const MatrixXd& known;  // M·unit-orthonormal
-    Eigen::LLT<MatrixXd> none;
     [[nodiscard]] Index rows() const { return s.d.size(); }
     [[nodiscard]] Index cols() const { return s.d.size(); }
     void set_shift(double) {}
@@ -171,7 +163,7 @@ MatrixXd lanczos(const Search& s, const MatrixXd& known, Index count, int start)
   const Index n = s.d.size();
   count = std::min(count, n - 1 - known.cols());
   if (count < 1) return MatrixXd(n, 0);
-  Deflated inverse{s, known, {}};
+  Deflated inverse{s, known};
   Spectra::SparseSymMatProd<double> mass(s.mass);
   const Index krylov = std::min(n, std::max<Index>(2 * count + 1, count + 20));
   Spectra::SymGEigsShiftSolver<Deflated, Spectra::SparseSymMatProd<double>,
@@ -221,16 +213,29 @@ Ritz refined(const Search& s, const MatrixXd& vectors, Index count) {
   return {.values = ritz.values.head(kept), .shapes = ritz.shapes.leftCols(kept)};
 }
 
+[[noreturn]] void refuse_spread() {
+  throw InvalidStructure(Part::whole, 0,
+                         "its masses or stiffnesses differ by too many powers of ten for its "
+                         "eigenvalues to be told apart in double precision");
+}
+
 void refuse_mechanisms(const Discretisation& d, const Ritz& ritz) {
   for (Index i = 0; i < ritz.shapes.cols(); ++i) {
     const VectorXd shape = ritz.shapes.col(i);
     const double all = d.uncancelled_energy(shape);
     Index largest = 0;
     shape.cwiseAbs().maxCoeff(&largest);
-    if (ritz.values[i] < -1e-12 * all)
+    const bool compressed =
+        std::ranges::any_of(d.strains, [](const Strain& s) { return s.factor < 0.0; });
+    if (ritz.values[i] < -1e-12 * all && compressed)
       throw InvalidStructure(Part::members, 0,
                              "the axial forces exceed buckling: a motion largest at " +
                                  place_of(d, largest) + " has negative stiffness");
+    if (ritz.values[i] < -1e-12 * all && d.rest.nonZeros() > 0)
+      throw InvalidStructure(
+          Part::whole, 0,
+          "its stiffness is negative for a motion that is largest at " + place_of(d, largest));
+    if (ritz.values[i] < -1e-12 * all) refuse_spread();
     if (std::abs(ritz.values[i]) <= kNoStrain * all)
       throw InvalidStructure(
           Part::whole, 0,
@@ -247,21 +252,61 @@ void refuse_empty_pivots(const Discretisation& d) {
 }  // namespace
 
 int eigenvalues_below(const Discretisation& d, double sigma) {
-  return Factor(Sparse(d.stiffness - sigma * d.mass)).negative();
+  const Factor factor(Sparse(d.stiffness - sigma * d.mass));
+  if (!factor.ok())
+    throw std::domain_error("sigma = " + std::to_string(sigma) +
+                            ": is an eigenvalue, K - sigma M cannot be factored");
+  return factor.negative();
 }
 
 Index mode_count(const Discretisation& d) {
-  // Blocks of coupled masses are small: the rank of M is that of its L D Lᵀ, pivot by pivot.
-  const Eigen::SimplicialLDLT<Sparse> ldlt(d.mass);
-  if (ldlt.info() == Eigen::Success) {
-    const VectorXd pivots = ldlt.vectorD();
-    const double largest = pivots.cwiseAbs().maxCoeff();
-    return (pivots.array() > 1e-14 * largest).count();
-  }
-  Index massive = 0;
-  for (Index i = 0; i < d.size(); ++i) massive += d.mass.coeff(i, i) > 0.0;
-  return massive;
+  // The rank of M is that of D⁻½ M D⁻½ where its diagonal D is positive: the pivots of its L D Lᵀ
+  // that are not rounding. The shift keeps pivots of dependent motions from being exactly 0.
+  constexpr double kShift = 1e-15, kNoPivot = 1e-12;
+  const VectorXd diagonal = d.mass.diagonal();
+  std::vector<int> massive(static_cast<std::size_t>(d.size()), -1);
+  int n = 0;
+  for (Index i = 0; i < d.size(); ++i)
+    if (diagonal[i] > 0.0) massive[static_cast<std::size_t>(i)] = n++;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int c = 0; c < d.mass.outerSize(); ++c)
+    for (Sparse::InnerIterator it(d.mass, c); it; ++it) {
+      const int i = massive[static_cast<std::size_t>(it.row())];
+      const int j = massive[static_cast<std::size_t>(it.col())];
+      if (i < 0 || j < 0) continue;
+      entries.emplace_back(
+          i, j,
+          i == j ? 1.0 + kShift
+                 : it.value() / std::sqrt(diagonal[it.row()]) / std::sqrt(diagonal[it.col()]));
+    }
+  if (n == 0) return 0;
+  Sparse scaled(n, n);
+  scaled.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Sparse> ldlt(scaled);
+  return ldlt.info() == Eigen::Success ? (ldlt.vectorD().array() > kNoPivot).count() : n;
 }
+
+namespace {
+
+/// Counts what lies below the widest gap from the `wanted`-th Ritz value on: true where those are
+/// all, false where there is no gap, or a mode is missing.
+bool certified(const Discretisation& d, const Ritz& ritz, Index wanted) {
+  Index at = -1;
+  double widest = kGap;
+  for (Index i = std::max<Index>(wanted - 1, 0); i + 1 < ritz.values.size(); ++i) {
+    const double gap = ritz.values[i + 1] / ritz.values[i] - 1.0;
+    if (gap > widest) {
+      widest = gap;
+      at = i;
+    }
+  }
+  if (at < 0) return false;
+  const Factor factor(
+      Sparse(d.stiffness - std::sqrt(ritz.values[at] * ritz.values[at + 1]) * d.mass));
+  return factor.ok() && factor.negative() == static_cast<int>(at + 1 + d.rigid_motions.cols());
+}
+
+}  // namespace
 
 StructureModes structure_modes(const Discretisation& d, int modes) {
   refuse_empty_pivots(d);
@@ -275,7 +320,6 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
   const double unit = lowest_size(d, rigid);
   const Search search{.d = d,
                       .rigid = rigid,
-                      .unit = unit,
                       .mass = d.mass * unit,
                       .shifted = Factor(Sparse(d.stiffness + unit * d.mass))};
   if (!search.shifted.ok())
@@ -299,21 +343,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
       all << ritz.shapes, more;
       ritz = refined(search, all, elastic);
       refuse_mechanisms(d, ritz);
-      // The widest gap from the last wanted mode on.
-      Index at = -1;
-      double widest = kGap;
-      const Index last = modes - rigid.cols() - 1;
-      for (Index i = std::max<Index>(last, 0); i + 1 < ritz.values.size(); ++i) {
-        const double gap = ritz.values[i + 1] / ritz.values[i] - 1.0;
-        if (gap > widest) {
-          widest = gap;
-          at = i;
-        }
-      }
-      if (at >= 0) {
-        const double sigma = std::sqrt(ritz.values[at] * ritz.values[at + 1]);
-        out.certified = eigenvalues_below(d, sigma) == static_cast<int>(at + 1 + rigid.cols());
-      }
+      out.certified = certified(d, ritz, modes - rigid.cols());
       if (!out.certified) {
         const MatrixXd taken = orthonormal(d.mass, MatrixXd(n, 0), ritz.shapes);
         known.resize(n, rigid.cols() + taken.cols());
@@ -328,16 +358,8 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
   if (elastic > 0 && densely) {
     ritz = refined(search, dense(search, available), elastic);
     refuse_mechanisms(d, ritz);
-    const Index last = std::min<Index>(ritz.values.size(), modes - rigid.cols()) - 1;
-    if (last + 1 < ritz.values.size() && last >= 0) {
-      const double sigma = std::sqrt(ritz.values[last] * ritz.values[last + 1]);
-      if (ritz.values[last + 1] > ritz.values[last] * (1.0 + kGap))
-        out.certified = eigenvalues_below(d, sigma) == static_cast<int>(last + 1 + rigid.cols());
-      else
-        out.certified = true;  // every mode was computed
-    } else {
-      out.certified = true;
-    }
+    const bool all = ritz.values.size() == available - rigid.cols();
+    out.certified = all || certified(d, ritz, modes - rigid.cols());
   }
 
   const Index rigid_wanted = std::min<Index>(modes, rigid.cols());
@@ -351,6 +373,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
     shape /= std::sqrt(shape.dot(d.mass * shape));
     out.shapes.col(i) = shape;
     out.eigenvalues[i] = d.energy(shape);
+    if (!(out.eigenvalues[i] > 0.0 && std::isfinite(out.eigenvalues[i]))) refuse_spread();
     const VectorXd residual = d.stiffness_times(shape) - out.eigenvalues[i] * (d.mass * shape);
     const VectorXd moved = search.shifted.solve(residual);
     out.residuals[i] = std::sqrt(std::max(0.0, residual.dot(moved)) / out.eigenvalues[i]);

@@ -18,8 +18,8 @@ struct StructureModes {
   /// ‖K φ - λ M φ‖ in the norm of K⁻¹, over √λ: by Temple's bound λ is within its square times
   /// λ / gap of an eigenvalue, relative.
   Eigen::VectorXd residuals;
-  /// A Sturm count above the last mode found as many eigenvalues below as there are modes: none is
-  /// missing.
+  /// None is missing: a Sturm count in a gap above the last mode found as many eigenvalues below as
+  /// there are modes, or these are all that there are.
   bool certified = false;
   std::string solver;  ///< "spectra" or "dense", and why
 };
@@ -40,6 +40,7 @@ struct StructureModes {
 [[nodiscard]] StructureModes structure_modes(const Discretisation& d, int modes);
 
 /// Eigenvalues of K φ = λ M φ below σ, by the signs of D in K - σ M = L D Lᵀ (Sylvester).
+/// Throws std::domain_error where σ is an eigenvalue.
 [[nodiscard]] int eigenvalues_below(const Discretisation& d, double sigma);
 
 }  // namespace wheeltap::fem

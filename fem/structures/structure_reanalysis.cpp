@@ -32,24 +32,6 @@ std::size_t index(Index i) {
   return static_cast<std::size_t>(i);
 }
 
-void require(bool holds, const char* name, double value, const char* allowed) {
-  if (!holds)
-    throw std::invalid_argument(std::string(name) + " = " + std::to_string(value) + ": " + allowed);
-}
-
-void validate(const Discretisation& d, const StructureChange& change) {
-  for (const StructureChange::Softening& s : change.softenings) {
-    require(s.remaining > 0.0 && s.remaining <= 1.0, "remaining stiffness", s.remaining,
-            "must be in (0, 1]");
-    for (const auto& [row, weight] : s.direction)
-      require(row >= 0 && index(row) < d.strains.size(), "strain", row, "there is none such");
-  }
-  for (const StructureChange::Spring& s : change.springs)
-    require(s.stiffness > 0.0, "spring stiffness", s.stiffness, "must be positive");
-  for (const StructureChange::Mass& m : change.masses)
-    require(std::isfinite(m.mass), "added mass", m.mass, "must be finite");
-}
-
 /// I - B K⁻¹ Bᵀ: what self-stresses the structure can carry; 0 where it is statically determinate.
 /// Rigid motions strain nothing, so any degrees of freedom may hold them.
 Eigen::MatrixXd self_stress_projector(const Discretisation& d) {
@@ -101,85 +83,6 @@ Eigen::MatrixXd self_stress_projector(const Discretisation& d) {
 
 }  // namespace
 
-void compound(StructureChange& change) {
-  std::vector<StructureChange::Softening> merged;
-  for (StructureChange::Softening& s : change.softenings) {
-    const auto same = std::ranges::find_if(merged, [&](const StructureChange::Softening& other) {
-      return s.direction.size() == 1 && other.direction.size() == 1 &&
-             other.direction[0].first == s.direction[0].first;
-    });
-    if (same == merged.end()) {
-      merged.push_back(std::move(s));
-    } else {
-      same->remaining *= s.remaining;
-    }
-  }
-  change.softenings = std::move(merged);
-}
-
-Discretisation changed(const Discretisation& d, const StructureChange& change) {
-  validate(d, change);
-  Discretisation out = d;
-  const auto combine = [&](const StructureChange::Softening& s) {
-    Eigen::SparseVector<double> sum(d.size());
-    for (const auto& [row, weight] : s.direction) {
-      const SparseRow& r = d.strains[index(row)].row;
-      for (std::size_t i = 0; i < r.dofs.size(); ++i)
-        sum.coeffRef(r.dofs[i]) += weight * r.coefficients[i];
-    }
-    SparseRow row;
-    for (Eigen::SparseVector<double>::InnerIterator it(sum); it; ++it) {
-      row.dofs.push_back(static_cast<int>(it.index()));
-      row.coefficients.push_back(it.value());
-    }
-    return row;
-  };
-  std::vector<Eigen::Triplet<double>> k, m;
-  const auto add = [](auto& list, const SparseRow& row, double factor) {
-    for (std::size_t i = 0; i < row.dofs.size(); ++i)
-      for (std::size_t j = 0; j < row.dofs.size(); ++j)
-        list.emplace_back(row.dofs[i], row.dofs[j],
-                          factor * row.coefficients[i] * row.coefficients[j]);
-  };
-  for (const StructureChange::Softening& s : change.softenings) {
-    const bool whole = s.direction.size() == 1 && std::abs(s.direction[0].second) == 1.0;
-    if (whole) {  // one strain: no cancellation
-      for (double& c : out.strains[index(s.direction[0].first)].row.coefficients)
-        c *= std::sqrt(s.remaining);
-      continue;
-    }
-    out.strains.push_back({combine(s), s.remaining - 1.0});
-    for (double& c : out.strains.back().row.coefficients) c *= std::sqrt(1.0 - s.remaining);
-    out.strains.back().factor = -1.0;
-  }
-  for (const StructureChange::Spring& s : change.springs) {
-    SparseRow row = s.motion;
-    for (double& c : row.coefficients) c *= std::sqrt(s.stiffness);
-    out.strains.push_back({std::move(row), 1.0});
-  }
-  for (const StructureChange::Mass& s : change.masses) add(m, s.motion, s.mass);
-  Discretisation::Sparse extra(d.size(), d.size());
-  extra.setFromTriplets(m.begin(), m.end());
-  out.mass += extra;
-  out.stiffness = out.rest.nonZeros() > 0 ? out.rest : Discretisation::Sparse(d.size(), d.size());
-  for (const Strain& s : out.strains) add(k, s.row, s.factor);
-  Discretisation::Sparse stiffness(d.size(), d.size());
-  stiffness.setFromTriplets(k.begin(), k.end());
-  out.stiffness += stiffness;
-  if (out.rigid_motions.cols() > 0 && !change.springs.empty()) {
-    // What the springs leave of the rigid motions.
-    Eigen::MatrixXd held(static_cast<Index>(change.springs.size()), out.rigid_motions.cols());
-    for (std::size_t s = 0; s < change.springs.size(); ++s)
-      for (Index r = 0; r < out.rigid_motions.cols(); ++r)
-        held(static_cast<Index>(s), r) = change.springs[s].motion.of(out.rigid_motions.col(r));
-    const Eigen::FullPivLU<Eigen::MatrixXd> lu(held);
-    const Eigen::MatrixXd kernel = lu.kernel();
-    out.rigid_motions = lu.dimensionOfKernel() > 0 ? Eigen::MatrixXd(out.rigid_motions * kernel)
-                                                   : Eigen::MatrixXd(d.size(), 0);
-  }
-  return out;
-}
-
 struct StructureReanalysis::Impl {
   std::shared_ptr<const Discretisation> discretisation;
   int wanted;
@@ -191,6 +94,7 @@ struct StructureReanalysis::Impl {
   std::vector<double> dof_rows;                          // n × stride
   std::vector<double> strain_rows;                       // strains × stride
   Eigen::MatrixXd self_stresses;                         // strains × strains
+  bool compressed = false;  // geometric stiffness takes from that of the strains
   std::vector<detail::Window> windows;
 
   Impl(std::shared_ptr<const Discretisation> given, int wanted_modes);
@@ -214,6 +118,11 @@ StructureReanalysis::Impl::Impl(std::shared_ptr<const Discretisation> given, int
                                 ", the free degrees of freedom that have mass");
   const StructureSpectrum spectrum = structure_spectrum(d, std::min(available, 3 * wanted + 20));
   modes = static_cast<int>(spectrum.eigenvalues.size());
+  if (modes < wanted)
+    throw std::invalid_argument(
+        "modes = " + std::to_string(wanted) + ": only " + std::to_string(modes) +
+        " of its eigenvalues can be told apart in double precision; its masses or stiffnesses "
+        "differ by too many powers of ten");
   rigid = spectrum.rigid_body_modes;
   stride = index(std::max(modes, 2));
   eigenvalues.assign(stride, 0.0);
@@ -241,6 +150,7 @@ StructureReanalysis::Impl::Impl(std::shared_ptr<const Discretisation> given, int
     }
   }
   self_stresses = self_stress_projector(d);
+  compressed = std::ranges::any_of(d.strains, [](const Strain& s) { return s.factor < 0.0; });
   for (const int supports : {0, kFewSupports, modes})
     windows.emplace_back(eigenvalues, modes, std::min(wanted + supports, modes));
 }
@@ -376,9 +286,7 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
                                                    lost, Eigen::EigenvaluesOnly)
                                                    .eigenvalues()
                                                    .maxCoeff();
-    if (!(share < 1.0))
-      throw ImpossibleChange("lost mass = " + std::to_string(-masses[0]->mass) +
-                             ": more than there is");
+    if (!(share < 1.0)) throw ImpossibleChange("lost mass: more than there is");
     residual_factor = 1.0 / (1.0 - share);
   }
   for (const StructureChange::Spring& s : change.springs)
@@ -391,7 +299,8 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
   const auto count = static_cast<Index>(softenings.size());
   for (Index i = 0; i < count; ++i) {
     const StructureChange::Softening& s = *softenings[index(i)];
-    least_remaining = std::min(least_remaining, s.remaining);
+    // All strain energy is at least q of what it was, unless compression takes a part of it.
+    least_remaining = intact.compressed ? 0.0 : std::min(least_remaining, s.remaining);
     double* c = add_column();
     for (const auto& [row, weight] : s.direction) {
       const double* from = intact.strain_rows.data() + index(row) * intact.stride;
@@ -415,9 +324,17 @@ void StructureReanalysis::Workspace::Impl::set(const StructureReanalysis::Impl& 
       for (Index k = 0; k < first; ++k) value += factor(first + i, k) * factor(first + b, k);
       for (Index k = 0; k < b; ++k)
         value -= factor(first + i, first + k) * factor(first + b, first + k);
-      // The pivot cannot be less than what this softening itself leaves.
-      if (b == i) value = std::sqrt(std::max(value, s.remaining / (1.0 - s.remaining)));
-      factor(first + i, first + b) = b == i ? value : value / factor(first + b, first + b);
+      if (b < i) {
+        factor(first + i, first + b) = value / factor(first + b, first + b);
+        continue;
+      }
+      // The pivot cannot be less than what this softening itself leaves, but for compression: there
+      // it is positive as long as the structure does not buckle (Sylvester).
+      if (intact.compressed && !(value > 0.0))
+        throw ImpossibleChange("remaining stiffness = " + std::to_string(s.remaining) +
+                               ": too little for the axial forces, the structure buckles");
+      if (!intact.compressed) value = std::max(value, s.remaining / (1.0 - s.remaining));
+      factor(first + i, first + i) = std::sqrt(value);
     }
   }
   // L⁻¹ C, forwards.

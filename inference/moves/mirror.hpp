@@ -1,27 +1,25 @@
-// Reflections: the moves that symmetric structures need.
+// Reflections: the move that structures need which are their own mirror images.
 #pragma once
 
-#include "inference/move.hpp"
+#include "inference/moves/image.hpp"
 
 namespace wheeltap::inference {
 
-/// Reflects every component of every kind that has a reflection (`whole`: the mirror image of the
-/// state), or one component chosen uniformly, in its centre: x → 2 c - x. An involution with
-/// |dx'/dx| = 1, so with respect to dz
-///
-///   ln ratio = Σ ln |dz'/dz| = Σ [ ln p(x') - ln φ(z') - ln p(x) + ln φ(z) ]
-///
-/// over the reflected coordinates, from |dz/dx| = p(x) / φ(z). A mirror image outside the prior's
-/// support is no proposal.
-class Mirror : public Move {
+/// The image under one symmetry, which reflects a parameter of some kinds' components in a centre:
+/// x → 2 c - x, its own inverse.
+class Mirror : public Image {
  public:
-  Mirror(std::vector<Reflection> reflections, bool whole)
-      : reflections_(std::move(reflections)), whole_(whole) {}
-  std::optional<double> propose(const State& from, const Step& step, State& to) override;
+  Mirror(const std::vector<Reflection>& reflections, bool whole)
+      : Image({symmetry(reflections)}, whole) {}
 
  private:
-  std::vector<Reflection> reflections_;
-  bool whole_;
+  static Symmetry symmetry(const std::vector<Reflection>& reflections) {
+    Symmetry out;
+    for (const Reflection& r : reflections)
+      out.parts.push_back(
+          {r.kind, r.parameter, [twice = 2.0 * r.center](double x) { return twice - x; }});
+    return out;
+  }
 };
 
 }  // namespace wheeltap::inference

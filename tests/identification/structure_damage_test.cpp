@@ -54,26 +54,30 @@ std::vector<int> all_members(const fem::Mesh& mesh) {
   return list;
 }
 
+/// At most one defect of a type, anywhere on a line with equal weights.
+DefectKind at_most_one(const DefectType& type, std::string name, SiteLine line,
+                       const inference::Prior& severity) {
+  DefectKind kind{.type = &type,
+                  .name = name,
+                  .plural = name + "s",
+                  .max_count = 1,
+                  .location = inference::Uniform{0.0, line.length()},
+                  .severity = severity};
+  kind.line = std::move(line);
+  return kind;
+}
+
 DamageCase crack_and_joint(const fem::Structure& structure) {
   const fem::Mesh mesh(structure);
   DamageCase out;
   out.structure = std::make_shared<const StructureModel>(StructureModel{.nominal = structure});
-  DefectKind crack{.type = &defects::kCrack,
-                   .name = "crack",
-                   .plural = "cracks",
-                   .max_count = 1,
-                   .location = inference::Uniform{0.0, 1.0},  // below: on its line
-                   .severity = inference::Prior(inference::Uniform{0.05, 0.6})};
-  crack.line = SiteLine::of_members(mesh, all_members(mesh));
-  crack.location = inference::Uniform{0.0, crack.line.length()};
-  DefectKind joint{.type = &defects::kJoint,
-                   .name = "joint",
-                   .plural = "joints",
-                   .max_count = 1,
-                   .location = inference::Uniform{0.0, 1.0},  // below: on its line
-                   .severity = inference::Prior(inference::Uniform{0.0, 0.9})};
-  joint.line = SiteLine::of_points({3, 4, 5, 6, 7, 8}, {"A1", "B1", "C1", "A2", "B2", "C2"});
-  joint.location = inference::Uniform{0.0, joint.line.length()};
+  DefectKind crack =
+      at_most_one(defects::kCrack, "crack", SiteLine::of_members(mesh, all_members(mesh)),
+                  inference::Prior(inference::Uniform{0.05, 0.6}));
+  DefectKind joint =
+      at_most_one(defects::kJoint, "joint",
+                  SiteLine::of_points({3, 4, 5, 6, 7, 8}, {"A1", "B1", "C1", "A2", "B2", "C2"}),
+                  inference::Prior(inference::Uniform{0.0, 0.9}));
   crack.truth = {{.location = crack.line.x_of(7, 2.2), .severity = 0.14}};
   joint.truth = {{.location = joint.line.x_of(3, 0.0), .severity = 0.12}};
   out.kinds = {crack, joint};
@@ -252,14 +256,10 @@ TEST(StructureDamage, ASoftStorey) {
     chain.links.push_back({"storey " + std::to_string(i + 1), {i, i + 1}, 1000.0 + 100.0 * i});
   DamageCase damage_case;
   damage_case.structure = std::make_shared<const StructureModel>(StructureModel{.nominal = chain});
-  DefectKind storey{.type = &defects::kStorey,
-                    .name = "storey",
-                    .plural = "storeys",
-                    .max_count = 1,
-                    .location = inference::Uniform{0.0, 1.0},  // below: on its line
-                    .severity = inference::Prior(inference::Uniform{0.0, 0.8})};
-  storey.line = SiteLine::of_points({0, 1, 2, 3}, {"storey 1", "storey 2", "storey 3", "storey 4"});
-  storey.location = inference::Uniform{0.0, 4.0};
+  DefectKind storey = at_most_one(
+      defects::kStorey, "storey",
+      SiteLine::of_points({0, 1, 2, 3}, {"storey 1", "storey 2", "storey 3", "storey 4"}),
+      inference::Prior(inference::Uniform{0.0, 0.8}));
   storey.truth = {{.location = 2.5, .severity = 0.2}};
   damage_case.kinds = {storey};
   damage_case.simulation = Simulation{.modes = 3, .cv = 0.03, .seed = 2};

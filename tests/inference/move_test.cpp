@@ -13,6 +13,7 @@
 #include "inference/moves/conditional_proposal.hpp"
 #include "inference/moves/delayed_rejection.hpp"
 #include "inference/moves/differential_evolution.hpp"
+#include "inference/moves/image.hpp"
 #include "inference/moves/mirror.hpp"
 #include "inference/moves/mixture_jump.hpp"
 #include "inference/moves/mixture_transport.hpp"
@@ -226,6 +227,32 @@ TEST(Invariance, MirrorOfOne) {
   };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
+}
+
+// A turn by a third and its inverse: neither is its own.
+std::vector<Symmetry> thirds(double backwards) {
+  std::vector<Symmetry> out;
+  for (const double turn : {1.0 / 3.0, backwards})
+    out.push_back({{{0, 0, [turn](double x) { return std::fmod(x + turn, 1.0); }}}});
+  return out;
+}
+
+// At a temperature that accepts turns at all.
+constexpr double kWarm = 1e-3;
+
+TEST(Invariance, ImagesUnderATurn) {
+  for (const bool whole : {true, false}) {
+    const MoveFactory make = [whole] { return std::make_unique<Image>(thirds(2.0 / 3.0), whole); };
+    EXPECT_GT(invariance_p_value(make, {1, 2, 2, 1}, kWarm), kFalseAlarm) << whole;
+    EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make), {1, 2, 2, 1}, kWarm), kFalseAlarm)
+        << whole;
+  }
+}
+
+// Without the inverse there is no way back.
+TEST(Invariance, ATurnAloneIsNone) {
+  const MoveFactory make = [] { return std::make_unique<Image>(thirds(1.0 / 3.0), true); };
+  EXPECT_LT(invariance_p_value(make, {1, 2, 2, 1}, kWarm), kFalseAlarm);
 }
 
 TEST(Invariance, DifferentialEvolution) {

@@ -327,5 +327,31 @@ TEST(StructureModes, ABeamIsAStructure) {
   EXPECT_THROW((void)as_structure(beam), std::invalid_argument);
 }
 
+/// A mass is one for its own size, however large another; motions that depend on others are none.
+TEST(StructureModes, CountsMassesByTheirOwnSize) {
+  const auto count = [](const Eigen::MatrixXd& mass) {
+    Discretisation d;
+    d.mass = mass.sparseView();
+    return mode_count(d);
+  };
+  EXPECT_EQ(count(Eigen::Vector3d(1e300, 1.0, 0.0).asDiagonal()), 2);
+  Eigen::MatrixXd rod(2, 2);  // one mass, felt by two motions
+  rod << 4.0, 2.0, 2.0, 1.0;
+  EXPECT_EQ(count(rod), 1);
+  Eigen::MatrixXd beside = Eigen::MatrixXd::Zero(4, 4);
+  beside.topLeftCorner(2, 2) = rod;
+  beside(3, 3) = 1e20;
+  EXPECT_EQ(count(beside), 2);
+  EXPECT_EQ(count(Eigen::MatrixXd::Zero(2, 2)), 0);
+}
+
+TEST(StructureModes, NothingIsCountedAtAnEigenvalue) {
+  Discretisation d;
+  d.mass = Eigen::MatrixXd(Eigen::Vector2d(1.0, 1.0).asDiagonal()).sparseView();
+  d.stiffness = Eigen::MatrixXd(Eigen::Vector2d(4.0, 9.0).asDiagonal()).sparseView();
+  EXPECT_EQ(eigenvalues_below(d, 5.0), 1);
+  EXPECT_THROW(static_cast<void>(eigenvalues_below(d, 4.0)), std::domain_error);
+}
+
 }  // namespace
 }  // namespace wheeltap::fem

@@ -131,6 +131,7 @@ std::string name_of(const identification::Remark& remark) {
         if constexpr (std::is_same_v<T, r::FrequenciesOutOfReach>) return "out of reach";
         if constexpr (std::is_same_v<T, r::NoiseHidesDamage>) return "noise hides damage";
         if constexpr (std::is_same_v<T, r::MirrorImages>) return "";  // of places alone
+        if constexpr (std::is_same_v<T, r::StructureImages>) return "";
         if constexpr (std::is_same_v<T, r::FittedNotTested>) return "fitted, not tested";
         if constexpr (std::is_same_v<T, r::CannotExclude>) return "cannot exclude";
         if constexpr (std::is_same_v<T, r::NoModelFits>) return "no model fits";
