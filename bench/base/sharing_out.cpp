@@ -1,0 +1,31 @@
+// mpirun -n N sharing_out: what it costs to share work out among ranks, in microseconds.
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+#include "apps/several_ranks.hpp"
+#include "base/parallel.hpp"
+
+int main() {
+  using namespace wheeltap;
+  using Clock = std::chrono::steady_clock;
+  apps::JoinedRanks joined;
+  const int ranks = base::ranks() == nullptr ? 1 : base::ranks()->size();
+  std::printf("%d ranks\n%8s %12s %18s\n", ranks, "units", "bytes each", "us per sharing out");
+  for (const int units : {1, 8, 64, 512}) {
+    for (const std::size_t bytes : {std::size_t{100}, std::size_t{10'000}, std::size_t{1'000'000}}) {
+      const int rounds = bytes * static_cast<std::size_t>(units) > 10'000'000 ? 10 : 100;
+      const std::string outcome(bytes, 'x');
+      std::size_t got = 0;
+      const auto began = Clock::now();
+      for (int round = 0; round < rounds; ++round) {
+        base::parallel_for(units, 1, [](int) {},
+                           {.pack = [&](int) { return outcome; },
+                            .unpack = [&](int, std::string_view b) { got += b.size(); }});
+      }
+      const std::chrono::duration<double, std::micro> took = Clock::now() - began;
+      std::printf("%8d %12zu %18.1f\n", units, bytes, took.count() / rounds);
+    }
+  }
+  joined.leave(0, {});
+}
