@@ -13,7 +13,8 @@ int main() {
   const int ranks = base::ranks() == nullptr ? 1 : base::ranks()->size();
   std::printf("%d ranks\n%8s %12s %18s\n", ranks, "units", "bytes each", "us per sharing out");
   for (const int units : {1, 8, 64, 512}) {
-    for (const std::size_t bytes : {std::size_t{100}, std::size_t{10'000}, std::size_t{1'000'000}}) {
+    for (const std::size_t bytes :
+         {std::size_t{100}, std::size_t{10'000}, std::size_t{1'000'000}}) {
       const int rounds = bytes * static_cast<std::size_t>(units) > 10'000'000 ? 10 : 100;
       const std::string outcome(bytes, 'x');
       std::size_t got = 0;

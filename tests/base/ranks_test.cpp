@@ -52,9 +52,8 @@ class SeveralRanks : public testing::Test {
 TEST_F(SeveralRanks, UnitsWithACarriageAreSharedOut) {
   std::vector<double> x(5, -1.0);
   const auto job = [&](int i) { x[static_cast<std::size_t>(i)] = i; };
-  parallel_for(5, 2, job, carriage([&](int i, auto& parcel) {
-                 parcel(x[static_cast<std::size_t>(i)]);
-               }));
+  parallel_for(5, 2, job,
+               carriage([&](int i, auto& parcel) { parcel(x[static_cast<std::size_t>(i)]); }));
   EXPECT_EQ(x, (std::vector<double>{0, 10, 2, 30, 4}));
   parallel_for(5, 2, job);  // without one, every rank does all
   EXPECT_EQ(x, (std::vector<double>{0, 1, 2, 3, 4}));
@@ -65,8 +64,12 @@ TEST_F(SeveralRanks, ALoopWithinAUnitStaysOnItsRank) {
   const Carriage none{.pack = [](int) { return std::string(); },
                       .unpack = [](int, std::string_view) {}};
   std::atomic<int> calls = 0;
-  const auto inner = [&] { parallel_for(3, 2, [&](int) { ++calls; }, none); };
-  parallel_for(2, 1, [&](int) { inner(); }, none);  // the even one is ours
+  const auto inner = [&] {
+    parallel_for(
+        3, 2, [&](int) { ++calls; }, none);
+  };
+  parallel_for(
+      2, 1, [&](int) { inner(); }, none);  // the even one is ours
   EXPECT_EQ(calls, 3);
   parallel_for(2, 1, [&](int) { inner(); });
   EXPECT_EQ(calls, 9);
@@ -95,14 +98,16 @@ TEST_F(SeveralRanks, OutsideOfUnitsAWishToStopWaitsForAllToAgree) {
   EXPECT_FALSE(local);
   EXPECT_FALSE(is_to_stop(true));
   two.on_wish_to_stop([] { return true; });
-  parallel_for(1, 1, [](int) {}, none);
+  parallel_for(
+      1, 1, [](int) {}, none);
   EXPECT_TRUE(is_to_stop(false));
 }
 
 TEST_F(SeveralRanks, AThreadIsUnmarkedAfterAUnitThatThrows) {
   const Carriage none{.pack = [](int) { return std::string(); },
                       .unpack = [](int, std::string_view) {}};
-  EXPECT_THROW(parallel_for(1, 1, [](int) { throw std::runtime_error("no"); }, none),
+  EXPECT_THROW(parallel_for(
+                   1, 1, [](int) { throw std::runtime_error("no"); }, none),
                std::runtime_error);
   EXPECT_FALSE(within().job);
   EXPECT_FALSE(within().shared);
