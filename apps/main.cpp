@@ -13,6 +13,7 @@
 
 #include "apps/batch_command.hpp"
 #include "apps/commands.hpp"
+#include "apps/data_command.hpp"
 #include "apps/failure.hpp"
 #include "apps/init.hpp"
 #include "apps/law_page.hpp"
@@ -229,6 +230,19 @@ int run(int argc, char** argv) {
   section_command->add_option("--name", section.name, "which of a structure's sections");
   section_command->add_flag("--json", section.json, "as JSON");
 
+  apps::DataOptions measured;
+  CLI::App* data_command =
+      app.add_subcommand("data", "what a measured file holds, and what is odd about it");
+  data_command->add_option("FILE", measured.file, "delimited text, MATLAB or universal file")
+      ->required();
+  data_command->add_option("-o,--output", measured.page, "draw it into this file, HTML");
+  data_command->add_option("--to", measured.to,
+                           "convert: csv, nc or uff, or the file to write with such an ending");
+  data_command
+      ->add_option("--sample-rate", measured.sample_rate_hz, "in Hz, where the file does not say")
+      ->check(positive());
+  data_command->add_flag("--json", measured.json, "as JSON");
+
   CLI::App* table_command = app.add_subcommand(
       "table", "run a design of experiments, train the emulator, measure its error");
   add_case(table_command);
@@ -354,6 +368,7 @@ int run(int argc, char** argv) {
     }
     if (modes_command->parsed()) apps::run_modes(common, modes);
     if (section_command->parsed()) apps::run_section(common, section);
+    if (data_command->parsed()) apps::run_data(measured);
     if (table_command->parsed()) apps::run_table(common, tabling);
     if (damage_command->parsed()) apps::run_damage(common, sampling);
     if (sid_command->parsed()) apps::run_sid(common, sampling);

@@ -5,6 +5,7 @@
 #include "io/bytes.hpp"
 #include "io/delimited_text.hpp"
 #include "io/matlab_file.hpp"
+#include "io/universal_file.hpp"
 
 namespace wheeltap::io {
 namespace {
@@ -28,6 +29,10 @@ std::span<const Format> formats() {
        .endings = {".mat"},
        .magic = {"MATLAB 5.0 MAT-file", "MATLAB 7.3 MAT-file"},
        .read = read_matlab_file},
+      {.name = "universal file",
+       .endings = {".uff", ".unv", ".uf"},
+       .magic = {"    -1"},
+       .parse = parse_universal_columns},
   };
   return list;
 }

@@ -150,16 +150,23 @@ std::vector<double> window(const Record& record, int column, int begin, int end)
   return values;
 }
 
-std::string record_csv(const Record& record, const std::string& comment) {
+std::string record_csv(const Record& record, const std::string& comment, int digits) {
   std::string text = "# " + comment + "\n";
+  const auto quoted = [](const std::string& header) {
+    if (header.find_first_of(",\"") == std::string::npos) return header;
+    std::string out = "\"";
+    for (const char c : header) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+  };
   for (std::size_t c = 0; c < record.columns.size(); ++c) {
-    text += (c > 0 ? "," : "") + record.columns[c].header;
+    text += (c > 0 ? "," : "") + quoted(record.columns[c].header);
   }
   text += '\n';
   char cell[40];
   for (std::size_t n = 0; n < record.columns[0].values.size(); ++n) {
     for (std::size_t c = 0; c < record.columns.size(); ++c) {
-      std::snprintf(cell, sizeof cell, "%s%.10g", c > 0 ? "," : "", record.columns[c].values[n]);
+      std::snprintf(cell, sizeof cell, "%s%.*g", c > 0 ? "," : "", digits,
+                    record.columns[c].values[n]);
       text += cell;
     }
     text += '\n';

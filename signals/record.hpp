@@ -42,7 +42,9 @@ struct Record : io::Columns {
 /// beyond the record, or holds a value that is not finite (naming its line).
 [[nodiscard]] std::vector<double> window(const Record& record, int column, int begin, int end);
 
-/// A record as CSV text, ten digits a number, after a line of comment and one of headers.
-[[nodiscard]] std::string record_csv(const Record& record, const std::string& comment);
+/// A record as CSV text, after a line of comment and one of headers; 17 digits a number keep every
+/// bit.
+[[nodiscard]] std::string record_csv(const Record& record, const std::string& comment,
+                                     int digits = 10);
 
 }  // namespace wheeltap::signals

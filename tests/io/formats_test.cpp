@@ -57,9 +57,11 @@ TEST_F(Formats, AToyFormatIsOneLineInTheList) {
 
 TEST_F(Formats, UnknownOnesAreRefusedWithThoseThatAreKnown) {
   test::put_bytes(directory / "r.xlsx", "PK");
-  EXPECT_EQ(error("r.xlsx", Kind::foreign),
-            "no format with the ending '.xlsx' is known, there are delimited text (.csv, .tsv, "
-            ".txt, .dat, .asc, .data, .tab, .prn, no ending); MATLAB (.mat)");
+  EXPECT_EQ(
+      error("r.xlsx", Kind::foreign),
+      "no format with the ending '.xlsx' is known, there are delimited text (.csv, .tsv, "
+      ".txt, .dat, .asc, .data, .tab, .prn, no ending); MATLAB (.mat); universal file (.uff, .unv, "
+      ".uf)");
 }
 
 TEST_F(Formats, EndingsOfText) {

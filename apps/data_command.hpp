@@ -1,0 +1,22 @@
+// `wheeltap data`: what a measured file holds.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace wheeltap::apps {
+
+struct DataOptions {
+  std::filesystem::path file;
+  std::filesystem::path page;            ///< draw it into this HTML file
+  std::string to;                        ///< csv, nc or uff, or a file with such an ending: convert
+  std::optional<double> sample_rate_hz;  ///< where the file says none
+  bool json = false;
+};
+
+/// Prints channels, units, sampling, root mean squares, what is odd about each channel and the
+/// peaks of its spectrum; draws and converts where asked. Throws io::FileError, Failure.
+void run_data(const DataOptions& options);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,50 @@
+// A measured file, looked at: channels with their units, sampling and faults.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/universal_file.hpp"
+#include "signals/channel_quality.hpp"
+#include "signals/record.hpp"
+
+namespace wheeltap::apps {
+
+struct MeasuredChannel {
+  std::string name = {}, unit = {};
+  std::vector<double> values = {};
+  signals::ChannelQuality quality = {};
+  std::optional<signals::Spectrum> spectrum = {};  ///< of a time history with a known rate
+  std::vector<signals::SpectrumPeak> peaks = {};
+};
+
+/// Columns that were sampled together.
+struct MeasuredTable {
+  std::string abscissa = {}, abscissa_unit = {};  ///< empty where there is none
+  std::vector<double> x = {};                     ///< of the abscissa; empty where there is none
+  bool is_time = true;                            ///< otherwise a spectrum or the like
+  std::optional<double> sample_rate_hz = {};
+  std::string sampling_fault = {};  ///< why there is no rate, though there is a time: a sentence
+  std::vector<MeasuredChannel> channels = {};
+
+  [[nodiscard]] long rows() const;
+};
+
+struct MeasuredFile {
+  std::filesystem::path path = {};
+  std::string format = {};
+  std::vector<MeasuredTable> tables = {};
+  std::optional<io::UniversalFile> universal = {};
+};
+
+/// Throws io::FileError, and std::invalid_argument for a rate that is not positive.
+[[nodiscard]] MeasuredFile look_at(const std::filesystem::path& path,
+                                   std::optional<double> sample_rate_hz);
+
+/// What is odd about a channel of a table, each the rest of a sentence that begins with its name.
+[[nodiscard]] std::vector<std::string> oddities(const MeasuredTable& table,
+                                                const MeasuredChannel& channel);
+
+}  // namespace wheeltap::apps

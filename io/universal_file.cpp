@@ -1,0 +1,509 @@
+#include "io/universal_file.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "io/bytes.hpp"
+#include "io/delimited_text.hpp"
+#include "io/text.hpp"
+
+namespace wheeltap::io {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kMostPoints = std::size_t{1} << 31U;
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\n\0";
+  const auto first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+/// Trimmed, and in UTF-8: what is none is taken for Latin-1.
+std::string text_of(std::string_view raw) {
+  const std::string_view text = trimmed(raw);
+  if (!first_unprintable(text)) return std::string(text);
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      out += c;
+    } else {
+      out += static_cast<char>(0xC0 | (byte >> 6U));
+      out += static_cast<char>(0x80 | (byte & 0x3FU));
+    }
+  }
+  return out;
+}
+
+std::string none_is_empty(std::string_view text) {
+  std::string word = text_of(text);
+  return word == "NONE" ? std::string() : word;
+}
+
+/// A Fortran number: "1.5E+00", "1.5D+00", "1.5-100", "1.5". None where it is anything else.
+std::optional<double> fortran_number(std::string_view field) {
+  std::string text(trimmed(field));
+  if (text.empty()) return {};
+  if (text[0] == '+') text.erase(0, 1);
+  for (char& c : text)
+    if (c == 'D' || c == 'd') c = 'e';
+  const auto sign = text.find_first_of("+-", 1);  // of an exponent that has lost its letter
+  if (sign != std::string::npos && std::string_view("eE").find(text[sign - 1]) == std::string::npos)
+    text.insert(sign, "e");
+  return parse_number(text);
+}
+
+std::string_view field(std::string_view line, std::size_t from, std::size_t width) {
+  return from >= line.size() ? std::string_view() : line.substr(from, width);
+}
+
+/// The lines of a file, with places for messages; and its bytes, for 58b.
+class Reader {
+ public:
+  Reader(const std::string& bytes, const std::filesystem::path& name)
+      : bytes_(bytes), name_(name) {}
+
+  [[nodiscard]] bool done() const { return at_ >= bytes_.size(); }
+  [[nodiscard]] std::ptrdiff_t line_number() const { return number_; }
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw FileError(FileError::Kind::corrupt, name_, {.line = number_}, reason);
+  }
+
+  /// Without its end; LF, CR LF and CR end lines.
+  std::string_view next(const char* what) {
+    if (done()) fail(std::string("the file ends where ") + what + " must follow");
+    const std::size_t end = bytes_.find_first_of("\r\n", at_);
+    const std::string_view line = std::string_view(bytes_).substr(
+        at_, end == std::string::npos ? std::string::npos : end - at_);
+    if (end == std::string::npos) {
+      at_ = bytes_.size();
+    } else {
+      at_ =
+          end + (bytes_[end] == '\r' && end + 1 < bytes_.size() && bytes_[end + 1] == '\n' ? 2 : 1);
+    }
+    ++number_;
+    return line;
+  }
+  /// The next line, without going on to it.
+  [[nodiscard]] std::string_view peek() const {
+    const std::size_t end = bytes_.find_first_of("\r\n", at_);
+    return std::string_view(bytes_).substr(
+        at_, end == std::string::npos ? std::string::npos : end - at_);
+  }
+  [[nodiscard]] bool at_separator() const { return !done() && trimmed(peek()) == "-1"; }
+
+  std::string_view raw(std::size_t count) {
+    if (bytes_.size() - at_ < count)
+      fail("the file ends after " + std::to_string(bytes_.size() - at_) + " of " +
+           std::to_string(count) + " bytes of binary data");
+    const std::string_view out = std::string_view(bytes_).substr(at_, count);
+    at_ += count;
+    return out;
+  }
+  /// Some programs end binary data with a line, some do not.
+  void skip_blanks() {
+    while (!done() && std::string_view(" \t\r\n").find(bytes_[at_]) != std::string_view::npos) {
+      number_ += bytes_[at_] == '\n';
+      ++at_;
+    }
+    // What stands before "-1" on its line was blank.
+  }
+  [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
+
+  int integer(std::string_view text, const char* what) const {
+    const std::string_view word = trimmed(text);
+    if (word.empty()) return 0;
+    int value = 0;
+    const char* first = word.data() + (word[0] == '+' ? 1 : 0);
+    const auto [end, error] = std::from_chars(first, word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size())
+      fail(std::string(what) + " '" + std::string(word) + "' must be a whole number");
+    return value;
+  }
+  double number(std::string_view text, const char* what) const {
+    if (trimmed(text).empty()) return 0.0;
+    const auto value = fortran_number(text);
+    if (!value) fail(std::string(what) + " '" + std::string(trimmed(text)) + "' is no number");
+    return *value;
+  }
+  /// Whole numbers in columns of `width`, or, where those do not fit, between blanks.
+  std::vector<int> integers(std::string_view line, std::size_t width, const char* what) const {
+    std::vector<int> out;
+    const std::vector<std::string_view> words = split(line);
+    bool columns = true;
+    for (std::size_t at = 0; columns && at < line.size(); at += width) {
+      const std::string_view word = trimmed(field(line, at, width));
+      columns = word.find_first_of(" \t") == std::string_view::npos;
+      const std::size_t edge = at + width;  // no number runs over a column's edge
+      if (edge < line.size() && line[edge - 1] != ' ' && line[edge] != ' ' && line[edge] != '-')
+        columns = columns && word.size() == width;
+    }
+    if (columns) {
+      for (std::size_t at = 0; at < line.size(); at += width)
+        if (!trimmed(field(line, at, width)).empty())
+          out.push_back(integer(field(line, at, width), what));
+    } else {
+      for (const std::string_view word : words) out.push_back(integer(word, what));
+    }
+    return out;
+  }
+
+  static std::vector<std::string_view> split(std::string_view line) {
+    std::vector<std::string_view> words;
+    std::size_t at = 0;
+    while ((at = line.find_first_not_of(" \t\r", at)) != std::string_view::npos) {
+      const std::size_t end = std::min(line.find_first_of(" \t\r", at), line.size());
+      words.push_back(line.substr(at, end - at));
+      at = end;
+    }
+    return words;
+  }
+
+  /// `count` numbers over lines, in columns of these widths, again and again; or between blanks
+  /// where columns are not kept. No line needs to be full.
+  std::vector<double> numbers(std::size_t count, const std::vector<std::size_t>& widths,
+                              const char* what) {
+    std::vector<double> out;
+    out.reserve(std::min(count, left()));
+    while (out.size() < count) {
+      if (done() || at_separator())
+        fail(std::string("only ") + std::to_string(out.size()) + " of " + std::to_string(count) +
+             " " + what + " are there");
+      const std::string_view line = next(what);
+      if (trimmed(line).empty()) continue;
+      const std::size_t before = out.size();
+      if (!in_columns(line, widths, out)) {
+        out.resize(before);
+        for (const std::string_view word : split(line)) {
+          const auto value = fortran_number(word);
+          if (!value) fail("'" + std::string(word) + "' is no number");
+          out.push_back(*value);
+        }
+      }
+      if (out.size() > count)
+        fail("has " + std::to_string(out.size() - count) + " more " + what +
+             " than were announced");
+    }
+    return out;
+  }
+
+ private:
+  static bool in_columns(std::string_view line, const std::vector<std::size_t>& widths,
+                         std::vector<double>& out) {
+    std::size_t at = 0;
+    const std::string_view text = line.substr(0, line.find_last_not_of(" \t\r") + 1);
+    for (std::size_t i = 0; at < text.size(); at += widths[i], i = (i + 1) % widths.size()) {
+      const auto value = fortran_number(field(text, at, widths[i]));
+      if (!value) return false;
+      out.push_back(*value);
+    }
+    return true;
+  }
+
+  const std::string& bytes_;
+  const std::filesystem::path& name_;
+  std::size_t at_ = 0;
+  std::ptrdiff_t number_ = 0;
+};
+
+UniversalDof dof(const Reader& in, std::string_view line, std::size_t from) {
+  return {.entity = none_is_empty(field(line, from, 10)),
+          .node = in.integer(field(line, from + 10, 10), "node"),
+          .direction = in.integer(field(line, from + 20, 4), "direction")};
+}
+
+UniversalAxis axis(Reader& in) {
+  const std::string_view line = in.next("an axis");
+  UniversalAxis out;
+  out.quantity = in.integer(field(line, 0, 10), "quantity");
+  for (std::size_t k = 0; k < 3; ++k)
+    out.powers[k] = in.integer(field(line, 10 + 5 * k, 5), "power");
+  out.label = none_is_empty(field(line, 26, 20));
+  out.unit = none_is_empty(field(line, 47, 20));
+  return out;
+}
+
+template <class Real>
+double binary_number(std::string_view bytes, std::size_t at, bool big_endian) {
+  std::array<char, sizeof(Real)> raw{};
+  std::memcpy(raw.data(), bytes.data() + at, sizeof(Real));
+  if (big_endian != (std::endian::native == std::endian::big)) std::ranges::reverse(raw);
+  Real value{};
+  std::memcpy(&value, raw.data(), sizeof(Real));
+  return static_cast<double>(value);
+}
+
+std::vector<double> binary_values(Reader& in, const UniversalFunction& f, std::size_t points,
+                                  std::size_t announced) {
+  const std::size_t wide = f.is_double ? 8 : 4;
+  const std::size_t ordinates = f.is_complex ? 2 : 1;
+  // The abscissa of an uneven double function is single in the format, double in some programs.
+  std::size_t abscissa = f.even ? 0 : 4;
+  if (!f.even && f.is_double && announced == points * (8 + ordinates * wide)) abscissa = 8;
+  const std::size_t each = abscissa + ordinates * wide;
+  if (announced != 0 && announced != points * each)
+    in.fail(std::to_string(announced) +
+            " bytes of binary data are announced: " + std::to_string(points) + " points of " +
+            std::to_string(each) + " bytes need " + std::to_string(points * each));
+  const std::string_view bytes = in.raw(points * each);
+  std::vector<double> out;
+  out.reserve(points * (ordinates + (f.even ? 0 : 1)));
+  const auto take = [&](std::size_t at, std::size_t size) {
+    out.push_back(size == 8 ? binary_number<double>(bytes, at, f.big_endian)
+                            : binary_number<float>(bytes, at, f.big_endian));
+  };
+  for (std::size_t i = 0; i < points; ++i) {
+    std::size_t at = i * each;
+    if (abscissa > 0) take(at, abscissa);
+    at += abscissa;
+    for (std::size_t k = 0; k < ordinates; ++k) take(at + k * wide, wide);
+  }
+  return out;
+}
+
+UniversalFunction function(Reader& in, std::string_view number_line) {
+  UniversalFunction f{.line = in.line_number()};
+  f.binary = trimmed(number_line).starts_with("58b");
+  std::size_t announced = 0;
+  if (f.binary) {
+    const int order = in.integer(field(number_line, 7, 6), "byte order");
+    const int floats = in.integer(field(number_line, 13, 6), "floating-point format");
+    if (order != 1 && order != 2)
+      in.fail("byte order " + std::to_string(order) + ": must be 1 (little) or 2 (big endian)");
+    if (floats != 2)
+      in.fail("floating-point format " + std::to_string(floats) + ": only IEEE 754 (2) is read");
+    f.big_endian = order == 2;
+    const int bytes = in.integer(field(number_line, 31, 12), "number of bytes");
+    if (bytes < 0) in.fail("a negative number of bytes");
+    announced = static_cast<std::size_t>(bytes);
+  }
+  for (std::string& id : f.ids) id = text_of(in.next("an ID line"));
+
+  const std::string_view dofs = in.next("degrees of freedom");
+  f.type = in.integer(field(dofs, 0, 5), "function type");
+  f.number = in.integer(field(dofs, 5, 10), "function number");
+  f.version = in.integer(field(dofs, 15, 5), "version");
+  f.load_case = in.integer(field(dofs, 20, 10), "load case");
+  f.response = dof(in, dofs, 31);
+  f.reference = dof(in, dofs, 56);
+
+  const std::string_view form = in.next("the form of the data");
+  const int ordinate = in.integer(field(form, 0, 10), "data type");
+  if (ordinate != 2 && ordinate != 4 && ordinate != 5 && ordinate != 6)
+    in.fail("data type " + std::to_string(ordinate) +
+            ": must be 2 or 4 (real, single or double), 5 or 6 (complex)");
+  f.is_double = ordinate == 4 || ordinate == 6;
+  f.is_complex = ordinate >= 5;
+  const int points = in.integer(field(form, 10, 10), "number of points");
+  if (points < 0) in.fail("a negative number of points");
+  f.even = in.integer(field(form, 20, 10), "spacing") != 0;
+  f.first = in.number(field(form, 30, 13), "first abscissa");
+  f.step = in.number(field(form, 43, 13), "step");
+  f.z = in.number(field(form, 56, 13), "z");
+  f.abscissa = axis(in);
+  f.numerator = axis(in);
+  f.denominator = axis(in);
+  f.z_axis = axis(in);
+
+  const auto n = static_cast<std::size_t>(points);
+  const std::size_t each = (f.is_complex ? 2 : 1) + (f.even ? 0 : 1);
+  std::vector<double> values;
+  if (f.binary) {
+    values = binary_values(in, f, n, announced);
+  } else {
+    std::vector<std::size_t> widths(each, f.is_double ? 20 : 13);
+    if (!f.even) widths[0] = 13;
+    values = in.numbers(n * each, widths, "values");
+  }
+  f.x.reserve(n);
+  f.y.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double* value = values.data() + i * each;
+    f.x.push_back(f.even ? f.first + static_cast<double>(i) * f.step : *value++);
+    f.y.emplace_back(value[0], f.is_complex ? value[1] : 0.0);
+  }
+  return f;
+}
+
+UniversalShape shape(Reader& in) {
+  UniversalShape s{.line = in.line_number()};
+  for (std::string& id : s.ids) id = text_of(in.next("an ID line"));
+  const std::vector<int> what = in.integers(in.next("what the data are"), 10, "code");
+  if (what.size() < 6) in.fail("has " + std::to_string(what.size()) + " codes: must have 6");
+  s.model = what[0];
+  s.analysis = what[1];
+  s.characteristic = what[2];
+  s.quantity = what[3];
+  if (what[4] != 2 && what[4] != 5)
+    in.fail("data type " + std::to_string(what[4]) + ": must be 2 (real) or 5 (complex)");
+  s.is_complex = what[4] == 5;
+  s.values_a_node = what[5];
+  if (s.values_a_node < 1 || s.values_a_node > 9)
+    in.fail(std::to_string(s.values_a_node) + " values a node: must be 1 to 9");
+  std::vector<int> head = in.integers(in.next("how many numbers follow"), 10, "number");
+  if (head.size() < 2) in.fail("says not how many numbers follow");
+  const int integers = head[0], reals = head[1];
+  if (integers < 0 || integers > 1000 || reals < 0 || reals > 1000)
+    in.fail("announces " + std::to_string(integers) + " and " + std::to_string(reals) + " numbers");
+  s.integers.assign(head.begin() + 2, head.end());
+  while (s.integers.size() < static_cast<std::size_t>(integers))
+    for (const int i : in.integers(in.next("numbers"), 10, "number")) s.integers.push_back(i);
+  s.reals = in.numbers(static_cast<std::size_t>(reals), {13}, "numbers");
+  const auto each = static_cast<std::size_t>(s.values_a_node);
+  while (!in.done() && !in.at_separator()) {
+    const std::string_view line = in.next("a node");
+    if (trimmed(line).empty()) continue;
+    s.nodes.push_back(in.integer(field(line, 0, 10), "node"));
+    const std::vector<double> values =
+        in.numbers(each * (s.is_complex ? 2 : 1), {13}, "values of a node");
+    for (std::size_t k = 0; k < each; ++k)
+      s.values.push_back(s.is_complex ? std::complex(values[2 * k], values[2 * k + 1])
+                                      : std::complex(values[k], 0.0));
+  }
+  return s;
+}
+
+void nodes(Reader& in, std::vector<UniversalNode>& out) {
+  while (!in.done() && !in.at_separator()) {
+    const std::string_view line = in.next("a node");
+    if (trimmed(line).empty()) continue;
+    UniversalNode node{.label = in.integer(field(line, 0, 10), "node"),
+                       .definition = in.integer(field(line, 10, 10), "coordinate system"),
+                       .displacement = in.integer(field(line, 20, 10), "coordinate system"),
+                       .colour = in.integer(field(line, 30, 10), "colour")};
+    for (std::size_t k = 0; k < 3; ++k)
+      node.at[k] = in.number(field(line, 40 + 13 * k, 13), "coordinate");
+    out.push_back(node);
+  }
+}
+
+void traces(Reader& in, std::vector<UniversalTrace>& out) {
+  while (!in.done() && !in.at_separator()) {
+    const std::string_view line = in.next("a trace line");
+    if (trimmed(line).empty()) continue;
+    UniversalTrace trace{.number = in.integer(field(line, 0, 10), "trace line"),
+                         .colour = in.integer(field(line, 20, 10), "colour")};
+    const int count = in.integer(field(line, 10, 10), "number of nodes");
+    if (count < 0) in.fail("a negative number of nodes");
+    trace.id = text_of(in.next("the trace line's name"));
+    while (trace.nodes.size() < static_cast<std::size_t>(count)) {
+      if (in.done() || in.at_separator())
+        in.fail("only " + std::to_string(trace.nodes.size()) + " of " + std::to_string(count) +
+                " nodes are there");
+      for (const int node : in.integers(in.next("nodes"), 10, "node")) trace.nodes.push_back(node);
+    }
+    out.push_back(std::move(trace));
+  }
+}
+
+UniversalUnits units(Reader& in) {
+  UniversalUnits u;
+  const std::string_view line = in.next("a unit code");
+  u.code = in.integer(field(line, 0, 10), "unit code");
+  u.description = text_of(field(line, 10, 20));
+  u.temperature_mode = in.integer(field(line, 30, 10), "temperature mode");
+  const std::vector<double> values = [&] {
+    // Factors on one line, the offset on the next or, of some programs, left out.
+    std::vector<double> all = in.numbers(3, {25}, "unit factors");
+    if (!in.done() && !in.at_separator() && !trimmed(in.peek()).empty())
+      for (const double v : in.numbers(1, {25}, "temperature offset")) all.push_back(v);
+    return all;
+  }();
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(values[k] > 0.0)) in.fail("a unit factor must be positive");
+    u.factors[k] = values[k];
+  }
+  if (values.size() > 3) u.temperature_offset = values[3];
+  return u;
+}
+
+/// To the line after the dataset's closing separator; what stands before it is left out.
+void finish(Reader& in, bool may_hold_more) {
+  while (!in.done()) {
+    const bool separator = in.at_separator();
+    const std::string_view line = in.next("the end of a dataset");
+    if (separator) return;
+    if (!may_hold_more && !trimmed(line).empty())
+      in.fail("'" + std::string(trimmed(line)).substr(0, 40) +
+              "' where a dataset must end with -1");
+  }
+}
+
+}  // namespace
+
+int UniversalShape::mode() const {
+  return integers.size() > 1 ? integers[1] : 0;
+}
+
+double UniversalShape::frequency_hz() const {
+  constexpr double kTwoPi = 6.283185307179586;
+  if (analysis == 2 && !reals.empty()) return reals[0];
+  if ((analysis == 3 || analysis == 7) && reals.size() > 1)
+    return std::hypot(reals[0], reals[1]) / kTwoPi;
+  return kNaN;
+}
+
+double UniversalShape::damping() const {
+  if (analysis == 2 && reals.size() > 2) return reals[2];
+  if ((analysis == 3 || analysis == 7) && reals.size() > 1)
+    return -reals[0] / std::hypot(reals[0], reals[1]);
+  return kNaN;
+}
+
+UniversalFile parse_universal_file(const std::string& bytes, const std::filesystem::path& name) {
+  UniversalFile out;
+  Reader in(bytes, name);
+  in.skip_blanks();
+  if (in.done() || !in.at_separator())
+    throw FileError(FileError::Kind::foreign, name,
+                    "is no universal file: it must begin with a line that holds -1");
+  while (!in.done()) {
+    if (!in.at_separator()) {
+      const std::string_view line = in.next("a dataset");
+      if (!trimmed(line).empty())
+        in.fail("'" + std::string(trimmed(line)).substr(0, 40) +
+                "' where a dataset must begin with -1");
+      continue;
+    }
+    static_cast<void>(in.next("a dataset"));
+    if (in.done()) break;
+    const std::string_view kind = in.next("a dataset's number");
+    const std::string_view word = Reader::split(kind).empty() ? "" : Reader::split(kind)[0];
+    if (word.empty()) in.fail("a dataset without a number");
+    bool exact = true;
+    if (word == "58" || word == "58b" || word == "58B") {
+      out.functions.push_back(function(in, kind));
+      if (out.functions.back().binary) in.skip_blanks();
+    } else if (word == "55") {
+      out.shapes.push_back(shape(in));
+    } else if (word == "15") {
+      nodes(in, out.nodes);
+    } else if (word == "82") {
+      traces(in, out.traces);
+    } else if (word == "151") {
+      out.header.emplace();
+      for (std::string& line : out.header->lines)
+        if (!in.done() && !in.at_separator()) line = text_of(in.next("the header"));
+      exact = false;
+    } else if (word == "164") {
+      out.units = units(in);
+    } else {
+      ++out.left_out[in.integer(word, "a dataset's number")];
+      exact = false;
+    }
+    finish(in, !exact);
+  }
+  return out;
+}
+
+UniversalFile read_universal_file(const std::filesystem::path& path) {
+  return parse_universal_file(read_bytes(path), path);
+}
+
+}  // namespace wheeltap::io

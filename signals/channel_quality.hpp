@@ -1,0 +1,55 @@
+// What is wrong with a measured channel, before anybody fits a model to it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "signals/spectra.hpp"
+
+namespace wheeltap::signals {
+
+/// Samples [begin, end).
+struct Stretch {
+  long begin, end;
+};
+
+struct ChannelQuality {
+  long samples = 0;
+  long missing = 0;  ///< not finite
+  double mean = 0.0, sd = 0.0, lowest = 0.0, highest = 0.0;
+  double rms = 0.0;   ///< about zero
+  double step = 0.0;  ///< smallest difference between two values that occur: the resolution
+  bool constant = false;
+
+  /// Runs of one and the same value, longer than chance makes them: with p the share of equal
+  /// neighbours, runs of which less than a thousandth is expected in a record of this length, and
+  /// of five samples at least.
+  std::vector<Stretch> dropouts = {};
+  /// Samples on the highest and the lowest value, where three or more follow each other there.
+  long clipped_high = 0, clipped_low = 0;
+  /// Single samples that differ from the median of five about them by more than 12 robust standard
+  /// deviations of that difference in their surroundings, while their neighbours agree. None where
+  /// more than a thousandth of all samples do: that is the signal.
+  std::vector<long> spikes = {};
+  /// Rise of the fitted line over the whole record, in standard deviations of what is left.
+  double drift = 0.0;
+  /// Standard deviation of the means of twenty blocks over that of all, without the line: near 0
+  /// for a stationary record, near 1 for one that wanders.
+  double wander = 0.0;
+};
+
+/// `x` may hold NaN; those samples are counted and left out.
+[[nodiscard]] ChannelQuality channel_quality(std::span<const double> x);
+
+/// A local maximum of a spectrum.
+struct SpectrumPeak {
+  double frequency_hz;   ///< of the parabola through three lines of the logarithm
+  double density;        ///< [unit² / Hz]
+  double prominence_db;  ///< above the higher of the valleys that part it from higher ground
+};
+
+/// The most prominent, `most` of them, by frequency; those of less than `least_db` are scatter.
+[[nodiscard]] std::vector<SpectrumPeak> spectrum_peaks(const Spectrum& spectrum, int most,
+                                                       double least_db = 10.0);
+
+}  // namespace wheeltap::signals
