@@ -23,7 +23,8 @@ TERMS = CHAIN | {'models': [{'name': f'm{i}', 'masses': [0.5], 'noise': 0.05,
                                         **({'cubic': 'k3'} if i & 1 else {}), **({'coulomb': 'f'} if i & 2 else {}),
                                         **({'quadratic': 'k2'} if i & 4 else {})}]} for i in range(8)],
                  'parameters': {'k': {'uniform': [0, 100]}, 'k3': {'uniform': [0, 1e4]}, 'f': {'uniform': [0, 1]},
-                                'k2': {'uniform': [-100, 100]}}}
+                                'k2': {'uniform': [-100, 100]}},
+                 'truth': CHAIN['truth'] | {'model': 'm1'}}
 
 
 class Ranks(Bench):
@@ -117,7 +118,8 @@ def check_signals_leave_a_checkpoint(bench):
             _, err = process.communicate()
             if number == signal.SIGUSR1:  # the others make mpirun deaf
                 expect('--resume goes on' in err and err.count('wheeltap: ') == 1, f'{name}: {err}')
-            expect((out / 'checkpoint.nc').exists(), err)
+            # On SIGTERM mpirun waits for a second before it tells them: they may have ended by then.
+            expect((out / 'checkpoint.nc').exists() or (out / 'posterior.nc').exists(), f'{number.name}: {err}')
             bench.run(*words)  # one process takes it up
             same(files(out), whole)
 
