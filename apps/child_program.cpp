@@ -59,7 +59,7 @@ ChildProgram::ChildProgram(const std::vector<std::string>& arguments) {
     dup2(nothing, STDIN_FILENO);
     dup2(nothing, STDOUT_FILENO);
     dup2(ends[1], STDERR_FILENO);
-    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ})
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE, SIGXFSZ})
       std::signal(number, SIG_DFL);
     execve("/proc/self/exe", argv.data(), environment.data());
     _exit(kNoProgram);

@@ -106,6 +106,7 @@ bool was_interrupted() {
 StopOnInterrupt::StopOnInterrupt()
     : interrupt_(std::signal(SIGINT, ask_to_stop)),
       terminate_(std::signal(SIGTERM, ask_to_stop)),
+      user_(std::signal(SIGUSR1, ask_to_stop)),
       hang_up_(std::signal(SIGHUP, ask_to_stop)) {
   if (base::ranks()) base::ranks()->on_wish_to_stop([] { return interrupted.load(); });
   if (hang_up_ == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
@@ -114,6 +115,7 @@ StopOnInterrupt::StopOnInterrupt()
 StopOnInterrupt::~StopOnInterrupt() {
   std::signal(SIGINT, interrupt_);
   std::signal(SIGTERM, terminate_);
+  std::signal(SIGUSR1, user_);
   std::signal(SIGHUP, hang_up_);
 }
 

@@ -20,8 +20,9 @@ class CheckpointFile;
 /// Lines for people who watch, on standard error; warnings only where `quiet`.
 [[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
 
-/// While it lives, Ctrl-C (or SIGTERM, or SIGHUP unless it was ignored) asks the engine to stop:
-/// the run ends with what there is. A second one ends the program.
+/// While it lives, Ctrl-C (or SIGTERM, SIGUSR1, which mpirun hands on to its ranks, or SIGHUP
+/// unless it was ignored) asks the engine to stop: the run ends with what there is. A second one
+/// ends the program.
 class StopOnInterrupt {
  public:
   StopOnInterrupt();
@@ -31,7 +32,7 @@ class StopOnInterrupt {
 
  private:
   using Handler = void (*)(int);
-  Handler interrupt_, terminate_, hang_up_;
+  Handler interrupt_, terminate_, user_, hang_up_;
 };
 
 /// From now on a reader of standard output who goes away does not end the program: what a run found

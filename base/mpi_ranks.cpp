@@ -176,7 +176,9 @@ class MpiRanks final : public Ranks {
 
   [[nodiscard]] std::string from_first(std::string bytes) override {
     auto size = static_cast<std::int64_t>(bytes.size());
-    broadcast(&size, sizeof size, 0);
+    MPI_Request request = MPI_REQUEST_NULL;
+    MPI_Ibcast(&size, sizeof size, MPI_BYTE, 0, together_, &request);
+    finish(request);
     bytes.resize(static_cast<std::size_t>(size));
     broadcast(bytes.data(), bytes.size(), 0);
     return bytes;
@@ -338,13 +340,14 @@ class MpiRanks final : public Ranks {
     return all;
   }
 
+  // Where all ranks are here already: it goes on only as long as one asks, so no one sleeps.
   void broadcast(void* bytes, std::size_t n, int from) {
     constexpr std::size_t kMost = std::size_t{1} << 30;  // MPI counts in int
     for (std::size_t at = 0; at < n; at += kMost) {
       MPI_Request request = MPI_REQUEST_NULL;
       MPI_Ibcast(static_cast<char*>(bytes) + at, static_cast<int>(std::min(kMost, n - at)),
                  MPI_BYTE, from, together_, &request);
-      finish(request);
+      while (!is_done(request)) std::this_thread::yield();
     }
   }
 

@@ -285,10 +285,13 @@ def check_the_same_seed_makes_the_same_files(bench):
 LONGER = ['--chains', '2', '--warmup', '2000', '--draws', '2000', '--search', '20', '--quiet', '--checkpoint', '0.01']
 
 
-def resumable(bench):
+FRAME = json.loads((pathlib.Path(__file__).parents[2] / 'data/structures/cracked-portal.json').read_text())
+
+
+def resumable(bench, *more):
     """Name, arguments and folder of a run of each sort that keeps checkpoints."""
     return [(name, [command, bench.case(name, case), '-o', bench.folder / name, *LONGER, '--resume'], bench.folder / name)
-            for name, case, command in (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('sweep', SWEEP, 'sid'))]
+            for name, case, command in (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('sweep', SWEEP, 'sid'), *more)]
 
 
 def until_checkpoint(bench, arguments, out, number):
@@ -306,7 +309,7 @@ def check_signals_leave_a_checkpoint(bench):
     for name, arguments, out in resumable(bench):
         bench.run(*arguments)
         whole = files(out)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
             shutil.rmtree(out)
             code, err = until_checkpoint(bench, arguments, out, number)
             expect(code in (0, 130), f'{name}, {number.name}: {code}: {err}')
@@ -359,7 +362,7 @@ def check_kills_between_checkpoints(bench, kills=30):
     """Killed again and again, and resumed each time until it ends: the files of an undisturbed run."""
     randomly = random.Random(os.environ.get('SEED', '1'))
     jobs = []
-    for name, arguments, out in resumable(bench):
+    for name, arguments, out in resumable(bench, ('frame', FRAME, 'damage')):
         began = os.times().elapsed
         bench.run(*arguments)
         jobs.append((name, arguments, out, files(out), os.times().elapsed - began))
@@ -384,27 +387,28 @@ def check_kills_between_checkpoints(bench, kills=30):
     print(f'{killed} kills, {taken_up} of them with a checkpoint')
 
 
+def batch(bench):
+    """Arguments and folder of a batch of a case of each sort."""
+    cases = [bench.case(name, case) for name, case in (('beam', BEAM), ('chain', CHAIN), ('sweep', SWEEP), ('beam2', BEAM | {'title': 'Another'}))]
+    plan, out = bench.folder / 'list.txt', bench.folder / 'out'
+    plan.write_text('\n'.join(cases))
+    return ['batch', plan, *LONGER, '--threads', '2', '-o', out, '--resume'], out
+
+
+def runs_of(out):
+    return {f'{one.name}/{name}': content for one in sorted(out.iterdir()) if one.is_dir() for name, content in files(one).items()}
+
+
 def check_interrupted_batches_go_on(bench):
     """Stopped and killed, with several cases on their way: --resume comes to what an undisturbed batch does."""
-    cases = [bench.case(name, case) for name, case in (('beam', BEAM), ('chain', CHAIN), ('sweep', SWEEP), ('beam2', BEAM | {'title': 'Another'}))]
-    plan = bench.folder / 'list.txt'
-    plan.write_text('\n'.join(cases))
-    out = bench.folder / 'out'
-    command = ['batch', plan, *LONGER, '--threads', '2', '-o']
-
-    def found(folder):
-        # Command lines name the folder.
-        return {f'{one.name}/{name}': content.replace(str(folder).encode(), b'')
-                for one in sorted(folder.iterdir()) if one.is_dir()
-                for name, content in files(one).items() if name != 'sweep.rows'}
-
-    bench.run(*command, out, '--resume')
-    whole, table = found(out), (out / 'batch.csv').read_text().splitlines()
+    command, out = batch(bench)
+    bench.run(*command)
+    whole, table = runs_of(out), (out / 'batch.csv').read_text().splitlines()
     expect([line.split(',')[:3] for line in table[1:]] ==
            [['beam', 'damage', '0'], ['chain', 'sid', '0'], ['sweep', 'sid', '0'], ['beam2', 'damage', '0']], table)
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL):
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGKILL):
         shutil.rmtree(out)
-        process = bench.start(*command, out, '--resume', stdout=subprocess.DEVNULL)
+        process = bench.start(*command, stdout=subprocess.DEVNULL)
         while process.poll() is None and not len(list(out.glob('*/checkpoint.nc'))) > 1:
             os.sched_yield()
         process.send_signal(number)
@@ -413,8 +417,33 @@ def check_interrupted_batches_go_on(bench):
             expect(process.returncode == 130, f'{number.name}: {process.returncode}: {err}')
             one_line(err)
             expect('--resume goes on' in err and list(out.glob('*/checkpoint.nc')), f'{number.name}: {err}')
-        bench.run(*command, out, '--resume')
-        same(found(out), whole)
+        bench.run(*command)
+        same(runs_of(out), whole)
+
+
+def check_kills_of_batches(bench, kills=6):
+    """Killed again and again, the programs that it started with it, and resumed each time."""
+    randomly = random.Random(os.environ.get('SEED', '1'))
+    command, out = batch(bench)
+    began = os.times().elapsed
+    bench.run(*command)
+    whole, seconds, killed = runs_of(out), os.times().elapsed - began, 0
+    while killed < kills:
+        shutil.rmtree(out)
+        while True:
+            process = bench.start(*command, stdout=subprocess.DEVNULL)
+            try:
+                process.wait(randomly.uniform(0, 0.7 * seconds))
+                _, err = process.communicate()
+                expect(process.returncode == 0, f'{process.returncode}: {err}')
+                break
+            except subprocess.TimeoutExpired:
+                process.kill()
+            process.communicate()
+            killed += 1
+        same(runs_of(out), whole)
+        expect(sorted(p.name for p in out.iterdir()) == ['batch.csv', 'beam', 'beam2', 'chain', 'sweep'], 'no stray file')
+    print(f'{killed} kills')
 
 
 def check_kills(bench, kills=8):
