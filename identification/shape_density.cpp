@@ -128,7 +128,11 @@ ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, const Vect
   Comparison out;
   out.turn = std::atan(by_close / by_first);
   out.chi_square = (measured - by_first * first - by_close * second).squaredNorm();
-  const double s = 1.0 / (amplitude * across.norm());
+  // How the fit moves with the angle, across itself.
+  const VectorXd fit = std::cos(out.turn) * first + std::sin(out.turn) * second;
+  VectorXd moves = std::cos(out.turn) * second - std::sin(out.turn) * first;
+  moves -= moves.dot(fit) / fit.squaredNorm() * fit;
+  const double s = 1.0 / (amplitude * moves.norm());
   out.log_density = log_normaliser(w) - 0.5 * out.chi_square + 0.5 * std::log(2.0 * kPi) +
                     std::log(s) + log_wrapped_normal(out.turn, tau * tau + s * s);
   out.mac = mac_of(values_, std::cos(out.turn) * shape + std::sin(out.turn) * close);

@@ -57,7 +57,9 @@ struct ParametricModes::Impl {
   ParametricModesOptions options;
   Index n = 0, rigid = 0, wanted = 0;  // wanted: elastic
   double sigma = 0.0;
-  Factor shifted;  // K₀ + σM₀
+  Factor shifted;       // K₀ + σM₀
+  MatrixXd lifted;      // (K₀ + σM₀)⁻¹ C, C of the terms of low rank
+  MatrixXd compliance;  // Cᵀ (K₀ + σM₀)⁻¹ C
   Training training;
 
   MatrixXd basis;
@@ -205,11 +207,19 @@ struct ParametricModes::Impl {
                                structure->mass_times(point, u) * lambda.asDiagonal();
     VectorXd eta(checked);
     if (point.floor > 0.0 && (sigma == 0.0 || !structure->mass_changes())) {
-      const double floor = sigma > 0.0 ? std::min(1.0, point.floor) : point.floor;
+      // rᵀ (K₀ + σM₀ + C D Cᵀ)⁻¹ r = rᵀ K₀⁻¹ r - yᵀ (I + D G)⁻¹ D y  (Woodbury), uᵀ(K + σM)u = 1.
       const MatrixXd moved = shifted.solve(residuals);
-      // (uᵀ(K + σM)u = 1.)
+      const Index c = point.excess.size();
+      const MatrixXd y = lifted.transpose() * residuals;
+      const MatrixXd correction =
+          c > 0 ? MatrixXd((MatrixXd::Identity(c, c) + point.excess.asDiagonal() * compliance)
+                               .partialPivLu()
+                               .solve(point.excess.asDiagonal() * y))
+                : MatrixXd(0, checked);
       for (Index i = 0; i < checked; ++i)
-        eta[i] = std::sqrt(std::max(0.0, residuals.col(i).dot(moved.col(i))) / floor);
+        eta[i] = std::sqrt(
+            std::max(0.0, residuals.col(i).dot(moved.col(i)) - y.col(i).dot(correction.col(i))) /
+            point.floor);
     } else {
       const Discretisation assembled = structure->assemble(point);
       const Factor here(Sparse(assembled.stiffness + sigma * assembled.mass));
@@ -295,7 +305,10 @@ struct ParametricModes::Impl {
       return;
     }
     shifted.compute(Sparse(d.stiffness + sigma * d.mass));
+    lifted = shifted.solve(structure->low_rank());
+    compliance = structure->low_rank().transpose() * lifted;
     extend(nominal.shapes);
+    extend(lifted);
     project();
     training.solved = 1;
     std::vector<std::size_t> bad, good_points;

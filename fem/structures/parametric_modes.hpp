@@ -25,13 +25,15 @@ struct ParametricModesOptions {
 
 /// K(θ) φ = λ M(θ) φ by Rayleigh and Ritz on a basis V of modes at chosen θ: at each step the
 /// training point with the largest error is solved in full, and its modes join the basis (greedy
-/// reduced bases for eigenproblems: Horger, Wohlmuth & Dickopf 2017, section 4).
+/// reduced bases for eigenproblems: Horger, Wohlmuth & Dickopf 2017, section 4). What terms of low
+/// rank do is in it from the start, (K₀ + σM₀)⁻¹ C.
 ///
 /// Every answer is checked. With u a Ritz vector, uᵀ(K + σM)u = λ + σ, and r = K u - λ M u,
 ///
 ///   η = ‖r‖_(K + σM)⁻¹ / √(λ + σ)  ≤  ‖r‖_(K₀ + σM)⁻¹ / √(α (λ + σ))
 ///
-/// bounds the error of 1/(λ + σ), relative (Weinstein); and η²/gap does (Temple and Kato), gap
+/// bounds the error of 1/(λ + σ), relative (Weinstein; terms of low rank are added to K₀ as they
+/// are); and η²/gap does (Temple and Kato), gap
 /// being the relative distance to the rest of the spectrum. Of modes closer than `kCluster` the
 /// bound is that of their common subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0 unless there
 /// are rigid-body motions. The sine of a shape's angle to the true one is at most η/gap. Where the

@@ -1,5 +1,6 @@
 #include "fem/structures/parametric_structure.hpp"
 
+#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,8 @@ using Sparse = Discretisation::Sparse;
 constexpr double kSame = 1e-10;
 /// More terms than these are projected one by one in vain.
 constexpr int kMostTerms = 400;
+/// Columns of low rank: of one term, and of all.
+constexpr Index kLowRank = 24, kMostColumns = 64;
 /// What a term may be below positive semidefinite, in terms of the diagonal of K.
 constexpr double kIndefinite = 1e-9;
 
@@ -95,7 +98,57 @@ ParametricStructure::ParametricStructure(StructureFamily family,
       return;
     }
   form_ = Form::scaled;
+  find_low_rank();
   try_affine(tried, at_samples);
+}
+
+void ParametricStructure::find_low_rank() {
+  low_rank_.resize(nominal_.size(), 0);
+  if (!definite_) return;
+  const int first = terms_ - static_cast<int>(part_terms_.size());
+  std::vector<std::pair<int, MatrixXd>> found;
+  for (int t = 0; t < first; ++t) {
+    std::vector<const SparseRow*> rows;
+    for (std::size_t i = 0; i < group_.size(); ++i)
+      if (group_[i] == t) rows.push_back(&nominal_.strains[i].row);
+    if (static_cast<Index>(rows.size()) > kLowRank) continue;
+    MatrixXd columns = MatrixXd::Zero(nominal_.size(), static_cast<Index>(rows.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t k = 0; k < rows[i]->dofs.size(); ++k)
+        columns(rows[i]->dofs[k], static_cast<Index>(i)) = rows[i]->coefficients[k];
+    found.emplace_back(t, std::move(columns));
+  }
+  for (std::size_t p = 0; p < part_terms_.size(); ++p) {
+    std::vector<Index> dofs;
+    for (Index c = 0; c < part_terms_[p].cols(); ++c)
+      if (part_terms_[p].col(c).norm() > 0.0) dofs.push_back(c);
+    const auto n = static_cast<Index>(dofs.size());
+    if (n > 4 * kLowRank) continue;
+    MatrixXd block(n, n);
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < n; ++j)
+        block(i, j) = part_terms_[p].coeff(dofs[static_cast<std::size_t>(i)],
+                                           dofs[static_cast<std::size_t>(j)]);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(block);
+    const VectorXd& values = solver.eigenvalues();
+    // What is left out is within what a term may be below semidefinite.
+    const Index rank = (values.array() > 1e-13 * values[n - 1]).count();
+    if (rank > kLowRank) continue;
+    MatrixXd columns = MatrixXd::Zero(nominal_.size(), rank);
+    for (Index k = 0; k < rank; ++k)
+      for (Index i = 0; i < n; ++i)
+        columns(dofs[static_cast<std::size_t>(i)], k) =
+            std::sqrt(values[n - 1 - k]) * solver.eigenvectors()(i, n - 1 - k);
+    found.emplace_back(first + static_cast<int>(p), std::move(columns));
+  }
+  std::ranges::stable_sort(found, {}, [](const auto& f) { return f.second.cols(); });
+  for (const auto& [term, columns] : found) {
+    const Index before = low_rank_.cols(), all = before + columns.cols();
+    if (all > kMostColumns) break;
+    low_rank_.conservativeResize(Eigen::NoChange, all);
+    low_rank_.rightCols(columns.cols()) = columns;
+    term_of_column_.resize(static_cast<std::size_t>(all), term);
+  }
 }
 
 void ParametricStructure::take_parts() {

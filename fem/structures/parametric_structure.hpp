@@ -26,6 +26,10 @@ struct StructureFamily {
 ///
 /// Where all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t: what is known of
 /// K(θ₀)⁻¹ bounds K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).
+/// Terms of low rank, K_t = C_t C_tᵀ, springs say, that may change by orders of magnitude, need not
+/// spoil that: with α taken over the others alone,
+///
+///   K(θ) ≽ α (K(θ₀) + Σ (q_t/α - 1) C_t C_tᵀ).
 class ParametricStructure {
  public:
   using Sparse = Discretisation::Sparse;
@@ -46,6 +50,8 @@ class ParametricStructure {
     Eigen::VectorXd change;                        ///< θ - θ₀
     std::optional<Discretisation> assembled = {};  ///< unless `affine`
     double floor = 0.0;                            ///< α; 0 where none is known
+    /// q_t/α - 1 of each column of `low_rank()`, α being 1 at most.
+    Eigen::VectorXd excess = {};
   };
   /// Throws as `family.at`.
   [[nodiscard]] Point at(std::span<const double> theta) const;
@@ -61,6 +67,8 @@ class ParametricStructure {
   /// Vᵀ K_t V of each term. None in `general`.
   [[nodiscard]] std::vector<Eigen::MatrixXd> project_terms(const Eigen::MatrixXd& basis) const;
 
+  /// The columns of C, n × any; none where a term is not positive semidefinite.
+  [[nodiscard]] const Eigen::MatrixXd& low_rank() const { return low_rank_; }
   [[nodiscard]] Form form() const { return form_; }
   /// ∂q_t/∂θ_j, terms × d, and ∂M/∂θ_j; of `affine`.
   [[nodiscard]] const Eigen::MatrixXd& scale_slopes() const { return slopes_; }
@@ -74,6 +82,7 @@ class ParametricStructure {
  private:
   void group_strains(const std::vector<Discretisation>& at_samples);
   void take_parts();
+  void find_low_rank();
   [[nodiscard]] std::optional<Eigen::VectorXd> scales_of(std::span<const double> theta,
                                                          const Discretisation& d) const;
   void try_affine(std::span<const std::vector<double>> samples,
@@ -88,6 +97,8 @@ class ParametricStructure {
   std::vector<Sparse> part_terms_;  // the last terms
   std::vector<double> nominal_scales_;
   bool definite_ = false;  // every term is positive semidefinite
+  Eigen::MatrixXd low_rank_;
+  std::vector<int> term_of_column_;
   Eigen::MatrixXd slopes_;
   std::vector<Sparse> mass_slopes_;
   bool mass_changes_ = true;

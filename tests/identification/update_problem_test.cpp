@@ -72,14 +72,15 @@ Moments quadrature(const LogDensity& log_density, int steps) {
   return out;
 }
 
-struct Run {
+struct Outcome {
   std::unique_ptr<const UpdateProblem> problem;
   inference::Posterior posterior;
   UpdateFindings findings;
 };
 
-Run run(UpdateCase update_case, std::uint64_t seed = 1) {
-  Run out{.problem = make_update_problem(std::move(update_case)), .posterior = {}, .findings = {}};
+Outcome run(UpdateCase update_case, std::uint64_t seed = 1) {
+  Outcome out{
+      .problem = make_update_problem(std::move(update_case)), .posterior = {}, .findings = {}};
   out.posterior =
       inference::reversible_jump(out.problem->problem, {.seed = seed, .chains = 4, .draws = 10000});
   out.findings = update_findings(*out.problem, out.posterior, {}, seed);
@@ -87,7 +88,7 @@ Run run(UpdateCase update_case, std::uint64_t seed = 1) {
 }
 
 /// Means, spreads and the correlation, each within five of its Monte Carlo errors.
-void expect_moments(const Run& run, const Moments& exact) {
+void expect_moments(const Outcome& run, const Moments& exact) {
   const auto first = run.posterior.draws_of("k1", 0), second = run.posterior.draws_of("k2", 0);
   const auto moment = [&](auto value) {
     inference::ChainsOf draws = first;
@@ -144,7 +145,7 @@ TEST(UpdateProblem, TwoStoreysWithShapesAreThoseOfQuadrature) {
     }
     return sum;
   };
-  const Run found = run(update_case);
+  const Outcome found = run(update_case);
   expect_moments(found, quadrature(log_density, 800));
   EXPECT_TRUE(found.findings.fit.ok());
   for (const ModeFinding& mode : found.findings.modes) {
@@ -163,7 +164,7 @@ TEST(UpdateProblem, WhatTheDataCannotTellIsSaid) {
   update_case.simulation = ModalSimulation{
       .parameters = {1400.0, 900.0, 2e5}, .modes = 2, .cov = 0.005, .shape_sd = 0.0};
   simulate(update_case, 1);
-  const Run found = run(std::move(update_case));
+  const Outcome found = run(std::move(update_case));
   ASSERT_EQ(found.findings.contractions.size(), 3u);
   EXPECT_FALSE(found.findings.contractions[0].at_prior());
   EXPECT_TRUE(found.findings.contractions[2].at_prior())
@@ -176,7 +177,7 @@ TEST(UpdateProblem, WhatTheDataCannotTellIsSaid) {
 TEST(UpdateProblem, AModeThatDoesNotFitIsNamed) {
   UpdateCase update_case = modal::two_storeys(0.01, 0.02);
   update_case.data.shapes(1, 0) = 2.5;
-  const Run found = run(std::move(update_case));
+  const Outcome found = run(std::move(update_case));
   EXPECT_FALSE(found.findings.fit.ok());
   ASSERT_FALSE(found.findings.fit.off.empty());
   EXPECT_EQ(found.findings.fit.off.back(), 2);

@@ -30,7 +30,10 @@ void expect_right(const ParametricStructure& structure,
               1e-10 * MatrixXd(d.mass).norm());
     if (with_floor) {
       EXPECT_GT(point.floor, 0.0);
-      const MatrixXd nominal(structure.nominal().stiffness);
+      const MatrixXd& c = structure.low_rank();
+      ASSERT_EQ(point.excess.size(), c.cols());
+      const MatrixXd nominal =
+          MatrixXd(structure.nominal().stiffness) + c * point.excess.asDiagonal() * c.transpose();
       const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ratio(stiffness, nominal);
       EXPECT_GE(ratio.eigenvalues()[0], point.floor * (1.0 - 1e-4));
     }
