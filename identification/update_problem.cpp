@@ -39,6 +39,29 @@ class UpdateLikelihood final : public inference::Likelihood {
       std::vector<double>(problem_.update_case.data.frequencies_hz.size());
 };
 
+/// How exactly modes are to be computed: to a thousandth of the smallest scatter of a frequency,
+/// and a fifth of that of a shape, by their bounds (errors are far below them).
+struct Tolerances {
+  double eigenvalue = 1e-6, shape = 1e-3;
+};
+
+Tolerances tolerances_of(const ModalLikelihood& likelihood) {
+  const ModalData& data = likelihood.data();
+  double cov = std::numeric_limits<double>::infinity(), sd = cov;
+  for (int i = 0; i < data.modes(); ++i) {
+    const double f = data.frequencies_hz[static_cast<std::size_t>(i)];
+    if (!std::isnan(f) && !data.cov_prior)
+      cov = std::min(cov, std::sqrt(data.covariance(i, i)) / f);
+    if (likelihood.shape(i) && !data.shape_sd_prior) sd = std::min(sd, likelihood.shape(i)->sd());
+  }
+  // The lower end of what an unknown scatter may be.
+  if (data.cov_prior) cov = data.cov_prior->from_standard_normal(-2.0);
+  if (data.shape_sd_prior) sd = data.shape_sd_prior->from_standard_normal(-2.0);
+  // λ ∝ f².
+  return {.eigenvalue = std::clamp(2e-3 * cov, 1e-8, 1e-5),
+          .shape = std::clamp(0.2 * sd, 1e-4, 1e-2)};
+}
+
 double seconds_of(const UpdateProblem& problem, const std::vector<std::vector<double>>& draws) {
   ModePredictor predictor(problem);
   const std::size_t tried = std::min<std::size_t>(draws.size(), 50);
@@ -100,11 +123,14 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   std::vector<fem::SparseRow> motions;
   if (data.has_shapes())
     for (const Sensor& sensor : data.sensors) motions.push_back(sensor.motion);
+  const Tolerances tolerances = tolerances_of(*likelihood);
   auto modes = std::make_shared<const fem::ParametricModes>(
       std::move(structure), draws,
       fem::ParametricModesOptions{
           .modes = std::max(data.modes(), likelihood->candidates(available)),
           .motions = std::move(motions),
+          .tolerance = tolerances.eigenvalue,
+          .shape_tolerance = tolerances.shape,
           .progress = options.progress});
 
   auto out = std::make_unique<UpdateProblem>(UpdateProblem{

@@ -40,7 +40,9 @@ struct UpdateProblemOptions {
   std::function<void(double)> progress = {};
 };
 
-/// Trains the reduced basis. Throws std::invalid_argument for data that do not fit together and
+/// Trains the reduced basis: eigenvalues are then known to a thousandth of the smallest scatter of
+/// a frequency (1e-8 to 1e-5, relative), shapes to a fifth of theirs, or the structure is solved in
+/// full. Throws std::invalid_argument for data that do not fit together and
 /// more modes than there are, fem::InvalidStructure.
 [[nodiscard]] std::unique_ptr<const UpdateProblem> make_update_problem(
     UpdateCase update_case, const UpdateProblemOptions& options = {});
