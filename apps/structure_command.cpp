@@ -62,7 +62,7 @@ void run_structure_modes(CaseFile file, const ModesOptions& options) {
     const UpdateCaseFile parsed = parse_update_case(file, UpdateNeeds::structure);
     if (!parsed.update.simulation)
       file.refuse(Pointer("/truth"), "is missing: --truth has nothing to show");
-    structure.discretisation = discretise(model.at(parsed.update.simulation->parameters));
+    structure = build(file, model.at(parsed.update.simulation->parameters));
   } else if (options.truth) {
     const DamageCaseFile parsed = parse_damage_case(file, Needs::structure);
     if (!parsed.damage.simulation)

@@ -89,9 +89,8 @@ int ModalLikelihood::measured() const {
 }
 
 int ModalLikelihood::candidates(int available) const {
-  const int needed = data_.modes() + data_.predict;
-  const int looked_at = data_.modes() + (data_.has_shapes() ? kFurther : 0);
-  return std::min(available, std::max(needed, looked_at));
+  return std::min(available,
+                  data_.modes() + data_.predict + (data_.has_shapes() ? kFurther : 0));
 }
 
 MatrixXd ModalLikelihood::covariance(const ModalNoise& noise) const {

@@ -299,11 +299,12 @@ void judge_fit(const UpdateProblem& problem, const Examined& seen, UpdateFinding
     if (p.misses()) fit.missed.push_back(p.mode);
 }
 
-/// The next modes after those measured, by the order of the computed ones.
+/// The next modes after those that the measured ones are matched to.
 void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
              UpdateFindings& out) {
   const ModalData& data = problem.update_case.data;
-  const int first = data.modes();
+  int first = 0;
+  for (const ModeFinding& m : out.modes) first = std::max(first, m.computed);
   for (int k = 0; k < data.predict && first + k < problem.candidates(); ++k) {
     const Index at = first + k;
     Prediction p{.mode = first + k + 1};
