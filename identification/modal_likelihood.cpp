@@ -89,8 +89,7 @@ int ModalLikelihood::measured() const {
 }
 
 int ModalLikelihood::candidates(int available) const {
-  return std::min(available,
-                  data_.modes() + data_.predict + (data_.has_shapes() ? kFurther : 0));
+  return std::min(available, data_.modes() + data_.predict + (data_.has_shapes() ? kFurther : 0));
 }
 
 MatrixXd ModalLikelihood::covariance(const ModalNoise& noise) const {
