@@ -389,6 +389,10 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
   judge_fit(problem, seen, out);
   show_shapes(problem, seen, out);
   conclude(out, problem.problem.space, evidence);
+  // Contractions say it more sharply.
+  std::erase_if(out.remarks, [](const Remark& remark) {
+    return std::holds_alternative<remark::NearlyPrior>(remark);
+  });
   return out;
 }
 
