@@ -61,9 +61,9 @@ void print_modes(const Page& page, const UpdateFindings& findings) {
       row.push_back(m.has_shape ? significant(m.shape_p, 2) : "-");
     }
     row.push_back((m.reliable ? "" : "> ") + fixed(m.information, 1) + " nats");
-    row.push_back(m.moves.empty() ? "-"
-                                  : m.moves + (m.moved > 0.0 ? " +" : " -") +
-                                        fixed(std::abs(m.moved), 1) + " sd");
+    row.push_back(m.moves.empty() || !m.reliable ? "-"
+                                                 : m.moves + (m.moved > 0.0 ? " +" : " -") +
+                                                       fixed(std::abs(m.moved), 1) + " sd");
     rows.push_back(std::move(row));
   }
   page.table(rows);
