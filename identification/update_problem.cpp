@@ -160,6 +160,8 @@ bool ModePredictor::solve(std::span<const double> x) {
     problem_.modes->solve(problem_.theta(x), workspace_, modes_);
   } catch (const std::invalid_argument&) {
     return false;
+  } catch (const std::runtime_error&) {
+    return false;  // so near to a mechanism that the solver gives up
   }
   return modes_.eigenvalues.allFinite() && modes_.eigenvalues.minCoeff() > 0.0;
 }
@@ -173,7 +175,7 @@ bool ModePredictor::gradient(std::span<const double> x, std::span<double> out) {
   try {
     if (!problem_.modes->differentiate(problem_.theta(x), workspace_, modes_, slopes_))
       return false;
-  } catch (const std::invalid_argument&) {
+  } catch (const std::exception&) {
     return false;
   }
   if (!problem_.likelihood->slope(modes_, slopes_, problem_.noise(x), out.first(structural)))

@@ -347,8 +347,8 @@ struct ParametricModes::Impl {
           extend(full(points[at], snapshot).shapes.rightCols(snapshot));
           project();
           ++training.solved;
-        } catch (const std::invalid_argument&) {
-          std::erase(bad, at);
+        } catch (const std::exception&) {
+          std::erase(bad, at);  // no such structure, or one that the solver gives up
         }
       }
       if (options.progress)
