@@ -274,7 +274,15 @@ ParametricStructure::Point ParametricStructure::at(std::span<const double> theta
     if (form_ == Form::scaled)
       if (auto q = scales_of(theta, *point.assembled)) point.scales = std::move(*q);
   }
-  if (definite_ && point.scales.size() > 0) point.floor = std::max(0.0, point.scales.minCoeff());
+  if (!definite_ || point.scales.size() == 0) return point;
+  point.floor = 1.0;
+  for (int t = 0; t < terms_; ++t)
+    if (std::ranges::find(term_of_column_, t) == term_of_column_.end())
+      point.floor = std::min(point.floor, std::max(0.0, point.scales[t]));
+  point.excess.resize(low_rank_.cols());
+  for (Index c = 0; c < point.excess.size(); ++c)
+    point.excess[c] =
+        point.scales[term_of_column_[static_cast<std::size_t>(c)]] / point.floor - 1.0;
   return point;
 }
 
