@@ -344,7 +344,8 @@ Json schema(std::string_view name) {
     throw Failure(Exit::usage,
                   "no schema of the name \"" + std::string(name) + "\"; there are: " + list);
   }
-  (*found)["definitions"].update(find("common")->at("definitions"));
+  for (const std::string& other : definitions_of(name))
+    (*found)["definitions"].update(find(other)->at("definitions"));
   fill_lists(*found);
   add_laws(*found);
   add_defects(*found);

@@ -20,6 +20,7 @@
 #include "apps/structure_case.hpp"
 #include "apps/structure_command.hpp"
 #include "apps/terminal.hpp"
+#include "apps/update_command.hpp"
 #include "apps/whole_number.hpp"
 #include "base/parallel.hpp"
 #include "emulator/journal.hpp"
@@ -360,6 +361,7 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
 void run_simulate(const CommonOptions& common) {
   CaseFile file = read_case(common.case_path, common.overrides);
   if (file.json.value("kind", Json()) == "sid") return simulate_sid(common, std::move(file));
+  if (file.json.value("kind", Json()) == "update") return simulate_update(common, std::move(file));
   const DamageCaseFile parsed = parse_damage_case(std::move(file), Needs::structure);
   const DamageCase& damage_case = parsed.damage;
   const std::uint64_t seed =

@@ -135,12 +135,15 @@ class KeyTable {
 // A schema with its keys in the order in which it was written.
 Report ordered_schema(const std::string& kind) {
   static_cast<void>(schema(kind));  // refuses other names
-  Report found, common;
-  for (const auto& [name, text] : kSchemaTexts) {
-    if (name == kind) found = Report::parse(text);
-    if (name == "common") common = Report::parse(text);
-  }
-  found["definitions"].update(common["definitions"]);
+  const auto find = [](std::string_view wanted) {
+    Report found;
+    for (const auto& [name, text] : kSchemaTexts)
+      if (name == wanted) found = Report::parse(text);
+    return found;
+  };
+  Report found = find(kind);
+  for (const std::string& other : definitions_of(kind))
+    found["definitions"].update(find(other)["definitions"]);
   fill_lists(found);
   add_laws(found);
   add_defects(found);

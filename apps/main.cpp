@@ -21,6 +21,7 @@
 #include "apps/report/report.hpp"
 #include "apps/section_command.hpp"
 #include "apps/several_ranks.hpp"
+#include "apps/update_command.hpp"
 #include "apps/whole_number.hpp"
 #include "base/simd.hpp"
 #include "inference/target.hpp"
@@ -295,10 +296,23 @@ int run(int argc, char** argv) {
   batch_command->add_flag("--resume", common.resume,
                           "keep finished runs, go on with interrupted ones, run the others");
 
+  CLI::App* update_command =
+      app.add_subcommand("update", "a structure's parameters from its measured modes");
+  add_case(update_command);
+  add_output(update_command, "the folder to write results into");
+  add_seed(update_command, "of the chains (default 1)");
+  add_threads(update_command);
+  add_sampling(update_command);
+  add_limits(update_command);
+  add_dry_run(update_command);
+  update_command->add_flag("--resume", common.resume,
+                           "print a finished run of the same case again instead of repeating it");
+
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");
   add_case(simulate_command);
-  add_output(simulate_command, "the file to write: .csv, or .json for a complete damage case");
+  add_output(simulate_command,
+             "the file to write: .csv, or .json for a complete damage or update case");
   add_limits(simulate_command);
   add_seed(simulate_command, "of the noise (default: the case's, or 1)");
 
@@ -314,7 +328,7 @@ int run(int argc, char** argv) {
   CLI::App* init_command =
       app.add_subcommand("init", "a case to start from, every key explained beside it");
   std::string start_structure = "beam";
-  init_command->add_option("KIND", starting, "damage or sid")->required();
+  init_command->add_option("KIND", starting, "damage, sid or update")->required();
   init_command->add_option("--structure", start_structure,
                            "of damage: beam (unless given), frame, building or matrices");
   init_command->add_option("-o,--output", start_in, "the folder to write into (default: this one)");
@@ -350,7 +364,7 @@ int run(int argc, char** argv) {
 
   if (base::ranks() != nullptr) {
     if (common.threads == 0) common.threads = 1;
-    for (const CLI::App* alone : {table_command, batch_command}) {
+    for (const CLI::App* alone : {table_command, batch_command, update_command}) {
       if (alone->parsed()) {
         return report(Exit::usage, alone->get_name() + " runs in one process, not under mpirun");
       }
@@ -360,7 +374,7 @@ int run(int argc, char** argv) {
   }
   try {
     if (base::ranks() != nullptr) apps::require_equal_processors();
-    for (const CLI::App* runs : {table_command, damage_command, sid_command}) {
+    for (const CLI::App* runs : {table_command, damage_command, sid_command, update_command}) {
       if (runs->parsed() && common.output.empty() && !common.dry_run) {
         throw apps::Failure(Exit::usage,
                             "--output is required (see wheeltap " + runs->get_name() + " --help)");
@@ -373,6 +387,7 @@ int run(int argc, char** argv) {
     if (damage_command->parsed()) apps::run_damage(common, sampling);
     if (sid_command->parsed()) apps::run_sid(common, sampling);
     if (batch_command->parsed()) apps::run_batch(common, sampling);
+    if (update_command->parsed()) apps::run_update(common, sampling);
     if (simulate_command->parsed()) apps::run_simulate(common);
     if (report_command->parsed()) apps::run_report(common.output, drawing);
     if (init_command->parsed()) apps::run_init(starting, start_structure, start_in);

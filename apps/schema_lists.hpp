@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "apps/law_words.hpp"
 #include "dynamics/laws.hpp"
@@ -10,6 +12,12 @@
 #include "identification/interpolants.hpp"
 
 namespace wheeltap::apps {
+
+/// The schemas whose definitions a kind of case uses beside its own.
+inline std::vector<std::string> definitions_of(std::string_view kind) {
+  if (kind == "update") return {"common", "structure"};
+  return {"common"};
+}
 
 /// What may stand for a law in a case, as it describes itself: the bare value of its first
 /// coefficient where that is enough, an object, or a list of these.

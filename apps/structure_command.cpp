@@ -9,6 +9,7 @@
 #include "apps/structure_case.hpp"
 #include "apps/structure_drawing.hpp"
 #include "apps/summary.hpp"
+#include "apps/update_case.hpp"
 #include "apps/words.hpp"
 
 namespace wheeltap::apps {
@@ -52,11 +53,17 @@ Report shapes_of(const DrawnStructure& structure, const fem::StructureModes& mod
 }  // namespace
 
 void run_structure_modes(CaseFile file, const ModesOptions& options) {
-  validate_against_schema(file, "structure");
+  const bool update = file.json.value("kind", Json()) == "update";
+  validate_against_schema(file, update ? "update" : "structure");
   std::vector<std::string> remarks;
   const StructureModel model = parse_structure(file, &remarks);
   DrawnStructure structure = build(file, model.nominal);
-  if (options.truth) {
+  if (options.truth && update) {
+    const UpdateCaseFile parsed = parse_update_case(file, UpdateNeeds::structure);
+    if (!parsed.update.simulation)
+      file.refuse(Pointer("/truth"), "is missing: --truth has nothing to show");
+    structure = build(file, model.at(parsed.update.simulation->parameters));
+  } else if (options.truth) {
     const DamageCaseFile parsed = parse_damage_case(file, Needs::structure);
     if (!parsed.damage.simulation)
       file.refuse(Pointer("/damage/truth"), "is missing: --truth has nothing to show");
@@ -84,7 +91,7 @@ void run_structure_modes(CaseFile file, const ModesOptions& options) {
     for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j)
       largest.push_back(largest_motion(structure.drawing, modes.shapes.col(j)));
     out["largest_motion"] = largest;
-    if (!model.parameters.empty()) {
+    if (!model.parameters.empty() && !(options.truth && update)) {
       Report parameters = Report::object();
       for (const auto& parameter : model.parameters)
         parameters[parameter.name] = parameter.prior.from_standard_normal(0.0);
@@ -94,13 +101,18 @@ void run_structure_modes(CaseFile file, const ModesOptions& options) {
     std::cout << out.dump() << '\n';
     return;
   }
-  std::cout << title << (options.truth ? " (as damaged in truth; " : " (intact; ")
+  std::cout << title
+            << (!options.truth ? " (intact; "
+                : update       ? " (in truth; "
+                               : " (as damaged in truth; ")
             << structure.discretisation.size() << " degrees of freedom)\n";
-  for (const auto& parameter : model.parameters)
+  for (const auto& parameter : model.parameters) {
+    if (options.truth && update) break;
     std::cout << (&parameter == &model.parameters.front() ? "at the priors' medians: " : ", ")
               << parameter.name << " = "
               << significant(parameter.prior.from_standard_normal(0.0), 5);
-  if (!model.parameters.empty()) std::cout << '\n';
+  }
+  if (!model.parameters.empty() && !(options.truth && update)) std::cout << '\n';
   std::cout << "\n  mode   frequency [Hz]   largest motion\n";
   for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
     char line[64];

@@ -188,15 +188,7 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
                   const MisfitWords& misfit) {
   Answer out;
   const bool converged = findings.sampling.verdict.converged;
-  if (!converged) {
-    out.caution = findings.sampling.quick
-                      ? "Quick look: modes and short chains, not a posterior. Run without --quick "
-                        "before these numbers are used."
-                  : findings.sampling.stopped_early
-                      ? "This run was stopped before it had converged: do not trust these numbers "
-                        "yet."
-                      : "The chains have not converged: do not trust these numbers yet.";
-  }
+  out.caution = caution(findings);
   const bool explained = findings.fit_verdict.ok();
   const auto& models = findings.models;
   const auto order = by_probability(models);
@@ -235,6 +227,16 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
 }
 
 }  // namespace
+
+std::string caution(const Findings& findings) {
+  if (findings.sampling.verdict.converged) return {};
+  if (findings.sampling.quick)
+    return "Quick look: modes and short chains, not a posterior. Run without --quick before these "
+           "numbers are used.";
+  return findings.sampling.stopped_early
+             ? "This run was stopped before it had converged: do not trust these numbers yet."
+             : "The chains have not converged: do not trust these numbers yet.";
+}
 
 Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
   const Namer said = [&](const ModelFinding& m) { return counted(damage_case, m); };

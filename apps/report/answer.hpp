@@ -19,6 +19,9 @@ struct Answer {
   bool misfit = false;  ///< the headline begins with that the models do not explain the data
 };
 
+/// Why a run's numbers cannot be trusted yet; empty where they can.
+[[nodiscard]] std::string caution(const identification::Findings& findings);
+
 /// How many damages. A count (a model) is "most likely" from a probability of 0.6; below, the run
 /// is undecided and all with 10 % or more are named. A location whose 95 % interval covers more
 /// than a quarter of the beam is not called located.

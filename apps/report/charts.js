@@ -7,6 +7,7 @@ const charts = (() => {
   const { beam, structure, jointFigures, residuals, emulator } = damageCharts;
   const { chain, laws, loops } = chainCharts;
   const { discovery } = discoveryCharts;
+  const { mac, shapes } = modeCharts;
   const { responses } = recordCharts;
   const { marginal, pair, history, visits, running, acceptance } = samplingCharts;
 
@@ -29,7 +30,7 @@ const charts = (() => {
       out.push(...chain(run), ...(summary.terms ? [] : laws(run)), ...loops(run).filter((f) => !(f.id.startsWith('restoring-force') && mapped.includes(f.group))));
     }
     out.push(...evidence(run));
-    out.push(...residuals(run), ...responses(run));
+    out.push(...residuals(run), ...mac(run), ...shapes(run), ...responses(run));
     // Draws that could not be written have no pictures.
     const drawn = draws.parameters || {};
     for (const [model, list] of Object.entries(drawn)) {

@@ -3,6 +3,7 @@
   const run = JSON.parse(document.getElementById('run').textContent);
   const { summary, draws = {}, told = [], resolution = '' } = run;
   const main = document.getElementById('content');
+  const about = summary.wheeltap;
   const { number, percent, pValue, r2 } = charts;
 
   function element(name, properties = {}, ...children) {
@@ -188,6 +189,19 @@
     return [element('h3', { class: 'apart' }, 'Evidence of each model on its own'),
       copyable({ head: ['method', 'model', 'ln evidence', '±', 'ln Bayes factor', 'P(model)', '±', 'likelihood evaluations', 'warnings'], rows, caption: 'ln Bayes factors are against the first model; of the errors, ± is one standard error' })];
   }
+  // Of an update: what each measured mode says, and the modes foretold.
+  function updateTables() {
+    if (about.command !== 'update') return [];
+    const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
+    const foretold = summary.predictions || [];
+    const inside = (p) => (p.inside === null ? '–' : p.inside ? 'inside' : 'outside');
+    return [element('h3', { class: 'apart' }, 'Each measured mode'), copyable({
+      head: ['mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]', 'computed mode', 'MAC', 'p of the shape', 'information [nats]', 'without it moves', 'by [posterior sd]'],
+      rows: (summary.data?.modes || []).map((m) => [m.mode, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3), m.computed_mode, of(m.shape?.mac?.q50, 4), of(m.shape?.p, 3),
+        of(m.without_it?.information_nats, 3), (m.without_it?.reliable && m.without_it.moves) || '–', m.without_it?.reliable ? of(m.without_it.by_sd, 2) : null]), caption: 'Frequencies and shapes, and what the posterior would lose without each' }),
+    ...(foretold.length ? [element('h3', { class: 'apart' }, 'Modes foretold'), copyable({ head: ['mode', 'model [Hz]', '2.5 % [Hz]', '97.5 % [Hz]', 'held out [Hz]', 'in the band'],
+      rows: foretold.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Bands of a measurement, its noise included' })] : [])];
+  }
   // Models that the draws cannot speak for.
   const toldByEvidence = () => (told.length ? [element('ul', { class: 'warnings' }, ...told.map((t) => element('li', { dir: 'auto' }, t)))] : []);
   // How the tempered replicas fared, where the run has them.
@@ -229,7 +243,8 @@
     section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${pValue(p)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
       of('fit').length ? grid(of('fit')) : null);
 
-    const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length);
+    const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length && rows.every((r) => r && typeof r === 'object'));
+    document.getElementById('fit')?.append(...updateTables());
     if (fits.length) {
       document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
         head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],
@@ -267,7 +282,6 @@
   if (summary.sweep) sweepSections();
   else runSections();
 
-  const about = summary.wheeltap;
   const command = about.command_line || `wheeltap ${about.command} ${about.case_file || 'CASE'} --seed ${about.seed}`;
   const facts = [['Case', about.case_file], ['Wheeltap', about.version], ['Seed', about.seed], ['Machine', about.machine], ['Written', draws.created_at], ['Data', summary.data?.origin],
     ['Chains', summary.cost && `${summary.cost.chains ?? draws.chains} of ${summary.cost.draws_a_chain ?? draws.draws} draws`],

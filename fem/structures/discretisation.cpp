@@ -22,6 +22,23 @@ double Discretisation::energy(const Eigen::Ref<const Eigen::VectorXd>& u) const 
   return sum;
 }
 
+Eigen::MatrixXd Discretisation::projected_stiffness(const Eigen::MatrixXd& basis) const {
+  const Eigen::Index m = basis.cols();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(m, m);
+  Eigen::VectorXd strain(m);
+  for (const Strain& s : strains) {
+    strain.setZero();
+    for (std::size_t i = 0; i < s.row.dofs.size(); ++i)
+      strain += s.row.coefficients[i] * basis.row(s.row.dofs[i]).transpose();
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(strain, s.factor);
+  }
+  if (rest.nonZeros() > 0) {
+    const Eigen::MatrixXd of_rest = basis.transpose() * (rest * basis);
+    sum += 0.5 * (of_rest + of_rest.transpose());
+  }
+  return sum.selfadjointView<Eigen::Lower>();
+}
+
 double Discretisation::uncancelled_energy(const Eigen::Ref<const Eigen::VectorXd>& u) const {
   double sum = rest.nonZeros() > 0 ? u.cwiseAbs().dot(rest.cwiseAbs() * u.cwiseAbs()) : 0.0;
   for (const Strain& strain : strains) {

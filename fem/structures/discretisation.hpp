@@ -55,7 +55,9 @@ struct Discretisation {
   [[nodiscard]] Eigen::VectorXd stiffness_times(const Eigen::Ref<const Eigen::VectorXd>& u) const;
   /// uᵀ K u by the strains: twice the strain energy.
   [[nodiscard]] double energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
-  /// The same, had nothing cancelled inside each strain: what rounding is measured by.
+  /// Vᵀ K V of the columns of V, by the strains.
+  [[nodiscard]] Eigen::MatrixXd projected_stiffness(const Eigen::MatrixXd& basis) const;
+  /// The energy, had nothing cancelled inside each strain: what rounding is measured by.
   [[nodiscard]] double uncancelled_energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
 };
 

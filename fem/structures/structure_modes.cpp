@@ -85,20 +85,7 @@ struct Ritz {
 
 /// Rayleigh-Ritz on M-orthonormal columns, the energies from the strains.
 Ritz rayleigh_ritz(const Discretisation& d, const MatrixXd& basis) {
-  const Index m = basis.cols();
-  MatrixXd energy = MatrixXd::Zero(m, m);
-  VectorXd strain(m);
-  for (const Strain& s : d.strains) {
-    strain.setZero();
-    for (std::size_t i = 0; i < s.row.dofs.size(); ++i)
-      strain += s.row.coefficients[i] * basis.row(s.row.dofs[i]).transpose();
-    energy.selfadjointView<Eigen::Lower>().rankUpdate(strain, s.factor);
-  }
-  if (d.rest.nonZeros() > 0) {
-    const MatrixXd rest = basis.transpose() * (d.rest * basis);
-    energy += 0.5 * (rest + rest.transpose());
-  }
-  energy = MatrixXd(energy.selfadjointView<Eigen::Lower>());
+  const MatrixXd energy = d.projected_stiffness(basis);
   const MatrixXd gram = basis.transpose() * (d.mass * basis);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(energy, gram);
   return {.values = solver.eigenvalues(), .shapes = basis * solver.eigenvectors()};

@@ -127,3 +127,14 @@ test('a legend names a prior only where one is drawn', () => {
   assert.deepEqual(names({}), ['posterior']);
   assert.deepEqual(names({ prior: { words: 'uniform [0, 2]', x: [0, 2], density: [0.5, 0.5] } }), ['posterior', 'prior']);
 });
+
+test('the MAC of an update shows every pair that was compared, and no other', () => {
+  const { modeCharts } = vm.runInNewContext(script + '; ({ modeCharts })');
+  const run = { summary: { data: { mac: [[0.99, 0.02, 0.1], [null, null, null], [0.01, 0.2, 0.97]], shapes: [[1, 0.5], [null, null], [1, -1]], computed_shapes: [[0.98, 0.52], [null, null], [1.02, -0.9]], sensors: ['B, x', 'C, x'] } } };
+  const [mac] = modeCharts.mac(run);
+  assert.deepEqual(copied(mac.table().rows), [[1, 0.99, 0.02, 0.1], [3, 0.01, 0.2, 0.97]]);
+  assert.equal(mac.spec(400, light).data[0].values.length, 6);
+  const shapes = modeCharts.shapes(run);
+  assert.deepEqual(copied(shapes.map((s) => s.title)), ['Shape of mode 1', 'Shape of mode 3']);
+  assert.deepEqual(copied(modeCharts.mac({ summary: { data: {} } })), []);
+});

@@ -1,0 +1,408 @@
+#include "apps/modal_data_case.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/csv_frequencies.hpp"
+#include "apps/damage_parts.hpp"
+#include "apps/nearest.hpp"
+#include "apps/structure_case.hpp"
+#include "fem/structures/mesh.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const Pointer kData("/data");
+
+std::string count_of(std::size_t n, const std::string& what) {
+  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+}
+
+class ModalDataParser {
+ public:
+  ModalDataParser(const CaseFile& file, const AnyStructure& structure)
+      : file_(file), json_(file.json.at("data")), structure_(structure) {
+    try {
+      if (const auto* members = std::get_if<fem::Structure>(&structure)) mesh_.emplace(*members);
+      names_ = (mesh_ ? mesh_->discretisation() : discretise(structure)).names;
+    } catch (const fem::InvalidStructure& error) {
+      refuse_structure(file, structure, error);
+    }
+  }
+
+  ModalData parse() {
+    parse_frequencies();
+    parse_sensors();
+    parse_shapes();
+    parse_frequency_scatter();
+    parse_shape_scatter();
+    if (has("discrepancy")) {
+      out_.discrepancy = scatter("cov");
+      out_.shape_discrepancy = scatter("shape");
+    }
+    if (has("predict")) {
+      const Json& predict = json_.at("predict");
+      if (predict.is_array()) out_.held_out_hz = numbers(predict);
+      out_.predict = predict.is_array() ? static_cast<int>(predict.size()) : predict.get<int>();
+    }
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] bool has(const char* key) const { return json_.contains(key); }
+  static std::vector<double> numbers(const Json& list) {
+    std::vector<double> out;
+    for (const Json& x : list) out.push_back(x.is_null() ? kNaN : x.get<double>());
+    return out;
+  }
+
+  // ---- frequencies
+
+  void parse_frequencies() {
+    if (has("frequencies") && has("file"))
+      file_.refuse(kData / "file", "data have either \"frequencies\" or a \"file\", not both");
+    for (const char* key : {"columns", "row"})
+      if (has(key) && !has("file")) file_.refuse(kData / key, "goes with \"file\" only");
+    out_.origin = "given in the case";
+    if (has("frequencies")) out_.frequencies_hz = numbers(json_.at("frequencies"));
+    if (has("file")) {
+      FrequencyCells cells{.columns = {}, .row = json_.value("row", 1)};
+      for (const Json& c : json_.value("columns", Json::array()))
+        cells.columns.push_back(text_or_number(c));
+      FrequencyTable table =
+          read_frequency_csv(file_.resolve(json_["file"].get<std::string>()), cells);
+      out_.frequencies_hz = std::move(table.frequencies_hz);
+      from_file_ = std::move(table.sd_hz);
+      out_.origin = "from " + json_["file"].get<std::string>();
+    }
+    if (has("shapes")) return;
+    double before = 0.0;
+    for (std::size_t i = 0; i < out_.frequencies_hz.size(); ++i) {
+      const double f = out_.frequencies_hz[i];
+      if (std::isnan(f)) continue;
+      if (f < before)
+        file_.refuse(has("file") ? kData / "file" : kData / "frequencies" / i,
+                     "without shapes frequencies must increase: the first is the lowest elastic "
+                     "mode, and null stands for one that was not measured");
+      before = f;
+    }
+  }
+
+  void parse_frequency_scatter() {
+    int given = 0;
+    for (const char* key : {"cov", "sd", "covariance"}) given += has(key);
+    if (given > 1)
+      file_.refuse(kData, "noise of frequencies is one of \"cov\", \"sd\" and \"covariance\"");
+    const auto n = static_cast<Index>(out_.frequencies_hz.size());
+    std::vector<double> sd = from_file_;
+    Pointer at = kData / "cov";
+    if (has("cov") && json_["cov"].is_object()) {
+      out_.cov_prior =
+          bounded_prior(file_, at, 0.0, kInfinity, "a coefficient of variation is > 0");
+      return;
+    }
+    if (has("cov")) {
+      sd.clear();
+      for (const double f : out_.frequencies_hz) sd.push_back(json_["cov"].get<double>() * f);
+    }
+    if (has("sd")) {
+      at = kData / "sd";
+      sd = numbers(json_["sd"]);
+    }
+    if (has("covariance")) {
+      at = kData / "covariance";
+      out_.covariance = square(at, n);
+    } else if (!sd.empty()) {
+      if (static_cast<Index>(sd.size()) != n)
+        file_.refuse(at, "must have one value a mode: " + std::to_string(n) + ", has " +
+                             std::to_string(sd.size()));
+      out_.covariance = MatrixXd::Zero(n, n);
+      for (Index i = 0; i < n; ++i) {
+        const double s = sd[static_cast<std::size_t>(i)];
+        if (std::isnan(s) && !std::isnan(out_.frequencies_hz[static_cast<std::size_t>(i)]))
+          file_.refuse(
+              at / static_cast<std::size_t>(i),
+              "mode " + std::to_string(i + 1) + " has a frequency but no standard deviation");
+        out_.covariance(i, i) = std::isnan(s) ? 0.0 : s * s;
+      }
+      return;
+    } else if (n > 0) {
+      file_.refuse(kData / "cov",
+                   "is missing: say how exact the frequencies are, by \"cov\", \"sd\" or "
+                   "\"covariance\"");
+    }
+    if (!has("covariance")) return;
+    std::vector<Index> measured;
+    for (Index i = 0; i < n; ++i)
+      if (!std::isnan(out_.frequencies_hz[static_cast<std::size_t>(i)])) measured.push_back(i);
+    require_definite(at, out_.covariance(measured, measured));
+  }
+
+  MatrixXd square(const Pointer& at, Index n) const {
+    const Json& rows = file_.json.at(at);
+    if (static_cast<Index>(rows.size()) != n)
+      file_.refuse(at, "must be " + std::to_string(n) + " x " + std::to_string(n) + ", has " +
+                           count_of(rows.size(), "row"));
+    MatrixXd out(n, n);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (static_cast<Index>(rows[i].size()) != n)
+        file_.refuse(at / i, "must have " + count_of(static_cast<std::size_t>(n), "number") +
+                                 ", has " + std::to_string(rows[i].size()));
+      for (std::size_t j = 0; j < rows[i].size(); ++j)
+        out(static_cast<Index>(i), static_cast<Index>(j)) = rows[i][j].get<double>();
+    }
+    return out;
+  }
+
+  void require_definite(const Pointer& at, const MatrixXd& c) const {
+    for (Index i = 0; i < c.rows(); ++i)
+      for (Index j = 0; j < i; ++j)
+        if (std::abs(c(i, j) - c(j, i)) > 1e-8 * c.cwiseAbs().maxCoeff())
+          file_.refuse(at / static_cast<std::size_t>(i) / static_cast<std::size_t>(j),
+                       "is not symmetric: its mirror is " + Json(c(j, i)).dump());
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(c, Eigen::EigenvaluesOnly);
+    if (c.rows() > 0 && !(solver.eigenvalues()[0] > 1e-14 * c.diagonal().cwiseAbs().maxCoeff()))
+      file_.refuse(at, "is not positive definite: its smallest eigenvalue is " +
+                           Json(solver.eigenvalues()[0]).dump());
+  }
+
+  // ---- sensors
+
+  void parse_sensors() {
+    if (!has("sensors")) return;
+    for (std::size_t i = 0; i < json_.at("sensors").size(); ++i) {
+      const Pointer at = kData / "sensors" / i;
+      out_.sensors.push_back(sensor(at));
+      if (out_.sensors.back().motion.empty()) file_.refuse(at, "does not move: a support holds it");
+    }
+  }
+
+  Sensor sensor(const Pointer& at) const {
+    const Json& s = file_.json.at(at);
+    int places = 0;
+    for (const char* key : {"node", "member", "mass", "dof"}) places += s.contains(key);
+    if (places != 1)
+      file_.refuse(at, "must say where by one of \"node\", \"member\", \"mass\" and \"dof\"");
+    if (s.contains("at") != s.contains("member"))
+      file_.refuse(at, "\"member\" and \"at\" go together");
+    const bool chain = std::holds_alternative<fem::LumpedChain>(structure_);
+    const bool matrices = std::holds_alternative<fem::MatrixStructure>(structure_);
+    if (s.contains("mass")) {
+      if (!chain) file_.refuse(at / "mass", "goes with a chain only");
+      return numbered(at / "mass", "mass", "masses");
+    }
+    if (s.contains("dof")) {
+      if (!matrices) file_.refuse(at / "dof", "goes with \"matrices\" only");
+      return numbered(at / "dof", "degree of freedom", "degrees of freedom");
+    }
+    if (s.contains("member")) {
+      if (!mesh_) file_.refuse(at / "member", "this structure has no members");
+      return on_member(at, direction(at));
+    }
+    if (!mesh_) return named(at, chain);
+    const int node = find(at / "node", mesh_->structure().nodes, "node");
+    const auto [name, which] = direction(at);
+    return {s["node"].get<std::string>() + ", " + name, mesh_->motion(node, which)};
+  }
+
+  Sensor numbered(const Pointer& at, const std::string& one, const std::string& many) const {
+    const int number = file_.json.at(at);
+    if (number > static_cast<int>(names_.size()))
+      file_.refuse(at,
+                   "no such " + one + ": there are " + std::to_string(names_.size()) + " " + many);
+    const fem::DofName& name = names_[static_cast<std::size_t>(number) - 1];
+    return {name.place + (name.direction.empty() ? "" : ", " + name.direction),
+            {.dofs = {number - 1}, .coefficients = {1.0}}};
+  }
+
+  // A place and direction of the table of dofs, or "mass 1".
+  Sensor named(const Pointer& at, bool chain) const {
+    const auto place = file_.json.at(at / "node").get<std::string>();
+    const std::string along = file_.json.at(at).value("direction", chain ? "x" : "");
+    std::vector<std::string> places, there;
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (names_[i].place == place && names_[i].direction == along)
+        return {place + (along.empty() ? "" : ", " + along),
+                {.dofs = {static_cast<int>(i)}, .coefficients = {1.0}}};
+      if (names_[i].place == place) there.push_back(names_[i].direction);
+      places.push_back(names_[i].place);
+    }
+    if (!there.empty())
+      file_.refuse(at / "direction", "no such direction here: " + place + " has " + listed(there));
+    const std::string meant = nearest(place, places);
+    file_.refuse(at / "node", "no degree of freedom has this place" +
+                                  (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+  }
+
+  template <class List>
+  int find(const Pointer& at, const List& list, const std::string& what) const {
+    const auto name = file_.json.at(at).get<std::string>();
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (list[i].name == name) return static_cast<int>(i);
+      names.push_back(list[i].name);
+    }
+    const std::string meant = nearest(name, names);
+    file_.refuse(at, "no " + what + " has this name" +
+                         (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+  }
+
+  struct Along {
+    std::string name;
+    fem::Direction which;
+  };
+  Along direction(const Pointer& at) const {
+    const bool space = mesh_->structure().dimension == 3;
+    const std::string words = std::string("must be a direction: ") +
+                              (space ? "x, y, z, rx, ry or rz, in a structure of dimension 3"
+                                     : "x, y or rotation, in a structure of dimension 2");
+    if (!file_.json.at(at).contains("direction"))
+      file_.refuse(at / "direction", "is missing: " + words);
+    const auto name = file_.json.at(at / "direction").get<std::string>();
+    static const std::vector<std::string> names = {"x", "y", "z", "rx", "ry", "rz"};
+    const std::string global = name == "rotation" && !space ? "rz" : name;
+    const auto found = std::ranges::find(names, global);
+    if (found == names.end() || (!space && global != "x" && global != "y" && global != "rz"))
+      file_.refuse(at / "direction", words);
+    return {name, static_cast<fem::Direction>(found - names.begin())};
+  }
+
+  Sensor on_member(const Pointer& at, const Along& along) const {
+    const int member = find(at / "member", mesh_->structure().members, "member");
+    const double s = file_.json.at(at / "at");
+    const double length = mesh_->member_length(member);
+    if (s > length * (1.0 + 1e-9))
+      file_.refuse(at / "at", "lies off the member, which is " + Json(length).dump() + " m long");
+    return {file_.json.at(at / "member").get<std::string>() + " at " + Json(s).dump() + " m, " +
+                along.name,
+            mesh_->motion(member, std::min(s, length), along.which)};
+  }
+
+  // ---- shapes
+
+  void parse_shapes() {
+    if (!has("shapes")) {
+      for (const char* key : {"shape_covariance"})
+        if (has(key)) file_.refuse(kData / key, "goes with \"shapes\" only");
+      return;
+    }
+    const Json& rows = json_.at("shapes");
+    if (!has("sensors"))
+      file_.refuse(kData / "sensors", "is missing: \"shapes\" have one number a sensor");
+    if (out_.frequencies_hz.empty()) out_.frequencies_hz.assign(rows.size(), kNaN);
+    if (rows.size() != out_.frequencies_hz.size())
+      file_.refuse(kData / "shapes",
+                   "must have one shape a frequency (null in place of what was not measured): " +
+                       count_of(out_.frequencies_hz.size(), "frequency").append(", has ") +
+                       count_of(rows.size(), "shape"));
+    const std::size_t sensors = out_.sensors.size();
+    out_.shapes.resize(static_cast<Index>(rows.size()), static_cast<Index>(sensors));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const Pointer at = kData / "shapes" / i;
+      if (rows[i].size() != sensors)
+        file_.refuse(at, "must have one number a sensor: " + std::to_string(sensors) + ", has " +
+                             std::to_string(rows[i].size()));
+      const std::vector<double> values = numbers(rows[i]);
+      std::size_t measured = 0;
+      double largest = 0.0;
+      for (std::size_t s = 0; s < sensors; ++s) {
+        out_.shapes(static_cast<Index>(i), static_cast<Index>(s)) = values[s];
+        if (std::isnan(values[s])) continue;
+        ++measured;
+        largest = std::max(largest, std::abs(values[s]));
+      }
+      if (measured == 1)
+        file_.refuse(at, "has one number only: a shape without its scale needs two");
+      if (measured > 0 && largest == 0.0) file_.refuse(at, "is zero throughout");
+      if (measured == 0 && std::isnan(out_.frequencies_hz[i]))
+        file_.refuse(at, "mode " + std::to_string(i + 1) + " has neither frequency nor shape");
+    }
+  }
+
+  void parse_shape_scatter() {
+    const auto sensors = static_cast<Index>(out_.sensors.size());
+    const auto modes = static_cast<std::size_t>(out_.shapes.rows());
+    if (has("shape_sd") && has("shape_covariance"))
+      file_.refuse(kData / "shape_covariance", "noise of shapes is either this or \"shape_sd\"");
+    const Pointer at = kData / "shape_sd";
+    if (has("shape_sd") && json_["shape_sd"].is_object()) {
+      out_.shape_sd_prior = bounded_prior(file_, at, 0.0, kInfinity, "an sd is > 0");
+      out_.shape_covariances.assign(modes, MatrixXd::Identity(sensors, sensors));
+    } else if (has("shape_sd") && json_["shape_sd"].is_array()) {
+      if (json_["shape_sd"].size() != modes)
+        file_.refuse(at, "must have one row a shape: " + std::to_string(modes) + ", has " +
+                             std::to_string(json_["shape_sd"].size()));
+      for (std::size_t i = 0; i < modes; ++i) {
+        const std::vector<double> sd = numbers(json_["shape_sd"][i]);
+        if (static_cast<Index>(sd.size()) != sensors)
+          file_.refuse(at / i, "must have one number a sensor: " + std::to_string(sensors) +
+                                   ", has " + std::to_string(sd.size()));
+        MatrixXd c = MatrixXd::Zero(sensors, sensors);
+        for (Index s = 0; s < sensors; ++s) {
+          const double one = sd[static_cast<std::size_t>(s)];
+          if (std::isnan(one) && !std::isnan(out_.shapes(static_cast<Index>(i), s)))
+            file_.refuse(at / i / static_cast<std::size_t>(s),
+                         "is missing: this entry was measured");
+          c(s, s) = std::isnan(one) ? 0.0 : one * one;
+        }
+        out_.shape_covariances.push_back(std::move(c));
+      }
+    } else if (has("shape_sd")) {
+      const double sd = json_["shape_sd"];
+      out_.shape_covariances.assign(modes, sd * sd * MatrixXd::Identity(sensors, sensors));
+    } else if (has("shape_covariance")) {
+      const Json& list = json_["shape_covariance"];
+      if (list.size() != modes)
+        file_.refuse(kData / "shape_covariance",
+                     "must have one matrix a shape: " + std::to_string(modes) + ", has " +
+                         std::to_string(list.size()));
+      for (std::size_t i = 0; i < modes; ++i) {
+        const Pointer here = kData / "shape_covariance" / i;
+        out_.shape_covariances.push_back(square(here, sensors));
+        std::vector<Index> measured;
+        for (Index s = 0; s < sensors; ++s)
+          if (!std::isnan(out_.shapes(static_cast<Index>(i), s))) measured.push_back(s);
+        require_definite(here, out_.shape_covariances.back()(measured, measured));
+      }
+    } else if (modes > 0) {
+      file_.refuse(at,
+                   "is missing: say how exact the shapes are, by \"shape_sd\" or "
+                   "\"shape_covariance\"");
+    }
+  }
+
+  Scatter scatter(const char* key) const {
+    const Json& d = json_.at("discrepancy");
+    if (!d.contains(key)) return {};
+    if (d[key].is_number()) return {.value = d[key].get<double>()};
+    return {.value = 0.0,
+            .prior = bounded_prior(file_, kData / "discrepancy" / key, 0.0, kInfinity,
+                                   "a discrepancy is > 0")};
+  }
+
+  const CaseFile& file_;
+  const Json& json_;
+  const AnyStructure& structure_;
+  std::optional<fem::Mesh> mesh_;
+  std::vector<fem::DofName> names_;
+  std::vector<double> from_file_;
+  ModalData out_;
+};
+
+}  // namespace
+
+ModalData parse_modal_data(const CaseFile& file, const AnyStructure& structure) {
+  return ModalDataParser(file, structure).parse();
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,16 @@
+// The measured modes of a case: sensors, frequencies, shapes, and their scatter.
+#pragma once
+
+#include "apps/case_file.hpp"
+#include "identification/modal_data.hpp"
+#include "identification/structure_model.hpp"
+
+namespace wheeltap::apps {
+
+/// What stands under /data. Without frequencies and shapes they are left empty, for a truth to fill
+/// in. Throws Failure (65) for sensors that are not on the structure, numbers that do not go
+/// together, and covariances that are none.
+[[nodiscard]] identification::ModalData parse_modal_data(
+    const CaseFile& file, const identification::AnyStructure& structure);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,159 @@
+#include "apps/update_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/modal_data_case.hpp"
+#include "apps/structure_case.hpp"
+#include "fem/structures/structure_modes.hpp"
+#include "identification/update_problem.hpp"
+#include "io/text.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+const Pointer kData("/data"), kTruth("/truth");
+
+/// A coefficient of variation is "cov" in a case, or "cv".
+void accept_cv(CaseFile& file) {
+  for (const Pointer& at : {kData, kTruth, kData / "discrepancy"}) {
+    if (!file.json.is_object() || !file.json.contains(at) || !file.json.at(at).is_object())
+      continue;
+    Json& block = file.json.at(at);
+    if (!block.contains("cv")) continue;
+    if (block.contains("cov")) file.refuse(at / "cv", "says the same as \"cov\": give one of them");
+    block["cov"] = block["cv"];
+    block.erase("cv");
+  }
+}
+
+void parse_truth(const CaseFile& f, UpdateCase& out) {
+  const Json& truth = f.json.at(kTruth);
+  ModalSimulation simulation{.parameters = {},
+                             .modes = truth.value("modes", 5),
+                             .cov = truth.value("cov", 0.0),
+                             .shape_sd = truth.value("shape_sd", 0.0),
+                             .seed = truth.value("seed", std::uint64_t{1})};
+  const Json& values = truth.at("parameters");
+  for (const auto& parameter : out.structure->parameters) {
+    if (!values.contains(parameter.name))
+      f.refuse(kTruth / "parameters" / parameter.name,
+               "is missing: the truth has a number for "
+               "every parameter");
+    simulation.parameters.push_back(values[parameter.name]);
+  }
+  for (const auto& [name, ignored] : values.items())
+    if (std::ranges::find(out.structure->parameters, name, &inference::Parameter::name) ==
+        out.structure->parameters.end())
+      f.refuse(kTruth / "parameters" / name, "no parameter has this name");
+  if (simulation.shape_sd > 0.0 && out.data.sensors.empty())
+    f.refuse(kTruth / "shape_sd", "goes with \"sensors\" in data, which say where");
+  out.simulation = std::move(simulation);
+}
+
+/// How exact the simulated modes are, where the data do not say.
+void take_truth(const CaseFile& f, UpdateCase& out, std::uint64_t seed) {
+  const Json data = f.json.value("data", Json::object());
+  const ModalSimulation& truth = *out.simulation;
+  for (const char* key : {"sd", "covariance", "shape_covariance"})
+    if (data.contains(key))
+      f.refuse(kData / key, "goes with measured modes; the truth has \"cov\" and \"shape_sd\"");
+  if (data.contains("shape_sd") && data["shape_sd"].is_array())
+    f.refuse(kData / "shape_sd", "must be one number, or a prior, where modes are simulated");
+  const double stated =
+      data.contains("cov") && data["cov"].is_number() ? data["cov"].get<double>() : truth.cov;
+  if (!(stated > 0.0) && !out.data.cov_prior)
+    f.refuse(kTruth / "cov", "is missing: say how exact the frequencies are, here or in data");
+  out.data.covariance.resize(0, 0);
+  out.data.shapes.resize(0, 0);
+  out.data.shape_covariances.clear();
+  try {
+    simulate(out, seed);
+  } catch (const fem::InvalidStructure& error) {
+    refuse_structure(f, out.structure->nominal, error);
+  } catch (const std::invalid_argument& error) {
+    f.refuse(kTruth, error.what());
+  }
+  const Eigen::Index n = out.data.modes();
+  out.data.covariance = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double sd = stated * out.data.frequencies_hz[static_cast<std::size_t>(i)];
+    out.data.covariance(i, i) = sd * sd;
+  }
+  if (out.data.cov_prior) out.data.covariance.resize(0, 0);
+  const auto sensors = static_cast<Eigen::Index>(out.data.sensors.size());
+  if (truth.shape_sd > 0.0) {
+    const double sd = out.data.shape_sd_prior     ? 1.0
+                      : data.contains("shape_sd") ? data["shape_sd"].get<double>()
+                                                  : truth.shape_sd;
+    out.data.shape_covariances.assign(static_cast<std::size_t>(n),
+                                      sd * sd * Eigen::MatrixXd::Identity(sensors, sensors));
+  }
+}
+
+void check_modes(const CaseFile& f, const UpdateCase& out) {
+  try {
+    const fem::Discretisation d = discretise(out.structure->nominal);
+    const auto most = static_cast<int>(fem::mode_count(d) - d.rigid_motions.cols());
+    const auto refuse = [&](const Pointer& at, int modes) {
+      f.refuse(at, std::to_string(modes) + " modes: must be at most " + std::to_string(most) +
+                       ", the elastic modes that the structure has");
+    };
+    if (out.data.modes() > most) refuse(kData, out.data.modes());
+    if (out.data.modes() + out.data.predict > most)
+      refuse(kData / "predict", out.data.modes() + out.data.predict);
+    if (out.simulation && out.simulation->modes > most) refuse(kTruth, out.simulation->modes);
+  } catch (const fem::InvalidStructure& error) {
+    refuse_structure(f, out.structure->nominal, error);
+  }
+}
+
+}  // namespace
+
+Pointer prior_place(const UpdateCase& update_case, const std::string& parameter) {
+  const auto& own = update_case.structure->parameters;
+  if (std::ranges::find(own, parameter, &inference::Parameter::name) != own.end())
+    return Pointer("/parameters") / parameter;
+  if (parameter == "discrepancy") return kData / "discrepancy" / "cov";
+  if (parameter == "shape_discrepancy") return kData / "discrepancy" / "shape";
+  return kData / parameter;
+}
+
+UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
+                                 std::optional<std::uint64_t> seed) {
+  accept_cv(file);
+  validate_against_schema(file, "update");
+  UpdateCaseFile parsed{.file = std::move(file), .notes = {}, .update = {}};
+  const CaseFile& f = parsed.file;
+  const Json& json = f.json;
+  UpdateCase& out = parsed.update;
+  out.title = json.value("title", io::printable(f.path.stem().string()));
+  if (json.contains("notes"))
+    parsed.notes = json["notes"].is_string()
+                       ? std::vector<std::string>{json["notes"].get<std::string>()}
+                       : json["notes"].get<std::vector<std::string>>();
+  for (const std::string& name : scatter_names())
+    if (json["parameters"].contains(name))
+      f.refuse(Pointer("/parameters") / name, "is the name of a scatter of the data: take another");
+  out.structure = std::make_shared<const StructureModel>(parse_structure(f));
+  if (json.contains("data")) out.data = parse_modal_data(f, out.structure->nominal);
+  if (json.contains("truth")) parse_truth(f, out);
+  check_modes(f, out);
+  if (needs == UpdateNeeds::structure) return parsed;
+  const bool measured = out.data.modes() > 0;
+  if (needs == UpdateNeeds::truth && !out.simulation)
+    f.refuse(kTruth, "is missing: there is nothing to simulate");
+  if (needs == UpdateNeeds::truth || !measured) {
+    if (!out.simulation)
+      f.refuse(kData,
+               "no data: give \"frequencies\" (and \"shapes\"), or a \"truth\" to simulate "
+               "them from");
+    take_truth(f, out, seed.value_or(out.simulation->seed));
+  }
+  return parsed;
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,111 @@
+#include "apps/update_posterior_file.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "apps/posterior_file.hpp"
+#include "apps/sid_posterior_file.hpp"
+#include "base/random.hpp"
+#include "io/netcdf_writer.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+struct Shape {
+  std::size_t chains, draws, modes, width;
+};
+
+void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem,
+                      const inference::Posterior& posterior, const Shape& shape,
+                      std::uint64_t seed) {
+  const int group = file.group("posterior_predictive");
+  const int chain = file.dimension(group, "chain", shape.chains, 0);
+  const int draw = file.dimension(group, "draw", shape.draws, 0);
+  const int mode = file.dimension(group, "mode", shape.modes, 1);
+  const auto& observed = problem.update_case.data.frequencies_hz;
+  std::vector<float> values;
+  values.reserve(shape.chains * shape.draws * shape.modes);
+  Eigen::VectorXd noise(static_cast<Eigen::Index>(shape.modes));
+  const bool scatters_vary = problem.cov >= 0 || problem.discrepancy >= 0;
+  Eigen::MatrixXd root;
+  for (std::size_t c = 0; c < shape.chains; ++c) {
+    const auto& from = posterior.chains[c];
+    for (std::size_t i = 0; i < shape.draws; ++i) {
+      if (scatters_vary || root.size() == 0) {
+        const std::span<const double> x(from.theta.data() + i * shape.width, shape.width);
+        root = problem.likelihood->covariance(problem.noise(x)).llt().matrixL();
+      }
+      base::Random random(seed, c, i, base::Purpose::prediction);
+      for (double& e : noise) e = random.normal();
+      const Eigen::VectorXd moved = root * noise;
+      for (std::size_t m = 0; m < shape.modes; ++m)
+        values.push_back(std::isnan(observed[m])
+                             ? std::nanf("")
+                             : static_cast<float>(from.prediction[i * shape.modes + m] +
+                                                  moved[static_cast<Eigen::Index>(m)]));
+    }
+  }
+  const int id = file.put(group, "frequency", {chain, draw, mode}, values);
+  file.text(group, id, "units", "Hz");
+}
+
+}  // namespace
+
+std::string update_posterior_file(const std::string& run, const UpdateCaseFile& parsed,
+                                  const UpdateProblem& problem,
+                                  const inference::Posterior& posterior, std::uint64_t seed) {
+  const ModalData& data = problem.update_case.data;
+  const auto& space = *posterior.space;
+  const Shape shape{.chains = posterior.chains.size(),
+                    .draws = posterior.chains[0].model.size(),
+                    .modes = static_cast<std::size_t>(data.modes()),
+                    .width = static_cast<std::size_t>(posterior.dimension)};
+  io::NetcdfWriter file("posterior.nc");
+  file.about(WHEELTAP_VERSION, run);
+  file.text(file.root(), NC_GLOBAL, "title", parsed.update.title);
+  file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
+  const std::vector<int> one_model(shape.chains * shape.draws, 0);
+  {
+    const int group = file.group("posterior");
+    const int chain = file.dimension(group, "chain", shape.chains, 0);
+    const int draw = file.dimension(group, "draw", shape.draws, 0);
+    const int model = file.put(group, "model", {chain, draw}, one_model);
+    file.text(group, model, "names", space[0].name);
+    for (std::size_t p = 0; p < shape.width; ++p) {
+      std::vector<double> values;
+      values.reserve(shape.chains * shape.draws);
+      for (const auto& c : posterior.chains)
+        for (std::size_t i = 0; i < shape.draws; ++i)
+          values.push_back(c.theta[i * shape.width + p]);
+      file.put(group, sid_variable(space.parameters()[p].name), {chain, draw}, values);
+    }
+  }
+  write_sample_stats(file, posterior, one_model);
+  if (posterior.predictions == data.modes())
+    write_replicates(file, problem, posterior, shape, seed);
+  {
+    const int group = file.group("observed_data");
+    const int mode = file.dimension(group, "mode", shape.modes, 1);
+    const int id = file.put(group, "frequency", {mode}, data.frequencies_hz);
+    file.text(group, id, "units", "Hz");
+    if (data.covariance.size() > 0) {
+      std::vector<double> sd;
+      for (Eigen::Index i = 0; i < data.covariance.rows(); ++i)
+        sd.push_back(std::sqrt(data.covariance(i, i)));
+      file.put(group, "sd", {mode}, sd);
+    }
+    if (data.has_shapes()) {
+      const int sensor = file.dimension(group, "sensor", data.sensors.size(), 1);
+      std::vector<double> values;
+      for (Eigen::Index i = 0; i < data.shapes.rows(); ++i)
+        for (Eigen::Index s = 0; s < data.shapes.cols(); ++s) values.push_back(data.shapes(i, s));
+      file.put(group, "shape", {mode, sensor}, values);
+    }
+  }
+  return file.close();
+}
+
+}  // namespace wheeltap::apps

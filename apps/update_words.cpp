@@ -1,0 +1,193 @@
+#include "apps/update_words.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/words.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+constexpr std::size_t kMostNamed = 6;
+
+std::string interval(const Marginal& e) {
+  return resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width());
+}
+
+std::string named(std::vector<std::string> names) {
+  if (names.size() > 2 * kMostNamed) {
+    const std::size_t more = names.size() - kMostNamed;
+    names.resize(kMostNamed);
+    names.push_back(std::to_string(more) + " others");
+  }
+  return in_words(names);
+}
+
+std::vector<std::string> at_prior(const UpdateFindings& findings) {
+  std::vector<std::string> names;
+  for (const Contraction& c : findings.contractions)
+    if (c.at_prior()) names.push_back(c.name);
+  return names;
+}
+
+std::string one_mode(const ModeFinding& m) {
+  std::string text = "mode " + std::to_string(m.mode);
+  std::vector<std::string> why;
+  if (!std::isnan(m.residual) && std::abs(m.residual) > 3.0)
+    why.push_back("its frequency is " + fixed(std::abs(m.residual), 1) + " sd " +
+                  (m.residual > 0.0 ? "above" : "below") + " the model's");
+  if (m.has_shape && m.shape_p < kMisfit)
+    why.push_back("its shape is none of the model's (MAC " + fixed(m.mac.q50, 3) + ", " +
+                  p_value(m.shape_p) + ")");
+  return text + " (" + in_words(why) + ")";
+}
+
+}  // namespace
+
+std::string in_words(const UntouchedDirection& direction) {
+  std::string text;
+  for (const auto& [name, weight] : direction.weights) {
+    const std::string size = fixed(std::abs(weight), 2) + " · " + name;
+    text += text.empty() ? (weight < 0.0 ? "-" : "") + size : (weight < 0.0 ? " - " : " + ") + size;
+  }
+  return text;
+}
+
+std::string matched_in_words(const ModeFinding& mode) {
+  if (mode.computed == mode.mode && mode.matched > 0.999) return {};
+  return "mode " + std::to_string(mode.mode) + " is the model's mode " +
+         std::to_string(mode.computed) +
+         (mode.matched > 0.999 ? "" : " in " + percent(mode.matched) + " of the draws");
+}
+
+std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
+  std::vector<std::string> out;
+  const UpdateFit& fit = findings.fit;
+  if (fit.p < kMisfit || fit.best_p < kMisfit) {
+    std::vector<std::string> modes;
+    for (const ModeFinding& m : findings.modes)
+      if (m.is_off()) modes.push_back(one_mode(m));
+    out.push_back(
+        "No values of these parameters explain the measured modes within their stated scatter (" +
+        (fit.p < kMisfit ? "predictive " + p_value(fit.p)
+                         : "even the best draw has " + p_value(fit.best_p)) +
+        ")" + (modes.empty() ? "." : ": " + in_words(modes) + ".") +
+        " Check scatter, units, sensors and directions; then the model: what it leaves out can be "
+        "inferred, by \"discrepancy\": {\"cov\": {\"log_uniform\": [1e-3, 0.3]}}.");
+  }
+  for (const Prediction& p : findings.predictions)
+    if (p.misses())
+      out.push_back("Mode " + std::to_string(p.mode) + ", held out, was measured at " +
+                    significant(*p.measured_hz, 5) + " Hz, outside of the band foretold, " +
+                    significant(p.low_hz, 4) + " to " + significant(p.high_hz, 4) +
+                    " Hz: the model is wrong there, however well it fits the others.");
+  return out;
+}
+
+std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
+  std::vector<std::string> out;
+  const auto unmoved = at_prior(findings);
+  if (!unmoved.empty())
+    out.push_back("The data leave " + named(unmoved) + " at " +
+                  (unmoved.size() == 1 ? "its prior" : "their priors") + ": what is said of " +
+                  (unmoved.size() == 1 ? "it" : "them") + " was assumed, not measured.");
+  for (std::size_t i = 0; i < findings.entangled.size(); ++i) {
+    if (i == kMostNamed) {
+      out.push_back(std::to_string(findings.entangled.size() - kMostNamed) +
+                    " more pairs cannot be told apart (summary.json lists them).");
+      break;
+    }
+    const Entangled& e = findings.entangled[i];
+    out.push_back(e.a + " and " + e.b + " cannot be told apart (correlation " +
+                  fixed(e.correlation, 2) + "): the data know a combination of them.");
+  }
+  // Directions that are not a single parameter already named.
+  std::vector<std::string> directions;
+  for (const UntouchedDirection& d : findings.untouched) {
+    const bool single =
+        d.weights.size() == 1 && std::ranges::find(unmoved, d.weights[0].first) != unmoved.end();
+    if (!single && !d.weights.empty()) directions.push_back(in_words(d));
+  }
+  if (!findings.untouched.empty()) {
+    std::string text = "Of " + std::to_string(findings.contractions.size()) +
+                       " directions in the space of the parameters (each in its prior's sd), the "
+                       "data say next to nothing of " +
+                       std::to_string(findings.untouched.size()) + " (contracted by less than " +
+                       percent(kUntouched) + ")";
+    if (!directions.empty()) {
+      const std::size_t shown = std::min(directions.size(), kMostNamed);
+      text += ", among them ";
+      for (std::size_t i = 0; i < shown; ++i) text += (i == 0 ? "" : "; ") + directions[i];
+    }
+    out.push_back(text + ".");
+  }
+  return out;
+}
+
+std::vector<std::string> update_warnings(const UpdateFindings& findings) {
+  std::vector<std::string> out = misfit_sentences(findings);
+  for (std::string& one : warnings(findings, {})) out.push_back(std::move(one));
+  for (std::string& one : cannot_tell(findings)) out.push_back(std::move(one));
+  std::vector<std::string> elsewhere;
+  for (const ModeFinding& m : findings.modes)
+    if (std::string one = matched_in_words(m); !one.empty()) elsewhere.push_back(std::move(one));
+  if (!elsewhere.empty())
+    out.push_back("By shape and frequency, " + in_words(elsewhere) +
+                  ": the order of the data is not that of the model.");
+  for (const Prediction& p : findings.predictions)
+    if (p.useless())
+      out.push_back("The band foretold for mode " + std::to_string(p.mode) + ", " +
+                    significant(p.low_hz, 3) + " to " + significant(p.high_hz, 3) +
+                    " Hz, is too wide to be of use.");
+  return out;
+}
+
+Answer answer(const UpdateFindings& findings) {
+  Answer out;
+  out.caution = caution(findings);
+  const std::size_t all = findings.contractions.size(), unmoved = at_prior(findings).size();
+  const std::string numbers = std::to_string(findings.numbers) + " measured numbers";
+  out.headline = unmoved == 0
+                     ? "The " + numbers + " tell something of every parameter."
+                     : "The " + numbers + " tell something of " + std::to_string(all - unmoved) +
+                           " of the " + std::to_string(all) + " parameters; " +
+                           (unmoved == 1 ? "one stays" : std::to_string(unmoved) + " stay") +
+                           " at " + (unmoved == 1 ? "its prior." : "their priors.");
+  if (!findings.fit.ok()) {
+    out.misfit = true;
+    const bool fits = findings.fit.p >= kMisfit && findings.fit.best_p >= kMisfit;
+    std::vector<std::string> off;
+    for (const int mode : fits ? findings.fit.missed : findings.fit.off)
+      off.push_back(std::to_string(mode));
+    out.headline = (fits ? "The updated structure does not foretell the modes held out"
+                         : "The structure does not explain the measured modes") +
+                   (off.empty() ? std::string()
+                                : std::string(" (mode") + (off.size() == 1 ? " " : "s ") +
+                                      in_words(off) + ")") +
+                   ". " + out.headline;
+  }
+  // What the data tell best comes first.
+  std::vector<std::size_t> order;
+  const auto& parameters = findings.models[0].parameters;
+  for (std::size_t p = 0; p < parameters.size(); ++p)
+    if (!findings.contractions[p].at_prior()) order.push_back(p);
+  std::ranges::stable_sort(order, std::ranges::greater{},
+                           [&](std::size_t p) { return findings.contractions[p].contraction; });
+  std::vector<std::string> parts;
+  for (const std::size_t p : order) {
+    if (parts.size() == kMostNamed) {
+      parts.emplace_back("others, tabulated below");
+      break;
+    }
+    const Marginal& e = parameters[p].estimate;
+    parts.push_back(parameters[p].unknown.label + " = " + resolved(e.q50, e.width()) + " (" +
+                    interval(e) + ")");
+  }
+  if (!parts.empty()) out.detail = "With 95 % intervals: " + in_words(parts) + ".";
+  return out;
+}
+
+}  // namespace wheeltap::apps

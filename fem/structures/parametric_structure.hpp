@@ -1,0 +1,107 @@
+// A structure whose matrices depend on parameters, taken apart into terms that do not.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/eigen.hpp"
+#include "fem/structures/discretisation.hpp"
+
+namespace wheeltap::fem {
+
+/// A structure for each value of d parameters θ.
+struct StructureFamily {
+  /// Throws InvalidStructure or std::invalid_argument where there is no such structure.
+  std::function<Discretisation(std::span<const double>)> at;
+  std::vector<double> nominal = {};  ///< θ₀
+  /// Of a structure given as matrices: K_rest = Σ scales_i(θ) parts_i, scales > 0.
+  std::vector<Discretisation::Sparse> parts = {};
+  std::function<std::vector<double>(std::span<const double>)> scales = {};
+};
+
+/// K(θ) = Σ_t q_t(θ) K_t and M(θ), with q_t(θ₀) = 1: strains that keep their direction and change
+/// their stiffness alike are one term, and so is each part of matrices. Terms of any rank.
+///
+/// Where all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t: what is known of
+/// K(θ₀)⁻¹ bounds K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).
+/// Terms of low rank, K_t = C_t C_tᵀ, springs say, that may change by orders of magnitude, need not
+/// spoil that: with α taken over the others alone,
+///
+///   K(θ) ≽ α (K(θ₀) + Σ (q_t/α - 1) C_t C_tᵀ).
+class ParametricStructure {
+ public:
+  using Sparse = Discretisation::Sparse;
+
+  enum class Form {
+    affine,  ///< q and M are affine in θ: nothing is assembled any more
+    scaled,  ///< strains keep their directions; q and M are assembled
+    general  ///< neither
+  };
+
+  /// `samples`: values of θ, of the prior say, at which the form is tried, to 1e-10; as many of
+  /// them as there is work for. Throws as `family.at` at θ₀.
+  ParametricStructure(StructureFamily family, std::span<const std::vector<double>> samples);
+
+  /// The matrices at one θ.
+  struct Point {
+    Eigen::VectorXd scales;                        ///< q_t; empty in `general`
+    Eigen::VectorXd change;                        ///< θ - θ₀
+    std::optional<Discretisation> assembled = {};  ///< unless `affine`
+    double floor = 0.0;                            ///< α; 0 where none is known
+    /// q_t/α - 1 of each column of `low_rank()`, α being 1 at most.
+    Eigen::VectorXd excess = {};
+  };
+  /// Throws as `family.at`.
+  [[nodiscard]] Point at(std::span<const double> theta) const;
+  /// K(θ) u and M(θ) u of columns u, K by the strains.
+  [[nodiscard]] Eigen::MatrixXd stiffness_times(const Point& point, const Eigen::MatrixXd& u) const;
+  [[nodiscard]] Eigen::MatrixXd mass_times(const Point& point, const Eigen::MatrixXd& u) const;
+  /// Throws as `family.at`.
+  [[nodiscard]] Discretisation assemble(std::span<const double> theta) const {
+    return family_.at(theta);
+  }
+  [[nodiscard]] Discretisation assemble(const Point& point) const;
+
+  /// Vᵀ K_t V of each term. None in `general`.
+  [[nodiscard]] std::vector<Eigen::MatrixXd> project_terms(const Eigen::MatrixXd& basis) const;
+
+  /// The columns of C, n × any; none where a term is not positive semidefinite.
+  [[nodiscard]] const Eigen::MatrixXd& low_rank() const { return low_rank_; }
+  [[nodiscard]] Form form() const { return form_; }
+  /// ∂q_t/∂θ_j, terms × d, and ∂M/∂θ_j; of `affine`.
+  [[nodiscard]] const Eigen::MatrixXd& scale_slopes() const { return slopes_; }
+  [[nodiscard]] const std::vector<Sparse>& mass_slopes() const { return mass_slopes_; }
+  [[nodiscard]] bool mass_changes() const { return mass_changes_; }
+  /// The structure at θ₀.
+  [[nodiscard]] const Discretisation& nominal() const { return nominal_; }
+  [[nodiscard]] int parameters() const { return static_cast<int>(family_.nominal.size()); }
+  [[nodiscard]] int terms() const { return terms_; }
+
+ private:
+  void group_strains(const std::vector<Discretisation>& at_samples);
+  void take_parts();
+  void find_low_rank();
+  [[nodiscard]] std::optional<Eigen::VectorXd> scales_of(std::span<const double> theta,
+                                                         const Discretisation& d) const;
+  void try_affine(std::span<const std::vector<double>> samples,
+                  const std::vector<Discretisation>& at_samples);
+  [[nodiscard]] Eigen::VectorXd change_of(std::span<const double> theta) const;
+
+  StructureFamily family_;
+  Discretisation nominal_;
+  Form form_ = Form::general;
+  int terms_ = 0;
+  std::vector<int> group_;          // of each strain
+  std::vector<Sparse> part_terms_;  // the last terms
+  std::vector<double> nominal_scales_;
+  bool definite_ = false;  // every term is positive semidefinite
+  Eigen::MatrixXd low_rank_;
+  std::vector<int> term_of_column_;
+  Eigen::MatrixXd slopes_;
+  std::vector<Sparse> mass_slopes_;
+  bool mass_changes_ = true;
+};
+
+}  // namespace wheeltap::fem

@@ -1,0 +1,208 @@
+#include "identification/modal_likelihood.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "identification/mode_matching.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Modes = fem::ParametricModes::Modes;
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+/// Computed modes beyond the number measured that measured ones may be.
+constexpr int kFurther = 3;
+
+double frequency_of(const Modes& modes, Index i) {
+  return std::sqrt(std::max(0.0, modes.eigenvalues[i])) / kTwoPi;
+}
+
+struct Turn {
+  Index mode = -1;
+  double tau = 0.0;
+};
+
+/// The closest other mode, and how far it may have turned into this one.
+Turn closest(const Modes& modes, Index i) {
+  Turn turn;
+  double least = ModalLikelihood::kClose;
+  for (const Index k : {i - 1, i + 1}) {
+    if (k < 0 || k >= modes.eigenvalues.size()) continue;
+    const double mean = 0.5 * (modes.eigenvalues[i] + modes.eigenvalues[k]);
+    const double gap = std::abs(modes.eigenvalues[i] - modes.eigenvalues[k]) / mean;
+    if (gap >= least) continue;
+    least = gap;
+    turn.mode = k;
+  }
+  if (turn.mode < 0) return turn;
+  // 1/gap² of twins is as good as any that is uniform.
+  const double gap = std::max(least, 1e-2 * ModalLikelihood::kMixing);
+  turn.tau =
+      ModalLikelihood::kMixing *
+      std::sqrt(1.0 / (gap * gap) - 1.0 / (ModalLikelihood::kClose * ModalLikelihood::kClose));
+  return turn;
+}
+
+}  // namespace
+
+ModalLikelihood::ModalLikelihood(ModalData data) : data_(std::move(data)) {
+  const int n = data_.modes();
+  const auto refuse = [](int mode, const std::string& message) {
+    throw std::invalid_argument("mode " + std::to_string(mode + 1) + ": " + message);
+  };
+  shapes_.resize(static_cast<std::size_t>(n));
+  entries_.resize(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i)
+    if (!std::isnan(data_.frequencies_hz[static_cast<std::size_t>(i)]))
+      with_frequency_.push_back(i);
+  if (!data_.has_shapes()) return;
+  if (data_.shapes.rows() != n || data_.shapes.cols() != static_cast<Index>(data_.sensors.size()))
+    throw std::invalid_argument("shapes must have one row a mode and one column a sensor");
+  for (int i = 0; i < n; ++i) {
+    auto& entries = entries_[static_cast<std::size_t>(i)];
+    for (Index s = 0; s < data_.shapes.cols(); ++s)
+      if (!std::isnan(data_.shapes(i, s))) entries.push_back(static_cast<int>(s));
+    if (entries.empty()) continue;
+    try {
+      shapes_[static_cast<std::size_t>(i)].emplace(
+          data_.shapes.row(i).transpose()(entries),
+          data_.shape_covariances.at(static_cast<std::size_t>(i))(entries, entries));
+    } catch (const std::invalid_argument& error) {
+      refuse(i, error.what());
+    }
+  }
+}
+
+int ModalLikelihood::measured() const {
+  int sum = static_cast<int>(with_frequency_.size());
+  for (const auto& shape : shapes_) sum += shape ? shape->freedoms() : 0;
+  return sum;
+}
+
+int ModalLikelihood::candidates(int available) const {
+  return std::min(available, data_.modes() + data_.predict + (data_.has_shapes() ? kFurther : 0));
+}
+
+MatrixXd ModalLikelihood::covariance(const ModalNoise& noise) const {
+  MatrixXd c = data_.cov_prior ? MatrixXd::Zero(data_.modes(), data_.modes()) : data_.covariance;
+  const double relative =
+      (data_.cov_prior ? noise.cov * noise.cov : 0.0) + noise.discrepancy * noise.discrepancy;
+  for (const int i : with_frequency_) {
+    const double f = data_.frequencies_hz[static_cast<std::size_t>(i)];
+    c(i, i) += relative * f * f;
+  }
+  return c;
+}
+
+VectorXd ModalLikelihood::entries(const MatrixXd& shapes, int mode, Index computed) const {
+  return shapes.col(computed)(entries_[static_cast<std::size_t>(mode)]);
+}
+
+ShapeDensity::Comparison ModalLikelihood::compare(const Modes& modes, int mode, Index computed,
+                                                  const ModalNoise& noise) const {
+  const ShapeDensity& density = *shapes_[static_cast<std::size_t>(mode)];
+  const double scale = noise.shape_sd * noise.shape_sd;
+  const double more = noise.shape_discrepancy * noise.shape_discrepancy;
+  const VectorXd shape = entries(modes.shapes, mode, computed);
+  const Turn turn = closest(modes, computed);
+  if (turn.tau == 0.0) return density.against(shape, scale, more);
+  return density.against(shape, entries(modes.shapes, mode, turn.mode), turn.tau, scale, more);
+}
+
+std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& covariance,
+                                        const ModalNoise& noise) const {
+  const int n = data_.modes();
+  std::vector<int> out(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) out[static_cast<std::size_t>(i)] = i;
+  if (!data_.has_shapes()) return out;
+  MatrixXd costs = MatrixXd::Zero(n, modes.eigenvalues.size());
+  for (int i = 0; i < n; ++i)
+    for (Index j = 0; j < costs.cols(); ++j) {
+      const double f = data_.frequencies_hz[static_cast<std::size_t>(i)];
+      const double r = f - frequency_of(modes, j);
+      if (!std::isnan(f)) costs(i, j) += 0.5 * r * r / covariance(i, i);
+      if (shapes_[static_cast<std::size_t>(i)])
+        costs(i, j) -= compare(modes, i, j, noise).log_density;
+    }
+  return least_cost_assignment(costs);
+}
+
+ModalLikelihood::Score ModalLikelihood::score(const Modes& modes, const ModalNoise& noise) const {
+  Score out;
+  const MatrixXd c = covariance(noise);
+  const std::vector<int> matched = match(modes, c, noise);
+  for (int i = 0; i < data_.modes(); ++i) {
+    const Index j = matched[static_cast<std::size_t>(i)];
+    Match m{.computed = static_cast<int>(j), .frequency_hz = frequency_of(modes, j)};
+    if (shapes_[static_cast<std::size_t>(i)]) {
+      m.shape = compare(modes, i, j, noise);
+      out.log_likelihood += m.shape->log_density;
+      out.chi_square += m.shape->chi_square;
+    }
+    out.matches.push_back(std::move(m));
+  }
+  out.freedoms = measured();
+  const auto n = static_cast<Index>(with_frequency_.size());
+  if (n == 0) return out;
+  VectorXd r(n);
+  for (Index k = 0; k < n; ++k) {
+    const auto i = static_cast<std::size_t>(with_frequency_[static_cast<std::size_t>(k)]);
+    r[k] = data_.frequencies_hz[i] - out.matches[i].frequency_hz;
+  }
+  const Eigen::LLT<MatrixXd> llt(c(with_frequency_, with_frequency_));
+  if (llt.info() != Eigen::Success) {
+    out.log_likelihood = -std::numeric_limits<double>::infinity();
+    return out;
+  }
+  const double chi_square = llt.matrixL().solve(r).squaredNorm();
+  out.chi_square += chi_square;
+  out.log_likelihood -= 0.5 * chi_square + 0.5 * static_cast<double>(n) * std::log(kTwoPi);
+  for (Index k = 0; k < n; ++k) out.log_likelihood -= std::log(llt.matrixLLT()(k, k));
+  return out;
+}
+
+bool ModalLikelihood::slope(const Modes& modes, const fem::ParametricModes::Slopes& slopes,
+                            const ModalNoise& noise, std::span<double> out) const {
+  const MatrixXd c = covariance(noise);
+  const std::vector<int> matched = match(modes, c, noise);
+  std::ranges::fill(out, 0.0);
+  const auto n = static_cast<Index>(with_frequency_.size());
+  VectorXd r(n);
+  const auto computed = [&](int i) {
+    return static_cast<Index>(matched[static_cast<std::size_t>(i)]);
+  };
+  for (Index k = 0; k < n; ++k) {
+    const int i = with_frequency_[static_cast<std::size_t>(k)];
+    r[k] = data_.frequencies_hz[static_cast<std::size_t>(i)] - frequency_of(modes, computed(i));
+  }
+  const VectorXd pull = n > 0 ? VectorXd(c(with_frequency_, with_frequency_).llt().solve(r)) : r;
+  for (Index k = 0; k < n; ++k) {
+    const Index j = computed(with_frequency_[static_cast<std::size_t>(k)]);
+    // f = √λ / 2π:  ∂f = ∂λ / (8π² f).
+    const double rate = 1.0 / (2.0 * kTwoPi * kTwoPi * frequency_of(modes, j));
+    for (std::size_t p = 0; p < out.size(); ++p)
+      out[p] += pull[k] * rate * slopes.eigenvalues(j, static_cast<Index>(p));
+  }
+  const double scale = noise.shape_sd * noise.shape_sd;
+  const double more = noise.shape_discrepancy * noise.shape_discrepancy;
+  for (int i = 0; i < data_.modes(); ++i) {
+    const auto& density = shapes_[static_cast<std::size_t>(i)];
+    if (!density) continue;
+    const Index j = computed(i);
+    if (closest(modes, j).tau > 0.0) return false;
+    const VectorXd s = density->slope(entries(modes.shapes, i, j), scale, more);
+    for (std::size_t p = 0; p < out.size(); ++p) out[p] += s.dot(entries(slopes.shapes[p], i, j));
+  }
+  return true;
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,96 @@
+// The likelihood of measured modes: frequencies and shapes, matched to the computed ones.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fem/structures/parametric_modes.hpp"
+#include "identification/modal_data.hpp"
+#include "identification/shape_density.hpp"
+#include "inference/target.hpp"
+
+namespace wheeltap::identification {
+
+/// The scatters of one state.
+struct ModalNoise {
+  double cov = 0.0;       ///< of frequencies, where it is unknown
+  double shape_sd = 1.0;  ///< multiplies the shapes' sd, where it is unknown
+  double discrepancy = 0.0, shape_discrepancy = 0.0;
+};
+
+/// With A the matching of measured to computed modes,
+///
+///   ln p(data | θ) = ln N(f_obs; f_A(θ), C) + Σ ln p(ψ_i | φ_A(i)(θ)),
+///   C = C_noise + δ² diag(f_obs²),   C_noise = C of the data, or cov² diag(f_obs²),
+///
+/// shapes' densities as in shape_density.hpp, δ the discrepancy: what the model leaves out moves
+/// each frequency by N(0, (δ f)²), which is integrated out, so that δ may be inferred from the
+/// residuals.
+///
+/// Where no shape was measured, the i-th frequency is the i-th elastic mode. Where some were, A is
+/// the assignment of least cost among the `candidates` lowest modes, of frequencies and shapes
+/// together: modes may be missing from the data, or stand in another order; correlations of
+/// frequencies count once A is known. It takes the best matching for the true one: where another
+/// comes near, modes are close and both are alike.
+///
+/// Modes whose eigenvalues are closer than `kClose` may have turned in their common plane by
+/// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), gap relative: what a change of K by a
+/// thousandth does to them. Of more than two such modes, each with the closest.
+class ModalLikelihood {
+ public:
+  static constexpr double kClose = 0.05;
+  static constexpr double kMixing = 1e-3;
+
+  /// Throws std::invalid_argument for data that do not fit together, naming the mode (from 1).
+  explicit ModalLikelihood(ModalData data);
+
+  /// Of one mode, as matched.
+  struct Match {
+    int computed = 0;           ///< 0-based, of the elastic modes
+    double frequency_hz = 0.0;  ///< computed
+    std::optional<ShapeDensity::Comparison> shape = {};
+  };
+  struct Score {
+    double log_likelihood = 0.0;
+    double chi_square = 0.0;  ///< of frequencies and shapes
+    int freedoms = 0;
+    std::vector<Match> matches;
+  };
+  [[nodiscard]] Score score(const fem::ParametricModes::Modes& modes,
+                            const ModalNoise& noise) const;
+  /// ∂ ln p/∂θ_j at a given matching. False where close modes may have turned.
+  [[nodiscard]] bool slope(const fem::ParametricModes::Modes& modes,
+                           const fem::ParametricModes::Slopes& slopes, const ModalNoise& noise,
+                           std::span<double> out) const;
+
+  /// C, and its part of a mode.
+  [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
+  [[nodiscard]] const ModalData& data() const { return data_; }
+  /// Numbers measured, scales not counted.
+  [[nodiscard]] int measured() const;
+  [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const {
+    return shapes_[static_cast<std::size_t>(mode)];
+  }
+  /// Modes that must be computed: those measured, further ones that they may be, and those to be
+  /// foretold; at most `available`.
+  [[nodiscard]] int candidates(int available) const;
+
+ private:
+  [[nodiscard]] Eigen::VectorXd entries(const Eigen::MatrixXd& shapes, int mode,
+                                        Eigen::Index computed) const;
+  [[nodiscard]] ShapeDensity::Comparison compare(const fem::ParametricModes::Modes& modes, int mode,
+                                                 Eigen::Index computed,
+                                                 const ModalNoise& noise) const;
+  [[nodiscard]] std::vector<int> match(const fem::ParametricModes::Modes& modes,
+                                       const Eigen::MatrixXd& covariance,
+                                       const ModalNoise& noise) const;
+
+  ModalData data_;
+  std::vector<int> with_frequency_;
+  std::vector<std::vector<int>> entries_;  // sensors of each shape
+  std::vector<std::optional<ShapeDensity>> shapes_;
+};
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,399 @@
+#include "identification/update_findings.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "base/random.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using inference::ChainsOf;
+using inference::Posterior;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+/// Draws that are looked at again, with their shapes.
+constexpr std::size_t kExamined = 2000;
+/// Reweighted draws that are worth fewer than this say little.
+constexpr double kFewDraws = 50.0;
+
+double tail(double freedoms, double chi_square) {
+  return freedoms > 0.0 ? boost::math::gamma_q(0.5 * freedoms, 0.5 * std::max(0.0, chi_square))
+                        : 1.0;
+}
+
+std::size_t width_of(const Posterior& posterior) {
+  return static_cast<std::size_t>(posterior.dimension);
+}
+std::span<const double> draw_of(const Posterior& posterior, std::size_t chain, std::size_t i) {
+  const std::size_t width = width_of(posterior);
+  return {posterior.chains[chain].theta.data() + i * width, width};
+}
+
+/// All draws in standard normal coordinates, one a row.
+MatrixXd coordinates(const UpdateProblem& problem, const Posterior& posterior) {
+  const auto& space = problem.problem.space;
+  std::size_t all = 0;
+  for (const auto& chain : posterior.chains) all += chain.model.size();
+  MatrixXd z(static_cast<Index>(all), posterior.dimension);
+  Index row = 0;
+  for (std::size_t c = 0; c < posterior.chains.size(); ++c)
+    for (std::size_t i = 0; i < posterior.chains[c].model.size(); ++i, ++row) {
+      const auto x = draw_of(posterior, c, i);
+      for (Index p = 0; p < z.cols(); ++p)
+        z(row, p) = std::clamp(
+            space.prior(0, static_cast<int>(p)).to_standard_normal(x[static_cast<std::size_t>(p)]),
+            -8.0, 8.0);
+    }
+  return z;
+}
+
+void judge_parameters(const UpdateProblem& problem, const Posterior& posterior,
+                      UpdateFindings& out) {
+  const auto& space = problem.problem.space;
+  const MatrixXd z = coordinates(problem, posterior);
+  const VectorXd mean = z.colwise().mean();
+  const MatrixXd centred = z.rowwise() - mean.transpose();
+  const MatrixXd covariance =
+      centred.transpose() * centred / static_cast<double>(std::max<Index>(1, z.rows() - 1));
+  const auto d = static_cast<Index>(problem.structural);
+  const auto name = [&](Index p) { return space.parameter_name(0, static_cast<int>(p)); };
+  for (Index p = 0; p < z.cols(); ++p) {
+    Contraction c{.name = name(p), .contraction = 1.0 - covariance(p, p), .shift = mean[p]};
+    const inference::Prior& prior = space.prior(0, static_cast<int>(p));
+    // A quarter of the draws in the outer twentieth of the prior.
+    const auto beyond = [&](double sign) {
+      return static_cast<double>((sign * z.col(p).array() > 1.645).count()) >
+             0.25 * static_cast<double>(z.rows());
+    };
+    using Bound = Contraction::Bound;
+    if (beyond(1.0) && std::isfinite(prior.upper())) c.bound = Bound::upper;
+    if (beyond(-1.0) && std::isfinite(prior.lower()) && prior.lower() != 0.0)
+      c.bound = Bound::lower;
+    if (c.bound != Bound::none)
+      out.remarks.push_back(remark::ParameterAtBound{.model = space[0].name,
+                                                     .parameter = c.name,
+                                                     .prior = prior.describe(),
+                                                     .upper = c.bound == Bound::upper});
+    out.contractions.push_back(std::move(c));
+  }
+  for (Index a = 0; a < z.cols(); ++a)
+    for (Index b = a + 1; b < z.cols(); ++b) {
+      const double r = covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
+      if (std::abs(r) > kEntangled) out.entangled.push_back({name(a), name(b), r});
+    }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(covariance.topLeftCorner(d, d));
+  for (Index k = d - 1; k >= 0; --k) {
+    const double contraction = 1.0 - axes.eigenvalues()[k];
+    if (contraction >= kUntouched) break;
+    UntouchedDirection direction{.contraction = contraction, .weights = {}};
+    VectorXd w = axes.eigenvectors().col(k);
+    Index largest = 0;
+    w.cwiseAbs().maxCoeff(&largest);
+    if (w[largest] < 0.0) w = -w;
+    for (Index p = 0; p < d; ++p)
+      if (std::abs(w[p]) >= 0.3) direction.weights.emplace_back(name(p), w[p]);
+    std::ranges::sort(direction.weights, std::ranges::greater{},
+                      [](const auto& entry) { return std::abs(entry.second); });
+    out.untouched.push_back(std::move(direction));
+  }
+}
+
+/// Draws that were solved again.
+struct Examined {
+  std::vector<std::vector<double>> x;
+  std::vector<double> log_likelihood;
+  std::vector<ModalLikelihood::Score> scores;
+  std::vector<VectorXd> frequencies_hz;  // of all computed modes
+  std::size_t best = 0;
+};
+
+Examined examine(const UpdateProblem& problem, const Posterior& posterior, UpdateFindings& out) {
+  Examined seen;
+  ModePredictor predictor(problem);
+  const auto add = [&](std::span<const double> x) {
+    if (!predictor.solve(x)) return;
+    seen.x.emplace_back(x.begin(), x.end());
+    seen.scores.push_back(predictor.score(x));
+    seen.log_likelihood.push_back(seen.scores.back().log_likelihood);
+    seen.frequencies_hz.emplace_back(predictor.modes().eigenvalues.cwiseSqrt() / (2.0 * M_PI));
+    out.in_full += predictor.modes().in_full && !problem.modes->training().complete;
+  };
+  const std::size_t chains = posterior.chains.size(), draws = posterior.chains[0].model.size();
+  const std::size_t stride = std::max<std::size_t>(1, chains * draws / kExamined);
+  std::size_t best_chain = 0, best_draw = 0;
+  for (std::size_t c = 0; c < chains; ++c)
+    for (std::size_t i = 0; i < posterior.chains[c].model.size(); ++i) {
+      if (i % stride == 0) add(draw_of(posterior, c, i));
+      if (posterior.chains[c].log_likelihood[i] >
+          posterior.chains[best_chain].log_likelihood[best_draw])
+        best_chain = c, best_draw = i;
+    }
+  out.examined = static_cast<int>(seen.x.size());
+  // The best of all draws, last: it counts in no average.
+  add(draw_of(posterior, best_chain, best_draw));
+  seen.best = seen.x.size() - 1;
+  return seen;
+}
+
+template <class Value>
+Marginal marginal_of(const UpdateFindings& out, const Value& value) {
+  std::vector<double> draws;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(out.examined); ++i)
+    draws.push_back(value(i));
+  return marginal({draws});
+}
+
+/// ln p of one mode alone, at a draw: what leaving it out takes away. Frequencies' correlations are
+/// kept by conditioning on the others.
+std::vector<VectorXd> mode_likelihoods(const UpdateProblem& problem, const Examined& seen,
+                                       std::size_t draws) {
+  const ModalLikelihood& likelihood = *problem.likelihood;
+  const ModalData& data = likelihood.data();
+  const auto n = static_cast<Index>(data.modes());
+  std::vector<VectorXd> out;
+  for (std::size_t s = 0; s < draws; ++s) {
+    const auto noise = problem.noise(seen.x[s]);
+    const MatrixXd covariance = likelihood.covariance(noise);
+    std::vector<int> with;
+    for (Index i = 0; i < n; ++i)
+      if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)]))
+        with.push_back(static_cast<int>(i));
+    VectorXd l = VectorXd::Zero(n);
+    if (!with.empty()) {
+      const MatrixXd precision = covariance(with, with).inverse();
+      VectorXd r(static_cast<Index>(with.size()));
+      for (std::size_t k = 0; k < with.size(); ++k) {
+        const auto i = static_cast<std::size_t>(with[k]);
+        r[static_cast<Index>(k)] = data.frequencies_hz[i] - seen.scores[s].matches[i].frequency_hz;
+      }
+      const VectorXd pull = precision * r;
+      // r_i given the others ~ N(r_i - pull_i / P_ii, 1 / P_ii).
+      for (std::size_t k = 0; k < with.size(); ++k) {
+        const auto at = static_cast<Index>(k);
+        const double p = precision(at, at);
+        l[with[k]] = -0.5 * pull[at] * pull[at] / p + 0.5 * std::log(p / (2.0 * M_PI));
+      }
+    }
+    for (Index i = 0; i < n; ++i)
+      if (const auto& shape = seen.scores[s].matches[static_cast<std::size_t>(i)].shape)
+        l[i] += shape->log_density;
+    out.push_back(std::move(l));
+  }
+  return out;
+}
+
+void leave_one_out(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
+  const auto draws = static_cast<std::size_t>(out.examined);
+  const std::vector<VectorXd> l = mode_likelihoods(problem, seen, draws);
+  for (std::size_t m = 0; m < out.modes.size(); ++m) {
+    const auto at = static_cast<Index>(m);
+    double least = std::numeric_limits<double>::infinity(), mean = 0.0;
+    for (std::size_t s = 0; s < draws; ++s) {
+      least = std::min(least, l[s][at]);
+      mean += l[s][at] / static_cast<double>(draws);
+    }
+    // Weights ∝ exp(-l).
+    double sum = 0.0, squares = 0.0;
+    std::vector<double> w(draws);
+    for (std::size_t s = 0; s < draws; ++s) {
+      w[s] = std::exp(least - l[s][at]);
+      sum += w[s];
+      squares += w[s] * w[s];
+    }
+    ModeFinding& finding = out.modes[m];
+    finding.information = std::max(0.0, mean - least + std::log(sum / static_cast<double>(draws)));
+    finding.reliable = sum * sum / squares >= kFewDraws;
+    for (int p = 0; p < problem.structural; ++p) {
+      const auto place = static_cast<std::size_t>(p);
+      double with = 0.0, without = 0.0, variance = 0.0;
+      for (std::size_t s = 0; s < draws; ++s) {
+        with += seen.x[s][place] / static_cast<double>(draws);
+        without += seen.x[s][place] * w[s] / sum;
+      }
+      for (std::size_t s = 0; s < draws; ++s)
+        variance += std::pow(seen.x[s][place] - with, 2) / static_cast<double>(draws);
+      const double moved = variance > 0.0 ? (without - with) / std::sqrt(variance) : 0.0;
+      if (std::abs(moved) > std::abs(finding.moved)) {
+        finding.moved = moved;
+        finding.moves = problem.problem.space.parameter_name(0, p);
+      }
+    }
+  }
+}
+
+void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
+  const ModalLikelihood& likelihood = *problem.likelihood;
+  const ModalData& data = likelihood.data();
+  for (int i = 0; i < data.modes(); ++i) {
+    const auto m = static_cast<std::size_t>(i);
+    ModeFinding f{.mode = i + 1, .measured_hz = data.frequencies_hz[m], .sd_hz = kNaN};
+    const auto match = [&](std::size_t s) -> const auto& {
+      return seen.scores[s].matches[m];
+    };
+    f.frequency_hz = marginal_of(out, [&](std::size_t s) { return match(s).frequency_hz; });
+    std::map<int, int> tally;
+    double residual = 0.0, sd = 0.0;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
+      ++tally[match(s).computed];
+      const double here = std::sqrt(likelihood.covariance(problem.noise(seen.x[s]))(i, i));
+      sd += here / out.examined;
+      residual += (f.measured_hz - match(s).frequency_hz) / here / out.examined;
+    }
+    const bool has_frequency = !std::isnan(f.measured_hz);
+    f.sd_hz = has_frequency ? sd : kNaN;
+    f.residual = has_frequency ? residual : kNaN;
+    const auto most = std::ranges::max_element(tally, {}, [](const auto& e) { return e.second; });
+    f.computed = most->first + 1;
+    f.matched = static_cast<double>(most->second) / out.examined;
+    if (const auto& shape = likelihood.shape(i)) {
+      f.has_shape = true;
+      f.shape_freedoms = shape->freedoms();
+      f.mac = marginal_of(out, [&](std::size_t s) { return match(s).shape->mac; });
+      double p = 0.0;
+      for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
+        f.shape_chi_square += match(s).shape->chi_square / out.examined;
+        p += tail(f.shape_freedoms, match(s).shape->chi_square) / out.examined;
+      }
+      f.shape_p = p;
+    }
+    out.modes.push_back(std::move(f));
+  }
+}
+
+void judge_fit(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
+  UpdateFit& fit = out.fit;
+  fit.p = 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t s = 0; s < seen.scores.size(); ++s) {
+    least = std::min(least, seen.scores[s].chi_square);
+    if (s < static_cast<std::size_t>(out.examined))
+      fit.p += tail(out.numbers, seen.scores[s].chi_square) / out.examined;
+  }
+  // Parameters that the data move, each its share of one.
+  double used = 0.0;
+  for (int p = 0; p < problem.structural; ++p)
+    used += std::clamp(out.contractions[static_cast<std::size_t>(p)].contraction, 0.0, 1.0);
+  const bool known = problem.cov < 0 && problem.shape_sd < 0 && problem.discrepancy < 0 &&
+                     problem.shape_discrepancy < 0;
+  if (known && out.numbers - used >= 1.0) fit.best_p = tail(out.numbers - used, least);
+  double rest = 0.0, spread = 0.0, mean = 0.0, count = 0.0;
+  for (const ModeFinding& m : out.modes)
+    if (!std::isnan(m.measured_hz)) mean += m.measured_hz, ++count;
+  mean /= count;
+  for (const ModeFinding& m : out.modes) {
+    if (m.is_off()) fit.off.push_back(m.mode);
+    if (std::isnan(m.measured_hz)) continue;
+    rest += std::pow(m.measured_hz - m.frequency_hz.mean, 2);
+    spread += std::pow(m.measured_hz - mean, 2);
+  }
+  fit.r2 = count >= 2.0 && spread > 0.0 ? 1.0 - rest / spread : kNaN;
+  for (const Prediction& p : out.predictions)
+    if (p.misses()) fit.missed.push_back(p.mode);
+}
+
+/// The next modes after those that the measured ones are matched to.
+void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
+             UpdateFindings& out) {
+  const ModalData& data = problem.update_case.data;
+  int first = 0;
+  for (const ModeFinding& m : out.modes) first = std::max(first, m.computed);
+  for (int k = 0; k < data.predict && first + k < problem.candidates(); ++k) {
+    const Index at = first + k;
+    Prediction p{.mode = first + k + 1};
+    p.frequency_hz = marginal_of(out, [&](std::size_t s) { return seen.frequencies_hz[s][at]; });
+    // As well as the modes measured are known, on average.
+    std::vector<double> replicates;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
+      const MatrixXd covariance = problem.likelihood->covariance(problem.noise(seen.x[s]));
+      double relative = 0.0, count = 0.0;
+      for (int i = 0; i < data.modes(); ++i) {
+        const double f = data.frequencies_hz[static_cast<std::size_t>(i)];
+        if (!std::isnan(f)) relative += covariance(i, i) / (f * f), ++count;
+      }
+      base::Random random(seed, static_cast<std::uint64_t>(k), s, base::Purpose::prediction);
+      const double f = seen.frequencies_hz[s][at];
+      replicates.push_back(f *
+                           (1.0 + std::sqrt(relative / std::max(1.0, count)) * random.normal()));
+    }
+    std::ranges::sort(replicates);
+    p.low_hz = quantile(replicates, 0.025);
+    p.high_hz = quantile(replicates, 0.975);
+    if (static_cast<std::size_t>(k) < data.held_out_hz.size() &&
+        !std::isnan(data.held_out_hz[static_cast<std::size_t>(k)]))
+      p.measured_hz = data.held_out_hz[static_cast<std::size_t>(k)];
+    out.predictions.push_back(std::move(p));
+  }
+}
+
+/// Shapes at the best draw beside the measured ones, and the MAC of all pairs.
+void show_shapes(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
+  const ModalData& data = problem.update_case.data;
+  out.best_draw = seen.x[seen.best];
+  if (!data.has_shapes()) return;
+  ModePredictor predictor(problem);
+  if (!predictor.solve(seen.x[seen.best])) return;
+  const MatrixXd& shapes = predictor.modes().shapes;
+  out.mac = MatrixXd::Constant(data.modes(), shapes.cols(), kNaN);
+  out.best_shapes = MatrixXd::Constant(data.modes(), shapes.rows(), kNaN);
+  for (int i = 0; i < data.modes(); ++i) {
+    if (!problem.likelihood->shape(i)) continue;
+    std::vector<int> entries;
+    for (Index s = 0; s < shapes.rows(); ++s)
+      if (!std::isnan(data.shapes(i, s))) entries.push_back(static_cast<int>(s));
+    const VectorXd measured = data.shapes.row(i).transpose()(entries);
+    for (Index j = 0; j < shapes.cols(); ++j) {
+      const VectorXd computed = shapes.col(j)(entries);
+      const double along = measured.dot(computed);
+      out.mac(i, j) = along * along / (measured.squaredNorm() * computed.squaredNorm());
+    }
+    const VectorXd matched =
+        shapes.col(seen.scores[seen.best].matches[static_cast<std::size_t>(i)].computed);
+    const double scale =
+        measured.dot(VectorXd(matched(entries))) / VectorXd(matched(entries)).squaredNorm();
+    for (Index s = 0; s < shapes.rows(); ++s) out.best_shapes(i, s) = scale * matched[s];
+  }
+}
+
+}  // namespace
+
+bool Contraction::at_prior() const {
+  return contraction < kUntouched && std::abs(shift) < 0.2 && bound == Bound::none;
+}
+
+bool ModeFinding::is_off() const {
+  return (!std::isnan(residual) && std::abs(residual) > 3.0) || (has_shape && shape_p < kMisfit);
+}
+
+bool UpdateFit::ok() const {
+  return p >= kMisfit && best_p >= kMisfit && missed.empty();
+}
+
+UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& posterior,
+                               const std::vector<MethodEvidence>& evidence, std::uint64_t seed) {
+  UpdateFindings out;
+  static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior), seed);
+  out.numbers = problem.likelihood->measured();
+  judge_parameters(problem, posterior, out);
+  const Examined seen = examine(problem, posterior, out);
+  judge_modes(problem, seen, out);
+  leave_one_out(problem, seen, out);
+  predict(problem, seen, seed, out);
+  judge_fit(problem, seen, out);
+  show_shapes(problem, seen, out);
+  conclude(out, problem.problem.space, evidence);
+  // Contractions say it more sharply.
+  std::erase_if(out.remarks, [](const Remark& remark) {
+    return std::holds_alternative<remark::NearlyPrior>(remark);
+  });
+  return out;
+}
+
+}  // namespace wheeltap::identification

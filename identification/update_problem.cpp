@@ -1,0 +1,196 @@
+#include "identification/update_problem.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "fem/structures/structure_modes.hpp"
+#include "identification/structure_family.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+class UpdateLikelihood final : public inference::Likelihood {
+ public:
+  explicit UpdateLikelihood(const UpdateProblem& problem)
+      : problem_(problem), predictor_(problem) {}
+
+  double log_likelihood(int /*model*/, std::span<const double> x) override {
+    if (!predictor_.solve(x)) {
+      std::ranges::fill(prediction_, std::numeric_limits<double>::quiet_NaN());
+      return -std::numeric_limits<double>::infinity();
+    }
+    const auto score = predictor_.score(x);
+    prediction_.clear();
+    for (const auto& match : score.matches) prediction_.push_back(match.frequency_hz);
+    return score.log_likelihood;
+  }
+  bool gradient(int /*model*/, std::span<const double> x, std::span<double> out) override {
+    return predictor_.gradient(x, out);
+  }
+  [[nodiscard]] std::span<const double> prediction() const override { return prediction_; }
+
+ private:
+  const UpdateProblem& problem_;
+  ModePredictor predictor_;
+  std::vector<double> prediction_ =
+      std::vector<double>(problem_.update_case.data.frequencies_hz.size());
+};
+
+/// How exactly modes are to be computed: to a thousandth of the smallest scatter of a frequency,
+/// and a fifth of that of a shape, by their bounds (errors are far below them).
+struct Tolerances {
+  double eigenvalue = 1e-6, shape = 1e-3;
+};
+
+Tolerances tolerances_of(const ModalLikelihood& likelihood) {
+  const ModalData& data = likelihood.data();
+  double cov = std::numeric_limits<double>::infinity(), sd = cov;
+  for (int i = 0; i < data.modes(); ++i) {
+    const double f = data.frequencies_hz[static_cast<std::size_t>(i)];
+    if (!std::isnan(f) && !data.cov_prior)
+      cov = std::min(cov, std::sqrt(data.covariance(i, i)) / f);
+    if (likelihood.shape(i) && !data.shape_sd_prior) sd = std::min(sd, likelihood.shape(i)->sd());
+  }
+  // The lower end of what an unknown scatter may be.
+  if (data.cov_prior) cov = data.cov_prior->from_standard_normal(-2.0);
+  if (data.shape_sd_prior) sd = data.shape_sd_prior->from_standard_normal(-2.0);
+  // λ ∝ f².
+  return {.eigenvalue = std::clamp(2e-3 * cov, 1e-8, 1e-5),
+          .shape = std::clamp(0.2 * sd, 1e-4, 1e-2)};
+}
+
+double seconds_of(const UpdateProblem& problem, const std::vector<std::vector<double>>& draws) {
+  ModePredictor predictor(problem);
+  const std::size_t tried = std::min<std::size_t>(draws.size(), 50);
+  std::vector<double> x;
+  const auto began = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < tried; ++i) {
+    x = draws[i];
+    for (std::size_t p = x.size(); p < problem.problem.space.parameters().size(); ++p)
+      x.push_back(problem.problem.space.parameters()[p].prior.from_standard_normal(0.0));
+    if (predictor.solve(x)) static_cast<void>(predictor.score(x));
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  return took.count() / static_cast<double>(std::max<std::size_t>(1, tried));
+}
+
+}  // namespace
+
+const std::vector<std::string>& scatter_names() {
+  static const std::vector<std::string> names = {"cov", "shape_sd", "discrepancy",
+                                                 "shape_discrepancy"};
+  return names;
+}
+
+ModalNoise UpdateProblem::noise(std::span<const double> x) const {
+  const ModalData& data = update_case.data;
+  const auto at = [&](int place, double known) {
+    return place < 0 ? known : x[static_cast<std::size_t>(place)];
+  };
+  return {.cov = at(cov, 0.0),
+          .shape_sd = at(shape_sd, 1.0),
+          .discrepancy = at(discrepancy, data.discrepancy.value),
+          .shape_discrepancy = at(shape_discrepancy, data.shape_discrepancy.value)};
+}
+
+std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
+                                                         const UpdateProblemOptions& options) {
+  const StructureModel& model = *update_case.structure;
+  if (model.parameters.empty())
+    throw std::invalid_argument("parameters is empty: there is nothing to be learnt");
+  auto likelihood = std::make_shared<const ModalLikelihood>(update_case.data);
+
+  std::vector<inference::Parameter> parameters = model.parameters;
+  std::vector<int> places;
+  const ModalData& data = update_case.data;
+  for (const auto& prior : {data.cov_prior, data.shape_sd_prior, data.discrepancy.prior,
+                            data.shape_discrepancy.prior}) {
+    places.push_back(prior ? static_cast<int>(parameters.size()) : -1);
+    const std::string& name = scatter_names()[places.size() - 1];
+    if (prior) parameters.push_back({name, *prior});
+  }
+  std::vector<std::string> names;
+  for (const auto& parameter : parameters) names.push_back(parameter.name);
+
+  const auto draws = prior_draws(model, options.training);
+  auto structure =
+      std::make_shared<const fem::ParametricStructure>(family_of(update_case.structure), draws);
+  const auto available = static_cast<int>(fem::mode_count(structure->nominal()) -
+                                          structure->nominal().rigid_motions.cols());
+  std::vector<fem::SparseRow> motions;
+  if (data.has_shapes())
+    for (const Sensor& sensor : data.sensors) motions.push_back(sensor.motion);
+  const Tolerances tolerances = tolerances_of(*likelihood);
+  auto modes = std::make_shared<const fem::ParametricModes>(
+      std::move(structure), draws,
+      fem::ParametricModesOptions{
+          .modes = std::max(data.modes(), likelihood->candidates(available)),
+          .motions = std::move(motions),
+          .tolerance = tolerances.eigenvalue,
+          .shape_tolerance = tolerances.shape,
+          .progress = options.progress});
+
+  auto out = std::make_unique<UpdateProblem>(UpdateProblem{
+      .update_case = std::move(update_case),
+      .modes = std::move(modes),
+      .likelihood = std::move(likelihood),
+      .problem = {.space =
+                      inference::ModelSpace::of_models(parameters, {{"the structure", 1.0, names}}),
+                  .likelihood = {}},
+      .structural = static_cast<int>(model.parameters.size()),
+      .cov = places[0],
+      .shape_sd = places[1],
+      .discrepancy = places[2],
+      .shape_discrepancy = places[3]});
+  out->problem.likelihood = [problem = out.get()] {
+    return std::make_unique<UpdateLikelihood>(*problem);
+  };
+  out->seconds_a_likelihood = seconds_of(*out, draws);
+  return out;
+}
+
+ModePredictor::ModePredictor(const UpdateProblem& problem)
+    : problem_(problem), workspace_(problem.modes->make_workspace()) {}
+
+bool ModePredictor::solve(std::span<const double> x) {
+  try {
+    problem_.modes->solve(problem_.theta(x), workspace_, modes_);
+  } catch (const std::invalid_argument&) {
+    return false;
+  } catch (const std::runtime_error&) {
+    return false;  // so near to a mechanism that the solver gives up
+  }
+  return modes_.eigenvalues.allFinite() && modes_.eigenvalues.minCoeff() > 0.0;
+}
+
+ModalLikelihood::Score ModePredictor::score(std::span<const double> x) const {
+  return problem_.likelihood->score(modes_, problem_.noise(x));
+}
+
+bool ModePredictor::gradient(std::span<const double> x, std::span<double> out) {
+  const auto structural = static_cast<std::size_t>(problem_.structural);
+  try {
+    if (!problem_.modes->differentiate(problem_.theta(x), workspace_, modes_, slopes_))
+      return false;
+  } catch (const std::exception&) {
+    return false;
+  }
+  if (!problem_.likelihood->slope(modes_, slopes_, problem_.noise(x), out.first(structural)))
+    return false;
+  // Scatters move no mode: differences cost next to nothing.
+  std::vector<double> moved(x.begin(), x.end());
+  for (std::size_t p = structural; p < x.size(); ++p) {
+    const double step = 1e-5 * std::max(std::abs(x[p]), 1e-8);
+    moved[p] = x[p] + step;
+    const double above = score(moved).log_likelihood;
+    moved[p] = x[p] - step;
+    out[p] = (above - score(moved).log_likelihood) / (2.0 * step);
+    moved[p] = x[p];
+  }
+  return true;
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,68 @@
+// From a structure and its measured modes to a problem for the engine.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "fem/structures/parametric_modes.hpp"
+#include "identification/modal_likelihood.hpp"
+#include "identification/update_case.hpp"
+#include "inference/target.hpp"
+
+namespace wheeltap::identification {
+
+/// All that a run needs, kept together because the problem's likelihood refers to it. One model,
+/// whose parameters are those of the structure and then, where they are unknown, "cov",
+/// "shape_sd", "discrepancy" and "shape_discrepancy".
+struct UpdateProblem {
+  UpdateCase update_case;
+  std::shared_ptr<const fem::ParametricModes> modes;
+  std::shared_ptr<const ModalLikelihood> likelihood;
+  inference::Problem problem;
+  int structural = 0;  ///< parameters of the structure
+  /// Where the scatters stand in a parameter vector; -1: known.
+  int cov = -1, shape_sd = -1, discrepancy = -1, shape_discrepancy = -1;
+  double seconds_a_likelihood = 0.0;  ///< about, on this machine now
+
+  [[nodiscard]] ModalNoise noise(std::span<const double> x) const;
+  [[nodiscard]] std::span<const double> theta(std::span<const double> x) const {
+    return x.first(static_cast<std::size_t>(structural));
+  }
+  /// The lowest elastic modes that are computed.
+  [[nodiscard]] int candidates() const { return modes->modes(); }
+};
+
+/// Names that scatters have as parameters.
+[[nodiscard]] const std::vector<std::string>& scatter_names();
+
+struct UpdateProblemOptions {
+  int training = 200;  ///< draws of the prior that the reduced basis is made for
+  std::function<void(double)> progress = {};
+};
+
+/// Trains the reduced basis: eigenvalues are then known to a thousandth of the smallest scatter of
+/// a frequency (1e-8 to 1e-5, relative), shapes to a fifth of theirs, or the structure is solved in
+/// full. Throws std::invalid_argument for data that do not fit together and
+/// more modes than there are, fem::InvalidStructure.
+[[nodiscard]] std::unique_ptr<const UpdateProblem> make_update_problem(
+    UpdateCase update_case, const UpdateProblemOptions& options = {});
+
+/// Modes of a state, for one thread.
+class ModePredictor {
+ public:
+  explicit ModePredictor(const UpdateProblem& problem);
+  /// False where there is no such structure.
+  bool solve(std::span<const double> x);
+  [[nodiscard]] const fem::ParametricModes::Modes& modes() const { return modes_; }
+  [[nodiscard]] ModalLikelihood::Score score(std::span<const double> x) const;
+  /// ∂ ln p/∂x. False where there is none.
+  bool gradient(std::span<const double> x, std::span<double> out);
+
+ private:
+  const UpdateProblem& problem_;
+  fem::ParametricModes::Workspace workspace_;
+  fem::ParametricModes::Modes modes_;
+  fem::ParametricModes::Slopes slopes_;
+};
+
+}  // namespace wheeltap::identification

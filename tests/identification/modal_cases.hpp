@@ -1,0 +1,59 @@
+// Structures with measured modes that the tests of updating share.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "fem/structures/lumped_chain.hpp"
+#include "identification/update_problem.hpp"
+
+namespace wheeltap::identification::modal {
+
+/// A chain from the ground: masses [kg], and a stiffness parameter a link.
+inline std::shared_ptr<const StructureModel> chain(const std::vector<double>& masses,
+                                                   const std::vector<inference::Prior>& priors) {
+  fem::LumpedChain chain{.masses = masses, .links = {}};
+  auto model = std::make_shared<StructureModel>();
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    const std::string number = std::to_string(i + 1);
+    chain.links.push_back({.name = "storey " + number,
+                           .between = {static_cast<int>(i), static_cast<int>(i) + 1},
+                           .stiffness = priors[i].from_standard_normal(0.0)});
+    model->parameters.push_back({"k" + number, priors[i]});
+    model->setters.emplace_back(
+        [i](AnyStructure& s, double x) { std::get<fem::LumpedChain>(s).links[i].stiffness = x; });
+  }
+  model->nominal = std::move(chain);
+  return model;
+}
+
+/// Sensors at the masses with these numbers, from 1.
+inline std::vector<Sensor> at_masses(const std::vector<int>& numbers) {
+  std::vector<Sensor> sensors;
+  for (const int i : numbers)
+    sensors.push_back({"mass " + std::to_string(i), {.dofs = {i - 1}, .coefficients = {1.0}}});
+  return sensors;
+}
+
+inline Eigen::MatrixXd diagonal(const std::vector<double>& sds) {
+  Eigen::MatrixXd c = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(sds.size()),
+                                            static_cast<Eigen::Index>(sds.size()));
+  for (std::size_t i = 0; i < sds.size(); ++i)
+    c(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) = sds[i] * sds[i];
+  return c;
+}
+
+/// The two-storey chain of the tests, its frequencies at `cov`, and shapes at both floors where
+/// `shape_sd` > 0.
+inline UpdateCase two_storeys(double cov, double shape_sd) {
+  UpdateCase out{.title = "two storeys",
+                 .structure = chain({2.0, 1.0}, {inference::Uniform{500.0, 3000.0},
+                                                 inference::Uniform{300.0, 2500.0}})};
+  out.data.sensors = at_masses({1, 2});
+  out.simulation = ModalSimulation{
+      .parameters = {1400.0, 900.0}, .modes = 2, .cov = cov, .shape_sd = shape_sd, .seed = 4};
+  simulate(out, 4);
+  return out;
+}
+
+}  // namespace wheeltap::identification::modal

@@ -1,0 +1,169 @@
+#include "identification/modal_likelihood.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "tests/identification/modal_cases.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Modes = fem::ParametricModes::Modes;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Modes modes_of(const std::vector<double>& frequencies_hz, const MatrixXd& shapes) {
+  Modes out;
+  out.eigenvalues.resize(static_cast<Eigen::Index>(frequencies_hz.size()));
+  for (std::size_t i = 0; i < frequencies_hz.size(); ++i)
+    out.eigenvalues[static_cast<Eigen::Index>(i)] =
+        std::pow(2.0 * std::numbers::pi * frequencies_hz[i], 2);
+  out.shapes = shapes;
+  return out;
+}
+
+MatrixXd three_shapes() {
+  MatrixXd s(3, 4);
+  s << 0.3, 0.9, 0.8, 0.1, 0.7, 0.4, -0.9, 0.5, 1.0, -0.7, 0.3, -0.8;
+  return s;
+}
+
+ModalData data_of(const std::vector<double>& frequencies_hz, double cov, const MatrixXd& shapes,
+                  double shape_sd) {
+  ModalData data;
+  data.frequencies_hz = frequencies_hz;
+  std::vector<double> sds;
+  for (const double f : frequencies_hz) sds.push_back(std::isnan(f) ? 1.0 : cov * f);
+  data.covariance = modal::diagonal(sds);
+  if (shapes.size() > 0) {
+    data.sensors = modal::at_masses({1, 2, 3});
+    data.shapes = shapes;
+    data.shape_covariances.assign(frequencies_hz.size(),
+                                  shape_sd * shape_sd * MatrixXd::Identity(3, 3));
+  }
+  return data;
+}
+
+TEST(ModalLikelihood, FrequenciesWithACovarianceAreNormal) {
+  ModalData data = data_of({1.0, 3.0}, 0.01, {}, 0.0);
+  data.covariance << 0.0004, 0.0003, 0.0003, 0.0009;
+  const ModalLikelihood likelihood(data);
+  const Modes modes = modes_of({1.02, 2.97, 5.0}, MatrixXd(0, 3));
+  const Eigen::Vector2d r(1.0 - 1.02, 3.0 - 2.97);
+  const double expected = -0.5 * r.dot(data.covariance.inverse() * r) -
+                          0.5 * std::log(data.covariance.determinant()) -
+                          std::log(2.0 * std::numbers::pi);
+  EXPECT_NEAR(likelihood.score(modes, {}).log_likelihood, expected, 1e-10);
+  EXPECT_EQ(likelihood.measured(), 2);
+}
+
+TEST(ModalLikelihood, AnUnknownCovHasItsNormaliser) {
+  ModalData data = data_of({1.0, 3.0}, 0.01, {}, 0.0);
+  const Modes modes = modes_of({1.01, 2.97}, MatrixXd(0, 2));
+  const double stated = ModalLikelihood(data).score(modes, {}).log_likelihood;
+  data.covariance.resize(0, 0);
+  data.cov_prior = inference::LogUniform{1e-4, 1e-1};
+  EXPECT_NEAR(ModalLikelihood(data).score(modes, {.cov = 0.01}).log_likelihood, stated, 1e-10);
+  EXPECT_NEAR(
+      ModalLikelihood(data).score(modes, {.cov = 0.006, .discrepancy = 0.008}).log_likelihood,
+      stated, 1e-10);
+}
+
+// Swapped rows, one missing in the middle: the posterior must not notice.
+TEST(ModalLikelihood, TheOrderOfMeasuredModesDoesNotMatter) {
+  const MatrixXd shapes = three_shapes();
+  const Modes modes = modes_of({1.0, 2.0, 3.0, 4.0}, shapes);
+  MatrixXd measured = shapes.leftCols(3).transpose();
+  const double ordered = ModalLikelihood(data_of({1.01, 1.99, 3.02}, 0.01, measured, 0.02))
+                             .score(modes, {})
+                             .log_likelihood;
+  measured.row(0).swap(measured.row(1));
+  measured.row(1) *= -3.0;
+  const auto swapped =
+      ModalLikelihood(data_of({1.99, 1.01, 3.02}, 0.01, measured, 0.02)).score(modes, {});
+  EXPECT_NEAR(swapped.log_likelihood, ordered, 1e-9);
+  EXPECT_EQ(swapped.matches[0].computed, 1);
+  EXPECT_EQ(swapped.matches[1].computed, 0);
+}
+
+TEST(ModalLikelihood, AModeMayBeMissingInTheMiddle) {
+  const MatrixXd shapes = three_shapes();
+  const Modes modes = modes_of({1.0, 2.0, 3.0, 4.0}, shapes);
+  MatrixXd measured(2, 3);
+  measured << shapes.col(0).transpose(), shapes.col(2).transpose();
+  const auto found = ModalLikelihood(data_of({1.0, 3.0}, 0.01, measured, 0.02)).score(modes, {});
+  EXPECT_EQ(found.matches[1].computed, 2);
+  EXPECT_NEAR(found.chi_square, 0.0, 1e-9);
+}
+
+// Two modes that crossed: their shapes tell which is which, although the frequencies are as near to
+// one as to the other.
+TEST(ModalLikelihood, CrossedModesAreMatchedByTheirShapes) {
+  const MatrixXd shapes = three_shapes();
+  const Modes modes = modes_of({2.0, 2.2, 3.0, 4.0}, shapes);
+  MatrixXd measured(2, 3);
+  measured << shapes.col(1).transpose(), shapes.col(0).transpose();
+  const auto found = ModalLikelihood(data_of({2.1, 2.1}, 0.05, measured, 0.02)).score(modes, {});
+  EXPECT_EQ(found.matches[0].computed, 1);
+  EXPECT_EQ(found.matches[1].computed, 0);
+}
+
+TEST(ModalLikelihood, FrequenciesAloneGoByTheirOrder) {
+  const Modes modes = modes_of({1.0, 2.0, 3.0}, MatrixXd(0, 3));
+  const auto found = ModalLikelihood(data_of({kNaN, 3.0}, 0.01, {}, 0.0)).score(modes, {});
+  EXPECT_EQ(found.matches[1].computed, 1) << "not the nearest, but the second";
+}
+
+// As two modes come closer their shapes may be turned: no jump anywhere.
+TEST(ModalLikelihood, IsContinuousWhereModesComeClose) {
+  const MatrixXd shapes = three_shapes();
+  MatrixXd measured(1, 3);
+  measured << (shapes.col(0) + 0.03 * shapes.col(1)).transpose();
+  const ModalLikelihood likelihood(data_of({2.0}, 0.02, measured, 0.02));
+  double before = kNaN;
+  for (double gap = 0.06; gap > 1e-5; gap *= 0.998) {
+    const Modes modes = modes_of({2.0, 2.0 * (1.0 + 0.5 * gap), 6.0, 9.0}, shapes);
+    const double now = likelihood.score(modes, {}).log_likelihood;
+    if (!std::isnan(before)) {
+      EXPECT_LT(std::abs(now - before), 0.012) << "gap " << gap;
+    }
+    before = now;
+  }
+}
+
+TEST(ModalLikelihood, ShapesOfWrongSizeAreRefusedByTheirMode) {
+  ModalData data = data_of({1.0, 3.0}, 0.01, MatrixXd::Ones(2, 3), 0.02);
+  data.shapes(1, 0) = data.shapes(1, 1) = kNaN;
+  try {
+    const ModalLikelihood likelihood(data);
+    FAIL() << "one entry is no shape";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("mode 2"), std::string::npos) << error.what();
+  }
+}
+
+TEST(ModalLikelihood, GradientsAreThoseOfDifferences) {
+  UpdateCase update_case = modal::two_storeys(0.01, 0.05);
+  update_case.data.discrepancy.prior = inference::LogUniform{1e-3, 1e-1};
+  const auto problem = make_update_problem(update_case);
+  const auto likelihood = problem->problem.likelihood();
+  std::vector<double> x = {1300.0, 1000.0, 0.02}, gradient(3);
+  ASSERT_TRUE(likelihood->gradient(0, x, gradient));
+  for (std::size_t p = 0; p < x.size(); ++p) {
+    auto up = x, down = x;
+    const double step = 1e-5 * x[p];
+    up[p] += step, down[p] -= step;
+    const double slope =
+        (likelihood->log_likelihood(0, up) - likelihood->log_likelihood(0, down)) / (2.0 * step);
+    EXPECT_NEAR(gradient[p], slope, 1e-5 * std::abs(slope) + 1e-9) << p;
+  }
+}
+
+}  // namespace
+}  // namespace wheeltap::identification

@@ -1,0 +1,196 @@
+// Posteriors against quadrature: a reference of the test's own, which knows neither the engine nor
+// its likelihood.
+#include "identification/update_problem.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+#include "identification/update_findings.hpp"
+#include "inference/reversible_jump.hpp"
+#include "tests/identification/modal_cases.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+/// Frequencies and shapes of the two-storey chain, by hand: λ² m₁m₂ - λ (m₁k₂ + m₂(k₁ + k₂)) +
+/// k₁k₂ = 0.
+struct TwoStoreys {
+  double m1 = 2.0, m2 = 1.0;
+  [[nodiscard]] std::array<double, 2> eigenvalues(double k1, double k2) const {
+    const double b = m1 * k2 + m2 * (k1 + k2), root = std::sqrt(b * b - 4.0 * m1 * m2 * k1 * k2);
+    return {(b - root) / (2.0 * m1 * m2), (b + root) / (2.0 * m1 * m2)};
+  }
+  /// Of the second floor over the first.
+  [[nodiscard]] double ratio(double k1, double k2, double lambda) const {
+    return (k1 + k2 - lambda * m1) / k2;
+  }
+};
+
+struct Moments {
+  Vector2d mean = Vector2d::Zero();
+  Matrix2d covariance = Matrix2d::Zero();
+};
+
+/// By the midpoint rule over the box of the uniform priors, refined about where the posterior is.
+template <class LogDensity>
+Moments quadrature(const LogDensity& log_density, int steps) {
+  Eigen::Vector4d box(500.0, 3000.0, 300.0, 2500.0);
+  Moments out;
+  for (int pass = 0; pass < 4; ++pass) {
+    double most = -1e300, sum = 0.0;
+    const double h1 = (box[1] - box[0]) / steps, h2 = (box[3] - box[2]) / steps;
+    const auto at = [&](int i, int j) {
+      return Vector2d(box[0] + (i + 0.5) * h1, box[2] + (j + 0.5) * h2);
+    };
+    for (int i = 0; i < steps; ++i)
+      for (int j = 0; j < steps; ++j) most = std::max(most, log_density(at(i, j)[0], at(i, j)[1]));
+    Vector2d mean = Vector2d::Zero();
+    Matrix2d second = Matrix2d::Zero();
+    for (int i = 0; i < steps; ++i)
+      for (int j = 0; j < steps; ++j) {
+        const Vector2d k = at(i, j);
+        const double p = std::exp(log_density(k[0], k[1]) - most);
+        sum += p;
+        mean += p * k;
+        second += p * k * k.transpose();
+      }
+    out.mean = mean / sum;
+    out.covariance = second / sum - out.mean * out.mean.transpose();
+    // All modes stay inside: twelve sd, never beyond the priors.
+    for (int d = 0; d < 2; ++d) {
+      const double sd = std::sqrt(out.covariance(d, d)) + (d == 0 ? h1 : h2);
+      box[2 * d] = std::max(box[2 * d], out.mean[d] - 12.0 * sd);
+      box[2 * d + 1] = std::min(box[2 * d + 1], out.mean[d] + 12.0 * sd);
+    }
+  }
+  return out;
+}
+
+struct Outcome {
+  std::unique_ptr<const UpdateProblem> problem;
+  inference::Posterior posterior;
+  UpdateFindings findings;
+};
+
+Outcome run(UpdateCase update_case, std::uint64_t seed = 1) {
+  Outcome out{
+      .problem = make_update_problem(std::move(update_case)), .posterior = {}, .findings = {}};
+  out.posterior =
+      inference::reversible_jump(out.problem->problem, {.seed = seed, .chains = 4, .draws = 10000});
+  out.findings = update_findings(*out.problem, out.posterior, {}, seed);
+  return out;
+}
+
+/// Means, spreads and the correlation, each within five of its Monte Carlo errors.
+void expect_moments(const Outcome& run, const Moments& exact) {
+  const auto first = run.posterior.draws_of("k1", 0), second = run.posterior.draws_of("k2", 0);
+  const auto moment = [&](auto value) {
+    inference::ChainsOf draws = first;
+    for (std::size_t c = 0; c < draws.size(); ++c)
+      for (std::size_t i = 0; i < draws[c].size(); ++i)
+        draws[c][i] = value(Vector2d(Vector2d(first[c][i], second[c][i]) - exact.mean));
+    return draws;
+  };
+  const auto near = [&](const auto& draws, double expected, const char* what) {
+    EXPECT_NEAR(inference::mean(draws), expected, 5.0 * inference::mcse_mean(draws)) << what;
+  };
+  for (int d = 0; d < 2; ++d) {
+    near(moment([d](const Vector2d& k) { return k[d]; }), 0.0, "mean");
+    near(moment([d](const Vector2d& k) { return k[d] * k[d]; }), exact.covariance(d, d),
+         "variance");
+  }
+  near(moment([](const Vector2d& k) { return k[0] * k[1]; }), exact.covariance(0, 1), "covariance");
+}
+
+TEST(UpdateProblem, TwoStoreysFromFrequenciesAloneAreThoseOfQuadrature) {
+  const UpdateCase update_case = modal::two_storeys(0.01, 0.0);
+  const ModalData data = update_case.data;
+  const TwoStoreys chain;
+  const auto log_density = [&](double k1, double k2) {
+    const auto lambda = chain.eigenvalues(k1, k2);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double f = std::sqrt(lambda[i]) / (2.0 * std::numbers::pi);
+      sum -= 0.5 * std::pow((data.frequencies_hz[i] - f) / (0.01 * data.frequencies_hz[i]), 2);
+    }
+    return sum;
+  };
+  // Two frequencies have two chains, stiff below and stiff above.
+  expect_moments(run(update_case), quadrature(log_density, 800));
+}
+
+TEST(UpdateProblem, TwoStoreysWithShapesAreThoseOfQuadrature) {
+  const UpdateCase update_case = modal::two_storeys(0.01, 0.05);
+  const ModalData data = update_case.data;
+  const TwoStoreys chain;
+  const auto log_density = [&](double k1, double k2) {
+    const auto lambda = chain.eigenvalues(k1, k2);
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double f = std::sqrt(lambda[at]) / (2.0 * std::numbers::pi);
+      sum -= 0.5 * std::pow((data.frequencies_hz[at] - f) / (0.01 * data.frequencies_hz[at]), 2);
+      // Of two entries, the sine of the angle between them is all there is.
+      const Vector2d computed(1.0, chain.ratio(k1, k2, lambda[at]));
+      Vector2d measured = data.shapes.row(i).transpose();
+      measured /= measured.cwiseAbs().maxCoeff();
+      const double across = measured[0] * computed[1] - measured[1] * computed[0];
+      sum -= 0.5 * across * across / computed.squaredNorm() / (0.05 * 0.05);
+    }
+    return sum;
+  };
+  const Outcome found = run(update_case);
+  expect_moments(found, quadrature(log_density, 800));
+  EXPECT_TRUE(found.findings.fit.ok());
+  for (const ModeFinding& mode : found.findings.modes) {
+    EXPECT_EQ(mode.computed, mode.mode);
+    EXPECT_GT(mode.mac.q50, 0.98);
+  }
+}
+
+// A parameter that no mode feels stays what it was, and is named.
+TEST(UpdateProblem, WhatTheDataCannotTellIsSaid) {
+  UpdateCase update_case{
+      .title = "three in a row",
+      .structure = modal::chain({2.0, 1.0, 1e-4}, {inference::LogUniform{500.0, 3000.0},
+                                                   inference::LogUniform{300.0, 2500.0},
+                                                   inference::LogUniform{1e5, 4e5}})};
+  update_case.simulation = ModalSimulation{
+      .parameters = {1400.0, 900.0, 2e5}, .modes = 2, .cov = 0.005, .shape_sd = 0.0};
+  simulate(update_case, 1);
+  const Outcome found = run(std::move(update_case));
+  ASSERT_EQ(found.findings.contractions.size(), 3u);
+  EXPECT_FALSE(found.findings.contractions[0].at_prior());
+  EXPECT_TRUE(found.findings.contractions[2].at_prior())
+      << found.findings.contractions[2].contraction;
+  ASSERT_EQ(found.findings.untouched.size(), 1u);
+  EXPECT_EQ(found.findings.untouched[0].weights[0].first, "k3");
+}
+
+// The last floor was measured at twice its frequency: it must be named.
+TEST(UpdateProblem, AModeThatDoesNotFitIsNamed) {
+  UpdateCase update_case = modal::two_storeys(0.01, 0.02);
+  update_case.data.shapes(1, 0) = 2.5;
+  const Outcome found = run(std::move(update_case));
+  EXPECT_FALSE(found.findings.fit.ok());
+  ASSERT_FALSE(found.findings.fit.off.empty());
+  EXPECT_EQ(found.findings.fit.off.back(), 2);
+}
+
+TEST(UpdateProblem, NothingUnknownIsRefused) {
+  UpdateCase update_case = modal::two_storeys(0.01, 0.0);
+  auto known = std::make_shared<StructureModel>(*update_case.structure);
+  known->parameters.clear();
+  known->setters.clear();
+  update_case.structure = known;
+  EXPECT_THROW(make_update_problem(update_case), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace wheeltap::identification
