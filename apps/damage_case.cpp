@@ -8,6 +8,7 @@
 #include "apps/beam_case.hpp"
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_parts.hpp"
+#include "apps/modal_data_case.hpp"
 #include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
@@ -76,10 +77,13 @@ Simulation parse_simulation(const CaseFile& file, const Json& truth, Simulation 
   if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"];
   simulation.modes = data.value("modes", simulation.modes);
   simulation.seed = data.value("seed", simulation.seed);
+  if (data.contains("shape_sd") && data["shape_sd"].is_number())
+    simulation.shape_sd = data["shape_sd"];
   if (truth.is_object()) {
     simulation.modes = truth.value("modes", simulation.modes);
     simulation.cv = truth.value("cov", simulation.cv);
     simulation.seed = truth.value("seed", simulation.seed);
+    simulation.shape_sd = truth.value("shape_sd", simulation.shape_sd);
   }
   return simulation;
 }
@@ -398,7 +402,11 @@ FrequencyData parse_data(const CaseFile& file) {
           bounded_prior(file, where / "cov", 0.0, kInfinity, "a coefficient of variation is > 0");
     }
   }
-  if (d.contains("discrepancy")) data.discrepancy_cv = d["discrepancy"]["cov"];
+  if (d.contains("discrepancy")) {
+    if (d["discrepancy"].contains("shape"))
+      file.refuse(where / "discrepancy" / "shape", "goes with \"shapes\" only");
+    data.discrepancy_cv = d["discrepancy"]["cov"];
+  }
   if (d.contains("sd")) {
     const Json& sd = d["sd"];
     if (!data.frequencies_hz.empty() && sd.size() != data.frequencies_hz.size()) {
@@ -414,6 +422,74 @@ FrequencyData parse_data(const CaseFile& file) {
     }
   }
   return data;
+}
+
+// The part of measured modes that is frequencies.
+FrequencyData frequencies_of(const ModalData& modal, const Json& data) {
+  FrequencyData out;
+  out.frequencies_hz = modal.frequencies_hz;
+  for (Eigen::Index i = 0; i < modal.covariance.rows(); ++i)
+    out.sd_hz.push_back(std::isnan(out.frequencies_hz[static_cast<std::size_t>(i)])
+                            ? kNaN
+                            : std::sqrt(modal.covariance(i, i)));
+  if (data.contains("cov") && data["cov"].is_number()) out.cv = data["cov"].get<double>();
+  out.cv_prior = modal.cov_prior;
+  out.discrepancy_cv = modal.discrepancy.value;
+  out.origin = modal.origin;
+  return out;
+}
+
+void take_data(const CaseFile& f, DamageCase& out) {
+  const Json& data = f.json.at("data");
+  const bool shapes =
+      std::ranges::any_of(std::initializer_list<const char*>{"sensors", "shapes", "shape_sd",
+                                                             "shape_covariance", "covariance"},
+                          [&](const char* key) { return data.contains(key); });
+  const bool inferred =
+      data.contains("discrepancy") && data["discrepancy"].is_object() &&
+      std::ranges::any_of(data["discrepancy"], [](const Json& d) { return d.is_object(); });
+  if (!shapes && !inferred) {
+    out.data = parse_data(f);
+    return;
+  }
+  if (out.emulator)
+    f.refuse(at("/predictor"), "an emulator predicts frequencies, not shapes: use \"fe\" here");
+  AnyStructure solved;
+  try {
+    out.modal = std::make_shared<const ModalData>();  // solved as a structure, then
+    solved = out.solved_structure();
+  } catch (const std::invalid_argument& error) {
+    f.refuse(at(out.structure ? "/structure" : "/beam"), error.what());
+  }
+  out.modal = std::make_shared<const ModalData>(parse_modal_data(f, solved));
+  if (out.modal->predict > 0) f.refuse(at("/data/predict"), "goes with \"kind\": \"update\" only");
+  out.data = frequencies_of(*out.modal, data);
+}
+
+// Shapes of the truth, where there are sensors; the frequencies are simulated already.
+void take_true_shapes(const CaseFile& f, DamageCase& out) {
+  ModalData modal = *out.modal;
+  const Eigen::Index n = out.data.modes();
+  modal.frequencies_hz = out.data.frequencies_hz;
+  modal.simulated = true;
+  modal.origin = out.data.origin;
+  if (!modal.cov_prior) {
+    modal.covariance = Eigen::MatrixXd::Zero(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      modal.covariance(i, i) = std::pow(out.data.sd_hz[static_cast<std::size_t>(i)], 2);
+  }
+  if (!modal.sensors.empty()) {
+    const double sd = out.simulation->shape_sd;
+    if (!(sd > 0.0))
+      f.refuse(at("/data/shape_sd"),
+               "is missing: say how exact the simulated shapes are, or leave \"sensors\" out");
+    modal.shapes = simulated_shapes(out, static_cast<int>(n), out.simulation->seed);
+    const auto sensors = static_cast<Eigen::Index>(modal.sensors.size());
+    const double unit = modal.shape_sd_prior ? 1.0 : sd * sd;
+    modal.shape_covariances.assign(static_cast<std::size_t>(n),
+                                   unit * Eigen::MatrixXd::Identity(sensors, sensors));
+  }
+  out.modal = std::make_shared<const ModalData>(std::move(modal));
 }
 
 }  // namespace
@@ -553,7 +629,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   if (json.contains("predictor") && json["predictor"].is_object()) {
     out.emulator = parse_emulator(f, out);
   }
-  if (json.contains("data")) out.data = parse_data(f);
+  if (json.contains("data")) take_data(f, out);
 
   if (structure) {
     check_structure_modes(f, out);
@@ -580,6 +656,11 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
       f.refuse(at("/data/sd"), "must have one value a mode: " + std::to_string(out.data.modes()));
     }
     if (!sd.empty()) out.data.sd_hz = sd;
+    if (out.modal)
+      explained(parsed, [&] {
+        take_true_shapes(f, out);
+        return true;
+      });
     if (cv_prior) out.data.sd_hz.clear();
   }
   if (out.data.sd_hz.empty() && !out.data.cv_prior) {

@@ -139,7 +139,10 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
     for (const ParameterFinding& p : model.parameters) {
       const Unknown& u = p.unknown;
       const auto kind = static_cast<std::size_t>(u.kind);
-      const Pointer prior = u.kind < 0 ? Pointer("/data") / u.name : file.kinds[kind] / u.name;
+      const Pointer prior = u.kind >= 0                     ? file.kinds[kind] / u.name
+                            : u.name == "discrepancy"       ? Pointer("/data/discrepancy/cov")
+                            : u.name == "shape_discrepancy" ? Pointer("/data/discrepancy/shape")
+                                                            : Pointer("/data") / u.name;
       Report one = {{"label", u.label},
                     {"variable", damage_variable(file.damage, u)},
                     {"prior", prior.to_string()}};

@@ -187,7 +187,30 @@ class ModalDataParser {
     }
   }
 
+  // {"at": x}, and what moves there: the deflection, unless it is said to be the rotation.
+  Sensor on_beam(const Pointer& at) const {
+    const Json& s = file_.json.at(at);
+    for (const char* key : {"node", "member", "mass", "dof"})
+      if (s.contains(key)) file_.refuse(at / key, "goes with a structure; a beam has \"at\"");
+    if (!s.contains("at")) file_.refuse(at / "at", "is missing: metres from the left end");
+    const std::string along = s.value("direction", "deflection");
+    if (along != "deflection" && along != "rotation")
+      file_.refuse(at / "direction", "must be \"deflection\" or \"rotation\" on a beam");
+    const double x = s.at("at");
+    double left = x;
+    int member = 0;
+    while (member + 1 < static_cast<int>(mesh_->structure().members.size()) &&
+           left >= mesh_->member_length(member))
+      left -= mesh_->member_length(member++);
+    if (left > mesh_->member_length(member) * (1.0 + 1e-9))
+      file_.refuse(at / "at", "lies off the beam");
+    return {Json(x).dump() + " m" + (along == "rotation" ? ", rotation" : ""),
+            mesh_->motion(member, std::min(left, mesh_->member_length(member)),
+                          along == "rotation" ? fem::Direction::rz : fem::Direction::y)};
+  }
+
   Sensor sensor(const Pointer& at) const {
+    if (file_.json.contains("beam")) return on_beam(at);
     const Json& s = file_.json.at(at);
     int places = 0;
     for (const char* key : {"node", "member", "mass", "dof"}) places += s.contains(key);

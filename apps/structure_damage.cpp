@@ -252,10 +252,10 @@ class KindParser {
 // What a case of a structure may say, but this version does not use.
 void refuse_unused(const CaseFile& f) {
   for (const char* place :
-       {"/baseline", "/data/shapes", "/data/sensors", "/data/shape_sd", "/data/shape_covariance",
-        "/data/covariance", "/data/from", "/data/states", "/data/masses", "/data/temperature"}) {
+       {"/baseline", "/data/from", "/data/states", "/data/masses", "/data/temperature"}) {
     if (f.json.contains(Pointer(place)))
-      f.refuse(Pointer(place), "is not used by this version: it infers damage from frequencies");
+      f.refuse(Pointer(place),
+               "is not used by this version: it infers damage from one state's modes");
   }
 }
 

@@ -1,3 +1,4 @@
+#include "apps/checkpoint_file.hpp"
 #include "apps/update_command.hpp"
 
 #include <spdlog/spdlog.h>
@@ -78,6 +79,12 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   require_affordable(parsed.file, Pointer(), cost, common);
   if (common.dry_run) return print_estimate("run", cost);
   RunFiles files(common.output);
+  CheckpointFile checkpoint(common.output,
+                            {.command = "update",
+                             .seed = seed,
+                             .options = options_report(options),
+                             .case_json = parsed.file.json},
+                            common);
   const auto& basis = problem->modes->training();
   if (!basis.complete)
     log->info("reduced basis: {} modes stand for {} degrees of freedom, {:.2g} ms a solution",
@@ -90,7 +97,8 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
         basis.beyond, basis.points);
   const StopOnInterrupt stop;
   const inference::Posterior posterior =
-      run_engine(problem->problem, engine_options(common, options), common.case_path, common.quiet);
+      run_engine(problem->problem, engine_options(common, options), common.case_path, common.quiet,
+                 checkpoint);
   const UpdateFindings findings = update_findings(
       *problem, posterior, compute_evidence(problem->problem, methods, seed, common.threads, *log),
       seed);
@@ -105,6 +113,7 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   });
   print_update(std::cout, parsed, findings, colour_wanted());
   if (failed) throw *failed;
+  checkpoint.remove();
   print_results(common.output, findings.sampling.verdict.converged);
 }
 

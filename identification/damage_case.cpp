@@ -124,7 +124,8 @@ void complete(DamageCase& damage_case) {
     }
   }
   const FrequencyData& data = damage_case.data;
-  if (data.measured() == 0) throw InvalidInput(Part::data, "not one frequency is given");
+  if (data.measured() == 0 && !(damage_case.modal && damage_case.modal->has_shapes()))
+    throw InvalidInput(Part::data, "not one frequency is given");
   if (!data.cv_prior && data.sd_hz.size() != data.frequencies_hz.size()) {
     throw InvalidInput(Part::data, std::to_string(data.sd_hz.size()) +
                                        " standard deviations, must be " +
@@ -208,8 +209,32 @@ std::vector<double> true_frequencies(const DamageCase& damage_case, int modes) t
   throw InvalidInput(InvalidInput::Part::beam, error.what());
 }
 
+Eigen::MatrixXd simulated_shapes(const DamageCase& damage_case, int modes, std::uint64_t seed) try {
+  const fem::Discretisation damaged = true_structure(damage_case);
+  if (std::ranges::any_of(damage_case.kinds, [](const DefectKind& kind) {
+        return std::ranges::any_of(kind.truth,
+                                   [](const auto& t) { return std::isinf(t.severity); });
+      }))
+    throw InvalidInput(InvalidInput::Part::truth,
+                       "shapes of a structure with a rigid support are not simulated");
+  const auto rigid = static_cast<int>(damaged.rigid_motions.cols());
+  const fem::StructureModes found = fem::structure_modes(damaged, modes + rigid);
+  base::Random random(seed, 0, 1, base::Purpose::simulation);
+  const auto& sensors = damage_case.modal->sensors;
+  Eigen::MatrixXd out(modes, static_cast<Eigen::Index>(sensors.size()));
+  for (Eigen::Index i = 0; i < out.rows(); ++i) {
+    for (Eigen::Index s = 0; s < out.cols(); ++s)
+      out(i, s) = sensors[static_cast<std::size_t>(s)].motion.of(found.shapes.col(rigid + i));
+    out.row(i) /= out.row(i).cwiseAbs().maxCoeff();
+    for (double& entry : out.row(i)) entry += damage_case.simulation->shape_sd * random.normal();
+  }
+  return out;
+} catch (const fem::InvalidStructure& error) {
+  throw InvalidInput(InvalidInput::Part::beam, error.what());
+}
+
 bool DamageCase::solved_as_structure() const {
-  return structure || std::ranges::any_of(kinds, [](const DefectKind& kind) {
+  return structure || modal || std::ranges::any_of(kinds, [](const DefectKind& kind) {
            return kind.type->place == nullptr || kind.extent || kind.extent_prior;
          });
 }

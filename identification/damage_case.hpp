@@ -12,6 +12,7 @@
 #include "fem/defect.hpp"
 #include "identification/defect_kind.hpp"
 #include "identification/emulator_spec.hpp"
+#include "identification/modal_data.hpp"
 #include "identification/noise_model.hpp"
 #include "identification/structure_model.hpp"
 
@@ -22,6 +23,7 @@ struct Simulation {
   int modes = 10;
   double cv = 0.0;  ///< noise: sd = cv · true frequency
   std::uint64_t seed = 1;
+  double shape_sd = 0.0;  ///< of entries, shapes scaled to a largest entry of 1; 0: no shapes
 };
 
 struct DamageCase {
@@ -32,6 +34,9 @@ struct DamageCase {
   std::shared_ptr<const StructureModel> structure = {};  ///< in place of the beam
   int rigid_body_modes = 0;  ///< of the intact beam; data and predictions leave them out
   FrequencyData data = {};   ///< empty frequencies where it is to be simulated
+  /// Where shapes were measured, or frequencies have a covariance: all that was measured, and
+  /// `data` is the part of it that is frequencies. Shapes belong to the structure that is solved.
+  std::shared_ptr<const ModalData> modal = {};
   std::optional<Simulation> simulation = {};
   std::vector<DefectKind> kinds = {};
   std::optional<EmulatorSpec> emulator = {};  ///< none: the FE solution itself
@@ -41,7 +46,8 @@ struct DamageCase {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);
   }
   [[nodiscard]] fem::Defects true_defects() const;
-  /// A structure, or a beam with defects that only structures know (a crack, a mass, an extent).
+  /// A structure, or a beam with defects that only structures know (a crack, a mass, an extent), or
+  /// with shapes.
   [[nodiscard]] bool solved_as_structure() const;
   /// What is solved then. Throws std::invalid_argument.
   [[nodiscard]] AnyStructure solved_structure() const;
@@ -49,6 +55,10 @@ struct DamageCase {
 
 /// What the truth makes of a case that is solved as a structure.
 [[nodiscard]] fem::Discretisation true_structure(const DamageCase& damage_case);
+/// Shapes with noise as `Simulation` has it, at the sensors of `modal`: a row a mode, largest entry
+/// 1 before the noise. Throws InvalidInput.
+[[nodiscard]] Eigen::MatrixXd simulated_shapes(const DamageCase& damage_case, int modes,
+                                               std::uint64_t seed);
 /// Its elastic frequencies [Hz] by the full solve, `modes` of them.
 [[nodiscard]] std::vector<double> true_frequencies(const DamageCase& damage_case, int modes);
 

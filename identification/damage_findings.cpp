@@ -351,7 +351,15 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   };
   const NoiseModel noise = problem.noise();
   const std::vector<std::vector<double>> variances = emulator_variances(problem, posterior);
-  const long stride = emulator_stride(problem);
+  long stride = emulator_stride(problem);
+  if (problem.modal) {  // each is solved again
+    constexpr long kSolved = 2000;
+    long all = 0;
+    for (const auto& chain : posterior.chains) all += static_cast<long>(chain.model.size());
+    stride = std::max(1L, all / kSolved);
+  }
+  FrequencyPredictor by_shapes(problem);
+  fem::ParametricModes::Modes computed;
   long visited = 0;
   double mean_p = 0.0, weight_seen = 0.0;
   std::vector<double> mean_residual(modes);
@@ -368,7 +376,13 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
       squares += r * r;
       mean_residual[mode] += weight * r;
     }
-    mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
+    if (problem.modal) {
+      if (!by_shapes.solve_modes(posterior.chains[c].model[i], x, computed)) return;
+      const auto score = problem.modal->score(computed, problem.modal_noise(x));
+      mean_p += weight * boost::math::gamma_q(0.5 * score.freedoms, 0.5 * score.chi_square);
+    } else {
+      mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
+    }
     weight_seen += weight;
   });
   const ChainsOf weights = draw_weights(posterior);

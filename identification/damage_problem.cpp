@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "fem/structures/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
 #include "inference/moves/split_merge.hpp"
 
@@ -27,6 +28,7 @@ class FrequencyLikelihood final : public inference::Likelihood {
         gradient_prediction_(prediction_.size()) {}
 
   double log_likelihood(int model, std::span<const double> x) override {
+    if (problem_.modal) return of_modes(model, x);
     const double cv = data_.cv_prior ? x[0] : 0.0;
     noise_scale_ = data_.cv_prior ? cv : 1.0;
     if (emulated_) {
@@ -65,7 +67,21 @@ class FrequencyLikelihood final : public inference::Likelihood {
   [[nodiscard]] double noise_scale() const override { return noise_scale_; }
 
  private:
+  double of_modes(int model, std::span<const double> x) {
+    noise_scale_ = 1.0;
+    residuals_.clear();
+    if (!predictor_.solve_modes(model, x, modes_)) {
+      std::ranges::fill(prediction_, std::numeric_limits<double>::infinity());
+      return -std::numeric_limits<double>::infinity();
+    }
+    const auto score = problem_.modal->score(modes_, problem_.modal_noise(x));
+    for (std::size_t i = 0; i < prediction_.size(); ++i)
+      prediction_[i] = score.matches[i].frequency_hz;
+    return score.log_likelihood;
+  }
+
   const DamageProblem& problem_;
+  fem::ParametricModes::Modes modes_;
   bool emulated_;
   const FrequencyData& data_;
   NoiseModel noise_;
@@ -136,6 +152,12 @@ FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
     : problem_(problem),
       rigid_(static_cast<std::size_t>(problem.damage_case.rigid_body_modes)),
       all_(static_cast<std::size_t>(problem.damage_case.modes()) + rigid_) {
+  if (problem.modal) {
+    all_.resize(static_cast<std::size_t>(problem.structure->modes()));
+    for (const Sensor& sensor : problem.damage_case.modal->sensors)
+      motions_.push_back(sensor.motion);
+    shapes_.resize(all_.size() * motions_.size());
+  }
   if (problem.structure) {
     structure_workspace_ = problem.structure->make_workspace();
   } else {
@@ -222,6 +244,16 @@ bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std
 }
 
 void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<double> out) {
+  if (problem_.modal) {
+    fem::ParametricModes::Modes modes;
+    if (!solve_modes(model, x, modes)) {
+      std::ranges::fill(out, std::numeric_limits<double>::infinity());
+      return;
+    }
+    const auto score = problem_.modal->score(modes, problem_.modal_noise(x));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = score.matches[i].frequency_hz;
+    return;
+  }
   if (problem_.structure) return solve_structure(model, x, out);
   place(model, x);
   solve_placed(out);
@@ -245,6 +277,34 @@ void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
   std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
 }
 
+bool FrequencyPredictor::solve_modes(int model, std::span<const double> x,
+                                     fem::ParametricModes::Modes& out) {
+  in_structure_.clear();
+  for (const DamageProblem::Component& c : problem_.components(model, x)) {
+    in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
+  }
+  try {
+    problem_.structure->solve(
+        structure_change(problem_.damage_case.kinds, in_structure_, problem_.mesh.get()),
+        *structure_workspace_, {.frequencies_hz = all_, .shapes = shapes_, .motions = motions_});
+  } catch (const fem::ImpossibleChange&) {
+    return false;
+  }
+  const std::size_t first = first_elastic(), count = all_.size() - rigid_;
+  constexpr double kTwoPi = 2.0 * std::numbers::pi;
+  const auto sensors = static_cast<Eigen::Index>(motions_.size());
+  out.eigenvalues.resize(static_cast<Eigen::Index>(count));
+  out.shapes.resize(sensors, static_cast<Eigen::Index>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const double omega = kTwoPi * all_[first + i];
+    out.eigenvalues[static_cast<Eigen::Index>(i)] = omega * omega;
+    for (Eigen::Index s = 0; s < sensors; ++s)
+      out.shapes(s, static_cast<Eigen::Index>(i)) =
+          shapes_[(first + i) * motions_.size() + static_cast<std::size_t>(s)];
+  }
+  return true;
+}
+
 void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span<double> out,
                                  std::span<double> variance) {
   place(model, x);
@@ -262,6 +322,18 @@ void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span
   // No damage needs no emulator; nor does a sum of ANOVA that is no frequency have one.
   solve_placed(out);
   std::ranges::fill(variance, 0.0);
+}
+
+ModalNoise DamageProblem::modal_noise(std::span<const double> x) const {
+  const ModalData& data = *damage_case.modal;
+  std::size_t next = 0;
+  const auto at = [&](bool inferred, double known) { return inferred ? x[next++] : known; };
+  ModalNoise noise;
+  noise.cov = at(data.cov_prior.has_value(), 0.0);
+  noise.shape_sd = at(data.shape_sd_prior.has_value(), 1.0);
+  noise.discrepancy = at(!data.discrepancy.known(), data.discrepancy.value);
+  noise.shape_discrepancy = at(!data.shape_discrepancy.known(), data.shape_discrepancy.value);
+  return noise;
 }
 
 std::vector<DamageProblem::Component> DamageProblem::components(int model,
@@ -296,6 +368,13 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   }
   std::vector<inference::Parameter> common;
   if (damage_case.data.cv_prior) common.push_back({"cov", *damage_case.data.cv_prior});
+  if (damage_case.modal) {  // in the order of `modal_noise`
+    const ModalData& data = *damage_case.modal;
+    if (data.shape_sd_prior) common.push_back({"shape_sd", *data.shape_sd_prior});
+    if (data.discrepancy.prior) common.push_back({"discrepancy", *data.discrepancy.prior});
+    if (data.shape_discrepancy.prior)
+      common.push_back({"shape_discrepancy", *data.shape_discrepancy.prior});
+  }
 
   auto out = std::make_unique<DamageProblem>(DamageProblem{
       .damage_case = damage_case,
@@ -305,11 +384,22 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
                                                                 combinations(damage_case.kinds)),
                   .likelihood = {}},
       .fe_likelihood = nullptr,
-      .symmetric = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam),
+      .symmetric = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam) &&
+                   !(damage_case.modal && damage_case.modal->has_shapes()),
       .common = static_cast<int>(common.size())});
-  const int wanted = damage_case.modes() + damage_case.rigid_body_modes;
+  int wanted = damage_case.modes() + damage_case.rigid_body_modes;
   if (damage_case.solved_as_structure()) {
     try {
+      if (damage_case.modal) {
+        out->modal = std::make_shared<const ModalLikelihood>(*damage_case.modal);
+        const fem::Discretisation d = discretise(damage_case.solved_structure());
+        int held = 0;
+        for (const DefectKind& kind : damage_case.kinds)
+          held += kind.type->may_be_known ? kind.max_count : 0;
+        wanted = damage_case.rigid_body_modes +
+                 out->modal->candidates(static_cast<int>(fem::mode_count(d)) -
+                                        damage_case.rigid_body_modes - held);
+      }
       const AnyStructure structure = damage_case.solved_structure();
       if (const auto* members = std::get_if<fem::Structure>(&structure)) {
         out->mesh = std::make_shared<const fem::Mesh>(*members);
@@ -333,7 +423,9 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
     }
   }
 
-  if (damage_case.structure) find_images(*out);
+  // Shapes tell images apart.
+  if (damage_case.structure && !(damage_case.modal && damage_case.modal->has_shapes()))
+    find_images(*out);
 
   // Two damages in one element are hard to tell from one that compounds them, but far from it.
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {

@@ -8,6 +8,7 @@
 
 #include "identification/damage_case.hpp"
 #include "identification/frequency_emulator.hpp"
+#include "identification/modal_likelihood.hpp"
 #include "identification/site_symmetries.hpp"
 #include "inference/target.hpp"
 
@@ -21,6 +22,7 @@ struct DamageProblem {
   std::shared_ptr<const fem::Mesh> mesh = {};  ///< of a structure of members
   std::shared_ptr<const FrequencyEmulator>
       emulator;  ///< null where the FE solution itself predicts
+  std::shared_ptr<const ModalLikelihood> modal = {};  ///< of shapes, where there are any
   inference::Problem problem;
   inference::LikelihoodFactory fe_likelihood;  ///< of the FE solution, whatever predicts
   bool symmetric = false;  ///< the intact beam and the location priors equal their mirror images
@@ -39,6 +41,8 @@ struct DamageProblem {
   /// The emulator screens proposals only.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
   [[nodiscard]] NoiseModel noise() const { return NoiseModel(damage_case.data); }
+  /// The scatters that a state of a problem with shapes has.
+  [[nodiscard]] ModalNoise modal_noise(std::span<const double> x) const;
 };
 
 /// Frequencies [Hz] of a state, for one thread.
@@ -47,6 +51,9 @@ class FrequencyPredictor {
   explicit FrequencyPredictor(const DamageProblem& problem);
   /// By the FE solution; the `out.size()` lowest elastic ones.
   void solve(int model, std::span<const double> x, std::span<double> out);
+  /// Elastic modes of a problem with shapes, at its sensors. False where there is no such
+  /// structure.
+  bool solve_modes(int model, std::span<const double> x, fem::ParametricModes::Modes& out);
   /// By the problem's emulator, with the variances [Hz²] of its error (0 where the case switches
   /// them off). Without damages, and where ANOVA's sum is no frequency, by the FE solution.
   void emulate(int model, std::span<const double> x, std::span<double> out,
@@ -70,7 +77,8 @@ class FrequencyPredictor {
   std::optional<fem::StructureReanalysis::Workspace> structure_workspace_;
   std::vector<PlacedDefect> in_structure_;
   std::size_t rigid_;
-  std::vector<double> all_;
+  std::vector<double> all_, shapes_;
+  std::vector<fem::SparseRow> motions_;
   fem::Defects placed_;
   std::vector<double> by_reduction_, by_stiffness_, along_damages_, along_supports_;
 };

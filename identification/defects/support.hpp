@@ -28,7 +28,8 @@ inline const DefectType kSupport = {
     .place_in_structure =
         [](const DefectKind& kind, const SiteLine::Spot& spot, double severity,
            StructureEffects& out) {
-          out.defects.supports.push_back({spot.site, spot.s, kind.direction, severity});
+          const fem::Direction along = kind.rotation ? fem::Direction::rz : kind.direction;
+          out.defects.supports.push_back({spot.site, spot.s, along, std::max(severity, 1e-200)});
         },
     .is_elementary = true};
 

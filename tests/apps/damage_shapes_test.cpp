@@ -1,0 +1,157 @@
+// Damage from mode shapes beside frequencies.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "apps/damage_case.hpp"
+#include "fem/structures/structure_modes.hpp"
+#include "identification/damage_problem.hpp"
+#include "inference/reversible_jump.hpp"
+#include "program.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// The source's beam A (science.md), few elements, with five sensors that stand anywhere.
+json beam_a(int seed) {
+  json c = small_case();
+  c["beam"]["elements"] = 40;
+  c["data"] = {
+      {"cov", 0.001}, {"modes", 5}, {"shape_sd", 0.01}, {"seed", seed}, {"sensors", json::array()}};
+  for (const double x : {0.11, 0.27, 0.45, 0.62, 0.88}) c["data"]["sensors"].push_back({{"at", x}});
+  c["damage"]["count"] = {{"min", 0}, {"max", 1}, {"prior", "uniform"}};
+  c["damage"]["truth"] = {{{"location", 0.212}, {"reduction", 0.5}}};
+  return c;
+}
+
+struct Parsed {
+  DamageCaseFile file;
+  std::unique_ptr<const DamageProblem> problem;
+};
+Parsed parsed(const json& c) {
+  const Workspace where;
+  Parsed out{.file = parse_damage_case(read_case(where.write_json("c.json", c))),
+             .problem = nullptr};
+  out.problem = explained(out.file, [&] { return make_damage_problem(out.file.damage, {}); });
+  return out;
+}
+
+// By the reanalysis, as by the full solution of the damaged structure.
+TEST(DamageShapes, TheLikelihoodIsThatOfTheDamagedModes) {
+  const Parsed p = parsed(beam_a(1));
+  ASSERT_TRUE(p.problem->modal);
+  EXPECT_EQ(p.problem->modal->measured(), 5 + 5 * 4);
+  EXPECT_FALSE(p.problem->symmetric) << "shapes tell the sides apart";
+  const auto likelihood = p.problem->problem.likelihood();
+  for (const double x : {0.05, 0.212, 0.788}) {
+    DamageCase damaged = p.file.damage;
+    damaged.kinds[0].truth = {{.location = x, .severity = 0.4}};
+    const fem::StructureModes full = fem::structure_modes(true_structure(damaged), 8);
+    fem::ParametricModes::Modes modes;
+    modes.eigenvalues = full.eigenvalues;
+    modes.shapes.resize(5, 8);
+    for (Eigen::Index s = 0; s < 5; ++s)
+      for (Eigen::Index m = 0; m < 8; ++m)
+        modes.shapes(s, m) =
+            p.file.damage.modal->sensors[static_cast<std::size_t>(s)].motion.of(full.shapes.col(m));
+    const double expected = p.problem->modal->score(modes, {}).log_likelihood;
+    const double found = likelihood->log_likelihood(1, std::vector<double>{x, 0.4});
+    EXPECT_NEAR(found, expected, 1e-5 * std::abs(expected)) << x;
+  }
+}
+
+// Frequencies alone give each side a half.
+TEST(DamageShapes, TellLeftFromRight) {
+  for (const int seed : {1, 2, 3}) {
+    const Parsed p = parsed(beam_a(seed));
+    inference::Options options;
+    options.seed = static_cast<std::uint64_t>(seed);
+    options.warmup = 1500;
+    options.draws = 1500;
+    options.threads = 2;
+    const inference::Posterior posterior = inference::reversible_jump(p.problem->problem, options);
+    double left = 0.0, all = 0.0;
+    for (const auto& chain : posterior.chains)
+      for (std::size_t i = 0; i < chain.model.size(); ++i) {
+        if (chain.model[i] != 1) continue;
+        all += 1.0;
+        left += chain.theta[i * static_cast<std::size_t>(posterior.dimension)] < 0.5;
+      }
+    EXPECT_GT(left / all, 0.95) << seed;
+  }
+}
+
+TEST(DamageShapes, RunsAndSaysHowItFits) {
+  const Workspace where;
+  json c = beam_a(1);
+  c["data"]["shape_sd"] = {{"log_uniform", {1e-3, 0.1}}};
+  c["damage"]["truth"] = {{"defects", c["damage"]["truth"]}, {"shape_sd", 0.01}};
+  const Outcome ran =
+      wheeltap(where, "damage " + where.write_json("c.json", c).string() + " -o " +
+                          (where / "out").string() + " --quiet --warmup 500 --draws 500");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const json summary = json::parse(read_all(where / "out/summary.json"));
+  EXPECT_TRUE(summary["parameters"]["1 damage"].contains("shape_sd"));
+  const double p = summary["data"]["posterior_predictive_p"];
+  EXPECT_GT(p, 0.005);
+  EXPECT_LT(p, 0.995);
+}
+
+// A full covariance counts: two frequencies that err together tell more of their difference.
+TEST(DamageShapes, CovariancesOfFrequencies) {
+  json c = small_case();
+  c["data"].erase("cov");
+  c["data"]["frequencies"] = {13.8, 55.3};
+  c["data"]["covariance"] = {{0.02, 0.039}, {0.039, 0.08}};
+  const Parsed p = parsed(c);
+  const auto likelihood = p.problem->problem.likelihood();
+  const double found = likelihood->log_likelihood(1, std::vector<double>{0.3, 0.2});
+  const auto f = elastic_frequencies(p.file.damage.beam, {.damages = {{0.3, 0.2}}}, 2);
+  const Eigen::Vector2d r(13.8 - f[0], 55.3 - f[1]);
+  Eigen::Matrix2d s;
+  s << 0.02, 0.039, 0.039, 0.08;
+  const double expected = -0.5 * r.dot(s.inverse() * r) - 0.5 * std::log(s.determinant()) -
+                          std::log(2.0 * 3.14159265358979323846);
+  EXPECT_NEAR(found, expected, 1e-6 * std::abs(expected));
+}
+
+TEST(DamageShapes, Refusals) {
+  const Workspace where;
+  const auto refused = [&](const json& c, const std::string& words) {
+    const Outcome outcome =
+        wheeltap(where, "damage " + where.write_json("c.json", c).string() + " --dry-run");
+    EXPECT_EQ(outcome.exit_code, 65) << words << outcome.err;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  json c = beam_a(1);
+  c["data"]["sensors"][2]["at"] = 1.2;
+  refused(c, "/data/sensors/2/at");
+  c = beam_a(1);
+  c["data"]["frequencies"] = {13.8, 55.3};
+  c["data"].erase("modes");
+  c["data"]["shapes"] = {{1, 2, 3, 4, 5}, {1, 2, 3}};
+  refused(c, "/data/shapes/1");
+  c["data"]["shapes"] = {{1, 2, 3, 4, 5}, {0, 0, 0, 0, 0}};
+  refused(c, "/data/shapes/1");
+  c["data"]["shapes"] = {{1, 2, 3, 4, 5}, {1, 2, 3, 4, 5}};
+  c["data"].erase("shape_sd");
+  refused(c, "/data/shape_sd");
+  c["data"]["shape_sd"] = 0.0;
+  refused(c, "/data/shape_sd");
+  c = small_case();
+  c["data"] = {{"frequencies", {13.8, 55.3}}, {"covariance", {{0.02, 0.05}, {0.05, 0.08}}}};
+  refused(c, "/data/covariance");
+  c = beam_a(1);
+  c["predictor"] = json::parse(R"({"sites": [2, 5, 9], "multipliers": [0.4, 1.0]})");
+  refused(c, "/predictor");
+}
+
+}  // namespace
+}  // namespace wheeltap::apps
