@@ -496,5 +496,27 @@ TEST(CommandLine, PriorOnlyReturnsThePrior) {
   near("support location[1]", 0.4, 0.4 / std::sqrt(12.0));
 }
 
+// It starts the program once more with what libraries read at its start.
+TEST(CommandLine, SimdKeepsLibrariesToTheSameInstructions) {
+  const Workspace where;
+  const std::string run = "damage " + where.write_json("c.json", small_case()).string() + " -o " +
+                          (where / "out").string() + " --quiet --chains 2 --warmup 100 --draws 100";
+  const auto id = [&] {
+    return json::parse(read_all(where / "out/summary.json"))["wheeltap"]["run"].get<std::string>();
+  };
+  ASSERT_EQ(wheeltap(where, run + " --simd baseline").exit_code, 0);
+  const std::string asked = id();
+  setenv("WHEELTAP_SIMD", "baseline", 1);  // as chosen already: it does not start again
+  setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F,-AVX512VL,-AVX512DQ", 1);
+  const int code = wheeltap(where, run + " --simd=baseline").exit_code;
+  unsetenv("WHEELTAP_SIMD");
+  unsetenv("GLIBC_TUNABLES");
+  ASSERT_EQ(code, 0);
+  EXPECT_EQ(id(), asked);
+  const Outcome unknown = wheeltap(where, run + " --simd mmx");
+  EXPECT_EQ(unknown.exit_code, 64);
+  EXPECT_THAT(unknown.err, HasSubstr("baseline"));
+}
+
 }  // namespace
 }  // namespace wheeltap::apps
