@@ -369,8 +369,11 @@ int run(int argc, char** argv) {
         return report(Exit::usage, alone->get_name() + " runs in one process, not under mpirun");
       }
     }
-    // What is no work is rank 0's.
-    if (!base::is_first_rank() && !damage_command->parsed() && !sid_command->parsed()) return 0;
+    // Whatever else there is rank 0 does by itself.
+    if (!damage_command->parsed() && !sid_command->parsed()) {
+      if (!base::is_first_rank()) return 0;
+      base::ranks() = nullptr;
+    }
   }
   try {
     if (base::ranks() != nullptr) apps::require_equal_processors();

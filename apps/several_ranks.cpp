@@ -73,7 +73,7 @@ JoinedRanks::JoinedRanks() {
     delete all;
     return;
   }
-  base::ranks() = all;
+  base::ranks() = all_ = all;
   if (all->rank() > 0) {
     said_ = dup(STDERR_FILENO);
     const int nothing = open("/dev/null", O_WRONLY);
@@ -84,21 +84,20 @@ JoinedRanks::JoinedRanks() {
 }
 
 JoinedRanks::~JoinedRanks() {
-  delete base::ranks();
   base::ranks() = nullptr;
+  delete all_;
 }
 
 void JoinedRanks::leave(int exit_code, const std::string& last_words) {
-  base::Ranks* all = base::ranks();
-  if (all == nullptr) return;
+  if (all_ == nullptr) return;
   const double forever = std::numeric_limits<float>::max();
-  if (all->meet(exit_code == 0 ? forever : kPatience)) return;
+  if (all_->meet(exit_code == 0 ? forever : kPatience)) return;
   if (said_ >= 0) {
     const std::string line =
-        "wheeltap: rank " + std::to_string(all->rank()) + " alone: " + last_words + '\n';
+        "wheeltap: rank " + std::to_string(all_->rank()) + " alone: " + last_words + '\n';
     static_cast<void>(!write(said_, line.data(), line.size()));
   }
-  all->abort(exit_code);
+  all_->abort(exit_code);
 }
 
 void require_same_on_all_ranks(const std::string& what, const std::string& text) {

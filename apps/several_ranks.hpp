@@ -29,6 +29,7 @@ class JoinedRanks {
   void leave(int exit_code, const std::string& last_words);
 
  private:
+  base::Ranks* all_ = nullptr;
   int said_ = -1;  // standard error as it was
 };
 
