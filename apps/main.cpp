@@ -364,7 +364,7 @@ int run(int argc, char** argv) {
 
   if (base::ranks() != nullptr) {
     if (common.threads == 0) common.threads = 1;
-    for (const CLI::App* alone : {table_command, batch_command, update_command}) {
+    for (const CLI::App* alone : {table_command, batch_command}) {
       if (alone->parsed()) {
         return report(Exit::usage, alone->get_name() + " runs in one process, not under mpirun");
       }

@@ -54,7 +54,9 @@ Report shapes_of(const DrawnStructure& structure, const fem::StructureModes& mod
 
 void run_structure_modes(CaseFile file, const ModesOptions& options) {
   const bool update = file.json.value("kind", Json()) == "update";
-  validate_against_schema(file, update ? "update" : "structure");
+  // Modes may be asked for before anything is to be learnt.
+  validate_against_schema(file,
+                          update && file.json.contains("parameters") ? "update" : "structure");
   std::vector<std::string> remarks;
   const StructureModel model = parse_structure(file, &remarks);
   DrawnStructure structure = build(file, model.nominal);

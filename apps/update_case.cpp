@@ -94,7 +94,7 @@ void take_truth(const CaseFile& f, UpdateCase& out, std::uint64_t seed) {
   }
 }
 
-void check_modes(const CaseFile& f, const UpdateCase& out) {
+void check_modes(const CaseFile& f, UpdateCase& out) {
   try {
     const fem::Discretisation d = discretise(out.structure->nominal);
     const auto most = static_cast<int>(fem::mode_count(d) - d.rigid_motions.cols());
@@ -105,7 +105,10 @@ void check_modes(const CaseFile& f, const UpdateCase& out) {
     if (out.data.modes() > most) refuse(kData, out.data.modes());
     if (out.data.modes() + out.data.predict > most)
       refuse(kData / "predict", out.data.modes() + out.data.predict);
-    if (out.simulation && out.simulation->modes > most) refuse(kTruth, out.simulation->modes);
+    if (out.simulation && out.simulation->modes > most) {
+      if (f.json.at(kTruth).contains("modes")) refuse(kTruth / "modes", out.simulation->modes);
+      out.simulation->modes = most;
+    }
   } catch (const fem::InvalidStructure& error) {
     refuse_structure(f, out.structure->nominal, error);
   }

@@ -1,5 +1,5 @@
-#include "apps/checkpoint_file.hpp"
 #include "apps/update_command.hpp"
+#include "apps/checkpoint_file.hpp"
 
 #include <spdlog/spdlog.h>
 

@@ -1,6 +1,8 @@
 // Damage from mode shapes beside frequencies.
 #include <gmock/gmock.h>
 
+#include <Eigen/Dense>
+
 #include <cmath>
 
 #include "apps/damage_case.hpp"
