@@ -372,7 +372,19 @@ void run_simulate(const CommonOptions& common) {
     Json json = parsed.file.json;
     for (const char* key : {"file", "columns", "row", "modes", "seed"}) json["data"].erase(key);
     json["data"]["frequencies"] = data.frequencies_hz;
+    if (damage_case.modal && !damage_case.modal->sensors.empty()) {
+      const Eigen::MatrixXd shapes =
+          explained(parsed, [&] { return simulated_shapes(damage_case, data.modes(), seed); });
+      json["data"]["shapes"] = Json::array();
+      for (const auto& shape : shapes.rowwise())
+        json["data"]["shapes"].push_back(std::vector<double>(shape.begin(), shape.end()));
+      if (!json["data"].contains("shape_sd"))
+        json["data"]["shape_sd"] = damage_case.simulation->shape_sd;
+    }
     text = json.dump(2) + "\n";
+  } else if (damage_case.modal && !damage_case.modal->sensors.empty()) {
+    throw Failure(Exit::usage, "--output: " + common.output.string() +
+                                   ": shapes are written as a complete case: name it .json");
   } else {
     text = frequency_csv({data.frequencies_hz, data.sd_hz},
                          damage_case.title + ", simulated by wheeltap " + WHEELTAP_VERSION +

@@ -105,6 +105,20 @@ TEST(DamageShapes, RunsAndSaysHowItFits) {
   EXPECT_LT(p, 0.995);
 }
 
+// A simulated case is complete: it holds the shapes, and runs as it is.
+TEST(DamageShapes, SimulatedCasesHoldThem) {
+  const Workspace where;
+  const std::string made = (where / "made.json").string();
+  const std::string simulate = "simulate " + where.write_json("c.json", beam_a(1)).string() + " -o ";
+  ASSERT_EQ(wheeltap(where, simulate + made).exit_code, 0);
+  const json data = json::parse(read_all(made))["data"];
+  ASSERT_EQ(data["shapes"].size(), 5U);
+  EXPECT_EQ(data["shapes"][0].size(), 5U);
+  EXPECT_EQ(data["shape_sd"], 0.01);
+  EXPECT_EQ(wheeltap(where, "damage " + made + " --dry-run").exit_code, 0);
+  EXPECT_EQ(wheeltap(where, simulate + (where / "made.csv").string()).exit_code, 64);
+}
+
 // A full covariance counts: two frequencies that err together tell more of their difference.
 TEST(DamageShapes, CovariancesOfFrequencies) {
   json c = small_case();
