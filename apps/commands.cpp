@@ -353,8 +353,8 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   });
   print_damage(std::cout, parsed, findings, colour_wanted());
   if (failed) throw *failed;
-  print_results(common.output, findings.sampling.verdict.converged);
   say_what_goes_on(checkpoint, posterior.stopped_early);
+  print_results(common.output, findings.sampling.verdict.converged);  // the last line: how it ended
   if (!posterior.stopped_early) checkpoint.remove();
 }
 

@@ -12,6 +12,7 @@
 #include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
+#include "identification/baseline.hpp"
 #include "identification/defects/reduction.hpp"
 #include "identification/interpolants.hpp"
 #include "io/netcdf_name.hpp"
@@ -347,9 +348,8 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
   return spec;
 }
 
-FrequencyData parse_data(const CaseFile& file) {
-  const Pointer where = at("/data");
-  const Json& d = file.json.at("data");
+FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
+  const Json& d = file.json.at(where);
   FrequencyData data;
   if (d.contains("frequencies") && d.contains("file")) {
     file.refuse(where / "file", "data have either \"frequencies\" or a \"file\", not both");
@@ -449,7 +449,7 @@ void take_data(const CaseFile& f, DamageCase& out) {
       data.contains("discrepancy") && data["discrepancy"].is_object() &&
       std::ranges::any_of(data["discrepancy"], [](const Json& d) { return d.is_object(); });
   if (!shapes && !inferred) {
-    out.data = parse_data(f);
+    out.data = parse_data(f, at("/data"));
     return;
   }
   if (out.emulator)
@@ -464,6 +464,26 @@ void take_data(const CaseFile& f, DamageCase& out) {
   out.modal = std::make_shared<const ModalData>(parse_modal_data(f, solved));
   if (out.modal->predict > 0) f.refuse(at("/data/predict"), "goes with \"kind\": \"update\" only");
   out.data = frequencies_of(*out.modal, data);
+}
+
+void take_baseline(const CaseFile& f, DamageCaseFile& parsed) {
+  const Pointer where = at("/baseline/data");
+  for (const auto& [key, ignored] : f.json.at(where).items())
+    if (key != "frequencies" && key != "cov" && key != "sd" && key != "file" && key != "columns" &&
+        key != "row")
+      f.refuse(where / key,
+               "is not used by this version: a baseline is frequencies and their noise");
+  const FrequencyData baseline = parse_data(f, where);
+  if (baseline.frequencies_hz.empty())
+    f.refuse(where / "frequencies", "is missing: those of the undamaged structure");
+  if (baseline.cv_prior) f.refuse(where / "cov", "must be a number");
+  if (baseline.sd_hz.empty())
+    f.refuse(where / "cov", "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"");
+  try {
+    compare_with_baseline(parsed.damage, baseline);
+  } catch (const InvalidInput& error) {
+    f.refuse(where, error.what());
+  }
 }
 
 // Shapes of the truth, where there are sensors; the frequencies are simulated already.
@@ -667,6 +687,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     f.refuse(at("/data/cov"),
              "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"");
   }
+  if (json.contains("baseline")) take_baseline(f, parsed);
   return parsed;
 }
 

@@ -329,6 +329,18 @@ Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings
       {"fit", fit_report(findings.fit_verdict)},
       {"diagnostics", diagnosed},
       {"cost", cost(findings.sampling)}};
+  if (damage_case.baseline) {
+    Report factors = Report::array(), measured = Report::array();
+    for (std::size_t i = 0; i < damage_case.baseline->model_hz.size(); ++i) {
+      const double f = damage_case.baseline->measured_hz[i];
+      measured.push_back(finite(f));
+      factors.push_back(finite(f / damage_case.baseline->model_hz[i]));
+    }
+    summary["baseline"] = {{"measured_hz", measured},
+                           {"model_hz", damage_case.baseline->model_hz},
+                           {"factors", factors},
+                           {"statement", baseline_statement(*damage_case.baseline)}};
+  }
   if (damage_case.data.discrepancy_cv > 0.0) {
     summary["data"]["discrepancy_cov"] = damage_case.data.discrepancy_cv;
   }

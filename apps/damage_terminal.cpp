@@ -236,6 +236,8 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
   const DamageCase& damage_case = file.damage;
   page.heading(damage_case.title);
   out << "Data: " << damage_case.data.origin << '\n';
+  if (damage_case.baseline)
+    page.wrapped("Baseline: " + baseline_statement(*damage_case.baseline), "", "  ");
   print_answer(page, answer(damage_case, findings));
 
   page.heading(damage_case.kinds.size() > 1 ? "What is there?"

@@ -134,8 +134,8 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   });
   print_sid(std::cout, parsed, out.findings, colour_wanted());
   if (failed) throw *failed;
-  print_results(common.output, out.findings.sampling.verdict.converged);
   say_what_goes_on(checkpoint, out.run.posterior.stopped_early);
+  print_results(common.output, out.findings.sampling.verdict.converged);
   if (!out.run.posterior.stopped_early) checkpoint.remove();
 }
 

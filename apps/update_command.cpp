@@ -113,7 +113,8 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   });
   print_update(std::cout, parsed, findings, colour_wanted());
   if (failed) throw *failed;
-  checkpoint.remove();
+  say_what_goes_on(checkpoint, posterior.stopped_early);
+  if (!posterior.stopped_early) checkpoint.remove();
   print_results(common.output, findings.sampling.verdict.converged);
 }
 

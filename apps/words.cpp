@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "inference/convergence.hpp"
 
@@ -122,6 +123,21 @@ std::string symmetry_statement(bool emulated) {
                         ". Where the posterior prefers a side all the same, that comes from the "
                         "emulator, not from the data."
                   : start + ": each location named here stands for both.";
+}
+
+std::string baseline_statement(const identification::Baseline& baseline) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t i = 0; i < baseline.model_hz.size(); ++i) {
+    const double off = 100.0 * (baseline.measured_hz[i] / baseline.model_hz[i] - 1.0);
+    if (std::isnan(off)) continue;
+    low = std::min(low, off);
+    high = std::max(high, off);
+  }
+  return "the undamaged structure was measured " + significant(low, 2) + " to " +
+         significant(high, 2) +
+         " % off the model; the data are compared as changes from it, and frequencies told here "
+         "are "
+         "scaled to the model.";
 }
 
 std::string images_statement(const std::vector<std::vector<std::string>>& alike,

@@ -65,6 +65,8 @@ struct Context {
 
 /// What frequencies of a symmetric beam cannot tell.
 [[nodiscard]] std::string symmetry_statement(bool emulated);
+/// How far the intact model is from the measured baseline, and what was made of it.
+[[nodiscard]] std::string baseline_statement(const identification::Baseline& baseline);
 /// The same of a structure: what is alike, and on which members s is like L - s.
 [[nodiscard]] std::string images_statement(const std::vector<std::vector<std::string>>& alike,
                                            const std::vector<std::string>& turned);

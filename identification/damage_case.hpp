@@ -26,6 +26,12 @@ struct Simulation {
   double shape_sd = 0.0;  ///< of entries, shapes scaled to a largest entry of 1; 0: no shapes
 };
 
+/// The undamaged structure's frequencies [Hz], measured (NaN where not) and as the model has them;
+/// see identification/baseline.hpp.
+struct Baseline {
+  std::vector<double> measured_hz = {}, model_hz = {};
+};
+
 struct DamageCase {
   std::string title = {};
   bool balance = false;                                  ///< sample models evenly and reweight
@@ -37,6 +43,7 @@ struct DamageCase {
   /// Where shapes were measured, or frequencies have a covariance: all that was measured, and
   /// `data` is the part of it that is frequencies. Shapes belong to the structure that is solved.
   std::shared_ptr<const ModalData> modal = {};
+  std::optional<Baseline> baseline = {};  ///< that `data` are compared with already
   std::optional<Simulation> simulation = {};
   std::vector<DefectKind> kinds = {};
   std::optional<EmulatorSpec> emulator = {};  ///< none: the FE solution itself

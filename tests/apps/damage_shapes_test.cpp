@@ -109,7 +109,8 @@ TEST(DamageShapes, RunsAndSaysHowItFits) {
 TEST(DamageShapes, SimulatedCasesHoldThem) {
   const Workspace where;
   const std::string made = (where / "made.json").string();
-  const std::string simulate = "simulate " + where.write_json("c.json", beam_a(1)).string() + " -o ";
+  const std::string simulate =
+      "simulate " + where.write_json("c.json", beam_a(1)).string() + " -o ";
   ASSERT_EQ(wheeltap(where, simulate + made).exit_code, 0);
   const json data = json::parse(read_all(made))["data"];
   ASSERT_EQ(data["shapes"].size(), 5U);
