@@ -18,10 +18,10 @@ struct CovarianceOptions {
 /// every lag has the same number of them, so that the mean of the blocks' R_i is the whole's.
 struct OutputCovariances {
   int lags = 0;
-  long samples = 0;              ///< of a block
-  std::vector<int> references;   ///< by channel, ascending as given
-  Eigen::VectorXd scale;         ///< standard deviation of each channel [its unit]
-  Eigen::VectorXd zero_lag;      ///< variance of each scaled channel over the samples used: about 1
+  long samples = 0;             ///< of a block
+  std::vector<int> references;  ///< by channel, ascending as given
+  Eigen::VectorXd scale;        ///< standard deviation of each channel [its unit]
+  Eigen::VectorXd zero_lag;     ///< variance of each scaled channel over the samples used: about 1
   std::vector<Eigen::MatrixXd> blocks;  ///< (lags · channels) × references: R_1 over R_2 over …
   Eigen::MatrixXd mean;                 ///< of the blocks
 

@@ -28,8 +28,7 @@ using Eigen::VectorXcd;
 
 /// R_1 over R_2 over … as a block Hankel matrix with `columns` block columns.
 MatrixXd hankel(const MatrixXd& stacked, Index channels, Index columns) {
-  const Index references = stacked.cols(),
-              rows = stacked.rows() - (columns - 1) * channels;
+  const Index references = stacked.cols(), rows = stacked.rows() - (columns - 1) * channels;
   MatrixXd h(rows, columns * references);
   for (Index j = 0; j < columns; ++j)
     h.middleCols(j * references, references) = stacked.middleRows(j * channels, rows);
@@ -89,8 +88,8 @@ StochasticSubspace::StochasticSubspace(const OutputCovariances& covariances,
     const MatrixXd moved =
         norm * (hankel(covariances.blocks[static_cast<std::size_t>(k)], channels_, columns) - h);
     const MatrixXd p_ji = u_.transpose() * (moved * v.leftCols(largest_));
-    const MatrixXd p_ij = v.leftCols(common).transpose() *
-                          (moved.transpose() * u_.leftCols(largest_));
+    const MatrixXd p_ij =
+        v.leftCols(common).transpose() * (moved.transpose() * u_.leftCols(largest_));
     auto out = turns_.middleCols(static_cast<Index>(k) * largest_, largest_);
     for (Index i = 0; i < largest_; ++i) {
       out.col(i).head(i + 1).setZero();
@@ -177,8 +176,7 @@ std::vector<Pole> StochasticSubspace::poles(int order, const PoleWindow& window)
   const MatrixXd turned = rows * u_.rightCols(rest);
   Eigen::ArrayXd squares_f = Eigen::ArrayXd::Zero(count), squares_z = squares_f;
   for (int k = 0; k < blocks_; ++k) {
-    const MatrixXd z =
-        turned * turns_.block(order, static_cast<Index>(k) * largest_, rest, order);
+    const MatrixXd z = turned * turns_.block(order, static_cast<Index>(k) * largest_, rest, order);
     for (Index i = 0; i < count; ++i) {
       const Complex first(0.0, 1.0);
       Complex moved = 0.0;
@@ -225,8 +223,8 @@ MovedPoles StochasticSubspace::moved_poles(int order, const std::vector<int>& pl
   for (int k = 0; k < blocks_; ++k) {
     const auto z = turns_.block(order, static_cast<Index>(k) * largest_, rest, order);
     // ΔA = U↑⁺ (ΔU↓ - ΔU↑ A) + (U↑ᵀU↑)⁻¹ ΔU↑ᵀ (U↓ - U↑ A)
-    const MatrixXd da = into_down * z - into_up * z * model.a +
-                        model.gram_inverse * (z.transpose() * residual);
+    const MatrixXd da =
+        into_down * z - into_up * z * model.a + model.gram_inverse * (z.transpose() * residual);
     const MatrixXd dc = others.topRows(channels_) * z;
     for (Index i = 0; i < count; ++i) {
       const int place = places[static_cast<std::size_t>(i)];
@@ -240,9 +238,8 @@ MovedPoles StochasticSubspace::moved_poles(int order, const std::vector<int>& pl
       for (Index j = 0; j < order; ++j)
         mixed[j] = j == place ? Complex(0.0) : Complex(mixed[j] / (mu - model.mu[j]));
       const VectorXcd dphi =
-          scale_.asDiagonal() *
-          (dc * model.right.col(place) +
-           u_.topLeftCorner(channels_, order) * (model.right * mixed));
+          scale_.asDiagonal() * (dc * model.right.col(place) +
+                                 u_.topLeftCorner(channels_, order) * (model.right * mixed));
       // φ / φ_m: Δ = (Δφ - φ/φ_m Δφ_m) / φ_m.
       const Index top = largest[static_cast<std::size_t>(i)];
       const VectorXcd& phi = raw[static_cast<std::size_t>(i)];

@@ -33,7 +33,7 @@ struct SubspaceOptions {
 /// One mode of a pair λ, λ* of one order.
 struct Pole {
   int order = 0;
-  int place = 0;                   ///< among the eigenvalues of that order
+  int place = 0;                    ///< among the eigenvalues of that order
   std::complex<double> eigenvalue;  ///< λ [rad/s], Im λ > 0
   double frequency_hz = 0.0;
   double damping = 0.0;
@@ -80,7 +80,7 @@ class StochasticSubspace {
   double step_;
   int channels_, largest_, blocks_;
   Eigen::VectorXd scale_, s_;
-  Eigen::MatrixXd u_;      // all left singular vectors
+  Eigen::MatrixXd u_;  // all left singular vectors
   Eigen::MatrixXd turns_;  // UᵀΔU₁ of each block beside each other: rows of H × (blocks · largest)
 };
 
