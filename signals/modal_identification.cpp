@@ -60,7 +60,7 @@ MatrixXd decimated(const Eigen::Ref<const MatrixXd>& records, int factor, int th
 }
 
 struct Shape {
-  int rows, columns, order;  // p, q, largest order
+  int rows = 0, columns = 0, order = 0;  // p, q, largest order
   [[nodiscard]] int lags() const { return rows + columns; }
 };
 
@@ -219,14 +219,14 @@ ModalResult identify_modes(const Eigen::Ref<const MatrixXd>& records, const Moda
     out.remarks.order_cut = shape.order < asked ? asked : 0;
     out.blocks = blocks_of(options.blocks, y.cols(), out.lags);
     const OutputCovariances covariances = output_covariances(
-        y, {.lags = out.lags, .blocks = out.blocks, .references = options.references});
+        y, {.lags = out.lags, .blocks = out.blocks, .references = options.references, .threads = options.threads});
     out.references = covariances.references;
     out.block_seconds = static_cast<double>(covariances.samples) / out.sample_rate_hz;
     out.remarks.short_blocks =
         out.blocks < kFewBlocks || covariances.samples < kLagsPerBlock * out.lags;
     const StochasticSubspace subspace(covariances, {.step = 1.0 / out.sample_rate_hz,
                                                     .columns = shape.columns,
-                                                    .largest_order = shape.order});
+                                                    .largest_order = shape.order, .threads = options.threads});
     out.singular_values = subspace.singular_values();
     out.diagram = stabilise(subspace, {.lowest_hz = out.lowest_hz,
                                        .highest_hz = out.highest_hz,

@@ -63,7 +63,7 @@ OutputCovariances output_covariances(const Eigen::Ref<const Eigen::MatrixXd>& re
   // Column k holds y_{k+1}, …, y_{k+lags}: the samples as they lie in memory.
   const Eigen::Index b = out.samples, rows = options.lags * r;
   out.blocks.resize(static_cast<std::size_t>(options.blocks));
-  base::parallel_for(options.blocks, 0, [&](int k) {
+  base::parallel_for(options.blocks, options.threads, [&](int k) {
     const Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> later(
         y.data() + (k * b + 1) * r, rows, b, Eigen::OuterStride<>(r));
     out.blocks[static_cast<std::size_t>(k)] =

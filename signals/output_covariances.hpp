@@ -11,6 +11,7 @@ struct CovarianceOptions {
   int lags = 60;                     ///< i = 1 … lags
   int blocks = 50;                   ///< n_b, of one length; what does not fill one is left out
   std::vector<int> references = {};  ///< channels in `ref`; all of them if empty
+  int threads = 0;
 };
 
 /// R_i = 1/n Σ_k y_{k+i} y_{k,ref}ᵀ, i = 1 … lags, of channels freed of their lines and divided by

@@ -84,7 +84,7 @@ StochasticSubspace::StochasticSubspace(const OutputCovariances& covariances,
   const Index m = h.rows(), common = s_.size();
   const double norm = 1.0 / std::sqrt(static_cast<double>(blocks_) * (blocks_ - 1.0));
   turns_.resize(m, static_cast<Index>(blocks_) * largest_);
-  base::parallel_for(blocks_, 0, [&](int k) {
+  base::parallel_for(blocks_, options.threads, [&](int k) {
     const MatrixXd moved =
         norm * (hankel(covariances.blocks[static_cast<std::size_t>(k)], channels_, columns) - h);
     const MatrixXd p_ji = u_.transpose() * (moved * v.leftCols(largest_));

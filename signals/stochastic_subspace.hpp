@@ -28,6 +28,7 @@ struct SubspaceOptions {
   double step = 1.0;      ///< Δt [s]
   int columns = 0;        ///< q; 0: half of the lags. p = lags - q, of R_1 … R_{p+q}
   int largest_order = 0;  ///< 0: as large as H allows
+  int threads = 0;
 };
 
 /// One mode of a pair λ, λ* of one order.
