@@ -19,10 +19,10 @@ using Eigen::MatrixXd;
 
 constexpr int kBlocks = 50, kFewBlocks = 20, kFewestBlocks = 8;
 constexpr long kLagsPerBlock = 5;
-constexpr double kRows = 1.2;        // rows and columns of H, over the least that the order needs
-constexpr int kMostRows = 900;       // of H
-constexpr double kKept = 0.4;        // of the new rate, by decimate()
-constexpr double kTone = 1.3;        // amplitude kurtosis below
+constexpr double kRows = 1.2;   // rows and columns of H, over the least that the order needs
+constexpr int kMostRows = 900;  // of H
+constexpr double kKept = 0.4;   // of the new rate, by decimate()
+constexpr double kTone = 1.3;   // amplitude kurtosis below
 constexpr double kToneDamping = 0.002;
 constexpr double kCollinear = 0.8;
 constexpr double kAlike = 1.0 - 1e-9;
@@ -76,10 +76,9 @@ Shape shape_of(int order, double span, int channels, int references, long sample
     for (int i = 0; i < more; ++i)
       ++(out.rows * channels <= out.columns * references ? out.rows : out.columns);
   }
-  const int most_lags =
-      static_cast<int>(std::min<long>(samples / (kFewestBlocks * kLagsPerBlock),
-                                      static_cast<long>(kMostRows) / channels +
-                                          static_cast<long>(kMostRows) / references));
+  const int most_lags = static_cast<int>(std::min<long>(
+      samples / (kFewestBlocks * kLagsPerBlock),
+      static_cast<long>(kMostRows) / channels + static_cast<long>(kMostRows) / references));
   const int limit = lags > 0 ? std::min(lags, most_lags) : most_lags;
   while (out.lags() > std::max(limit, 2))
     --(out.rows * channels >= out.columns * references && out.rows > 1 ? out.rows : out.columns);
@@ -95,7 +94,9 @@ int blocks_of(int asked, long samples, int lags) {
       std::clamp<long>((samples - lags) / (kLagsPerBlock * lags), kFewestBlocks, kBlocks));
 }
 
-bool near(double a, double b) { return std::abs(a - b) <= 0.05 * b; }
+bool near(double a, double b) {
+  return std::abs(a - b) <= 0.05 * b;
+}
 
 void doubt(ModalResult& out) {
   for (Mode& mode : out.modes) {
@@ -142,16 +143,14 @@ void describe(ModalResult& out, const StochasticSubspace& subspace, const Matrix
       const Pole& pole = moved.poles[i];
       Index strongest = 0;
       (pole.shape.array().abs() / (y.rowwise().norm().array() + 1e-300)).maxCoeff(&strongest);
-      out.modes[m] = {
-          .pole = pole,
-          .collinearity = phase_collinearity(pole.shape),
-          .phase_deviation = mean_phase_deviation(pole.shape),
-          .present = static_cast<int>(cluster.members.size()),
-          .orders = cluster.orders,
-          .amplitude_kurtosis =
-              amplitude_kurtosis(y.row(strongest).transpose(), pole.frequency_hz,
-                                 out.sample_rate_hz),
-          .shape_covariance = moved.shape_moves[i] * moved.shape_moves[i].transpose()};
+      out.modes[m] = {.pole = pole,
+                      .collinearity = phase_collinearity(pole.shape),
+                      .phase_deviation = mean_phase_deviation(pole.shape),
+                      .present = static_cast<int>(cluster.members.size()),
+                      .orders = cluster.orders,
+                      .amplitude_kurtosis = amplitude_kurtosis(
+                          y.row(strongest).transpose(), pole.frequency_hz, out.sample_rate_hz),
+                      .shape_covariance = moved.shape_moves[i] * moved.shape_moves[i].transpose()};
       moves.row(static_cast<Index>(m)) = moved.frequency_moves.row(static_cast<Index>(i));
       moves.row(count + static_cast<Index>(m)) = moved.damping_moves.row(static_cast<Index>(i));
     }
@@ -163,8 +162,8 @@ void describe(ModalResult& out, const StochasticSubspace& subspace, const Matrix
 
 double amplitude_kurtosis(const Eigen::Ref<const Eigen::VectorXd>& x, double frequency_hz,
                           double sample_rate_hz, double cycles) {
-  const auto window = static_cast<Index>(
-      std::ceil(cycles * sample_rate_hz / std::max(frequency_hz, 1e-300)));
+  const auto window =
+      static_cast<Index>(std::ceil(cycles * sample_rate_hz / std::max(frequency_hz, 1e-300)));
   if (window < 4 || x.size() < 4 * window) return 2.0;  // nothing can be said
   double second = 0.0, fourth = 0.0;
   Index count = 0;
@@ -197,20 +196,19 @@ ModalResult identify_modes(const Eigen::Ref<const MatrixXd>& records, const Moda
     out.remarks.band_cut = out.highest_hz >= 0.5 * options.sample_rate_hz;
     out.highest_hz = std::min(out.highest_hz, 0.5 * options.sample_rate_hz);
   }
-  out.decimated =
-      std::max(1, static_cast<int>(kKept * options.sample_rate_hz / out.highest_hz));
+  out.decimated = std::max(1, static_cast<int>(kKept * options.sample_rate_hz / out.highest_hz));
   out.sample_rate_hz = options.sample_rate_hz / out.decimated;
   const MatrixXd y = decimated(records, out.decimated, options.threads);
   refuse_copies(y);
   const auto channels = static_cast<int>(y.rows());
   const int references =
       options.references.empty() ? channels : static_cast<int>(options.references.size());
-  const int asked = options.largest_order > 0 ? options.largest_order / 2 * 2
-                                              : std::clamp(10 * channels, 20, 80);
+  const int asked =
+      options.largest_order > 0 ? options.largest_order / 2 * 2 : std::clamp(10 * channels, 20, 80);
   double slowest = std::max(out.lowest_hz, 0.01 * out.sample_rate_hz);
   for (int round = 0; round < 2; ++round) {
-    const Shape shape = shape_of(asked, out.sample_rate_hz / slowest, channels, references,
-                                 y.cols(), options.lags);
+    const Shape shape =
+        shape_of(asked, out.sample_rate_hz / slowest, channels, references, y.cols(), options.lags);
     if (shape.order < 2)
       refuse("samples", static_cast<double>(records.cols()), "too few for any order");
     if (round == 1 && shape.lags() >= out.lags) break;  // as it was
@@ -218,19 +216,22 @@ ModalResult identify_modes(const Eigen::Ref<const MatrixXd>& records, const Moda
     out.largest_order = shape.order;
     out.remarks.order_cut = shape.order < asked ? asked : 0;
     out.blocks = blocks_of(options.blocks, y.cols(), out.lags);
-    const OutputCovariances covariances = output_covariances(
-        y, {.lags = out.lags, .blocks = out.blocks, .references = options.references, .threads = options.threads});
+    const OutputCovariances covariances = output_covariances(y, {.lags = out.lags,
+                                                                 .blocks = out.blocks,
+                                                                 .references = options.references,
+                                                                 .threads = options.threads});
     out.references = covariances.references;
     out.block_seconds = static_cast<double>(covariances.samples) / out.sample_rate_hz;
     out.remarks.short_blocks =
         out.blocks < kFewBlocks || covariances.samples < kLagsPerBlock * out.lags;
     const StochasticSubspace subspace(covariances, {.step = 1.0 / out.sample_rate_hz,
                                                     .columns = shape.columns,
-                                                    .largest_order = shape.order, .threads = options.threads});
+                                                    .largest_order = shape.order,
+                                                    .threads = options.threads});
     out.singular_values = subspace.singular_values();
-    out.diagram = stabilise(subspace, {.lowest_hz = out.lowest_hz,
-                                       .highest_hz = out.highest_hz,
-                                       .threads = options.threads});
+    out.diagram = stabilise(
+        subspace,
+        {.lowest_hz = out.lowest_hz, .highest_hz = out.highest_hz, .threads = options.threads});
     describe(out, subspace, y);
     if (out.modes.empty() || options.lags > 0) break;
     slowest = out.modes.front().pole.frequency_hz;

@@ -12,8 +12,8 @@ struct ModalOptions {
   double sample_rate_hz = 1.0;
   double lowest_hz = 0.0, highest_hz = 0.0;  ///< the band; 0: up to 0.45 of the rate
   int largest_order = 0;                     ///< 0: 10 a channel, from 20 to 80
-  int lags = 0;                  ///< p + q; 0: what orders need, and a period of the lowest mode
-  int blocks = 0;                ///< n_b; 0: 50, fewer where they would be too short
+  int lags = 0;    ///< p + q; 0: what orders need, and a period of the lowest mode
+  int blocks = 0;  ///< n_b; 0: 50, fewer where they would be too short
   std::vector<int> references = {};  ///< channels; all if empty
   int threads = 0;
 };
@@ -31,9 +31,9 @@ enum class ModeDoubt {
 
 struct Mode {
   Pole pole = {};
-  double collinearity = 0.0;     ///< modal phase collinearity
-  double phase_deviation = 0.0;  ///< mean phase deviation [rad]
-  int present = 0, orders = 0;   ///< of the diagram's orders since its first
+  double collinearity = 0.0;        ///< modal phase collinearity
+  double phase_deviation = 0.0;     ///< mean phase deviation [rad]
+  int present = 0, orders = 0;      ///< of the diagram's orders since its first
   double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² about its frequency: 1 a sine, 2 noise
   Eigen::MatrixXd shape_covariance = {};  ///< of real parts, then imaginary parts
   std::vector<ModeDoubt> doubts = {};
@@ -41,9 +41,9 @@ struct Mode {
 
 /// What is odd about the whole record.
 struct ModalRemarks {
-  bool short_blocks = false;   ///< fewer than 20 blocks, or less than five times the lags
-  bool band_cut = false;       ///< band beyond what the sampling holds
-  int order_cut = 0;           ///< largest order that was asked for, where records allow less
+  bool short_blocks = false;  ///< fewer than 20 blocks, or less than five times the lags
+  bool band_cut = false;      ///< band beyond what the sampling holds
+  int order_cut = 0;          ///< largest order that was asked for, where records allow less
 };
 
 struct ModalResult {

@@ -127,8 +127,8 @@ std::size_t two_classes(const std::vector<double>& sorted) {
   std::size_t place = 1;
   for (std::size_t i = 1; i < n; ++i) {
     low += sorted[i - 1] - total / static_cast<double>(n);
-    const double between = low * low * (1.0 / static_cast<double>(i) +
-                                        1.0 / static_cast<double>(n - i));
+    const double between =
+        low * low * (1.0 / static_cast<double>(i) + 1.0 / static_cast<double>(n - i));
     if (between > most) {
       most = between;
       place = i;

@@ -3,9 +3,9 @@
 // Hard criteria leave poles of a plausible damping whose frequency is known well enough. Soft
 // criteria are in one distance between poles, d = |Δf| / max f + 1 - MAC (Magalhães, Cunha &
 // Caetano 2009, MSSP 23:1431): poles nearer than a threshold are joined to clusters by average
-// linkage, where no cluster may hold two poles of one order. The threshold comes from how far a pole
-// lies from the nearest one of the order before, in the class of those that stay (two classes of
-// log d by least squares; Reynders 2012, Arch. Comput. Methods Eng. 19:51, section 4).
+// linkage, where no cluster may hold two poles of one order. The threshold comes from how far a
+// pole lies from the nearest one of the order before, in the class of those that stay (two classes
+// of log d by least squares; Reynders 2012, Arch. Comput. Methods Eng. 19:51, section 4).
 #pragma once
 
 #include <vector>
@@ -36,10 +36,10 @@ struct ModeCluster {
 };
 
 struct Stabilisation {
-  std::vector<Pole> poles = {};  ///< within the band, of all orders, ascending
-  std::vector<bool> hard = {};   ///< which of them meet the hard criteria
-  double threshold = 0.0;        ///< of the distance
-  int orders = 0;                ///< that were tried
+  std::vector<Pole> poles = {};         ///< within the band, of all orders, ascending
+  std::vector<bool> hard = {};          ///< which of them meet the hard criteria
+  double threshold = 0.0;               ///< of the distance
+  int orders = 0;                       ///< that were tried
   std::vector<ModeCluster> modes = {};  ///< by frequency
 };
 

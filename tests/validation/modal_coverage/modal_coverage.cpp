@@ -35,8 +35,8 @@ bool holds(const Mode& mode, const Eigen::VectorXd& truth) {
     ++a;
   }
   const double distance = off.dot(covariance.ldlt().solve(off));
-  return distance <= boost::math::quantile(
-                         boost::math::chi_squared(static_cast<double>(n - 1)), 0.95);
+  return distance <=
+         boost::math::quantile(boost::math::chi_squared(static_cast<double>(n - 1)), 0.95);
 }
 
 CoverageRow row_of(std::string name, double truth, const std::vector<double>& x,
@@ -64,18 +64,15 @@ CoverageRow row_of(std::string name, double truth, const std::vector<double>& x,
 }  // namespace
 
 CoverageCase coverage_case(const std::string& name) {
-  if (name == "chain")
-    return {.name = name, .structure = chain(3, 1.0, 200.0), .lowest_hz = 0.3};
+  if (name == "chain") return {.name = name, .structure = chain(3, 1.0, 200.0), .lowest_hz = 0.3};
   if (name == "close") {
     CoverageCase out{.name = name, .structure = chain(3, 1.0, 200.0), .lowest_hz = 0.3};
     out.structure.stiffness << 204, -4, 0, -4, 204, 0, 0, 0, 600;
     return out;
   }
   if (name == "frame") {
-    CoverageCase out{.name = name,
-                     .structure = chain(8, 1.0, 1500.0),
-                     .lowest_hz = 0.4,
-                     .largest_order = 40};
+    CoverageCase out{
+        .name = name, .structure = chain(8, 1.0, 1500.0), .lowest_hz = 0.4, .largest_order = 40};
     out.structure.step = 0.03;
     return out;
   }
@@ -144,7 +141,8 @@ Coverage modal_coverage(const CoverageCase& of, int records, std::uint64_t seed,
       shape.covered += one[m].shape_held ? 1.0 : 0.0;
     }
     if (shape.found > 0) shape.covered /= shape.found;
-    const double hz = truth.frequencies_hz[static_cast<Index>(m)], zeta = of.structure.damping_ratio;
+    const double hz = truth.frequencies_hz[static_cast<Index>(m)],
+                 zeta = of.structure.damping_ratio;
     const double cycles = hz * of.seconds;
     out.rows.push_back(row_of("f" + std::to_string(m + 1), hz, f, f_sd,
                               hz * std::sqrt(zeta / (2.0 * std::numbers::pi * cycles))));

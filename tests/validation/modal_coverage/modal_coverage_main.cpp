@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   }
   CoverageCase of = coverage_case(argv[1]);
   if (argc > 4) of.noise = std::atof(argv[4]);
-  print(std::cout, modal_coverage(of, std::atoi(argv[2]),
-                                  argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1));
+  print(std::cout,
+        modal_coverage(of, std::atoi(argv[2]), argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1));
   return 0;
 }
