@@ -58,14 +58,13 @@ Report summary_of(const ModalCaseFile& modal, const ModalResult& result,
   Report modes = Report::array(), poles = Report::array();
   for (const Mode& m : result.modes) modes.push_back(mode_json(m));
   for (const signals::Pole& p : result.diagram.poles)
-    poles.push_back({p.order, p.frequency_hz, p.damping, finite(p.frequency_sd),
-                     finite(p.damping_sd)});
+    poles.push_back(
+        {p.order, p.frequency_hz, p.damping, finite(p.frequency_sd), finite(p.damping_sd)});
   std::vector<std::string> said = warnings(result);
   said.insert(said.end(), modal.oddities.begin(), modal.oddities.end());
-  return {{"wheeltap", about("modal",
-                             {.seed = common.seed.value_or(1),
-                              .command_line = common.command_line},
-                             modal.file)},
+  return {{"wheeltap",
+           about("modal", {.seed = common.seed.value_or(1), .command_line = common.command_line},
+                 modal.file)},
           {"modes", modes},
           {"procedure",
            {{"method", "ssi-cov"},
@@ -92,12 +91,11 @@ void print(const ModalCaseFile& modal, const ModalResult& result) {
     std::vector<std::vector<std::string>> rows = {
         {"mode", "f [Hz]", "damping [%]", "MPC", "orders", ""}};
     for (const Mode& m : result.modes)
-      rows.push_back({std::to_string(rows.size()),
-                      with_sd(m.pole.frequency_hz, m.pole.frequency_sd),
-                      with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd),
-                      fixed(m.collinearity, 3),
-                      std::to_string(m.present) + " of " + std::to_string(m.orders),
-                      m.doubts.empty() ? "" : "doubtful"});
+      rows.push_back(
+          {std::to_string(rows.size()), with_sd(m.pole.frequency_hz, m.pole.frequency_sd),
+           with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd), fixed(m.collinearity, 3),
+           std::to_string(m.present) + " of " + std::to_string(m.orders),
+           m.doubts.empty() ? "" : "doubtful"});
     page.table(rows);
     std::cout << "± is one standard deviation.\n";
   }

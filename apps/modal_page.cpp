@@ -148,7 +148,8 @@ std::string modal_page(const ModalCaseFile& modal, const ModalResult& result) {
       "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the pole that "
       "stands for it. Behind, the mean spectrum of the channels in decibels.</p>\n";
   if (!result.modes.empty()) out += "<h2>Damping, with 95 % intervals</h2>\n" + damping(result);
-  for (const std::string& text : procedure_in_words(result)) out += "<p>" + escaped(text) + "</p>\n";
+  for (const std::string& text : procedure_in_words(result))
+    out += "<p>" + escaped(text) + "</p>\n";
   return out + "</body>\n</html>\n";
 }
 

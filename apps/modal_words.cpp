@@ -66,8 +66,8 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
         "No mode was found in the band: no pole is stable over orders. Look at the spectra, widen "
         "the band, or record for longer.");
   if (result.remarks.short_blocks)
-    out.push_back("The record is short: it gives " + std::to_string(result.blocks) +
-                  " blocks of " + significant(result.block_seconds, 3) +
+    out.push_back("The record is short: it gives " + std::to_string(result.blocks) + " blocks of " +
+                  significant(result.block_seconds, 3) +
                   " s, and standard deviations themselves are known to about " +
                   significant(100.0 / std::sqrt(2.0 * (result.blocks - 1)), 2) + " %.");
   if (result.remarks.order_cut > 0)

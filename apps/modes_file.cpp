@@ -31,9 +31,8 @@ class Reader {
   [[nodiscard]] Eigen::VectorXd vector(const Pointer& where, Index size) const {
     const Json& list = at(where);
     if (!list.is_array() || (size >= 0 && static_cast<Index>(list.size()) != size))
-      file_.refuse(where, "must be a list" +
-                              (size >= 0 ? " of " + std::to_string(size) + " numbers"
-                                         : std::string(" of numbers")));
+      file_.refuse(where, "must be a list" + (size >= 0 ? " of " + std::to_string(size) + " numbers"
+                                                        : std::string(" of numbers")));
     Eigen::VectorXd out(static_cast<Index>(list.size()));
     for (std::size_t i = 0; i < list.size(); ++i) {
       if (!list[i].is_number()) file_.refuse(where / i, "must be a number");
@@ -56,8 +55,8 @@ class Reader {
     Eigen::MatrixXd out = matrix(where, size, size);
     const double largest = out.cwiseAbs().maxCoeff();
     if (!((out - out.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * largest))
-      throw Failure(Exit::bad_input, file_.path.string() + ": " + where.to_string() +
-                                        ": must be symmetric");
+      throw Failure(Exit::bad_input,
+                    file_.path.string() + ": " + where.to_string() + ": must be symmetric");
     return out;
   }
 

@@ -17,7 +17,7 @@ struct CoverageCase {
   double seconds = 900.0;
   double noise = 0.05;  ///< of the sensors, of each channel's standard deviation
   double lowest_hz = 0.0, highest_hz = 0.0;
-  int largest_order = 0;
+  int largest_order = 0, blocks = 0;
 };
 
 /// "chain": three masses of 1 kg, 200 N/m, 1.5 %, 0.05 s. "close": two modes 2 % apart, as wide as
