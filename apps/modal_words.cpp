@@ -38,9 +38,6 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
       case ModeDoubt::at_the_edge:
         out.emplace_back("at an end of the band, where a filter may bend it");
         break;
-      case ModeDoubt::short_blocks:
-        out.emplace_back("blocks are shorter than its decay: its standard deviations are rough");
-        break;
     }
   }
   return out;
@@ -70,6 +67,11 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
                   significant(result.block_seconds, 3) +
                   " s, and standard deviations themselves are known to about " +
                   significant(100.0 / std::sqrt(2.0 * (result.blocks - 1)), 2) + " %.");
+  if (const int n = result.remarks.longer_decays; n > 0)
+    out.push_back("Blocks of " + significant(result.block_seconds, 3) +
+                  " s are shorter than the decay 1 / (ζω) of " + std::to_string(n) +
+                  (n == 1 ? " mode" : " modes") +
+                  ", whose standard deviations are rougher for it: a longer record would tell.");
   if (result.remarks.order_cut > 0)
     out.push_back("Orders stop at " + std::to_string(result.largest_order) + ", not at " +
                   std::to_string(result.remarks.order_cut) +

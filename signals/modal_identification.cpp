@@ -117,8 +117,8 @@ void doubt(ModalResult& out) {
     if (near(p.frequency_hz, out.lowest_hz) || near(p.frequency_hz, out.highest_hz))
       say(ModeDoubt::at_the_edge);
     if (p.damping > 0.0 &&
-        out.block_seconds < 1.0 / (p.damping * 2.0 * std::numbers::pi * p.frequency_hz))
-      say(ModeDoubt::short_blocks);
+        out.block_seconds * p.damping * 2.0 * std::numbers::pi * p.frequency_hz < 1.0)
+      ++out.remarks.longer_decays;
   }
 }
 

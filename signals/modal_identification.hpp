@@ -25,8 +25,7 @@ enum class ModeDoubt {
   complex_shape,    ///< phase collinearity below 0.8
   tone,             ///< hardly damped, and its amplitude does not fluctuate: a machine's
   twin,             ///< another mode is as near as both are uncertain, with the same shape
-  at_the_edge,      ///< within a twentieth of an end of the band
-  short_blocks      ///< blocks shorter than 1 / (ζω): its uncertainty may be too small
+  at_the_edge       ///< within a twentieth of an end of the band
 };
 
 struct Mode {
@@ -42,6 +41,7 @@ struct Mode {
 /// What is odd about the whole record.
 struct ModalRemarks {
   bool short_blocks = false;  ///< fewer than 20 blocks, or less than five times the lags
+  int longer_decays = 0;      ///< modes whose 1 / (ζω) is longer than a block
   bool band_cut = false;      ///< band beyond what the sampling holds
   int order_cut = 0;          ///< largest order that was asked for, where records allow less
 };

@@ -16,6 +16,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kLeastThreshold = 0.005, kLargestThreshold = 0.08;
 constexpr std::size_t kLeastMembers = 3;
 constexpr double kGoodScatter = 1.25;
+constexpr double kWorse = 2.0, kSameShape = 0.9;
 
 double scatter(const Pole& p) {
   return std::sqrt(p.frequency_sd / p.frequency_hz * p.damping_sd / std::abs(p.damping));
@@ -112,6 +113,23 @@ int representative(const std::vector<Pole>& poles, const std::vector<int>& membe
                                        frequencies.begin())];
 }
 
+bool is_splinter(const Stabilisation& of, const ModeCluster& c, const ModeCluster& whole) {
+  const Pole &a = of.poles[static_cast<std::size_t>(c.chosen)],
+             &b = of.poles[static_cast<std::size_t>(whole.chosen)];
+  return c.members.size() < whole.members.size() && scatter(a) > kWorse * scatter(b) &&
+         std::abs(a.frequency_hz - b.frequency_hz) <
+             3.0 * std::hypot(a.frequency_sd, b.frequency_sd) &&
+         modal_assurance(a.shape, b.shape) > kSameShape;
+}
+
+/// Orders that are too large split a mode in two: the worse part is none of its own.
+void drop_splinters(Stabilisation& of) {
+  const std::vector<ModeCluster> all = of.modes;
+  std::erase_if(of.modes, [&](const ModeCluster& c) {
+    return std::ranges::any_of(all, [&](const ModeCluster& d) { return is_splinter(of, c, d); });
+  });
+}
+
 }  // namespace
 
 double pole_distance(const Pole& a, const Pole& b) {
@@ -177,6 +195,7 @@ Stabilisation stabilise(const StochasticSubspace& subspace, const StabilisationO
     cluster.chosen = representative(out.poles, cluster.members);
     out.modes.push_back(std::move(cluster));
   }
+  drop_splinters(out);
   std::ranges::sort(out.modes, {}, [&](const ModeCluster& c) {
     return out.poles[static_cast<std::size_t>(c.chosen)].frequency_hz;
   });

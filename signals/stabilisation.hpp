@@ -43,7 +43,9 @@ struct Stabilisation {
   std::vector<ModeCluster> modes = {};  ///< by frequency
 };
 
-/// A mode is a cluster in at least `least_share` of the orders from its first on, and in three. It
+/// A mode is a cluster in at least `least_share` of the orders from its first on, and in three; one
+/// that another holds within three standard deviations, with the same shape, in more orders and
+/// twice as well known, is a splinter of that. It
 /// is represented by one of its poles: of those whose scatter (geometric mean of both relative
 /// standard deviations) is within a quarter of the cluster's best tenth, the one with the median
 /// frequency. That passes by the orders that are too large, whose poles scatter more, and selects

@@ -48,9 +48,9 @@ TEST(ModalIdentification, FindsAChainWithItsCovariance) {
 TEST(ModalIdentification, DecimatesToTheBand) {
   VibratingStructure structure = chain(3, 1.0, 200.0);
   structure.step = 0.01;
-  const ModalResult found = identify_modes(
-      structure.accelerations(90000, 0.05, 2),
-      {.sample_rate_hz = 100.0, .lowest_hz = 0.3, .highest_hz = 6.0});
+  const ModalResult found =
+      identify_modes(structure.accelerations(90000, 0.05, 2),
+                     {.sample_rate_hz = 100.0, .lowest_hz = 0.3, .highest_hz = 6.0});
   EXPECT_EQ(found.decimated, 6);
   ASSERT_EQ(found.modes.size(), 3U);
   const Eigen::VectorXd truth = structure.modes().frequencies_hz;

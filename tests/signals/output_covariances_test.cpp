@@ -18,8 +18,7 @@ Eigen::MatrixXd noise(int channels, int samples) {
 // Sums as they are written, one product after the other.
 TEST(OutputCovariances, AreTheSumsOfProducts) {
   const Eigen::MatrixXd y = noise(3, 400);
-  const OutputCovariances c =
-      output_covariances(y, {.lags = 4, .blocks = 5, .references = {2, 0}});
+  const OutputCovariances c = output_covariances(y, {.lags = 4, .blocks = 5, .references = {2, 0}});
   EXPECT_EQ(c.samples, (400 - 4) / 5);
   // The library's own channels: without their lines, of unit variance.
   Eigen::MatrixXd z(3, 400);

@@ -1,7 +1,7 @@
 #include "modal_coverage.hpp"
 
 #include <Eigen/Cholesky>
-#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <cstdio>
 #include <ostream>
 #include <stdexcept>
@@ -21,7 +21,7 @@ struct Found {
 };
 
 /// Whether the ellipsoid of real parts, of all but the entry that is 1, holds the true shape.
-bool holds(const Mode& mode, const Eigen::VectorXd& truth) {
+bool holds(const Mode& mode, const Eigen::VectorXd& truth, int blocks) {
   Index top = 0;
   mode.pole.shape.cwiseAbs().maxCoeff(&top);
   const Index n = truth.size();
@@ -34,9 +34,11 @@ bool holds(const Mode& mode, const Eigen::VectorXd& truth) {
       if (j != top) covariance(a, b++) = mode.shape_covariance(i, j);
     ++a;
   }
+  // Hotelling's T²: the covariance is known from so many blocks only.
   const double distance = off.dot(covariance.ldlt().solve(off));
-  return distance <=
-         boost::math::quantile(boost::math::chi_squared(static_cast<double>(n - 1)), 0.95);
+  const auto freedom = static_cast<double>(blocks - 1), p = static_cast<double>(n - 1);
+  return distance <= freedom * p / (freedom - p + 1.0) *
+                         boost::math::quantile(boost::math::fisher_f(p, freedom - p + 1.0), 0.95);
 }
 
 CoverageRow row_of(std::string name, double truth, const std::vector<double>& x,
@@ -94,6 +96,7 @@ Coverage modal_coverage(const CoverageCase& of, int records, std::uint64_t seed,
                         .lowest_hz = of.lowest_hz,
                         .highest_hz = of.highest_hz,
                         .largest_order = of.largest_order,
+                        .blocks = of.blocks,
                         .threads = 1});
     std::vector<bool> taken(result.modes.size());
     for (std::size_t m = 0; m < count; ++m) {
@@ -117,7 +120,7 @@ Coverage modal_coverage(const CoverageCase& of, int records, std::uint64_t seed,
                          .frequency_sd = mode.pole.frequency_sd,
                          .damping = mode.pole.damping,
                          .damping_sd = mode.pole.damping_sd,
-                         .shape_held = holds(mode, shape)};
+                         .shape_held = holds(mode, shape, result.blocks)};
     }
     for (std::size_t i = 0; i < taken.size(); ++i)
       if (!taken[i]) {
