@@ -19,6 +19,7 @@ using Eigen::MatrixXd;
 
 constexpr int kBlocks = 50, kFewBlocks = 20, kFewestBlocks = 8;
 constexpr long kLagsPerBlock = 5;
+constexpr int kFewestLags = 4;
 constexpr double kRows = 1.2;   // rows and columns of H, over the least that the order needs
 constexpr int kMostRows = 900;  // of H
 constexpr double kKept = 0.4;   // of the new rate, by decimate()
@@ -79,6 +80,10 @@ Shape shape_of(int order, double span, int channels, int references, long sample
   const int most_lags = static_cast<int>(std::min<long>(
       samples / (kFewestBlocks * kLagsPerBlock),
       static_cast<long>(kMostRows) / channels + static_cast<long>(kMostRows) / references));
+  if (most_lags < kFewestLags)
+    refuse("samples", static_cast<double>(samples),
+           "must be at least " + std::to_string(kFewestBlocks * kLagsPerBlock * kFewestLags) +
+               " once decimated to the band, to have blocks at all");
   const int limit = lags > 0 ? std::min(lags, most_lags) : most_lags;
   while (out.lags() > std::max(limit, 2))
     --(out.rows * channels >= out.columns * references && out.rows > 1 ? out.rows : out.columns);

@@ -34,7 +34,8 @@ class ModalCommand : public testing::Test {
     for (int k = 0; k < 12000; ++k) {
       for (std::size_t m = 0; m < 2; ++m) {
         // x'' as an autoregression with the poles of a mode of 1 %.
-        const double w = 2.0 * 3.14159265358979 * (m == 0 ? 1.0 : 3.0) * 0.05, r = std::exp(-0.01 * w);
+        const double w = 2.0 * 3.14159265358979 * (m == 0 ? 1.0 : 3.0) * 0.05,
+                     r = std::exp(-0.01 * w);
         const double next = 2.0 * r * std::cos(w) * x[m][0] - r * r * x[m][1] + noise();
         x[m] = {next, x[m][0]};
       }
@@ -115,8 +116,8 @@ TEST_F(ModalCommand, RefusesWhatCannotBe) {
 }
 
 TEST_F(ModalCommand, DryRunWritesNothing) {
-  const Outcome ran = wheeltap(
-      where, "modal " + where.write_json("case.json", a_case()).string() + " --dry-run");
+  const Outcome ran =
+      wheeltap(where, "modal " + where.write_json("case.json", a_case()).string() + " --dry-run");
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   EXPECT_THAT(ran.out, HasSubstr("2 responses of 12 000 samples"));
 }
