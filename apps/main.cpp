@@ -17,6 +17,7 @@
 #include "apps/failure.hpp"
 #include "apps/init.hpp"
 #include "apps/law_page.hpp"
+#include "apps/modal_command.hpp"
 #include "apps/nearest.hpp"
 #include "apps/report/report.hpp"
 #include "apps/section_command.hpp"
@@ -281,6 +282,13 @@ int run(int argc, char** argv) {
                         "go on where an interrupted run or sweep stopped; print a finished one "
                         "again");
 
+  CLI::App* modal_command =
+      app.add_subcommand("modal", "modes with their uncertainty, from records of a vibration");
+  add_case(modal_command);
+  add_output(modal_command, "the folder to write results into");
+  add_threads(modal_command);
+  add_dry_run(modal_command);
+
   CLI::App* batch_command =
       app.add_subcommand("batch", "many cases, each by its kind, with one table of results");
   batch_command->add_option("LIST", common.case_path, "one path of a case a line; # comments")
@@ -377,7 +385,8 @@ int run(int argc, char** argv) {
   }
   try {
     if (base::ranks() != nullptr) apps::require_equal_processors();
-    for (const CLI::App* runs : {table_command, damage_command, sid_command, update_command}) {
+    for (const CLI::App* runs :
+         {table_command, damage_command, sid_command, update_command, modal_command}) {
       if (runs->parsed() && common.output.empty() && !common.dry_run) {
         throw apps::Failure(Exit::usage,
                             "--output is required (see wheeltap " + runs->get_name() + " --help)");
@@ -389,6 +398,7 @@ int run(int argc, char** argv) {
     if (table_command->parsed()) apps::run_table(common, tabling);
     if (damage_command->parsed()) apps::run_damage(common, sampling);
     if (sid_command->parsed()) apps::run_sid(common, sampling);
+    if (modal_command->parsed()) apps::run_modal(common);
     if (batch_command->parsed()) apps::run_batch(common, sampling);
     if (update_command->parsed()) apps::run_update(common, sampling);
     if (simulate_command->parsed()) apps::run_simulate(common);

@@ -1,0 +1,156 @@
+#include "apps/modal_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/modal_words.hpp"
+#include "apps/svg_plot.hpp"
+#include "apps/words.hpp"
+#include "signals/spectra.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using signals::ModalResult;
+using signals::Mode;
+using signals::Pole;
+
+constexpr double kInterval = 1.96;
+
+std::string line(const std::string& kind, double x0, double y0, double x1, double y1) {
+  return "<path class=\"" + kind + "\" d=\"M" + fixed(x0, 1) + " " + fixed(y0, 1) + "L" +
+         fixed(x1, 1) + " " + fixed(y1, 1) + "\"/>\n";
+}
+
+std::string dot(const std::string& kind, double x, double y, double radius) {
+  return "<circle class=\"" + kind + "\" cx=\"" + fixed(x, 1) + "\" cy=\"" + fixed(y, 1) +
+         "\" r=\"" + fixed(radius, 1) + "\"/>\n";
+}
+
+/// Mean of the channels' spectra, each over its variance, in decibels, within the band.
+std::vector<std::pair<double, double>> levels(const ModalCaseFile& modal,
+                                              const ModalResult& result) {
+  const double rate = modal.options.sample_rate_hz;
+  const auto n = static_cast<int>(modal.records.cols());
+  int segment = 64;
+  while (segment * 8 <= n && segment < 16384) segment *= 2;
+  std::vector<std::pair<double, double>> out;
+  for (Eigen::Index c = 0; c < modal.records.rows(); ++c) {
+    const Eigen::VectorXd x = modal.records.row(c).transpose();
+    const signals::Spectrum s =
+        signals::welch({x.data(), static_cast<std::size_t>(x.size())}, rate, {.segment = segment});
+    const double variance = (x.array() - x.mean()).square().mean();
+    if (out.empty())
+      for (const double f : s.frequencies_hz) out.emplace_back(f, 0.0);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i].second += s.density[i] / variance;
+  }
+  std::erase_if(out, [&](const auto& p) {
+    return p.first < result.lowest_hz || p.first > result.highest_hz || !(p.second > 0.0);
+  });
+  for (auto& [f, level] : out) level = 10.0 * std::log10(level);
+  return out;
+}
+
+std::string diagram(const ModalCaseFile& modal, const ModalResult& result) {
+  constexpr double kHeight = 320.0;
+  const Plot plot(result.lowest_hz, result.highest_hz, 0.0, result.largest_order + 2.0, kHeight);
+  const auto spectrum = levels(modal, result);
+  std::string inside;
+  if (spectrum.size() > 1) {
+    const auto [low, high] = std::ranges::minmax(spectrum, {}, [](auto& p) { return p.second; });
+    std::string path;
+    for (const auto& [f, level] : spectrum)
+      path += (path.empty() ? "M" : "L") + fixed(plot.x(f), 1) + " " +
+              fixed(plot.y(result.largest_order * (level - low.second) /
+                           std::max(high.second - low.second, 1e-9)),
+                    1);
+    inside += "<path class=\"grid\" d=\"" + path + "\"/>\n";
+  }
+  std::vector<bool> kept(result.diagram.poles.size());
+  for (const signals::ModeCluster& c : result.diagram.modes)
+    for (const int m : c.members) kept[static_cast<std::size_t>(m)] = true;
+  for (std::size_t i = 0; i < result.diagram.poles.size(); ++i) {
+    const Pole& p = result.diagram.poles[i];
+    const double y = plot.y(p.order);
+    const auto at = [&](double f) {
+      return plot.x(std::clamp(f, result.lowest_hz, result.highest_hz));
+    };
+    if (kept[i])
+      inside += line("kept", at(p.frequency_hz - kInterval * p.frequency_sd), y,
+                     at(p.frequency_hz + kInterval * p.frequency_sd), y);
+    inside += dot(kept[i] ? "kept" : "pole", at(p.frequency_hz), y, kept[i] ? 2.0 : 1.2);
+  }
+  std::vector<double> marks;
+  for (const Mode& mode : result.modes) {
+    marks.push_back(mode.pole.frequency_hz);
+    inside += dot("chosen", plot.x(mode.pole.frequency_hz), plot.y(mode.pole.order), 4.0);
+  }
+  return plot.framed("stabilisation diagram", "frequency [Hz]", "order",
+                     plot.hairs(marks) + inside);
+}
+
+std::string damping(const ModalResult& result) {
+  double highest = 0.0, lowest = 0.0;
+  for (const Mode& m : result.modes) {
+    highest = std::max(highest, 100.0 * (m.pole.damping + kInterval * m.pole.damping_sd));
+    lowest = std::min(lowest, 100.0 * (m.pole.damping - kInterval * m.pole.damping_sd));
+  }
+  highest = std::min(highest, 20.0);
+  lowest = std::max(lowest, -2.0);
+  const Plot plot(result.lowest_hz, result.highest_hz, lowest, highest);
+  std::string inside;
+  for (const Mode& m : result.modes) {
+    const double x = plot.x(m.pole.frequency_hz);
+    const auto y = [&](double zeta) { return plot.y(std::clamp(100.0 * zeta, lowest, highest)); };
+    inside += line("kept", x, y(m.pole.damping - kInterval * m.pole.damping_sd), x,
+                   y(m.pole.damping + kInterval * m.pole.damping_sd));
+    inside += dot(m.doubts.empty() ? "kept" : "chosen", x, y(m.pole.damping), 3.0);
+  }
+  return plot.framed("damping ratios with 95 % intervals", "frequency [Hz]", "damping [%]", inside);
+}
+
+std::string table(const ModalResult& result) {
+  std::string out =
+      "<table><tr><th>mode</th><th>f [Hz]</th><th>damping [%]</th><th>MPC</th><th>MPD [°]</th>"
+      "<th>orders</th><th>doubts</th></tr>\n";
+  int number = 0;
+  for (const Mode& m : result.modes) {
+    std::string why;
+    for (const std::string& text : doubts_in_words(m)) why += (why.empty() ? "" : "; ") + text;
+    out += "<tr><td>" + std::to_string(++number) + "</td><td>" +
+           with_sd(m.pole.frequency_hz, m.pole.frequency_sd) + "</td><td>" +
+           with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd) + "</td><td>" +
+           fixed(m.collinearity, 3) + "</td><td>" +
+           fixed(m.phase_deviation * 180.0 / std::numbers::pi, 1) + "</td><td>" +
+           std::to_string(m.present) + " of " + std::to_string(m.orders) +
+           "</td><td class=\"odd\">" + escaped(why) + "</td></tr>\n";
+  }
+  return out + "</table>\n";
+}
+
+std::string list(const std::vector<std::string>& items) {
+  if (items.empty()) return {};
+  std::string out = "<ul class=\"odd\">";
+  for (const std::string& item : items) out += "<li>" + escaped(item) + "</li>";
+  return out + "</ul>\n";
+}
+
+}  // namespace
+
+std::string modal_page(const ModalCaseFile& modal, const ModalResult& result) {
+  std::string out = page_head(modal.title);
+  out += list(warnings(result)) + list(modal.oddities);
+  if (!result.modes.empty()) out += "<h2>Modes</h2>\n" + table(result);
+  out += "<p>± is one standard deviation.</p>\n";
+  out += "<h2>Stabilisation diagram</h2>\n" + diagram(modal, result);
+  out +=
+      "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the pole that "
+      "stands for it. Behind, the mean spectrum of the channels in decibels.</p>\n";
+  if (!result.modes.empty()) out += "<h2>Damping, with 95 % intervals</h2>\n" + damping(result);
+  for (const std::string& text : procedure_in_words(result))
+    out += "<p>" + escaped(text) + "</p>\n";
+  return out + "</body>\n</html>\n";
+}
+
+}  // namespace wheeltap::apps

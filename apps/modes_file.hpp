@@ -1,0 +1,41 @@
+// modes.json: modes with the covariance of all that is known of them, as `modal` writes it and a
+// damage or update case reads it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/summary.hpp"
+#include "signals/modal_identification.hpp"
+
+namespace wheeltap::apps {
+
+/// What measured one entry of every shape.
+struct Sensor {
+  std::string name = {};  ///< of its channel
+  std::string node = {}, direction = {};
+  std::optional<double> azimuth = {}, elevation = {};  ///< [degrees]
+  bool reference = false;
+};
+
+struct MeasuredModes {
+  std::string title = {};
+  std::vector<Sensor> sensors = {};
+  Eigen::VectorXd frequencies_hz = {}, damping = {};
+  Eigen::MatrixXd covariance = {};  ///< of all frequencies, then all damping ratios
+  Eigen::MatrixXcd shapes = {};     ///< a mode a column, largest entry 1
+  std::vector<Eigen::MatrixXd> shape_covariance = {};  ///< of real parts, then imaginary parts
+  std::vector<bool> doubtful = {};
+};
+
+[[nodiscard]] MeasuredModes measured_modes(const signals::ModalResult& result,
+                                           const std::vector<Sensor>& sensors);
+
+[[nodiscard]] Report modes_json(const MeasuredModes& modes);
+
+/// Throws Failure: 66 where it cannot be read, 65, naming the place, where it is no such file.
+[[nodiscard]] MeasuredModes read_modes_file(const std::filesystem::path& path);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,36 @@
+// Plots on pages that need no script: axes, lines, marks, drawn as SVG.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace wheeltap::apps {
+
+/// Text for HTML, one printable line.
+[[nodiscard]] std::string escaped(const std::string& text);
+
+/// A page's head up to its heading, and the classes that Plot uses.
+[[nodiscard]] std::string page_head(const std::string& title);
+
+/// Axes over a range; a range without extent is widened.
+class Plot {
+ public:
+  Plot(double x0, double x1, double y0, double y1, double height = 180.0);
+
+  /// Places on the drawing.
+  [[nodiscard]] double x(double value) const;
+  [[nodiscard]] double y(double value) const;
+  /// Axes, what is inside them (SVG), and their labels.
+  [[nodiscard]] std::string framed(const std::string& label, const std::string& horizontal,
+                                   const std::string& vertical, const std::string& inside) const;
+  /// A line by its path, and vertical hairs.
+  [[nodiscard]] std::string drawn(const std::string& label, const std::string& horizontal,
+                                  const std::string& vertical, const std::string& path,
+                                  const std::vector<double>& marks) const;
+  [[nodiscard]] std::string hairs(const std::vector<double>& marks) const;
+
+ private:
+  double x0_, x1_, y0_, y1_, height_;
+};
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,63 @@
+// Which poles of many orders are modes: a stabilisation diagram that reads itself.
+//
+// Hard criteria leave poles of a plausible damping whose frequency is known well enough. Soft
+// criteria are in one distance between poles, d = |Δf| / max f + 1 - MAC (Magalhães, Cunha &
+// Caetano 2009, MSSP 23:1431): poles nearer than a threshold are joined to clusters by average
+// linkage, where no cluster may hold two poles of one order. The threshold comes from how far a
+// pole lies from the nearest one of the order before, in the class of those that stay (two classes
+// of log d by least squares; Reynders 2012, Arch. Comput. Methods Eng. 19:51, section 4).
+#pragma once
+
+#include <vector>
+
+#include "signals/stochastic_subspace.hpp"
+
+namespace wheeltap::signals {
+
+struct StabilisationOptions {
+  double lowest_hz = 0.0, highest_hz = 1e300;
+  int smallest_order = 2, largest_order = 0;  ///< 0: the largest there is
+  double highest_damping = 0.2;
+  /// Poles below 0 by no more are kept: a steady tone scatters about 0.
+  double lowest_damping = -0.002;
+  double largest_relative_sd = 0.05;  ///< of the frequency
+  double least_share = 0.25;          ///< of the orders, for a cluster to be a mode
+  int threads = 0;
+};
+
+/// Poles of several orders that are one mode.
+struct ModeCluster {
+  std::vector<int> members = {};  ///< in Stabilisation::poles, by order
+  int orders = 0;                 ///< from the first that has it to the last there is
+  int chosen = -1;                ///< of the members, see `stabilise`
+  [[nodiscard]] double share() const {
+    return orders > 0 ? static_cast<double>(members.size()) / orders : 0.0;
+  }
+};
+
+struct Stabilisation {
+  std::vector<Pole> poles = {};         ///< within the band, of all orders, ascending
+  std::vector<bool> hard = {};          ///< which of them meet the hard criteria
+  double threshold = 0.0;               ///< of the distance
+  int orders = 0;                       ///< that were tried
+  std::vector<ModeCluster> modes = {};  ///< by frequency
+};
+
+/// A mode is a cluster in at least `least_share` of the orders from its first on, and in three; one
+/// that another holds within three standard deviations, with the same shape, in more orders and
+/// twice as well known, is a splinter of that. It
+/// is represented by one of its poles: of those whose scatter (geometric mean of both relative
+/// standard deviations) is within a quarter of the cluster's best tenth, the one with the median
+/// frequency. That passes by the orders that are too large, whose poles scatter more, and selects
+/// among the others by nothing that has to do with their uncertainty.
+[[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
+                                      const StabilisationOptions& options);
+
+/// d of two poles.
+[[nodiscard]] double pole_distance(const Pole& a, const Pole& b);
+
+/// Least of x, …, largest of x in two classes by least squares: the first value of the upper one's
+/// place in sorted x. Exposed for its test; needs two values.
+[[nodiscard]] std::size_t two_classes(const std::vector<double>& sorted);
+
+}  // namespace wheeltap::signals

@@ -1,0 +1,126 @@
+// `wheeltap modal`, as its users run it.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "program.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+/// Two oscillators at 1 and 3 Hz under noise, seen by two sensors, 20 Hz, 600 s.
+class ModalCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string text = "a [m/s^2],b [m/s^2],still\n";
+    std::array<std::array<double, 2>, 2> x{};
+    std::uint64_t bits = 88172645463325252U;
+    const auto noise = [&bits] {
+      double sum = -6.0;
+      for (int i = 0; i < 12; ++i) {
+        bits ^= bits << 13U;
+        bits ^= bits >> 7U;
+        bits ^= bits << 17U;
+        sum += static_cast<double>(bits >> 11U) * 0x1.0p-53;
+      }
+      return sum;
+    };
+    for (int k = 0; k < 12000; ++k) {
+      for (std::size_t m = 0; m < 2; ++m) {
+        // x'' as an autoregression with the poles of a mode of 1 %.
+        const double w = 2.0 * 3.14159265358979 * (m == 0 ? 1.0 : 3.0) * 0.05,
+                     r = std::exp(-0.01 * w);
+        const double next = 2.0 * r * std::cos(w) * x[m][0] - r * r * x[m][1] + noise();
+        x[m] = {next, x[m][0]};
+      }
+      char line[100];
+      std::snprintf(line, sizeof line, "%.9g,%.9g,3\n", x[0][0] + 0.3 * x[1][0] + 0.05 * noise(),
+                    0.5 * x[0][0] - x[1][0] + 0.05 * noise());
+      text += line;
+    }
+    where.write("record.csv", text);
+  }
+  [[nodiscard]] static json a_case() {
+    return json::parse(R"({"kind": "modal", "title": "Two", "band": [0.3, 9.0],
+      "record": {"file": "record.csv", "sample_rate": 20, "channels": [
+        {"column": "a", "role": "response", "node": "tip", "direction": "x"},
+        {"column": "b", "role": "response", "node": 7, "azimuth": 90}]}})");
+  }
+  [[nodiscard]] Outcome run(const json& c, const std::string& options = "") const {
+    return wheeltap(where, "modal " + where.write_json("case.json", c).string() + " -o " +
+                               (where / "out").string() + " " + options);
+  }
+  Workspace where;
+};
+
+TEST_F(ModalCommand, FindsModesAndWritesThem) {
+  const Outcome ran = run(a_case());
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("Two"));
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
+  for (std::size_t m = 0; m < 2; ++m) {
+    const double sd = std::sqrt(modes["covariance"][m][m].get<double>());
+    EXPECT_NEAR(modes["frequencies_hz"][m].get<double>(), m == 0 ? 1.0 : 3.0, 5.0 * sd + 1e-3);
+    EXPECT_NEAR(modes["damping"][m].get<double>(), 0.01, 0.005);
+  }
+  EXPECT_EQ(modes["covariance"].size(), 4U);
+  EXPECT_EQ(modes["shape_covariance"][0].size(), 4U);
+  EXPECT_EQ(modes["sensors"][0]["node"], "tip");
+  EXPECT_EQ(modes["sensors"][1]["node"], "7");
+  EXPECT_EQ(modes["sensors"][1]["azimuth"], 90.0);
+  EXPECT_NEAR(modes["shapes"]["real"][0][1].get<double>(), 0.5, 0.05);
+  const std::string page = read_all(where / "out/report.html");
+  EXPECT_THAT(page, HasSubstr("Stabilisation diagram"));
+  EXPECT_THAT(page, Not(HasSubstr("http")));
+  EXPECT_THAT(page, Not(HasSubstr("nan")));
+  const json summary = json::parse(read_all(where / "out/summary.json"));
+  EXPECT_EQ(summary["wheeltap"]["command"], "modal");
+  EXPECT_EQ(summary["modes"].size(), 2U);
+}
+
+TEST_F(ModalCommand, RefusesWhatCannotBe) {
+  const auto refused = [&](const json& c, const std::string& said) {
+    const Outcome ran = run(c);
+    EXPECT_EQ(ran.exit_code, 65) << said;
+    EXPECT_THAT(ran.err, HasSubstr(said));
+  };
+  json c = a_case();
+  c["record"].erase("sample_rate");
+  refused(c, "/record/sample_rate");
+  c = a_case();
+  c["band"] = {5.0, 2.0};
+  refused(c, "/band");
+  c["band"] = {1.0, 12.0};
+  refused(c, "/band/1");
+  c = a_case();
+  c["record"]["channels"][1]["column"] = "still";
+  refused(c, "/record/channels/1");
+  c = a_case();
+  c["record"]["channels"][1]["column"] = "a";
+  refused(c, "leave one out");
+  c = a_case();
+  c["record"]["channels"][0]["role"] = "force";
+  refused(c, "/record/channels/0/role");
+  c = a_case();
+  c["record"]["samples"] = {0, 20};
+  refused(c, "/record");
+  c["record"]["samples"] = {0, 20000};
+  refused(c, "20000");
+}
+
+TEST_F(ModalCommand, DryRunWritesNothing) {
+  const Outcome ran =
+      wheeltap(where, "modal " + where.write_json("case.json", a_case()).string() + " --dry-run");
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("2 responses of 12 000 samples"));
+}
+
+}  // namespace
+}  // namespace wheeltap::apps

@@ -1,0 +1,105 @@
+#include "signals/modal_identification.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "random_vibration.hpp"
+
+namespace wheeltap::signals {
+namespace {
+
+using testing::Contains;
+
+std::vector<double> frequencies(const ModalResult& result) {
+  std::vector<double> out;
+  for (const Mode& m : result.modes) out.push_back(m.pole.frequency_hz);
+  return out;
+}
+
+const ModalOptions kChain{.sample_rate_hz = 20.0, .lowest_hz = 0.3};
+
+TEST(ModalIdentification, FindsAChainWithItsCovariance) {
+  const VibratingStructure structure = chain(3, 1.0, 200.0);
+  const ModalResult found = identify_modes(structure.accelerations(18000, 0.05, 1), kChain);
+  const VibratingStructure::Modes truth = structure.modes();
+  ASSERT_EQ(found.modes.size(), 3U);
+  ASSERT_EQ(found.covariance.rows(), 6);
+  for (Eigen::Index m = 0; m < 3; ++m) {
+    const Mode& mode = found.modes[static_cast<std::size_t>(m)];
+    EXPECT_NEAR(mode.pole.frequency_hz, truth.frequencies_hz[m], 5.0 * mode.pole.frequency_sd);
+    EXPECT_NEAR(mode.pole.damping, 0.015, 5.0 * mode.pole.damping_sd);
+    EXPECT_NEAR(std::sqrt(found.covariance(m, m)), mode.pole.frequency_sd, 1e-12);
+    EXPECT_NEAR(std::sqrt(found.covariance(3 + m, 3 + m)), mode.pole.damping_sd, 1e-12);
+    EXPECT_GT(modal_assurance(mode.pole.shape, truth.shapes.col(m).cast<std::complex<double>>()),
+              0.999);
+    EXPECT_GT(mode.collinearity, 0.99);
+    EXPECT_NEAR(mode.amplitude_kurtosis, 2.0, 0.5);
+    EXPECT_TRUE(mode.doubts.empty());
+    // The entry that is 1 is exact.
+    Eigen::Index top = 0;
+    mode.pole.shape.cwiseAbs().maxCoeff(&top);
+    EXPECT_NEAR(mode.shape_covariance(top, top), 0.0, 1e-20);
+  }
+}
+
+// The same record at five times its rate says the same.
+TEST(ModalIdentification, DecimatesToTheBand) {
+  VibratingStructure structure = chain(3, 1.0, 200.0);
+  structure.step = 0.01;
+  const ModalResult found =
+      identify_modes(structure.accelerations(90000, 0.05, 2),
+                     {.sample_rate_hz = 100.0, .lowest_hz = 0.3, .highest_hz = 6.0});
+  EXPECT_EQ(found.decimated, 6);
+  ASSERT_EQ(found.modes.size(), 3U);
+  const Eigen::VectorXd truth = structure.modes().frequencies_hz;
+  for (std::size_t m = 0; m < 3; ++m)
+    EXPECT_NEAR(found.modes[m].pole.frequency_hz, truth[static_cast<Eigen::Index>(m)],
+                5.0 * found.modes[m].pole.frequency_sd);
+}
+
+TEST(ModalIdentification, CallsAMachineAMachine) {
+  Eigen::MatrixXd y = chain(3, 1.0, 200.0).accelerations(18000, 0.05, 3);
+  for (Eigen::Index k = 0; k < y.cols(); ++k)
+    y.col(k) += Eigen::Vector3d(1.0, 0.8, 0.5) *
+                std::sin(2.0 * std::numbers::pi * 1.7 * 0.05 * static_cast<double>(k));
+  const ModalResult found = identify_modes(y, kChain);
+  bool seen = false;
+  for (const Mode& mode : found.modes) {
+    const bool tone = std::abs(mode.pole.frequency_hz - 1.7) < 0.01;
+    EXPECT_EQ(std::ranges::count(mode.doubts, ModeDoubt::tone), tone ? 1 : 0)
+        << mode.pole.frequency_hz << " " << mode.pole.damping;
+    seen = seen || tone;
+  }
+  EXPECT_TRUE(seen) << testing::PrintToString(frequencies(found));
+}
+
+TEST(ModalIdentification, TellsSinesFromNoise) {
+  base::Random random(4, 0, 0, base::Purpose::test);
+  Eigen::VectorXd sine(40000), noise(40000);
+  for (Eigen::Index k = 0; k < 40000; ++k) {
+    sine[k] = std::sin(0.3 * static_cast<double>(k));
+    noise[k] = random.normal();
+  }
+  const double hz = 0.3 / (2.0 * std::numbers::pi);
+  EXPECT_NEAR(amplitude_kurtosis(sine, hz, 1.0), 1.0, 1e-6);
+  EXPECT_NEAR(amplitude_kurtosis(noise, hz, 1.0), 2.0, 0.5);
+}
+
+TEST(ModalIdentification, RefusesRecordsThatCannotTell) {
+  const Eigen::MatrixXd y = chain(3, 1.0, 200.0).accelerations(2000, 0.05, 1);
+  Eigen::MatrixXd copied = y;
+  copied.row(2) = -3.0 * copied.row(0);
+  EXPECT_THROW((void)identify_modes(copied, kChain), std::invalid_argument);
+  Eigen::MatrixXd still = y;
+  still.row(1).setZero();
+  EXPECT_THROW((void)identify_modes(still, kChain), std::invalid_argument);
+  EXPECT_THROW((void)identify_modes(y.leftCols(30), kChain), std::invalid_argument);
+  EXPECT_THROW((void)identify_modes(y, {.sample_rate_hz = 20.0, .lowest_hz = 11.0}),
+               std::invalid_argument);
+  EXPECT_TRUE(identify_modes(y.leftCols(600), kChain).remarks.short_blocks);
+}
+
+}  // namespace
+}  // namespace wheeltap::signals

@@ -1,0 +1,57 @@
+#include "signals/stabilisation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "random_vibration.hpp"
+
+namespace wheeltap::signals {
+namespace {
+
+StochasticSubspace subspace_of(const VibratingStructure& structure, long samples, double noise) {
+  const OutputCovariances c =
+      output_covariances(structure.accelerations(samples, noise, 5), {.lags = 24, .blocks = 50});
+  return StochasticSubspace(c, {.step = structure.step, .largest_order = 30});
+}
+
+TEST(Stabilisation, KeepsTheModesAndNothingElse) {
+  const VibratingStructure structure = chain(3, 1.0, 200.0);
+  const StochasticSubspace subspace = subspace_of(structure, 18000, 0.05);
+  const Stabilisation found = stabilise(subspace, {.lowest_hz = 0.3});
+  const Eigen::VectorXd truth = structure.modes().frequencies_hz;
+  ASSERT_EQ(found.modes.size(), 3U);
+  for (std::size_t m = 0; m < 3; ++m) {
+    const ModeCluster& cluster = found.modes[m];
+    const Pole& pole = found.poles[static_cast<std::size_t>(cluster.chosen)];
+    EXPECT_NEAR(pole.frequency_hz, truth[static_cast<Eigen::Index>(m)], 5.0 * pole.frequency_sd);
+    EXPECT_GT(cluster.share(), 0.8);
+    // One pole an order, and no pole in two modes.
+    std::set<int> orders;
+    for (const int i : cluster.members) {
+      EXPECT_TRUE(found.hard[static_cast<std::size_t>(i)]);
+      EXPECT_TRUE(orders.insert(found.poles[static_cast<std::size_t>(i)].order).second);
+    }
+    EXPECT_TRUE(std::ranges::count(cluster.members, cluster.chosen));
+  }
+  EXPECT_EQ(found.orders, 15);
+}
+
+// Noise alone has no modes.
+TEST(Stabilisation, FindsNothingInNoise) {
+  base::Random random(8, 0, 0, base::Purpose::test);
+  Eigen::MatrixXd y(3, 18000);
+  for (double& x : y.reshaped()) x = random.normal();
+  const OutputCovariances c = output_covariances(y, {.lags = 24, .blocks = 50});
+  const Stabilisation found = stabilise(StochasticSubspace(c, {.step = 0.05}), {});
+  EXPECT_TRUE(found.modes.empty());
+}
+
+TEST(Stabilisation, SplitsInTwoClasses) {
+  EXPECT_EQ(two_classes({0.0, 0.1, 0.2, 5.0, 5.1}), 3U);
+  EXPECT_EQ(two_classes({0.0, 7.0}), 1U);
+  EXPECT_EQ(two_classes({-9.0, 0.0, 0.1, 0.3}), 1U);
+}
+
+}  // namespace
+}  // namespace wheeltap::signals

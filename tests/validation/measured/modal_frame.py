@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""A five-storey steel frame under fans, scanned set-up by set-up: modal_frame.py PROGRAM
+
+Eleven modes are known from all set-ups merged. Every set-up alone must find them, without a false one that is not
+called doubtful, and standard deviations must explain how set-ups differ.
+"""
+import csv
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+DATA = pathlib.Path(__file__).resolve().parents[4] / "shared" / "data" / "weimar-frame"
+KNOWN = [1.228, 1.436, 2.100, 4.018, 4.770, 6.682, 7.616, 9.665, 12.166, 12.598, 13.854]
+
+if not DATA.exists():
+    sys.exit(77)
+program = sys.argv[1]
+rows = list(csv.DictReader(open(DATA / "channels.csv")))
+failed = False
+
+
+def check(good, text):
+    global failed
+    failed = failed or not good
+    print(("ok    " if good else "FAILS ") + text)
+
+
+deviations, errors = [[] for _ in KNOWN], []
+with tempfile.TemporaryDirectory() as folder:
+    for setup in sorted({r["setup"] for r in rows}):
+        if not (DATA / f"{setup}.mat").exists():
+            continue
+        channels = [{"column": int(r["column"]) + 1, "role": "response", "node": r["node"],
+                     "azimuth": float(r["azimuth [deg]"]), "elevation": float(r["elevation [deg]"]),
+                     "reference": int(r["column"]) > 2}
+                    for r in rows if r["setup"] == setup and r["column"] != "5"]
+        case = {"kind": "modal", "band": [0.5, 16], "order": {"max": 80},
+                "record": {"file": str(DATA / f"{setup}.mat"), "sample_rate": 256, "channels": channels}}
+        path = pathlib.Path(folder) / f"{setup}.json"
+        path.write_text(json.dumps(case))
+        subprocess.run([program, "modal", path, "-o", path.with_suffix("")], check=True, stdout=subprocess.DEVNULL)
+        modes = json.loads((path.with_suffix("") / "summary.json").read_text())["modes"]
+        left = list(modes)
+        for i, known in enumerate(KNOWN):
+            mode = min(left, key=lambda m: abs(m["frequency_hz"] - known), default=None)
+            off = abs(mode["frequency_hz"] / known - 1) if mode else math.inf
+            if off < 0.005:
+                left.remove(mode)
+                errors.append(off)
+                deviations[i].append((mode["frequency_hz"], mode["frequency_sd"]))
+            else:
+                check(False, f"{setup}: {known} Hz is not found")
+        false = [m["frequency_hz"] for m in left if not m["doubts"]]
+        check(not false, f"{setup}: {len(modes)} modes, false ones without doubt: {false}")
+
+errors.sort()
+check(errors[len(errors) * 7 // 10] < 1e-3,
+      f"{sum(e < 1e-3 for e in errors)} of {len(errors)} within 0.1 %, worst {100 * errors[-1]:.2f} %")
+square = freedom = 0
+for known, found in zip(KNOWN, deviations):
+    weights = [1 / s ** 2 for _, s in found]
+    mean = sum(w * f for (f, _), w in zip(found, weights)) / sum(weights)
+    chi = sum(w * (f - mean) ** 2 for (f, _), w in zip(found, weights))
+    print(f"      {known:7.3f} Hz: {mean:.4f}, chi2 {chi:.1f} over {len(found) - 1}")
+    square, freedom = square + chi, freedom + len(found) - 1
+check(square / freedom < 3, f"set-ups differ by chi2 / freedom = {square / freedom:.2f}")
+sys.exit(1 if failed else 0)
