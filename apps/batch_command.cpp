@@ -29,7 +29,8 @@ struct Runs {
   const char* kind;
   const char* command;
 };
-constexpr std::array kCommands{Runs{"damage", "damage"}, Runs{"sid", "sid"}};
+constexpr std::array kCommands{Runs{"damage", "damage"}, Runs{"sid", "sid"},
+                               Runs{"update", "update"}};
 
 std::string command_of(const CaseFile& file) {
   std::vector<std::string> known;
