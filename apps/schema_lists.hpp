@@ -68,7 +68,7 @@ void add_defects(AnyJson& rules) {
   if (!rules.at("definitions").contains("defects")) return;
   auto& keys = rules["definitions"]["defects"]["properties"];
   auto& of_truth = rules["definitions"]["true_defect"]["properties"];
-  auto& names = keys["kind"]["enum"] = AnyJson::array();
+  AnyJson names = AnyJson::array();  // no reference: keys that are added may move the others
   for (const auto* type : identification::defect_types()) {
     if (!type->is_for_beams()) continue;
     names.push_back(std::string(type->name));
@@ -78,6 +78,7 @@ void add_defects(AnyJson& rules) {
       of_truth[severity] = {{"description", std::string(type->bounds_words)}, {"type", "number"}};
     }
   }
+  keys["kind"]["enum"] = std::move(names);
 }
 
 /// Wherever `rules` says "x-list": "interpolants", their names take its place as an "enum", and the

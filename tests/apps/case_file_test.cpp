@@ -140,7 +140,7 @@ TEST(CaseFile, SuggestsTheNearestKey) {
   json = small_case();
   json["zzz"] = 1;
   EXPECT_THAT(complaint(json), HasSubstr("/zzz"));
-  EXPECT_THAT(complaint(json), HasSubstr("allowed here: balance, beam, damage, data"));
+  EXPECT_THAT(complaint(json), HasSubstr("allowed here: balance, baseline, beam, damage, data"));
 }
 
 TEST(CaseFile, NamesPlaceValueAndBound) {
