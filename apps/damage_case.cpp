@@ -520,7 +520,13 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     f.refuse(at("/data/cov"),
              "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"");
   }
-  if (json.contains("baseline")) take_baseline(f, out);
+  if (json.contains("baseline")) {
+    if (out.data.simulated)
+      f.refuse(at("/baseline"),
+               "goes with measured data: these are simulated by the model itself, of which nothing "
+               "has changed but the truth");
+    take_baseline(f, out);
+  }
   return parsed;
 }
 

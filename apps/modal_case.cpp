@@ -1,5 +1,6 @@
 #include "apps/modal_case.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -26,9 +27,8 @@ void refuse_keys(const CaseFile& file, const Pointer& where) {
     file.refuse(where / "scale", "goes with the roles \"response\" and \"time\" only");
 }
 
-Channels parse_channels(ModalCaseFile& out) {
-  const CaseFile& file = out.file;
-  const Pointer list("/record/channels");
+Channels parse_channels(const CaseFile& file, SetUp& out) {
+  const Pointer list = out.where / "channels";
   Channels found;
   for (std::size_t i = 0; i < file.json.at(list).size(); ++i) {
     const Pointer where = list / i;
@@ -66,29 +66,30 @@ Channels parse_channels(ModalCaseFile& out) {
   return found;
 }
 
-void read_rate(ModalCaseFile& out, const signals::Record& record, const Channels& channels) {
-  const Json& r = out.file.json.at("record");
+void read_rate(const CaseFile& file, SetUp& out, const signals::Record& record,
+               const Channels& channels) {
+  const Json& r = file.json.at(out.where);
   std::optional<double> stated;
   if (r.contains("sample_rate")) stated = r.at("sample_rate").get<double>();
   int time = channels.time.empty() ? record.find_time() : record.find(channels.time);
   for (const std::string& column : channels.columns)
     if (channels.time.empty() && record.find(column) == time) time = -1;
   if (time < 0 && !stated)
-    out.file.refuse(Pointer("/record/sample_rate"),
-                    "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
+    file.refuse(out.where / "sample_rate",
+                "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
   out.options.sample_rate_hz =
       time < 0 ? *stated : signals::sample_rate_hz(record, time, stated, channels.time_scale);
 }
 
-void read_channels(ModalCaseFile& out) {
-  const CaseFile& file = out.file;
-  const Channels channels = parse_channels(out);
+SetUp read_set_up(const CaseFile& file, const Pointer& where) {
+  SetUp out{.where = where, .name = file.json.at(where / "file")};
+  const Channels channels = parse_channels(file, out);
   std::vector<std::string> columns = channels.columns;
   if (!channels.time.empty()) columns.push_back(channels.time);
-  const signals::Record record = read_record(file, Pointer("/record/file"), columns);
+  const signals::Record record = read_record(file, where / "file", columns);
   try {
-    read_rate(out, record, channels);
-    const Json& r = file.json.at("record");
+    read_rate(file, out, record, channels);
+    const Json& r = file.json.at(where);
     int begin = 0, end = record.samples();
     if (r.contains("samples")) {
       begin = r.at("samples")[0];
@@ -117,35 +118,99 @@ void read_channels(ModalCaseFile& out) {
   } catch (const io::FileError& error) {
     throw Failure(Exit::bad_input, error.what());
   }
+  return out;
+}
+
+/// Two channels of unlike set-ups are one sensor where they are at one node in one direction; where
+/// no node is given, where they are references of one name.
+bool same_sensor(const Sensor& a, const Sensor& b) {
+  if (a.node.empty() != b.node.empty()) return false;
+  if (a.node.empty()) return a.reference && b.reference && a.name == b.name;
+  return a.node == b.node && a.direction == b.direction && a.azimuth == b.azimuth &&
+         a.elevation == b.elevation;
+}
+
+void collect_sensors(ModalCaseFile& out) {
+  if (out.set_ups.size() == 1) {
+    SetUp& only = out.set_ups[0];
+    out.sensors = only.sensors;
+    for (std::size_t c = 0; c < only.sensors.size(); ++c) only.which.push_back(static_cast<int>(c));
+    return;
+  }
+  for (SetUp& s : out.set_ups) {
+    std::vector<bool> taken(out.sensors.size());
+    for (std::size_t c = 0; c < s.sensors.size(); ++c) {
+      std::size_t k = 0;
+      while (k < out.sensors.size() && !same_sensor(out.sensors[k], s.sensors[c])) ++k;
+      if (k == out.sensors.size()) {
+        out.sensors.push_back(s.sensors[c]);
+        taken.push_back(false);
+      }
+      if (taken[k])
+        out.file.refuse(s.places[c],
+                        "measures at the node and in the direction of another of its channels");
+      taken[k] = true;
+      s.which.push_back(static_cast<int>(k));
+    }
+  }
+  const auto shared = [&](int k) {
+    return std::ranges::all_of(out.set_ups, [k](const SetUp& s) {
+      return std::ranges::find(s.which, k) != s.which.end();
+    });
+  };
+  bool some = false;
+  for (const SetUp& s : out.set_ups)
+    for (std::size_t c = 0; c < s.sensors.size(); ++c) {
+      some = some || shared(s.which[c]);
+      if (s.sensors[c].reference && !shared(s.which[c]))
+        out.file.refuse(s.places[c] / "reference",
+                        "is not in every record: a reference must be at one place in all of them");
+    }
+  if (!some)
+    out.file.refuse(Pointer("/records"),
+                    "have no sensor in common (by node and direction, or references by column): "
+                    "nothing says how their shapes belong together");
+}
+
+void take_band(const ModalCaseFile& out, SetUp& s) {
+  const Json& json = out.file.json;
+  if (json.contains("band")) {
+    s.options.lowest_hz = json.at("band")[0];
+    s.options.highest_hz = json.at("band")[1];
+    if (!(s.options.lowest_hz < s.options.highest_hz))
+      out.file.refuse(Pointer("/band"), "must be [lowest, highest] in Hz, ascending");
+    if (s.options.highest_hz > 0.5 * s.options.sample_rate_hz)
+      out.file.refuse(Pointer("/band/1"), "must be at most half the sampling rate, " +
+                                              base::number(0.5 * s.options.sample_rate_hz) + " Hz");
+  }
+  if (json.contains("order")) s.options.largest_order = json.at("order").value("max", 0);
+  s.options.lags = json.value("lags", 0);
+  s.options.blocks = json.value("blocks", 0);
 }
 
 }  // namespace
 
 ModalCaseFile parse_modal_case(CaseFile file) {
   validate_against_schema(file, "modal");
-  ModalCaseFile out{.file = std::move(file),
-                    .title = {},
-                    .sensors = {},
-                    .places = {},
-                    .records = {},
-                    .oddities = {},
-                    .options = {}};
+  ModalCaseFile out{.file = std::move(file)};
   const Json& json = out.file.json;
-  out.title = json.value("title", "Modes of " + json.at("record").at("file").get<std::string>());
-  read_channels(out);
-  if (json.contains("band")) {
-    out.options.lowest_hz = json.at("band")[0];
-    out.options.highest_hz = json.at("band")[1];
-    if (!(out.options.lowest_hz < out.options.highest_hz))
-      out.file.refuse(Pointer("/band"), "must be [lowest, highest] in Hz, ascending");
-    if (out.options.highest_hz > 0.5 * out.options.sample_rate_hz)
-      out.file.refuse(Pointer("/band/1"), "must be at most half the sampling rate, " +
-                                              base::number(0.5 * out.options.sample_rate_hz) +
-                                              " Hz");
+  if (json.contains("record") == json.contains("records"))
+    out.file.refuse(Pointer(json.contains("record") ? "/records" : "/record"),
+                    json.contains("record") ? "takes the place of \"record\": give either"
+                                            : "is missing: a record, or \"records\" of several "
+                                              "set-ups");
+  if (json.contains("record")) {
+    out.set_ups.push_back(read_set_up(out.file, Pointer("/record")));
+  } else {
+    for (std::size_t i = 0; i < json.at("records").size(); ++i)
+      out.set_ups.push_back(read_set_up(out.file, Pointer("/records") / i));
   }
-  if (json.contains("order")) out.options.largest_order = json.at("order").value("max", 0);
-  out.options.lags = json.value("lags", 0);
-  out.options.blocks = json.value("blocks", 0);
+  collect_sensors(out);
+  for (SetUp& s : out.set_ups) take_band(out, s);
+  out.title =
+      json.value("title", out.set_ups.size() == 1
+                              ? "Modes of " + out.set_ups[0].name
+                              : "Modes of " + std::to_string(out.set_ups.size()) + " set-ups");
   return out;
 }
 

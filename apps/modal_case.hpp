@@ -1,24 +1,40 @@
 // A modal case file: which record, which of its channels, which band.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/case_file.hpp"
 #include "apps/measured_file.hpp"
 #include "apps/modes_file.hpp"
-#include "signals/modal_identification.hpp"
+#include "signals/merged_modes.hpp"
 
 namespace wheeltap::apps {
 
+/// One record: sensors in their places.
+struct SetUp {
+  Pointer where{};                         ///< of its block in the case
+  std::string name = {};                   ///< of its file
+  std::vector<Sensor> sensors = {};        ///< a response channel each
+  std::vector<int> which = {};             ///< among the sensors of all set-ups
+  std::vector<Pointer> places = {};        ///< of their blocks in the case
+  Eigen::MatrixXd records = {};            ///< a response a row
+  std::vector<std::string> oddities = {};  ///< of channels, in sentences
+  signals::ModalOptions options = {};
+};
+
 struct ModalCaseFile {
   CaseFile file;
-  std::string title;
-  std::vector<Sensor> sensors;        ///< a response channel each
-  std::vector<Pointer> places;        ///< of their blocks in the case
-  Eigen::MatrixXd records;            ///< a response a row
-  std::vector<std::string> oddities;  ///< of channels, in sentences
-  signals::ModalOptions options;
+  std::string title = {};
+  std::vector<SetUp> set_ups = {};
+  std::vector<Sensor> sensors = {};  ///< of all set-ups, each once
+};
+
+/// What the records of a case gave.
+struct IdentifiedModes {
+  std::vector<signals::ModalResult> set_ups = {};
+  std::optional<signals::MergedModes> merged = {};  ///< of several
 };
 
 /// Reads, checks and parses, and reads the record. Throws Failure.

@@ -20,24 +20,43 @@ using signals::ModalResult;
 using signals::Mode;
 
 /// Channels are numbered by the library from 0; here they have names.
-ModalResult identify(const ModalCaseFile& modal) {
+ModalResult identify(const CaseFile& file, const SetUp& set_up) {
   try {
-    return signals::identify_modes(modal.records, modal.options);
+    return signals::identify_modes(set_up.records, set_up.options);
   } catch (const std::invalid_argument& error) {
     const std::string what = error.what();
-    for (std::size_t i = 0; i < modal.sensors.size(); ++i) {
+    for (std::size_t i = 0; i < set_up.sensors.size(); ++i) {
       const std::string numbered = "channel = " + std::to_string(i) + ".";
       if (!what.starts_with(numbered)) continue;
       const std::size_t colon = what.find(": ");
       std::string rest = what.substr(colon + 2);
-      for (std::size_t j = 0; j < modal.sensors.size(); ++j)
+      for (std::size_t j = 0; j < set_up.sensors.size(); ++j)
         if (const std::string other = "as channel " + std::to_string(j) + " ";
             rest.find(other) != std::string::npos)
-          rest.replace(rest.find(other), other.size(), "as " + modal.sensors[j].name + " ");
-      modal.file.refuse(modal.places[i], rest);
+          rest.replace(rest.find(other), other.size(), "as " + set_up.sensors[j].name + " ");
+      file.refuse(set_up.places[i], rest);
     }
-    modal.file.refuse(Pointer("/record"), what);
+    file.refuse(set_up.where, what);
   }
+}
+
+IdentifiedModes identify(const ModalCaseFile& modal, const CommonOptions& common) {
+  IdentifiedModes out;
+  ProgressBar bar(common.quiet || modal.set_ups.size() == 1);
+  std::vector<signals::SetUpModes> pieces;
+  for (const SetUp& set_up : modal.set_ups) {
+    bar.show("set-ups",
+             static_cast<double>(pieces.size()) / static_cast<double>(modal.set_ups.size()),
+             io::printable(set_up.name));
+    out.set_ups.push_back(identify(modal.file, set_up));
+    pieces.push_back({.modes = out.set_ups.back().modes,
+                      .covariance = out.set_ups.back().covariance,
+                      .sensors = set_up.which});
+  }
+  bar.clear();
+  if (pieces.size() > 1)
+    out.merged = signals::merge_modes(pieces, static_cast<int>(modal.sensors.size()));
+  return out;
 }
 
 Report mode_json(const Mode& m) {
@@ -53,19 +72,29 @@ Report mode_json(const Mode& m) {
           {"doubts", doubts_in_words(m)}};
 }
 
-Report summary_of(const ModalCaseFile& modal, const ModalResult& result,
-                  const CommonOptions& common, double seconds) {
+Report merged_json(const signals::MergedMode& m) {
+  Report places = Report::array();
+  for (const int place : m.places) places.push_back(place < 0 ? Report() : Report(place));
+  return {{"frequency_hz", m.frequency_hz},
+          {"frequency_sd", finite(m.frequency_sd)},
+          {"damping", m.damping},
+          {"damping_sd", finite(m.damping_sd)},
+          {"collinearity", m.collinearity},
+          {"between_hz", m.between_hz},
+          {"consistency_p", m.consistency_p},
+          {"reference_mac", m.reference_mac},
+          {"places", places},
+          {"doubts", doubts_in_words(m)}};
+}
+
+/// "procedure", "stabilisation" and "modes" of one record.
+Report set_up_json(const ModalResult& result) {
   Report modes = Report::array(), poles = Report::array();
   for (const Mode& m : result.modes) modes.push_back(mode_json(m));
   for (const signals::Pole& p : result.diagram.poles)
     poles.push_back(
         {p.order, p.frequency_hz, p.damping, finite(p.frequency_sd), finite(p.damping_sd)});
-  std::vector<std::string> said = warnings(result);
-  said.insert(said.end(), modal.oddities.begin(), modal.oddities.end());
-  return {{"wheeltap",
-           about("modal", {.seed = common.seed.value_or(1), .command_line = common.command_line},
-                 modal.file)},
-          {"modes", modes},
+  return {{"modes", modes},
           {"procedure",
            {{"method", "ssi-cov"},
             {"band", {result.lowest_hz, result.highest_hz}},
@@ -79,28 +108,39 @@ Report summary_of(const ModalCaseFile& modal, const ModalResult& result,
             {"references", result.references}}},
           {"stabilisation",
            {{"columns", {"order", "frequency_hz", "damping", "frequency_sd", "damping_sd"}},
-            {"poles", poles}}},
-          {"diagnostics", {{"warnings", said}}},
-          {"cost", {{"wall_seconds", seconds}}}};
+            {"poles", poles}}}};
 }
 
-void print(const ModalCaseFile& modal, const ModalResult& result) {
-  const Page page(std::cout, colour_wanted());
-  std::cout << page.bold(io::printable(modal.title)) << "\n\n";
-  if (!result.modes.empty()) {
-    std::vector<std::vector<std::string>> rows = {
-        {"mode", "f [Hz]", "damping [%]", "MPC", "orders", ""}};
-    for (const Mode& m : result.modes)
-      rows.push_back(
-          {std::to_string(rows.size()), with_sd(m.pole.frequency_hz, m.pole.frequency_sd),
-           with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd), fixed(m.collinearity, 3),
-           std::to_string(m.present) + " of " + std::to_string(m.orders),
-           m.doubts.empty() ? "" : "doubtful"});
-    page.table(rows);
-    std::cout << "± is one standard deviation.\n";
+Report summary_of(const ModalCaseFile& modal, const IdentifiedModes& found,
+                  const CommonOptions& common, double seconds) {
+  Report out = {
+      {"wheeltap",
+       about("modal", {.seed = common.seed.value_or(1), .command_line = common.command_line},
+             modal.file)}};
+  if (found.merged) {
+    Report modes = Report::array(), set_ups = Report::array();
+    for (const signals::MergedMode& m : found.merged->modes) modes.push_back(merged_json(m));
+    for (std::size_t s = 0; s < found.set_ups.size(); ++s) {
+      Report one = {{"file", modal.set_ups[s].name}};
+      one.update(set_up_json(found.set_ups[s]));
+      one["warnings"] = cautions(modal.set_ups[s], found.set_ups[s]);
+      set_ups.push_back(std::move(one));
+    }
+    out["modes"] = modes;
+    out["references"] = found.merged->references;
+    out["set_ups"] = set_ups;
+  } else {
+    out.update(set_up_json(found.set_ups[0]));
   }
+  out["diagnostics"] = {{"warnings", cautions(modal, found)}};
+  out["cost"] = {{"wall_seconds", seconds}};
+  return out;
+}
+
+template <class AnyMode>
+void print_doubts(const Page& page, const std::vector<AnyMode>& modes) {
   int number = 0;
-  for (const Mode& m : result.modes) {
+  for (const AnyMode& m : modes) {
     ++number;
     const std::vector<std::string> why = doubts_in_words(m);
     if (why.empty()) continue;
@@ -108,10 +148,53 @@ void print(const ModalCaseFile& modal, const ModalResult& result) {
     for (std::size_t i = 0; i < why.size(); ++i) text += (i > 0 ? "; " : "") + why[i];
     page.wrapped(text + ".", "! ", "  ");
   }
-  for (const std::string& text : warnings(result)) page.wrapped(text, "! ", "  ");
-  for (const std::string& text : modal.oddities) page.wrapped(io::printable(text), "! ", "  ");
+}
+
+void print_table(const Page& page, const std::vector<Mode>& modes) {
+  std::vector<std::vector<std::string>> rows = {
+      {"mode", "f [Hz]", "damping [%]", "MPC", "orders", ""}};
+  for (const Mode& m : modes)
+    rows.push_back({std::to_string(rows.size()), with_sd(m.pole.frequency_hz, m.pole.frequency_sd),
+                    with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd),
+                    fixed(m.collinearity, 3),
+                    std::to_string(m.present) + " of " + std::to_string(m.orders),
+                    m.doubts.empty() ? "" : "doubtful"});
+  page.table(rows);
+}
+
+void print_table(const Page& page, const std::vector<signals::MergedMode>& modes) {
+  std::vector<std::vector<std::string>> rows = {
+      {"mode", "f [Hz]", "damping [%]", "MPC", "set-ups", ""}};
+  for (const signals::MergedMode& m : modes)
+    rows.push_back({std::to_string(rows.size()), with_sd(m.frequency_hz, m.frequency_sd),
+                    with_sd(100.0 * m.damping, 100.0 * m.damping_sd), fixed(m.collinearity, 3),
+                    std::to_string(m.found()) + " of " + std::to_string(m.places.size()),
+                    m.doubts.empty() ? "" : "doubtful"});
+  page.table(rows);
+}
+
+void print(const ModalCaseFile& modal, const IdentifiedModes& found) {
+  const Page page(std::cout, colour_wanted());
+  std::cout << page.bold(io::printable(modal.title)) << "\n\n";
+  const auto say = [&](const auto& modes) {
+    if (modes.empty()) return;
+    print_table(page, modes);
+    std::cout << "± is one standard deviation.\n";
+    print_doubts(page, modes);
+  };
+  if (found.merged) {
+    say(found.merged->modes);
+  } else {
+    say(found.set_ups[0].modes);
+  }
+  for (const std::string& text : cautions(modal, found))
+    page.wrapped(io::printable(text), "! ", "  ");
   std::cout << "\n";
-  for (const std::string& text : procedure_in_words(result)) page.wrapped(text, "", "");
+  if (found.merged) {
+    page.wrapped(merging_in_words(*found.merged, found.set_ups.size()), "", "");
+  } else {
+    for (const std::string& text : procedure_in_words(found.set_ups[0])) page.wrapped(text, "", "");
+  }
 }
 
 }  // namespace
@@ -119,26 +202,30 @@ void print(const ModalCaseFile& modal, const ModalResult& result) {
 void run_modal(const CommonOptions& common) {
   const auto begun = std::chrono::steady_clock::now();
   ModalCaseFile modal = parse_modal_case(read_case(common.case_path, common.overrides));
-  modal.options.threads = common.threads;
+  for (SetUp& set_up : modal.set_ups) set_up.options.threads = common.threads;
   if (common.dry_run) {
-    std::cout << modal.sensors.size() << " responses of " << base::grouped(modal.records.cols())
-              << " samples at " << significant(modal.options.sample_rate_hz, 6)
-              << " Hz: seconds, and "
-              << significant(4.0 * 8e-6 * static_cast<double>(modal.records.size()) + 200.0, 2)
-              << " MB\n";
+    double numbers = 0.0;
+    for (const SetUp& set_up : modal.set_ups) {
+      std::cout << (modal.set_ups.size() > 1 ? io::printable(set_up.name) + ": " : "")
+                << set_up.sensors.size() << " responses of " << base::grouped(set_up.records.cols())
+                << " samples at " << significant(set_up.options.sample_rate_hz, 6) << " Hz\n";
+      numbers += static_cast<double>(set_up.records.size());
+    }
+    std::cout << "seconds each, and " << significant(4.0 * 8e-6 * numbers + 200.0, 2) << " MB\n";
     return;
   }
   make_output_folder(common.output);
-  const ModalResult result = identify(modal);
-  MeasuredModes modes = measured_modes(result, modal.sensors);
+  const IdentifiedModes found = identify(modal, common);
+  MeasuredModes modes = found.merged ? measured_modes(*found.merged, modal.sensors)
+                                     : measured_modes(found.set_ups[0], modal.sensors);
   modes.title = modal.title;
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   write_text(common.output / "modes.json", modes_json(modes).dump(1) + "\n");
-  write_text(common.output / "report.html", modal_page(modal, result));
+  write_text(common.output / "report.html", modal_page(modal, found));
   write_text(common.output / "summary.json",
-             summary_of(modal, result, common, seconds).dump(1) + "\n");
-  print(modal, result);
+             summary_of(modal, found, common, seconds).dump(1) + "\n");
+  print(modal, found);
   std::cout << "\nModes: " << io::printable((common.output / "modes.json").string())
             << "\nDrawn: " << io::printable((common.output / "report.html").string()) << "\n";
 }

@@ -29,8 +29,7 @@ std::string dot(const std::string& kind, double x, double y, double radius) {
 }
 
 /// Mean of the channels' spectra, each over its variance, in decibels, within the band.
-std::vector<std::pair<double, double>> levels(const ModalCaseFile& modal,
-                                              const ModalResult& result) {
+std::vector<std::pair<double, double>> levels(const SetUp& modal, const ModalResult& result) {
   const double rate = modal.options.sample_rate_hz;
   const auto n = static_cast<int>(modal.records.cols());
   int segment = 64;
@@ -52,7 +51,7 @@ std::vector<std::pair<double, double>> levels(const ModalCaseFile& modal,
   return out;
 }
 
-std::string diagram(const ModalCaseFile& modal, const ModalResult& result) {
+std::string diagram(const SetUp& modal, const ModalResult& result) {
   constexpr double kHeight = 320.0;
   const Plot plot(result.lowest_hz, result.highest_hz, 0.0, result.largest_order + 2.0, kHeight);
   const auto spectrum = levels(modal, result);
@@ -129,6 +128,51 @@ std::string table(const ModalResult& result) {
   return out + "</table>\n";
 }
 
+std::string table(const signals::MergedModes& merged) {
+  std::string out =
+      "<table><tr><th>mode</th><th>f [Hz]</th><th>damping [%]</th><th>MPC</th><th>set-ups</th>"
+      "<th>between set-ups [Hz]</th><th>least MAC of references</th><th>doubts</th></tr>\n";
+  int number = 0;
+  for (const signals::MergedMode& m : merged.modes) {
+    std::string why;
+    for (const std::string& text : doubts_in_words(m)) why += (why.empty() ? "" : "; ") + text;
+    out += "<tr><td>" + std::to_string(++number) + "</td><td>" +
+           with_sd(m.frequency_hz, m.frequency_sd) + "</td><td>" +
+           with_sd(100.0 * m.damping, 100.0 * m.damping_sd) + "</td><td>" +
+           fixed(m.collinearity, 3) + "</td><td>" + std::to_string(m.found()) + " of " +
+           std::to_string(m.places.size()) + "</td><td>" +
+           (m.between_hz > 0.0 ? significant(m.between_hz, 2) : "0") + "</td><td>" +
+           fixed(m.reference_mac, 3) + "</td><td class=\"odd\">" + escaped(why) + "</td></tr>\n";
+  }
+  return out + "</table>\n";
+}
+
+/// The merged frequency of each mode over what each set-up says of it, in standard deviations of
+/// the set-ups: as wide as the numbers allow.
+std::string agreement(const ModalCaseFile& modal, const IdentifiedModes& found) {
+  const auto sets = static_cast<double>(found.set_ups.size());
+  const double reach = 6.0;
+  const Plot plot(0.5, static_cast<double>(found.merged->modes.size()) + 0.5, -reach, reach);
+  std::string inside =
+      line("grid", plot.x(0.5), plot.y(0.0),
+           plot.x(static_cast<double>(found.merged->modes.size()) + 0.5), plot.y(0.0));
+  for (std::size_t m = 0; m < found.merged->modes.size(); ++m) {
+    const signals::MergedMode& mode = found.merged->modes[m];
+    for (std::size_t s = 0; s < modal.set_ups.size(); ++s) {
+      if (mode.places[s] < 0) continue;
+      const Pole& p = found.set_ups[s].modes[static_cast<std::size_t>(mode.places[s])].pole;
+      const double z =
+          std::clamp((p.frequency_hz - mode.frequency_hz) / p.frequency_sd, -reach, reach);
+      inside += dot("kept",
+                    plot.x(static_cast<double>(m) + 1.0 +
+                           0.6 * ((static_cast<double>(s) + 0.5) / sets - 0.5)),
+                    plot.y(z), 2.5);
+    }
+  }
+  return plot.framed("set-ups against the merged frequencies", "mode",
+                     "deviation of a set-up, in its standard deviations", inside);
+}
+
 std::string list(const std::vector<std::string>& items) {
   if (items.empty()) return {};
   std::string out = "<ul class=\"odd\">";
@@ -136,20 +180,37 @@ std::string list(const std::vector<std::string>& items) {
   return out + "</ul>\n";
 }
 
-}  // namespace
-
-std::string modal_page(const ModalCaseFile& modal, const ModalResult& result) {
-  std::string out = page_head(modal.title);
-  out += list(warnings(result)) + list(modal.oddities);
-  if (!result.modes.empty()) out += "<h2>Modes</h2>\n" + table(result);
+std::string of_record(const SetUp& set_up, const ModalResult& result, const std::string& level) {
+  std::string out;
+  if (!result.modes.empty()) out += "<" + level + ">Modes</" + level + ">\n" + table(result);
   out += "<p>± is one standard deviation.</p>\n";
-  out += "<h2>Stabilisation diagram</h2>\n" + diagram(modal, result);
+  out += "<" + level + ">Stabilisation diagram</" + level + ">\n" + diagram(set_up, result);
   out +=
       "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the pole that "
       "stands for it. Behind, the mean spectrum of the channels in decibels.</p>\n";
-  if (!result.modes.empty()) out += "<h2>Damping, with 95 % intervals</h2>\n" + damping(result);
+  if (!result.modes.empty())
+    out += "<" + level + ">Damping, with 95 % intervals</" + level + ">\n" + damping(result);
   for (const std::string& text : procedure_in_words(result))
     out += "<p>" + escaped(text) + "</p>\n";
+  return out;
+}
+
+}  // namespace
+
+std::string modal_page(const ModalCaseFile& modal, const IdentifiedModes& found) {
+  std::string out = page_head(modal.title) + list(cautions(modal, found));
+  if (found.merged) {
+    out += "<h2>Modes</h2>\n" + table(*found.merged);
+    out += "<p>± is one standard deviation. " +
+           escaped(merging_in_words(*found.merged, found.set_ups.size())) + "</p>\n";
+    if (!found.merged->modes.empty())
+      out += "<h2>Set-ups against the whole</h2>\n" + agreement(modal, found);
+    for (std::size_t s = 0; s < found.set_ups.size(); ++s)
+      out += "<h2>" + escaped(modal.set_ups[s].name) + "</h2>\n" +
+             of_record(modal.set_ups[s], found.set_ups[s], "h3");
+  } else {
+    out += of_record(modal.set_ups[0], found.set_ups[0], "h2");
+  }
   return out + "</body>\n</html>\n";
 }
 

@@ -1,7 +1,9 @@
 #include "apps/modal_words.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "apps/words.hpp"
 
@@ -37,6 +39,33 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
         break;
       case ModeDoubt::at_the_edge:
         out.emplace_back("at an end of the band, where a filter may bend it");
+        break;
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> doubts_in_words(const signals::MergedMode& mode) {
+  std::vector<std::string> out;
+  for (const signals::MergeDoubt doubt : mode.doubts) {
+    switch (doubt) {
+      case signals::MergeDoubt::few_set_ups:
+        out.push_back("in " + std::to_string(mode.found()) + " of " +
+                      std::to_string(mode.places.size()) + " set-ups only");
+        break;
+      case signals::MergeDoubt::doubted:
+        out.emplace_back("doubtful in most set-ups that have it");
+        break;
+      case signals::MergeDoubt::inconsistent:
+        out.push_back(
+            "its frequency moves by " + significant(mode.between_hz, 2) +
+            " Hz between set-ups, beyond their own scatter (p " +
+            (mode.consistency_p < 1e-15 ? "< 1e-15" : significant(mode.consistency_p, 2)) +
+            "): the structure changed, or blocks are too short");
+        break;
+      case signals::MergeDoubt::unlike:
+        out.push_back("set-ups disagree on its shape at the references (MAC down to " +
+                      fixed(mode.reference_mac, 2) + ")");
         break;
     }
   }
@@ -86,6 +115,44 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
         "There is one reference: modes that hardly move it cannot be seen, and two modes of one "
         "frequency look like one.");
   return out;
+}
+
+std::vector<std::string> cautions(const SetUp& set_up, const signals::ModalResult& result) {
+  std::vector<std::string> out = warnings(result);
+  out.insert(out.end(), set_up.oddities.begin(), set_up.oddities.end());
+  return out;
+}
+
+std::vector<std::string> cautions(const ModalCaseFile& modal, const IdentifiedModes& found) {
+  if (!found.merged) return cautions(modal.set_ups[0], found.set_ups[0]);
+  std::vector<std::string> out;
+  // What several set-ups have in common is said once.
+  std::vector<std::pair<std::string, std::vector<std::string>>> said;
+  for (std::size_t s = 0; s < found.set_ups.size(); ++s)
+    for (const std::string& text : cautions(modal.set_ups[s], found.set_ups[s])) {
+      auto same = std::ranges::find(said, text, &decltype(said)::value_type::first);
+      if (same == said.end()) same = said.insert(said.end(), {text, {}});
+      same->second.push_back(modal.set_ups[s].name);
+    }
+  for (const auto& [text, names] : said) {
+    std::string where = names[0];
+    if (names.size() == found.set_ups.size()) {
+      where = "All set-ups";
+    } else {
+      for (std::size_t i = 1; i < names.size(); ++i) where += ", " + names[i];
+    }
+    out.push_back(where + ": " + text);
+  }
+  return out;
+}
+
+std::string merging_in_words(const signals::MergedModes& merged, std::size_t set_ups) {
+  const std::size_t references = merged.references.size();
+  return std::to_string(set_ups) +
+         " set-ups were identified one by one and their modes merged: frequencies and damping as "
+         "weighted means, shapes by the " +
+         (references == 1 ? std::string("one sensor") : std::to_string(references) + " sensors") +
+         " that all have.";
 }
 
 }  // namespace wheeltap::apps

@@ -4,18 +4,29 @@
 #include <string>
 #include <vector>
 
-#include "signals/modal_identification.hpp"
+#include "apps/modal_case.hpp"
 
 namespace wheeltap::apps {
 
 /// Why a mode is doubtful, each half a sentence; empty where it is not.
 [[nodiscard]] std::vector<std::string> doubts_in_words(const signals::Mode& mode);
+[[nodiscard]] std::vector<std::string> doubts_in_words(const signals::MergedMode& mode);
 
 /// What was done, a sentence each: decimation, lags, blocks, orders.
 [[nodiscard]] std::vector<std::string> procedure_in_words(const signals::ModalResult& result);
 
 /// What a reader should keep in mind of the whole.
 [[nodiscard]] std::vector<std::string> warnings(const signals::ModalResult& result);
+
+/// The same and its channels' oddities; of all set-ups, each under its file's name where there are
+/// several.
+[[nodiscard]] std::vector<std::string> cautions(const SetUp& set_up,
+                                                const signals::ModalResult& result);
+[[nodiscard]] std::vector<std::string> cautions(const ModalCaseFile& modal,
+                                                const IdentifiedModes& found);
+
+/// How set-ups were merged.
+[[nodiscard]] std::string merging_in_words(const signals::MergedModes& merged, std::size_t set_ups);
 
 /// "1.2284 ± 0.0012": two digits of the standard deviation.
 [[nodiscard]] std::string with_sd(double x, double sd);

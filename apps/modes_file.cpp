@@ -1,6 +1,7 @@
 #include "apps/modes_file.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace wheeltap::apps {
@@ -28,26 +29,30 @@ class Reader {
  public:
   explicit Reader(const CaseFile& file) : file_(file) {}
 
-  [[nodiscard]] Eigen::VectorXd vector(const Pointer& where, Index size) const {
+  /// `gaps`: null is NaN, and else refused.
+  [[nodiscard]] Eigen::VectorXd vector(const Pointer& where, Index size, bool gaps = false) const {
     const Json& list = at(where);
     if (!list.is_array() || (size >= 0 && static_cast<Index>(list.size()) != size))
       file_.refuse(where, "must be a list" + (size >= 0 ? " of " + std::to_string(size) + " numbers"
                                                         : std::string(" of numbers")));
     Eigen::VectorXd out(static_cast<Index>(list.size()));
     for (std::size_t i = 0; i < list.size(); ++i) {
-      if (!list[i].is_number()) file_.refuse(where / i, "must be a number");
-      out[static_cast<Index>(i)] = list[i].get<double>();
+      const bool gap = gaps && list[i].is_null();
+      if (!gap && !list[i].is_number()) file_.refuse(where / i, "must be a number");
+      out[static_cast<Index>(i)] =
+          gap ? std::numeric_limits<double>::quiet_NaN() : list[i].get<double>();
     }
     return out;
   }
 
-  [[nodiscard]] Eigen::MatrixXd matrix(const Pointer& where, Index rows, Index columns) const {
+  [[nodiscard]] Eigen::MatrixXd matrix(const Pointer& where, Index rows, Index columns,
+                                       bool gaps = false) const {
     const Json& list = at(where);
     if (!list.is_array() || static_cast<Index>(list.size()) != rows)
       file_.refuse(where, "must be a list of " + std::to_string(rows) + " rows");
     Eigen::MatrixXd out(rows, columns);
     for (Index i = 0; i < rows; ++i)
-      out.row(i) = vector(where / static_cast<std::size_t>(i), columns).transpose();
+      out.row(i) = vector(where / static_cast<std::size_t>(i), columns, gaps).transpose();
     return out;
   }
 
@@ -109,6 +114,25 @@ MeasuredModes measured_modes(const signals::ModalResult& result,
   return out;
 }
 
+MeasuredModes measured_modes(const signals::MergedModes& merged,
+                             const std::vector<Sensor>& sensors) {
+  const auto count = static_cast<Index>(merged.modes.size());
+  MeasuredModes out{.sensors = sensors,
+                    .frequencies_hz = Eigen::VectorXd(count),
+                    .damping = Eigen::VectorXd(count),
+                    .covariance = merged.covariance,
+                    .shapes = Eigen::MatrixXcd(static_cast<Index>(sensors.size()), count)};
+  for (Index m = 0; m < count; ++m) {
+    const signals::MergedMode& mode = merged.modes[static_cast<std::size_t>(m)];
+    out.frequencies_hz[m] = mode.frequency_hz;
+    out.damping[m] = mode.damping;
+    out.shapes.col(m) = mode.shape;
+    out.shape_covariance.push_back(mode.shape_covariance);
+    out.doubtful.push_back(!mode.doubts.empty());
+  }
+  return out;
+}
+
 Report modes_json(const MeasuredModes& modes) {
   Report sensors = Report::array();
   for (const Sensor& s : modes.sensors) {
@@ -148,8 +172,8 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
     out.sensors.push_back(read_sensor(file, Pointer("/sensors") / i));
   const auto size = static_cast<Index>(sensors.size());
   out.shapes.resize(size, count);
-  out.shapes.real() = read.matrix(Pointer("/shapes/real"), count, size).transpose();
-  out.shapes.imag() = read.matrix(Pointer("/shapes/imaginary"), count, size).transpose();
+  out.shapes.real() = read.matrix(Pointer("/shapes/real"), count, size, true).transpose();
+  out.shapes.imag() = read.matrix(Pointer("/shapes/imaginary"), count, size, true).transpose();
   const Json& covariances = read.at(Pointer("/shape_covariance"));
   if (!covariances.is_array() || static_cast<Index>(covariances.size()) != count)
     file.refuse(Pointer("/shape_covariance"), "must be a list of one matrix a mode");

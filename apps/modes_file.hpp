@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/summary.hpp"
-#include "signals/modal_identification.hpp"
+#include "signals/merged_modes.hpp"
 
 namespace wheeltap::apps {
 
@@ -25,12 +25,14 @@ struct MeasuredModes {
   std::vector<Sensor> sensors = {};
   Eigen::VectorXd frequencies_hz = {}, damping = {};
   Eigen::MatrixXd covariance = {};  ///< of all frequencies, then all damping ratios
-  Eigen::MatrixXcd shapes = {};     ///< a mode a column, largest entry 1
+  Eigen::MatrixXcd shapes = {};     ///< a mode a column, largest entry 1; NaN where not measured
   std::vector<Eigen::MatrixXd> shape_covariance = {};  ///< of real parts, then imaginary parts
   std::vector<bool> doubtful = {};
 };
 
 [[nodiscard]] MeasuredModes measured_modes(const signals::ModalResult& result,
+                                           const std::vector<Sensor>& sensors);
+[[nodiscard]] MeasuredModes measured_modes(const signals::MergedModes& merged,
                                            const std::vector<Sensor>& sensors);
 
 [[nodiscard]] Report modes_json(const MeasuredModes& modes);

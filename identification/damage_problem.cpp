@@ -102,10 +102,11 @@ bool is_mirror_symmetric(const Prior& prior, double length) {
 }
 
 // What the intact structure's symmetry cannot tell apart, and the moves from one to the other.
-void find_images(DamageProblem& problem) {
+// Where the data tell the images apart the moves remain: shapes of 1 % leave each image its share.
+void find_images(DamageProblem& problem, bool told_apart) {
   const DamageCase& damage_case = problem.damage_case;
   auto workspace = problem.structure->make_workspace();
-  problem.symmetries = find_symmetries(
+  SiteSymmetries found = find_symmetries(
       damage_case.structure->nominal, damage_case.kinds,
       [&](const std::vector<PlacedDefect>& defects) {
         std::vector<double> f(static_cast<std::size_t>(problem.structure->modes()));
@@ -117,13 +118,13 @@ void find_images(DamageProblem& problem) {
         }
         return f;
       });
-  if (problem.symmetries.empty()) return;
+  if (found.empty()) return;
   for (const bool whole : {true, false}) {
-    problem.problem.moves.push_back(
-        {whole ? "image" : "image of one", [maps = problem.symmetries.maps, whole] {
-           return std::make_unique<inference::Image>(maps, whole);
-         }});
+    problem.problem.moves.push_back({whole ? "image" : "image of one", [maps = found.maps, whole] {
+                                       return std::make_unique<inference::Image>(maps, whole);
+                                     }});
   }
+  if (!told_apart) problem.symmetries = std::move(found);
 }
 
 // Every combination of the kinds' counts, the last kind running fastest, with product weights.
@@ -259,8 +260,8 @@ void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<d
   solve_placed(out);
 }
 
-void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
-                                         std::span<double> out) {
+bool FrequencyPredictor::solve_changed(int model, std::span<const double> x,
+                                       const fem::StructureReanalysis::Results& results) {
   in_structure_.clear();
   for (const DamageProblem::Component& c : problem_.components(model, x)) {
     in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
@@ -268,9 +269,17 @@ void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
   try {
     problem_.structure->solve(
         structure_change(problem_.damage_case.kinds, in_structure_, problem_.mesh.get()),
-        *structure_workspace_, {.frequencies_hz = all_});
+        *structure_workspace_, results);
   } catch (const fem::ImpossibleChange&) {
-    // No such structure: its likelihood is 0.
+    return false;
+  }
+  return true;
+}
+
+void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
+                                         std::span<double> out) {
+  if (!solve_changed(model, x, {.frequencies_hz = all_})) {
+    // Its likelihood is 0.
     std::ranges::fill(out, std::numeric_limits<double>::infinity());
     return;
   }
@@ -279,17 +288,8 @@ void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
 
 bool FrequencyPredictor::solve_modes(int model, std::span<const double> x,
                                      fem::ParametricModes::Modes& out) {
-  in_structure_.clear();
-  for (const DamageProblem::Component& c : problem_.components(model, x)) {
-    in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
-  }
-  try {
-    problem_.structure->solve(
-        structure_change(problem_.damage_case.kinds, in_structure_, problem_.mesh.get()),
-        *structure_workspace_, {.frequencies_hz = all_, .shapes = shapes_, .motions = motions_});
-  } catch (const fem::ImpossibleChange&) {
+  if (!solve_changed(model, x, {.frequencies_hz = all_, .shapes = shapes_, .motions = motions_}))
     return false;
-  }
   const std::size_t first = first_elastic(), count = all_.size() - rigid_;
   constexpr double kTwoPi = 2.0 * std::numbers::pi;
   const auto sensors = static_cast<Eigen::Index>(motions_.size());
@@ -376,17 +376,15 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
       common.push_back({"shape_discrepancy", *data.shape_discrepancy.prior});
   }
 
-  auto out = std::make_unique<DamageProblem>(DamageProblem{
-      .damage_case = damage_case,
-      .reanalysis = nullptr,
-      .emulator = nullptr,
-      .problem = {.space = inference::ModelSpace::of_components(common, kinds,
-                                                                combinations(damage_case.kinds)),
-                  .likelihood = {}},
-      .fe_likelihood = nullptr,
-      .symmetric = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam) &&
-                   !(damage_case.modal && damage_case.modal->has_shapes()),
-      .common = static_cast<int>(common.size())});
+  auto out = std::make_unique<DamageProblem>(
+      DamageProblem{.damage_case = damage_case,
+                    .reanalysis = nullptr,
+                    .emulator = nullptr,
+                    .problem = {.space = inference::ModelSpace::of_components(
+                                    common, kinds, combinations(damage_case.kinds)),
+                                .likelihood = {}},
+                    .fe_likelihood = nullptr,
+                    .common = static_cast<int>(common.size())});
   int wanted = damage_case.modes() + damage_case.rigid_body_modes;
   if (damage_case.solved_as_structure()) {
     try {
@@ -414,18 +412,19 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   } else {
     out->reanalysis = std::make_shared<const fem::Reanalysis>(damage_case.beam, wanted);
   }
+  const bool told_apart = damage_case.modal && damage_case.modal->has_shapes();
+  bool mirrored = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam);
   for (const DefectKind& kind : damage_case.kinds) {
-    out->symmetric = out->symmetric && is_mirror_symmetric(kind.location, damage_case.beam.length);
+    mirrored = mirrored && is_mirror_symmetric(kind.location, damage_case.beam.length);
   }
-  if (out->symmetric) {
+  out->symmetric = mirrored && !told_apart;
+  if (mirrored) {
     for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
       out->problem.reflections.push_back({static_cast<int>(k), 0, 0.5 * damage_case.beam.length});
     }
   }
 
-  // Shapes tell images apart.
-  if (damage_case.structure && !(damage_case.modal && damage_case.modal->has_shapes()))
-    find_images(*out);
+  if (damage_case.structure) find_images(*out, told_apart);
 
   // Two damages in one element are hard to tell from one that compounds them, but far from it.
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {

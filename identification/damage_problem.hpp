@@ -25,8 +25,10 @@ struct DamageProblem {
   std::shared_ptr<const ModalLikelihood> modal = {};  ///< of shapes, where there are any
   inference::Problem problem;
   inference::LikelihoodFactory fe_likelihood;  ///< of the FE solution, whatever predicts
-  bool symmetric = false;  ///< the intact beam and the location priors equal their mirror images
-  SiteSymmetries symmetries = {};  ///< of a structure
+  /// The intact beam and the location priors equal their mirror images, and frequencies are all
+  /// there is; shapes tell images apart.
+  bool symmetric = false;
+  SiteSymmetries symmetries = {};  ///< of a structure, likewise
   int common = 0;                  ///< parameters that all models have: 1 where cv is inferred
 
   /// The components of a parameter vector of `model`, in the order of kinds.
@@ -70,6 +72,9 @@ class FrequencyPredictor {
   void solve_placed(std::span<double> out);
   [[nodiscard]] std::size_t first_elastic() const;
 
+  /// False where there is no such structure.
+  bool solve_changed(int model, std::span<const double> x,
+                     const fem::StructureReanalysis::Results& results);
   void solve_structure(int model, std::span<const double> x, std::span<double> out);
 
   const DamageProblem& problem_;

@@ -120,21 +120,25 @@ ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, const Vect
   const double size = first.squaredNorm();
   const VectorXd across = size > 0.0 ? second - first.dot(second) / size * first : second;
   // Sensors that cannot tell the two apart see no turn.
-  if (!(size > 0.0) || across.squaredNorm() < 1e-12 * second.squaredNorm())
+  if (!(size > 0.0) || !(across.squaredNorm() > 1e-12 * second.squaredNorm()))
     return against(shape, scale, more);
   const double by_close = measured.dot(across) / across.squaredNorm();
   const double by_first = measured.dot(first) / size - by_close * first.dot(second) / size;
   const double amplitude = std::hypot(by_first, by_close);
   Comparison out;
-  out.turn = std::atan(by_close / by_first);
+  // An angle of period π; a shape that neither explains has none.
+  out.turn = by_first != 0.0 ? std::atan(by_close / by_first) : by_close != 0.0 ? 0.5 * kPi : 0.0;
   out.chi_square = (measured - by_first * first - by_close * second).squaredNorm();
   // How the fit moves with the angle, across itself.
   const VectorXd fit = std::cos(out.turn) * first + std::sin(out.turn) * second;
   VectorXd moves = std::cos(out.turn) * second - std::sin(out.turn) * first;
   moves -= moves.dot(fit) / fit.squaredNorm() * fit;
+  // The mean of exp(-(α - α̂)²/2s²) over the turns, and so at most 1; it is 1 where the shape is
+  // lost in the noise, and no angle fits better than another.
   const double s = 1.0 / (amplitude * moves.norm());
-  out.log_density = log_normaliser(w) - 0.5 * out.chi_square + 0.5 * std::log(2.0 * kPi) +
-                    std::log(s) + log_wrapped_normal(out.turn, tau * tau + s * s);
+  const double mean =
+      0.5 * std::log(2.0 * kPi) + std::log(s) + log_wrapped_normal(out.turn, tau * tau + s * s);
+  out.log_density = log_normaliser(w) - 0.5 * out.chi_square + std::min(mean, 0.0);
   out.mac = mac_of(values_, std::cos(out.turn) * shape + std::sin(out.turn) * close);
   return out;
 }

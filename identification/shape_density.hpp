@@ -24,8 +24,8 @@ namespace wheeltap::identification {
 ///
 ///   exp(-χ²_plane/2) · √(2π) s · N_π(α̂; 0, τ² + s²),
 ///
-/// α̂ being the best angle, s its sd from the noise and N_π the normal wrapped at π. τ = 0 is the
-/// above.
+/// α̂ being the best angle, s its sd from the noise and N_π the normal wrapped at π: the mean over α
+/// of how well each angle fits, and so 1 at most. τ = 0 is the above.
 class ShapeDensity {
  public:
   /// `values`: ψ, of any scale and sign; `covariance`: Σ of ψ scaled to a largest entry of 1, m × m

@@ -103,30 +103,6 @@ bool near(double a, double b) {
   return std::abs(a - b) <= 0.05 * b;
 }
 
-void doubt(ModalResult& out) {
-  for (Mode& mode : out.modes) {
-    const Pole& p = mode.pole;
-    const auto say = [&](ModeDoubt d) { mode.doubts.push_back(d); };
-    if (2 * mode.present < mode.orders) say(ModeDoubt::few_orders);
-    const bool tone = p.damping < std::max(kToneDamping, 2.0 * p.damping_sd) &&
-                      p.damping < 2.5 * kToneDamping && mode.amplitude_kurtosis < kTone;
-    if (tone) say(ModeDoubt::tone);
-    if (p.damping_sd > 0.5 * std::abs(p.damping)) say(ModeDoubt::damping_unknown);
-    if (mode.collinearity < kCollinear) say(ModeDoubt::complex_shape);
-    for (const Mode& other : out.modes)
-      if (&other != &mode &&
-          std::abs(other.pole.frequency_hz - p.frequency_hz) <
-              3.0 * std::hypot(p.frequency_sd, other.pole.frequency_sd) &&
-          modal_assurance(p.shape, other.pole.shape) > 0.9)
-        say(ModeDoubt::twin);
-    if (near(p.frequency_hz, out.lowest_hz) || near(p.frequency_hz, out.highest_hz))
-      say(ModeDoubt::at_the_edge);
-    if (p.damping > 0.0 &&
-        out.block_seconds * p.damping * 2.0 * std::numbers::pi * p.frequency_hz < 1.0)
-      ++out.remarks.longer_decays;
-  }
-}
-
 /// Modes of the diagram with all their uncertainty.
 void describe(ModalResult& out, const StochasticSubspace& subspace, const MatrixXd& y) {
   std::map<int, std::vector<std::size_t>> by_order;
@@ -164,6 +140,31 @@ void describe(ModalResult& out, const StochasticSubspace& subspace, const Matrix
 }
 
 }  // namespace
+
+void doubt_modes(ModalResult& out) {
+  for (Mode& mode : out.modes) {
+    const Pole& p = mode.pole;
+    const auto say = [&](ModeDoubt d) { mode.doubts.push_back(d); };
+    if (2 * mode.present < mode.orders) say(ModeDoubt::few_orders);
+    const bool tone = out.method == ModalMethod::subspace &&
+                      p.damping < std::max(kToneDamping, 2.0 * p.damping_sd) &&
+                      p.damping < 2.5 * kToneDamping && mode.amplitude_kurtosis < kTone;
+    if (tone) say(ModeDoubt::tone);
+    if (p.damping_sd > 0.5 * std::abs(p.damping)) say(ModeDoubt::damping_unknown);
+    if (mode.collinearity < kCollinear) say(ModeDoubt::complex_shape);
+    for (const Mode& other : out.modes)
+      if (&other != &mode &&
+          std::abs(other.pole.frequency_hz - p.frequency_hz) <
+              3.0 * std::hypot(p.frequency_sd, other.pole.frequency_sd) &&
+          modal_assurance(p.shape, other.pole.shape) > 0.9)
+        say(ModeDoubt::twin);
+    if (near(p.frequency_hz, out.lowest_hz) || near(p.frequency_hz, out.highest_hz))
+      say(ModeDoubt::at_the_edge);
+    if (out.block_seconds > 0.0 && p.damping > 0.0 &&
+        out.block_seconds * p.damping * 2.0 * std::numbers::pi * p.frequency_hz < 1.0)
+      ++out.remarks.longer_decays;
+  }
+}
 
 double amplitude_kurtosis(const Eigen::Ref<const Eigen::VectorXd>& x, double frequency_hz,
                           double sample_rate_hz, double cycles) {
@@ -241,7 +242,7 @@ ModalResult identify_modes(const Eigen::Ref<const MatrixXd>& records, const Moda
     if (out.modes.empty() || options.lags > 0) break;
     slowest = out.modes.front().pole.frequency_hz;
   }
-  doubt(out);
+  doubt_modes(out);
   return out;
 }
 

@@ -38,15 +38,24 @@ struct Mode {
   std::vector<ModeDoubt> doubts = {};
 };
 
+/// How modes were found.
+enum class ModalMethod {
+  subspace,      ///< from output covariances (stochastic_subspace.hpp)
+  polyreference  ///< from frequency responses (polyreference.hpp)
+};
+
 /// What is odd about the whole record.
 struct ModalRemarks {
   bool short_blocks = false;  ///< fewer than 20 blocks, or less than five times the lags
   int longer_decays = 0;      ///< modes whose 1 / (ζω) is longer than a block
   bool band_cut = false;      ///< band beyond what the sampling holds
   int order_cut = 0;          ///< largest order that was asked for, where records allow less
+  int narrow = 0;             ///< modes of a half-power width below the spacing of lines
+  int lost = 0;  ///< modes that a fifth of the bootstrap's replicates did not find again
 };
 
 struct ModalResult {
+  ModalMethod method = ModalMethod::subspace;
   std::vector<Mode> modes = {};     ///< by frequency
   Eigen::MatrixXd covariance = {};  ///< of all frequencies [Hz], then all damping ratios
   Stabilisation diagram = {};
@@ -55,6 +64,8 @@ struct ModalResult {
   double lowest_hz = 0.0, highest_hz = 0.0;
   int decimated = 1, lags = 0, blocks = 0, largest_order = 0;
   double block_seconds = 0.0;
+  long lines = 0;      ///< of frequency responses
+  int replicates = 0;  ///< of the bootstrap
   std::vector<int> references = {};
   ModalRemarks remarks = {};
 };
@@ -65,6 +76,9 @@ struct ModalResult {
 /// none, channels that are constant, alike or not finite, and records too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
+
+/// Fills in the modes' doubts. Exposed for the methods.
+void doubt_modes(ModalResult& result);
 
 /// E|z|⁴ / (E|z|²)² of a signal's complex amplitude about a frequency, averaged over windows of
 /// `cycles` of it: 1 for a steady sine, 2 for normal noise.

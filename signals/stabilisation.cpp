@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <set>
 
 #include "base/parallel.hpp"
+#include "signals/average_linkage.hpp"
 
 namespace wheeltap::signals {
 namespace {
@@ -47,57 +47,12 @@ double threshold_of(const std::vector<Pole>& poles) {
   return std::clamp(mean + 2.0 * std::sqrt(square), kLeastThreshold, kLargestThreshold);
 }
 
-/// Average linkage with Lance & Williams' update, up to `threshold`; poles of one order never join.
-std::vector<std::vector<int>> clusters(const std::vector<Pole>& poles, double threshold) {
-  const std::size_t n = poles.size();
-  std::vector<std::vector<int>> members(n);
-  std::vector<std::set<int>> orders(n);
-  std::vector<bool> alive(n, true);
-  std::vector<std::vector<double>> d(n, std::vector<double>(n, kNever));
-  for (std::size_t i = 0; i < n; ++i) {
-    members[i] = {static_cast<int>(i)};
-    orders[i] = {poles[i].order};
-    for (std::size_t j = 0; j < i; ++j)
-      if (poles[i].order != poles[j].order) d[i][j] = d[j][i] = pole_distance(poles[i], poles[j]);
-  }
-  std::vector<std::size_t> nearest(n, 0);
-  const auto look = [&](std::size_t i) {
-    nearest[i] = static_cast<std::size_t>(std::ranges::min_element(d[i]) - d[i].begin());
-  };
-  for (std::size_t i = 0; i < n; ++i) look(i);
-  while (true) {
-    std::size_t best = n;
-    for (std::size_t i = 0; i < n; ++i)
-      if (alive[i] && (best == n || d[i][nearest[i]] < d[best][nearest[best]])) best = i;
-    if (best == n || !(d[best][nearest[best]] <= threshold)) break;
-    const std::size_t a = best, b = nearest[best];
-    const auto na = static_cast<double>(members[a].size()),
-               nb = static_cast<double>(members[b].size());
-    members[a].insert(members[a].end(), members[b].begin(), members[b].end());
-    orders[a].insert(orders[b].begin(), orders[b].end());
-    alive[b] = false;
-    for (std::size_t k = 0; k < n; ++k) {
-      if (!alive[k] || k == a) continue;
-      const double joined = (na * d[a][k] + nb * d[b][k]) / (na + nb);
-      d[a][k] = d[k][a] = joined;  // infinite where either is
-      d[b][k] = d[k][b] = kNever;
-    }
-    d[a][b] = d[b][a] = kNever;
-    for (std::size_t k = 0; k < n; ++k)
-      if (alive[k] && (k == a || nearest[k] == a || nearest[k] == b)) look(k);
-  }
-  std::vector<std::vector<int>> out;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!alive[i]) continue;
-    std::ranges::sort(members[i]);
-    out.push_back(std::move(members[i]));
-  }
-  return out;
-}
-
 int representative(const std::vector<Pole>& poles, const std::vector<int>& members) {
   std::vector<double> all;
-  for (const int m : members) all.push_back(scatter(poles[static_cast<std::size_t>(m)]));
+  for (const int m : members) {
+    const double one = scatter(poles[static_cast<std::size_t>(m)]);
+    all.push_back(std::isnan(one) ? 1.0 : one);
+  }
   std::vector<double> sorted = all;
   std::ranges::sort(sorted);
   const double good = kGoodScatter * sorted[sorted.size() / 10];
@@ -160,22 +115,34 @@ Stabilisation stabilise(const StochasticSubspace& subspace, const StabilisationO
                           ? std::min(options.largest_order, subspace.largest_order())
                           : subspace.largest_order();
   const int smallest = std::max(2, options.smallest_order + options.smallest_order % 2);
-  Stabilisation out{.orders = std::max(0, (largest - smallest) / 2 + 1)};
-  std::vector<std::vector<Pole>> by_order(static_cast<std::size_t>(out.orders));
+  const int orders = std::max(0, (largest - smallest) / 2 + 1);
+  std::vector<std::vector<Pole>> by_order(static_cast<std::size_t>(orders));
   const PoleWindow window{.lowest_hz = options.lowest_hz,
                           .highest_hz = options.highest_hz,
                           .lowest_damping = options.lowest_damping,
                           .highest_damping = options.highest_damping};
   // The largest orders first: they take longest.
-  base::parallel_for(out.orders, options.threads, [&](int i) {
-    const int k = out.orders - 1 - i;
+  base::parallel_for(orders, options.threads, [&](int i) {
+    const int k = orders - 1 - i;
     by_order[static_cast<std::size_t>(k)] = subspace.poles(smallest + 2 * k, window);
   });
+  return stabilise(std::move(by_order), options);
+}
+
+Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
+                        const StabilisationOptions& options) {
+  Stabilisation out{.orders = static_cast<int>(by_order.size())};
+  const int smallest = std::max(2, options.smallest_order + options.smallest_order % 2);
+  const int largest = smallest + 2 * (out.orders - 1);
   std::vector<Pole> hard;
   std::vector<int> place;
   for (std::vector<Pole>& some : by_order)
     for (Pole& p : some) {
-      const bool good = p.frequency_sd <= options.largest_relative_sd * p.frequency_hz;
+      if (p.frequency_hz < options.lowest_hz || p.frequency_hz > options.highest_hz ||
+          p.damping < options.lowest_damping || p.damping > options.highest_damping)
+        continue;
+      const bool good = p.frequency_sd <= options.largest_relative_sd * p.frequency_hz ||
+                        options.largest_relative_sd == kNever;
       if (good) {
         hard.push_back(p);
         place.push_back(static_cast<int>(out.poles.size()));
@@ -185,7 +152,12 @@ Stabilisation stabilise(const StochasticSubspace& subspace, const StabilisationO
     }
   if (hard.empty()) return out;
   out.threshold = threshold_of(hard);
-  for (const std::vector<int>& found : clusters(hard, out.threshold)) {
+  std::vector<int> orders;
+  for (const Pole& p : hard) orders.push_back(p.order);
+  const auto distance = [&](int i, int j) {
+    return pole_distance(hard[static_cast<std::size_t>(i)], hard[static_cast<std::size_t>(j)]);
+  };
+  for (const std::vector<int>& found : average_linkage(orders, distance, out.threshold)) {
     ModeCluster cluster;
     cluster.orders = (largest - hard[static_cast<std::size_t>(found.front())].order) / 2 + 1;
     for (const int m : found) cluster.members.push_back(place[static_cast<std::size_t>(m)]);

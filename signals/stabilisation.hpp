@@ -49,8 +49,14 @@ struct Stabilisation {
 /// is represented by one of its poles: of those whose scatter (geometric mean of both relative
 /// standard deviations) is within a quarter of the cluster's best tenth, the one with the median
 /// frequency. That passes by the orders that are too large, whose poles scatter more, and selects
-/// among the others by nothing that has to do with their uncertainty.
+/// among the others by nothing that has to do with their uncertainty. Of poles without standard
+/// deviations (NaN), which take largest_relative_sd = ∞, the median of all stands for the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
+                                      const StabilisationOptions& options);
+
+/// The same of any method's poles: those of smallest_order, smallest_order + 2, …, within the
+/// window. Cut to the options' band and damping.
+[[nodiscard]] Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
                                       const StabilisationOptions& options);
 
 /// d of two poles.

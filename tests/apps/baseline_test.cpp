@@ -96,6 +96,10 @@ TEST(Baseline, Refusals) {
   c["baseline"]["data"]["cov"] = {{"log_uniform", {1e-4, 1e-2}}};
   refused(c, "/baseline/data/cov");
   c = measured(1.0);
+  c["data"] = {{"cov", 0.003}, {"modes", 4}};
+  c["damage"]["truth"] = {{{"location", 0.33}, {"reduction", 0.4}}};
+  refused(c, "/baseline: ");
+  c = measured(1.0);
   c["baseline"]["data"]["modes"] = 3;
   refused(c, "/baseline/data/modes");
 }

@@ -50,6 +50,7 @@ TEST(DamageShapes, TheLikelihoodIsThatOfTheDamagedModes) {
   ASSERT_TRUE(p.problem->modal);
   EXPECT_EQ(p.problem->modal->measured(), 5 + 5 * 4);
   EXPECT_FALSE(p.problem->symmetric) << "shapes tell the sides apart";
+  EXPECT_EQ(p.problem->problem.reflections.size(), 1U) << "but both sides are tried";
   const auto likelihood = p.problem->problem.likelihood();
   for (const double x : {0.05, 0.212, 0.788}) {
     DamageCase damaged = p.file.damage;

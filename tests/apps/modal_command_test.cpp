@@ -115,6 +115,60 @@ TEST_F(ModalCommand, RefusesWhatCannotBe) {
   refused(c, "20000");
 }
 
+/// The record in two halves, as if sensor b had been moved from one node to another.
+json two_set_ups(json c) {
+  json second = c["record"];
+  c["record"]["samples"] = {0, 6000};
+  second["samples"] = {6000, 12000};
+  second["channels"][1]["node"] = 8;
+  c["records"] = {c["record"], second};
+  c.erase("record");
+  for (json& r : c["records"]) r["channels"][0]["reference"] = true;
+  return c;
+}
+
+TEST_F(ModalCommand, SetUpsAreMerged) {
+  const Outcome ran = run(two_set_ups(a_case()));
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("2 of 2"));
+  EXPECT_THAT(ran.out, HasSubstr("by the one sensor that all have"));
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
+  ASSERT_EQ(modes["sensors"].size(), 3U);
+  EXPECT_EQ(modes["sensors"][2]["node"], "8");
+  for (const std::size_t k : {1, 2})
+    EXPECT_NEAR(modes["shapes"]["real"][0][k].get<double>(), 0.5, 0.05);
+  EXPECT_EQ(modes["shape_covariance"][0].size(), 6U);
+  const json summary = json::parse(read_all(where / "out/summary.json"));
+  EXPECT_EQ(summary["set_ups"].size(), 2U);
+  EXPECT_EQ(summary["modes"][1]["places"], (json{1, 1}));
+  const std::string page = read_all(where / "out/report.html");
+  EXPECT_THAT(page, HasSubstr("Set-ups against the whole"));
+  EXPECT_THAT(page, Not(HasSubstr("nan")));
+}
+
+TEST_F(ModalCommand, SetUpsThatCannotBeMergedAreRefused) {
+  const auto refused = [&](const json& c, const std::string& said) {
+    const Outcome ran = run(c);
+    EXPECT_EQ(ran.exit_code, 65) << said;
+    EXPECT_THAT(ran.err, HasSubstr(said));
+  };
+  json c = two_set_ups(a_case());
+  c["records"][1]["channels"][0]["node"] = "elsewhere";
+  refused(c, "/records/0/channels/0/reference");
+  for (json& r : c["records"]) r["channels"][0].erase("reference");
+  refused(c, "/records: ");
+  c = two_set_ups(a_case());
+  c["records"][1]["channels"][1] = c["records"][1]["channels"][0];
+  refused(c, "/records/1/channels/1");
+  c = two_set_ups(a_case());
+  c["record"] = c["records"][0];
+  refused(c, "/records");
+  c.erase("record");
+  c.erase("records");
+  refused(c, "/record");
+}
+
 TEST_F(ModalCommand, DryRunWritesNothing) {
   const Outcome ran =
       wheeltap(where, "modal " + where.write_json("case.json", a_case()).string() + " --dry-run");

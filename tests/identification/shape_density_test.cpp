@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "base/random.hpp"
 
@@ -41,6 +42,8 @@ TEST(ShapeDensity, ScaleAndSignOfEitherShapeDoNotMatter) {
 TEST(ShapeDensity, IntegratesToOneOverTheDirectionsOfTwoEntries) {
   MatrixXd correlated(2, 2);
   correlated << 0.0009, 0.0004, 0.0004, 0.0004;
+  // Of first order in the noise (sd 3 % of the shape's size): the next term is its square, .0009,
+  // times a curvature of a few.
   for (const MatrixXd& sigma : {isotropic(2, 0.03), correlated}) {
     const VectorXd computed = vector({0.6, 0.8});
     double sum = 0.0;
@@ -98,13 +101,30 @@ TEST(ShapeDensity, AnUnknownScatterIsTheStatedOneScaled) {
 }
 
 TEST(ShapeDensity, WithoutATurnACloseModeChangesNothing) {
-  const VectorXd measured = vector({0.4, 1.0, -0.3, 0.7}), first = vector({0.41, 1.01, -0.3, 0.68}),
-                 second = vector({1.0, -0.2, 0.3, -0.6});
+  const VectorXd first = vector({0.41, 1.01, -0.3, 0.68}), second = vector({1.0, -0.2, 0.3, -0.6}),
+                 noise = vector({-1.0, -1.0, 0.5, 2.0});
+  // The same noise in units of its sd, ever smaller: the difference is of second order in it.
+  std::vector<double> differences;
+  for (const double sd : {0.02, 0.01, 0.005}) {
+    const ShapeDensity density(first + sd * noise, isotropic(4, sd));
+    differences.push_back(std::abs(density.against(first, second, 1e-9, 1.0, 0.0).log_density -
+                                   density.against(first).log_density));
+  }
+  EXPECT_LT(differences[0], 0.05);
+  for (std::size_t i = 1; i < differences.size(); ++i)
+    EXPECT_NEAR(differences[i - 1] / differences[i], 4.0, 0.4) << i;
+}
+
+TEST(ShapeDensity, WhatNeitherModeExplainsIsNoTurn) {
+  // Across both modes, and the close one does not move the sensors at all.
+  const VectorXd measured = vector({0.0, 0.0, 1.0, 0.5}), first = vector({1.0, 0.5, 0.0, 0.0}),
+                 second = vector({0.3, -1.0, 0.0, 0.0}), still = VectorXd::Zero(4);
   const ShapeDensity density(measured, isotropic(4, 0.01));
-  const auto plain = density.against(first);
-  const auto turned = density.against(first, second, 1e-9, 1.0, 0.0);
-  // To second order in the noise's angle.
-  EXPECT_NEAR(turned.log_density, plain.log_density, 0.01);
+  const auto lost = density.against(first, second, 0.3, 1.0, 0.0);
+  EXPECT_NEAR(lost.log_density, density.against(first).log_density, 1e-9);
+  EXPECT_EQ(lost.turn, 0.0);
+  EXPECT_EQ(density.against(first, still, 0.3, 1.0, 0.0).log_density,
+            density.against(first).log_density);
 }
 
 // Twins have no shapes of their own: any two of their plane are as good, and so is the density.

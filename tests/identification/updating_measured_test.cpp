@@ -237,7 +237,9 @@ TEST(UpdatingMeasured, TheBridgesModesAreWithinTheirBounds) {
   EXPECT_EQ(t.miscounted, 0);
   EXPECT_EQ(uncertified, 0);
   EXPECT_LE(bound, kTolerance);
-  EXPECT_LE(workspace.solved_in_full(), random_points() / 50);
+  // The training ends when its own 200 points are within the tolerance; of new ones, some are not,
+  // and cost a full solution each: of one in 25 there are 8 or more of 100 with probability .05.
+  EXPECT_LE(workspace.solved_in_full(), 2.0 / 25 * random_points());
   // The nominal model of the source.
   reduced.solve(std::vector<double>(17, 0.0), workspace, found);
   const std::vector<double> nominal = {4.6596, 4.8750, 6.6540, 9.9009, 11.3806};

@@ -1,0 +1,34 @@
+// Frequency responses of several outputs to several inputs, measured or estimated from records.
+#pragma once
+
+#include <vector>
+
+#include "base/eigen.hpp"
+
+namespace wheeltap::signals {
+
+struct FrequencyResponses {
+  Eigen::VectorXd frequencies_hz = {};   ///< ascending
+  std::vector<Eigen::MatrixXcd> h = {};  ///< outputs × inputs, one a frequency
+  /// |γ|² of each output with all inputs together, outputs × frequencies; empty where not known.
+  Eigen::MatrixXd coherence = {};
+  int segments = 0;  ///< that were averaged; 0 where not known
+
+  [[nodiscard]] Eigen::Index lines() const { return frequencies_hz.size(); }
+  [[nodiscard]] Eigen::Index outputs() const { return h.empty() ? 0 : h.front().rows(); }
+  [[nodiscard]] Eigen::Index inputs() const { return h.empty() ? 0 : h.front().cols(); }
+
+  /// The lines within [lowest, highest].
+  [[nodiscard]] FrequencyResponses band(double lowest_hz, double highest_hz) const;
+};
+
+/// H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, each segment freed of its
+/// mean (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise on the inputs
+/// makes H₁ too small; resonances narrower than 1/segment duration are smeared. `inputs`, `outputs`:
+/// a channel a row. Throws std::invalid_argument for lengths that differ, fewer than 2 segments for
+/// each input, a rate <= 0, and inputs that are linearly dependent.
+[[nodiscard]] FrequencyResponses estimate_frequency_responses(
+    const Eigen::Ref<const Eigen::MatrixXd>& inputs,
+    const Eigen::Ref<const Eigen::MatrixXd>& outputs, double sample_rate_hz, int segment);
+
+}  // namespace wheeltap::signals
