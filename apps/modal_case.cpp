@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/frequency_response_file.hpp"
 #include "apps/sid_record.hpp"
 #include "base/number.hpp"
 #include "io/text.hpp"
@@ -11,9 +12,19 @@
 namespace wheeltap::apps {
 namespace {
 
+bool of_forces(const CaseFile& file) {
+  return file.json.value("method", "ssi-cov") == "plscf";
+}
+
+bool of_decays(const CaseFile& file) {
+  return file.json.value("method", "ssi-cov") == "era";
+}
+
 struct Channels {
   std::vector<std::string> columns = {};  ///< of responses
   std::vector<double> scales = {};
+  std::vector<std::string> forces = {};
+  std::vector<double> force_scales = {};
   std::string time = {};
   std::optional<double> time_scale = {};
 };
@@ -21,10 +32,14 @@ struct Channels {
 void refuse_keys(const CaseFile& file, const Pointer& where) {
   const Json& c = file.json.at(where);
   const bool of_time = c.at("role") == "time";
-  for (const char* key : {"node", "direction", "azimuth", "elevation", "reference"})
-    if (c.contains(key)) file.refuse(where / key, "goes with the role \"response\" only");
-  if (c.contains("scale") && !of_time)
-    file.refuse(where / "scale", "goes with the roles \"response\" and \"time\" only");
+  const bool force = c.at("role") == "force";
+  for (const char* key : {"node", "direction", "azimuth", "elevation"})
+    if (c.contains(key) && !force)
+      file.refuse(where / key, "goes with the roles \"response\" and \"force\" only");
+  if (c.contains("reference"))
+    file.refuse(where / "reference", "goes with the role \"response\" only");
+  if (c.contains("scale") && !of_time && !force)
+    file.refuse(where / "scale", "does not go with the role \"ignore\"");
 }
 
 Channels parse_channels(const CaseFile& file, SetUp& out) {
@@ -35,9 +50,17 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
     const Json& c = file.json.at(where);
     const std::string role = c.at("role"), column = text_or_number(c.at("column"));
     if (c.value("scale", 1.0) == 0.0) file.refuse(where / "scale", "must not be 0");
-    if (role == "force")
+    if (role == "force" && !of_forces(file))
       file.refuse(where / "role",
-                  "modes are identified from responses alone: a measured force must be \"ignore\"");
+                  "modes are identified from responses alone: a measured force must be \"ignore\", "
+                  "or the method \"plscf\"");
+    if (role == "force") {
+      found.forces.push_back(column);
+      found.force_scales.push_back(c.value("scale", 1.0));
+      std::string name = column;
+      if (c.contains("node")) name = text_or_number(c.at("node")) + ":" + c.value("direction", "");
+      out.inputs.push_back(std::move(name));
+    }
     if (role != "response") refuse_keys(file, where);
     if (role == "time") {
       if (!found.time.empty()) file.refuse(where, "there is a time channel already");
@@ -63,6 +86,11 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
   }
   if (found.columns.empty())
     file.refuse(list, "holds no channel with the role \"response\": there is nothing to identify");
+  if (of_forces(file) && found.forces.empty())
+    file.refuse(
+        list,
+        "holds no channel with the role \"force\", which frequency responses are of: measure "
+        "it, or take the method \"ssi-cov\"");
   return found;
 }
 
@@ -81,10 +109,69 @@ void read_rate(const CaseFile& file, SetUp& out, const signals::Record& record,
       time < 0 ? *stated : signals::sample_rate_hz(record, time, stated, channels.time_scale);
 }
 
+void read_responses(const CaseFile& file, SetUp& out) {
+  try {
+    MeasuredResponses measured = read_frequency_responses(file.resolve(out.name));
+    out.sensors = std::move(measured.sensors);
+    out.inputs = std::move(measured.inputs);
+    if (measured.transposed)
+      out.oddities.push_back(
+          "There are more references than responses: by reciprocity the two are exchanged, and "
+          "shapes are over the references.");
+    out.responses = std::move(measured.responses);
+    out.places.assign(out.sensors.size(), out.where / "file");
+  } catch (const io::FileError& error) {
+    throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
+                  error.what());
+  }
+}
+
+void cut_decays(const CaseFile& file, SetUp& out) {
+  const Pointer where = out.where / "decays";
+  for (std::size_t i = 0; i < file.json.at(where).size(); ++i) {
+    const Json& window = file.json.at(where)[i];
+    const Eigen::Index begin = window[0].get<int>(), end = window[1].get<int>();
+    if (begin >= end || end > out.records.cols())
+      file.refuse(where / i, "must be [first, one past the last] within the " +
+                                 base::grouped(out.records.cols()) + " samples of the record");
+    out.decays.emplace_back(out.records.middleCols(begin, end - begin));
+  }
+}
+
+void estimate_responses(const CaseFile& file, SetUp& out, const Eigen::MatrixXd& forces) {
+  constexpr Eigen::Index kSegments = 8;
+  const Eigen::Index samples = out.records.cols();
+  int segment = file.json.value("segment", 0);
+  if (segment == 0) {
+    segment = 16;
+    while (2 * segment <= samples / kSegments) segment *= 2;
+  }
+  try {
+    out.responses = signals::estimate_frequency_responses(forces, out.records,
+                                                          out.options.sample_rate_hz, segment);
+  } catch (const std::invalid_argument& error) {
+    file.refuse(file.json.contains("segment") ? Pointer("/segment") : out.where, error.what());
+  }
+}
+
 SetUp read_set_up(const CaseFile& file, const Pointer& where) {
   SetUp out{.where = where, .name = file.json.at(where / "file")};
+  if (!file.json.at(where).contains("channels")) {
+    if (!of_forces(file))
+      file.refuse(where / "channels", "is missing: must say which columns are responses");
+    for (const char* key : {"samples", "sample_rate"})
+      if (file.json.at(where).contains(key))
+        file.refuse(where / key,
+                    "is of records: without channels the file's frequency responses "
+                    "are taken");
+    if (file.json.contains("segment"))
+      file.refuse(Pointer("/segment"), "is of records: these are frequency responses already");
+    read_responses(file, out);
+    return out;
+  }
   const Channels channels = parse_channels(file, out);
   std::vector<std::string> columns = channels.columns;
+  columns.insert(columns.end(), channels.forces.begin(), channels.forces.end());
   if (!channels.time.empty()) columns.push_back(channels.time);
   const signals::Record record = read_record(file, where / "file", columns);
   try {
@@ -95,6 +182,12 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where) {
       begin = r.at("samples")[0];
       end = r.at("samples")[1];
     }
+    if (of_decays(file) != r.contains("decays"))
+      file.refuse(where / "decays", of_decays(file)
+                                        ? "is missing: the windows of the free decays, in samples"
+                                        : "goes with the method \"era\" only");
+    if (of_decays(file) && r.contains("samples"))
+      file.refuse(where / "samples", "is said by the decays");
     MeasuredTable table{.sample_rate_hz = out.options.sample_rate_hz};
     for (std::size_t i = 0; i < channels.columns.size(); ++i) {
       const int column = record.find(channels.columns[i]);
@@ -114,6 +207,18 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where) {
                     "the channel never changes: give it the role \"ignore\", or mend its sensor");
       for (const std::string& text : oddities(table, channel))
         out.oddities.push_back("The channel " + io::printable(source.name) + " " + text + ".");
+    }
+    if (of_decays(file)) cut_decays(file, out);
+    if (!channels.forces.empty()) {
+      Eigen::MatrixXd forces(static_cast<Eigen::Index>(channels.forces.size()), out.records.cols());
+      for (std::size_t i = 0; i < channels.forces.size(); ++i) {
+        const std::vector<double> x =
+            signals::window(record, record.find(channels.forces[i]), begin, end);
+        forces.row(static_cast<Eigen::Index>(i)) =
+            channels.force_scales[i] *
+            Eigen::Map<const Eigen::RowVectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+      }
+      estimate_responses(file, out, forces);
     }
   } catch (const io::FileError& error) {
     throw Failure(Exit::bad_input, error.what());
@@ -179,13 +284,18 @@ void take_band(const ModalCaseFile& out, SetUp& s) {
     s.options.highest_hz = json.at("band")[1];
     if (!(s.options.lowest_hz < s.options.highest_hz))
       out.file.refuse(Pointer("/band"), "must be [lowest, highest] in Hz, ascending");
-    if (s.options.highest_hz > 0.5 * s.options.sample_rate_hz)
+    if (!s.responses && s.options.highest_hz > 0.5 * s.options.sample_rate_hz)
       out.file.refuse(Pointer("/band/1"), "must be at most half the sampling rate, " +
                                               base::number(0.5 * s.options.sample_rate_hz) + " Hz");
   }
   if (json.contains("order")) s.options.largest_order = json.at("order").value("max", 0);
   s.options.lags = json.value("lags", 0);
   s.options.blocks = json.value("blocks", 0);
+  for (const char* key : {"lags", "blocks"})
+    if (json.contains(key) && (s.responses || (!s.decays.empty() && key == std::string("blocks"))))
+      out.file.refuse(Pointer() / std::string(key), "is not of this method");
+  if (json.contains("segment") && !s.responses)
+    out.file.refuse(Pointer("/segment"), "is of the method \"plscf\"");
 }
 
 }  // namespace

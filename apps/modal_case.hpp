@@ -8,6 +8,7 @@
 #include "apps/case_file.hpp"
 #include "apps/measured_file.hpp"
 #include "apps/modes_file.hpp"
+#include "signals/frequency_responses.hpp"
 #include "signals/merged_modes.hpp"
 
 namespace wheeltap::apps {
@@ -22,6 +23,10 @@ struct SetUp {
   Eigen::MatrixXd records = {};            ///< a response a row
   std::vector<std::string> oddities = {};  ///< of channels, in sentences
   signals::ModalOptions options = {};
+  /// Of the method plscf, where they are measured, and then there are no records; or made of them.
+  std::optional<signals::FrequencyResponses> responses = {};
+  std::vector<std::string> inputs = {};      ///< of the responses
+  std::vector<Eigen::MatrixXd> decays = {};  ///< of the method era: pieces of the records
 };
 
 struct ModalCaseFile {

@@ -12,6 +12,8 @@
 #include "apps/summary.hpp"
 #include "apps/terminal.hpp"
 #include "io/text.hpp"
+#include "signals/free_decay.hpp"
+#include "signals/polyreference.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -20,8 +22,17 @@ using signals::ModalResult;
 using signals::Mode;
 
 /// Channels are numbered by the library from 0; here they have names.
-ModalResult identify(const CaseFile& file, const SetUp& set_up) {
+ModalResult identify(const CaseFile& file, const SetUp& set_up, std::uint64_t seed) {
   try {
+    if (set_up.responses)
+      return signals::identify_modes(*set_up.responses,
+                                     {.lowest_hz = set_up.options.lowest_hz,
+                                      .highest_hz = set_up.options.highest_hz,
+                                      .largest_order = set_up.options.largest_order,
+                                      .seed = seed,
+                                      .threads = set_up.options.threads});
+    if (!set_up.decays.empty())
+      return signals::identify_decays(set_up.decays, set_up.options, seed);
     return signals::identify_modes(set_up.records, set_up.options);
   } catch (const std::invalid_argument& error) {
     const std::string what = error.what();
@@ -48,7 +59,7 @@ IdentifiedModes identify(const ModalCaseFile& modal, const CommonOptions& common
     bar.show("set-ups",
              static_cast<double>(pieces.size()) / static_cast<double>(modal.set_ups.size()),
              io::printable(set_up.name));
-    out.set_ups.push_back(identify(modal.file, set_up));
+    out.set_ups.push_back(identify(modal.file, set_up, common.seed.value_or(1)));
     pieces.push_back({.modes = out.set_ups.back().modes,
                       .covariance = out.set_ups.back().covariance,
                       .sensors = set_up.which});
@@ -94,18 +105,30 @@ Report set_up_json(const ModalResult& result) {
   for (const signals::Pole& p : result.diagram.poles)
     poles.push_back(
         {p.order, p.frequency_hz, p.damping, finite(p.frequency_sd), finite(p.damping_sd)});
+  Report procedure = {{"method", "ssi-cov"},
+                      {"band", {result.lowest_hz, result.highest_hz}},
+                      {"largest_order", result.largest_order},
+                      {"distance_threshold", result.diagram.threshold}};
+  if (result.method == signals::ModalMethod::polyreference) {
+    procedure["method"] = "plscf";
+    procedure["lines"] = result.lines;
+    procedure["replicates"] = result.replicates;
+  } else if (result.method == signals::ModalMethod::realisation) {
+    procedure["method"] = "era";
+    procedure["sample_rate_hz"] = result.sample_rate_hz;
+    procedure["decimated"] = result.decimated;
+    procedure["lags"] = result.lags;
+    procedure["replicates"] = result.replicates;
+  } else {
+    procedure.update({{"sample_rate_hz", result.sample_rate_hz},
+                      {"decimated", result.decimated},
+                      {"lags", result.lags},
+                      {"blocks", result.blocks},
+                      {"block_seconds", result.block_seconds},
+                      {"references", result.references}});
+  }
   return {{"modes", modes},
-          {"procedure",
-           {{"method", "ssi-cov"},
-            {"band", {result.lowest_hz, result.highest_hz}},
-            {"sample_rate_hz", result.sample_rate_hz},
-            {"decimated", result.decimated},
-            {"lags", result.lags},
-            {"blocks", result.blocks},
-            {"block_seconds", result.block_seconds},
-            {"largest_order", result.largest_order},
-            {"distance_threshold", result.diagram.threshold},
-            {"references", result.references}}},
+          {"procedure", procedure},
           {"stabilisation",
            {{"columns", {"order", "frequency_hz", "damping", "frequency_sd", "damping_sd"}},
             {"poles", poles}}}};
@@ -207,8 +230,14 @@ void run_modal(const CommonOptions& common) {
     double numbers = 0.0;
     for (const SetUp& set_up : modal.set_ups) {
       std::cout << (modal.set_ups.size() > 1 ? io::printable(set_up.name) + ": " : "")
-                << set_up.sensors.size() << " responses of " << base::grouped(set_up.records.cols())
-                << " samples at " << significant(set_up.options.sample_rate_hz, 6) << " Hz\n";
+                << set_up.sensors.size() << " responses of ";
+      if (set_up.responses) {
+        std::cout << set_up.inputs.size() << " inputs at "
+                  << base::grouped(set_up.responses->lines()) << " frequencies\n";
+      } else {
+        std::cout << base::grouped(set_up.records.cols()) << " samples at "
+                  << significant(set_up.options.sample_rate_hz, 6) << " Hz\n";
+      }
       numbers += static_cast<double>(set_up.records.size());
     }
     std::cout << "seconds each, and " << significant(4.0 * 8e-6 * numbers + 200.0, 2) << " MB\n";

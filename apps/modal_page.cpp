@@ -30,6 +30,15 @@ std::string dot(const std::string& kind, double x, double y, double radius) {
 
 /// Mean of the channels' spectra, each over its variance, in decibels, within the band.
 std::vector<std::pair<double, double>> levels(const SetUp& modal, const ModalResult& result) {
+  if (modal.responses) {
+    std::vector<std::pair<double, double>> out;
+    const signals::FrequencyResponses f =
+        modal.responses->band(result.lowest_hz, result.highest_hz);
+    for (Eigen::Index k = 0; k < f.lines(); ++k)
+      if (const double size = f.h[static_cast<std::size_t>(k)].squaredNorm(); size > 0.0)
+        out.emplace_back(f.frequencies_hz[k], 10.0 * std::log10(size));
+    return out;
+  }
   const double rate = modal.options.sample_rate_hz;
   const auto n = static_cast<int>(modal.records.cols());
   int segment = 64;
@@ -187,7 +196,8 @@ std::string of_record(const SetUp& set_up, const ModalResult& result, const std:
   out += "<" + level + ">Stabilisation diagram</" + level + ">\n" + diagram(set_up, result);
   out +=
       "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the pole that "
-      "stands for it. Behind, the mean spectrum of the channels in decibels.</p>\n";
+      "stands for it. Behind, in decibels, the mean spectrum of the channels, or the sum of the "
+      "frequency responses' squares.</p>\n";
   if (!result.modes.empty())
     out += "<" + level + ">Damping, with 95 % intervals</" + level + ">\n" + damping(result);
   for (const std::string& text : procedure_in_words(result))

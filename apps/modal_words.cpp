@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/words.hpp"
+#include "base/number.hpp"
 
 namespace wheeltap::apps {
 
@@ -74,9 +75,25 @@ std::vector<std::string> doubts_in_words(const signals::MergedMode& mode) {
 
 std::vector<std::string> procedure_in_words(const signals::ModalResult& result) {
   std::vector<std::string> out;
+  if (result.method == signals::ModalMethod::polyreference) {
+    out.push_back("Frequency responses at " + base::grouped(result.lines) + " frequencies from " +
+                  significant(result.lowest_hz, 4) + " to " + significant(result.highest_hz, 4) +
+                  " Hz, fitted by matrix fractions of orders up to " +
+                  std::to_string(result.largest_order) + "; scatter from " +
+                  std::to_string(result.replicates) + " replicates of the fit's residuals.");
+    return out;
+  }
   if (result.decimated > 1)
     out.push_back("Records were filtered and decimated by " + std::to_string(result.decimated) +
                   ", to " + significant(result.sample_rate_hz, 5) + " Hz.");
+  if (result.method == signals::ModalMethod::realisation) {
+    out.push_back("Free decays over " + std::to_string(result.lags) + " samples (" +
+                  significant(result.lags / result.sample_rate_hz, 3) + " s); orders up to " +
+                  std::to_string(result.largest_order) + "; scatter from " +
+                  std::to_string(result.replicates) +
+                  " surrogates of what the modes leave of the decays.");
+    return out;
+  }
   out.push_back("Covariances over " + std::to_string(result.lags) + " lags (" +
                 significant(result.lags / result.sample_rate_hz, 3) + " s), their scatter from " +
                 std::to_string(result.blocks) + " blocks of " +
@@ -91,6 +108,15 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
     out.emplace_back(
         "No mode was found in the band: no pole is stable over orders. Look at the spectra, widen "
         "the band, or record for longer.");
+  if (const int n = result.remarks.narrow; n > 0)
+    out.push_back(
+        std::to_string(n) + (n == 1 ? " mode is" : " modes are") +
+        " narrower than the spacing of the frequencies: damping rests on the fit alone, and on "
+        "responses that no window has smeared.");
+  if (const int n = result.remarks.moved; n > 0)
+    out.push_back(std::to_string(n) + (n == 1 ? " mode was" : " modes were") +
+                  " moved by the last fit of all modes together away from where the diagram has " +
+                  (n == 1 ? "it" : "them") + ": another mode may be missing nearby.");
   if (result.remarks.short_blocks)
     out.push_back("The record is short: it gives " + std::to_string(result.blocks) + " blocks of " +
                   significant(result.block_seconds, 3) +
@@ -104,7 +130,10 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
   if (result.remarks.order_cut > 0)
     out.push_back("Orders stop at " + std::to_string(result.largest_order) + ", not at " +
                   std::to_string(result.remarks.order_cut) +
-                  ": the record is too short for the lags that more would need.");
+                  (result.method == signals::ModalMethod::polyreference
+                       ? ": there are too few frequencies for more."
+                       : ": the record is too short for the lags that more would need."));
+  if (result.method != signals::ModalMethod::subspace) return out;
   if (result.blocks <= 2 * static_cast<int>(result.modes.size()))
     out.push_back("There are " + std::to_string(result.blocks) + " blocks for " +
                   std::to_string(2 * result.modes.size()) +

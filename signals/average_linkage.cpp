@@ -15,7 +15,7 @@ std::vector<std::vector<int>> average_linkage(const std::vector<int>& groups,
                                               double threshold) {
   const std::size_t n = groups.size();
   std::vector<std::vector<int>> members(n);
-    std::vector<bool> alive(n, true);
+  std::vector<bool> alive(n, true);
   std::vector<std::vector<double>> d(n, std::vector<double>(n, kNever));
   for (std::size_t i = 0; i < n; ++i) {
     members[i] = {static_cast<int>(i)};

@@ -72,8 +72,7 @@ FrequencyResponses estimate_frequency_responses(const Eigen::Ref<const MatrixXd>
       transformed.row(c) = line.transpose();
     }
     for (Index k = 1; k < lines; ++k)
-      spectra[static_cast<std::size_t>(k - 1)] +=
-          transformed.col(k) * transformed.col(k).adjoint();
+      spectra[static_cast<std::size_t>(k - 1)] += transformed.col(k) * transformed.col(k).adjoint();
   }
   FrequencyResponses out{.frequencies_hz = VectorXd(lines - 1),
                          .coherence = MatrixXd(n_out, lines - 1),

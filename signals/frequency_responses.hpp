@@ -23,10 +23,10 @@ struct FrequencyResponses {
 };
 
 /// H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, each segment freed of its
-/// mean (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise on the inputs
-/// makes H₁ too small; resonances narrower than 1/segment duration are smeared. `inputs`, `outputs`:
-/// a channel a row. Throws std::invalid_argument for lengths that differ, fewer than 2 segments for
-/// each input, a rate <= 0, and inputs that are linearly dependent.
+/// mean (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise on the
+/// inputs makes H₁ too small; resonances narrower than 1/segment duration are smeared. `inputs`,
+/// `outputs`: a channel a row. Throws std::invalid_argument for lengths that differ, fewer than 2
+/// segments for each input, a rate <= 0, and inputs that are linearly dependent.
 [[nodiscard]] FrequencyResponses estimate_frequency_responses(
     const Eigen::Ref<const Eigen::MatrixXd>& inputs,
     const Eigen::Ref<const Eigen::MatrixXd>& outputs, double sample_rate_hz, int segment);

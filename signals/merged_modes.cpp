@@ -59,8 +59,7 @@ std::vector<int> reference_channels(const SetUpModes& set_up, const std::vector<
 
 VectorXcd part(const VectorXcd& shape, const std::vector<int>& channels) {
   VectorXcd out(static_cast<Index>(channels.size()));
-  for (std::size_t i = 0; i < channels.size(); ++i)
-    out[static_cast<Index>(i)] = shape[channels[i]];
+  for (std::size_t i = 0; i < channels.size(); ++i) out[static_cast<Index>(i)] = shape[channels[i]];
   return out;
 }
 
@@ -136,8 +135,7 @@ struct Pieces {
 double relative_variance(const Pieces::Piece& p) {
   const auto n = static_cast<Index>(p.sensors.size());
   double variance = 0.0;
-  for (const int c : p.references)
-    variance += p.covariance(c, c) + p.covariance(n + c, n + c);
+  for (const int c : p.references) variance += p.covariance(c, c) + p.covariance(n + c, n + c);
   return variance / part(p.shape, p.references).squaredNorm();
 }
 
@@ -169,7 +167,8 @@ void glue(MergedMode& out, Pieces& pieces) {
     for (Index j = 0; j < 2 * own; ++j) {
       const std::complex<double> held = p.shape[j % own];
       const double h = 1e-5;  // of a largest entry of 1: differences to about 1e-10
-      const std::complex<double> step = j < own ? std::complex<double>(h, 0.0) : std::complex(0.0, h);
+      const std::complex<double> step =
+          j < own ? std::complex<double>(h, 0.0) : std::complex(0.0, h);
       p.shape[j % own] = held + step;
       const VectorXcd up = pieces.scaled();
       p.shape[j % own] = held - step;
@@ -269,7 +268,8 @@ MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors) {
                              .covariance = one.shape_covariance});
       ++i;
     }
-    const Mean frequency = weighted_mean(f, f_variance), damping = weighted_mean(zeta, zeta_variance);
+    const Mean frequency = weighted_mean(f, f_variance),
+               damping = weighted_mean(zeta, zeta_variance);
     mode.frequency_hz = frequency.value;
     mode.frequency_sd = frequency.sd;
     mode.between_hz = std::sqrt(frequency.between);
@@ -290,10 +290,10 @@ MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors) {
     between[count + row] = damping.between * damping.weights.squaredNorm();
     for (std::size_t a = 0; a < pieces.list.size(); ++a)
       for (std::size_t b = 0; b < a; ++b)
-        mode.reference_mac = std::min(
-            mode.reference_mac,
-            modal_assurance(part(pieces.list[a].shape, pieces.list[a].references),
-                            part(pieces.list[b].shape, pieces.list[b].references)));
+        mode.reference_mac =
+            std::min(mode.reference_mac,
+                     modal_assurance(part(pieces.list[a].shape, pieces.list[a].references),
+                                     part(pieces.list[b].shape, pieces.list[b].references)));
     glue(mode, pieces);
     mode.collinearity = collinearity_of_known(mode.shape);
     if (2 * mode.found() < static_cast<int>(set_ups.size()))

@@ -4,9 +4,9 @@
 // Magalhães, De Roeck & Cunha 2009, IMAC 27; with uncertainty, Döhler, Lam & Mevel 2013, Mech.
 // Syst. Signal Process. 36:562): records need neither the same start nor the same excitation.
 //
-// Frequencies and damping: weighted means x̄ = Σ w_s x_s / Σ w_s, w_s = 1/(v_s + τ²), τ² the variance
-// between set-ups beyond their own, v_s (DerSimonian & Laird 1986). Shapes: set-up s holds a factor
-// a_s that it cannot know. With r_s its part at the references and r their mean,
+// Frequencies and damping: weighted means x̄ = Σ w_s x_s / Σ w_s, w_s = 1/(v_s + τ²), τ² the
+// variance between set-ups beyond their own, v_s (DerSimonian & Laird 1986). Shapes: set-up s holds
+// a factor a_s that it cannot know. With r_s its part at the references and r their mean,
 //   a_s = r_sᴴ r / r_sᴴ r_s,   φ_k = Σ_s u_s a_s φ_{s,k} / Σ_s u_s  over the set-ups that have k,
 // where u_s is the inverse variance of r_s. Covariances follow from those of the set-ups, which are
 // independent, by the derivatives (of the shapes, by central differences).
@@ -36,10 +36,10 @@ enum class MergeDoubt {
 struct MergedMode {
   double frequency_hz = 0.0, frequency_sd = 0.0;
   double damping = 0.0, damping_sd = 0.0;
-  double between_hz = 0.0;      ///< τ of the frequency
-  double consistency_p = 1.0;   ///< of χ² = Σ (f_s - f̄)² / v_s; 1 in one set-up alone
-  double reference_mac = 1.0;   ///< the least between two set-ups, at the references
-  double collinearity = 0.0;    ///< modal phase collinearity of the whole shape
+  double between_hz = 0.0;       ///< τ of the frequency
+  double consistency_p = 1.0;    ///< of χ² = Σ (f_s - f̄)² / v_s; 1 in one set-up alone
+  double reference_mac = 1.0;    ///< the least between two set-ups, at the references
+  double collinearity = 0.0;     ///< modal phase collinearity of the whole shape
   std::vector<int> places = {};  ///< by set-up: among its modes; -1: not found
   Eigen::VectorXcd shape = {};   ///< by sensor, largest entry 1; NaN where no set-up tells
   Eigen::MatrixXd shape_covariance = {};  ///< of real parts, then imaginary parts; 0 where NaN

@@ -40,8 +40,9 @@ struct Mode {
 
 /// How modes were found.
 enum class ModalMethod {
-  subspace,      ///< from output covariances (stochastic_subspace.hpp)
-  polyreference  ///< from frequency responses (polyreference.hpp)
+  subspace,       ///< from output covariances (stochastic_subspace.hpp)
+  polyreference,  ///< from frequency responses (polyreference.hpp)
+  realisation     ///< from free decays (free_decay.hpp)
 };
 
 /// What is odd about the whole record.
@@ -51,7 +52,7 @@ struct ModalRemarks {
   bool band_cut = false;      ///< band beyond what the sampling holds
   int order_cut = 0;          ///< largest order that was asked for, where records allow less
   int narrow = 0;             ///< modes of a half-power width below the spacing of lines
-  int lost = 0;  ///< modes that a fifth of the bootstrap's replicates did not find again
+  int moved = 0;              ///< modes that their refinement took elsewhere
 };
 
 struct ModalResult {
@@ -65,7 +66,7 @@ struct ModalResult {
   int decimated = 1, lags = 0, blocks = 0, largest_order = 0;
   double block_seconds = 0.0;
   long lines = 0;      ///< of frequency responses
-  int replicates = 0;  ///< of the bootstrap
+  int replicates = 0;  ///< of the bootstrap, or surrogates of the noise
   std::vector<int> references = {};
   ModalRemarks remarks = {};
 };

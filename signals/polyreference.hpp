@@ -7,23 +7,23 @@
 // output (Guillaume et al. 2003, IMAC 21; Peeters, Van der Auweraer, Guillaume & Leuridan 2004,
 // Shock Vib. 11:395). A_n = I puts the poles that only fit noise inside the unit circle of Ω, where
 // they are no stable system's, so that damping tells them. Poles: det A(Ω_r) = 0,
-// λ_r = iω₁ - ln Ω_r / T. Shapes by least squares with these poles (LSFD):
+// λ_r = iω₁ - ln Ω_r / T, with l_rᵀ A(Ω_r) = 0; shapes by fit_shapes.
 //
-//   H(ω) = Σ_r (ψ_r l_rᵀ / (iω - λ_r) + ψ_r* l_rᴴ / (iω - λ_r*)) + L/ω² + U + V ω²,
+// Linear least squares are biased by noise: the modes that the diagram holds are then refined
+// together (modal_model.hpp).
 //
-// l_r the null vector of A(Ω_r); L, U and V are what modes outside the band leave in it, of
-// displacements over forces (L and U) as of accelerations (U and V), whose factors -ω² go into the
-// residues. Linear in ψ_r.
-//
-// Uncertainty: with the residuals e(ω) of that fit, the whole is repeated for H_fit + e · w, w
-// complex normal of unit variance and one for all entries of a line (wild bootstrap; Wu 1986,
-// Ann. Stat. 14:1261), so that errors that outputs share stay shared.
+// Uncertainty: with the residuals e(ω) of the refined fit, it is repeated for
+// H_fit + w e / √(1 - leverage), w complex normal of unit variance and one for all entries of a
+// line (wild bootstrap; Wu 1986, Ann. Stat. 14:1261, with the residuals of MacKinnon & White 1985),
+// so that errors that outputs share stay shared, and a resonance that few lines see is not fitted
+// too well to be believed.
 #pragma once
 
 #include <cstdint>
 
 #include "signals/frequency_responses.hpp"
 #include "signals/modal_identification.hpp"
+#include "signals/modal_model.hpp"
 
 namespace wheeltap::signals {
 
@@ -37,14 +37,12 @@ struct PolyreferenceOptions {
 
 /// Of one polynomial order.
 struct PolyreferenceFit {
-  std::vector<Pole> poles = {};             ///< order 2n, by frequency; no standard deviations
-  Eigen::MatrixXcd participation = {};      ///< l_r by column: inputs × poles, largest entry 1
-  std::vector<Eigen::MatrixXcd> fitted = {};  ///< at every line, outputs × inputs
-  double parameters = 0.0;                  ///< of LSFD over its equations, for each output
+  std::vector<Pole> poles = {};  ///< order 2n, by frequency; no standard deviations
+  ModalModel model = {};         ///< in their order
 };
 
-/// Stable poles (0 < damping, or just below) within the lines' band. Throws std::invalid_argument
-/// for n < 1, fewer than 2n + 2 lines, and a line at 0 Hz.
+/// Stable poles (damping above 0, or just below) within the lines' band. Throws
+/// std::invalid_argument for n < 1, fewer than 2n + 2 lines, and a line at 0 Hz.
 [[nodiscard]] PolyreferenceFit polyreference(const FrequencyResponses& responses, int n);
 
 /// As identify_modes of output records: a stabilisation diagram of orders 2, 4, …, the modes it

@@ -169,6 +169,96 @@ TEST_F(ModalCommand, SetUpsThatCannotBeMergedAreRefused) {
   refused(c, "/record");
 }
 
+// A free beam, one response and two places of the hammer: its lines are farther apart than its
+// resonances are wide.
+TEST_F(ModalCommand, FrequencyResponsesOfAUniversalFile) {
+  json c = {{"kind", "modal"}, {"method", "plscf"}, {"band", {20.0, 1000.0}}};
+  c["record"]["file"] = WHEELTAP_DATA "/uff/measurement_points1-2.uff";
+  const Outcome ran = run(c);
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("by reciprocity"));
+  EXPECT_THAT(ran.out, HasSubstr("narrower than the spacing"));
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  for (const double known : {51.52, 142.18, 278.67, 460.40, 687.17, 958.54}) {
+    double off = 1.0;
+    for (const double f : modes["frequencies_hz"]) off = std::min(off, std::abs(f / known - 1.0));
+    EXPECT_LT(off, 1e-3) << known << "\n" << ran.out;
+  }
+  EXPECT_EQ(modes["sensors"].size(), 2U);
+  EXPECT_THAT(read_all(where / "out/report.html"), Not(HasSubstr(">nan")));
+}
+
+TEST_F(ModalCommand, FrequencyResponsesThatCannotBeAreRefused) {
+  const auto refused = [&](const json& c, const std::string& said, int code = 65) {
+    const Outcome ran = run(c);
+    EXPECT_EQ(ran.exit_code, code) << said;
+    EXPECT_THAT(ran.err, HasSubstr(said));
+  };
+  json c = a_case();
+  c["record"].erase("channels");
+  refused(c, "/record/channels: is missing");
+  c["method"] = "plscf";
+  c["record"].erase("sample_rate");
+  refused(c, "record.csv");
+  c["record"]["file"] = "nowhere.uff";
+  refused(c, "nowhere.uff", 66);
+  c["record"]["file"] = WHEELTAP_DATA "/uff/sample_dataset58_psd.uff";
+  refused(c, "holds no frequency response");
+  c = a_case();
+  c["method"] = "plscf";
+  refused(c, "holds no channel with the role \"force\"");
+  c["record"]["channels"][0]["role"] = "force";
+  c["lags"] = 20;
+  refused(c, "/lags");
+  c = a_case();
+  c["segment"] = 512;
+  refused(c, "/segment");
+}
+
+// Oscillator b driven by what a measures is no structure, but has a response.
+TEST_F(ModalCommand, ForcesAndResponsesOfARecord) {
+  json c = a_case();
+  c["method"] = "plscf";
+  c["record"]["channels"][0]["role"] = "force";
+  const Outcome ran = run(c);
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const json summary = json::parse(read_all(where / "out/summary.json"));
+  EXPECT_EQ(summary["procedure"]["method"], "plscf");
+  EXPECT_THAT(run(c, "--dry-run").out, HasSubstr("1 responses of 1 inputs"));
+}
+
+TEST_F(ModalCommand, FreeDecays) {
+  std::string text = "y\n";
+  for (int k = 0; k < 1200; ++k) {
+    const double t = 0.05 * (k % 600);
+    char line[40];
+    std::snprintf(line, sizeof line, "%.9g\n",
+                  std::exp(-0.1 * t) * std::sin(9.0 * t) +
+                      0.5 * std::exp(-0.2 * t) * std::cos(20.0 * t) +
+                      1e-3 * std::sin(1e4 * std::sin(99.0 * k)));
+    text += line;
+  }
+  where.write("decay.csv", text);
+  json c = {{"kind", "modal"}, {"method", "era"}};
+  c["record"] = {{"file", "decay.csv"},
+                 {"sample_rate", 20},
+                 {"channels", {{{"column", "y"}, {"role", "response"}}}},
+                 {"decays", {{0, 400}, {600, 1000}}}};
+  const Outcome ran = run(c);
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
+  EXPECT_NEAR(modes["frequencies_hz"][0].get<double>(), std::hypot(9.0, 0.1) / 6.283185307, 1e-3);
+  EXPECT_NEAR(modes["damping"][1].get<double>(), 0.01, 1e-3);
+  c["record"]["decays"][1][1] = 2000;
+  EXPECT_THAT(run(c).err, HasSubstr("/record/decays/1"));
+  c["record"].erase("decays");
+  EXPECT_THAT(run(c).err, HasSubstr("/record/decays"));
+  c = a_case();
+  c["record"]["decays"] = {{0, 400}};
+  EXPECT_THAT(run(c).err, HasSubstr("/record/decays"));
+}
+
 TEST_F(ModalCommand, DryRunWritesNothing) {
   const Outcome ran =
       wheeltap(where, "modal " + where.write_json("case.json", a_case()).string() + " --dry-run");

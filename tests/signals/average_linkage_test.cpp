@@ -10,8 +10,7 @@ namespace {
 
 using Clusters = std::vector<std::vector<int>>;
 
-Clusters on_a_line(const std::vector<double>& x, const std::vector<int>& groups,
-                   double threshold) {
+Clusters on_a_line(const std::vector<double>& x, const std::vector<int>& groups, double threshold) {
   return average_linkage(
       groups,
       [&](int i, int j) {

@@ -33,8 +33,9 @@ SetUpModes seen(const std::vector<int>& sensors, const Eigen::VectorXd& frequenc
     out.covariance(count + m, count + m) = damping_sd * damping_sd;
     mode.pole.shape.resize(own);
     for (Eigen::Index c = 0; c < own; ++c)
-      mode.pole.shape[c] = {shapes(sensors[static_cast<std::size_t>(c)], m) + error * random.normal(),
-                            error * random.normal()};
+      mode.pole.shape[c] = {
+          shapes(sensors[static_cast<std::size_t>(c)], m) + error * random.normal(),
+          error * random.normal()};
     mode.shape_covariance = error * error * Eigen::MatrixXd::Identity(2 * own, 2 * own);
     const std::complex<double> factor = std::polar(0.3 + random.uniform(), 6.28 * random.uniform());
     mode.pole.shape *= factor;
@@ -150,9 +151,9 @@ TEST(MergedModes, CloseModesAreNotMixed) {
   const MergedModes merged = merge_modes(whole.all(1e-3, 11), 6);
   ASSERT_EQ(merged.modes.size(), 3U);
   for (std::size_t m = 0; m < 2; ++m)
-    EXPECT_GT(modal_assurance(merged.modes[m].shape,
-                              whole.shapes.col(static_cast<Eigen::Index>(m))
-                                  .cast<std::complex<double>>()),
+    EXPECT_GT(modal_assurance(
+                  merged.modes[m].shape,
+                  whole.shapes.col(static_cast<Eigen::Index>(m)).cast<std::complex<double>>()),
               0.999);
 }
 
@@ -169,8 +170,7 @@ TEST(MergedModes, FromRecordsOfAChain) {
     for (std::size_t c = 0; c < sensors.size(); ++c)
       records.row(static_cast<Eigen::Index>(c)) = all.row(sensors[c]);
     ModalResult found = identify_modes(records, {.sample_rate_hz = 20.0, .lowest_hz = 0.3});
-    set_ups.push_back(
-        {.modes = found.modes, .covariance = found.covariance, .sensors = sensors});
+    set_ups.push_back({.modes = found.modes, .covariance = found.covariance, .sensors = sensors});
   }
   const MergedModes merged = merge_modes(set_ups, 6);
   ASSERT_GE(merged.modes.size(), 5U);

@@ -42,6 +42,14 @@ struct VibratingStructure {
   /// stationary state but for exp(-ζω T) of a lead-in.
   [[nodiscard]] Eigen::MatrixXd accelerations(long samples, double noise,
                                               std::uint64_t seed) const {
+    return driven(samples, noise, seed).accelerations;
+  }
+
+  /// With the forces.
+  struct Driven {
+    Eigen::MatrixXd forces, accelerations;
+  };
+  [[nodiscard]] Driven driven(long samples, double noise, std::uint64_t seed) const {
     const auto n = mass.rows();
     // exp([A B; 0 0] Δt) = [A_d B_d; 0 I] (Van Loan 1978).
     Eigen::MatrixXd block = Eigen::MatrixXd::Zero(3 * n, 3 * n);
@@ -56,17 +64,20 @@ struct VibratingStructure {
     const auto lead = static_cast<long>(12.0 / (damping_ratio * slowest * step));
     base::Random random(seed, 0, 0, base::Purpose::test);
     Eigen::VectorXd state = Eigen::VectorXd::Zero(3 * n);
-    Eigen::MatrixXd y(n, samples);
+    Eigen::MatrixXd y(n, samples), forces(n, samples);
     for (long k = -lead; k < samples; ++k) {
       for (Eigen::Index i = 0; i < n; ++i) state[2 * n + i] = random.normal();
-      if (k >= 0) y.col(k) = rows * state;
+      if (k >= 0) {
+        y.col(k) = rows * state;
+        forces.col(k) = state.tail(n);
+      }
       state.head(2 * n) = (discrete * state).eval();
     }
     for (Eigen::Index i = 0; i < n; ++i) {
       const double sd = std::sqrt(y.row(i).squaredNorm() / static_cast<double>(samples));
       for (long k = 0; k < samples; ++k) y(i, k) += noise * sd * random.normal();
     }
-    return y;
+    return {.forces = forces, .accelerations = y};
   }
 };
 
