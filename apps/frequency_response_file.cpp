@@ -32,8 +32,7 @@ Sensor sensor_of(const io::UniversalDof& dof) {
 
 std::size_t place_of(const io::UniversalDof& dof, std::vector<io::UniversalDof>& list) {
   const auto same = [&](const io::UniversalDof& other) {
-    return other.entity == dof.entity && other.node == dof.node &&
-           other.direction == dof.direction;
+    return other.entity == dof.entity && other.node == dof.node && other.direction == dof.direction;
   };
   const auto found = std::ranges::find_if(list, same);
   const auto place = static_cast<std::size_t>(found - list.begin());
@@ -54,8 +53,7 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
   for (const io::UniversalFunction& f : file.functions) {
     if (f.type != kFrequencyResponse || !f.is_complex) continue;
     if (first == nullptr) first = &f;
-    const auto which =
-        std::pair{place_of(f.response, outputs), place_of(f.reference, inputs)};
+    const auto which = std::pair{place_of(f.response, outputs), place_of(f.reference, inputs)};
     if (f.y.size() != first->y.size() || f.even != first->even || f.first != first->first ||
         f.step != first->step || f.x != first->x)
       refuse("the frequency responses of " + io::dof_in_words(f.response) + " and " +
@@ -75,8 +73,9 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
   const auto lines = static_cast<Index>(first->y.size());
   out.responses.frequencies_hz.resize(lines);
   for (Index k = 0; k < lines; ++k)
-    out.responses.frequencies_hz[k] = first->even ? first->first + first->step * static_cast<double>(k)
-                                                  : first->x[static_cast<std::size_t>(k)];
+    out.responses.frequencies_hz[k] = first->even
+                                          ? first->first + first->step * static_cast<double>(k)
+                                          : first->x[static_cast<std::size_t>(k)];
   const auto rows = static_cast<Index>(outputs.size()), columns = static_cast<Index>(inputs.size());
   out.responses.h.assign(static_cast<std::size_t>(lines), Eigen::MatrixXcd(rows, columns));
   for (const auto& [which, f] : found)

@@ -104,15 +104,15 @@ MatrixXd slope(const DecayModel& model, std::size_t mode, bool imaginary, double
   MatrixXd pair(model.basis.rows(), 2);
   for (Index k = 0; k < pair.rows(); ++k) {
     const Complex x(model.basis(k, column), -model.basis(k, column + 1));
-    const Complex moved =
-        step * static_cast<double>(k) * (imaginary ? Complex(0.0, 1.0) * x : x);
+    const Complex moved = step * static_cast<double>(k) * (imaginary ? Complex(0.0, 1.0) * x : x);
     pair(k, 0) = moved.real();
     pair(k, 1) = -moved.imag();
   }
   return pair * model.factors.middleRows(column, 2);
 }
 
-/// Columns of ∂y/∂λ (real, imaginary part of each mode), each all of y; `across` what no c explains.
+/// Columns of ∂y/∂λ (real, imaginary part of each mode), each all of y; `across` what no c
+/// explains.
 MatrixXd slopes(const DecayModel& model, double step, bool across) {
   MatrixXd out(model.residual.size(), 2 * static_cast<Index>(model.poles.size()));
   for (std::size_t m = 0; m < model.poles.size(); ++m)
@@ -130,9 +130,8 @@ DecayModel refine(const MatrixXd& y, const std::vector<Complex>& poles, double s
   DecayModel out = fit(y, poles, step);
   if (poles.empty()) return out;
   for (int iteration = 0; iteration < 30; ++iteration) {
-    const VectorXd move = slopes(out, step, true)
-                              .colPivHouseholderQr()
-                              .solve(VectorXd(out.residual.reshaped()));
+    const VectorXd move =
+        slopes(out, step, true).colPivHouseholderQr().solve(VectorXd(out.residual.reshaped()));
     if (!move.allFinite()) break;
     double share = 1.0;
     bool down = false;
@@ -161,8 +160,8 @@ DecayModel refine(const MatrixXd& y, const std::vector<Complex>& poles, double s
 /// samples (its frequency was looked for). The least are left out one by one.
 void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
   const auto numbers = static_cast<double>(2 * y.cols());
-  const double least = numbers + 8.0 * std::sqrt(2.0 * numbers) +
-                       4.0 * std::log(static_cast<double>(y.rows()));
+  const double least =
+      numbers + 8.0 * std::sqrt(2.0 * numbers) + 4.0 * std::log(static_cast<double>(y.rows()));
   while (!diagram.modes.empty()) {
     std::vector<Complex> poles;
     for (const ModeCluster& c : diagram.modes)
@@ -186,11 +185,12 @@ void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
 }
 
 /// Noise of a residual's kind: normal, with its spectra and cross-spectra as the mean over
-/// neighbouring lines, for the fit has taken out what was at the modes' own.
+/// neighbouring lines but the modes' own, of which the fit has taken out what it could.
 class Surrogates {
  public:
-  /// `noise`: a channel a row.
-  explicit Surrogates(const MatrixXd& noise) : lines_(noise.rows(), noise.cols() / 2 + 1) {
+  /// `noise`: a channel a row. `fitted`: the modes' frequencies, in lines.
+  Surrogates(const MatrixXd& noise, const std::vector<double>& fitted)
+      : lines_(noise.rows(), noise.cols() / 2 + 1) {
     samples_ = noise.cols();
     Eigen::FFT<double> fft;
     for (Index c = 0; c < noise.rows(); ++c) {
@@ -200,6 +200,9 @@ class Surrogates {
       lines_.row(c) = out.head(lines_.cols()).transpose();
     }
     reach_ = std::max<Index>(kReach, lines_.cols() / 20);
+    for (Index j = 0; j < lines_.cols(); ++j)
+      left_.push_back(std::ranges::none_of(
+          fitted, [&](double f) { return std::abs(static_cast<double>(j) - f) < kFitted; }));
   }
 
   [[nodiscard]] MatrixXd draw(base::Random& random) const {
@@ -207,8 +210,12 @@ class Surrogates {
     const Index last = lines_.cols() - 1;
     for (Index k = 1; k <= (samples_ - 1) / 2; ++k) {
       const Index from = std::max<Index>(1, k - reach_), to = std::min(last, k + reach_);
-      const double share = 1.0 / std::sqrt(2.0 * static_cast<double>(to - from + 1));
+      const auto begin = left_.begin();
+      const auto used = std::count(begin + from, begin + to + 1, true);
+      const bool all = 2 * used < to - from + 1;  // modes wherever one looks
+      const double share = 1.0 / std::sqrt(2.0 * static_cast<double>(all ? to - from + 1 : used));
       for (Index j = from; j <= to; ++j) {
+        if (!all && !left_[at(j)]) continue;
         const double re = random.normal(), im = random.normal();
         spectrum.col(k) += share * Complex(re, im) * lines_.col(j);
       }
@@ -227,6 +234,8 @@ class Surrogates {
 
  private:
   static constexpr Index kReach = 10;
+  static constexpr double kFitted = 1.5;  // lines
+  std::vector<bool> left_;
   MatrixXcd lines_;
   Index samples_ = 0, reach_ = 0;
 };
@@ -266,16 +275,14 @@ void describe(ModalResult& out, const DecayModel& model, Index channels, double 
     shapes[m].resize(2 * channels, out.replicates);
   }
   const auto rows = static_cast<double>(model.basis.rows());
-  const double left = 1.0 / std::sqrt(std::max(
-                                0.1, 1.0 - (static_cast<double>(model.basis.cols()) +
-                                            2.0 * static_cast<double>(count) /
-                                                static_cast<double>(model.residual.cols())) /
-                                               rows));
   const MatrixXd direct = slopes(model, step, false);
   const Eigen::ColPivHouseholderQR<MatrixXd> solver(slopes(model, step, true));
+  std::vector<double> lines;
+  for (const Complex& lambda : model.poles)
+    lines.push_back(lambda.imag() / (2.0 * std::numbers::pi) * step * rows);
   std::vector<Surrogates> of_decays;
   for (Index e = 0; e < model.residual.cols(); e += channels)
-    of_decays.emplace_back(left * model.residual.middleCols(e, channels).transpose());
+    of_decays.emplace_back(model.residual.middleCols(e, channels).transpose(), lines);
   for (int b = 0; b < out.replicates; ++b) {
     base::Random random(seed, 0, static_cast<std::uint64_t>(b), base::Purpose::simulation);
     MatrixXd noise(model.residual.rows(), model.residual.cols());
@@ -285,8 +292,7 @@ void describe(ModalResult& out, const DecayModel& model, Index channels, double 
     const VectorXd by = solver.solve(VectorXd(noise.reshaped()));
     const VectorXd explained = direct * by;
     const MatrixXd factors =
-        model.factors +
-        model.qr.solve(noise - explained.reshaped(noise.rows(), noise.cols()));
+        model.factors + model.qr.solve(noise - explained.reshaped(noise.rows(), noise.cols()));
     for (Index m = 0; m < count; ++m) {
       const Complex lambda = model.poles[at(m)];
       const Complex d(by[2 * m], by[2 * m + 1]);
@@ -342,17 +348,16 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   const Index room = kMostRows / channels + kMostRows / events;
   const Index lags = std::min<Index>(length, options.lags > 0 ? options.lags : room);
   if (lags < 8)
-    refuse("samples", static_cast<double>(length),
-           "must be at least 8 once decimated to the band");
+    refuse("samples", static_cast<double>(length), "must be at least 8 once decimated to the band");
   Index columns = std::clamp<Index>(lags * channels / (channels + events), 1, lags - 1);
   const Index largest = std::min((lags - columns) * channels, columns * events);
-  const int asked = options.largest_order > 0
-                        ? options.largest_order / 2 * 2
-                        : std::clamp(static_cast<int>(10 * channels), kSmallestOrders,
-                                     kLargestOrders);
+  const int asked = options.largest_order > 0 ? options.largest_order / 2 * 2
+                                              : std::clamp(static_cast<int>(10 * channels),
+                                                           kSmallestOrders, kLargestOrders);
   out.largest_order =
       std::min(asked, static_cast<int>(static_cast<double>(largest) / kRows) / 2 * 2);
-  if (out.largest_order < 2) refuse("samples", static_cast<double>(length), "too few for any order");
+  if (out.largest_order < 2)
+    refuse("samples", static_cast<double>(length), "too few for any order");
   out.remarks.order_cut = out.largest_order < asked ? asked : 0;
   out.lags = static_cast<int>(lags);
   out.replicates = options.blocks > 0 ? options.blocks : kSurrogates;
@@ -370,12 +375,11 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
                                               .largest_order = out.largest_order,
                                               .threads = options.threads});
   out.singular_values = subspace.singular_values();
-  out.diagram = stabilise(subspace, {.lowest_hz = out.lowest_hz,
-                                     .highest_hz = out.highest_hz,
-                                     .threads = options.threads});
+  out.diagram = stabilise(
+      subspace,
+      {.lowest_hz = out.lowest_hz, .highest_hz = out.highest_hz, .threads = options.threads});
   MatrixXd all(length, channels * events);
-  for (Index e = 0; e < events; ++e)
-    all.middleCols(e * channels, channels) = y[at(e)].transpose();
+  for (Index e = 0; e < events; ++e) all.middleCols(e * channels, channels) = y[at(e)].transpose();
   drop_noise(out.diagram, all, step);
   std::vector<Complex> poles;
   for (const ModeCluster& cluster : out.diagram.modes) {
@@ -390,8 +394,8 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   const DecayModel model = refine(all, poles, step);
   describe(out, model, channels, step, seed);
   for (std::size_t m = 0; m < out.modes.size(); ++m)
-    if (pole_distance(out.modes[m].pole,
-                      out.diagram.poles[at(out.diagram.modes[m].chosen)]) > kMoved)
+    if (pole_distance(out.modes[m].pole, out.diagram.poles[at(out.diagram.modes[m].chosen)]) >
+        kMoved)
       ++out.remarks.moved;
   doubt_modes(out);
   return out;

@@ -154,8 +154,7 @@ MatrixXd orthonormal(const MatrixXd& columns) {
 /// After jacobian(): its columns are across the linear ones already.
 VectorXd leverage(const FrequencyResponses& f, const Linear& linear, const MatrixXd& by_free) {
   const Index inputs = f.inputs(), outputs = f.outputs(), rows = linear.matrix.rows();
-  const MatrixXd shared =
-      orthonormal(linear.matrix * linear.sizes.cwiseInverse().asDiagonal());
+  const MatrixXd shared = orthonormal(linear.matrix * linear.sizes.cwiseInverse().asDiagonal());
   const VectorXd sizes = by_free.colwise().norm().transpose().cwiseMax(1e-300);
   const MatrixXd own = orthonormal(by_free * sizes.cwiseInverse().asDiagonal());
   VectorXd out(f.lines());
@@ -228,7 +227,8 @@ ModalModel refine(const FrequencyResponses& f, const ModalModel& start) {
       bool stable = true;
       for (std::size_t p = 0; p < free.size(); ++p) {
         const Free& one = free[p];
-        const Complex by = (one.imaginary ? kI : Complex(1.0)) * share * move[static_cast<Index>(p)];
+        const Complex by =
+            (one.imaginary ? kI : Complex(1.0)) * share * move[static_cast<Index>(p)];
         if (one.input < 0) {
           next[at(one.mode)] += std::abs(lambda[at(one.mode)]) * by;
         } else {

@@ -2,12 +2,12 @@
 //
 //   H(ω) = Σ_r (ψ_r l_rᵀ / (iω - λ_r) + ψ_r* l_rᴴ / (iω - λ_r*)) + L/ω² + U + V ω²,
 //
-// ψ_r the shape at the outputs, l_r the participation of the inputs, largest entry 1; L, U and V are
-// what modes outside the band leave in it, of displacements over forces (L and U) as of
+// ψ_r the shape at the outputs, l_r the participation of the inputs, largest entry 1; L, U and V
+// are what modes outside the band leave in it, of displacements over forces (L and U) as of
 // accelerations (U and V), whose factors -ω² go into the residues. With λ and l given, the rest is
-// linear least squares ("LSFD"; Heylen, Lammens & Sas 1997, section A.3). With them free, it is least
-// squares over all lines, the maximum of the likelihood of noise that is equal at all of them:
-// variable projection (Golub & Pereyra 1973) with Kaufman's (1975) Jacobian.
+// linear least squares ("LSFD"; Heylen, Lammens & Sas 1997, section A.3). With them free, it is
+// least squares over all lines, the maximum of the likelihood of noise that is equal at all of
+// them: variable projection (Golub & Pereyra 1973) with Kaufman's (1975) Jacobian.
 #pragma once
 
 #include <complex>

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <complex>
 #include <cstdio>
 #include <limits>
@@ -128,7 +128,8 @@ TEST(Polyreference, ItsCovarianceIsThatOfItsErrors) {
   double f = 0.0, zeta = 0.0;
   int modes = 0;
   for (int run = 0; run < kRuns; ++run) {
-    const ModalResult found = identify_modes(noisy(exact, 0.05, static_cast<std::uint64_t>(10 + run)), {.largest_order = 40});
+    const ModalResult found = identify_modes(
+        noisy(exact, 0.05, static_cast<std::uint64_t>(10 + run)), {.largest_order = 40});
     ASSERT_EQ(found.modes.size(), 3U) << run;
     for (Index m = 0; m < 3; ++m) {
       const Pole& p = found.modes[static_cast<std::size_t>(m)].pole;
