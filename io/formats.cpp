@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "io/array_file.hpp"
 #include "io/bytes.hpp"
 #include "io/delimited_text.hpp"
+#include "io/labview_file.hpp"
 #include "io/matlab_file.hpp"
 #include "io/universal_file.hpp"
 
@@ -33,6 +35,14 @@ std::span<const Format> formats() {
        .endings = {".uff", ".unv", ".uf"},
        .magic = {"    -1"},
        .parse = parse_universal_columns},
+      {.name = "LabVIEW",
+       .endings = {".lvm"},
+       .magic = {"LabVIEW Measurement"},
+       .parse = parse_labview},
+      {.name = "NetCDF or HDF5",
+       .endings = {".nc", ".h5", ".hdf5", ".hdf", ".cdf"},
+       .magic = {"\x89HDF\r\n\x1a\n", "CDF\x01", "CDF\x02", "CDF\x05"},
+       .read = read_array_file},
   };
   return list;
 }

@@ -1,5 +1,5 @@
-// What identifying modes with their covariance costs: modal_bench [THREADS]. A chain of masses under
-// white forces, a sensor each, orders to 80.
+// What identifying modes with their covariance costs: modal_bench [THREADS]. A chain of masses
+// under white forces, a sensor each, orders to 80.
 #include <sys/resource.h>
 
 #include <chrono>

@@ -1,0 +1,107 @@
+#include "io/array_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/emulator/temporary_directory.hpp"
+#include "io/formats.hpp"
+#include "io/netcdf_library.hpp"
+
+namespace wheeltap::io {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class ArrayFile : public testing::Test {
+ protected:
+  /// A record of 4 samples in any of NetCDF's formats.
+  void write(const std::filesystem::path& path, int format) const {
+    int file = 0, rows = 0, three = 0, id = 0, group = 0;
+    ASSERT_EQ(nc_create(path.c_str(), format, &file), NC_NOERR);
+    nc_def_dim(file, "sample", 4, &rows);
+    nc_def_dim(file, "channel", 3, &three);
+    const int flat[] = {rows, three}, across[] = {three, rows};
+    const auto put = [&](int where, const char* name, nc_type type, int rank, const int* dimensions,
+                         const std::vector<double>& x) {
+      nc_redef(file);
+      ASSERT_EQ(nc_def_var(where, name, type, rank, dimensions, &id), NC_NOERR);
+      if (std::string(name) == "time") nc_put_att_text(where, id, "units", 1, "s");
+      if (std::string(name) == "raw") {
+        const double scale = 0.5, offset = 1.0;
+        const short hole = -999;
+        nc_put_att_double(where, id, "scale_factor", NC_DOUBLE, 1, &scale);
+        nc_put_att_double(where, id, "add_offset", NC_DOUBLE, 1, &offset);
+        nc_put_att_short(where, id, "missing_value", NC_SHORT, 1, &hole);
+      }
+      nc_enddef(file);
+      ASSERT_EQ(nc_put_var_double(where, id, x.data()), NC_NOERR);
+    };
+    put(file, "time", NC_DOUBLE, 1, &rows, {0.0, 0.1, 0.2, 0.3});
+    put(file, "a", NC_FLOAT, 2, flat, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
+    put(file, "b", NC_DOUBLE, 2, across, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
+    put(file, "raw", NC_SHORT, 1, &rows, {2, 4, -999, 8});
+    put(file, "rate", NC_DOUBLE, 0, nullptr, {10.0});
+    put(file, "calibration", NC_DOUBLE, 1, &three, {1.0, 2.0, 3.0});
+    if ((format & NC_NETCDF4) != 0) {
+      ASSERT_EQ(nc_def_grp(file, "daq", &group), NC_NOERR);
+      put(group, "extra", NC_DOUBLE, 1, &rows, {9.0, 8.0, 7.0, 6.0});
+    }
+    nc_close(file);
+  }
+  test::TemporaryDirectory directory;
+};
+
+TEST_F(ArrayFile, VectorsAndMatricesAreColumns) {
+  for (const int format : {0, NC_64BIT_OFFSET, NC_NETCDF4}) {
+    const auto path = directory / ("record" + std::to_string(format) + ".nc");
+    write(path, NC_CLOBBER | format);
+    const Columns c = read_columns(path);
+    EXPECT_EQ(c.columns[0].header, "time [s]");
+    EXPECT_EQ(c.rows(), 4);
+    const auto values = [&](const char* name) {
+      return c.columns[static_cast<std::size_t>(c.find(name))].values;
+    };
+    EXPECT_THAT(values("a(:,2)"), ElementsAre(2.0, 5.0, 8.0, 11.0));
+    EXPECT_THAT(values("b(2,:)"), ElementsAre(5.0, 6.0, 7.0, 8.0));
+    const std::vector<double> raw = values("raw");
+    EXPECT_EQ(raw[0], 2.0);
+    EXPECT_TRUE(std::isnan(raw[2]));
+    EXPECT_EQ(c.scalars.at("rate"), 10.0);
+    if ((format & NC_NETCDF4) != 0) {
+      EXPECT_THAT(values("daq/extra"), ElementsAre(9.0, 8.0, 7.0, 6.0));
+    }
+    EXPECT_THROW(values("calibration"), FileError) << "of another length";
+  }
+}
+
+TEST_F(ArrayFile, OnlyWhatIsWantedIsRead) {
+  write(directory / "r.h5", NC_CLOBBER | NC_NETCDF4);
+  const Columns c = read_columns(
+      directory / "r.h5", [](const Columns& all, std::size_t i) { return all.columns[i].name == "time"; });
+  EXPECT_EQ(c.columns[0].values.size(), 4U);
+  EXPECT_TRUE(c.columns[1].values.empty());
+}
+
+TEST_F(ArrayFile, WhatIsNoRecordIsRefused) {
+  const auto kind = [&](const std::filesystem::path& path) {
+    try {
+      (void)read_array_file(path, {});
+    } catch (const FileError& e) {
+      return e.kind();
+    }
+    return FileError::Kind::mismatch;
+  };
+  EXPECT_EQ(kind(directory / "none.nc"), FileError::Kind::missing);
+  test::put_bytes(directory / "cut.nc", "CDF\x01");
+  EXPECT_EQ(kind(directory / "cut.nc"), FileError::Kind::corrupt);
+  int file = 0;
+  nc_create((directory / "empty.nc").c_str(), NC_CLOBBER, &file);
+  nc_close(file);
+  EXPECT_EQ(kind(directory / "empty.nc"), FileError::Kind::foreign);
+}
+
+}  // namespace
+}  // namespace wheeltap::io
