@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Runs shipped cases with one to three values changed at random, and holds the program to its word.
+"""Runs shipped cases with one to three values changed at random, and looks at shipped measured files with some bytes
+changed, and holds the program to its word.
 
 usage: mutations.py PROGRAM DATA [COUNT] [SEED]
 
 Every mutation must end with exit code 0, 65 or 66, without a signal, within 10 s of processor time and 1 GB; where it
 ends otherwise, its case and what it said are printed, and kept in the folder that the last line names. A run that
---dry-run announces as long or large may be either. Runs are `--warmup 100 --draws 100`.
+--dry-run announces as long or large may be either. Runs are `--warmup 100 --draws 100`; cases of damage and
+identification are run, simulated from or have their modes computed, one in ten each.
 
 ctest runs 40 of them (apps.mutations). The long run, about half an hour on two cores:
 
@@ -79,6 +81,28 @@ def mutate(case, rng):
     return case
 
 
+def mutate_bytes(data, rng):
+    """A file with a few bytes changed, or cut, or a piece of it repeated or moved."""
+    data = bytearray(data[:200_000])
+    for _ in range(rng.choice((1, 1, 2, 5))):
+        if not data:
+            break
+        here, how = rng.randrange(len(data)), rng.random()
+        if rng.random() < 0.5:
+            here = rng.randrange(min(len(data), 600))  # headers
+        if how < 0.4:
+            data[here] = rng.choice((0, 10, 13, 32, 44, 45, 46, 48, 57, 69, 101, 127, 255, rng.randrange(256)))
+        elif how < 0.55:
+            del data[here:]
+        elif how < 0.7:
+            del data[here:here + rng.randrange(1, 90)]
+        elif how < 0.85:
+            data[here:here] = data[here:here + rng.randrange(1, 90)]
+        else:
+            data[here:here] = rng.choice((b"nan", b"inf", b"1e999", b"-", b"99999999999", b"    -1\n", b"\xff\xfe", b"\0"))
+    return bytes(data)
+
+
 def limits():
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS + 1, SECONDS + 2))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -86,8 +110,9 @@ def limits():
 
 def announced(program, case, out):
     """Whether the program says beforehand that a run is long or large."""
+    kind = kind_of(case)
     try:
-        asked = subprocess.run([program, case_command(case), str(case), "-o", str(out), "--dry-run", *SHORT],
+        asked = subprocess.run([program, kind, str(case), "-o", str(out), "--dry-run", *options_of(kind)],
                                capture_output=True, timeout=60, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
         return False
@@ -99,8 +124,27 @@ def announced(program, case, out):
     return seconds > SECONDS / 10 or gigabytes > BYTES / 1e9 / 10
 
 
-def case_command(case):
-    return "sid" if '"kind": "sid"' in case.read_text() else "damage"
+def kind_of(case):
+    kind = re.search(r'"kind": "(sid|update|modal)"', case.read_text())
+    return kind[1] if kind else "damage"
+
+
+def options_of(command):
+    return ["--quiet", "--threads", "1"] if command == "modal" else SHORT
+
+
+def command_line(program, kind, case, folder, rng):
+    """What is done with a mutated case: mostly its run."""
+    how = rng.random()
+    if kind in ("damage", "sid") and how < 0.1:
+        return [program, "simulate", str(case), "-o", str(folder / "simulated.csv")]
+    if kind == "damage" and how < 0.2:
+        return [program, "modes", str(case), "--modes", "3"]
+    if kind == "section":
+        return [program, "section", str(case), "--json"]
+    if kind == "data":
+        return [program, "data", str(case)]
+    return [program, kind, str(case), "-o", str(folder / "out"), *options_of(kind)]
 
 
 def run(program, origin, number, seed, scratch):
@@ -111,11 +155,16 @@ def run(program, origin, number, seed, scratch):
     # Beside links to the original's neighbours, whose files it names.
     for neighbour in origin.parent.iterdir():
         (folder / neighbour.name).symlink_to(neighbour)
-    case = folder / "mutated.json"
-    original = json.loads(origin.read_text())
-    case.write_text(json.dumps(mutate(original, rng)))
-    command = "sid" if original.get("kind") == "sid" else "damage"
-    process = subprocess.Popen([program, command, str(case), "-o", str(folder / "out"), *SHORT],
+    if origin.suffix == ".json":
+        case = folder / "mutated.json"
+        original = json.loads(origin.read_text())
+        case.write_text(json.dumps(mutate(original, rng)))
+        kind = original.get("kind", "section")
+    else:
+        case = folder / ("mutated" + origin.suffix)
+        case.write_bytes(mutate_bytes(origin.read_bytes(), rng))
+        kind = "data"
+    process = subprocess.Popen(command_line(program, kind, case, folder, rng),
                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL,
                                preexec_fn=limits)
     said = process.stderr.read()
@@ -136,7 +185,7 @@ def run(program, origin, number, seed, scratch):
     if any(byte < 32 and byte != 10 or byte == 127 for byte in said):
         why.append("control characters on standard error")
     too_much = seconds > SECONDS or largest > BYTES
-    if why and too_much and code in (0, 65, 66, -signal.SIGXCPU) and announced(program, case, folder / "out"):
+    if why and too_much and kind not in ("data", "section") and code in (0, 65, 66, -signal.SIGXCPU) and announced(program, case, folder / "out"):
         why = []
     if not why:
         shutil.rmtree(folder)
@@ -148,8 +197,7 @@ def main():
     program, data = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
     count = int(sys.argv[3]) if len(sys.argv) > 3 else 3000
     seed = sys.argv[4] if len(sys.argv) > 4 else "1"
-    cases = [p for p in sorted(data.rglob("*.json"))
-             if json.loads(p.read_text()).get("kind") in ("damage", "sid")]
+    cases = sorted(data.rglob("*.json")) + [p for p in sorted(data.rglob("*")) if p.suffix in (".csv", ".uff")]
     scratch = pathlib.Path(tempfile.mkdtemp(prefix="wheeltap-mutations-"))
     codes, faults = {}, 0
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
