@@ -208,6 +208,9 @@ void convert(const MeasuredFile& file, const std::string& to) {
     text = netcdf(record_of(only_table(file)), path);
   } else if (ending == ".uff" || ending == ".unv") {
     text = universal(file);
+    if (text.empty())
+      throw Failure(Exit::bad_input,
+                    file.path.string() + ": holds no dataset that could be written as " + to);
   } else {
     throw Failure(Exit::usage, "--to " + to + ": must be csv, nc or uff, or a file that ends so");
   }

@@ -12,7 +12,7 @@ namespace wheeltap::io {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kDeepest = 8;               // groups within groups
+constexpr int kDeepest = 8;                   // groups within groups
 constexpr std::size_t kMostColumns = 10'000;  // of one matrix
 
 struct Found {
@@ -42,8 +42,8 @@ void look(int group, const std::string& prefix, int depth, std::vector<Found>& o
     char name[NC_MAX_NAME + 1] = {};
     nc_type type = NC_NAT;
     int rank = 0;
-    if (nc_inq_var(group, id, name, &type, &rank, nullptr, nullptr) != NC_NOERR ||
-        !numeric(type) || rank > 2)
+    if (nc_inq_var(group, id, name, &type, &rank, nullptr, nullptr) != NC_NOERR || !numeric(type) ||
+        rank > 2)
       continue;
     std::vector<int> dimensions(static_cast<std::size_t>(rank));
     nc_inq_vardimid(group, id, dimensions.data());
@@ -60,8 +60,7 @@ void look(int group, const std::string& prefix, int depth, std::vector<Found>& o
   nc_inq_grps(group, &count, groups.data());
   for (const int inner : groups) {
     char name[NC_MAX_NAME + 1] = {};
-    if (nc_inq_grpname(inner, name) == NC_NOERR)
-      look(inner, prefix + name + "/", depth - 1, out);
+    if (nc_inq_grpname(inner, name) == NC_NOERR) look(inner, prefix + name + "/", depth - 1, out);
   }
 }
 
@@ -96,9 +95,9 @@ std::vector<double> values_of(const std::filesystem::path& path, const Found& of
   std::vector<double> x(of.size());
   if (const int status = nc_get_var_double(of.group, of.id, x.data());
       status != NC_NOERR && status != NC_ERANGE)
-    throw FileError(FileError::Kind::corrupt, path,
-                    "\"" + of.name +
-                        "\" cannot be read, truncated or damaged: " + nc_strerror(status));
+    throw FileError(
+        FileError::Kind::corrupt, path,
+        "\"" + of.name + "\" cannot be read, truncated or damaged: " + nc_strerror(status));
   const double scale = number(of, "scale_factor").value_or(1.0),
                offset = number(of, "add_offset").value_or(0.0);
   for (const char* attribute : {"_FillValue", "missing_value"})

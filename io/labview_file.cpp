@@ -59,7 +59,7 @@ struct Header {
 
 struct Segment {
   std::size_t channels = 0;
-  std::vector<double> first, step;        ///< X0 and Delta_X
+  std::vector<double> first, step;  ///< X0 and Delta_X
   std::vector<std::string> names, units;
   bool comment = false;
 };
@@ -221,9 +221,8 @@ class Parser {
           corrupt("channels " + std::to_string(1) + " and " + std::to_string(c + 1) +
                   " have unlike times: they are no record of one sampling");
         const std::string_view field = f[multi ? 2 * c + 1 : c + 1];
-        out.columns[c + 1].values.push_back(trimmed(field).empty()
-                                                ? std::numeric_limits<double>::quiet_NaN()
-                                                : number(field));
+        out.columns[c + 1].values.push_back(
+            trimmed(field).empty() ? std::numeric_limits<double>::quiet_NaN() : number(field));
       }
       ++row;
     }

@@ -133,7 +133,7 @@ class MatlabMatrix {
   [[nodiscard]] SparseMatrix read() const {
     if (v_.rank != 2) fail("has " + std::to_string(v_.rank) + " dimensions: must have 2");
     if (v_.isComplex) fail("is complex: must be real");
-    for (const std::size_t axis : {0, 1})
+    for (const std::size_t axis : {std::size_t{0}, std::size_t{1}})
       if (v_.dims[axis] > static_cast<std::size_t>(std::numeric_limits<int>::max()))
         fail("has " + std::to_string(v_.dims[axis]) + " rows or columns: too many");
     return v_.class_type == MAT_C_SPARSE ? sparse() : full();

@@ -38,6 +38,15 @@ std::string d25(double x) {
   return text;
 }
 
+/// A line of text, of 80 characters. One that would read as a dataset's end is put in brackets.
+std::string text_line(const std::string& text) {
+  std::string line = padded(text, 80);
+  const std::size_t begin = line.find_first_not_of(" \t\r"), end = line.find_last_not_of(" \t\r");
+  if (begin != std::string::npos && line.substr(begin, end - begin + 1) == "-1")
+    line = padded("(-1)", 80);
+  return line + "\n";
+}
+
 constexpr const char* kSeparator = "    -1\n";
 
 void begin(std::string& out, int number) {
@@ -107,7 +116,7 @@ void add(std::string& out, const UniversalFunction& f) {
   } else {
     out += formatted("%6d\n", 58);
   }
-  for (const std::string& id : f.ids) out += padded(id, 80) + "\n";
+  for (const std::string& id : f.ids) out += text_line(id);
   out += formatted("%5d%10d%5d%10d", f.type, f.number, f.version, f.load_case) + of(f.response) +
          of(f.reference) + "\n";
   const int ordinate = (f.is_double ? 4 : 2) + (f.is_complex ? (f.is_double ? 2 : 3) : 0);
@@ -120,7 +129,7 @@ void add(std::string& out, const UniversalFunction& f) {
 
 void add(std::string& out, const UniversalShape& s) {
   begin(out, 55);
-  for (const std::string& id : s.ids) out += padded(id, 80) + "\n";
+  for (const std::string& id : s.ids) out += text_line(id);
   out += formatted("%10d%10d%10d%10d%10d%10d\n", s.model, s.analysis, s.characteristic, s.quantity,
                    s.is_complex ? 5 : 2, s.values_a_node);
   out += formatted("%10zu%10zu", s.integers.size(), s.reals.size());
@@ -151,7 +160,7 @@ std::string universal_text(const UniversalFile& file) {
   std::string out;
   if (file.header) {
     begin(out, 151);
-    for (const std::string& line : file.header->lines) out += padded(line, 80) + "\n";
+    for (const std::string& line : file.header->lines) out += text_line(line);
     out += kSeparator;
   }
   if (file.units) {
@@ -171,10 +180,11 @@ std::string universal_text(const UniversalFile& file) {
   }
   for (const UniversalTrace& t : file.traces) {
     begin(out, 82);
-    out += formatted("%10d%10zu%10d\n", t.number, t.nodes.size(), t.colour) + padded(t.id, 80);
+    out += formatted("%10d%10zu%10d\n", t.number, t.nodes.size(), t.colour) + text_line(t.id);
     for (std::size_t i = 0; i < t.nodes.size(); ++i)
-      out += formatted(i % 8 == 0 ? "\n%10d" : "%10d", t.nodes[i]);
-    out += std::string("\n") + kSeparator;
+      out += formatted(i > 0 && i % 8 == 0 ? "\n%10d" : "%10d", t.nodes[i]);
+    if (!t.nodes.empty()) out += "\n";
+    out += kSeparator;
   }
   for (const UniversalShape& s : file.shapes) add(out, s);
   for (const UniversalFunction& f : file.functions) add(out, f);

@@ -83,10 +83,18 @@ struct Ritz {
   MatrixXd shapes;
 };
 
+[[noreturn]] void refuse_spread() {
+  throw InvalidStructure(Part::whole, 0,
+                         "its masses or stiffnesses differ by too many powers of ten for its "
+                         "eigenvalues to be told apart in double precision");
+}
+
 /// Rayleigh-Ritz on M-orthonormal columns, the energies from the strains.
 Ritz rayleigh_ritz(const Discretisation& d, const MatrixXd& basis) {
   const MatrixXd energy = d.projected_stiffness(basis);
   const MatrixXd gram = basis.transpose() * (d.mass * basis);
+  // Where stiffness is lost in rounding the search is left with nothing, or with no numbers.
+  if (basis.cols() == 0 || !energy.allFinite() || !gram.allFinite()) refuse_spread();
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(energy, gram);
   return {.values = solver.eigenvalues(), .shapes = basis * solver.eigenvectors()};
 }
@@ -198,12 +206,6 @@ Ritz refined(const Search& s, const MatrixXd& vectors, Index count) {
   }
   const Index kept = std::min(count, ritz.shapes.cols());
   return {.values = ritz.values.head(kept), .shapes = ritz.shapes.leftCols(kept)};
-}
-
-[[noreturn]] void refuse_spread() {
-  throw InvalidStructure(Part::whole, 0,
-                         "its masses or stiffnesses differ by too many powers of ten for its "
-                         "eigenvalues to be told apart in double precision");
 }
 
 void refuse_mechanisms(const Discretisation& d, const Ritz& ritz) {

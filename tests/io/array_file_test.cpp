@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "tests/emulator/temporary_directory.hpp"
 #include "io/formats.hpp"
 #include "io/netcdf_library.hpp"
+#include "tests/emulator/temporary_directory.hpp"
 
 namespace wheeltap::io {
 namespace {
@@ -79,8 +79,9 @@ TEST_F(ArrayFile, VectorsAndMatricesAreColumns) {
 
 TEST_F(ArrayFile, OnlyWhatIsWantedIsRead) {
   write(directory / "r.h5", NC_CLOBBER | NC_NETCDF4);
-  const Columns c = read_columns(
-      directory / "r.h5", [](const Columns& all, std::size_t i) { return all.columns[i].name == "time"; });
+  const Columns c = read_columns(directory / "r.h5", [](const Columns& all, std::size_t i) {
+    return all.columns[i].name == "time";
+  });
   EXPECT_EQ(c.columns[0].values.size(), 4U);
   EXPECT_TRUE(c.columns[1].values.empty());
 }

@@ -191,6 +191,20 @@ TEST(UniversalFile, OthersDatasetsAreCounted) {
   EXPECT_THAT(file.left_out, ElementsAre(std::pair{18, 1}, std::pair{2420, 2}));
 }
 
+// A line of text that says -1 ended its dataset when it was read again.
+TEST(UniversalFile, TextIsNeverADatasetsEnd) {
+  UniversalFile file;
+  file.header.emplace();
+  file.header->lines[1] = "  -1 ";
+  file.header->lines[2] = "-1" + std::string(90, ' ') + "beyond the line";
+  file.traces.push_back({.number = 1, .id = "-1", .nodes = {1, 2, 3}});
+  const UniversalFile again = parse_universal_file(universal_text(file), "written");
+  ASSERT_TRUE(again.header);
+  EXPECT_EQ(again.header->lines[1].substr(0, 4), "(-1)");
+  ASSERT_EQ(again.traces.size(), 1U);
+  EXPECT_EQ(again.traces[0].nodes, (std::vector<int>{1, 2, 3}));
+}
+
 TEST(UniversalFile, Refusals) {
   expect_refused("time,force\n0,1\n", "is no universal file");
   expect_refused("", "is no universal file");

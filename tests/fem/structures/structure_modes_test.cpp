@@ -345,6 +345,26 @@ TEST(StructureModes, CountsMassesByTheirOwnSize) {
   EXPECT_EQ(count(Eigen::MatrixXd::Zero(2, 2)), 0);
 }
 
+// A mass on a spring so soft, or so stiff, that its stiffness is lost in rounding beside the
+// others: once an empty search crashed. An answer, or a refusal.
+TEST(StructureModes, SpringsOfAnyStiffnessAreSolvedOrRefused) {
+  int refused = 0;
+  for (int exponent = -40; exponent <= 40; ++exponent) {
+    for (const int link : {0, 2}) {
+      LumpedChain chain{.masses = {12.0, 12.0, 10.0},
+                        .links = {{"a", {0, 1}, 35e3}, {"b", {1, 2}, 35e3}, {"c", {2, 3}, 35e3}}};
+      chain.links[static_cast<std::size_t>(link)].stiffness = std::pow(10.0, exponent);
+      try {
+        const StructureModes modes = structure_modes(discretise(chain), 3);
+        for (const double f : modes.frequencies_hz) EXPECT_TRUE(f > 0.0) << exponent;
+      } catch (const std::invalid_argument&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_LT(refused, 120) << "of 162";
+}
+
 TEST(StructureModes, NothingIsCountedAtAnEigenvalue) {
   Discretisation d;
   d.mass = Eigen::MatrixXd(Eigen::Vector2d(1.0, 1.0).asDiagonal()).sparseView();

@@ -1,0 +1,25 @@
+// Any bytes are a universal file, or a FileError; what is one is written, and read the same again.
+#include "io/universal_file.hpp"
+
+#include <cstdlib>
+
+#include "fuzz.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace wheeltap;
+  try {
+    const io::UniversalFile file = io::parse_universal_file(fuzz::text_of(data, size), "fuzzed.uff");
+    // Datasets of other numbers are not written.
+    if (file.functions.empty() && file.nodes.empty() && file.shapes.empty()) return 0;
+    const io::UniversalFile again =
+        io::parse_universal_file(io::universal_text(file), "written.uff");
+    if (again.functions.size() != file.functions.size() ||
+        again.nodes.size() != file.nodes.size() || again.shapes.size() != file.shapes.size())
+      std::abort();
+    (void)io::universal_columns(file, "fuzzed.uff");
+  } catch (const io::FileError& error) {
+    // What was read can be written in a form that reads.
+    if (error.path() == "written.uff") std::abort();
+  }
+  return 0;
+}
