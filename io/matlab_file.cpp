@@ -63,6 +63,16 @@ std::vector<double> real_values(const matvar_t& variable) {
   return values;
 }
 
+/// Real, two-dimensional, and of numbers.
+bool is_numeric(const matvar_t& variable) {
+  return variable.rank == 2 && variable.isComplex == 0 && variable.class_type >= MAT_C_DOUBLE &&
+         variable.class_type <= MAT_C_UINT64;
+}
+
+/// Deflate makes nothing smaller than this many times: what is announced beyond it is not there, and
+/// libmatio would fill it with zeros.
+constexpr double kMostInflated = 1032.0;
+
 }  // namespace
 
 Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted) {
@@ -70,10 +80,19 @@ Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted
                                                      Mat_Close);
   if (!file) throw FileError(FileError::Kind::missing, path, "no such file, or no MATLAB file");
   Columns table{.file = path.string()};
+  std::error_code ignored;
+  const double most = kMostInflated * static_cast<double>(std::filesystem::file_size(path, ignored));
   for (;;) {
-    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNext(file.get()),
+    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNextInfo(file.get()),
                                                                   Mat_VarFree);
     if (!variable) break;
+    if (!is_numeric(*variable)) continue;
+    if (static_cast<double>(variable->dims[0]) * static_cast<double>(variable->dims[1]) > most)
+      throw FileError(FileError::Kind::corrupt, path,
+                      "announces " + std::to_string(variable->dims[0]) + " x " +
+                          std::to_string(variable->dims[1]) +
+                          " numbers, more than a file of its size can hold");
+    if (Mat_VarReadDataAll(file.get(), variable.get()) != 0) continue;
     const std::vector<double> values = real_values(*variable);
     if (values.empty() || variable->name == nullptr) continue;
     const std::string name = variable->name;
