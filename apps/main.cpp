@@ -8,13 +8,11 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
-#include <new>
-#include <system_error>
 
 #include "apps/batch_command.hpp"
 #include "apps/commands.hpp"
 #include "apps/data_command.hpp"
-#include "apps/failure.hpp"
+#include "apps/failure_of.hpp"
 #include "apps/init.hpp"
 #include "apps/law_page.hpp"
 #include "apps/modal_command.hpp"
@@ -25,8 +23,6 @@
 #include "apps/update_command.hpp"
 #include "apps/whole_number.hpp"
 #include "base/simd.hpp"
-#include "inference/target.hpp"
-#include "io/file_error.hpp"
 #include "io/text.hpp"
 
 namespace {
@@ -44,17 +40,6 @@ int report(Exit exit, const std::string& line) {
   std::cerr << "wheeltap: " << io::printable(line) << '\n';
   last_words() = io::printable(line);
   return static_cast<int>(exit);
-}
-
-Exit exit_of(io::FileError::Kind kind) {
-  switch (kind) {
-    case io::FileError::Kind::missing:
-      return Exit::no_input;
-    case io::FileError::Kind::unwritable:
-      return Exit::cannot_create;
-    default:
-      return Exit::bad_input;
-  }
 }
 
 std::string joined(int argc, char** argv) {
@@ -411,26 +396,9 @@ int run(int argc, char** argv) {
     return static_cast<int>(Exit::done);
   } catch (const apps::FailedOnFirstRank&) {
     return static_cast<int>(Exit::done);  // that one says and returns what it was
-  } catch (const apps::Failure& failure) {
+  } catch (const std::exception&) {
+    const apps::Failure failure = apps::failure_of(std::current_exception(), common.case_path);
     return report(failure.exit(), failure.what());
-  } catch (const io::FileError& error) {
-    return report(exit_of(error.kind()), error.what());
-  } catch (const inference::LikelihoodError& error) {
-    return report(Exit::bad_input, common.case_path.string() + ": " + error.what());
-  } catch (const std::bad_alloc&) {
-    return report(Exit::bad_input, common.case_path.string() +
-                                       ": asks for more memory than there is (--dry-run estimates "
-                                       "how much a run takes)");
-  } catch (const std::filesystem::filesystem_error& error) {
-    return report(Exit::no_input, error.path1().string() + ": " + error.code().message());
-  } catch (const std::system_error& error) {
-    return report(Exit::internal, std::string("internal fault: ") + error.what());
-  } catch (const std::runtime_error& error) {
-    // Misuse throws logic errors; what is left are numbers for which the arithmetic gives up.
-    return report(Exit::bad_input, common.case_path.string() + ": cannot be computed: " +
-                                       error.what() + "; check units and sizes");
-  } catch (const std::exception& error) {
-    return report(Exit::internal, std::string("internal fault: ") + error.what());
   }
 }
 

@@ -53,8 +53,9 @@ Report mode_json(const Mode& m) {
           {"doubts", doubts_in_words(m)}};
 }
 
-Report summary_of(const ModalCaseFile& modal, const ModalResult& result,
-                  const CommonOptions& common, double seconds) {
+}  // namespace
+
+Report ModalRun::summary(const CommonOptions& common) const {
   Report modes = Report::array(), poles = Report::array();
   for (const Mode& m : result.modes) modes.push_back(mode_json(m));
   for (const signals::Pole& p : result.diagram.poles)
@@ -84,9 +85,9 @@ Report summary_of(const ModalCaseFile& modal, const ModalResult& result,
           {"cost", {{"wall_seconds", seconds}}}};
 }
 
-void print(const ModalCaseFile& modal, const ModalResult& result) {
-  const Page page(std::cout, colour_wanted());
-  std::cout << page.bold(io::printable(modal.title)) << "\n\n";
+void ModalRun::print(std::ostream& out, bool colour) const {
+  const Page page(out, colour);
+  out << page.bold(io::printable(modal.title)) << "\n\n";
   if (!result.modes.empty()) {
     std::vector<std::vector<std::string>> rows = {
         {"mode", "f [Hz]", "damping [%]", "MPC", "orders", ""}};
@@ -97,7 +98,7 @@ void print(const ModalCaseFile& modal, const ModalResult& result) {
            std::to_string(m.present) + " of " + std::to_string(m.orders),
            m.doubts.empty() ? "" : "doubtful"});
     page.table(rows);
-    std::cout << "± is one standard deviation.\n";
+    out << "± is one standard deviation.\n";
   }
   int number = 0;
   for (const Mode& m : result.modes) {
@@ -110,17 +111,32 @@ void print(const ModalCaseFile& modal, const ModalResult& result) {
   }
   for (const std::string& text : warnings(result)) page.wrapped(text, "! ", "  ");
   for (const std::string& text : modal.oddities) page.wrapped(io::printable(text), "! ", "  ");
-  std::cout << "\n";
+  out << "\n";
   for (const std::string& text : procedure_in_words(result)) page.wrapped(text, "", "");
 }
 
-}  // namespace
+void ModalRun::keep(const std::filesystem::path& folder, const CommonOptions& common) const {
+  make_output_folder(folder);
+  write_text(folder / "modes.json", modes_json(modes).dump(1) + "\n");
+  write_text(folder / "report.html", modal_page(modal, result));
+  write_text(folder / "summary.json", summary(common).dump(1) + "\n");
+}
+
+ModalRun identify_modal(CaseFile file, const CommonOptions& common) {
+  const auto begun = std::chrono::steady_clock::now();
+  ModalRun run{.modal = parse_modal_case(std::move(file)), .result = {}, .modes = {}};
+  run.modal.options.threads = common.threads;
+  run.result = identify(run.modal);
+  run.modes = measured_modes(run.result, run.modal.sensors);
+  run.modes.title = run.modal.title;
+  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  return run;
+}
 
 void run_modal(const CommonOptions& common) {
-  const auto begun = std::chrono::steady_clock::now();
-  ModalCaseFile modal = parse_modal_case(read_case(common.case_path, common.overrides));
-  modal.options.threads = common.threads;
+  CaseFile file = read_case(common.case_path, common.overrides);
   if (common.dry_run) {
+    const ModalCaseFile modal = parse_modal_case(std::move(file));
     std::cout << modal.sensors.size() << " responses of " << base::grouped(modal.records.cols())
               << " samples at " << significant(modal.options.sample_rate_hz, 6)
               << " Hz: seconds, and "
@@ -129,16 +145,9 @@ void run_modal(const CommonOptions& common) {
     return;
   }
   make_output_folder(common.output);
-  const ModalResult result = identify(modal);
-  MeasuredModes modes = measured_modes(result, modal.sensors);
-  modes.title = modal.title;
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  write_text(common.output / "modes.json", modes_json(modes).dump(1) + "\n");
-  write_text(common.output / "report.html", modal_page(modal, result));
-  write_text(common.output / "summary.json",
-             summary_of(modal, result, common, seconds).dump(1) + "\n");
-  print(modal, result);
+  const ModalRun run = identify_modal(std::move(file), common);
+  run.keep(common.output, common);
+  run.print(std::cout, colour_wanted());
   std::cout << "\nModes: " << io::printable((common.output / "modes.json").string())
             << "\nDrawn: " << io::printable((common.output / "report.html").string()) << "\n";
 }
