@@ -50,13 +50,11 @@ std::optional<FinishedRun> sample_damage(std::shared_ptr<const DamageCaseFile> p
       .summary = std::move(summary),
       .run = run,
       .posterior = posterior,
-      .print = [parsed, findings](
-                   std::ostream& out,
-                   bool colour) { print_damage(out, *parsed, *findings, colour); },
-      .draws =
-          [parsed, problem, posterior, run, seed] {
-            return posterior_file(run, *parsed, *problem, *posterior, seed);
-          }};
+      .print = [parsed, findings](std::ostream& out,
+                                  bool colour) { print_damage(out, *parsed, *findings, colour); },
+      .draws = [parsed, problem, posterior, run,
+                seed] { return posterior_file(run, *parsed, *problem, *posterior, seed); },
+      .columns = [problem, posterior] { return damage_columns(*problem, *posterior); }};
 }
 
 }  // namespace wheeltap::apps

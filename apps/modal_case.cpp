@@ -80,12 +80,13 @@ void read_rate(ModalCaseFile& out, const signals::Record& record, const Channels
       time < 0 ? *stated : signals::sample_rate_hz(record, time, stated, channels.time_scale);
 }
 
-void read_channels(ModalCaseFile& out) {
+void read_channels(ModalCaseFile& out, std::optional<signals::Record> given) {
   const CaseFile& file = out.file;
   const Channels channels = parse_channels(out);
   std::vector<std::string> columns = channels.columns;
   if (!channels.time.empty()) columns.push_back(channels.time);
-  const signals::Record record = read_record(file, Pointer("/record/file"), columns);
+  const signals::Record record =
+      given ? std::move(*given) : read_record(file, Pointer("/record/file"), columns);
   try {
     read_rate(out, record, channels);
     const Json& r = file.json.at("record");
@@ -121,7 +122,7 @@ void read_channels(ModalCaseFile& out) {
 
 }  // namespace
 
-ModalCaseFile parse_modal_case(CaseFile file) {
+ModalCaseFile parse_modal_case(CaseFile file, std::optional<signals::Record> given) {
   validate_against_schema(file, "modal");
   ModalCaseFile out{.file = std::move(file),
                     .title = {},
@@ -132,7 +133,7 @@ ModalCaseFile parse_modal_case(CaseFile file) {
                     .options = {}};
   const Json& json = out.file.json;
   out.title = json.value("title", "Modes of " + json.at("record").at("file").get<std::string>());
-  read_channels(out);
+  read_channels(out, std::move(given));
   if (json.contains("band")) {
     out.options.lowest_hz = json.at("band")[0];
     out.options.highest_hz = json.at("band")[1];

@@ -1,6 +1,7 @@
 // A modal case file: which record, which of its channels, which band.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "apps/measured_file.hpp"
 #include "apps/modes_file.hpp"
 #include "signals/modal_identification.hpp"
+#include "signals/record.hpp"
 
 namespace wheeltap::apps {
 
@@ -21,7 +23,9 @@ struct ModalCaseFile {
   signals::ModalOptions options;
 };
 
-/// Reads, checks and parses, and reads the record. Throws Failure.
-[[nodiscard]] ModalCaseFile parse_modal_case(CaseFile file);
+/// Reads, checks and parses, and reads the record, or takes the one that is `given` in place of its
+/// file. Throws Failure.
+[[nodiscard]] ModalCaseFile parse_modal_case(CaseFile file,
+                                             std::optional<signals::Record> given = {});
 
 }  // namespace wheeltap::apps

@@ -56,8 +56,8 @@ Report mode_json(const Mode& m) {
 }  // namespace
 
 Report ModalRun::summary(const CommonOptions& common) const {
-  Report modes = Report::array(), poles = Report::array();
-  for (const Mode& m : result.modes) modes.push_back(mode_json(m));
+  Report found = Report::array(), poles = Report::array();
+  for (const Mode& m : result.modes) found.push_back(mode_json(m));
   for (const signals::Pole& p : result.diagram.poles)
     poles.push_back(
         {p.order, p.frequency_hz, p.damping, finite(p.frequency_sd), finite(p.damping_sd)});
@@ -66,7 +66,7 @@ Report ModalRun::summary(const CommonOptions& common) const {
   return {{"wheeltap",
            about("modal", {.seed = common.seed.value_or(1), .command_line = common.command_line},
                  modal.file)},
-          {"modes", modes},
+          {"modes", found},
           {"procedure",
            {{"method", "ssi-cov"},
             {"band", {result.lowest_hz, result.highest_hz}},
@@ -122,9 +122,11 @@ void ModalRun::keep(const std::filesystem::path& folder, const CommonOptions& co
   write_text(folder / "summary.json", summary(common).dump(1) + "\n");
 }
 
-ModalRun identify_modal(CaseFile file, const CommonOptions& common) {
+ModalRun identify_modal(CaseFile file, const CommonOptions& common,
+                        std::optional<signals::Record> given) {
   const auto begun = std::chrono::steady_clock::now();
-  ModalRun run{.modal = parse_modal_case(std::move(file)), .result = {}, .modes = {}};
+  ModalRun run{
+      .modal = parse_modal_case(std::move(file), std::move(given)), .result = {}, .modes = {}};
   run.modal.options.threads = common.threads;
   run.result = identify(run.modal);
   run.modes = measured_modes(run.result, run.modal.sensors);

@@ -23,8 +23,9 @@ struct ModalRun {
   void keep(const std::filesystem::path& folder, const CommonOptions& common) const;
   void print(std::ostream& out, bool colour) const;
 };
-/// Throws Failure.
-[[nodiscard]] ModalRun identify_modal(CaseFile file, const CommonOptions& common);
+/// Of the case's file, or of a record that is given in its place. Throws Failure.
+[[nodiscard]] ModalRun identify_modal(CaseFile file, const CommonOptions& common,
+                                      std::optional<signals::Record> given = {});
 
 /// Writes modes.json, summary.json and report.html into the output folder and prints the modes.
 void run_modal(const CommonOptions& common);

@@ -107,7 +107,8 @@ std::optional<FinishedRun> sample_sid(std::shared_ptr<const SidCaseFile> parsed,
           [parsed, out, run, seed] {
             return sid_posterior_file(run, *parsed, *out->run.problem, out->run.posterior,
                                       out->predictive, seed);
-          }};
+          },
+      .columns = [out] { return sid_columns(*out->run.problem, out->run.posterior); }};
 }
 
 void run_sid(const CommonOptions& common, const SamplingOptions& options) {

@@ -77,16 +77,15 @@ FinishedRun sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
                                   {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
   const std::string run = run_id(summary["wheeltap"], *posterior);
-  return {.summary = std::move(summary),
-          .run = run,
-          .posterior = posterior,
-          .print = [parsed, findings](
-                       std::ostream& out,
-                       bool colour) { print_update(out, *parsed, *findings, colour); },
-          .draws =
-              [parsed, problem, posterior, run, seed] {
-                return update_posterior_file(run, *parsed, *problem, *posterior, seed);
-              }};
+  return {
+      .summary = std::move(summary),
+      .run = run,
+      .posterior = posterior,
+      .print = [parsed, findings](std::ostream& out,
+                                  bool colour) { print_update(out, *parsed, *findings, colour); },
+      .draws = [parsed, problem, posterior, run,
+                seed] { return update_posterior_file(run, *parsed, *problem, *posterior, seed); },
+      .columns = [posterior] { return update_columns(*posterior); }};
 }
 
 }  // namespace wheeltap::apps

@@ -1,0 +1,138 @@
+#include "apps/problem_run.hpp"
+
+#include <algorithm>
+
+#include "apps/posterior_file.hpp"
+#include "apps/running.hpp"
+#include "apps/sid_posterior_file.hpp"
+#include "apps/stored_run.hpp"
+#include "apps/terminal.hpp"
+#include "inference/verdict.hpp"
+#include "io/text.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+std::vector<DrawColumn> columns_of(const inference::Posterior& posterior) {
+  std::vector<DrawColumn> columns = {model_column(posterior)};
+  const auto& parameters = posterior.space->parameters();
+  for (std::size_t p = 0; p < parameters.size(); ++p)
+    columns.push_back(
+        parameter_column(posterior, static_cast<int>(p), sid_variable(parameters[p].name)));
+  return columns;
+}
+
+std::string posterior_nc(const std::string& run, const ProblemFile& parsed,
+                         const inference::Posterior& posterior) {
+  const std::vector<DrawColumn> columns = columns_of(posterior);
+  io::NetcdfWriter file("posterior.nc");
+  file.about(WHEELTAP_VERSION, run);
+  file.text(file.root(), NC_GLOBAL, "title", parsed.title);
+  write_draws(file, posterior, columns);
+  write_sample_stats(file, posterior, std::get<std::vector<int>>(columns[0].values));
+  return file.close();
+}
+
+void print(std::ostream& out, bool colour, const ProblemFile& parsed, const Findings& findings) {
+  const Page page{out, colour};
+  page.heading(parsed.title);
+  print_answer(page, answer(findings));
+  page.heading("Which model?");
+  print_models(page, findings.models);
+  for (const ModelFinding& model : findings.models) {
+    if (model.probability() < kWorthPrinting || model.parameters.empty()) continue;
+    out << '\n' << page.bold("If " + model.name) << " (" << percent(model.probability()) << ")\n";
+    std::vector<std::vector<std::string>> rows = {{"parameter", "mean", "sd", "95 % interval"}};
+    for (const ParameterFinding& p : model.parameters) {
+      const Marginal& e = p.estimate;
+      rows.push_back({p.unknown.with_unit(), resolved(e.mean, e.width()), number_or_dash(e.sd, 2),
+                      resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width())});
+    }
+    page.table(rows);
+  }
+  print_evidence(page, findings);
+  print_closing(page, findings, warnings(findings, {}), "model");
+}
+
+}  // namespace
+
+ProblemFile parse_problem(CaseFile file) {
+  const Pointer models("/models");
+  const Json& json = file.json;
+  if (!json.contains("models") || json["models"].empty())
+    file.refuse(models, "must be at least one model");
+  std::vector<inference::Parameter> table;
+  std::vector<inference::ModelSpace::ListedModel> listed;
+  std::vector<Json> written;  // the table's priors
+  for (std::size_t m = 0; m < json["models"].size(); ++m) {
+    const Json& model = json["models"][m];
+    listed.push_back(
+        {.name = model.at("name"), .weight = model.at("prior"), .parameters = {}});
+    for (const auto& [name, prior] : model.at("parameters").items()) {
+      const Pointer where = models / m / "parameters" / name;
+      listed.back().parameters.push_back(name);
+      const auto known = std::ranges::find(table, name, &inference::Parameter::name);
+      if (known == table.end()) {
+        try {
+          table.push_back({name, parse_prior(file, where)});
+        } catch (const Json::exception&) {
+          file.refuse(where, "must be a prior, e.g. {\"uniform\": [0, 1]}");
+        }
+        written.push_back(prior);
+      } else if (written[static_cast<std::size_t>(known - table.begin())] != prior) {
+        file.refuse(where, "has another prior in a model before: the same name is the same "
+                           "parameter");
+      }
+    }
+  }
+  try {
+    const auto space = std::make_shared<const inference::ModelSpace>(
+        inference::ModelSpace::of_models(std::move(table), listed));
+    std::string title = json.value("title", "Which model?");
+    return {.file = std::move(file), .title = std::move(title), .space = space};
+  } catch (const std::invalid_argument& error) {
+    file.refuse(models, error.what());
+  }
+}
+
+FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
+                           const inference::Problem& problem, const CommonOptions& common,
+                           const SamplingOptions& options, RunWatch& watch) {
+  const auto methods = evidence_methods(options.evidence);
+  const std::uint64_t seed = common.seed.value_or(1);
+  const auto posterior = std::make_shared<const inference::Posterior>(
+      watch.sample(problem, engine_options(common, options)));
+  const auto evidence = compute_evidence(problem, methods, seed, common.threads, watch);
+  Findings made = run_findings(*posterior, inference::judge(*posterior), seed);
+  conclude(made, *posterior->space, evidence);
+  const auto findings = std::make_shared<const Findings>(std::move(made));
+  Report priors = Report::object();
+  for (const auto& parameter : posterior->space->parameters())
+    priors[parameter.name] = parameter.prior.describe();
+  Report summary = {
+      {"wheeltap",
+       about("sample", {.seed = seed, .command_line = common.command_line}, parsed->file)},
+      {"title", parsed->title},
+      {"answer", json(answer(*findings))},
+      {"models", model_table(*findings)},
+      {"parameters", parameter_tables(*findings)},
+      {"priors", priors},
+      {"diagnostics", diagnostics(*findings, warnings(*findings, {}))},
+      {"cost", cost(findings->sampling)}};
+  if (!findings->evidence.empty()) summary["evidence"] = evidence_report(*findings);
+  summary["wheeltap"]["options"] = options_report(options);
+  const std::string run = run_id(summary["wheeltap"], *posterior);
+  return {.summary = std::move(summary),
+          .run = run,
+          .posterior = posterior,
+          .print = [parsed, findings](
+                       std::ostream& out,
+                       bool colour) { apps::print(out, colour, *parsed, *findings); },
+          .draws = [parsed, posterior, run] { return posterior_nc(run, *parsed, *posterior); },
+          .columns = [posterior] { return columns_of(*posterior); }};
+}
+
+}  // namespace wheeltap::apps
