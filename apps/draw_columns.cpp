@@ -22,8 +22,8 @@ DrawColumn parameter_column(const inference::Posterior& posterior, int parameter
   std::vector<int> places;  // of this parameter in each model
   for (const auto& m : posterior.space->models()) {
     const auto found = std::ranges::find(m.parameters, parameter);
-    places.push_back(
-        found == m.parameters.end() ? -1 : static_cast<int>(found - m.parameters.begin()));
+    places.push_back(found == m.parameters.end() ? -1
+                                                 : static_cast<int>(found - m.parameters.begin()));
   }
   std::vector<double> values;
   for (const auto& c : posterior.chains) {

@@ -17,7 +17,7 @@ struct DrawColumn {
   std::string name;
   std::variant<std::vector<int>, std::vector<double>> values;
   std::string unit = {};
-  std::string slot = {};   ///< name of the dimension of slots; empty where there are none
+  std::string slot = {};  ///< name of the dimension of slots; empty where there are none
   std::size_t slots = 1;
   std::string names = {};  ///< what whole numbers stand for, joined by ";"
 };

@@ -60,31 +60,28 @@ void print(std::ostream& out, bool colour, const ProblemFile& parsed, const Find
 }  // namespace
 
 ProblemFile parse_problem(CaseFile file) {
+  validate_against_schema(file, "sample");
   const Pointer models("/models");
   const Json& json = file.json;
-  if (!json.contains("models") || json["models"].empty())
-    file.refuse(models, "must be at least one model");
   std::vector<inference::Parameter> table;
   std::vector<inference::ModelSpace::ListedModel> listed;
   std::vector<Json> written;  // the table's priors
   for (std::size_t m = 0; m < json["models"].size(); ++m) {
     const Json& model = json["models"][m];
-    listed.push_back(
-        {.name = model.at("name"), .weight = model.at("prior"), .parameters = {}});
-    for (const auto& [name, prior] : model.at("parameters").items()) {
+    listed.push_back({.name = model.at("name"),
+                      .weight = model.value("prior", 1.0),
+                      .parameters = model.at("order")});
+    for (const std::string& name : listed.back().parameters) {
       const Pointer where = models / m / "parameters" / name;
-      listed.back().parameters.push_back(name);
+      if (!json.contains(where)) file.refuse(models / m / "order", "names no parameter " + name);
       const auto known = std::ranges::find(table, name, &inference::Parameter::name);
       if (known == table.end()) {
-        try {
-          table.push_back({name, parse_prior(file, where)});
-        } catch (const Json::exception&) {
-          file.refuse(where, "must be a prior, e.g. {\"uniform\": [0, 1]}");
-        }
-        written.push_back(prior);
-      } else if (written[static_cast<std::size_t>(known - table.begin())] != prior) {
-        file.refuse(where, "has another prior in a model before: the same name is the same "
-                           "parameter");
+        table.push_back({name, parse_prior(file, where)});
+        written.push_back(json.at(where));
+      } else if (written[static_cast<std::size_t>(known - table.begin())] != json.at(where)) {
+        file.refuse(where,
+                    "has another prior in a model before: the same name is the same "
+                    "parameter");
       }
     }
   }
@@ -125,14 +122,14 @@ FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
   if (!findings->evidence.empty()) summary["evidence"] = evidence_report(*findings);
   summary["wheeltap"]["options"] = options_report(options);
   const std::string run = run_id(summary["wheeltap"], *posterior);
-  return {.summary = std::move(summary),
-          .run = run,
-          .posterior = posterior,
-          .print = [parsed, findings](
-                       std::ostream& out,
-                       bool colour) { apps::print(out, colour, *parsed, *findings); },
-          .draws = [parsed, posterior, run] { return posterior_nc(run, *parsed, *posterior); },
-          .columns = [posterior] { return columns_of(*posterior); }};
+  return {
+      .summary = std::move(summary),
+      .run = run,
+      .posterior = posterior,
+      .print = [parsed, findings](std::ostream& out,
+                                  bool colour) { apps::print(out, colour, *parsed, *findings); },
+      .draws = [parsed, posterior, run] { return posterior_nc(run, *parsed, *posterior); },
+      .columns = [posterior] { return columns_of(*posterior); }};
 }
 
 }  // namespace wheeltap::apps

@@ -9,8 +9,8 @@
 
 namespace wheeltap::apps {
 
-/// The problem as JSON: {"title": …, "models": [{"name": …, "prior": weight, "parameters": {name:
-/// prior, …}}, …]}. The same name in two models is the same parameter, with the same prior.
+/// The problem as JSON, by the schema "sample". The same name in two models is the same parameter,
+/// with the same prior.
 struct ProblemFile {
   CaseFile file;
   std::string title;
@@ -19,8 +19,8 @@ struct ProblemFile {
 /// Throws Failure.
 [[nodiscard]] ProblemFile parse_problem(CaseFile file);
 
-/// Samples and judges; its summary has "answer", "models", "parameters", "priors", "diagnostics" and
-/// "cost". `problem` has the space of `parsed`. Throws as the watch does.
+/// Samples and judges; its summary has "answer", "models", "parameters", "priors", "diagnostics"
+/// and "cost". `problem` has the space of `parsed`. Throws as the watch does.
 [[nodiscard]] FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
                                          const inference::Problem& problem,
                                          const CommonOptions& common,

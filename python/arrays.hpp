@@ -15,7 +15,7 @@ template <class Number>
 py::array view(const Number* data, std::vector<py::ssize_t> shape, const py::object& owner) {
   py::array_t<Number> array(std::move(shape), data, owner);
   array.attr("flags").attr("writeable") = false;
-  return std::move(array);
+  return array;
 }
 
 /// A read-only array that owns these values: they are moved, not copied.
@@ -23,8 +23,7 @@ template <class Number>
 py::array owned(std::vector<Number> values, std::vector<py::ssize_t> shape) {
   auto kept = std::make_unique<std::vector<Number>>(std::move(values));
   const Number* data = kept->data();
-  const py::capsule owner(kept.get(),
-                          [](void* p) { delete static_cast<std::vector<Number>*>(p); });
+  const py::capsule owner(kept.get(), [](void* p) { delete static_cast<std::vector<Number>*>(p); });
   static_cast<void>(kept.release());
   return view(data, std::move(shape), owner);
 }

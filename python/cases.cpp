@@ -58,7 +58,7 @@ void bind_cases(py::module_& m) {
                                       ", must be a whole number from 1 to 1000000000");
         return guarded(path, [&] {
           return apps::find_modes(case_of(path, text, overrides),
-                                  {.modes = count, .truth = truth, .shapes = true})
+                                  {.modes = count, .truth = truth, .shapes = true, .vtk = {}})
               .report.dump();
         });
       },
@@ -68,16 +68,16 @@ void bind_cases(py::module_& m) {
   m.def(
       "data",
       [](const std::string& path, std::optional<double> sample_rate) {
-        return guarded(
-            path, [&] { return apps::data_report(apps::look_at(path, sample_rate)).dump(); });
+        return guarded(path,
+                       [&] { return apps::data_report(apps::look_at(path, sample_rate)).dump(); });
       },
       py::arg("path"), py::arg("sample_rate"));
   m.def(
       "read_record",
       [](const std::string& path, const std::vector<std::string>& columns,
          std::optional<double> sample_rate) {
-        return guarded(
-            path, [&] { return record_of(signals::read_record(path, columns), sample_rate); });
+        return guarded(path,
+                       [&] { return record_of(signals::read_record(path, columns), sample_rate); });
       },
       py::arg("path"), py::arg("columns"), py::arg("sample_rate"));
   m.def(

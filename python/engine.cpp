@@ -97,9 +97,9 @@ std::shared_ptr<Run> sample(const std::string& text, const py::list& functions,
     std::shared_ptr<Run> out;
     watched(progress, [&](Job& job) {
       JobWatch watch(job);
-      out = std::make_shared<Run>(Run{
-          apps::sample_problem(parsed, problem, options.common, options.sampling, watch),
-          watch.lines()});
+      out = std::make_shared<Run>(
+          Run{apps::sample_problem(parsed, problem, options.common, options.sampling, watch),
+              watch.lines()});
     });
     return out;
   });

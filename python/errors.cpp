@@ -3,7 +3,6 @@
 namespace wheeltap::python {
 namespace {
 
-
 PyObject* error_of(apps::Exit exit) {
   const auto module = py::module_::import("wheeltap._core");
   switch (exit) {
@@ -29,8 +28,9 @@ void make_error(py::module_& module, const char* name, PyObject* base, const cha
 }  // namespace
 
 void bind_errors(py::module_& module) {
-  make_error(module, "CaseError", PyExc_ValueError,
-             "A case or its data are invalid: one line with file, place, value and what is allowed.");
+  make_error(
+      module, "CaseError", PyExc_ValueError,
+      "A case or its data are invalid: one line with file, place, value and what is allowed.");
   make_error(module, "FileError", PyExc_OSError,
              "A file is missing, cannot be read or cannot be written.");
   py::register_exception_translator([](std::exception_ptr thrown) {

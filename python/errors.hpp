@@ -12,8 +12,8 @@ namespace wheeltap::python {
 
 namespace py = pybind11;
 
-/// Makes CaseError (a ValueError: invalid case or data), FileError (an OSError: missing, unreadable,
-/// cannot be written) and the translation of Failure to them by its exit code.
+/// Makes CaseError (a ValueError: invalid case or data), FileError (an OSError: missing,
+/// unreadable, cannot be written) and the translation of Failure to them by its exit code.
 void bind_errors(py::module_& module);
 
 /// work(), with whatever it throws turned into a Failure; Python's own errors, and those of misuse
@@ -23,6 +23,8 @@ auto guarded(const std::filesystem::path& case_path, const Work& work) {
   try {
     return work();
   } catch (const py::error_already_set&) {
+    throw;
+  } catch (const py::builtin_exception&) {
     throw;
   } catch (const std::invalid_argument&) {
     throw;

@@ -21,8 +21,8 @@ namespace py = pybind11;
 /// What is told of work that lasts.
 struct Progress {
   std::string stage;
-  double fraction = 0.0;  ///< of the stage
-  long evaluations = 0;   ///< of the likelihood, so far
+  double fraction = 0.0;                   ///< of the stage
+  long evaluations = 0;                    ///< of the likelihood, so far
   std::vector<double> probabilities = {};  ///< of the models, so far; empty before the draws
 };
 

@@ -36,8 +36,7 @@ std::shared_ptr<Modal> identified(const std::string& path, const py::dict& said,
 
 std::shared_ptr<Modal> of_case(const std::string& path, const py::object& text,
                                const std::vector<std::string>& overrides, const py::dict& said) {
-  apps::CaseFile file =
-      guarded(path, [&] { return case_of(path, text, overrides); });
+  apps::CaseFile file = guarded(path, [&] { return case_of(path, text, overrides); });
   return identified(path, said, [&](const apps::CommonOptions& common) {
     return apps::identify_modal(std::move(file), common);
   });
@@ -65,7 +64,8 @@ void bind_modal(py::module_& m) {
           [](const Modal& self) -> const Eigen::VectorXd& { return self.run.modes.frequencies_hz; },
           py::return_value_policy::reference_internal)
       .def_property_readonly(
-          "damping", [](const Modal& self) -> const Eigen::VectorXd& { return self.run.modes.damping; },
+          "damping",
+          [](const Modal& self) -> const Eigen::VectorXd& { return self.run.modes.damping; },
           py::return_value_policy::reference_internal)
       .def_property_readonly(
           "covariance",
@@ -92,8 +92,7 @@ void bind_modal(py::module_& m) {
       });
   m.def("modal", &of_case, py::arg("path"), py::arg("text"), py::arg("overrides"),
         py::arg("options"));
-  m.def("modal_of_channels", &of_channels, py::arg("text"), py::arg("columns"),
-        py::arg("options"));
+  m.def("modal_of_channels", &of_channels, py::arg("text"), py::arg("columns"), py::arg("options"));
 }
 
 }  // namespace wheeltap::python

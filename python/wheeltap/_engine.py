@@ -41,7 +41,8 @@ def sample(models: Sequence[Model], *, title: str = "Which model?", seed: Option
     """
     models = list(models)
     problem = {"kind": "sample", "title": title,
-               "models": [{"name": model.name, "prior": model.prior, "parameters": dict(model.parameters)}
+               "models": [{"name": model.name, "prior": model.prior, "parameters": dict(model.parameters),
+                           "order": list(model.parameters)}
                           for model in models]}
     with watching(progress) as watch:
         return Result(_core.sample(

@@ -97,9 +97,9 @@ class Engine(unittest.TestCase):
             wt.sample(models(log_likelihood=lambda x: np.full(len(x), np.nan)), **QUICK)
 
     def test_wrong_models(self):
-        with self.assertRaisesRegex(wt.CaseError, "/models/1/parameters/mu: .*lower"):
+        with self.assertRaisesRegex(wt.CaseError, "/models/1/parameters/mu/uniform: .*lower"):
             wt.sample(models(parameters={"mu": wt.uniform(1, 0)}), **QUICK)
-        with self.assertRaisesRegex(wt.CaseError, "/models/1/parameters/mu: .*must be a prior"):
+        with self.assertRaisesRegex(wt.CaseError, "/models/1/parameters/mu/flat: unknown key"):
             wt.sample(models(parameters={"mu": {"flat": [0, 1]}}), **QUICK)
         other = wt.Model("other", {"mu": wt.normal(0, 2)}, something)
         with self.assertRaisesRegex(wt.CaseError, "/models/2/parameters/mu: .*same name"):
@@ -108,6 +108,20 @@ class Engine(unittest.TestCase):
             wt.sample([models()[0], models()[0]], **QUICK)
         with self.assertRaisesRegex(wt.CaseError, "/models: "):
             wt.sample([], **QUICK)
+
+    def test_columns_are_in_the_order_of_the_parameters(self):
+        # Not that of the alphabet: z ~ N(1, 0.1²), a ~ N(5, 0.1²), and a likelihood that is flat.
+        seen = []
+
+        def flat(x):
+            seen.append(x)
+            return np.zeros(len(x))
+
+        result = wt.sample([wt.Model("m", {"z": wt.normal(1, 0.1), "a": wt.normal(5, 0.1)}, flat)], **QUICK)
+        x = np.concatenate(seen)
+        self.assertLess(np.abs(x.mean(axis=0) - [1, 5]).max(), 0.5)
+        self.assertLess(abs(result.draws["z"].mean() - 1), 0.05)
+        self.assertLess(abs(result.draws["a"].mean() - 5), 0.05)
 
     def test_save_and_report(self):
         result = wt.sample(models(), title="Is there anything?", **QUICK)
