@@ -29,25 +29,25 @@ def accelerations(stiffness, seed):
     })
 
 
-def data(record):
-    """The modes of a record, as a case's data: frequencies with their covariance."""
+def modes(record):
     floors = {name: record[name] for name in record if name.startswith("floor")}
     modal = wt.modal(channels=floors, sample_rate=record.sample_rate, band=[1, 18])
     print(modal.text)
-    return modal, {"frequencies": modal.frequencies_hz, "covariance": modal.frequency_covariance}
+    return modal
 
 
 folder = sys.argv[1] if len(sys.argv) > 1 else "."
-_, before = data(accelerations([STIFFNESS] * 4, seed=1))
-modal, after = data(accelerations([STIFFNESS, 0.85 * STIFFNESS, STIFFNESS, STIFFNESS], seed=2))
+before = modes(accelerations([STIFFNESS] * 4, seed=1))
+after = modes(accelerations([STIFFNESS, 0.85 * STIFFNESS, STIFFNESS, STIFFNESS], seed=2))
 links = [{"name": f"storey {i}", "between": [i - 1, i], "stiffness": STIFFNESS} for i in STOREYS]
 result = wt.damage({
     "kind": "damage", "title": "A tower in the wind",
     "structure": {"chain": {"masses": [MASS] * 4, "links": links}},
-    "baseline": {"data": before}, "data": after,
-    "damage": {"kind": "storey", "count": {"min": 0, "max": 1, "prior": "uniform"}, "reduction": wt.uniform(0, 0.6)},
+    "baseline": {"data": {"frequencies": before.frequencies_hz, "sd": before.frequencies_sd}},
+    "data": {"frequencies": after.frequencies_hz, "covariance": after.frequency_covariance},
+    "damage": {"kind": "storey", "count": {"min": 0, "max": 2, "prior": "uniform"}, "reduction": wt.uniform(0, 0.6)},
 }, seed=1)
 print(result.text)
-wt.plot.stabilisation(modal).figure.savefig(f"{folder}/modes.png")
+wt.plot.stabilisation(after).figure.savefig(f"{folder}/modes.png")
 wt.plot.models(result).figure.savefig(f"{folder}/damage.png")
 result.save(f"{folder}/tower")

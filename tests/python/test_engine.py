@@ -99,7 +99,7 @@ class Engine(unittest.TestCase):
     def test_wrong_models(self):
         with self.assertRaisesRegex(wt.CaseError, "/models/1/parameters/mu/uniform: .*lower"):
             wt.sample(models(parameters={"mu": wt.uniform(1, 0)}), **QUICK)
-        with self.assertRaisesRegex(wt.CaseError, "/models/1/parameters/mu/flat: unknown key"):
+        with self.assertRaisesRegex(wt.CaseError, "/models/1/parameters/mu/flat: .*unknown key"):
             wt.sample(models(parameters={"mu": {"flat": [0, 1]}}), **QUICK)
         other = wt.Model("other", {"mu": wt.normal(0, 2)}, something)
         with self.assertRaisesRegex(wt.CaseError, "/models/2/parameters/mu: .*same name"):
