@@ -81,6 +81,32 @@ std::vector<Function> functions_of(const apps::ProblemFile& parsed, const py::li
   return out;
 }
 
+/// Keeps all that a likelihood refers to.
+class Called {
+ public:
+  Called(apps::ProblemFile parsed, const py::list& functions, const std::vector<bool>& batch)
+      : parsed_(std::move(parsed)), functions_(functions_of(parsed_, functions, batch)) {}
+
+  Array operator()(int model, const Array& rows) {
+    const inference::ModelSpace& space = *parsed_.space;
+    if (model < 0 || model >= space.size())
+      throw std::invalid_argument("model = " + std::to_string(model) + ", must be from 0 to " +
+                                  std::to_string(space.size() - 1));
+    if (rows.ndim() != 2 || rows.shape(1) != space[model].dimension)
+      throw std::invalid_argument("rows: must be an (n, " + std::to_string(space[model].dimension) +
+                                  ") array");
+    Array out(rows.shape(0));
+    PythonLikelihood(space, functions_)
+        .log_likelihoods(model, {rows.data(), static_cast<std::size_t>(rows.size())},
+                         {out.mutable_data(), static_cast<std::size_t>(out.size())});
+    return out;
+  }
+
+ private:
+  apps::ProblemFile parsed_;
+  std::vector<Function> functions_;
+};
+
 std::shared_ptr<Run> sample(const std::string& text, const py::list& functions,
                             const std::vector<bool>& batch, const py::dict& said,
                             const py::object& progress) {
@@ -110,20 +136,17 @@ std::shared_ptr<Run> sample(const std::string& text, const py::list& functions,
 void bind_engine(py::module_& m) {
   m.def("sample", &sample, py::arg("problem"), py::arg("functions"), py::arg("batch"),
         py::arg("options"), py::arg("progress"));
-  // What a call through the engine's interface costs: bench/python/likelihood_bench.py.
-  m.def(
-      "call_likelihood",
-      [](const std::string& text, const py::function& function, bool batch, const py::array& rows) {
-        const auto parsed = apps::parse_problem(case_of("sample", py::str(text), {}));
-        const std::vector<Function> of = {{parsed.space->models()[0].name, function, batch}};
-        PythonLikelihood likelihood(*parsed.space, of);
-        const Array xs = Array::ensure(rows);
-        py::array_t<double> out(xs.shape(0));
-        likelihood.log_likelihoods(0, {xs.data(), static_cast<std::size_t>(xs.size())},
-                                   {out.mutable_data(), static_cast<std::size_t>(out.size())});
-        return out;
-      },
-      py::arg("problem"), py::arg("function"), py::arg("batch"), py::arg("rows"));
+  // What the engine calls, to be called from Python: bench/python/likelihood_bench.py.
+  py::class_<Called>(m, "Likelihood", "Functions as the engine calls them.")
+      .def(py::init([](const std::string& text, const py::list& functions,
+                       const std::vector<bool>& batch) {
+             return guarded("sample", [&] {
+               return std::make_unique<Called>(
+                   apps::parse_problem(case_of("sample", py::str(text), {})), functions, batch);
+             });
+           }),
+           py::arg("problem"), py::arg("functions"), py::arg("batch"))
+      .def("__call__", &Called::operator(), py::arg("model"), py::arg("rows"));
 }
 
 }  // namespace wheeltap::python
