@@ -66,7 +66,7 @@ def inference_alone(folder):
     said = built(build)
     assert "P(parabola | readings)" in said, said
     cache = (build / "CMakeCache.txt").read_text()
-    for other in ("NETCDF", "CGAL", "CHOLMOD", "matio"):
+    for other in ("NETCDF", "CGAL", "CHOLMOD", "MATIO"):
         assert other not in cache.replace("CMAKE_DISABLE_FIND_PACKAGE_CGAL", ""), f"{other} was looked for"
 
 
