@@ -70,6 +70,19 @@ def inference_alone(folder):
         assert other not in cache.replace("CMAKE_DISABLE_FIND_PACKAGE_CGAL", ""), f"{other} was looked for"
 
 
+def the_page(folder):
+    """The first project and the program of docs/libraries.md, as they stand there; the program checks itself."""
+    page = (SOURCE / "docs/libraries.md").read_text()
+    [program] = re.findall(r"^```cpp\n(.*?)^```", page, re.M | re.S)
+    cmake = re.findall(r"^```cmake\n(.*?)^```", page, re.M | re.S)[0]
+    (folder / "main.cpp").write_text(program)
+    prefix = installed(folder, "dev")
+    said = built(configured(folder, cmake, folder / "main.cpp", f"-DCMAKE_PREFIX_PATH={prefix}", *HIDE.values()))
+    turns = re.search(r"(\d+) turns", said)
+    assert turns and int(turns[1]) > 0, f"the move of its own was not used: {said}"
+    print(said)
+
+
 def native(folder):
     """Wider registers than the libraries were built for."""
     prefix = installed(folder, "dev")
@@ -172,7 +185,7 @@ def uninstall_leaves_nothing(folder):
     assert left == ["bin", "bin/mine"], left
 
 
-CHECKS = [inference_alone, native, everything, what_is_missing_is_named, no_paths_of_this_machine,
+CHECKS = [inference_alone, the_page, native, everything, what_is_missing_is_named, no_paths_of_this_machine,
           within_another_project, uninstall_leaves_nothing]
 
 if __name__ == "__main__":
