@@ -21,6 +21,10 @@ class Refused(Exception):
     pass
 
 
+class Skipped(Exception):
+    pass
+
+
 def run(*command, **options):
     command = [str(word) for word in command]
     ran = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
@@ -185,8 +189,27 @@ def uninstall_leaves_nothing(folder):
     assert left == ["bin", "bin/mine"], left
 
 
+def debian_packages(folder):
+    """One a component, with dependencies read off the programs; what they hold runs."""
+    if not shutil.which("dpkg-shlibdeps") or not shutil.which("dpkg-deb"):
+        raise Skipped("no dpkg-dev")
+    run("cpack", "-G", "DEB", "--config", BUILD / "CPackConfig.cmake", "-B", folder / "made")
+    made = {p.name.split("_")[0]: p for p in (folder / "made").glob("*.deb")}
+    wanted = ["libwheeltap-dev", "wheeltap"] + (["python3-wheeltap"] if (BUILD / "python/wheeltap").is_dir() else [])
+    assert sorted(made) == sorted(wanted), made
+    needs = run("dpkg-deb", "-f", made["wheeltap"], "Depends")
+    assert "libnetcdf" in needs and "libc6" in needs, needs
+    for package in made.values():
+        run("dpkg-deb", "-x", package, folder / "root")
+    assert run(folder / "root/usr/bin/wheeltap", "--version").startswith("wheeltap ")
+    assert (folder / "root/usr/include/wheeltap/inference/reversible_jump.hpp").exists()
+    if "python3-wheeltap" in made:
+        site = folder / "root/usr/lib/python3/dist-packages"
+        run(PYTHON, "-c", "import wheeltap", env={**os.environ, "PYTHONPATH": str(site)})
+
+
 CHECKS = [inference_alone, the_page, native, everything, what_is_missing_is_named, no_paths_of_this_machine,
-          within_another_project, uninstall_leaves_nothing]
+          within_another_project, uninstall_leaves_nothing, debian_packages]
 
 if __name__ == "__main__":
     BUILD, SOURCE = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
@@ -195,6 +218,9 @@ if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as made:
         try:
             check(pathlib.Path(made))
+        except Skipped as why:
+            print(f"skipped: {why}")
+            sys.exit(77)
         except (AssertionError, Refused) as error:
             sys.exit(f"{check.__name__}: {error}")
     print(f"{check.__name__}: as it should be")
