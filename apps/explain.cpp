@@ -38,18 +38,19 @@ class Places {
     const auto add = [&](const std::string& text) { form += (form.empty() ? "" : ", ") + text; };
     if (rule.contains("enum")) {
       std::string values;
-      for (const Json& value : rule["enum"]) values += (values.empty() ? "" : " or ") + value.dump();
+      for (const Json& value : rule["enum"])
+        values += (values.empty() ? "" : " or ") + value.dump();
       add(values);
     } else if (rule.contains("type")) {
       std::string types;
-      for (const Json& type :
-           rule["type"].is_array() ? rule["type"] : Json::array({rule["type"]}))
+      for (const Json& type : rule["type"].is_array() ? rule["type"] : Json::array({rule["type"]}))
         types += (types.empty() ? "" : " or ") + type.get<std::string>();
       add(types);
     }
-    for (const auto& [name, sign] : std::map<std::string, std::string>{
-             {"minimum", ">= "}, {"exclusiveMinimum", "> "}, {"maximum", "<= "},
-             {"exclusiveMaximum", "< "}})
+    for (const auto& [name, sign] : std::map<std::string, std::string>{{"minimum", ">= "},
+                                                                       {"exclusiveMinimum", "> "},
+                                                                       {"maximum", "<= "},
+                                                                       {"exclusiveMaximum", "< "}})
       if (rule.contains(name)) add(sign + rule[name].dump());
     return form;
   }

@@ -12,11 +12,13 @@
 #include "apps/batch_command.hpp"
 #include "apps/commands.hpp"
 #include "apps/data_command.hpp"
+#include "apps/explain.hpp"
 #include "apps/failure_of.hpp"
 #include "apps/init.hpp"
 #include "apps/law_page.hpp"
 #include "apps/modal_command.hpp"
 #include "apps/nearest.hpp"
+#include "apps/program_text.hpp"
 #include "apps/report/report.hpp"
 #include "apps/section_command.hpp"
 #include "apps/several_ranks.hpp"
@@ -106,6 +108,28 @@ void obey_simd(int argc, char** argv) {
     if (word.starts_with(std::string(kOption) + "=")) value = word.substr(kOption.size() + 1);
     if (value == "baseline" || value == "avx2" || value == "avx512") start_with(value, argv);
   }
+}
+
+// What --help says, for shells and manuals.
+apps::ProgramText text_of(const CLI::App& app) {
+  apps::ProgramText program{.name = "wheeltap",
+                            .version = WHEELTAP_VERSION,
+                            .description = app.get_description(),
+                            .commands = {}};
+  for (const CLI::App* command : app.get_subcommands({})) {
+    program.commands.push_back(
+        {.name = command->get_name(), .description = command->get_description(), .options = {}});
+    for (const CLI::Option* option : command->get_options()) {
+      apps::OptionText text{.names = {}, .description = option->get_description(), .value = {}};
+      text.is_argument = option->get_positional();
+      if (text.is_argument) text.names.push_back(option->get_name());
+      for (const std::string& name : option->get_snames()) text.names.push_back("-" + name);
+      for (const std::string& name : option->get_lnames()) text.names.push_back("--" + name);
+      if (option->get_items_expected_max() > 0) text.value = option->get_type_name();
+      program.commands.back().options.push_back(std::move(text));
+    }
+  }
+  return program;
 }
 
 int run(int argc, char** argv) {
@@ -336,6 +360,17 @@ int run(int argc, char** argv) {
   CLI::App* schema_command = app.add_subcommand("schema", "the JSON Schema of a case");
   schema_command->add_option("NAME", schema, "which kind of case (default: damage)");
 
+  std::string key;
+  CLI::App* explain_command =
+      app.add_subcommand("explain", "what a key of a case means, and what may stand there");
+  explain_command->add_option("KEY", key, "e.g. count.max or /data/cov")->required();
+
+  std::string shell;
+  CLI::App* completion_command =
+      app.add_subcommand("completion", "what a shell sources to complete commands and options");
+  completion_command->add_option("SHELL", shell, "bash, zsh or fish")->required();
+  CLI::App* man_command = app.add_subcommand("man", "the manual page, for man -l -");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {
@@ -391,6 +426,9 @@ int run(int argc, char** argv) {
     if (init_command->parsed()) apps::run_init(starting, start_structure, start_in);
     if (laws_command->parsed()) apps::run_laws(laws);
     if (schema_command->parsed()) apps::run_schema(schema);
+    if (explain_command->parsed()) std::cout << apps::explanation(key);
+    if (completion_command->parsed()) std::cout << apps::completion(text_of(app), shell);
+    if (man_command->parsed()) std::cout << apps::man_page(text_of(app));
     std::cout.flush();
     if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");
     return static_cast<int>(Exit::done);

@@ -57,6 +57,32 @@ void print(std::ostream& out, bool colour, const ProblemFile& parsed, const Find
   print_closing(page, findings, warnings(findings, {}), "model");
 }
 
+/// Visits the entry of a parameter in every draw of every model that has it.
+template <class Visit>
+void for_each_of(inference::Posterior& posterior, const std::string& name, const Visit& visit) {
+  const auto& table = posterior.space->parameters();
+  const auto number =
+      static_cast<int>(std::ranges::find(table, name, &inference::Parameter::name) - table.begin());
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  for (auto& chain : posterior.chains) {
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      const auto& own = (*posterior.space)[chain.model[i]].parameters;
+      const auto at = std::ranges::find(own, number);
+      if (at != own.end())
+        visit(chain.theta[i * width + static_cast<std::size_t>(at - own.begin())]);
+    }
+  }
+}
+
+/// The draws of u as those of x(u).
+void tell_by_quantiles(inference::Posterior& posterior, const QuantilePrior& prior) {
+  std::vector<double> values;
+  for_each_of(posterior, prior.name, [&](double u) { values.push_back(u); });
+  prior.quantiles(values);
+  std::size_t next = 0;
+  for_each_of(posterior, prior.name, [&](double& x) { x = values[next++]; });
+}
+
 }  // namespace
 
 ProblemFile parse_problem(CaseFile file) {
@@ -97,18 +123,30 @@ ProblemFile parse_problem(CaseFile file) {
 
 FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
                            const inference::Problem& problem, const CommonOptions& common,
-                           const SamplingOptions& options, RunWatch& watch) {
+                           const SamplingOptions& options, RunWatch& watch,
+                           const std::vector<QuantilePrior>& by_quantiles) {
   const auto methods = evidence_methods(options.evidence);
   const std::uint64_t seed = common.seed.value_or(1);
-  const auto posterior = std::make_shared<const inference::Posterior>(
-      watch.sample(problem, engine_options(common, options)));
+  inference::Posterior drawn = watch.sample(problem, engine_options(common, options));
   const auto evidence = compute_evidence(problem, methods, seed, common.threads, watch);
-  Findings made = run_findings(*posterior, inference::judge(*posterior), seed);
+  const inference::Verdict verdict = inference::judge(drawn);
+  Findings made = run_findings(drawn, verdict, seed);
+  if (!by_quantiles.empty()) {
+    for (const QuantilePrior& prior : by_quantiles) tell_by_quantiles(drawn, prior);
+    Findings told = run_findings(drawn, verdict, seed);
+    // How much of the prior is left is a matter of u.
+    for (std::size_t m = 0; m < told.models.size(); ++m)
+      for (std::size_t i = 0; i < told.models[m].parameters.size(); ++i)
+        told.models[m].parameters[i].prior_overlap = made.models[m].parameters[i].prior_overlap;
+    made = std::move(told);
+  }
+  const auto posterior = std::make_shared<const inference::Posterior>(std::move(drawn));
   conclude(made, *posterior->space, evidence);
   const auto findings = std::make_shared<const Findings>(std::move(made));
   Report priors = Report::object();
   for (const auto& parameter : posterior->space->parameters())
     priors[parameter.name] = parameter.prior.describe();
+  for (const QuantilePrior& prior : by_quantiles) priors[prior.name] = "by its quantile function";
   Report summary = {
       {"wheeltap",
        about("sample", {.seed = seed, .command_line = common.command_line}, parsed->file)},

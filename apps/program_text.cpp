@@ -101,8 +101,8 @@ std::string zsh(const ProgramText& program) {
       const std::string names = joined(option.names, " ");
       text += " \\\n    '(" + names + ")'" +
               (option.names.size() > 1 ? "{" + joined(option.names, ",") + "}" : option.names[0]) +
-              "'[" + plain(option.description) + "]" + (option.value.empty() ? "" : ":value:_files") +
-              "'";
+              "'[" + plain(option.description) + "]" +
+              (option.value.empty() ? "" : ":value:_files") + "'";
     }
     text += " ;;\n";
   }
@@ -163,9 +163,11 @@ std::string man_page(const ProgramText& program) {
   }
   return text +
          ".SH EXIT STATUS\n"
-         "0 done (whether a run has converged is its last line, and in summary.json); 64 bad command "
+         "0 done (whether a run has converged is its last line, and in summary.json); 64 bad "
+         "command "
          "line; 65 invalid case or data; 66 a file is missing or unreadable; 70 a fault of the "
-         "program; 73 output cannot be written; 130 interrupted before there was anything to keep.\n"
+         "program; 73 output cannot be written; 130 interrupted before there was anything to "
+         "keep.\n"
          ".SH SEE ALSO\n"
          "\\fBwheeltap schema\\fR prints what a case may hold, \\fBwheeltap explain\\fR what a key "
          "means, \\fBwheeltap init\\fR writes a case to start from.\n";

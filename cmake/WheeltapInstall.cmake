@@ -1,4 +1,4 @@
-# Installs in three components: program (wheeltap and its MPI module), dev (libraries, headers, the package
+# Installs in three components: program (wheeltap, its MPI module, completions and manual page), dev (libraries, headers, the package
 # for find_package(wheeltap)) and python (python/CMakeLists.txt). `uninstall` takes all of them away.
 include(CMakePackageConfigHelpers)
 set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/wheeltap")
@@ -8,6 +8,14 @@ if(TARGET wheeltap)
 endif()
 if(TARGET wheeltap_mpi AND TARGET wheeltap)
   install(TARGETS wheeltap_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/wheeltap COMPONENT program)
+endif()
+
+if(TARGET wheeltap_texts)
+  set(texts "${PROJECT_BINARY_DIR}/apps/texts")
+  install(FILES "${texts}/wheeltap" DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+  install(FILES "${texts}/_wheeltap" DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
+  install(FILES "${texts}/wheeltap.fish" DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
+  install(FILES "${texts}/wheeltap.1" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 endif()
 
 # Each library is exported by itself, so that a program needs what its own libraries need and no more.

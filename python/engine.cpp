@@ -81,6 +81,22 @@ std::vector<Function> functions_of(const apps::ProblemFile& parsed, const py::li
   return out;
 }
 
+/// {name: function of an array of probabilities}.
+std::vector<apps::QuantilePrior> quantile_priors(const py::dict& quantiles) {
+  std::vector<apps::QuantilePrior> out;
+  for (const auto& [key, function] : quantiles) {
+    out.push_back({key.cast<std::string>(), [f = py::handle(function)](std::vector<double>& u) {
+                     const py::gil_scoped_acquire held;
+                     const auto n = static_cast<py::ssize_t>(u.size());
+                     const Array x = Array::ensure(f(py::array_t<double>(n, u.data())));
+                     if (!x || x.size() != n)
+                       throw py::value_error("a quantile function must return a number for each");
+                     std::copy_n(x.data(), u.size(), u.begin());
+                   }});
+  }
+  return out;
+}
+
 /// Keeps all that a likelihood refers to.
 class Called {
  public:
@@ -108,8 +124,8 @@ class Called {
 };
 
 std::shared_ptr<Run> sample(const std::string& text, const py::list& functions,
-                            const std::vector<bool>& batch, const py::dict& said,
-                            const py::object& progress) {
+                            const std::vector<bool>& batch, const py::dict& quantiles,
+                            const py::dict& said, const py::object& progress) {
   RunOptions options = run_options(said);
   options.common.case_path = "sample";
   return guarded("sample", [&] {
@@ -135,7 +151,7 @@ std::shared_ptr<Run> sample(const std::string& text, const py::list& functions,
 
 void bind_engine(py::module_& m) {
   m.def("sample", &sample, py::arg("problem"), py::arg("functions"), py::arg("batch"),
-        py::arg("options"), py::arg("progress"));
+        py::arg("quantiles"), py::arg("options"), py::arg("progress"));
   // What the engine calls, to be called from Python: bench/python/likelihood_bench.py.
   py::class_<Called>(m, "Likelihood", "Functions as the engine calls them.")
       .def(py::init([](const std::string& text, const py::list& functions,

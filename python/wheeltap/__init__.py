@@ -9,15 +9,15 @@ Cases are files or dictionaries of the same content. The page docs/python.md sho
 from ._cases import (beam, beta, gamma, half_normal, log_normal, log_uniform, normal, rectangle, schema,
                      truncated_normal, uniform)
 from ._core import CaseError, Chain, FileError, Progress, __version__
-from ._engine import Model, sample
+from ._engine import Model, Quantiles, from_quantiles, sample
 from ._modal import Modal, modal
 from ._modes import Modes, modes
 from ._records import Record, data, read_record, simulate
 from ._runs import Draws, Result, damage, load, sid, update
 
 __all__ = [
-    "CaseError", "Chain", "Draws", "FileError", "Modal", "Model", "Modes", "Progress", "Record", "Result",
-    "__version__", "beam", "beta", "damage", "data", "gamma", "half_normal", "load", "log_normal", "log_uniform",
+    "CaseError", "Chain", "Draws", "FileError", "Modal", "Model", "Modes", "Progress", "Quantiles", "Record", "Result",
+    "__version__", "beam", "beta", "damage", "data", "from_quantiles", "gamma", "half_normal", "load", "log_normal", "log_uniform",
     "modal", "modes", "normal", "plot", "read_record", "rectangle", "sample", "schema", "sid", "simulate",
     "truncated_normal", "uniform", "update",
 ]

@@ -123,6 +123,27 @@ class Engine(unittest.TestCase):
         self.assertLess(abs(result.draws["z"].mean() - 1), 0.05)
         self.assertLess(abs(result.draws["a"].mean() - 5), 0.05)
 
+    def test_a_prior_by_its_quantiles(self):
+        # N(0, 1) by Φ⁻¹ instead of by name: the same problem, and the closed form of the first test.
+        from statistics import NormalDist
+        inverse = np.vectorize(NormalDist().inv_cdf, otypes=[float])
+
+        def quantile(u):
+            return inverse(np.clip(u, 1e-300, 1 - 1e-16))
+
+        told = wt.sample(models(parameters={"mu": wt.from_quantiles(quantile)}), **{**QUICK, "draws": 5000})
+        exact = BAYES_FACTOR / (1 + BAYES_FACTOR)
+        p = told.summary["models"][1]
+        self.assertLess(abs(p["probability"] - exact), 4.5 * p["mcse"])
+        mu = told.summary["parameters"]["something"]["mu"]
+        self.assertLess(abs(mu["mean"] - N * MEAN / (N + 1)), 4.5 / np.sqrt((N + 1) * mu["ess_bulk"]))
+        self.assertLess(abs(mu["sd"] * np.sqrt(N + 1) - 1), 0.1)
+        self.assertAlmostEqual(told.draws_of("mu", "something").mean(), mu["mean"], places=12)
+        self.assertEqual(told.summary["priors"]["mu"], "by its quantile function")
+        one, other = wt.from_quantiles(quantile), wt.from_quantiles(quantile)
+        with self.assertRaisesRegex(wt.CaseError, "mu: .*same name"):
+            wt.sample([wt.Model("a", {"mu": one}, something), wt.Model("b", {"mu": other}, something)], **QUICK)
+
     def test_save_and_report(self):
         result = wt.sample(models(), title="Is there anything?", **QUICK)
         with tempfile.TemporaryDirectory() as folder:
