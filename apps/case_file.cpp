@@ -331,7 +331,7 @@ CaseFile parse_case(const std::filesystem::path& path, const std::string& text,
 std::vector<std::string> schema_names() {
   std::vector<std::string> names;
   for (const auto& [name, text] : kSchemaTexts) {
-    if (name != "common") names.emplace_back(name);
+    if (name != "common" && name != "sample") names.emplace_back(name);
   }
   return names;
 }

@@ -118,8 +118,7 @@ bool ends_with(const Path& path, const Path& end) {
 std::string explanation(const std::string& key) {
   std::vector<Place> places;
   Places finder(places);
-  for (const std::string& kind : schema_names())
-    if (kind != "sample") finder.of_schema(kind);
+  for (const std::string& kind : schema_names()) finder.of_schema(kind);
   const Path asked = parts_of(key);
   std::string text;
   for (const Place& place : places) {
