@@ -136,12 +136,13 @@ std::shared_ptr<Run> sample(const std::string& text, const py::list& functions,
     const inference::Problem problem = {
         .space = *parsed->space,
         .likelihood = [&] { return std::make_unique<PythonLikelihood>(*parsed->space, of); }};
+    const std::vector<apps::QuantilePrior> priors = quantile_priors(quantiles);
     std::shared_ptr<Run> out;
     watched(progress, [&](Job& job) {
       JobWatch watch(job);
-      out = std::make_shared<Run>(
-          Run{apps::sample_problem(parsed, problem, options.common, options.sampling, watch),
-              watch.lines()});
+      out = std::make_shared<Run>(Run{
+          apps::sample_problem(parsed, problem, options.common, options.sampling, watch, priors),
+          watch.lines()});
     });
     return out;
   });
