@@ -11,6 +11,7 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include "apps/case_text.hpp"
 #include "apps/json_text.hpp"
 #include "apps/nearest.hpp"
 #include "apps/schema_lists.hpp"
@@ -312,6 +313,11 @@ CaseFile read_case(const std::filesystem::path& path, const std::vector<std::str
     throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
                   error.what());
   }
+  return parse_case(path, text, overrides);
+}
+
+CaseFile parse_case(const std::filesystem::path& path, const std::string& text,
+                    const std::vector<std::string>& overrides) {
   CaseFile file{.path = path, .json = parse_json<Json>(path, text)};
   if (!file.json.is_object()) {
     throw Failure(Exit::bad_input, path.string() + ": /: must be an object, is a " +
@@ -325,7 +331,7 @@ CaseFile read_case(const std::filesystem::path& path, const std::vector<std::str
 std::vector<std::string> schema_names() {
   std::vector<std::string> names;
   for (const auto& [name, text] : kSchemaTexts) {
-    if (name != "common") names.emplace_back(name);
+    if (name != "common" && name != "sample") names.emplace_back(name);
   }
   return names;
 }

@@ -8,14 +8,15 @@
 
 #include "apps/checkpoint_file.hpp"
 #include "apps/csv_frequencies.hpp"
-#include "apps/damage_summary.hpp"
+#include "apps/damage_run.hpp"
 #include "apps/damage_terminal.hpp"
-#include "apps/posterior_file.hpp"
+#include "apps/found_modes.hpp"
 #include "apps/run_cost.hpp"
 #include "apps/run_files.hpp"
 #include "apps/running.hpp"
 #include "apps/several_ranks.hpp"
 #include "apps/sid_command.hpp"
+#include "apps/simulation.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/structure_case.hpp"
 #include "apps/structure_command.hpp"
@@ -26,7 +27,6 @@
 #include "emulator/journal.hpp"
 #include "fem/modal_analysis.hpp"
 #include "fem/structures/structure_modes.hpp"
-#include "identification/plausibility.hpp"
 #include "io/atomic_file.hpp"
 #include "io/text.hpp"
 
@@ -82,9 +82,8 @@ fem::Modes true_modes(const DamageCase& damage_case, int wanted) {
 
 }  // namespace
 
-void run_modes(const CommonOptions& common, const ModesOptions& options) {
-  CaseFile file = read_case(common.case_path, common.overrides);
-  if (has_structure(file)) return run_structure_modes(file, options);
+FoundModes find_modes(CaseFile file, const ModesOptions& options) {
+  if (has_structure(file)) return find_structure_modes(std::move(file), options);
   if (!options.vtk.empty())
     throw Failure(Exit::usage, "--vtk: goes with a structure; this case has a beam");
   const DamageCaseFile parsed = parse_damage_case(std::move(file), Needs::structure);
@@ -106,41 +105,42 @@ void run_modes(const CommonOptions& common, const ModesOptions& options) {
     parsed.file.refuse(Pointer("/beam"), error.what());
   }
   const std::vector<double> frequencies(modes.frequencies_hz.begin(), modes.frequencies_hz.end());
-  if (options.json) {
-    Report out = {{"frequencies_hz", frequencies},
-                  {"rigid_body_modes", modes.rigid_body_modes},
-                  {"certified", modes.certified},
-                  {"solver", modes.solver}};
-    if (options.shapes) {
-      Report shapes = Report::array();
-      for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
-        std::vector<double> w;
-        for (Eigen::Index i = 0; i < modes.shapes.rows(); i += 2) w.push_back(modes.shapes(i, j));
-        shapes.push_back(w);
-      }
-      std::vector<double> x;
-      for (int i = 0; i < damage_case.beam.nodes(); ++i) {
-        x.push_back(i * damage_case.beam.element_length());
-      }
-      out["x_m"] = x;
-      out["deflections"] = shapes;
+  Report report = {{"frequencies_hz", frequencies},
+                   {"rigid_body_modes", modes.rigid_body_modes},
+                   {"certified", modes.certified},
+                   {"solver", modes.solver}};
+  if (options.shapes) {
+    Report shapes = Report::array();
+    for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
+      std::vector<double> w;
+      for (Eigen::Index i = 0; i < modes.shapes.rows(); i += 2) w.push_back(modes.shapes(i, j));
+      shapes.push_back(w);
     }
-    std::cout << out.dump() << '\n';
-    return;
+    std::vector<double> x;
+    for (int i = 0; i < damage_case.beam.nodes(); ++i) {
+      x.push_back(i * damage_case.beam.element_length());
+    }
+    report["x_m"] = x;
+    report["deflections"] = shapes;
   }
-  std::cout << damage_case.title << (options.truth ? " (as damaged in truth)" : " (intact)")
-            << "\n\n";
-  std::cout << "  mode   frequency [Hz]   deflection along the beam\n";
+  std::ostringstream text;
+  text << damage_case.title << (options.truth ? " (as damaged in truth)" : " (intact)") << "\n\n";
+  text << "  mode   frequency [Hz]   deflection along the beam\n";
   for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
     char line[64];
     std::snprintf(line, sizeof line, "  %4d   %14.6f   ", static_cast<int>(j) + 1,
                   frequencies[static_cast<std::size_t>(j)]);
-    std::cout << line << sparkline(modes.shapes.col(j))
-              << (j < modes.rigid_body_modes ? "  rigid body" : "") << '\n';
+    text << line << sparkline(modes.shapes.col(j))
+         << (j < modes.rigid_body_modes ? "  rigid body" : "") << '\n';
   }
-  std::cout << (modes.certified
-                    ? "\nA Sturm count certifies that no mode below the last is missing.\n"
-                    : "\nNot certified: a mode may be missing.\n");
+  text << (modes.certified ? "\nA Sturm count certifies that no mode below the last is missing.\n"
+                           : "\nNot certified: a mode may be missing.\n");
+  return {.report = std::move(report), .text = text.str()};
+}
+
+void run_modes(const CommonOptions& common, const ModesOptions& options) {
+  const FoundModes found = find_modes(read_case(common.case_path, common.overrides), options);
+  std::cout << (options.json ? found.report.dump() + "\n" : found.text);
 }
 
 namespace {
@@ -287,22 +287,23 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
 }
 
 void run_damage(const CommonOptions& common, const SamplingOptions& options) {
-  const auto methods = evidence_methods(options.evidence);  // refuse before anything runs
+  static_cast<void>(evidence_methods(options.evidence));  // refuse before anything runs
   const auto log = make_log(common.quiet);
-  const DamageCaseFile parsed = parse_damage_case(read_case(common.case_path, common.overrides));
+  const auto parsed = std::make_shared<const DamageCaseFile>(
+      parse_damage_case(read_case(common.case_path, common.overrides)));
   const std::uint64_t seed = common.seed.value_or(1);
-  const RunCost tables = cost_of_tables(parsed.damage);
-  require_affordable(parsed.file, Pointer("/predictor"), tables, common);
-  const RunCost cost = cost_of_damages(parsed.damage, common, options);
-  require_affordable(parsed.file, Pointer(), cost, common);
+  const RunCost tables = cost_of_tables(parsed->damage);
+  require_affordable(parsed->file, Pointer("/predictor"), tables, common);
+  const RunCost cost = cost_of_damages(parsed->damage, common, options);
+  require_affordable(parsed->file, Pointer(), cost, common);
   if (common.dry_run) {
     if (tables.likelihoods > 0.0) print_estimate("table", tables);
     return print_estimate("run", cost);
   }
-  require_same_on_all_ranks("case", parsed.file.json.dump());
+  require_same_on_all_ranks("case", parsed->file.json.dump());
   if (common.resume) {
     const auto text = first_rank_says([&] {
-      return finished_run(common.output, parsed.file.json, seed, "options",
+      return finished_run(common.output, parsed->file.json, seed, "options",
                           options_report(options));
     });
     if (text && !base::is_first_rank()) return;
@@ -314,48 +315,17 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
                             {.command = "damage",
                              .seed = seed,
                              .options = options_report(options),
-                             .case_json = parsed.file.json},
+                             .case_json = parsed->file.json},
                             common);
-  ProgressBar bar(common.quiet);
-  const auto problem = explained(parsed, [&] {
-    return make_damage_problem(
-        parsed.damage, {.threads = base::thread_count(common.threads),
-                        .table_progress = [&](int count, Eigen::Index done, Eigen::Index total) {
-                          bar.show("table", static_cast<double>(done) / static_cast<double>(total),
-                                   std::to_string(total) + " FE runs, " + std::to_string(count) +
-                                       (count == 1 ? " damage" : " damages"));
-                        }});
-  });
-  bar.clear();
+  TerminalWatch watch(common, *log);
+  watch.keep(checkpoint);
+  const auto problem = prepare_damage(*parsed, common, watch);
   if (problem->emulator && !common.quiet) {
-    print_emulator(std::cout, emulator_finding(*problem->emulator, parsed.damage.data.sd_hz),
+    print_emulator(std::cout, emulator_finding(*problem->emulator, parsed->damage.data.sd_hz),
                    colour_wanted(), false);
   }
-
-  for (const Remark& doubt : implausible(*problem)) log->warn(sentence(doubt, {}));
-  const StopOnInterrupt stop;
-  inference::Options engine = engine_options(common, options);
-  engine.balance = problem->damage_case.balance;
-  const inference::Posterior posterior =
-      run_engine(problem->problem, engine, common.case_path, common.quiet, checkpoint);
-
-  const auto evidence = compute_evidence(problem->problem, methods, seed, common.threads, *log);
-  if (!base::is_first_rank()) return;
-  const DamageFindings findings = damage_findings(*problem, posterior, evidence, seed);
-  Report summary =
-      damage_summary(parsed, findings, {.seed = seed, .command_line = common.command_line});
-  summary["wheeltap"]["options"] = options_report(options);
-  std::ostringstream text;
-  print_damage(text, parsed, findings, false);
-  const std::string run = run_id(summary["wheeltap"], posterior);
-  const auto failed = files->keep(std::move(summary), text.str(), run, [&] {
-    return posterior_file(run, parsed, *problem, posterior, seed);
-  });
-  print_damage(std::cout, parsed, findings, colour_wanted());
-  if (failed) throw *failed;
-  say_what_goes_on(checkpoint, posterior.stopped_early);
-  print_results(common.output, findings.sampling.verdict.converged);  // the last line: how it ended
-  if (!posterior.stopped_early) checkpoint.remove();
+  const auto run = sample_damage(parsed, problem, common, options, watch);
+  if (run) deliver(*run, *files, common.output, checkpoint);
 }
 
 void run_simulate(const CommonOptions& common) {
@@ -369,19 +339,7 @@ void run_simulate(const CommonOptions& common) {
   const FrequencyData data = explained(parsed, [&] { return simulate(damage_case, seed); });
   std::string text;
   if (common.output.extension() == ".json") {
-    Json json = parsed.file.json;
-    for (const char* key : {"file", "columns", "row", "modes", "seed"}) json["data"].erase(key);
-    json["data"]["frequencies"] = data.frequencies_hz;
-    if (damage_case.modal && !damage_case.modal->sensors.empty()) {
-      const Eigen::MatrixXd shapes =
-          explained(parsed, [&] { return simulated_shapes(damage_case, data.modes(), seed); });
-      json["data"]["shapes"] = Json::array();
-      for (const auto& shape : shapes.rowwise())
-        json["data"]["shapes"].push_back(std::vector<double>(shape.begin(), shape.end()));
-      if (!json["data"].contains("shape_sd"))
-        json["data"]["shape_sd"] = damage_case.simulation->shape_sd;
-    }
-    text = json.dump(2) + "\n";
+    text = with_simulated(parsed, data, seed).dump(2) + "\n";
   } else if (damage_case.modal && !damage_case.modal->sensors.empty()) {
     throw Failure(Exit::usage, "--output: " + common.output.string() +
                                    ": shapes are written as a complete case: name it .json");

@@ -23,47 +23,6 @@ std::string with_unit(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + " [" + unit + "]";
 }
 
-Report json(const MeasuredFile& file) {
-  Report tables = Report::array();
-  for (const MeasuredTable& table : file.tables) {
-    Report channels = Report::array();
-    for (const MeasuredChannel& c : table.channels) {
-      const signals::ChannelQuality& q = c.quality;
-      Report peaks = Report::array();
-      for (const signals::SpectrumPeak& p : c.peaks)
-        peaks.push_back({{"frequency_hz", p.frequency_hz}, {"prominence_db", p.prominence_db}});
-      Report dropouts = Report::array();
-      for (const signals::Stretch& d : q.dropouts) dropouts.push_back({d.begin, d.end});
-      channels.push_back({{"name", c.name},
-                          {"unit", c.unit},
-                          {"missing", q.missing},
-                          {"rms", q.rms},
-                          {"mean", q.mean},
-                          {"sd", q.sd},
-                          {"lowest", q.lowest},
-                          {"highest", q.highest},
-                          {"resolution", q.step},
-                          {"constant", q.constant},
-                          {"dropouts", dropouts},
-                          {"clipped", {{"high", q.clipped_high}, {"low", q.clipped_low}}},
-                          {"spikes", q.spikes},
-                          {"drift", std::isfinite(q.drift) ? Report(q.drift) : Report()},
-                          {"wander", q.wander},
-                          {"peaks", peaks},
-                          {"remarks", oddities(table, c)}});
-    }
-    tables.push_back(
-        {{"rows", table.rows()},
-         {"abscissa", table.abscissa},
-         {"abscissa_unit", table.abscissa_unit},
-         {"time_history", table.is_time},
-         {"sample_rate_hz", table.sample_rate_hz ? Report(*table.sample_rate_hz) : Report()},
-         {"sampling_fault", table.sampling_fault},
-         {"channels", channels}});
-  }
-  return {{"file", file.path.string()}, {"format", file.format}, {"tables", tables}};
-}
-
 void print_universal(const io::UniversalFile& file) {
   if (file.header && !file.header->lines[0].empty())
     std::cout << "Model: " << io::printable(file.header->lines[0]) << "\n";
@@ -220,10 +179,51 @@ void convert(const MeasuredFile& file, const std::string& to) {
 
 }  // namespace
 
+Report data_report(const MeasuredFile& file) {
+  Report tables = Report::array();
+  for (const MeasuredTable& table : file.tables) {
+    Report channels = Report::array();
+    for (const MeasuredChannel& c : table.channels) {
+      const signals::ChannelQuality& q = c.quality;
+      Report peaks = Report::array();
+      for (const signals::SpectrumPeak& p : c.peaks)
+        peaks.push_back({{"frequency_hz", p.frequency_hz}, {"prominence_db", p.prominence_db}});
+      Report dropouts = Report::array();
+      for (const signals::Stretch& d : q.dropouts) dropouts.push_back({d.begin, d.end});
+      channels.push_back({{"name", c.name},
+                          {"unit", c.unit},
+                          {"missing", q.missing},
+                          {"rms", q.rms},
+                          {"mean", q.mean},
+                          {"sd", q.sd},
+                          {"lowest", q.lowest},
+                          {"highest", q.highest},
+                          {"resolution", q.step},
+                          {"constant", q.constant},
+                          {"dropouts", dropouts},
+                          {"clipped", {{"high", q.clipped_high}, {"low", q.clipped_low}}},
+                          {"spikes", q.spikes},
+                          {"drift", std::isfinite(q.drift) ? Report(q.drift) : Report()},
+                          {"wander", q.wander},
+                          {"peaks", peaks},
+                          {"remarks", oddities(table, c)}});
+    }
+    tables.push_back(
+        {{"rows", table.rows()},
+         {"abscissa", table.abscissa},
+         {"abscissa_unit", table.abscissa_unit},
+         {"time_history", table.is_time},
+         {"sample_rate_hz", table.sample_rate_hz ? Report(*table.sample_rate_hz) : Report()},
+         {"sampling_fault", table.sampling_fault},
+         {"channels", channels}});
+  }
+  return {{"file", file.path.string()}, {"format", file.format}, {"tables", tables}};
+}
+
 void run_data(const DataOptions& options) {
   const MeasuredFile file = look_at(options.file, options.sample_rate_hz);
   if (options.json) {
-    std::cout << json(file).dump() << "\n";
+    std::cout << data_report(file).dump() << "\n";
   } else {
     print(file);
   }

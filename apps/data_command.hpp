@@ -5,6 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "apps/measured_file.hpp"
+#include "apps/summary.hpp"
+
 namespace wheeltap::apps {
 
 struct DataOptions {
@@ -14,6 +17,9 @@ struct DataOptions {
   std::optional<double> sample_rate_hz;  ///< where the file says none
   bool json = false;
 };
+
+/// {file, format, tables: [{rows, sample_rate_hz, channels: [{name, unit, rms, peaks, …}, …]}, …]}.
+[[nodiscard]] Report data_report(const MeasuredFile& file);
 
 /// Prints channels, units, sampling, root mean squares, what is odd about each channel and the
 /// peaks of its spectrum; draws and converts where asked. Throws io::FileError, Failure.

@@ -8,25 +8,23 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
-#include <new>
-#include <system_error>
 
 #include "apps/batch_command.hpp"
 #include "apps/commands.hpp"
 #include "apps/data_command.hpp"
-#include "apps/failure.hpp"
+#include "apps/explain.hpp"
+#include "apps/failure_of.hpp"
 #include "apps/init.hpp"
 #include "apps/law_page.hpp"
 #include "apps/modal_command.hpp"
 #include "apps/nearest.hpp"
+#include "apps/program_text.hpp"
 #include "apps/report/report.hpp"
 #include "apps/section_command.hpp"
 #include "apps/several_ranks.hpp"
 #include "apps/update_command.hpp"
 #include "apps/whole_number.hpp"
 #include "base/simd.hpp"
-#include "inference/target.hpp"
-#include "io/file_error.hpp"
 #include "io/text.hpp"
 
 namespace {
@@ -44,17 +42,6 @@ int report(Exit exit, const std::string& line) {
   std::cerr << "wheeltap: " << io::printable(line) << '\n';
   last_words() = io::printable(line);
   return static_cast<int>(exit);
-}
-
-Exit exit_of(io::FileError::Kind kind) {
-  switch (kind) {
-    case io::FileError::Kind::missing:
-      return Exit::no_input;
-    case io::FileError::Kind::unwritable:
-      return Exit::cannot_create;
-    default:
-      return Exit::bad_input;
-  }
 }
 
 std::string joined(int argc, char** argv) {
@@ -121,6 +108,28 @@ void obey_simd(int argc, char** argv) {
     if (word.starts_with(std::string(kOption) + "=")) value = word.substr(kOption.size() + 1);
     if (value == "baseline" || value == "avx2" || value == "avx512") start_with(value, argv);
   }
+}
+
+// What --help says, for shells and manuals.
+apps::ProgramText text_of(const CLI::App& app) {
+  apps::ProgramText program{.name = "wheeltap",
+                            .version = WHEELTAP_VERSION,
+                            .description = app.get_description(),
+                            .commands = {}};
+  for (const CLI::App* command : app.get_subcommands({})) {
+    program.commands.push_back(
+        {.name = command->get_name(), .description = command->get_description(), .options = {}});
+    for (const CLI::Option* option : command->get_options()) {
+      apps::OptionText text{.names = {}, .description = option->get_description(), .value = {}};
+      text.is_argument = option->get_positional();
+      if (text.is_argument) text.names.push_back(option->get_name());
+      for (const std::string& name : option->get_snames()) text.names.push_back("-" + name);
+      for (const std::string& name : option->get_lnames()) text.names.push_back("--" + name);
+      if (option->get_items_expected_max() > 0) text.value = option->get_type_name();
+      program.commands.back().options.push_back(std::move(text));
+    }
+  }
+  return program;
 }
 
 int run(int argc, char** argv) {
@@ -351,6 +360,17 @@ int run(int argc, char** argv) {
   CLI::App* schema_command = app.add_subcommand("schema", "the JSON Schema of a case");
   schema_command->add_option("NAME", schema, "which kind of case (default: damage)");
 
+  std::string key;
+  CLI::App* explain_command =
+      app.add_subcommand("explain", "what a key of a case means, and what may stand there");
+  explain_command->add_option("KEY", key, "e.g. count.max or /data/cov")->required();
+
+  std::string shell;
+  CLI::App* completion_command =
+      app.add_subcommand("completion", "what a shell sources to complete commands and options");
+  completion_command->add_option("SHELL", shell, "bash, zsh or fish")->required();
+  CLI::App* man_command = app.add_subcommand("man", "the manual page, for man -l -");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {
@@ -406,31 +426,17 @@ int run(int argc, char** argv) {
     if (init_command->parsed()) apps::run_init(starting, start_structure, start_in);
     if (laws_command->parsed()) apps::run_laws(laws);
     if (schema_command->parsed()) apps::run_schema(schema);
+    if (explain_command->parsed()) std::cout << apps::explanation(key);
+    if (completion_command->parsed()) std::cout << apps::completion(text_of(app), shell);
+    if (man_command->parsed()) std::cout << apps::man_page(text_of(app));
     std::cout.flush();
     if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");
     return static_cast<int>(Exit::done);
   } catch (const apps::FailedOnFirstRank&) {
     return static_cast<int>(Exit::done);  // that one says and returns what it was
-  } catch (const apps::Failure& failure) {
+  } catch (const std::exception&) {
+    const apps::Failure failure = apps::failure_of(std::current_exception(), common.case_path);
     return report(failure.exit(), failure.what());
-  } catch (const io::FileError& error) {
-    return report(exit_of(error.kind()), error.what());
-  } catch (const inference::LikelihoodError& error) {
-    return report(Exit::bad_input, common.case_path.string() + ": " + error.what());
-  } catch (const std::bad_alloc&) {
-    return report(Exit::bad_input, common.case_path.string() +
-                                       ": asks for more memory than there is (--dry-run estimates "
-                                       "how much a run takes)");
-  } catch (const std::filesystem::filesystem_error& error) {
-    return report(Exit::no_input, error.path1().string() + ": " + error.code().message());
-  } catch (const std::system_error& error) {
-    return report(Exit::internal, std::string("internal fault: ") + error.what());
-  } catch (const std::runtime_error& error) {
-    // Misuse throws logic errors; what is left are numbers for which the arithmetic gives up.
-    return report(Exit::bad_input, common.case_path.string() + ": cannot be computed: " +
-                                       error.what() + "; check units and sizes");
-  } catch (const std::exception& error) {
-    return report(Exit::internal, std::string("internal fault: ") + error.what());
   }
 }
 

@@ -154,7 +154,8 @@ void estimate_responses(const CaseFile& file, SetUp& out, const Eigen::MatrixXd&
   }
 }
 
-SetUp read_set_up(const CaseFile& file, const Pointer& where) {
+SetUp read_set_up(const CaseFile& file, const Pointer& where,
+                  std::optional<signals::Record> given) {
   SetUp out{.where = where, .name = file.json.at(where / "file")};
   if (!file.json.at(where).contains("channels")) {
     if (!of_forces(file))
@@ -173,7 +174,8 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where) {
   std::vector<std::string> columns = channels.columns;
   columns.insert(columns.end(), channels.forces.begin(), channels.forces.end());
   if (!channels.time.empty()) columns.push_back(channels.time);
-  const signals::Record record = read_record(file, where / "file", columns);
+  const signals::Record record =
+      given ? std::move(*given) : read_record(file, where / "file", columns);
   try {
     read_rate(file, out, record, channels);
     const Json& r = file.json.at(where);
@@ -300,7 +302,7 @@ void take_band(const ModalCaseFile& out, SetUp& s) {
 
 }  // namespace
 
-ModalCaseFile parse_modal_case(CaseFile file) {
+ModalCaseFile parse_modal_case(CaseFile file, std::optional<signals::Record> given) {
   validate_against_schema(file, "modal");
   ModalCaseFile out{.file = std::move(file)};
   const Json& json = out.file.json;
@@ -310,10 +312,10 @@ ModalCaseFile parse_modal_case(CaseFile file) {
                                             : "is missing: a record, or \"records\" of several "
                                               "set-ups");
   if (json.contains("record")) {
-    out.set_ups.push_back(read_set_up(out.file, Pointer("/record")));
+    out.set_ups.push_back(read_set_up(out.file, Pointer("/record"), std::move(given)));
   } else {
     for (std::size_t i = 0; i < json.at("records").size(); ++i)
-      out.set_ups.push_back(read_set_up(out.file, Pointer("/records") / i));
+      out.set_ups.push_back(read_set_up(out.file, Pointer("/records") / i, {}));
   }
   collect_sensors(out);
   for (SetUp& s : out.set_ups) take_band(out, s);

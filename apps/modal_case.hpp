@@ -10,6 +10,7 @@
 #include "apps/modes_file.hpp"
 #include "signals/frequency_responses.hpp"
 #include "signals/merged_modes.hpp"
+#include "signals/record.hpp"
 
 namespace wheeltap::apps {
 
@@ -42,7 +43,9 @@ struct IdentifiedModes {
   std::optional<signals::MergedModes> merged = {};  ///< of several
 };
 
-/// Reads, checks and parses, and reads the record. Throws Failure.
-[[nodiscard]] ModalCaseFile parse_modal_case(CaseFile file);
+/// Reads, checks and parses, and reads the records, or takes the one that is `given` in place of
+/// the file of a single one. Throws Failure.
+[[nodiscard]] ModalCaseFile parse_modal_case(CaseFile file,
+                                             std::optional<signals::Record> given = {});
 
 }  // namespace wheeltap::apps

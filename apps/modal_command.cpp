@@ -134,32 +134,6 @@ Report set_up_json(const ModalResult& result) {
             {"poles", poles}}}};
 }
 
-Report summary_of(const ModalCaseFile& modal, const IdentifiedModes& found,
-                  const CommonOptions& common, double seconds) {
-  Report out = {
-      {"wheeltap",
-       about("modal", {.seed = common.seed.value_or(1), .command_line = common.command_line},
-             modal.file)}};
-  if (found.merged) {
-    Report modes = Report::array(), set_ups = Report::array();
-    for (const signals::MergedMode& m : found.merged->modes) modes.push_back(merged_json(m));
-    for (std::size_t s = 0; s < found.set_ups.size(); ++s) {
-      Report one = {{"file", modal.set_ups[s].name}};
-      one.update(set_up_json(found.set_ups[s]));
-      one["warnings"] = cautions(modal.set_ups[s], found.set_ups[s]);
-      set_ups.push_back(std::move(one));
-    }
-    out["modes"] = modes;
-    out["references"] = found.merged->references;
-    out["set_ups"] = set_ups;
-  } else {
-    out.update(set_up_json(found.set_ups[0]));
-  }
-  out["diagnostics"] = {{"warnings", cautions(modal, found)}};
-  out["cost"] = {{"wall_seconds", seconds}};
-  return out;
-}
-
 template <class AnyMode>
 void print_doubts(const Page& page, const std::vector<AnyMode>& modes) {
   int number = 0;
@@ -196,13 +170,40 @@ void print_table(const Page& page, const std::vector<signals::MergedMode>& modes
   page.table(rows);
 }
 
-void print(const ModalCaseFile& modal, const IdentifiedModes& found) {
-  const Page page(std::cout, colour_wanted());
-  std::cout << page.bold(io::printable(modal.title)) << "\n\n";
+}  // namespace
+
+Report ModalRun::summary(const CommonOptions& common) const {
+  Report out = {
+      {"wheeltap",
+       about("modal", {.seed = common.seed.value_or(1), .command_line = common.command_line},
+             modal.file)}};
+  if (found.merged) {
+    Report modes = Report::array(), set_ups = Report::array();
+    for (const signals::MergedMode& m : found.merged->modes) modes.push_back(merged_json(m));
+    for (std::size_t s = 0; s < found.set_ups.size(); ++s) {
+      Report one = {{"file", modal.set_ups[s].name}};
+      one.update(set_up_json(found.set_ups[s]));
+      one["warnings"] = cautions(modal.set_ups[s], found.set_ups[s]);
+      set_ups.push_back(std::move(one));
+    }
+    out["modes"] = modes;
+    out["references"] = found.merged->references;
+    out["set_ups"] = set_ups;
+  } else {
+    out.update(set_up_json(found.set_ups[0]));
+  }
+  out["diagnostics"] = {{"warnings", cautions(modal, found)}};
+  out["cost"] = {{"wall_seconds", seconds}};
+  return out;
+}
+
+void ModalRun::print(std::ostream& out, bool colour) const {
+  const Page page(out, colour);
+  out << page.bold(io::printable(modal.title)) << "\n\n";
   const auto say = [&](const auto& modes) {
     if (modes.empty()) return;
     print_table(page, modes);
-    std::cout << "± is one standard deviation.\n";
+    out << "± is one standard deviation.\n";
     print_doubts(page, modes);
   };
   if (found.merged) {
@@ -212,7 +213,7 @@ void print(const ModalCaseFile& modal, const IdentifiedModes& found) {
   }
   for (const std::string& text : cautions(modal, found))
     page.wrapped(io::printable(text), "! ", "  ");
-  std::cout << "\n";
+  out << "\n";
   if (found.merged) {
     page.wrapped(merging_in_words(*found.merged, found.set_ups.size()), "", "");
   } else {
@@ -220,13 +221,31 @@ void print(const ModalCaseFile& modal, const IdentifiedModes& found) {
   }
 }
 
-}  // namespace
+void ModalRun::keep(const std::filesystem::path& folder, const CommonOptions& common) const {
+  make_output_folder(folder);
+  write_text(folder / "modes.json", modes_json(modes).dump(1) + "\n");
+  write_text(folder / "report.html", modal_page(modal, found));
+  write_text(folder / "summary.json", summary(common).dump(1) + "\n");
+}
+
+ModalRun identify_modal(CaseFile file, const CommonOptions& common,
+                        std::optional<signals::Record> given) {
+  const auto begun = std::chrono::steady_clock::now();
+  ModalRun run{
+      .modal = parse_modal_case(std::move(file), std::move(given)), .found = {}, .modes = {}};
+  for (SetUp& set_up : run.modal.set_ups) set_up.options.threads = common.threads;
+  run.found = identify(run.modal, common);
+  run.modes = run.found.merged ? measured_modes(*run.found.merged, run.modal.sensors)
+                               : measured_modes(run.found.set_ups[0], run.modal.sensors);
+  run.modes.title = run.modal.title;
+  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  return run;
+}
 
 void run_modal(const CommonOptions& common) {
-  const auto begun = std::chrono::steady_clock::now();
-  ModalCaseFile modal = parse_modal_case(read_case(common.case_path, common.overrides));
-  for (SetUp& set_up : modal.set_ups) set_up.options.threads = common.threads;
+  CaseFile file = read_case(common.case_path, common.overrides);
   if (common.dry_run) {
+    const ModalCaseFile modal = parse_modal_case(std::move(file));
     double numbers = 0.0;
     for (const SetUp& set_up : modal.set_ups) {
       std::cout << (modal.set_ups.size() > 1 ? io::printable(set_up.name) + ": " : "")
@@ -244,17 +263,9 @@ void run_modal(const CommonOptions& common) {
     return;
   }
   make_output_folder(common.output);
-  const IdentifiedModes found = identify(modal, common);
-  MeasuredModes modes = found.merged ? measured_modes(*found.merged, modal.sensors)
-                                     : measured_modes(found.set_ups[0], modal.sensors);
-  modes.title = modal.title;
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  write_text(common.output / "modes.json", modes_json(modes).dump(1) + "\n");
-  write_text(common.output / "report.html", modal_page(modal, found));
-  write_text(common.output / "summary.json",
-             summary_of(modal, found, common, seconds).dump(1) + "\n");
-  print(modal, found);
+  const ModalRun run = identify_modal(std::move(file), common);
+  run.keep(common.output, common);
+  run.print(std::cout, colour_wanted());
   std::cout << "\nModes: " << io::printable((common.output / "modes.json").string())
             << "\nDrawn: " << io::printable((common.output / "report.html").string()) << "\n";
 }

@@ -63,109 +63,91 @@ std::string damage_variable(const DamageCase& damage_case, const Unknown& unknow
          unknown.name;
 }
 
+std::vector<DrawColumn> damage_columns(const DamageProblem& problem,
+                                       const inference::Posterior& posterior) {
+  const DamageCase& damage_case = problem.damage_case;
+  const auto& space = *posterior.space;
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  const bool several = damage_case.kinds.size() > 1;
+  // The number of defects in each draw, of one kind or of all.
+  const auto counts = [&](int kind) {
+    std::vector<int> all;
+    for (const auto& chain : posterior.chains) {
+      for (const int m : chain.model) {
+        int sum = 0;
+        for (std::size_t k = 0; k < damage_case.kinds.size(); ++k)
+          if (kind < 0 || static_cast<int>(k) == kind) sum += space[m].counts[k];
+        all.push_back(sum);
+      }
+    }
+    return all;
+  };
+
+  std::vector<DrawColumn> columns = {model_column(posterior), {.name = "k", .values = counts(-1)}};
+  for (int p = 0; p < problem.common; ++p) {
+    columns.push_back(
+        parameter_column(posterior, p, space.parameters()[static_cast<std::size_t>(p)].name));
+  }
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    if (kind.max_count == 0) continue;
+    const auto slots = static_cast<std::size_t>(kind.max_count);
+    const std::string prefix = several ? kind.name + "_" : "";
+    if (several)
+      columns.push_back({.name = "k_" + kind.name, .values = counts(static_cast<int>(k))});
+    const auto parameters = static_cast<std::size_t>(kind.parameters());
+    // One number a draw and slot, NaN where there are fewer defects.
+    const auto add = [&](const std::string& name, const std::string& unit, std::size_t p,
+                         auto&& of) {
+      std::vector<double> values;
+      for (const auto& c : posterior.chains) {
+        for (std::size_t i = 0; i < c.size(); ++i) {
+          const auto& m = space[c.model[i]];
+          for (std::size_t s = 0; s < slots; ++s) {
+            values.push_back(static_cast<int>(s) < m.counts[k]
+                                 ? of(c.theta[i * width + static_cast<std::size_t>(m.offsets[k]) +
+                                              parameters * s + p])
+                                 : std::nan(""));
+          }
+        }
+      }
+      columns.push_back({.name = prefix + name,
+                         .values = std::move(values),
+                         .unit = unit,
+                         .slot = prefix + "slot",
+                         .slots = slots});
+    };
+    const auto itself = [](double x) { return x; };
+    if (kind.line.is_beam()) {
+      add("location", "m", 0, itself);
+    } else {
+      add(kind.site_name(), "", 0,
+          [&](double x) { return static_cast<double>(kind.line.spot(x).site); });
+      if (kind.type->sites == DefectType::Sites::members)
+        add("location", "m", 0, [&](double x) { return kind.line.spot(x).s; });
+    }
+    if (parameters > 1) add(kind.severity_name(), kind.severity_unit(), 1, itself);
+  }
+  return columns;
+}
+
 std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
                            const DamageProblem& problem, const inference::Posterior& posterior,
                            std::uint64_t seed) {
   const DamageCase& damage_case = problem.damage_case;
   const FrequencyData& data = damage_case.data;
-  const auto& space = *posterior.space;
   const std::size_t chains = posterior.chains.size();
   const std::size_t draws = posterior.chains[0].model.size();
   const auto width = static_cast<std::size_t>(posterior.dimension);
   const auto modes = static_cast<std::size_t>(data.modes());
-  const bool several = damage_case.kinds.size() > 1;
-
-  // Collects one number a draw over all chains, in the file's order.
-  const auto each = [&](auto value) {
-    using Number = decltype(value(posterior.chains[0], std::size_t{0}));
-    std::vector<Number> all;
-    all.reserve(chains * draws);
-    for (const auto& chain : posterior.chains) {
-      for (std::size_t i = 0; i < draws; ++i) all.push_back(value(chain, i));
-    }
-    return all;
-  };
-  const auto count_of = [&](std::size_t kind) {
-    return each([&](const inference::Chain& chain, std::size_t i) {
-      return space[chain.model[i]].counts[kind];
-    });
-  };
-  const auto total_count = each([&](const inference::Chain& chain, std::size_t i) {
-    int sum = 0;
-    for (const int n : space[chain.model[i]].counts) sum += n;
-    return sum;
-  });
-
+  const std::vector<DrawColumn> columns = damage_columns(problem, posterior);
   io::NetcdfWriter file("posterior.nc");
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", damage_case.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
 
-  {
-    const int group = file.group("posterior");
-    const int chain = file.dimension(group, "chain", chains, 0);
-    const int draw = file.dimension(group, "draw", draws, 0);
-    std::string names;
-    for (const auto& model : space.models()) names += (names.empty() ? "" : ";") + model.name;
-    const int model =
-        file.put(group, "model", {chain, draw},
-                 each([](const inference::Chain& c, std::size_t i) { return c.model[i]; }));
-    file.text(group, model, "names", names);
-    file.put(group, "k", {chain, draw}, total_count);
-    for (int p = 0; p < problem.common; ++p) {
-      file.put(group, space.parameters()[static_cast<std::size_t>(p)].name, {chain, draw},
-               each([&](const inference::Chain& c, std::size_t i) {
-                 return c.theta[i * width + static_cast<std::size_t>(p)];
-               }));
-    }
-    for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
-      const DefectKind& kind = damage_case.kinds[k];
-      if (kind.max_count == 0) continue;
-      const auto slots = static_cast<std::size_t>(kind.max_count);
-      const std::string prefix = several ? kind.name + "_" : "";
-      const int slot = file.dimension(group, (prefix + "slot").c_str(), slots, 1);
-      if (several) file.put(group, "k_" + kind.name, {chain, draw}, count_of(k));
-      const auto parameters = static_cast<std::size_t>(kind.parameters());
-      // One number a draw and slot, NaN where there are fewer defects.
-      const auto each_slot = [&](std::size_t p, auto&& of) {
-        std::vector<double> values;
-        values.reserve(chains * draws * slots);
-        for (const auto& c : posterior.chains) {
-          for (std::size_t i = 0; i < draws; ++i) {
-            const auto& m = space[c.model[i]];
-            for (std::size_t s = 0; s < slots; ++s) {
-              values.push_back(static_cast<int>(s) < m.counts[k]
-                                   ? of(c.theta[i * width + static_cast<std::size_t>(m.offsets[k]) +
-                                                parameters * s + p])
-                                   : std::nan(""));
-            }
-          }
-        }
-        return values;
-      };
-      const auto itself = [](double x) { return x; };
-      if (kind.line.is_beam()) {
-        const int id =
-            file.put(group, prefix + "location", {chain, draw, slot}, each_slot(0, itself));
-        file.text(group, id, "units", "m");
-      } else {
-        file.put(group, prefix + kind.site_name(), {chain, draw, slot}, each_slot(0, [&](double x) {
-                   return static_cast<double>(kind.line.spot(x).site);
-                 }));
-        if (kind.type->sites == DefectType::Sites::members) {
-          const int id = file.put(group, prefix + "location", {chain, draw, slot},
-                                  each_slot(0, [&](double x) { return kind.line.spot(x).s; }));
-          file.text(group, id, "units", "m");
-        }
-      }
-      if (parameters > 1) {
-        const int id = file.put(group, prefix + kind.severity_name(), {chain, draw, slot},
-                                each_slot(1, itself));
-        if (!kind.severity_unit().empty()) file.text(group, id, "units", kind.severity_unit());
-      }
-    }
-  }
-  write_sample_stats(file, posterior, total_count);
+  write_draws(file, posterior, columns);
+  write_sample_stats(file, posterior, std::get<std::vector<int>>(columns[1].values));
   if (posterior.predictions == data.modes()) {
     const int group = file.group("posterior_predictive");
     const int chain = file.dimension(group, "chain", chains, 0);

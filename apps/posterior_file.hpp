@@ -4,6 +4,7 @@
 #include <string>
 
 #include "apps/damage_case.hpp"
+#include "apps/draw_columns.hpp"
 #include "identification/damage_problem.hpp"
 #include "identification/findings.hpp"
 #include "inference/reversible_jump.hpp"
@@ -19,6 +20,10 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 /// "cov".
 [[nodiscard]] std::string damage_variable(const identification::DamageCase& damage_case,
                                           const identification::Unknown& unknown);
+
+/// Models, numbers of defects, parameters and the slots of defects, as in posterior.nc.
+[[nodiscard]] std::vector<DrawColumn> damage_columns(const identification::DamageProblem& problem,
+                                                     const inference::Posterior& posterior);
 
 /// A NetCDF-4 file, in memory, with the groups
 ///   posterior             parameters (chain, draw[, slot]), NaN in unused slots; k, model

@@ -185,11 +185,42 @@ std::vector<identification::EvidenceMethod> evidence_methods(const std::string& 
 
 std::vector<identification::MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<identification::EvidenceMethod>& methods,
-    std::uint64_t seed, int threads, spdlog::logger& log) {
+    std::uint64_t seed, int threads, RunWatch& watch) {
   for (const auto method : methods) {
-    log.info("Evidence of each model by {} ...", identification::method_name(method));
+    watch.note("Evidence of each model by " + identification::method_name(method) + " ...");
   }
-  return identification::compute_evidence(problem, methods, seed, threads, was_interrupted);
+  return identification::compute_evidence(problem, methods, seed, threads,
+                                          [&] { return watch.stopped(); });
+}
+
+TerminalWatch::TerminalWatch(const CommonOptions& common, spdlog::logger& log)
+    : common_(common), log_(log), bar_(common.quiet) {}
+
+inference::Posterior TerminalWatch::sample(const inference::Problem& problem,
+                                           inference::Options options) {
+  if (checkpoint_ == nullptr) throw std::logic_error("TerminalWatch: sample() before keep()");
+  if (!stop_) stop_.emplace();
+  return run_engine(problem, std::move(options), common_.case_path, common_.quiet, *checkpoint_);
+}
+
+void TerminalWatch::show(const char* stage, double fraction, const std::string& detail) {
+  bar_.show(stage, fraction, detail);
+}
+
+void TerminalWatch::note(const std::string& line) {
+  log_.info(line);
+}
+
+void TerminalWatch::warn(const std::string& line) {
+  log_.warn(line);
+}
+
+void TerminalWatch::repeat(const identification::StepsRefined& refined) {
+  checkpoint_->repeat(refined);
+}
+
+std::optional<identification::StepsRefined> TerminalWatch::refined() const {
+  return checkpoint_->refined();
 }
 
 void make_output_folder(const std::filesystem::path& directory) {

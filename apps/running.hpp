@@ -3,9 +3,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/commands.hpp"
+#include "apps/run_watch.hpp"
+#include "apps/terminal.hpp"
 #include "identification/findings.hpp"
 #include "inference/reversible_jump.hpp"
 
@@ -56,11 +60,38 @@ void say_what_goes_on(const CheckpointFile& checkpoint, bool stopped);
 /// tmcmc, bridge nor laplace.
 [[nodiscard]] std::vector<identification::EvidenceMethod> evidence_methods(const std::string& text);
 
-/// identification::compute_evidence, with a line in the log for each method; those that an
-/// interruption leaves unfinished are missing.
+/// identification::compute_evidence, with a note of each method; those that an interruption leaves
+/// unfinished are missing.
 [[nodiscard]] std::vector<identification::MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<identification::EvidenceMethod>& methods,
-    std::uint64_t seed, int threads, spdlog::logger& log);
+    std::uint64_t seed, int threads, RunWatch& watch);
+
+/// The terminal's: a bar, a log, and checkpoints. From its first sample on, signals stop the run
+/// (StopOnInterrupt).
+class TerminalWatch : public RunWatch {
+ public:
+  /// Both must outlive it.
+  TerminalWatch(const CommonOptions& common, spdlog::logger& log);
+  /// Where to keep checkpoints: to be said before anything is sampled.
+  void keep(CheckpointFile& checkpoint) { checkpoint_ = &checkpoint; }
+
+  inference::Posterior sample(const inference::Problem& problem,
+                              inference::Options options) override;
+  void show(const char* stage, double fraction, const std::string& detail) override;
+  void clear() override { bar_.clear(); }
+  void note(const std::string& line) override;
+  void warn(const std::string& line) override;
+  [[nodiscard]] bool stopped() const override { return was_interrupted(); }
+  void repeat(const identification::StepsRefined& refined) override;
+  [[nodiscard]] std::optional<identification::StepsRefined> refined() const override;
+
+ private:
+  const CommonOptions& common_;
+  spdlog::logger& log_;
+  CheckpointFile* checkpoint_ = nullptr;
+  ProgressBar bar_;
+  std::optional<StopOnInterrupt> stop_;
+};
 
 /// Throws io::FileError where it cannot be made.
 void make_output_folder(const std::filesystem::path& directory);

@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <iostream>
-#include <sstream>
 
 #include "apps/run_files.hpp"
 #include "apps/running.hpp"
@@ -12,9 +11,9 @@
 #include "apps/sid_summary.hpp"
 #include "apps/sid_sweep.hpp"
 #include "apps/sid_terminal.hpp"
+#include "apps/simulation.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/terminal.hpp"
-#include "identification/sid_simulation.hpp"
 #include "io/text.hpp"
 
 namespace wheeltap::apps {
@@ -60,34 +59,56 @@ RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
 }
 
 SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
-                    const SamplingOptions& options, CheckpointFile& checkpoint,
-                    spdlog::logger& log) {
+                    const SamplingOptions& options, RunWatch& watch) {
   const SidRunOptions how = {
       .engine = engine_options(common, options),
-      .sample =
-          [&](const inference::Problem& problem, const inference::Options& engine) {
-            return run_engine(problem, engine, common.case_path, common.quiet, checkpoint);
-          },
+      .sample = [&](const inference::Problem& problem,
+                    const inference::Options& engine) { return watch.sample(problem, engine); },
       .doubt =
           [&](const std::vector<Remark>& doubts) {
-            for (const Remark& doubt : doubts) log.warn(sentence(doubt, {}));
+            for (const Remark& doubt : doubts) watch.warn(sentence(doubt, {}));
           },
       .repeat =
           [&](const StepsRefined& refined) {
-            log.info(repeat_note(refined));
-            checkpoint.repeat(refined);
+            watch.note(repeat_note(refined));
+            watch.repeat(refined);
           },
-      .refined = checkpoint.refined()};
+      .refined = watch.refined()};
   SidOutcome out{.run = explained(parsed, [&] { return identification::run_sid(parsed.sid, how); }),
                  .predictive = {},
                  .findings = {}};
   const auto evidence =
       compute_evidence(out.run.problem->problem, evidence_methods(options.evidence),
-                       out.run.engine.seed, common.threads, log);
+                       out.run.engine.seed, common.threads, watch);
   if (!base::is_first_rank()) return out;
   out.predictive = predict(*out.run.problem, out.run.posterior);
   out.findings = sid_findings(out.run, out.predictive, evidence);
   return out;
+}
+
+std::optional<FinishedRun> sample_sid(std::shared_ptr<const SidCaseFile> parsed,
+                                      const CommonOptions& common, const SamplingOptions& options,
+                                      RunWatch& watch) {
+  const auto out = std::make_shared<const SidOutcome>(identify(*parsed, common, options, watch));
+  if (!base::is_first_rank()) return {};
+  const std::uint64_t seed = out->run.engine.seed;
+  Report summary = sid_summary(*parsed, *out->run.problem, out->findings,
+                               {.seed = seed, .command_line = common.command_line});
+  summary["wheeltap"]["asked"] = options_report(options);
+  summary["wheeltap"]["options"] = used_options(options, out->run.engine);
+  const std::string run = run_id(summary["wheeltap"], out->run.posterior);
+  return FinishedRun{
+      .summary = std::move(summary),
+      .run = run,
+      .posterior = {out, &out->run.posterior},
+      .print = [parsed, out](std::ostream& to,
+                             bool colour) { print_sid(to, *parsed, out->findings, colour); },
+      .draws =
+          [parsed, out, run, seed] {
+            return sid_posterior_file(run, *parsed, *out->run.problem, out->run.posterior,
+                                      out->predictive, seed);
+          },
+      .columns = [out] { return sid_columns(*out->run.problem, out->run.posterior); }};
 }
 
 void run_sid(const CommonOptions& common, const SamplingOptions& options) {
@@ -96,15 +117,16 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   CaseFile file = read_case(common.case_path, common.overrides);
   if (file.json.contains("sweep")) return sweep_sid(std::move(file), common, options, *log);
   require_room_for_truth(file, common);
-  const SidCaseFile parsed = parse_sid_case(std::move(file));
-  const RunCost cost = cost_of_sid(parsed, common, options);
-  require_affordable(parsed.file, Pointer(), cost, common);
+  const auto parsed = std::make_shared<const SidCaseFile>(parse_sid_case(std::move(file)));
+  const RunCost cost = cost_of_sid(*parsed, common, options);
+  require_affordable(parsed->file, Pointer(), cost, common);
   if (common.dry_run) return print_estimate("run", cost);
   const Report asked = options_report(options);
-  require_same_on_all_ranks("case", parsed.file.json.dump());
+  require_same_on_all_ranks("case", parsed->file.json.dump());
   if (common.resume) {
     const auto text = first_rank_says([&] {
-      return finished_run(common.output, parsed.file.json, common.seed.value_or(1), "asked", asked);
+      return finished_run(common.output, parsed->file.json, common.seed.value_or(1), "asked",
+                          asked);
     });
     if (text && !base::is_first_rank()) return;
     if (text) return print_finished(common.output, *text, *log);
@@ -115,28 +137,12 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
                             {.command = "sid",
                              .seed = common.seed.value_or(1),
                              .options = asked,
-                             .case_json = parsed.file.json},
+                             .case_json = parsed->file.json},
                             common);
-  const StopOnInterrupt stop;
-  const SidOutcome out = identify(parsed, common, options, checkpoint, *log);
-  if (!base::is_first_rank()) return;
-  const std::uint64_t seed = out.run.engine.seed;
-  Report summary = sid_summary(parsed, *out.run.problem, out.findings,
-                               {.seed = seed, .command_line = common.command_line});
-  summary["wheeltap"]["asked"] = asked;
-  summary["wheeltap"]["options"] = used_options(options, out.run.engine);
-  std::ostringstream text;
-  print_sid(text, parsed, out.findings, false);
-  const std::string run = run_id(summary["wheeltap"], out.run.posterior);
-  const auto failed = files->keep(std::move(summary), text.str(), run, [&] {
-    return sid_posterior_file(run, parsed, *out.run.problem, out.run.posterior, out.predictive,
-                              seed);
-  });
-  print_sid(std::cout, parsed, out.findings, colour_wanted());
-  if (failed) throw *failed;
-  say_what_goes_on(checkpoint, out.run.posterior.stopped_early);
-  print_results(common.output, out.findings.sampling.verdict.converged);
-  if (!out.run.posterior.stopped_early) checkpoint.remove();
+  TerminalWatch watch(common, *log);
+  watch.keep(checkpoint);
+  const auto run = sample_sid(parsed, common, options, watch);
+  if (run) deliver(*run, *files, common.output, checkpoint);
 }
 
 void simulate_sid(const CommonOptions& common, CaseFile file) {
@@ -144,14 +150,10 @@ void simulate_sid(const CommonOptions& common, CaseFile file) {
     throw Failure(Exit::usage, "--output: " + common.output.string() +
                                    ": a simulated record is a table: name it .csv");
   }
-  require_room_for_truth(file, common);
-  const SidCaseFile parsed = parse_sid_case(std::move(file), SidNeeds::truth);
-  const SidCase& sid_case = parsed.sid;
-  const std::uint64_t seed = common.seed.value_or(sid_case.truth ? sid_case.truth->seed : 1);
-  const signals::Record record = explained(parsed, [&] { return simulate_record(sid_case, seed); });
+  const auto [record, title, seed] = simulated_record(std::move(file), common);
   write_text(common.output,
-             signals::record_csv(record, sid_case.title + ", simulated by wheeltap " +
-                                             WHEELTAP_VERSION + ", seed " + std::to_string(seed)));
+             signals::record_csv(record, title + ", simulated by wheeltap " + WHEELTAP_VERSION +
+                                             ", seed " + std::to_string(seed)));
   if (!common.quiet) {
     std::cout << record.samples() << " samples of " << record.columns.size()
               << " columns: " << io::printable(common.output.string()) << '\n';

@@ -1,11 +1,13 @@
 // System identification and simulation of its cases; `run_sid` itself stands in commands.hpp.
 #pragma once
 
-#include <spdlog/logger.h>
+#include <memory>
+#include <optional>
 
-#include "apps/checkpoint_file.hpp"
 #include "apps/commands.hpp"
+#include "apps/finished_run.hpp"
 #include "apps/run_cost.hpp"
+#include "apps/run_watch.hpp"
 #include "apps/sid_case.hpp"
 #include "identification/sid_findings.hpp"
 
@@ -30,7 +32,11 @@ struct SidOutcome {
 };
 /// Throws Failure.
 [[nodiscard]] SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
-                                  const SamplingOptions& options, CheckpointFile& checkpoint,
-                                  spdlog::logger& log);
+                                  const SamplingOptions& options, RunWatch& watch);
+/// The same with all that is to be written of it; none on ranks but the first.
+[[nodiscard]] std::optional<FinishedRun> sample_sid(std::shared_ptr<const SidCaseFile> parsed,
+                                                    const CommonOptions& common,
+                                                    const SamplingOptions& options,
+                                                    RunWatch& watch);
 
 }  // namespace wheeltap::apps

@@ -132,56 +132,35 @@ std::string sid_variable(const std::string& parameter) {
   return name;
 }
 
+std::vector<DrawColumn> sid_columns(const SidProblem& problem,
+                                    const inference::Posterior& posterior) {
+  std::vector<DrawColumn> columns = {model_column(posterior)};
+  const auto units = parameter_units(problem.sid_case);
+  const auto& parameters = posterior.space->parameters();
+  for (std::size_t p = 0; p < parameters.size(); ++p)
+    columns.push_back(parameter_column(posterior, static_cast<int>(p),
+                                       sid_variable(parameters[p].name),
+                                       units.at(parameters[p].name)));
+  return columns;
+}
+
 std::string sid_posterior_file(const std::string& run, const SidCaseFile& parsed,
                                const SidProblem& problem, const inference::Posterior& posterior,
                                const SidPredictive& predictive, std::uint64_t seed) {
   const SidCase& sid_case = problem.sid_case;
   const auto& space = *posterior.space;
   const std::size_t chains = posterior.chains.size();
-  const std::size_t draws = posterior.chains[0].model.size();
   const auto width = static_cast<std::size_t>(posterior.dimension);
   const auto responses = sid_case.responses();
   const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
-  std::vector<int> model_of_draw;
-  for (const auto& chain : posterior.chains) {
-    model_of_draw.insert(model_of_draw.end(), chain.model.begin(), chain.model.end());
-  }
+  const std::vector<DrawColumn> columns = sid_columns(problem, posterior);
+  const auto& model_of_draw = std::get<std::vector<int>>(columns[0].values);
 
   io::NetcdfWriter file("posterior.nc");
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", sid_case.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
-  {
-    const int group = file.group("posterior");
-    const int chain = file.dimension(group, "chain", chains, 0);
-    const int draw = file.dimension(group, "draw", draws, 0);
-    std::string names;
-    for (const auto& model : space.models()) names += (names.empty() ? "" : ";") + model.name;
-    const int model = file.put(group, "model", {chain, draw}, model_of_draw);
-    file.text(group, model, "names", names);
-    const auto units = parameter_units(sid_case);
-    for (std::size_t p = 0; p < space.parameters().size(); ++p) {
-      std::vector<int> slot;  // of this parameter in each model
-      for (const auto& m : space.models()) {
-        const auto found = std::ranges::find(m.parameters, static_cast<int>(p));
-        slot.push_back(
-            found == m.parameters.end() ? -1 : static_cast<int>(found - m.parameters.begin()));
-      }
-      std::vector<double> values;
-      values.reserve(chains * draws);
-      for (const auto& c : posterior.chains) {
-        for (std::size_t i = 0; i < draws; ++i) {
-          const int at = slot[static_cast<std::size_t>(c.model[i])];
-          values.push_back(at < 0 ? std::nan("")
-                                  : c.theta[i * width + static_cast<std::size_t>(at)]);
-        }
-      }
-      const int id =
-          file.put(group, sid_variable(space.parameters()[p].name), {chain, draw}, values);
-      const std::string& unit = units.at(space.parameters()[p].name);
-      if (!unit.empty()) file.text(group, id, "units", unit);
-    }
-  }
+  write_draws(file, posterior, columns);
   write_sample_stats(file, posterior, model_of_draw);
 
   const auto names = variable_names(sid_case);

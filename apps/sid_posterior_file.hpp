@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "apps/draw_columns.hpp"
 #include "apps/sid_case.hpp"
 #include "identification/sid_predictive.hpp"
 
@@ -11,6 +12,10 @@ namespace wheeltap::apps {
 /// The variable of the group `posterior` that holds a parameter: its name, with "_" for what NetCDF
 /// forbids.
 [[nodiscard]] std::string sid_variable(const std::string& parameter);
+
+/// A column a parameter, after that of the model.
+[[nodiscard]] std::vector<DrawColumn> sid_columns(const identification::SidProblem& problem,
+                                                  const inference::Posterior& posterior);
 
 /// A NetCDF-4 file, in memory, with the groups
 ///   posterior             one variable a parameter (chain, draw), NaN where the model has none;

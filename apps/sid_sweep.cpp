@@ -120,7 +120,9 @@ std::optional<Report> run_row(const SidCaseFile& one, const Json& value,
                               const CommonOptions& common, const SamplingOptions& options,
                               CheckpointFile& checkpoint, spdlog::logger& log) {
   try {
-    const SidFindings findings = identify(one, common, options, checkpoint, log).findings;
+    TerminalWatch watch(common, log);
+    watch.keep(checkpoint);
+    const SidFindings findings = identify(one, common, options, watch).findings;
     if (was_interrupted()) return {};
     if (!base::is_first_rank()) return Report();
     const Row row = table_row(value.dump(), findings);

@@ -1,7 +1,7 @@
 #include "apps/structure_command.hpp"
 
 #include <algorithm>
-#include <iostream>
+#include <sstream>
 #include <stdexcept>
 
 #include "apps/damage_case.hpp"
@@ -52,7 +52,7 @@ Report shapes_of(const DrawnStructure& structure, const fem::StructureModes& mod
 
 }  // namespace
 
-void run_structure_modes(CaseFile file, const ModesOptions& options) {
+FoundModes find_structure_modes(CaseFile file, const ModesOptions& options) {
   const bool update = file.json.value("kind", Json()) == "update";
   // Modes may be asked for before anything is to be learnt.
   validate_against_schema(file,
@@ -83,49 +83,46 @@ void run_structure_modes(CaseFile file, const ModesOptions& options) {
     write_text(options.vtk, vtk_text(structure.drawing, modes, title));
   }
   const std::vector<double> frequencies(modes.frequencies_hz.begin(), modes.frequencies_hz.end());
-  if (options.json) {
-    Report out = {{"frequencies_hz", frequencies},
-                  {"rigid_body_modes", modes.rigid_body_modes},
-                  {"certified", modes.certified},
-                  {"solver", modes.solver},
-                  {"degrees_of_freedom", structure.discretisation.size()}};
-    Report largest = Report::array();
-    for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j)
-      largest.push_back(largest_motion(structure.drawing, modes.shapes.col(j)));
-    out["largest_motion"] = largest;
-    if (!model.parameters.empty() && !(options.truth && update)) {
-      Report parameters = Report::object();
-      for (const auto& parameter : model.parameters)
-        parameters[parameter.name] = parameter.prior.from_standard_normal(0.0);
-      out["parameters"] = parameters;
-    }
-    if (options.shapes) out["shapes"] = shapes_of(structure, modes);
-    std::cout << out.dump() << '\n';
-    return;
+  Report report = {{"frequencies_hz", frequencies},
+                   {"rigid_body_modes", modes.rigid_body_modes},
+                   {"certified", modes.certified},
+                   {"solver", modes.solver},
+                   {"degrees_of_freedom", structure.discretisation.size()}};
+  Report largest = Report::array();
+  for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j)
+    largest.push_back(largest_motion(structure.drawing, modes.shapes.col(j)));
+  report["largest_motion"] = largest;
+  if (!model.parameters.empty() && !(options.truth && update)) {
+    Report parameters = Report::object();
+    for (const auto& parameter : model.parameters)
+      parameters[parameter.name] = parameter.prior.from_standard_normal(0.0);
+    report["parameters"] = parameters;
   }
-  std::cout << title
-            << (!options.truth ? " (intact; "
-                : update       ? " (in truth; "
-                               : " (as damaged in truth; ")
-            << structure.discretisation.size() << " degrees of freedom)\n";
+  if (options.shapes) report["shapes"] = shapes_of(structure, modes);
+  std::ostringstream text;
+  text << title
+       << (!options.truth ? " (intact; "
+           : update       ? " (in truth; "
+                          : " (as damaged in truth; ")
+       << structure.discretisation.size() << " degrees of freedom)\n";
   for (const auto& parameter : model.parameters) {
     if (options.truth && update) break;
-    std::cout << (&parameter == &model.parameters.front() ? "at the priors' medians: " : ", ")
-              << parameter.name << " = "
-              << significant(parameter.prior.from_standard_normal(0.0), 5);
+    text << (&parameter == &model.parameters.front() ? "at the priors' medians: " : ", ")
+         << parameter.name << " = " << significant(parameter.prior.from_standard_normal(0.0), 5);
   }
-  if (!model.parameters.empty() && !(options.truth && update)) std::cout << '\n';
-  std::cout << "\n  mode   frequency [Hz]   largest motion\n";
+  if (!model.parameters.empty() && !(options.truth && update)) text << '\n';
+  text << "\n  mode   frequency [Hz]   largest motion\n";
   for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
     char line[64];
     std::snprintf(line, sizeof line, "  %4d   %14.6f   ", static_cast<int>(j) + 1,
                   frequencies[static_cast<std::size_t>(j)]);
-    std::cout << line << largest_motion(structure.drawing, modes.shapes.col(j))
-              << (j < modes.rigid_body_modes ? "  (rigid body)" : "") << '\n';
+    text << line << largest_motion(structure.drawing, modes.shapes.col(j))
+         << (j < modes.rigid_body_modes ? "  (rigid body)" : "") << '\n';
   }
-  std::cout << (modes.certified ? "\nCertified: no mode below the last is missing.\n"
-                                : "\nNot certified: a mode may be missing.\n");
-  for (const std::string& remark : remarks) std::cout << "Note: " << remark << ".\n";
+  text << (modes.certified ? "\nCertified: no mode below the last is missing.\n"
+                           : "\nNot certified: a mode may be missing.\n");
+  for (const std::string& remark : remarks) text << "Note: " << remark << ".\n";
+  return {.report = std::move(report), .text = text.str()};
 }
 
 }  // namespace wheeltap::apps

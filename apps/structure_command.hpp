@@ -3,11 +3,12 @@
 
 #include "apps/case_file.hpp"
 #include "apps/commands.hpp"
+#include "apps/found_modes.hpp"
 
 namespace wheeltap::apps {
 
-/// Natural frequencies and shapes with every parameter at its nominal value: a table, JSON, and a
-/// VTK file. Throws Failure; 65 for mechanisms and axial forces beyond buckling.
-void run_structure_modes(CaseFile file, const ModesOptions& options);
+/// Natural frequencies and shapes with every parameter at its nominal value; writes the VTK file
+/// that is asked for. Throws Failure; 65 for mechanisms and axial forces beyond buckling.
+[[nodiscard]] FoundModes find_structure_modes(CaseFile file, const ModesOptions& options);
 
 }  // namespace wheeltap::apps

@@ -54,11 +54,19 @@ void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem
 
 }  // namespace
 
+std::vector<DrawColumn> update_columns(const inference::Posterior& posterior) {
+  std::vector<DrawColumn> columns = {model_column(posterior)};
+  const auto& parameters = posterior.space->parameters();
+  for (std::size_t p = 0; p < parameters.size(); ++p)
+    columns.push_back(
+        parameter_column(posterior, static_cast<int>(p), sid_variable(parameters[p].name)));
+  return columns;
+}
+
 std::string update_posterior_file(const std::string& run, const UpdateCaseFile& parsed,
                                   const UpdateProblem& problem,
                                   const inference::Posterior& posterior, std::uint64_t seed) {
   const ModalData& data = problem.update_case.data;
-  const auto& space = *posterior.space;
   const Shape shape{.chains = posterior.chains.size(),
                     .draws = posterior.chains[0].model.size(),
                     .modes = static_cast<std::size_t>(data.modes()),
@@ -67,23 +75,8 @@ std::string update_posterior_file(const std::string& run, const UpdateCaseFile& 
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", parsed.update.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
-  const std::vector<int> one_model(shape.chains * shape.draws, 0);
-  {
-    const int group = file.group("posterior");
-    const int chain = file.dimension(group, "chain", shape.chains, 0);
-    const int draw = file.dimension(group, "draw", shape.draws, 0);
-    const int model = file.put(group, "model", {chain, draw}, one_model);
-    file.text(group, model, "names", space[0].name);
-    for (std::size_t p = 0; p < shape.width; ++p) {
-      std::vector<double> values;
-      values.reserve(shape.chains * shape.draws);
-      for (const auto& c : posterior.chains)
-        for (std::size_t i = 0; i < shape.draws; ++i)
-          values.push_back(c.theta[i * shape.width + p]);
-      file.put(group, sid_variable(space.parameters()[p].name), {chain, draw}, values);
-    }
-  }
-  write_sample_stats(file, posterior, one_model);
+  write_draws(file, posterior, update_columns(posterior));
+  write_sample_stats(file, posterior, std::vector<int>(shape.chains * shape.draws, 0));
   if (posterior.predictions == data.modes())
     write_replicates(file, problem, posterior, shape, seed);
   {

@@ -69,8 +69,8 @@ bool is_numeric(const matvar_t& variable) {
          variable.class_type <= MAT_C_UINT64;
 }
 
-/// Deflate makes nothing smaller than this many times: what is announced beyond it is not there, and
-/// libmatio would fill it with zeros.
+/// Deflate makes nothing smaller than this many times: what is announced beyond it is not there,
+/// and libmatio would fill it with zeros.
 constexpr double kMostInflated = 1032.0;
 
 }  // namespace
@@ -81,7 +81,8 @@ Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted
   if (!file) throw FileError(FileError::Kind::missing, path, "no such file, or no MATLAB file");
   Columns table{.file = path.string()};
   std::error_code ignored;
-  const double most = kMostInflated * static_cast<double>(std::filesystem::file_size(path, ignored));
+  const double most =
+      kMostInflated * static_cast<double>(std::filesystem::file_size(path, ignored));
   for (;;) {
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNextInfo(file.get()),
                                                                   Mat_VarFree);

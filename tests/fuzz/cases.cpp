@@ -12,11 +12,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
       parse(apps::read_case(in.path()));
     } catch (const apps::Failure& failure) {
-      if (failure.exit() != apps::Exit::bad_input && failure.exit() != apps::Exit::no_input)
-        throw;
+      if (failure.exit() != apps::Exit::bad_input && failure.exit() != apps::Exit::no_input) throw;
     }
   };
-  try_as([](apps::CaseFile file) { (void)apps::parse_damage_case(std::move(file), apps::Needs::structure); });
+  try_as([](apps::CaseFile file) {
+    (void)apps::parse_damage_case(std::move(file), apps::Needs::structure);
+  });
   try_as([](apps::CaseFile file) { (void)apps::parse_update_case(std::move(file)); });
   try_as([](apps::CaseFile file) { (void)apps::parse_modal_case(std::move(file)); });
   return 0;

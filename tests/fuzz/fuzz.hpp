@@ -1,6 +1,7 @@
 // What every fuzzing target needs. A target is one function that takes bytes and must return for
-// any: errors that the code under test promises are caught, everything else is a finding. Built with
-// clang's fuzzer by the preset "fuzz" (scripts/fuzz); by any compiler it replays stored inputs.
+// any: errors that the code under test promises are caught, everything else is a finding. Built
+// with clang's fuzzer by the preset "fuzz" (scripts/fuzz); by any compiler it replays stored
+// inputs.
 #pragma once
 
 #include <unistd.h>
@@ -22,7 +23,8 @@ inline std::string text_of(const std::uint8_t* data, std::size_t size) {
 /// For readers that take a path: one file a process, in memory where there is /dev/shm.
 class InFile {
  public:
-  InFile(const std::string& bytes, const std::string& ending) : path_(folder() / ("input" + ending)) {
+  InFile(const std::string& bytes, const std::string& ending)
+      : path_(folder() / ("input" + ending)) {
     std::ofstream(path_, std::ios::binary) << bytes;
   }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }

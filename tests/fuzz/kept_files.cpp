@@ -36,8 +36,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   apps::CommonOptions common;
   common.resume = true;
   try {
-    const apps::CheckpointFile checkpoint(folder, {.command = "damage", .options = {}, .case_json = {}},
-                                          common);
+    const apps::CheckpointFile checkpoint(
+        folder, {.command = "damage", .options = {}, .case_json = {}}, common);
   } catch (const io::FileError&) {
   }
   return 0;

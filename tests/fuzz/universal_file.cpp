@@ -8,7 +8,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace wheeltap;
   try {
-    const io::UniversalFile file = io::parse_universal_file(fuzz::text_of(data, size), "fuzzed.uff");
+    const io::UniversalFile file =
+        io::parse_universal_file(fuzz::text_of(data, size), "fuzzed.uff");
     // Datasets of other numbers are not written.
     if (file.functions.empty() && file.nodes.empty() && file.shapes.empty()) return 0;
     const io::UniversalFile again =

@@ -2,7 +2,7 @@
 """Holds the tree to the house's own rules: house.py RULE ROOT; exit code 1 with a line for each fault.
 
 arrows      a room includes only rooms that it stands on
-json        JSON is named in io/ and apps/ alone
+json        JSON is named in io/, apps/ and python/ alone
 size        no file has more than 600 lines, but with a reason in its first lines: "Longer than 600 lines: …"
 repetition  no 12 or more lines of code stand twice
 """
@@ -22,6 +22,8 @@ ROOMS = {
     'inference': {'base'},
     'identification': {'base', 'io', 'signals', 'fem', 'dynamics', 'emulator', 'inference'},
     'apps': {'base', 'io', 'signals', 'fem', 'dynamics', 'emulator', 'inference', 'identification'},
+    # On apps, not on identification alone: cases are parsed, and runs written, in one place.
+    'python': {'base', 'io', 'signals', 'inference', 'apps'},
 }
 LONGEST = 600
 REPEATED = 12
@@ -49,7 +51,7 @@ def arrows(root):
 
 
 def json(root):
-    for path in sources(root, [room for room in ROOMS if room not in ('io', 'apps')]):
+    for path in sources(root, [room for room in ROOMS if room not in ('io', 'apps', 'python')]):
         for number, line in enumerate(path.read_text().splitlines(), 1):
             if re.search(r'nlohmann|\bJson\b', line):
                 yield f'{path.relative_to(root)}:{number}: names JSON'

@@ -1,0 +1,59 @@
+#include "apps/draw_columns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace wheeltap::apps {
+
+DrawColumn model_column(const inference::Posterior& posterior) {
+  std::vector<int> models;
+  for (const auto& chain : posterior.chains)
+    models.insert(models.end(), chain.model.begin(), chain.model.end());
+  std::string names;
+  for (const auto& model : posterior.space->models())
+    names += (names.empty() ? "" : ";") + model.name;
+  return {.name = "model", .values = std::move(models), .names = std::move(names)};
+}
+
+DrawColumn parameter_column(const inference::Posterior& posterior, int parameter, std::string name,
+                            std::string unit) {
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  std::vector<int> places;  // of this parameter in each model
+  for (const auto& m : posterior.space->models()) {
+    const auto found = std::ranges::find(m.parameters, parameter);
+    places.push_back(found == m.parameters.end() ? -1
+                                                 : static_cast<int>(found - m.parameters.begin()));
+  }
+  std::vector<double> values;
+  for (const auto& c : posterior.chains) {
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      const int at = places[static_cast<std::size_t>(c.model[i])];
+      values.push_back(at < 0 ? std::nan("") : c.theta[i * width + static_cast<std::size_t>(at)]);
+    }
+  }
+  return {.name = std::move(name), .values = std::move(values), .unit = std::move(unit)};
+}
+
+void write_draws(const io::NetcdfWriter& file, const inference::Posterior& posterior,
+                 const std::vector<DrawColumn>& columns) {
+  const int group = file.group("posterior");
+  const int chain = file.dimension(group, "chain", posterior.chains.size(), 0);
+  const int draw = file.dimension(group, "draw", posterior.chains[0].size(), 0);
+  std::map<std::string, int> slots;
+  for (const DrawColumn& column : columns) {
+    std::vector<int> dimensions = {chain, draw};
+    if (!column.slot.empty()) {
+      if (!slots.contains(column.slot))
+        slots[column.slot] = file.dimension(group, column.slot.c_str(), column.slots, 1);
+      dimensions.push_back(slots[column.slot]);
+    }
+    const int id = std::visit(
+        [&](const auto& values) { return file.put(group, column.name, dimensions, values); },
+        column.values);
+    if (!column.unit.empty()) file.text(group, id, "units", column.unit);
+    if (!column.names.empty()) file.text(group, id, "names", column.names);
+  }
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,31 @@
+#include "apps/finished_run.hpp"
+
+#include <iostream>
+#include <sstream>
+
+#include "apps/running.hpp"
+#include "apps/terminal.hpp"
+
+namespace wheeltap::apps {
+
+std::string FinishedRun::text() const {
+  std::ostringstream out;
+  print(out, false);
+  return out.str();
+}
+
+bool FinishedRun::converged() const {
+  return summary.at("diagnostics").at("converged").get<bool>();
+}
+
+void deliver(const FinishedRun& run, RunFiles& files, const std::filesystem::path& folder,
+             CheckpointFile& checkpoint) {
+  const auto failed = files.keep(run.summary, run.text(), run.run, run.draws);
+  run.print(std::cout, colour_wanted());
+  if (failed) throw *failed;
+  say_what_goes_on(checkpoint, run.posterior->stopped_early);
+  print_results(folder, run.converged());  // the last line: how it ended
+  if (!run.posterior->stopped_early) checkpoint.remove();
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,19 @@
+// Natural frequencies of a case's beam or structure, for whoever shows them.
+#pragma once
+
+#include <string>
+
+#include "apps/case_file.hpp"
+#include "apps/commands.hpp"
+#include "apps/summary.hpp"
+
+namespace wheeltap::apps {
+
+struct FoundModes {
+  Report report;     ///< as --json prints it; shapes where `shapes` asks for them
+  std::string text;  ///< as a terminal shows it
+};
+/// Throws Failure.
+[[nodiscard]] FoundModes find_modes(CaseFile file, const ModesOptions& options);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,91 @@
+#include "apps/update_run.hpp"
+
+#include "apps/running.hpp"
+#include "apps/stored_run.hpp"
+#include "apps/structure_case.hpp"
+#include "apps/update_posterior_file.hpp"
+#include "apps/update_summary.hpp"
+#include "apps/update_terminal.hpp"
+#include "identification/update_findings.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+/// What the library finds wrong, as a complaint about the case.
+template <class Work>
+auto complaining(const UpdateCaseFile& parsed, const Work& work) {
+  try {
+    return work();
+  } catch (const fem::InvalidStructure& error) {
+    refuse_structure(parsed.file, parsed.update.structure->nominal, error);
+  } catch (const std::invalid_argument& error) {
+    parsed.file.refuse(Pointer("/data"), error.what());
+  }
+}
+
+}  // namespace
+
+RunCost cost_of_update(const UpdateProblem& problem, const CommonOptions& common,
+                       const SamplingOptions& options) {
+  const double d = problem.problem.space.max_dimension();
+  return cost_of_sampling({.models = 1.0,
+                           .dimensions = d,
+                           .largest = d,
+                           .predictions = static_cast<double>(problem.update_case.data.modes()),
+                           .explored = 6'000.0,
+                           .seconds_a_likelihood = problem.seconds_a_likelihood},
+                          common, options);
+}
+
+RunCost cost_of_basis(const UpdateCase& update_case) {
+  const auto n = static_cast<double>(discretise(update_case.structure->nominal).size());
+  return {.bytes = 8.0 * n * 800.0, .seconds = 60.0 * 1e-5 * n};
+}
+
+std::shared_ptr<const UpdateProblem> prepare_update(const UpdateCaseFile& parsed, RunWatch& watch) {
+  std::shared_ptr<const UpdateProblem> problem = complaining(parsed, [&] {
+    return make_update_problem(
+        parsed.update, {.progress = [&](double done) { watch.show("reduced basis", done, ""); }});
+  });
+  watch.clear();
+  return problem;
+}
+
+FinishedRun sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
+                          std::shared_ptr<const UpdateProblem> problem, const CommonOptions& common,
+                          const SamplingOptions& options, RunWatch& watch) {
+  const auto methods = evidence_methods(options.evidence);
+  const std::uint64_t seed = common.seed.value_or(1);
+  const auto& basis = problem->modes->training();
+  if (!basis.complete)
+    watch.note("reduced basis: " + std::to_string(basis.basis) + " modes stand for " +
+               std::to_string(problem->modes->structure().nominal().size()) +
+               " degrees of freedom, " + significant(1e3 * problem->seconds_a_likelihood, 2) +
+               " ms a solution");
+  if (basis.beyond > 0)
+    watch.warn(std::to_string(basis.beyond) + " of " + std::to_string(basis.points) +
+               " draws of the prior are beyond the basis and solved in full: this may take long");
+  const auto posterior = std::make_shared<const inference::Posterior>(
+      watch.sample(problem->problem, engine_options(common, options)));
+  const auto findings = std::make_shared<const UpdateFindings>(update_findings(
+      *problem, *posterior,
+      compute_evidence(problem->problem, methods, seed, common.threads, watch), seed));
+  Report summary = update_summary(*parsed, *problem, *findings,
+                                  {.seed = seed, .command_line = common.command_line});
+  summary["wheeltap"]["options"] = options_report(options);
+  const std::string run = run_id(summary["wheeltap"], *posterior);
+  return {
+      .summary = std::move(summary),
+      .run = run,
+      .posterior = posterior,
+      .print = [parsed, findings](std::ostream& out,
+                                  bool colour) { print_update(out, *parsed, *findings, colour); },
+      .draws = [parsed, problem, posterior, run,
+                seed] { return update_posterior_file(run, *parsed, *problem, *posterior, seed); },
+      .columns = [posterior] { return update_columns(*posterior); }};
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,37 @@
+// A finished run as Python holds it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/finished_run.hpp"
+#include "apps/run_watch.hpp"
+#include "python/job.hpp"
+
+namespace wheeltap::python {
+
+struct Run {
+  apps::FinishedRun finished;
+  std::vector<std::string> lines = {};  ///< notes and doubts that were told while it ran
+};
+
+/// Hands progress to a job and stops where the job is stopped.
+class JobWatch : public apps::RunWatch {
+ public:
+  explicit JobWatch(Job& job) : job_(job) {}
+
+  inference::Posterior sample(const inference::Problem& problem,
+                              inference::Options options) override;
+  void show(const char* stage, double fraction, const std::string& detail) override;
+  void note(const std::string& line) override { lines_.push_back(line); }
+  void warn(const std::string& line) override { lines_.push_back(line); }
+  [[nodiscard]] bool stopped() const override { return job_.stopped(); }
+
+  [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
+
+ private:
+  Job& job_;
+  std::vector<std::string> lines_;
+};
+
+}  // namespace wheeltap::python

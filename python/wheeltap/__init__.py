@@ -1,0 +1,30 @@
+"""Wheeltap: how many damages, where, how bad; which equation of motion; what modes tell of parameters.
+
+    import wheeltap as wt
+    result = wt.damage("case.json", seed=1)
+    print(result.answer, result.probabilities, result.draws["location"])
+
+Cases are files or dictionaries of the same content. The page docs/python.md shows every function at work.
+"""
+from ._cases import (beam, beta, gamma, half_normal, log_normal, log_uniform, normal, rectangle, schema,
+                     truncated_normal, uniform)
+from ._core import CaseError, Chain, FileError, Progress, __version__
+from ._engine import Model, Quantiles, from_quantiles, sample
+from ._modal import Modal, modal
+from ._modes import Modes, modes
+from ._records import Record, data, read_record, simulate
+from ._runs import Draws, Result, damage, load, sid, update
+
+__all__ = [
+    "CaseError", "Chain", "Draws", "FileError", "Modal", "Model", "Modes", "Progress", "Quantiles", "Record", "Result",
+    "__version__", "beam", "beta", "damage", "data", "from_quantiles", "gamma", "half_normal", "load", "log_normal", "log_uniform",
+    "modal", "modes", "normal", "plot", "read_record", "rectangle", "sample", "schema", "sid", "simulate",
+    "truncated_normal", "uniform", "update",
+]
+
+
+def __getattr__(name: str):
+    if name == "plot":  # needs matplotlib, which nothing else does
+        import importlib
+        return importlib.import_module(".plot", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

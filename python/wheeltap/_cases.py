@@ -1,0 +1,100 @@
+"""Cases: as files, or as dictionaries of the same content, and dictionaries that are their parts."""
+from __future__ import annotations
+
+import json
+import os
+from typing import Any, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _core
+
+Case = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+Prior = Mapping[str, Any]
+
+
+def _plain(value: Any) -> Any:
+    """NumPy's arrays and numbers as JSON has them."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"a case cannot hold a {type(value).__name__}")
+
+
+def text_of(case: Mapping[str, Any], name: str = "case") -> str:
+    """A dictionary as JSON."""
+    try:
+        return json.dumps(case, default=_plain, allow_nan=False)
+    except ValueError as error:
+        raise _core.CaseError(f"{name}: /: {error}: JSON has neither NaN nor infinities") from None
+
+
+def located(case: Case, folder: Optional[Union[str, "os.PathLike[str]"]]) -> Tuple[str, Optional[str]]:
+    """A case as (path, text): None for the text of a file, "case" in `folder` for the path of a dictionary."""
+    if isinstance(case, Mapping):
+        path = "case" if folder is None else os.path.join(os.fspath(folder), "case")
+        return path, text_of(case, path)
+    return os.fspath(case), None
+
+
+def overriding(changes: Optional[Mapping[str, Any]]) -> Sequence[str]:
+    """{"data.cov": 0.01} as the command line's --set has it."""
+    return [f"{key}={json.dumps(value, default=_plain)}" for key, value in (changes or {}).items()]
+
+
+def beam(length: float, *, section: Mapping[str, Any], young: float, density: float, poisson: float = 0.3,
+         elements: int = 100, supports: Any = "simply-supported") -> dict:
+    """A straight Timoshenko beam: length [m], Young's modulus [Pa], density [kg/m³]; `supports` as in a case."""
+    return {"length": length, "elements": elements, "supports": supports,
+            "material": {"young": young, "poisson": poisson, "density": density}, "section": dict(section)}
+
+
+def rectangle(width: float, height: float) -> dict:
+    """A rectangular section [m]; it bends about its width."""
+    return {"shape": "rectangle", "width": width, "height": height}
+
+
+def uniform(lower: float, upper: float) -> dict:
+    """A uniform prior on [lower, upper]."""
+    return {"uniform": [lower, upper]}
+
+
+def log_uniform(lower: float, upper: float) -> dict:
+    """p(x) ∝ 1/x on [lower, upper], 0 < lower."""
+    return {"log_uniform": [lower, upper]}
+
+
+def normal(mean: float, sd: float) -> dict:
+    """N(mean, sd²)."""
+    return {"normal": [mean, sd]}
+
+
+def log_normal(mu: float, sigma: float) -> dict:
+    """ln x ~ N(mu, sigma²)."""
+    return {"log_normal": [mu, sigma]}
+
+
+def half_normal(sd: float) -> dict:
+    """|N(0, sd²)|."""
+    return {"half_normal": sd}
+
+
+def gamma(shape: float, scale: float) -> dict:
+    """A gamma prior of mean shape · scale."""
+    return {"gamma": [shape, scale]}
+
+
+def beta(a: float, b: float, on: Sequence[float] = (0.0, 1.0)) -> dict:
+    """A beta prior, scaled to `on`."""
+    return {"beta": [a, b], "on": list(on)}
+
+
+def truncated_normal(mean: float, sd: float, lower: float, upper: float) -> dict:
+    """N(mean, sd²) cut to [lower, upper]."""
+    return {"truncated_normal": [mean, sd, lower, upper]}
+
+
+def schema(kind: str = "damage") -> dict:
+    """The JSON Schema of a kind of case: "damage", "update", "sid", "modal", …"""
+    return json.loads(_core.schema(kind))

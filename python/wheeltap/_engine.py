@@ -1,0 +1,89 @@
+"""Likelihoods of one's own for the reversible-jump engine."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _core
+from ._cases import Prior, text_of
+from ._progress import Watcher, watching
+from ._runs import Result
+
+
+@dataclass(frozen=True)
+class Quantiles:
+    """A prior by its quantile function."""
+
+    ppf: Callable[[np.ndarray], Any]
+
+
+def from_quantiles(function: Callable[[np.ndarray], Any]) -> Quantiles:
+    """The prior of x = function(u), u uniform on [0, 1]: `function` takes and returns arrays, and must not decrease."""
+    return Quantiles(function)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A competing model.
+
+    parameters      priors by name: the same name in two models is the same parameter. A prior is a dictionary as in
+                    a case (wt.uniform, …), or anything with a method `ppf`, its quantile function over arrays of
+                    probabilities: a distribution of scipy.stats, or wt.from_quantiles(function)
+    log_likelihood  ln p(data | parameters), every normaliser included, -inf where they are impossible: a function
+                    of an (n, d) array, a row a parameter vector in the order of `parameters`, that returns n
+                    numbers; with batch=False of one vector, returning one
+    prior           weight a priori, relative to the other models'
+    """
+
+    name: str
+    parameters: Mapping[str, Union[Prior, "Quantiles"]]
+    log_likelihood: Callable[[np.ndarray], Any]
+    prior: float = 1.0
+    batch: bool = True
+
+
+def _in_place(quantiles: Mapping[int, Callable[..., Any]], log_likelihood: Callable[..., Any]) -> Callable[..., Any]:
+    """The likelihood of probabilities: columns of x (the engine's copy for this call) become quantiles."""
+    if not quantiles:
+        return log_likelihood
+
+    def of_probabilities(x: np.ndarray) -> Any:
+        for i, ppf in quantiles.items():
+            x[..., i] = ppf(x[..., i])
+        return log_likelihood(x)
+
+    return of_probabilities
+
+
+def sample(models: Sequence[Model], *, title: str = "Which model?", seed: Optional[int] = None,
+           chains: Optional[int] = None, warmup: Optional[int] = None, draws: Optional[int] = None, threads: int = 1,
+           progress: Watcher = True, **options: Any) -> Result:
+    """Which model, with what parameters: each model is searched, its evidence computed, and all are sampled.
+
+    The functions are called with many rows while models are searched and weighed, and with one row a step while
+    chains are drawn, since a chain's next state rests on this one. They are called under the GIL: more `threads`
+    pay only for functions that release it. An exception in one ends the run and is raised here.
+    """
+    models = list(models)
+    laws: Dict[str, Any] = {}
+    functions, listed = [], []
+    for model in models:
+        places = {}
+        for place, (name, prior) in enumerate(model.parameters.items()):
+            if not hasattr(prior, "ppf"):
+                continue
+            if laws.setdefault(name, prior) is not prior:
+                raise _core.CaseError(f"sample: {name}: has another prior in a model before: the same name is the "
+                                      "same parameter")
+            places[place] = prior.ppf
+        functions.append(_in_place(places, model.log_likelihood))
+        listed.append({"name": model.name, "prior": model.prior, "order": list(model.parameters), "parameters": {
+            name: {"uniform": [0, 1]} if hasattr(prior, "ppf") else prior for name, prior in model.parameters.items()}})
+    problem = {"kind": "sample", "title": title, "models": listed}
+    with watching(progress) as watch:
+        return Result(_core.sample(
+            text_of(problem, "sample"), functions, [model.batch for model in models],
+            {name: law.ppf for name, law in laws.items()},
+            {"seed": seed, "chains": chains, "warmup": warmup, "draws": draws, "threads": threads, **options}, watch))

@@ -1,0 +1,116 @@
+"""Modes from records of a structure in operation."""
+from __future__ import annotations
+
+import html
+import json
+import os
+from typing import Any, Dict, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _core
+from ._cases import Case, located, overriding, text_of
+
+Path = Union[str, "os.PathLike[str]"]
+
+
+class Modal:
+    """Modes with their uncertainty. Arrays are read-only views."""
+
+    def __init__(self, core: "_core.Modal"):
+        self._core = core
+        self.summary: Dict[str, Any] = json.loads(core.summary)  #: as in summary.json
+
+    @property
+    def frequencies_hz(self) -> np.ndarray:
+        """[Hz]"""
+        return self._core.frequencies_hz
+
+    @property
+    def frequencies_sd(self) -> np.ndarray:
+        """Standard deviations [Hz]."""
+        return np.sqrt(np.diag(self.covariance)[:len(self.frequencies_hz)])
+
+    @property
+    def frequency_covariance(self) -> np.ndarray:
+        """Of the frequencies [Hz²]: what `data.covariance` of a case takes."""
+        n = len(self.frequencies_hz)
+        return self.covariance[:n, :n]
+
+    @property
+    def damping(self) -> np.ndarray:
+        """Damping ratios."""
+        return self._core.damping
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Of all frequencies [Hz], then all damping ratios."""
+        return self._core.covariance
+
+    @property
+    def shapes(self) -> np.ndarray:
+        """Complex, sensors × modes, the largest entry of each 1."""
+        return self._core.shapes
+
+    @property
+    def modes(self) -> Dict[str, Any]:
+        """As modes.json has them."""
+        return json.loads(self._core.modes_json)
+
+    @property
+    def text(self) -> str:
+        """What the program prints."""
+        return self._core.text
+
+    def __len__(self) -> int:
+        return len(self.frequencies_hz)
+
+    def save(self, folder: Path) -> None:
+        """Writes modes.json, summary.json and report.html."""
+        self._core.keep(os.fspath(folder))
+
+    def report(self, path: Optional[Path] = None) -> str:
+        """report.html as text, written to `path` where one is given."""
+        page = self._core.page()
+        if path is not None:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(page)
+        return page
+
+    def _repr_html_(self) -> str:
+        return ('<iframe style="width: 100%; height: 40em; border: 0" srcdoc="'
+                + html.escape(self.report()) + '"></iframe>')
+
+    def __repr__(self) -> str:
+        return f"<Modal: {', '.join(f'{f:.4g}' for f in self.frequencies_hz)} Hz>"
+
+
+def modal(case: Optional[Case] = None, *, channels: Optional[Mapping[str, Any]] = None,
+          sample_rate: Optional[float] = None, band: Optional[Sequence[float]] = None,
+          references: Sequence[str] = (), title: Optional[str] = None, threads: Optional[int] = None,
+          changes: Optional[Mapping[str, Any]] = None, folder: Optional[Path] = None) -> Modal:
+    """Natural frequencies, damping ratios and shapes from a modal case, or from {name: samples} in `channels`.
+
+    sample_rate  [Hz], of `channels`
+    band         [lowest, highest] in Hz, where modes are looked for
+    references   names of the channels that covariances are taken with; all unless given
+    """
+    options = {"threads": threads}
+    if (case is None) == (channels is None):
+        raise ValueError("modal: give either a case or channels")
+    if case is not None:
+        path, text = located(case, folder)
+        return Modal(_core.modal(path, text, overriding(changes), options))
+    columns = {str(name): np.asarray(values, dtype=float).ravel() for name, values in channels.items()}
+    unknown = [name for name in references if name not in columns]
+    if unknown:
+        raise ValueError(f"modal: references: no channel {unknown[0]!r}; there are: {', '.join(columns)}")
+    made: Dict[str, Any] = {"kind": "modal", "title": title or "Modes", "record": {
+        "file": "channels",
+        "channels": [{"column": name, "role": "response", **({"reference": True} if name in references else {})}
+                     for name in columns]}}
+    if sample_rate is not None:
+        made["record"]["sample_rate"] = sample_rate
+    if band is not None:
+        made["band"] = list(band)
+    return Modal(_core.modal_of_channels(text_of(made), columns, options))
