@@ -73,7 +73,7 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
 Simulation parse_simulation(const CaseFile& file, const Json& truth, Simulation simulation) {
   const Json data = file.json.value("data", Json::object());
   if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"];
-  simulation.modes = data.value("modes", simulation.modes);
+  if (data.contains("modes") && data["modes"].is_number()) simulation.modes = data["modes"];
   simulation.seed = data.value("seed", simulation.seed);
   if (data.contains("shape_sd") && data["shape_sd"].is_number())
     simulation.shape_sd = data["shape_sd"];

@@ -45,7 +45,7 @@ Channels parse_channels(ModalCaseFile& out) {
       if (c.contains("scale")) found.time_scale = c.at("scale").get<double>();
     }
     if (role != "response") continue;
-    Sensor sensor{.name = column};
+    MeasuredSensor sensor{.name = column};
     if (c.contains("node")) sensor.node = text_or_number(c.at("node"));
     sensor.direction = c.value("direction", "");
     if (c.contains("azimuth") || c.contains("elevation")) {

@@ -14,10 +14,10 @@ namespace wheeltap::apps {
 struct ModalCaseFile {
   CaseFile file;
   std::string title;
-  std::vector<Sensor> sensors;        ///< a response channel each
-  std::vector<Pointer> places;        ///< of their blocks in the case
-  Eigen::MatrixXd records;            ///< a response a row
-  std::vector<std::string> oddities;  ///< of channels, in sentences
+  std::vector<MeasuredSensor> sensors;  ///< a response channel each
+  std::vector<Pointer> places;          ///< of their blocks in the case
+  Eigen::MatrixXd records;              ///< a response a row
+  std::vector<std::string> oddities;    ///< of channels, in sentences
   signals::ModalOptions options;
 };
 

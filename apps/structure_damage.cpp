@@ -251,7 +251,7 @@ class KindParser {
 
 // What a case of a structure may say, but this version does not use.
 void refuse_unused(const CaseFile& f) {
-  for (const char* place : {"/data/from", "/data/states", "/data/masses", "/data/temperature"}) {
+  for (const char* place : {"/data/states", "/data/masses", "/data/temperature"}) {
     if (f.json.contains(Pointer(place)))
       f.refuse(Pointer(place),
                "is not used by this version: it infers damage from one state's modes");

@@ -142,7 +142,7 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
     if (json["parameters"].contains(name))
       f.refuse(Pointer("/parameters") / name, "is the name of a scatter of the data: take another");
   out.structure = std::make_shared<const StructureModel>(parse_structure(f));
-  if (json.contains("data")) out.data = parse_modal_data(f, out.structure->nominal);
+  if (json.contains("data")) out.data = parse_modal_data(f, kData, out.structure->nominal);
   if (json.contains("truth")) parse_truth(f, out);
   check_modes(f, out);
   if (needs == UpdateNeeds::structure) return parsed;
