@@ -31,16 +31,14 @@ std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, int all) 
   std::vector<int> out;
   if (given.is_number()) {
     const int count = given;
-    if (count > all)
-      file.refuse(at, "\"from\" has " + std::to_string(all) + " modes");
+    if (count > all) file.refuse(at, "\"from\" has " + std::to_string(all) + " modes");
     out.resize(static_cast<std::size_t>(count));
     std::iota(out.begin(), out.end(), 0);
     return out;
   }
   for (std::size_t i = 0; i < given.size(); ++i) {
     const int mode = given[i];
-    if (mode > all)
-      file.refuse(at / i, "\"from\" has " + std::to_string(all) + " modes, from 1");
+    if (mode > all) file.refuse(at / i, "\"from\" has " + std::to_string(all) + " modes, from 1");
     if (std::ranges::find(out, mode - 1) != out.end()) file.refuse(at / i, "stands twice");
     out.push_back(mode - 1);
   }
@@ -63,8 +61,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   const Json& data = file.json.at(where);
   for (const char* key : {"frequencies", "file", "columns", "row", "cov", "sd", "covariance",
                           "shapes", "shape_sd", "shape_covariance", "seed"})
-    if (data.contains(key))
-      file.refuse(where / key, "does not go with \"from\", which says it");
+    if (data.contains(key)) file.refuse(where / key, "does not go with \"from\", which says it");
   TakenModes out{.name = data.at("from")};
   out.path = file.resolve(out.name);
   out.file = read_modes_file(out.path);
@@ -110,9 +107,8 @@ void fill(const TakenModes& taken, const std::vector<Index>& channels, ModalData
     for (Index i = 0; i < n; ++i) {
       const auto mode = static_cast<std::size_t>(taken.modes[static_cast<std::size_t>(i)]);
       try {
-        const RealShape shape =
-            real_shape(file.shapes.col(static_cast<Index>(mode))(channels),
-                       file.shape_covariance[mode](both, both), file.blocks);
+        const RealShape shape = real_shape(file.shapes.col(static_cast<Index>(mode))(channels),
+                                           file.shape_covariance[mode](both, both), file.blocks);
         out.shapes.row(i) = shape.values.transpose();
         out.shape_covariances.push_back(shape.covariance);
         correlated = correlated && shape.correlated;

@@ -249,15 +249,6 @@ class KindParser {
 
 }  // namespace
 
-// What a case of a structure may say, but this version does not use.
-void refuse_unused(const CaseFile& f) {
-  for (const char* place : {"/data/states", "/data/masses", "/data/temperature"}) {
-    if (f.json.contains(Pointer(place)))
-      f.refuse(Pointer(place),
-               "is not used by this version: it infers damage from one state's modes");
-  }
-}
-
 void check_structure_modes(const CaseFile& f, DamageCase& out) {
   try {
     const fem::Discretisation d = discretise(out.structure->nominal);
@@ -267,7 +258,7 @@ void check_structure_modes(const CaseFile& f, DamageCase& out) {
       if (kind.type->may_be_known)
         most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
     const auto most = static_cast<int>(fem::mode_count(d)) - out.rigid_body_modes - most_supports;
-    if (out.modes() > most)
+    if (!out.states && out.modes() > most)
       f.refuse(out.data.modes() > 0 ? Pointer("/data") : Pointer("/data/modes"),
                std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most) +
                    ", the elastic modes of this mesh" +

@@ -85,7 +85,8 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
                              .options = options_report(options),
                              .case_json = parsed.file.json},
                             common);
-  const auto& basis = problem->modes->training();
+  const auto basis = problem->modes ? problem->modes->training()
+                                    : fem::ParametricModes::Training{.complete = true};
   if (!basis.complete)
     log->info("reduced basis: {} modes stand for {} degrees of freedom, {:.2g} ms a solution",
               basis.basis, problem->modes->structure().nominal().size(),

@@ -53,4 +53,9 @@ bool ObservedStates::has_shapes() const {
   return std::ranges::any_of(list, [](const ObservedState& s) { return s.data.has_shapes(); });
 }
 
+bool ObservedStates::tells_sides() const {
+  return has_shapes() || !uniform ||
+         std::ranges::any_of(list, [](const ObservedState& s) { return !s.masses.empty(); });
+}
+
 }  // namespace wheeltap::identification

@@ -19,20 +19,21 @@ struct ObservedState {
   ModalData data = {};    ///< its scatters, where unknown, are those of all states
   bool damaged = false;   ///< the damages of the case are in it
   std::vector<fem::StructureChange::Mass> masses = {};  ///< added, known
-  double temperature = 0.0;  ///< above the reference [K]
+  double temperature = 0.0;                             ///< above the reference [K]
   /// Of the coefficients that every state has set, in the order of `ObservedStates::known`.
   std::vector<double> known = {};
 };
 
-/// What was measured, and what is unknown of the intact structure. θ are the parameters of the model
-/// that are not `known`; a state at ΔT has the stiffness K (1 + c ΔT), c the unknown `per_kelvin`,
-/// supports included.
+/// What was measured, and what is unknown of the intact structure. θ are the parameters of the
+/// model that are not `known`; a state at ΔT has the stiffness K (1 + c ΔT), c the unknown
+/// `per_kelvin`, supports included.
 struct ObservedStates {
   std::shared_ptr<const StructureModel> model = {};
   std::vector<int> unknown = {};  ///< parameters of the model: θ
   std::vector<int> known = {};    ///< those that the states set
   std::optional<inference::Prior> per_kelvin = {};
   std::vector<ObservedState> list = {};
+  bool uniform = false;  ///< every parameter acts on the whole structure alike: E of a beam
 
   /// θ and, where it is unknown, c.
   [[nodiscard]] std::vector<inference::Parameter> parameters() const;
@@ -43,6 +44,9 @@ struct ObservedStates {
   /// state's sensors.
   [[nodiscard]] ModalData joined() const;
   [[nodiscard]] bool has_shapes() const;
+  /// Something but frequencies tells one end of a symmetric beam from the other: shapes, added
+  /// masses, unknown or set coefficients that are not of the whole beam.
+  [[nodiscard]] bool tells_sides() const;
 };
 
 /// What the parameter of the temperature is called.

@@ -198,6 +198,19 @@ bool StatesLikelihood::solve(std::span<const double> x, const std::vector<Placed
   return true;
 }
 
+std::vector<double> StatesLikelihood::frequencies_anywhere(
+    const std::vector<PlacedDefect>& defects) const {
+  base::Random random(3, 0, 0, base::Purpose::fit);
+  std::vector<double> x, out;
+  for (const auto& parameter : states_->parameters())
+    x.push_back(parameter.prior.from_standard_normal(0.5 * random.normal()));
+  std::vector<Modes> found;
+  if (!solve(x, defects, found)) return out;
+  for (const Modes& modes : found)
+    for (const double lambda : modes.eigenvalues) out.push_back(std::sqrt(lambda) / kTwoPi);
+  return out;
+}
+
 StatesLikelihood::Check StatesLikelihood::check(int points) const {
   Check out;
   const auto parameters = states_->parameters();
@@ -232,9 +245,8 @@ StatesLikelihood::Check StatesLikelihood::check(int points) const {
       const double stiffer = 1.0 + per_kelvin * states_->list[s].temperature;
       const VectorXd eigenvalues = found[s].eigenvalues / stiffer;
       const auto rigid = d.rigid_motions.cols();
-      const VectorXd full =
-          fem::structure_modes(d, static_cast<int>(rigid + eigenvalues.size()))
-              .eigenvalues.tail(eigenvalues.size());
+      const VectorXd full = fem::structure_modes(d, static_cast<int>(rigid + eigenvalues.size()))
+                                .eigenvalues.tail(eigenvalues.size());
       const auto errors = ((eigenvalues - full).array() / full.array()).abs().eval();
       out.missed += static_cast<int>((errors > 1e-3).count());
       out.largest_error = std::max(out.largest_error, 0.5 * errors.maxCoeff());

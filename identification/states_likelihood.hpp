@@ -56,6 +56,11 @@ class StatesLikelihood {
   bool solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
              std::vector<fem::ParametricModes::Modes>& out) const;
 
+  /// All computed frequencies [Hz] at a draw of the priors that is no special place: what is alike
+  /// there is alike. Empty where there is no such structure.
+  [[nodiscard]] std::vector<double> frequencies_anywhere(
+      const std::vector<PlacedDefect>& defects) const;
+
   /// Largest relative error of a frequency against full solutions at `points` draws of the priors,
   /// one defect of each kind among them, and how many modes Sturm's count misses.
   struct Check {

@@ -124,7 +124,8 @@ Examined examine(const UpdateProblem& problem, const Posterior& posterior, Updat
     seen.scores.push_back(predictor.score(x));
     seen.log_likelihood.push_back(seen.scores.back().log_likelihood);
     seen.frequencies_hz.emplace_back(predictor.modes().eigenvalues.cwiseSqrt() / (2.0 * M_PI));
-    out.in_full += predictor.modes().in_full && !problem.modes->training().complete;
+    out.in_full +=
+        problem.modes && predictor.modes().in_full && !problem.modes->training().complete;
   };
   const std::size_t chains = posterior.chains.size(), draws = posterior.chains[0].model.size();
   const std::size_t stride = std::max<std::size_t>(1, chains * draws / kExamined);
@@ -155,13 +156,12 @@ Marginal marginal_of(const UpdateFindings& out, const Value& value) {
 /// kept by conditioning on the others.
 std::vector<VectorXd> mode_likelihoods(const UpdateProblem& problem, const Examined& seen,
                                        std::size_t draws) {
-  const ModalLikelihood& likelihood = *problem.likelihood;
-  const ModalData& data = likelihood.data();
+  const ModalData& data = problem.update_case.data;
   const auto n = static_cast<Index>(data.modes());
   std::vector<VectorXd> out;
   for (std::size_t s = 0; s < draws; ++s) {
     const auto noise = problem.noise(seen.x[s]);
-    const MatrixXd covariance = likelihood.covariance(noise);
+    const MatrixXd covariance = problem.covariance(noise);
     std::vector<int> with;
     for (Index i = 0; i < n; ++i)
       if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)]))
@@ -230,11 +230,15 @@ void leave_one_out(const UpdateProblem& problem, const Examined& seen, UpdateFin
 }
 
 void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
-  const ModalLikelihood& likelihood = *problem.likelihood;
-  const ModalData& data = likelihood.data();
+  const ModalData& data = problem.update_case.data;
   for (int i = 0; i < data.modes(); ++i) {
     const auto m = static_cast<std::size_t>(i);
     ModeFinding f{.mode = i + 1, .measured_hz = data.frequencies_hz[m], .sd_hz = kNaN};
+    if (problem.states) {
+      const auto place = problem.states->place(i);
+      f.state = problem.states->states().list[static_cast<std::size_t>(place.state)].name;
+      f.mode_of_state = place.mode + 1;
+    }
     const auto match = [&](std::size_t s) -> const auto& {
       return seen.scores[s].matches[m];
     };
@@ -243,7 +247,7 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
     double residual = 0.0, sd = 0.0;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
       ++tally[match(s).computed];
-      const double here = std::sqrt(likelihood.covariance(problem.noise(seen.x[s]))(i, i));
+      const double here = std::sqrt(problem.covariance(problem.noise(seen.x[s]))(i, i));
       sd += here / out.examined;
       residual += (f.measured_hz - match(s).frequency_hz) / here / out.examined;
     }
@@ -253,7 +257,7 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
     const auto most = std::ranges::max_element(tally, {}, [](const auto& e) { return e.second; });
     f.computed = most->first + 1;
     f.matched = static_cast<double>(most->second) / out.examined;
-    if (const auto& shape = likelihood.shape(i)) {
+    if (const auto& shape = problem.shape(i)) {
       f.has_shape = true;
       f.shape_freedoms = shape->freedoms();
       f.mac = marginal_of(out, [&](std::size_t s) { return match(s).shape->mac; });
@@ -312,7 +316,7 @@ void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t s
     // As well as the modes measured are known, on average.
     std::vector<double> replicates;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
-      const MatrixXd covariance = problem.likelihood->covariance(problem.noise(seen.x[s]));
+      const MatrixXd covariance = problem.covariance(problem.noise(seen.x[s]));
       double relative = 0.0, count = 0.0;
       for (int i = 0; i < data.modes(); ++i) {
         const double f = data.frequencies_hz[static_cast<std::size_t>(i)];
@@ -344,7 +348,7 @@ void show_shapes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
   out.mac = MatrixXd::Constant(data.modes(), shapes.cols(), kNaN);
   out.best_shapes = MatrixXd::Constant(data.modes(), shapes.rows(), kNaN);
   for (int i = 0; i < data.modes(); ++i) {
-    if (!problem.likelihood->shape(i)) continue;
+    if (!problem.shape(i)) continue;
     std::vector<int> entries;
     for (Index s = 0; s < shapes.rows(); ++s)
       if (!std::isnan(data.shapes(i, s))) entries.push_back(static_cast<int>(s));
@@ -380,7 +384,7 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
                                const std::vector<MethodEvidence>& evidence, std::uint64_t seed) {
   UpdateFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior), seed);
-  out.numbers = problem.likelihood->measured();
+  out.numbers = problem.measured();
   judge_parameters(problem, posterior, out);
   const Examined seen = examine(problem, posterior, out);
   judge_modes(problem, seen, out);

@@ -56,6 +56,8 @@ struct ModeFinding {
   std::string moves = {};
   double moved = 0.0;
   bool reliable = true;
+  std::string state = {};  ///< where there are several
+  int mode_of_state = 0;   ///< as measured in it, from 1
 
   /// Off by more than the stated scatter allows: 3 sd, or p below 1e-3.
   [[nodiscard]] bool is_off() const;

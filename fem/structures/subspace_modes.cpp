@@ -97,8 +97,8 @@ bool SubspaceModes::iterate(const Discretisation& d, Index wanted, Found& out) c
     MatrixXd stiffness = x.transpose() * momentum;
     stiffness = 0.5 * (stiffness + stiffness.transpose()).eval();
     const MatrixXd mass = x.transpose() * mass_x;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(
-        stiffness, 0.5 * (mass + mass.transpose()));
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(stiffness,
+                                                                  0.5 * (mass + mass.transpose()));
     if (ritz.info() != Eigen::Success) return false;
     const VectorXd now = ritz.eigenvalues().head(wanted).array() - sigma;
     const VectorXd elastic = now.tail(options_.modes);

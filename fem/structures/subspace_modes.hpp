@@ -6,15 +6,15 @@
 
 namespace wheeltap::fem {
 
-/// K φ = λ M φ by block inverse iteration with a Rayleigh-Ritz step (Bathe & Wilson 1972; Saad 2011,
-/// section 5.2),
+/// K φ = λ M φ by block inverse iteration with a Rayleigh-Ritz step (Bathe & Wilson 1972; Saad
+/// 2011, section 5.2),
 ///
 ///   X ← (K + σ M)⁻¹ M X,   begun with the modes of the structure at which this object was made,
 ///
 /// until no eigenvalue wanted moves by more than `tolerance`, relative; errors shrink by
 /// (λ_wanted/λ_beyond)² a step, with as many vectors beyond as wanted, 8 at least. σ = 0 unless
-/// there are rigid-body motions. Up to `kDense` degrees of freedom K is factored densely and nothing
-/// is iterated. Degrees of freedom without mass are welcome.
+/// there are rigid-body motions. Up to `kDense` degrees of freedom K is factored densely and
+/// nothing is iterated. Degrees of freedom without mass are welcome.
 ///
 /// That no mode is missing is not counted: see `eigenvalues_below`. Immutable after construction;
 /// answers depend on nothing but their arguments.
@@ -23,8 +23,8 @@ class SubspaceModes {
   static constexpr int kDense = 40;
 
   struct Options {
-    int modes = 1;             ///< elastic ones, the lowest
-    double tolerance = 1e-8;   ///< of an eigenvalue, relative
+    int modes = 1;            ///< elastic ones, the lowest
+    double tolerance = 1e-8;  ///< of an eigenvalue, relative
     int most_steps = 60;
   };
   /// Throws as `structure_modes`.

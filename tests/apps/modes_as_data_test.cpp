@@ -71,9 +71,9 @@ json damage_case() {
 TEST(ModesAsData, FromAccelerationsToDamage) {
   const Workspace where;
   measure(where, 0.7 * 9000, 4);
-  const Outcome ran = wheeltap(
-      where, "damage " + where.write_json("damage.json", damage_case()).string() + " -o " +
-                 (where / "out").string() + " --quiet --warmup 500 --draws 500");
+  const Outcome ran =
+      wheeltap(where, "damage " + where.write_json("damage.json", damage_case()).string() + " -o " +
+                          (where / "out").string() + " --quiet --warmup 500 --draws 500");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
   EXPECT_THAT(ran.out, HasSubstr("from modal/modes.json: 3 of 3 modes, with shapes at 3 sensors"));
   EXPECT_THAT(ran.out, HasSubstr("damping is not used"));
@@ -153,7 +153,8 @@ TEST(ModesAsData, CovariancesOfFewBlocksAreRaised) {
 TEST(ModesAsData, DirectionsByAngles) {
   const Workspace where;
   MeasuredModes modes = three();
-  modes.sensors = {{.node = "B", .azimuth = 60.0}, {.node = "C", .direction = "-y"},
+  modes.sensors = {{.node = "B", .azimuth = 60.0},
+                   {.node = "C", .direction = "-y"},
                    {.node = "C", .azimuth = 0.0, .elevation = 0.5}};
   where.write("m.json", modes_json(modes).dump());
   const json c = json::parse(R"({"kind": "update", "parameters": {"E": {"log_normal": [26, 0.1]}},

@@ -23,8 +23,8 @@ Errors errors(const Discretisation& d, const SubspaceModes::Found& found) {
   const StructureModes full = structure_modes(d, static_cast<int>(rigid + modes));
   Errors out;
   for (Index i = 0; i < modes; ++i) {
-    out.eigenvalue = std::max(
-        out.eigenvalue, std::abs(found.eigenvalues[i] / full.eigenvalues[rigid + i] - 1.0));
+    out.eigenvalue = std::max(out.eigenvalue,
+                              std::abs(found.eigenvalues[i] / full.eigenvalues[rigid + i] - 1.0));
     const double along =
         found.shapes.col(i).dot(Eigen::VectorXd(d.mass * full.shapes.col(rigid + i)));
     EXPECT_NEAR(found.shapes.col(i).dot(Eigen::VectorXd(d.mass * found.shapes.col(i))), 1.0, 1e-9);
@@ -42,12 +42,11 @@ TEST(SubspaceModes, FindsTheModesOfChangedFrames) {
   for (const auto& x : parametric::draws(
            {{100e9, 300e9}, {40e9, 120e9}, {6000.0, 9000.0}, {0.006, 0.016}, {0.0, 0.95}}, 20, 1)) {
     const Mesh mesh(parametric::portal(x[0], x[1], x[2], x[3]));
-    const Discretisation d =
-        changed(mesh.discretisation(),
-                change_of(mesh,
-                          {.elements = {{.member = 0, .at = x[4], .reduction = 0.9}},
-                           .masses = {{.member = 1, .at = 0.4, .mass = 1.5}}},
-                          {}));
+    const Discretisation d = changed(
+        mesh.discretisation(), change_of(mesh,
+                                         {.elements = {{.member = 0, .at = x[4], .reduction = 0.9}},
+                                          .masses = {{.member = 1, .at = 0.4, .mass = 1.5}}},
+                                         {}));
     ASSERT_TRUE(solver.solve(d, found));
     EXPECT_GT(found.steps, 1);
     const Errors e = errors(d, found);
@@ -77,9 +76,8 @@ TEST(SubspaceModes, SolvesInFullWhereDegreesOfFreedomAreHeld) {
   const Mesh mesh(parametric::portal(200e9, 70e9, 7800.0, 0.01));
   const SubspaceModes solver(mesh.discretisation(), {.modes = 4});
   StructureChange change;
-  change.springs.push_back(
-      {.motion = mesh.motion(1, 0.7, Direction::y),
-       .stiffness = std::numeric_limits<double>::infinity()});
+  change.springs.push_back({.motion = mesh.motion(1, 0.7, Direction::y),
+                            .stiffness = std::numeric_limits<double>::infinity()});
   const Discretisation d = changed(mesh.discretisation(), change);
   SubspaceModes::Found found;
   ASSERT_TRUE(solver.solve(d, found));
@@ -99,8 +97,8 @@ TEST(SubspaceModes, DegreesOfFreedomWithoutMass) {
 
 TEST(SubspaceModes, SaysWhereThereIsNoStructure) {
   const auto buckled = Mesh(parametric::portal(200e9, 70e9, 7800.0, 0.01, -1e6)).discretisation();
-  const SubspaceModes solver(
-      Mesh(parametric::portal(200e9, 70e9, 7800.0, 0.01)).discretisation(), {.modes = 3});
+  const SubspaceModes solver(Mesh(parametric::portal(200e9, 70e9, 7800.0, 0.01)).discretisation(),
+                             {.modes = 3});
   SubspaceModes::Found found;
   EXPECT_FALSE(solver.solve(buckled, found));
   const auto two = parametric::shear_chain(2).at(std::vector<double>{1000.0, 1200.0});
