@@ -50,6 +50,7 @@ void inherit(Json& state, const Json& block) {
       {"frequencies", "file", "from"}, {"cov", "sd", "covariance"}, {"shape_sd", "shape_covariance"}};
   for (const auto& [key, value] : block.items()) {
     if (key == "states" || state.contains(key)) continue;
+    if (state.contains("predict") && (key == "sd" || key == "covariance")) continue;
     const bool said = std::ranges::any_of(alternatives, [&](const Keys& keys) {
       return std::ranges::any_of(keys, [&](const char* k) { return key == k; }) &&
              has_any(state, keys);
@@ -263,10 +264,19 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
     ObservedState state{.name = names[s], .damaged = damage && names.size() > 0 &&
                                                      where[s].to_string().starts_with("/data")};
     state.data = parse_modal_data(file, where[s], out.model->nominal);
+    if (state.data.modes() == 0 && state.data.predict > 0 && !damage) {
+      // Nothing was measured here: all is to be foretold.
+      const auto n = static_cast<std::size_t>(state.data.predict);
+      state.data.frequencies_hz.assign(n, kNaN);
+      state.data.covariance = Eigen::MatrixXd::Zero(state.data.predict, state.data.predict);
+      state.data.origin = "to be foretold";
+      state.data.predict = 0;
+    }
     if (state.data.modes() == 0)
       given.refuse(where[s], "no data: give \"frequencies\", a \"file\" or \"from\"");
     if (state.data.predict > 0)
-      given.refuse(where[s] / "predict", "does not go with states: leave a state out instead");
+      given.refuse(where[s] / "predict", "goes with states in which nothing was measured: give it in "
+                   "place of \"frequencies\"");
     for (const double f : state.data.frequencies_hz)
       if (!std::isnan(f) && !(f > 0.0)) given.refuse(where[s], "frequencies must be positive");
     if (s > 0) check_scatters(given, where[s], out.list[0].data, state.data);

@@ -109,6 +109,7 @@ Report predictions_of(const UpdateFindings& findings) {
          {"held_out_hz", p.measured_hz ? Report(*p.measured_hz) : Report()},
          {"inside", p.measured_hz ? Report(!p.misses()) : Report()},
          {"useful", !p.useless()}});
+    if (!p.state.empty()) rows.back()["state"] = p.state;
   }
   return rows;
 }

@@ -303,9 +303,44 @@ void judge_fit(const UpdateProblem& problem, const Examined& seen, UpdateFinding
     if (p.misses()) fit.missed.push_back(p.mode);
 }
 
+/// Modes of states in which no frequency was measured: N(f, (δ f)² + (s f)²), s as well as the
+/// others are known, on average.
+void predict_states(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
+                    UpdateFindings& out) {
+  const ModalData& data = problem.update_case.data;
+  for (std::size_t m = 0; m < out.modes.size(); ++m) {
+    if (!std::isnan(out.modes[m].measured_hz) || out.modes[m].has_shape) continue;
+    const auto place = problem.states->place(static_cast<int>(m));
+    Prediction p{.mode = place.mode + 1,
+                 .frequency_hz = out.modes[m].frequency_hz,
+                 .state = out.modes[m].state};
+    std::vector<double> replicates;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
+      const MatrixXd covariance = problem.covariance(problem.noise(seen.x[s]));
+      double relative = 0.0, count = 0.0;
+      for (int i = 0; i < data.modes(); ++i)
+        if (const double f = data.frequencies_hz[static_cast<std::size_t>(i)]; !std::isnan(f))
+          relative += covariance(i, i) / (f * f), ++count;
+      base::Random random(seed, m, s, base::Purpose::prediction);
+      replicates.push_back(seen.scores[s].matches[m].frequency_hz *
+                           (1.0 + std::sqrt(relative / std::max(1.0, count)) * random.normal()));
+    }
+    std::ranges::sort(replicates);
+    p.low_hz = quantile(replicates, 0.025);
+    p.high_hz = quantile(replicates, 0.975);
+    const ModalData& own =
+        problem.states->states().list[static_cast<std::size_t>(place.state)].data;
+    if (static_cast<std::size_t>(place.mode) < own.held_out_hz.size() &&
+        !std::isnan(own.held_out_hz[static_cast<std::size_t>(place.mode)]))
+      p.measured_hz = own.held_out_hz[static_cast<std::size_t>(place.mode)];
+    out.predictions.push_back(std::move(p));
+  }
+}
+
 /// The next modes after those that the measured ones are matched to.
 void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
              UpdateFindings& out) {
+  if (problem.states) return predict_states(problem, seen, seed, out);
   const ModalData& data = problem.update_case.data;
   int first = 0;
   for (const ModeFinding& m : out.modes) first = std::max(first, m.computed);

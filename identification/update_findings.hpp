@@ -69,6 +69,7 @@ struct Prediction {
   Marginal frequency_hz = {};
   double low_hz = 0.0, high_hz = 0.0;  ///< 95 % of a measurement, noise and discrepancy included
   std::optional<double> measured_hz = {};  ///< held out
+  std::string state = {};                  ///< where it is one of a state's: `mode` is then its own
 
   [[nodiscard]] bool misses() const {
     return measured_hz && (*measured_hz < low_hz || *measured_hz > high_hz);
