@@ -45,7 +45,8 @@ std::vector<std::string> baseline_sentences(const DamageFindings& findings) {
                     (c.bound == Contraction::Bound::upper ? "upper" : "lower") +
                     " end of its prior: that end says more than the data.");
   for (const Entangled& e : b.entangled)
-    out.push_back(e.a + " and " + e.b + " of the intact structure cannot be told apart (correlation " +
+    out.push_back(e.a + " and " + e.b +
+                  " of the intact structure cannot be told apart (correlation " +
                   fixed(e.correlation, 2) + "): the data know a combination of them.");
   for (const HiddenDamage& h : b.hidden)
     out.push_back("With " + h.model + ", " + h.severity + " and " + h.parameter +

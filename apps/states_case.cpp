@@ -46,8 +46,9 @@ std::vector<Pointer> places(const CaseFile& file, const Pointer& where) {
 
 /// What the block says of all its states, each state's own words first.
 void inherit(Json& state, const Json& block) {
-  static const std::vector<Keys> alternatives = {
-      {"frequencies", "file", "from"}, {"cov", "sd", "covariance"}, {"shape_sd", "shape_covariance"}};
+  static const std::vector<Keys> alternatives = {{"frequencies", "file", "from"},
+                                                 {"cov", "sd", "covariance"},
+                                                 {"shape_sd", "shape_covariance"}};
   for (const auto& [key, value] : block.items()) {
     if (key == "states" || state.contains(key)) continue;
     if (state.contains("predict") && (key == "sd" || key == "covariance")) continue;
@@ -56,9 +57,9 @@ void inherit(Json& state, const Json& block) {
              has_any(state, keys);
     });
     // A modes.json says how exact it is.
-    const bool by_file = state.contains("from") &&
-                         std::ranges::any_of(Keys{"cov", "shape_sd"},
-                                             [&](const char* k) { return key == k; });
+    const bool by_file =
+        state.contains("from") &&
+        std::ranges::any_of(Keys{"cov", "shape_sd"}, [&](const char* k) { return key == k; });
     if (!said && !by_file) state[key] = value;
   }
 }
@@ -130,8 +131,7 @@ class MassParser {
       left -= mesh_->member_length(member++);
     if (left > mesh_->member_length(member) * (1.0 + 1e-9))
       file_.refuse(at / "at", "lies off the beam");
-    return {mesh_->motion(member, std::min(left, mesh_->member_length(member)),
-                          fem::Direction::y)};
+    return {mesh_->motion(member, std::min(left, mesh_->member_length(member)), fem::Direction::y)};
   }
 
   [[noreturn]] void refuse_name(const Pointer& at, const std::string& name,
@@ -201,8 +201,8 @@ bool has_states(const CaseFile& file) {
   for (const Pointer& where : blocks(file)) {
     if (has_any(file.json.at(where), {"states", "masses", "temperature", "known"})) return true;
     // Beside frequencies alone, a baseline is a state, too.
-    if (where == kBaseline && has_any(file.json.at(where), {"from", "sensors", "shapes",
-                                                            "covariance", "discrepancy"}))
+    if (where == kBaseline &&
+        has_any(file.json.at(where), {"from", "sensors", "shapes", "covariance", "discrepancy"}))
       return true;
   }
   return false;
@@ -225,7 +225,8 @@ CaseFile with_known(const CaseFile& file) {
       }
     }
   for (const auto& [name, ends] : range) {
-    const double more = ends.first < ends.second ? 0.0 : 1e-9 * std::max(1e-9, std::abs(ends.first));
+    const double more =
+        ends.first < ends.second ? 0.0 : 1e-9 * std::max(1e-9, std::abs(ends.first));
     out.json["parameters"][name] = {{"uniform", {ends.first - more, ends.second + more}}};
   }
   return out;
@@ -248,9 +249,8 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
         inherit(state, given.json.at(block));
       }
       where.push_back(of_block[i]);
-      names.push_back(state.value("name", of_block.size() == 1
-                                              ? name
-                                              : name + " " + std::to_string(i + 1)));
+      names.push_back(
+          state.value("name", of_block.size() == 1 ? name : name + " " + std::to_string(i + 1)));
     }
   }
   ObservedStates out{.model = std::move(model)};
@@ -261,8 +261,9 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
   const MassParser masses(file, out.model->nominal);
   for (std::size_t s = 0; s < where.size(); ++s) {
     const Json& json = file.json.at(where[s]);
-    ObservedState state{.name = names[s], .damaged = damage && names.size() > 0 &&
-                                                     where[s].to_string().starts_with("/data")};
+    ObservedState state{
+        .name = names[s],
+        .damaged = damage && names.size() > 0 && where[s].to_string().starts_with("/data")};
     state.data = parse_modal_data(file, where[s], out.model->nominal);
     if (state.data.modes() == 0 && state.data.predict > 0 && !damage) {
       // Nothing was measured here: all is to be foretold.
@@ -275,7 +276,8 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
     if (state.data.modes() == 0)
       given.refuse(where[s], "no data: give \"frequencies\", a \"file\" or \"from\"");
     if (state.data.predict > 0)
-      given.refuse(where[s] / "predict", "goes with states in which nothing was measured: give it in "
+      given.refuse(where[s] / "predict",
+                   "goes with states in which nothing was measured: give it in "
                    "place of \"frequencies\"");
     for (const double f : state.data.frequencies_hz)
       if (!std::isnan(f) && !(f > 0.0)) given.refuse(where[s], "frequencies must be positive");

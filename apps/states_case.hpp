@@ -21,8 +21,8 @@ namespace wheeltap::apps {
 [[nodiscard]] identification::ObservedStates parse_states(
     const CaseFile& file, std::shared_ptr<const identification::StructureModel> model, bool damage);
 
-/// Reads states into a damage case: all that was measured, in a row. `uniform`: the parameters leave
-/// the structure as symmetric as it is at the medians. Throws Failure.
+/// Reads states into a damage case: all that was measured, in a row. `uniform`: the parameters
+/// leave the structure as symmetric as it is at the medians. Throws Failure.
 void take_states(const CaseFile& file, std::shared_ptr<const identification::StructureModel> model,
                  bool uniform, identification::DamageCase& out);
 

@@ -82,10 +82,10 @@ std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
   }
   for (const Prediction& p : findings.predictions)
     if (p.misses())
-      out.push_back("Mode " + std::to_string(p.mode) +
-                    (p.state.empty() ? "" : " of " + p.state) + ", held out, was measured at " +
-                    significant(*p.measured_hz, 5) + " Hz, outside of the band foretold, " +
-                    significant(p.low_hz, 4) + " to " + significant(p.high_hz, 4) +
+      out.push_back("Mode " + std::to_string(p.mode) + (p.state.empty() ? "" : " of " + p.state) +
+                    ", held out, was measured at " + significant(*p.measured_hz, 5) +
+                    " Hz, outside of the band foretold, " + significant(p.low_hz, 4) + " to " +
+                    significant(p.high_hz, 4) +
                     " Hz: the model is wrong there, however well it fits the others.");
   return out;
 }

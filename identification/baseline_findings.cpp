@@ -75,9 +75,8 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
     });
     const std::string name = space.parameter_name(0, p);
     out.contractions.push_back(contraction_of(name, prior, z, weights));
-    out.marginals.push_back(
-        marginal({x}, posterior.log_weight.empty() ? inference::ChainsOf{}
-                                                   : inference::ChainsOf{weights}));
+    out.marginals.push_back(marginal(
+        {x}, posterior.log_weight.empty() ? inference::ChainsOf{} : inference::ChainsOf{weights}));
     out.priors.push_back(prior.describe());
     for (std::size_t q = 0; q < all.size(); ++q)
       if (const double r = correlation(all[q], z, weights); std::abs(r) > kEntangled)

@@ -303,28 +303,65 @@ void judge_fit(const UpdateProblem& problem, const Examined& seen, UpdateFinding
     if (p.misses()) fit.missed.push_back(p.mode);
 }
 
-/// Modes of states in which no frequency was measured: N(f, (δ f)² + (s f)²), s as well as the
-/// others are known, on average.
+/// What the residuals of the other states say of a mode's, whose model is wrong by the same factor:
+/// mean and variance of f_obs - f, the measurement's noise left out.
+struct Conditional {
+  double mean = 0.0, variance = 0.0;
+};
+Conditional conditional(const UpdateProblem& problem, const ModalLikelihood::Score& score,
+                        const ModalNoise& noise, std::size_t mode) {
+  const ModalData& data = problem.update_case.data;
+  const auto& of = score.matches[mode];
+  const double common = noise.discrepancy * noise.discrepancy;
+  Conditional out{.variance = common * of.frequency_hz * of.frequency_hz};
+  if (common == 0.0) return out;
+  std::vector<Index> same;
+  for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i)
+    if (!std::isnan(data.frequencies_hz[i]) && score.matches[i].computed == of.computed)
+      same.push_back(static_cast<Index>(i));
+  if (same.empty()) return out;
+  const auto n = static_cast<Index>(same.size());
+  MatrixXd c = problem.covariance(noise)(same, same);
+  VectorXd f(n), r(n);
+  for (Index k = 0; k < n; ++k) {
+    const auto at = static_cast<std::size_t>(same[static_cast<std::size_t>(k)]);
+    f[k] = data.frequencies_hz[at];
+    r[k] = f[k] - score.matches[at].frequency_hz;
+    for (Index l = 0; l < k; ++l) c(k, l) = c(l, k) = c(k, l) + common * f[k] * f[l];
+  }
+  const Eigen::LLT<MatrixXd> llt(c);
+  const VectorXd cross = common * of.frequency_hz * f;
+  out.mean = cross.dot(llt.solve(r));
+  out.variance = std::max(0.0, out.variance - cross.dot(llt.solve(cross)));
+  return out;
+}
+
+/// Modes of states in which no frequency was measured, as well known as the others are on average.
 void predict_states(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
                     UpdateFindings& out) {
   const ModalData& data = problem.update_case.data;
   for (std::size_t m = 0; m < out.modes.size(); ++m) {
     if (!std::isnan(out.modes[m].measured_hz) || out.modes[m].has_shape) continue;
     const auto place = problem.states->place(static_cast<int>(m));
-    Prediction p{.mode = place.mode + 1,
-                 .frequency_hz = out.modes[m].frequency_hz,
-                 .state = out.modes[m].state};
-    std::vector<double> replicates;
+    Prediction p{.mode = place.mode + 1, .state = out.modes[m].state};
+    std::vector<double> means, replicates;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
-      const MatrixXd covariance = problem.covariance(problem.noise(seen.x[s]));
+      ModalNoise noise = problem.noise(seen.x[s]);
+      const Conditional error = conditional(problem, seen.scores[s], noise, m);
+      noise.discrepancy = 0.0;
+      const MatrixXd covariance = problem.covariance(noise);
       double relative = 0.0, count = 0.0;
       for (int i = 0; i < data.modes(); ++i)
         if (const double f = data.frequencies_hz[static_cast<std::size_t>(i)]; !std::isnan(f))
           relative += covariance(i, i) / (f * f), ++count;
       base::Random random(seed, m, s, base::Purpose::prediction);
-      replicates.push_back(seen.scores[s].matches[m].frequency_hz *
-                           (1.0 + std::sqrt(relative / std::max(1.0, count)) * random.normal()));
+      means.push_back(seen.scores[s].matches[m].frequency_hz + error.mean);
+      replicates.push_back(means.back() +
+                           std::sqrt(error.variance + relative / std::max(1.0, count) *
+                                                          means.back() * means.back()) *
+                               random.normal());
     }
+    p.frequency_hz = marginal({means});
     std::ranges::sort(replicates);
     p.low_hz = quantile(replicates, 0.025);
     p.high_hz = quantile(replicates, 0.975);

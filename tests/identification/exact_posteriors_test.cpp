@@ -88,8 +88,7 @@ TEST(ExactPosteriors, ASoftStoreyBesideAnUnknownStiffness) {
   states->model = model;
   states->unknown = {0};
   states->list.push_back({.name = "healthy", .data = frequencies(healthy, kCov)});
-  states->list.push_back(
-      {.name = "damaged", .data = frequencies(damaged, kCov), .damaged = true});
+  states->list.push_back({.name = "damaged", .data = frequencies(damaged, kCov), .damaged = true});
   SiteLine line = SiteLine::of_points({0, 1}, {"storey 1", "storey 2"});
   DefectKind storey{.type = &defects::kStorey,
                     .name = "storey",
@@ -117,8 +116,8 @@ TEST(ExactPosteriors, ASoftStoreyBesideAnUnknownStiffness) {
     const auto add = [&](int count, double weight, double k1, double k2) {
       const double part =
           prior * weight *
-          std::exp(-0.5 * (first + misfit(damaged, modes_of(masses, {k1, k2}).frequencies_hz,
-                                          kCov)));
+          std::exp(-0.5 *
+                   (first + misfit(damaged, modes_of(masses, {k1, k2}).frequencies_hz, kCov)));
       evidence[count] += part;
       sum += part;
       sum_k += part * k;
@@ -191,8 +190,8 @@ TEST(ExactPosteriors, FourStoreysWithTwoUnknowns) {
       const ChainModes modes = modes_of(masses, {k[0], k[0], k[1], k[1]});
       double chi = misfit(data.frequencies_hz, modes.frequencies_hz, kCov);
       for (Index i = 0; i < 2; ++i)
-        chi += misfit(VectorXd(data.shapes.row(i).transpose()), VectorXd(modes.shapes.col(i).head(3)),
-                      kSd);
+        chi += misfit(VectorXd(data.shapes.row(i).transpose()),
+                      VectorXd(modes.shapes.col(i).head(3)), kSd);
       const double p = std::exp(-0.5 * chi);
       sum += p;
       mean += p * k;
@@ -226,12 +225,12 @@ TEST(ExactPosteriors, ASymmetricBeamWithShapes) {
   constexpr int kElements = 20, kModes = 3;
   const std::vector<int> nodes = {3, 8, 14};
   DamageCase damage_case;
-  damage_case.beam = {.length = 1.0,
-                      .elements = kElements,
-                      .supports = fem::named_supports("simply-supported", 1.0),
-                      .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
-                      .section = {.area = 1.5e-4, .second_moment = 4.5e-10,
-                                  .shear_coefficient = 5.0 / 6.0}};
+  damage_case.beam = {
+      .length = 1.0,
+      .elements = kElements,
+      .supports = fem::named_supports("simply-supported", 1.0),
+      .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
+      .section = {.area = 1.5e-4, .second_moment = 4.5e-10, .shear_coefficient = 5.0 / 6.0}};
   const auto modes_with = [&](double x, double r) {
     fem::Defects defects;
     if (r > 0.0) defects.damages = {{x, r}};
@@ -272,10 +271,10 @@ TEST(ExactPosteriors, ASymmetricBeamWithShapes) {
   std::vector<double> expected(kElements);
   for (int e = 0; e < kElements; ++e)
     for (int b = 0; b < kReductions; ++b) {
-      const double part = std::exp(log_likelihood((e + 0.5) / kElements,
-                                                  kMost * (b + 0.5) / kReductions) -
-                                   reference) /
-                          kElements / kReductions;
+      const double part =
+          std::exp(log_likelihood((e + 0.5) / kElements, kMost * (b + 0.5) / kReductions) -
+                   reference) /
+          kElements / kReductions;
       one += part;
       if (e < kElements / 2) left += part;
       expected[static_cast<std::size_t>(e)] += part;
@@ -297,8 +296,7 @@ TEST(ExactPosteriors, ASymmetricBeamWithShapes) {
   const auto posterior = inference::reversible_jump(problem->problem, {.seed = 5});
   const DamageFindings found = damage_findings(*problem, posterior, {}, 5);
   EXPECT_TRUE(found.sampling.verdict.converged);
-  EXPECT_NEAR(found.models[1].probability(), one / sum,
-              4.0 * found.models[1].standing.mcse + 1e-4);
+  EXPECT_NEAR(found.models[1].probability(), one / sum, 4.0 * found.models[1].standing.mcse + 1e-4);
   double found_left = 0.0;
   for (std::size_t e = 0; e < kElements; ++e) {
     EXPECT_NEAR(found.kinds[0].expected[e], expected[e] / sum, 0.015) << e;

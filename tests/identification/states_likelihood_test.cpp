@@ -164,8 +164,8 @@ TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
       if (i % 3 == j % 3) c(i, j) = delta * delta * f[i] * f[j];
     c(i, i) += 1e-4 * f[i] * f[i];
   }
-  const double expected = -0.5 * r.dot(c.inverse() * r) - 0.5 * std::log(c.determinant()) -
-                          3.0 * std::log(kTwoPi);
+  const double expected =
+      -0.5 * r.dot(c.inverse() * r) - 0.5 * std::log(c.determinant()) - 3.0 * std::log(kTwoPi);
   EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected));
 }
 
@@ -175,9 +175,10 @@ TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
   const fem::Material steel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
   const fem::MemberSection section{
       .area = 5e-3, .second_moment_y = 1.7e-5, .shear_coefficient_z = 0.85, .depth = 0.2};
-  fem::Structure s{.dimension = 2,
-                   .nodes = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {4, 3, 0}}, {"D", {4, 0, 0}}},
-                   .members = {}};
+  fem::Structure s{
+      .dimension = 2,
+      .nodes = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {4, 3, 0}}, {"D", {4, 0, 0}}},
+      .members = {}};
   const auto add = [&](std::string name, int a, int b, double length) {
     s.members.push_back({.name = std::move(name),
                          .nodes = {a, b},
