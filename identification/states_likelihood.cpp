@@ -129,10 +129,17 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   const auto match = [&](Index k) -> const auto& {
     return out.matches[static_cast<std::size_t>(with[static_cast<std::size_t>(k)])];
   };
+  const auto same_model = [&](Index k, Index l) {
+    const auto known = [&](Index i) -> const auto& {
+      const int mode = static_cast<int>(with[static_cast<std::size_t>(i)]);
+      return states_->list[static_cast<std::size_t>(place(mode).state)].known;
+    };
+    return known(k) == known(l);
+  };
   for (Index k = 0; k < n; ++k) {
     r[k] = observed(k) - match(k).frequency_hz;
     for (Index l = 0; l < k; ++l)
-      if (match(k).computed == match(l).computed) {
+      if (match(k).computed == match(l).computed && same_model(k, l)) {
         c(k, l) += noise.discrepancy * noise.discrepancy * observed(k) * observed(l);
         c(l, k) = c(k, l);
       }

@@ -316,8 +316,13 @@ Conditional conditional(const UpdateProblem& problem, const ModalLikelihood::Sco
   Conditional out{.variance = common * of.frequency_hz * of.frequency_hz};
   if (common == 0.0) return out;
   std::vector<Index> same;
+  const auto known = [&](std::size_t i) -> const auto& {
+    const auto state = static_cast<std::size_t>(problem.states->place(static_cast<int>(i)).state);
+    return problem.states->states().list[state].known;
+  };
   for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i)
-    if (!std::isnan(data.frequencies_hz[i]) && score.matches[i].computed == of.computed)
+    if (!std::isnan(data.frequencies_hz[i]) && score.matches[i].computed == of.computed &&
+        known(i) == known(mode))
       same.push_back(static_cast<Index>(i));
   if (same.empty()) return out;
   const auto n = static_cast<Index>(same.size());
