@@ -19,10 +19,9 @@ namespace wheeltap::identification {
 ///   ln p = Σ_s Σ_shapes ln p(ψ | φ(θ, d)) + ln N(f_obs; f(θ, d), C),
 ///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ,
 ///
-/// f_m the frequencies of the model's mode m in all states with the same `known`, 0 elsewhere: what
-/// the model does wrong by a factor of a mode (discrepancy δ) it does wrong in all of these, so
-/// that it does not pass for damage; elsewhere it errs anew. With one state this is
-/// ModalLikelihood.
+/// f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere: what the model
+/// does wrong by a factor of a mode (discrepancy δ) it does wrong in all of these, so that it does
+/// not pass for damage. With one state this is ModalLikelihood.
 ///
 /// Each state's structure is assembled at θ, changed by its damages and masses, and solved by
 /// SubspaceModes. States that differ by temperature alone share a solution.
