@@ -255,9 +255,10 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
   }
   ObservedStates out{.model = std::move(model)};
   std::set<std::string> known;
-  for (const Pointer& at : where)
-    for (const auto& [name, ignored] : file.json.at(at).value("known", Json::object()).items())
-      known.insert(name);
+  for (const Pointer& at : where) {
+    const Json set = file.json.at(at).value("known", Json::object());
+    for (const auto& [name, ignored] : set.items()) known.insert(name);
+  }
   const MassParser masses(file, out.model->nominal);
   for (std::size_t s = 0; s < where.size(); ++s) {
     const Json& json = file.json.at(where[s]);

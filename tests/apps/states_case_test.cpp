@@ -168,8 +168,8 @@ TEST(StatesCase, AnUpdateOfSeveralStates) {
     truth["structure"]["chain"]["masses"][2] = water;
     truth["kind"] = "damage";
     truth.erase("parameters");
-    const Outcome ran = wheeltap(
-        where, "modes --json --modes 3 " + where.write_json("t.json", truth).string());
+    const Outcome ran =
+        wheeltap(where, "modes --json --modes 3 " + where.write_json("t.json", truth).string());
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     auto f = json::parse(ran.out)["frequencies_hz"].get<std::vector<double>>();
     for (double& x : f) x *= std::sqrt(1.0 - 4e-4 * (temperature - 10.0));
