@@ -1,7 +1,9 @@
 #include "apps/posterior_file.hpp"
 
 #include <cmath>
+#include <set>
 
+#include "apps/sid_posterior_file.hpp"
 #include "base/random.hpp"
 #include "identification/damage_findings.hpp"
 #include "io/netcdf_writer.hpp"
@@ -55,7 +57,21 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
            NC_BYTE);
 }
 
+namespace {
+
+// Of a parameter that all models have: its name, unless something else is called so.
+std::string common_variable(const std::string& name) {
+  static const std::set<std::string> taken = {
+      "model", "k",    "chain", "draw", "slot", "location",  "reduction", "member",
+      "node",  "link", "depth", "mass", "mode", "stiffness", "extent"};
+  const bool free = !taken.contains(name) && !name.starts_with("k_");
+  return sid_variable(free ? name : "parameter_" + name);
+}
+
+}  // namespace
+
 std::string damage_variable(const DamageCase& damage_case, const Unknown& unknown) {
+  if (unknown.kind < 0) return common_variable(unknown.name);
   const bool several = damage_case.kinds.size() > 1;
   return (several && unknown.kind >= 0
               ? damage_case.kinds[static_cast<std::size_t>(unknown.kind)].name + "_"
@@ -113,8 +129,8 @@ std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
     file.text(group, model, "names", names);
     file.put(group, "k", {chain, draw}, total_count);
     for (int p = 0; p < problem.common; ++p) {
-      file.put(group, space.parameters()[static_cast<std::size_t>(p)].name, {chain, draw},
-               each([&](const inference::Chain& c, std::size_t i) {
+      file.put(group, common_variable(space.parameters()[static_cast<std::size_t>(p)].name),
+               {chain, draw}, each([&](const inference::Chain& c, std::size_t i) {
                  return c.theta[i * width + static_cast<std::size_t>(p)];
                }));
     }

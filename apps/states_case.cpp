@@ -1,6 +1,7 @@
 #include "apps/states_case.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -46,20 +47,19 @@ std::vector<Pointer> places(const CaseFile& file, const Pointer& where) {
 
 /// What the block says of all its states, each state's own words first.
 void inherit(Json& state, const Json& block) {
-  static const std::vector<Keys> alternatives = {{"frequencies", "file", "from"},
-                                                 {"cov", "sd", "covariance"},
-                                                 {"shape_sd", "shape_covariance"}};
+  static constexpr std::array<std::array<const char*, 3>, 3> alternatives = {
+      {{"frequencies", "file", "from"},
+       {"cov", "sd", "covariance"},
+       {"shape_sd", "shape_covariance", "shape_sd"}}};
   for (const auto& [key, value] : block.items()) {
     if (key == "states" || state.contains(key)) continue;
     if (state.contains("predict") && (key == "sd" || key == "covariance")) continue;
-    const bool said = std::ranges::any_of(alternatives, [&](const Keys& keys) {
-      return std::ranges::any_of(keys, [&](const char* k) { return key == k; }) &&
-             has_any(state, keys);
+    const bool said = std::ranges::any_of(alternatives, [&](const auto& keys) {
+      return std::ranges::find(keys, key) != keys.end() &&
+             std::ranges::any_of(keys, [&](const char* k) { return state.contains(k); });
     });
     // A modes.json says how exact it is.
-    const bool by_file =
-        state.contains("from") &&
-        std::ranges::any_of(Keys{"cov", "shape_sd"}, [&](const char* k) { return key == k; });
+    const bool by_file = state.contains("from") && (key == "cov" || key == "shape_sd");
     if (!said && !by_file) state[key] = value;
   }
 }

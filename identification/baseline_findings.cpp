@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "identification/unpacked_draws.hpp"
 
@@ -33,6 +34,15 @@ double correlation(std::span<const double> a, std::span<const double> b,
     ab += weights[i] * (a[i] - ma) * (b[i] - mb);
   }
   return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
+}
+
+std::vector<double> ranks(const std::vector<double>& x) {
+  std::vector<std::size_t> order(x.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t i) { return x[i]; });
+  std::vector<double> out(x.size());
+  for (std::size_t r = 0; r < order.size(); ++r) out[order[r]] = static_cast<double>(r);
+  return out;
 }
 
 }  // namespace
@@ -107,7 +117,8 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
       for (std::size_t q = 0; q < all.size(); ++q) {
         std::vector<double> z;
         for (const std::size_t i : here) z.push_back(all[q][i]);
-        if (const double r = correlation(z, severity, equal); std::abs(r) > kEntangled)
+        if (const double r = correlation(ranks(z), ranks(severity), equal);
+            std::abs(r) > kEntangled)
           out.hidden.push_back({space[m].name, out.contractions[q].name, label, r});
       }
     }

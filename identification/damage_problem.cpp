@@ -189,7 +189,7 @@ std::size_t FrequencyPredictor::first_elastic() const {
 
 bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
                                        std::span<double> jacobian) {
-  if (problem_.structure) return false;
+  if (!problem_.reanalysis) return false;
   for (const DefectKind& kind : problem_.damage_case.kinds) {
     if (!kind.type->is_elementary) return false;
   }
