@@ -30,6 +30,8 @@ std::string number(double x) {
 FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
   const Json& d = file.json.at(where);
   FrequencyData data;
+  if (d.contains("modes") && d["modes"].is_array())
+    file.refuse(where / "modes", "a list of modes goes with \"from\" only");
   if (d.contains("frequencies") && d.contains("file")) {
     file.refuse(where / "file", "data have either \"frequencies\" or a \"file\", not both");
   }

@@ -80,7 +80,7 @@ TEST(ModesAsData, FromAccelerationsToDamage) {
   const json summary = json::parse(read_all(where / "out/summary.json"));
   EXPECT_GT(summary["models"][1]["probability"], 0.99);
   EXPECT_GT(summary["damage"]["inclusion_by_member"]["storey 1"], 0.99);
-  const json& r = summary["parameters"]["1 storey"]["reduction[1]"];
+  const json& r = summary["parameters"]["1 soft storey"]["reduction[1]"];
   EXPECT_LT(r["q2.5"], 0.3);
   EXPECT_GT(r["q97.5"], 0.3);
   EXPECT_LT(r["sd"], 0.02);
@@ -202,7 +202,7 @@ TEST(ModesAsData, Refusals) {
   refused(with("sensors", {{{"mass", 1}}}), "/data/sensors");
   refused({{"frequencies", {2.1}}, {"cov", 0.01}, {"modes", {1}}}, "/data/modes");
   where.write("m.json", "{\"frequencies_hz\": [1, ");
-  refused(from, "m.json: line 1");
+  refused(from, "m.json:1:");
   MeasuredModes modes = three();
   modes.sensors[1].node = "7";
   where.write("m.json", modes_json(modes).dump());

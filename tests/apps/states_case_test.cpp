@@ -25,8 +25,8 @@ json two_storeys() {
       {"name": "storey 1", "between": [0, 1], "stiffness": "k"},
       {"name": "storey 2", "between": [1, 2], "stiffness": 900}]}},
     "parameters": {"k": {"log_normal": [7.17, 0.3]}},
-    "baseline": {"data": {"frequencies": [3.0006, 6.4241], "cov": 0.01}},
-    "data": {"frequencies": [2.727, 6.118], "cov": 0.01},
+    "baseline": {"data": {"frequencies": [3.0880, 6.5110], "cov": 0.01}},
+    "data": {"frequencies": [2.7566, 6.3163], "cov": 0.01},
     "damage": {"kind": "storey", "count": {"min": 0, "max": 1},
                "reduction": {"uniform": [0, 0.9]}}})");
 }
@@ -77,8 +77,8 @@ TEST(StatesCase, WhatCannotBeToldApartIsSaid) {
   const json summary = run(where, c, "damage", out);
   ASSERT_FALSE(summary["baseline"]["hides_damage"].empty());
   EXPECT_EQ(summary["baseline"]["hides_damage"][0]["parameter"], "k");
-  EXPECT_THAT(out, HasSubstr("cannot be told apart"));
-  EXPECT_THAT(out, HasSubstr("measure the healthy structure better"));
+  EXPECT_THAT(summary["diagnostics"]["warnings"].dump(),
+              HasSubstr("cannot be told apart (correlation"));
 }
 
 TEST(StatesCase, TheDryRunSaysWhatALikelihoodCosts) {
