@@ -41,13 +41,16 @@ auto complaining(const UpdateCaseFile& parsed, const Work& work) {
 RunCost cost_of_update(const UpdateProblem& problem, const CommonOptions& common,
                        const SamplingOptions& options) {
   const double d = problem.problem.space.max_dimension();
-  return cost_of_sampling({.models = 1.0,
-                           .dimensions = d,
-                           .largest = d,
-                           .predictions = static_cast<double>(problem.update_case.data.modes()),
-                           .explored = 6'000.0,
-                           .seconds_a_likelihood = problem.seconds_a_likelihood},
-                          common, options);
+  RunCost cost =
+      cost_of_sampling({.models = 1.0,
+                        .dimensions = d,
+                        .largest = d,
+                        .predictions = static_cast<double>(problem.update_case.data.modes()),
+                        .explored = 6'000.0,
+                        .seconds_a_likelihood = problem.seconds_a_likelihood},
+                       common, options);
+  if (problem.states) cost.seconds_a_likelihood = problem.seconds_a_likelihood;
+  return cost;
 }
 
 /// Of what comes before anything is known of the likelihood: solutions for the basis.
