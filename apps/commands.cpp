@@ -286,6 +286,22 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
             << io::printable(common.output.filename().string()) << "\"})\n";
 }
 
+namespace {
+
+// States that do not fit their structure show where it is first solved.
+RunCost explained_cost(const DamageCaseFile& parsed, const CommonOptions& common,
+                       const SamplingOptions& options) {
+  try {
+    return cost_of_damages(parsed.damage, common, options);
+  } catch (const fem::InvalidStructure& error) {
+    parsed.refuse(InvalidInput(InvalidInput::Part::beam, error.what()));
+  } catch (const std::invalid_argument& error) {
+    parsed.refuse(InvalidInput(InvalidInput::Part::data, error.what()));
+  }
+}
+
+}  // namespace
+
 void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   static_cast<void>(evidence_methods(options.evidence));  // refuse before anything runs
   const auto log = make_log(common.quiet);
@@ -294,7 +310,7 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   const std::uint64_t seed = common.seed.value_or(1);
   const RunCost tables = cost_of_tables(parsed->damage);
   require_affordable(parsed->file, Pointer("/predictor"), tables, common);
-  const RunCost cost = cost_of_damages(parsed->damage, common, options);
+  const RunCost cost = explained_cost(*parsed, common, options);
   require_affordable(parsed->file, Pointer(), cost, common);
   if (common.dry_run) {
     if (tables.likelihoods > 0.0) print_estimate("table", tables);

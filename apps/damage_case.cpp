@@ -5,9 +5,10 @@
 #include <limits>
 #include <numeric>
 
-#include "apps/beam_case.hpp"
+#include "apps/beam_parameters.hpp"
 #include "apps/damage_data.hpp"
 #include "apps/damage_parts.hpp"
+#include "apps/states_case.hpp"
 #include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
@@ -73,7 +74,7 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
 Simulation parse_simulation(const CaseFile& file, const Json& truth, Simulation simulation) {
   const Json data = file.json.value("data", Json::object());
   if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"];
-  simulation.modes = data.value("modes", simulation.modes);
+  if (data.contains("modes") && data["modes"].is_number()) simulation.modes = data["modes"];
   simulation.seed = data.value("seed", simulation.seed);
   if (data.contains("shape_sd") && data["shape_sd"].is_number())
     simulation.shape_sd = data["shape_sd"];
@@ -370,7 +371,12 @@ namespace {
 
 // A coefficient of variation is "cov" in a case, or "cv".
 void accept_cv(CaseFile& file) {
-  std::vector<Pointer> places = {at("/data"), at("/data/discrepancy"), at("/damage/truth")};
+  std::vector<Pointer> places = {at("/data"), at("/data/discrepancy"), at("/damage/truth"),
+                                 at("/baseline/data"), at("/baseline/data/discrepancy")};
+  for (const Pointer& block : {at("/data"), at("/baseline/data")})
+    if (file.json.contains(block / "states") && file.json.at(block / "states").is_array())
+      for (std::size_t i = 0; i < file.json.at(block / "states").size(); ++i)
+        places.push_back(block / "states" / i);
   if (file.json.contains("damage") && file.json["damage"].is_array()) {
     for (std::size_t i = 0; i < file.json["damage"].size(); ++i)
       places.push_back(at("/damage") / i / "truth");
@@ -402,7 +408,7 @@ void check_beam_modes(const CaseFile& f, DamageCase& out) {
     }
   }
   const int most_modes = free - std::max(out.rigid_body_modes, most_supports);
-  if (out.modes() > most_modes) {
+  if (!out.states && out.modes() > most_modes) {
     f.refuse(out.data.modes() > 0 ? at("/data") : at("/data/modes"),
              std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most_modes) +
                  ", the elastic modes of " + std::to_string(out.beam.elements) +
@@ -433,18 +439,17 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
       parsed.notes = json["notes"].get<std::vector<std::string>>();
     }
   }
+  std::shared_ptr<const StructureModel> model;
+  bool uniform = false;
   if (structure) {
-    if (needs == Needs::data) refuse_unused(f);
-    out.structure = std::make_shared<const StructureModel>(parse_structure(f));
-    if (needs == Needs::data && !out.structure->parameters.empty())
-      f.refuse(at("/parameters"),
-               "unknown coefficients beside damage need a baseline, which this version does not "
-               "infer: give numbers");
+    out.structure = std::make_shared<const StructureModel>(parse_structure(with_known(f)));
+    model = out.structure;
   } else {
-    out.beam = parse_beam(f);
-    const Json& section = json["beam"]["section"];
-    for (const char* height : {"height", "diameter", "outer_diameter"})
-      if (section.contains(height)) out.beam_depth = section[height];
+    ParametricBeam beam = parse_parametric_beam(with_known(f));
+    out.beam = beam.beam;
+    out.beam_depth = beam.depth;
+    model = beam.model;
+    uniform = beam.uniform;
   }
   const Json damage = json.value("damage", Json::array());
   if (needs == Needs::data) {
@@ -482,14 +487,19 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   if (json.contains("predictor") && json["predictor"].is_object()) {
     out.emulator = parse_emulator(f, out);
   }
-  if (json.contains("data")) take_data(f, out);
+  const bool states = needs == Needs::data && has_states(f);
+  if (states) {
+    take_states(f, model, uniform, out);
+  } else if (json.contains("data")) {
+    take_data(f, out);
+  }
 
   if (structure) {
     check_structure_modes(f, out);
   } else {
     check_beam_modes(f, out);
   }
-  if (needs == Needs::structure) return parsed;
+  if (needs == Needs::structure || states) return parsed;
 
   if (out.data.frequencies_hz.empty()) {
     if (!out.simulation) {

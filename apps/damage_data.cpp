@@ -30,6 +30,8 @@ std::string number(double x) {
 FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
   const Json& d = file.json.at(where);
   FrequencyData data;
+  if (d.contains("modes") && d["modes"].is_array())
+    file.refuse(where / "modes", "a list of modes goes with \"from\" only");
   if (d.contains("frequencies") && d.contains("file")) {
     file.refuse(where / "file", "data have either \"frequencies\" or a \"file\", not both");
   }
@@ -122,10 +124,10 @@ FrequencyData frequencies_of(const ModalData& modal, const Json& data) {
 
 void take_data(const CaseFile& f, DamageCase& out) {
   const Json& data = f.json.at("data");
-  const bool shapes =
-      std::ranges::any_of(std::initializer_list<const char*>{"sensors", "shapes", "shape_sd",
-                                                             "shape_covariance", "covariance"},
-                          [&](const char* key) { return data.contains(key); });
+  const bool shapes = std::ranges::any_of(
+      std::initializer_list<const char*>{"sensors", "shapes", "shape_sd", "shape_covariance",
+                                         "covariance", "from"},
+      [&](const char* key) { return data.contains(key); });
   const bool inferred =
       data.contains("discrepancy") && data["discrepancy"].is_object() &&
       std::ranges::any_of(data["discrepancy"], [](const Json& d) { return d.is_object(); });
@@ -142,7 +144,7 @@ void take_data(const CaseFile& f, DamageCase& out) {
   } catch (const std::invalid_argument& error) {
     f.refuse(at(out.structure ? "/structure" : "/beam"), error.what());
   }
-  out.modal = std::make_shared<const ModalData>(parse_modal_data(f, solved));
+  out.modal = std::make_shared<const ModalData>(parse_modal_data(f, at("/data"), solved));
   if (out.modal->predict > 0) f.refuse(at("/data/predict"), "goes with \"kind\": \"update\" only");
   out.data = frequencies_of(*out.modal, data);
 }

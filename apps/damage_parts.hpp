@@ -38,8 +38,6 @@ void parse_extent(const CaseFile& file, const Pointer& where, double most,
 void parse_structure_kinds(const CaseFile& file, identification::DamageCase& out,
                            std::vector<Pointer>& kinds);
 
-/// Refuses what a case of a structure may say, but this version does not use. Throws Failure.
-void refuse_unused(const CaseFile& file);
 /// That the structure has the modes that the case asks for. Throws Failure.
 void check_structure_modes(const CaseFile& file, identification::DamageCase& out);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/baseline_words.hpp"
 #include "apps/posterior_file.hpp"
 #include "apps/report/answer.hpp"
 #include "apps/structure_drawing.hpp"
@@ -94,6 +95,7 @@ Report json(const FitFinding& fit) {
                     {"q2.5", m.q2_5},
                     {"q97.5", m.q97_5},
                     {"standardised_residual", finite(m.standardised_residual)}});
+    if (!m.state.empty()) rows.back().update({{"state", m.state}, {"mode_of_state", m.mode}});
   }
   return {{"modes", rows}, {"posterior_predictive_p", fit.posterior_predictive_p}};
 }
@@ -131,6 +133,11 @@ Report json(const EmulatorCheck& check, const std::vector<ModelFinding>& of) {
           {"worst_mode", check.worst_mode}};
 }
 
+bool is_of_structure(const ObservedStates& states, const std::string& name) {
+  const auto parameters = states.parameters();
+  return std::ranges::find(parameters, name, &inference::Parameter::name) != parameters.end();
+}
+
 // Where posterior.nc keeps each unknown, and where the case states its prior.
 Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
   Report out = Report::object();
@@ -139,7 +146,10 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
     for (const ParameterFinding& p : model.parameters) {
       const Unknown& u = p.unknown;
       const auto kind = static_cast<std::size_t>(u.kind);
+      const bool own = file.damage.states && is_of_structure(*file.damage.states, u.name);
       const Pointer prior = u.kind >= 0                     ? file.kinds[kind] / u.name
+                            : own && u.name == kPerKelvin   ? Pointer("/temperature") / u.name
+                            : own                           ? Pointer("/parameters") / u.name
                             : u.name == "discrepancy"       ? Pointer("/data/discrepancy/cov")
                             : u.name == "shape_discrepancy" ? Pointer("/data/discrepancy/shape")
                                                             : Pointer("/data") / u.name;
@@ -308,10 +318,17 @@ Context damage_context(const DamageCaseFile& damage_case, const DamageFindings& 
   return context;
 }
 
+std::vector<std::string> damage_warnings(const DamageCaseFile& file,
+                                         const DamageFindings& findings) {
+  std::vector<std::string> out = warnings(findings, damage_context(file, findings));
+  for (std::string& one : baseline_sentences(findings)) out.push_back(std::move(one));
+  return out;
+}
+
 Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings,
                       const RunInfo& info) {
   const DamageCase& damage_case = file.damage;
-  Report diagnosed = diagnostics(findings, warnings(findings, damage_context(file, findings)));
+  Report diagnosed = diagnostics(findings, damage_warnings(file, findings));
   if (findings.symmetry) diagnosed["symmetry"] = json(*findings.symmetry);
   Report summary = {
       {"wheeltap", about("damage", info, file.file)},
@@ -341,6 +358,7 @@ Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings
                            {"factors", factors},
                            {"statement", baseline_statement(*damage_case.baseline)}};
   }
+  if (findings.baseline) summary["baseline"] = baseline_report(damage_case, findings);
   if (damage_case.data.discrepancy_cv > 0.0) {
     summary["data"]["discrepancy_cov"] = damage_case.data.discrepancy_cv;
   }

@@ -11,6 +11,10 @@ namespace wheeltap::apps {
 [[nodiscard]] Context damage_context(const DamageCaseFile& damage_case,
                                      const identification::DamageFindings& findings);
 
+/// All that a reader should keep in mind, the gravest first.
+[[nodiscard]] std::vector<std::string> damage_warnings(
+    const DamageCaseFile& damage_case, const identification::DamageFindings& findings);
+
 /// The whole of summary.json.
 [[nodiscard]] Report damage_summary(const DamageCaseFile& damage_case,
                                     const identification::DamageFindings& findings,

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <ostream>
 
+#include "apps/baseline_words.hpp"
 #include "apps/damage_summary.hpp"
 #include "apps/terminal.hpp"
 
@@ -265,6 +266,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
     }
   }
 
+  print_baseline(page, findings);
   print_evidence(page, findings);
   print_predictor(page, damage_case, findings);
 
@@ -296,7 +298,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
         << "; tallest bar " << percent(*std::ranges::max_element(expected)) << " in one element)\n";
     out << draw_beam(damage_case.beam, expected, kTerminalWidth - 4);
   }
-  print_closing(page, findings, warnings(findings, damage_context(file, findings)), "count");
+  print_closing(page, findings, damage_warnings(file, findings), "count");
 }
 
 }  // namespace wheeltap::apps

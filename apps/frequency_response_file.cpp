@@ -24,7 +24,7 @@ std::string axis_of(int direction) {
   return std::string(direction < 0 ? "-" : "") + names[static_cast<std::size_t>(axis)];
 }
 
-Sensor sensor_of(const io::UniversalDof& dof) {
+MeasuredSensor sensor_of(const io::UniversalDof& dof) {
   return {.name = io::dof_in_words(dof),
           .node = dof.node != 0 ? std::to_string(dof.node) : std::string(),
           .direction = axis_of(dof.direction)};

@@ -11,8 +11,8 @@ namespace wheeltap::apps {
 
 struct MeasuredResponses {
   signals::FrequencyResponses responses = {};
-  std::vector<Sensor> sensors = {};      ///< an output each
-  std::vector<std::string> inputs = {};  ///< "2:+Z"
+  std::vector<MeasuredSensor> sensors = {};  ///< an output each
+  std::vector<std::string> inputs = {};      ///< "2:+Z"
   bool transposed = false;  ///< outputs and inputs were exchanged, by reciprocity: a roving hammer
 };
 

@@ -110,8 +110,12 @@ class KeyTable {
   }
   void walk(const Report& reference, const std::string& path) {
     const Report& rule = resolve(reference);
-    // Priors are explained once, above the table.
-    if (is_prior(rule)) return;
+    // Priors are explained once, above the table; what holds others of its own kind, once.
+    if (is_prior(rule) || !walking_.insert(&rule).second) return;
+    walk_into(rule, path);
+    walking_.erase(&rule);
+  }
+  void walk_into(const Report& rule, const std::string& path) {
     for (const Report& one : rule.value("anyOf", Report::array())) walk(one, path);
     const Report required = rule.value("required", Report::array());
     const std::string stem = path.empty() ? "" : path + ".";
@@ -129,6 +133,7 @@ class KeyTable {
 
   Report root_;
   std::set<std::string> seen_;
+  std::set<const Report*> walking_;
   std::string text_;
 };
 

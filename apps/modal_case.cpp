@@ -68,7 +68,7 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
       if (c.contains("scale")) found.time_scale = c.at("scale").get<double>();
     }
     if (role != "response") continue;
-    Sensor sensor{.name = column};
+    MeasuredSensor sensor{.name = column};
     if (c.contains("node")) sensor.node = text_or_number(c.at("node"));
     sensor.direction = c.value("direction", "");
     if (c.contains("azimuth") || c.contains("elevation")) {
@@ -230,7 +230,7 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
 
 /// Two channels of unlike set-ups are one sensor where they are at one node in one direction; where
 /// no node is given, where they are references of one name.
-bool same_sensor(const Sensor& a, const Sensor& b) {
+bool same_sensor(const MeasuredSensor& a, const MeasuredSensor& b) {
   if (a.node.empty() != b.node.empty()) return false;
   if (a.node.empty()) return a.reference && b.reference && a.name == b.name;
   return a.node == b.node && a.direction == b.direction && a.azimuth == b.azimuth &&

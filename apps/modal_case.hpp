@@ -16,13 +16,13 @@ namespace wheeltap::apps {
 
 /// One record: sensors in their places.
 struct SetUp {
-  Pointer where{};                         ///< of its block in the case
-  std::string name = {};                   ///< of its file
-  std::vector<Sensor> sensors = {};        ///< a response channel each
-  std::vector<int> which = {};             ///< among the sensors of all set-ups
-  std::vector<Pointer> places = {};        ///< of their blocks in the case
-  Eigen::MatrixXd records = {};            ///< a response a row
-  std::vector<std::string> oddities = {};  ///< of channels, in sentences
+  Pointer where{};                           ///< of its block in the case
+  std::string name = {};                     ///< of its file
+  std::vector<MeasuredSensor> sensors = {};  ///< a response channel each
+  std::vector<int> which = {};               ///< among the sensors of all set-ups
+  std::vector<Pointer> places = {};          ///< of their blocks in the case
+  Eigen::MatrixXd records = {};              ///< a response a row
+  std::vector<std::string> oddities = {};    ///< of channels, in sentences
   signals::ModalOptions options = {};
   /// Of the method plscf, where they are measured, and then there are no records; or made of them.
   std::optional<signals::FrequencyResponses> responses = {};
@@ -34,7 +34,7 @@ struct ModalCaseFile {
   CaseFile file;
   std::string title = {};
   std::vector<SetUp> set_ups = {};
-  std::vector<Sensor> sensors = {};  ///< of all set-ups, each once
+  std::vector<MeasuredSensor> sensors = {};  ///< of all set-ups, each once
 };
 
 /// What the records of a case gave.

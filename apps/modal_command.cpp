@@ -178,15 +178,15 @@ Report ModalRun::summary(const CommonOptions& common) const {
        about("modal", {.seed = common.seed.value_or(1), .command_line = common.command_line},
              modal.file)}};
   if (found.merged) {
-    Report modes = Report::array(), set_ups = Report::array();
-    for (const signals::MergedMode& m : found.merged->modes) modes.push_back(merged_json(m));
+    Report merged = Report::array(), set_ups = Report::array();
+    for (const signals::MergedMode& m : found.merged->modes) merged.push_back(merged_json(m));
     for (std::size_t s = 0; s < found.set_ups.size(); ++s) {
       Report one = {{"file", modal.set_ups[s].name}};
       one.update(set_up_json(found.set_ups[s]));
       one["warnings"] = cautions(modal.set_ups[s], found.set_ups[s]);
       set_ups.push_back(std::move(one));
     }
-    out["modes"] = modes;
+    out["modes"] = merged;
     out["references"] = found.merged->references;
     out["set_ups"] = set_ups;
   } else {
@@ -200,11 +200,11 @@ Report ModalRun::summary(const CommonOptions& common) const {
 void ModalRun::print(std::ostream& out, bool colour) const {
   const Page page(out, colour);
   out << page.bold(io::printable(modal.title)) << "\n\n";
-  const auto say = [&](const auto& modes) {
-    if (modes.empty()) return;
-    print_table(page, modes);
+  const auto say = [&](const auto& list) {
+    if (list.empty()) return;
+    print_table(page, list);
     out << "± is one standard deviation.\n";
-    print_doubts(page, modes);
+    print_doubts(page, list);
   };
   if (found.merged) {
     say(found.merged->modes);

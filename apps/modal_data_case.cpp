@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numbers>
 
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_parts.hpp"
+#include "apps/modes_as_data.hpp"
 #include "apps/nearest.hpp"
 #include "apps/structure_case.hpp"
 #include "fem/structures/mesh.hpp"
@@ -22,7 +25,6 @@ using Eigen::MatrixXd;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-const Pointer kData("/data");
 
 std::string count_of(std::size_t n, const std::string& what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
@@ -30,8 +32,8 @@ std::string count_of(std::size_t n, const std::string& what) {
 
 class ModalDataParser {
  public:
-  ModalDataParser(const CaseFile& file, const AnyStructure& structure)
-      : file_(file), json_(file.json.at("data")), structure_(structure) {
+  ModalDataParser(const CaseFile& file, const Pointer& where, const AnyStructure& structure)
+      : file_(file), where_(where), json_(file.json.at(where)), structure_(structure) {
     try {
       if (const auto* members = std::get_if<fem::Structure>(&structure)) mesh_.emplace(*members);
       names_ = (mesh_ ? mesh_->discretisation() : discretise(structure)).names;
@@ -41,11 +43,17 @@ class ModalDataParser {
   }
 
   ModalData parse() {
-    parse_frequencies();
-    parse_sensors();
-    parse_shapes();
-    parse_frequency_scatter();
-    parse_shape_scatter();
+    if (has("from")) {
+      take_from();
+    } else {
+      if (has("modes") && json_.at("modes").is_array())
+        file_.refuse(where_ / "modes", "a list of modes goes with \"from\" only");
+      parse_frequencies();
+      parse_sensors();
+      parse_shapes();
+      parse_frequency_scatter();
+      parse_shape_scatter();
+    }
     if (has("discrepancy")) {
       out_.discrepancy = scatter("cov");
       out_.shape_discrepancy = scatter("shape");
@@ -66,13 +74,97 @@ class ModalDataParser {
     return out;
   }
 
+  // ---- another program's result file
+
+  void take_from() {
+    const TakenModes taken = take_modes(file_, where_);
+    std::vector<Index> channels;
+    const std::size_t all = taken.file.sensors.size();
+    if (has("sensors")) {
+      const Json& list = json_.at("sensors");
+      if (list.size() != all)
+        file_.refuse(where_ / "sensors", "must have one sensor for each of the " +
+                                             count_of(all, "channel") +
+                                             " of \"from\" (null "
+                                             "leaves one out), has " +
+                                             std::to_string(list.size()));
+      for (std::size_t i = 0; i < all; ++i) {
+        if (list[i].is_null()) continue;
+        const Pointer at = where_ / "sensors" / i;
+        out_.sensors.push_back(sensor(at));
+        if (out_.sensors.back().motion.empty())
+          file_.refuse(at, "does not move: a support holds it");
+        channels.push_back(static_cast<Index>(i));
+      }
+    } else {
+      if (file_.json.contains("beam"))
+        file_.refuse(where_ / "sensors", "is missing: say where on the beam each of the " +
+                                             count_of(all, "channel") +
+                                             " of \"from\" is, [{\"at\": x}, ...]");
+      const CaseFile beside = taken.sensors_as_case();
+      const ModalDataParser places(beside, Pointer(), structure_);
+      for (std::size_t i = 0; i < all; ++i) {
+        out_.sensors.push_back(places.measured(i, taken.file.sensors[i]));
+        channels.push_back(static_cast<Index>(i));
+      }
+    }
+    fill(taken, channels, out_);
+  }
+
+  // A channel of a modes.json: a node, with a direction of either sign or with angles.
+  Sensor measured(std::size_t i, const MeasuredSensor& s) const {
+    const Pointer at = Pointer("/sensors") / i;
+    if (s.node.empty())
+      file_.refuse(at / "node", "is missing: say in \"sensors\" of the case where it is");
+    if (!s.azimuth && !s.elevation) {
+      const bool numbered_mass = std::holds_alternative<fem::LumpedChain>(structure_) &&
+                                 s.node.find_first_not_of("0123456789") == std::string::npos;
+      Sensor out = numbered_mass ? numbered(at / "node", "mass", "masses") : sensor(at);
+      if (numbered_mass && s.direction.starts_with('-')) turn_round(out);
+      if (out.motion.empty()) file_.refuse(at, "does not move: a support holds it");
+      return out;
+    }
+    constexpr double kDegree = std::numbers::pi / 180.0;
+    const double a = kDegree * s.azimuth.value_or(0.0), e = kDegree * s.elevation.value_or(0.0);
+    const double along[] = {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
+    static const char* const names[] = {"x", "y", "z"};
+    std::map<int, double> sum;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (std::abs(along[k]) < 1e-9) continue;
+      if (mesh_ && k == 2 && mesh_->structure().dimension == 2) {
+        if (std::abs(along[k]) > 0.02)
+          file_.refuse(at, "points out of the plane of this structure");
+        continue;
+      }
+      CaseFile one = file_;
+      one.json.at(at)["direction"] = names[k];
+      const ModalDataParser part(one, where_, structure_);
+      const Sensor found = part.sensor(at);
+      for (std::size_t d = 0; d < found.motion.dofs.size(); ++d)
+        sum[found.motion.dofs[d]] += along[k] * found.motion.coefficients[d];
+    }
+    Sensor out{.name = s.node + ", azimuth " + Json(s.azimuth.value_or(0.0)).dump() +
+                       ", elevation " + Json(s.elevation.value_or(0.0)).dump(),
+               .motion = {}};
+    for (const auto& [dof, coefficient] : sum) {
+      out.motion.dofs.push_back(dof);
+      out.motion.coefficients.push_back(coefficient);
+    }
+    if (out.motion.empty()) file_.refuse(at, "does not move: a support holds it");
+    return out;
+  }
+
+  static void turn_round(Sensor& sensor) {
+    for (double& c : sensor.motion.coefficients) c = -c;
+  }
+
   // ---- frequencies
 
   void parse_frequencies() {
     if (has("frequencies") && has("file"))
-      file_.refuse(kData / "file", "data have either \"frequencies\" or a \"file\", not both");
+      file_.refuse(where_ / "file", "data have either \"frequencies\" or a \"file\", not both");
     for (const char* key : {"columns", "row"})
-      if (has(key) && !has("file")) file_.refuse(kData / key, "goes with \"file\" only");
+      if (has(key) && !has("file")) file_.refuse(where_ / key, "goes with \"file\" only");
     out_.origin = "given in the case";
     if (has("frequencies")) out_.frequencies_hz = numbers(json_.at("frequencies"));
     if (has("file")) {
@@ -91,7 +183,7 @@ class ModalDataParser {
       const double f = out_.frequencies_hz[i];
       if (std::isnan(f)) continue;
       if (f < before)
-        file_.refuse(has("file") ? kData / "file" : kData / "frequencies" / i,
+        file_.refuse(has("file") ? where_ / "file" : where_ / "frequencies" / i,
                      "without shapes frequencies must increase: the first is the lowest elastic "
                      "mode, and null stands for one that was not measured");
       before = f;
@@ -102,10 +194,10 @@ class ModalDataParser {
     int given = 0;
     for (const char* key : {"cov", "sd", "covariance"}) given += has(key);
     if (given > 1)
-      file_.refuse(kData, "noise of frequencies is one of \"cov\", \"sd\" and \"covariance\"");
+      file_.refuse(where_, "noise of frequencies is one of \"cov\", \"sd\" and \"covariance\"");
     const auto n = static_cast<Index>(out_.frequencies_hz.size());
     std::vector<double> sd = from_file_;
-    Pointer at = kData / "cov";
+    Pointer at = where_ / "cov";
     if (has("cov") && json_["cov"].is_object()) {
       out_.cov_prior =
           bounded_prior(file_, at, 0.0, kInfinity, "a coefficient of variation is > 0");
@@ -116,11 +208,11 @@ class ModalDataParser {
       for (const double f : out_.frequencies_hz) sd.push_back(json_["cov"].get<double>() * f);
     }
     if (has("sd")) {
-      at = kData / "sd";
+      at = where_ / "sd";
       sd = numbers(json_["sd"]);
     }
     if (has("covariance")) {
-      at = kData / "covariance";
+      at = where_ / "covariance";
       out_.covariance = square(at, n);
     } else if (!sd.empty()) {
       if (static_cast<Index>(sd.size()) != n)
@@ -137,7 +229,7 @@ class ModalDataParser {
       }
       return;
     } else if (n > 0) {
-      file_.refuse(kData / "cov",
+      file_.refuse(where_ / "cov",
                    "is missing: say how exact the frequencies are, by \"cov\", \"sd\" or "
                    "\"covariance\"");
     }
@@ -181,7 +273,7 @@ class ModalDataParser {
   void parse_sensors() {
     if (!has("sensors")) return;
     for (std::size_t i = 0; i < json_.at("sensors").size(); ++i) {
-      const Pointer at = kData / "sensors" / i;
+      const Pointer at = where_ / "sensors" / i;
       out_.sensors.push_back(sensor(at));
       if (out_.sensors.back().motion.empty()) file_.refuse(at, "does not move: a support holds it");
     }
@@ -234,13 +326,17 @@ class ModalDataParser {
     }
     if (!mesh_) return named(at, chain);
     const int node = find(at / "node", mesh_->structure().nodes, "node");
-    const auto [name, which] = direction(at);
-    return {s["node"].get<std::string>() + ", " + name, mesh_->motion(node, which)};
+    const Along along = direction(at);
+    Sensor out{s["node"].get<std::string>() + ", " + along.name, mesh_->motion(node, along.which)};
+    if (along.backwards) turn_round(out);
+    return out;
   }
 
   Sensor numbered(const Pointer& at, const std::string& one, const std::string& many) const {
-    const int number = file_.json.at(at);
-    if (number > static_cast<int>(names_.size()))
+    const Json& given = file_.json.at(at);
+    const int number =
+        given.is_string() ? std::atoi(given.get<std::string>().c_str()) : given.get<int>();
+    if (number < 1 || number > static_cast<int>(names_.size()))
       file_.refuse(at,
                    "no such " + one + ": there are " + std::to_string(names_.size()) + " " + many);
     const fem::DofName& name = names_[static_cast<std::size_t>(number) - 1];
@@ -251,12 +347,16 @@ class ModalDataParser {
   // A place and direction of the table of dofs, or "mass 1".
   Sensor named(const Pointer& at, bool chain) const {
     const auto place = file_.json.at(at / "node").get<std::string>();
-    const std::string along = file_.json.at(at).value("direction", chain ? "x" : "");
+    std::string along = file_.json.at(at).value("direction", chain ? "x" : "");
+    const bool backwards = along.starts_with('-');
+    if (backwards) along.erase(0, 1);
     std::vector<std::string> places, there;
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (names_[i].place == place && names_[i].direction == along)
-        return {place + (along.empty() ? "" : ", " + along),
-                {.dofs = {static_cast<int>(i)}, .coefficients = {1.0}}};
+        return {place + (along.empty() ? ""
+                         : backwards   ? ", -" + along
+                                       : ", " + along),
+                {.dofs = {static_cast<int>(i)}, .coefficients = {backwards ? -1.0 : 1.0}}};
       if (names_[i].place == place) there.push_back(names_[i].direction);
       places.push_back(names_[i].place);
     }
@@ -283,6 +383,7 @@ class ModalDataParser {
   struct Along {
     std::string name;
     fem::Direction which;
+    bool backwards = false;  // "-x"
   };
   Along direction(const Pointer& at) const {
     const bool space = mesh_->structure().dimension == 3;
@@ -293,11 +394,13 @@ class ModalDataParser {
       file_.refuse(at / "direction", "is missing: " + words);
     const auto name = file_.json.at(at / "direction").get<std::string>();
     static const std::vector<std::string> names = {"x", "y", "z", "rx", "ry", "rz"};
-    const std::string global = name == "rotation" && !space ? "rz" : name;
+    const bool backwards = name.starts_with('-');
+    const std::string forwards = name.substr(backwards ? 1 : 0);
+    const std::string global = forwards == "rotation" && !space ? "rz" : forwards;
     const auto found = std::ranges::find(names, global);
     if (found == names.end() || (!space && global != "x" && global != "y" && global != "rz"))
       file_.refuse(at / "direction", words);
-    return {name, static_cast<fem::Direction>(found - names.begin())};
+    return {name, static_cast<fem::Direction>(found - names.begin()), backwards};
   }
 
   Sensor on_member(const Pointer& at, const Along& along) const {
@@ -306,9 +409,11 @@ class ModalDataParser {
     const double length = mesh_->member_length(member);
     if (s > length * (1.0 + 1e-9))
       file_.refuse(at / "at", "lies off the member, which is " + Json(length).dump() + " m long");
-    return {file_.json.at(at / "member").get<std::string>() + " at " + Json(s).dump() + " m, " +
-                along.name,
-            mesh_->motion(member, std::min(s, length), along.which)};
+    Sensor out{file_.json.at(at / "member").get<std::string>() + " at " + Json(s).dump() + " m, " +
+                   along.name,
+               mesh_->motion(member, std::min(s, length), along.which)};
+    if (along.backwards) turn_round(out);
+    return out;
   }
 
   // ---- shapes
@@ -316,22 +421,22 @@ class ModalDataParser {
   void parse_shapes() {
     if (!has("shapes")) {
       for (const char* key : {"shape_covariance"})
-        if (has(key)) file_.refuse(kData / key, "goes with \"shapes\" only");
+        if (has(key)) file_.refuse(where_ / key, "goes with \"shapes\" only");
       return;
     }
     const Json& rows = json_.at("shapes");
     if (!has("sensors"))
-      file_.refuse(kData / "sensors", "is missing: \"shapes\" have one number a sensor");
+      file_.refuse(where_ / "sensors", "is missing: \"shapes\" have one number a sensor");
     if (out_.frequencies_hz.empty()) out_.frequencies_hz.assign(rows.size(), kNaN);
     if (rows.size() != out_.frequencies_hz.size())
-      file_.refuse(kData / "shapes",
+      file_.refuse(where_ / "shapes",
                    "must have one shape a frequency (null in place of what was not measured): " +
                        count_of(out_.frequencies_hz.size(), "frequency").append(", has ") +
                        count_of(rows.size(), "shape"));
     const std::size_t sensors = out_.sensors.size();
     out_.shapes.resize(static_cast<Index>(rows.size()), static_cast<Index>(sensors));
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const Pointer at = kData / "shapes" / i;
+      const Pointer at = where_ / "shapes" / i;
       if (rows[i].size() != sensors)
         file_.refuse(at, "must have one number a sensor: " + std::to_string(sensors) + ", has " +
                              std::to_string(rows[i].size()));
@@ -356,8 +461,8 @@ class ModalDataParser {
     const auto sensors = static_cast<Index>(out_.sensors.size());
     const auto modes = static_cast<std::size_t>(out_.shapes.rows());
     if (has("shape_sd") && has("shape_covariance"))
-      file_.refuse(kData / "shape_covariance", "noise of shapes is either this or \"shape_sd\"");
-    const Pointer at = kData / "shape_sd";
+      file_.refuse(where_ / "shape_covariance", "noise of shapes is either this or \"shape_sd\"");
+    const Pointer at = where_ / "shape_sd";
     if (has("shape_sd") && json_["shape_sd"].is_object()) {
       out_.shape_sd_prior = bounded_prior(file_, at, 0.0, kInfinity, "an sd is > 0");
       out_.shape_covariances.assign(modes, MatrixXd::Identity(sensors, sensors));
@@ -386,11 +491,11 @@ class ModalDataParser {
     } else if (has("shape_covariance")) {
       const Json& list = json_["shape_covariance"];
       if (list.size() != modes)
-        file_.refuse(kData / "shape_covariance",
+        file_.refuse(where_ / "shape_covariance",
                      "must have one matrix a shape: " + std::to_string(modes) + ", has " +
                          std::to_string(list.size()));
       for (std::size_t i = 0; i < modes; ++i) {
-        const Pointer here = kData / "shape_covariance" / i;
+        const Pointer here = where_ / "shape_covariance" / i;
         out_.shape_covariances.push_back(square(here, sensors));
         std::vector<Index> measured;
         for (Index s = 0; s < sensors; ++s)
@@ -409,11 +514,12 @@ class ModalDataParser {
     if (!d.contains(key)) return {};
     if (d[key].is_number()) return {.value = d[key].get<double>()};
     return {.value = 0.0,
-            .prior = bounded_prior(file_, kData / "discrepancy" / key, 0.0, kInfinity,
+            .prior = bounded_prior(file_, where_ / "discrepancy" / key, 0.0, kInfinity,
                                    "a discrepancy is > 0")};
   }
 
   const CaseFile& file_;
+  Pointer where_;
   const Json& json_;
   const AnyStructure& structure_;
   std::optional<fem::Mesh> mesh_;
@@ -424,8 +530,9 @@ class ModalDataParser {
 
 }  // namespace
 
-ModalData parse_modal_data(const CaseFile& file, const AnyStructure& structure) {
-  return ModalDataParser(file, structure).parse();
+ModalData parse_modal_data(const CaseFile& file, const Pointer& where,
+                           const AnyStructure& structure) {
+  return ModalDataParser(file, where, structure).parse();
 }
 
 }  // namespace wheeltap::apps

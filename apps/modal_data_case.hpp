@@ -7,10 +7,10 @@
 
 namespace wheeltap::apps {
 
-/// What stands under /data. Without frequencies and shapes they are left empty, for a truth to fill
-/// in. Throws Failure (65) for sensors that are not on the structure, numbers that do not go
-/// together, and covariances that are none.
+/// What stands at `where`, /data say. Without frequencies and shapes they are left empty, for a
+/// truth to fill in. Throws Failure (65) for sensors that are not on the structure, numbers that do
+/// not go together, and covariances that are none.
 [[nodiscard]] identification::ModalData parse_modal_data(
-    const CaseFile& file, const identification::AnyStructure& structure);
+    const CaseFile& file, const Pointer& where, const identification::AnyStructure& structure);
 
 }  // namespace wheeltap::apps

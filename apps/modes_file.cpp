@@ -76,10 +76,10 @@ class Reader {
   const CaseFile& file_;
 };
 
-Sensor read_sensor(const CaseFile& file, const Pointer& where) {
+MeasuredSensor read_sensor(const CaseFile& file, const Pointer& where) {
   const Json& s = file.json.at(where);
   if (!s.is_object()) file.refuse(where, "must be an object");
-  Sensor out;
+  MeasuredSensor out;
   for (const auto& [key, text] :
        {std::pair{"name", &out.name}, {"node", &out.node}, {"direction", &out.direction}})
     if (s.contains(key)) *text = text_or_number(s.at(key));
@@ -96,7 +96,7 @@ Sensor read_sensor(const CaseFile& file, const Pointer& where) {
 }  // namespace
 
 MeasuredModes measured_modes(const signals::ModalResult& result,
-                             const std::vector<Sensor>& sensors) {
+                             const std::vector<MeasuredSensor>& sensors) {
   const auto count = static_cast<Index>(result.modes.size());
   MeasuredModes out{.sensors = sensors,
                     .frequencies_hz = Eigen::VectorXd(count),
@@ -111,11 +111,12 @@ MeasuredModes measured_modes(const signals::ModalResult& result,
     out.shape_covariance.push_back(mode.shape_covariance);
     out.doubtful.push_back(!mode.doubts.empty());
   }
+  out.blocks = result.blocks;
   return out;
 }
 
 MeasuredModes measured_modes(const signals::MergedModes& merged,
-                             const std::vector<Sensor>& sensors) {
+                             const std::vector<MeasuredSensor>& sensors) {
   const auto count = static_cast<Index>(merged.modes.size());
   MeasuredModes out{.sensors = sensors,
                     .frequencies_hz = Eigen::VectorXd(count),
@@ -135,7 +136,7 @@ MeasuredModes measured_modes(const signals::MergedModes& merged,
 
 Report modes_json(const MeasuredModes& modes) {
   Report sensors = Report::array();
-  for (const Sensor& s : modes.sensors) {
+  for (const MeasuredSensor& s : modes.sensors) {
     Report one = {{"name", s.name}};
     if (!s.node.empty()) one["node"] = s.node;
     if (!s.direction.empty()) one["direction"] = s.direction;
@@ -155,7 +156,8 @@ Report modes_json(const MeasuredModes& modes) {
            {{"real", rows_of(modes.shapes.real().transpose())},
             {"imaginary", rows_of(modes.shapes.imag().transpose())}}},
           {"shape_covariance", shapes},
-          {"doubtful", modes.doubtful}};
+          {"doubtful", modes.doubtful},
+          {"blocks", modes.blocks}};
 }
 
 MeasuredModes read_modes_file(const std::filesystem::path& path) {
@@ -183,6 +185,12 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
   const Json doubtful = file.json.value("doubtful", Json::array());
   for (std::size_t m = 0; m < std::min(doubtful.size(), out.doubtful.size()); ++m)
     out.doubtful[m] = doubtful[m] == true;
+  if (file.json.contains("blocks")) {
+    const Json& blocks = file.json["blocks"];
+    if (!blocks.is_number_unsigned() || blocks.get<std::uint64_t>() > 1'000'000)
+      file.refuse(Pointer("/blocks"), "must be a whole number, 0 where covariances are exact");
+    out.blocks = blocks;
+  }
   return out;
 }
 

@@ -13,7 +13,7 @@
 namespace wheeltap::apps {
 
 /// What measured one entry of every shape.
-struct Sensor {
+struct MeasuredSensor {
   std::string name = {};  ///< of its channel
   std::string node = {}, direction = {};
   std::optional<double> azimuth = {}, elevation = {};  ///< [degrees]
@@ -22,18 +22,19 @@ struct Sensor {
 
 struct MeasuredModes {
   std::string title = {};
-  std::vector<Sensor> sensors = {};
+  std::vector<MeasuredSensor> sensors = {};
   Eigen::VectorXd frequencies_hz = {}, damping = {};
   Eigen::MatrixXd covariance = {};  ///< of all frequencies, then all damping ratios
   Eigen::MatrixXcd shapes = {};     ///< a mode a column, largest entry 1; NaN where not measured
   std::vector<Eigen::MatrixXd> shape_covariance = {};  ///< of real parts, then imaginary parts
   std::vector<bool> doubtful = {};
+  int blocks = 0;  ///< that the covariances were estimated from; 0: not said
 };
 
 [[nodiscard]] MeasuredModes measured_modes(const signals::ModalResult& result,
-                                           const std::vector<Sensor>& sensors);
+                                           const std::vector<MeasuredSensor>& sensors);
 [[nodiscard]] MeasuredModes measured_modes(const signals::MergedModes& merged,
-                                           const std::vector<Sensor>& sensors);
+                                           const std::vector<MeasuredSensor>& sensors);
 
 [[nodiscard]] Report modes_json(const MeasuredModes& modes);
 

@@ -1,7 +1,9 @@
 #include "apps/posterior_file.hpp"
 
 #include <cmath>
+#include <set>
 
+#include "apps/sid_posterior_file.hpp"
 #include "base/random.hpp"
 #include "identification/damage_findings.hpp"
 #include "io/netcdf_writer.hpp"
@@ -55,7 +57,21 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
            NC_BYTE);
 }
 
+namespace {
+
+// Of a parameter that all models have: its name, unless something else is called so.
+std::string common_variable(const std::string& name) {
+  static const std::set<std::string> taken = {
+      "model", "k",    "chain", "draw", "slot", "location",  "reduction", "member",
+      "node",  "link", "depth", "mass", "mode", "stiffness", "extent"};
+  const bool free = !taken.contains(name) && !name.starts_with("k_");
+  return sid_variable(free ? name : "parameter_" + name);
+}
+
+}  // namespace
+
 std::string damage_variable(const DamageCase& damage_case, const Unknown& unknown) {
+  if (unknown.kind < 0) return common_variable(unknown.name);
   const bool several = damage_case.kinds.size() > 1;
   return (several && unknown.kind >= 0
               ? damage_case.kinds[static_cast<std::size_t>(unknown.kind)].name + "_"
@@ -85,8 +101,8 @@ std::vector<DrawColumn> damage_columns(const DamageProblem& problem,
 
   std::vector<DrawColumn> columns = {model_column(posterior), {.name = "k", .values = counts(-1)}};
   for (int p = 0; p < problem.common; ++p) {
-    columns.push_back(
-        parameter_column(posterior, p, space.parameters()[static_cast<std::size_t>(p)].name));
+    columns.push_back(parameter_column(
+        posterior, p, common_variable(space.parameters()[static_cast<std::size_t>(p)].name)));
   }
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     const DefectKind& kind = damage_case.kinds[k];

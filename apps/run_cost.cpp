@@ -8,6 +8,7 @@
 #include "base/number.hpp"
 #include "base/parallel.hpp"
 #include "fem/structures/structure_spectrum.hpp"
+#include "identification/states_likelihood.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -29,6 +30,8 @@ std::string in_words(const RunCost& cost) {
   if (cost.likelihoods > 0.0) {
     text += ", " + rounded(cost.likelihoods) + " likelihoods or FE runs";
   }
+  if (cost.seconds_a_likelihood > 0.0)
+    text += " of " + base::significant(1e3 * cost.seconds_a_likelihood, 2) + " ms each";
   if (cost.seconds > 0.0) {
     text += ", " + (cost.seconds < 3600.0 ? rounded(cost.seconds) + " s"
                                           : rounded(cost.seconds / 3600.0) + " h");
@@ -82,7 +85,12 @@ RunCost cost_of_damages(const identification::DamageCase& damage_case, const Com
       .predictions = modes,
       .explored = 10'000.0,  // 5 000 to 14 000 on the starter cases
       .seconds_a_likelihood = 1e-6 * modes * (structure ? 1.5 + 0.01 * n : 0.6 + 0.00125 * n)};
-  double mean = common_ones;
+  if (damage_case.states) {
+    const identification::StatesLikelihood states(damage_case.states, damage_case.kinds);
+    sampled.seconds_a_likelihood = states.check(8).seconds_a_solution;
+    sampled.largest += static_cast<double>(damage_case.states->parameters().size());
+  }
+  double mean = sampled.largest;
   for (const identification::DefectKind& kind : damage_case.kinds) {
     const double each = kind.severity_prior() != nullptr ? 2.0 : 1.0;
     sampled.models *= kind.max_count - kind.min_count + 1.0;
@@ -91,6 +99,8 @@ RunCost cost_of_damages(const identification::DamageCase& damage_case, const Com
   }
   sampled.dimensions = sampled.models * mean;
   RunCost cost = cost_of_sampling(sampled, common, options);
+  cost.seconds_a_likelihood = sampled.seconds_a_likelihood;
+  if (damage_case.states) return cost;
   // All n modes of the intact structure.
   if (structure) {
     cost.seconds += (n <= fem::kWideSpectrum ? 1.2e-8 : 1.35e-9) * n * n * n;

@@ -11,9 +11,10 @@ namespace wheeltap::apps {
 
 /// An estimate, not a promise: within a factor of ten.
 struct RunCost {
-  double bytes = 0.0;        ///< at the most, at one time
-  double likelihoods = 0.0;  ///< evaluations, or FE runs of a table
-  double seconds = 0.0;      ///< of them, on the threads asked for
+  double bytes = 0.0;                 ///< at the most, at one time
+  double likelihoods = 0.0;           ///< evaluations, or FE runs of a table
+  double seconds = 0.0;               ///< of them, on the threads asked for
+  double seconds_a_likelihood = 0.0;  ///< 0: not said
 };
 
 /// "about 0.02 GB and 120 000 likelihoods of 0.3 ms: 10 s on 4 threads".

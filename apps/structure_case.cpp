@@ -70,8 +70,25 @@ class MemberParser {
         file_.refuse(where, space() ? "must be [x, y, z]: the structure has dimension 3"
                                     : "must be [x, y]: the structure has dimension 2");
       fem::Node node{.name = name};
-      for (std::size_t k = 0; k < size; ++k) node.at[k] = place[k];
+      const std::size_t index = s_.nodes.size();
+      for (std::size_t k = 0; k < size; ++k) {
+        node.at[k] = parameters_.place(where / k, {}, [index, k](AnyStructure& s, double x) {
+          std::get<fem::Structure>(s).nodes[index].at[k] = x;
+        });
+        moving_ = moving_ || place[k].is_string();
+      }
       s_.nodes.push_back(std::move(node));
+    }
+    // Members follow their nodes, and their pieces in proportion.
+    if (moving_) parameters_.follow_all(stretch_members);
+  }
+
+  static void stretch_members(AnyStructure& any, std::span<const double> /*values*/) {
+    auto& s = std::get<fem::Structure>(any);
+    for (std::size_t m = 0; m < s.members.size(); ++m) {
+      auto& pieces = s.members[m].pieces;
+      const double factor = fem::member_frame(s, static_cast<int>(m)).length / pieces.back().to;
+      for (fem::Member::Piece& piece : pieces) piece.to *= factor;
     }
   }
 
@@ -401,6 +418,7 @@ class MemberParser {
   std::vector<std::string>* remarks_;
   StructureParameters parameters_;
   fem::Structure s_;
+  bool moving_ = false;  // a node's place is a parameter
   std::map<std::pair<std::string, std::string>, PieceSection> sections_;
 };
 

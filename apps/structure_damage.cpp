@@ -8,6 +8,7 @@
 #include "apps/structure_case.hpp"
 #include "apps/whole_number.hpp"
 #include "fem/structures/structure_modes.hpp"
+#include "identification/defects/floor_mass.hpp"
 
 namespace wheeltap::apps {
 
@@ -34,6 +35,10 @@ class KindParser {
     const Json& b = file_.json.at(where);
     const auto type_name = b.at("kind").get<std::string>();
     const DefectType* type = find_defect_type(type_name);
+    // A chain has masses, and no members.
+    if (type == &defects::kMass &&
+        std::holds_alternative<fem::LumpedChain>(out_.structure->nominal))
+      type = &defects::kFloorMass;
     if (type == nullptr || type->place_in_structure == nullptr)
       file_.refuse(where / "kind", "this version does not know it; there are " + known());
     const Places places = places_of(*type, where);
@@ -100,9 +105,15 @@ class KindParser {
       for (const auto& link : chain->links) out.names.push_back(link.name);
       return out;
     }
+    if (chain != nullptr && &type == &defects::kFloorMass) {
+      out.what = "mass";
+      for (std::size_t i = 0; i < chain->masses.size(); ++i)
+        out.names.push_back("mass " + std::to_string(i + 1));
+      return out;
+    }
     if (!mesh_)
       file_.refuse(where / "kind", chain
-                                       ? "needs members; a \"chain\" has \"storey\""
+                                       ? "needs members; a \"chain\" has \"storey\" and \"mass\""
                                        : "needs members; this version knows no damage of matrices");
     const fem::Structure& s = mesh_->structure();
     if (type.sites == Sites::nodes) {
@@ -249,15 +260,6 @@ class KindParser {
 
 }  // namespace
 
-// What a case of a structure may say, but this version does not use.
-void refuse_unused(const CaseFile& f) {
-  for (const char* place : {"/data/from", "/data/states", "/data/masses", "/data/temperature"}) {
-    if (f.json.contains(Pointer(place)))
-      f.refuse(Pointer(place),
-               "is not used by this version: it infers damage from one state's modes");
-  }
-}
-
 void check_structure_modes(const CaseFile& f, DamageCase& out) {
   try {
     const fem::Discretisation d = discretise(out.structure->nominal);
@@ -267,7 +269,7 @@ void check_structure_modes(const CaseFile& f, DamageCase& out) {
       if (kind.type->may_be_known)
         most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
     const auto most = static_cast<int>(fem::mode_count(d)) - out.rigid_body_modes - most_supports;
-    if (out.modes() > most)
+    if (!out.states && out.modes() > most)
       f.refuse(out.data.modes() > 0 ? Pointer("/data") : Pointer("/data/modes"),
                std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most) +
                    ", the elastic modes of this mesh" +

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/modal_data_case.hpp"
+#include "apps/states_case.hpp"
 #include "apps/structure_case.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "identification/update_problem.hpp"
@@ -19,7 +20,11 @@ const Pointer kData("/data"), kTruth("/truth");
 
 /// A coefficient of variation is "cov" in a case, or "cv".
 void accept_cv(CaseFile& file) {
-  for (const Pointer& at : {kData, kTruth, kData / "discrepancy"}) {
+  std::vector<Pointer> places = {kData, kTruth, kData / "discrepancy"};
+  if (file.json.contains(kData / "states") && file.json.at(kData / "states").is_array())
+    for (std::size_t i = 0; i < file.json.at(kData / "states").size(); ++i)
+      places.push_back(kData / "states" / i);
+  for (const Pointer& at : places) {
     if (!file.json.is_object() || !file.json.contains(at) || !file.json.at(at).is_object())
       continue;
     Json& block = file.json.at(at);
@@ -114,12 +119,28 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
   }
 }
 
+// The data are one state's, or several.
+bool has_several(const CaseFile& f) {
+  if (!f.json.contains(kData)) return false;
+  const Json& data = f.json.at(kData);
+  return std::ranges::any_of(std::vector<std::string>{"states", "masses", "temperature", "known"},
+                             [&](const std::string& key) { return data.contains(key); });
+}
+
+void take_states(const CaseFile& f, UpdateNeeds needs, UpdateCase& out) {
+  if (needs == UpdateNeeds::truth) f.refuse(kTruth, "is missing: there is nothing to simulate");
+  auto states = parse_states(f, out.structure, false);
+  out.data = states.joined();
+  out.states = std::make_shared<const ObservedStates>(std::move(states));
+}
+
 }  // namespace
 
 Pointer prior_place(const UpdateCase& update_case, const std::string& parameter) {
   const auto& own = update_case.structure->parameters;
   if (std::ranges::find(own, parameter, &inference::Parameter::name) != own.end())
     return Pointer("/parameters") / parameter;
+  if (parameter == kPerKelvin) return Pointer("/temperature") / parameter;
   if (parameter == "discrepancy") return kData / "discrepancy" / "cov";
   if (parameter == "shape_discrepancy") return kData / "discrepancy" / "shape";
   return kData / parameter;
@@ -141,8 +162,14 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
   for (const std::string& name : scatter_names())
     if (json["parameters"].contains(name))
       f.refuse(Pointer("/parameters") / name, "is the name of a scatter of the data: take another");
-  out.structure = std::make_shared<const StructureModel>(parse_structure(f));
-  if (json.contains("data")) out.data = parse_modal_data(f, out.structure->nominal);
+  out.structure = std::make_shared<const StructureModel>(parse_structure(with_known(f)));
+  if (has_several(f)) {
+    if (json.contains("truth"))
+      f.refuse(kTruth, "does not go with states: what was measured in them must be given");
+    take_states(f, needs, out);
+    return parsed;
+  }
+  if (json.contains("data")) out.data = parse_modal_data(f, kData, out.structure->nominal);
   if (json.contains("truth")) parse_truth(f, out);
   check_modes(f, out);
   if (needs == UpdateNeeds::structure) return parsed;

@@ -36,7 +36,11 @@ void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem
     for (std::size_t i = 0; i < shape.draws; ++i) {
       if (scatters_vary || root.size() == 0) {
         const std::span<const double> x(from.theta.data() + i * shape.width, shape.width);
-        root = problem.likelihood->covariance(problem.noise(x)).llt().matrixL();
+        Eigen::MatrixXd covariance = problem.covariance(problem.noise(x));
+        for (std::size_t m = 0; m < shape.modes; ++m)
+          if (std::isnan(observed[m]))
+            covariance(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(m)) = 1.0;
+        root = covariance.llt().matrixL();
       }
       base::Random random(seed, c, i, base::Purpose::prediction);
       for (double& e : noise) e = random.normal();

@@ -31,13 +31,16 @@ auto complaining(const UpdateCaseFile& parsed, const Work& work) {
 RunCost cost_of_update(const UpdateProblem& problem, const CommonOptions& common,
                        const SamplingOptions& options) {
   const double d = problem.problem.space.max_dimension();
-  return cost_of_sampling({.models = 1.0,
-                           .dimensions = d,
-                           .largest = d,
-                           .predictions = static_cast<double>(problem.update_case.data.modes()),
-                           .explored = 6'000.0,
-                           .seconds_a_likelihood = problem.seconds_a_likelihood},
-                          common, options);
+  RunCost cost =
+      cost_of_sampling({.models = 1.0,
+                        .dimensions = d,
+                        .largest = d,
+                        .predictions = static_cast<double>(problem.update_case.data.modes()),
+                        .explored = 6'000.0,
+                        .seconds_a_likelihood = problem.seconds_a_likelihood},
+                       common, options);
+  if (problem.states) cost.seconds_a_likelihood = problem.seconds_a_likelihood;
+  return cost;
 }
 
 RunCost cost_of_basis(const UpdateCase& update_case) {
@@ -59,7 +62,8 @@ FinishedRun sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
                           const SamplingOptions& options, RunWatch& watch) {
   const auto methods = evidence_methods(options.evidence);
   const std::uint64_t seed = common.seed.value_or(1);
-  const auto& basis = problem->modes->training();
+  const auto basis = problem->modes ? problem->modes->training()
+                                    : fem::ParametricModes::Training{.complete = true};
   if (!basis.complete)
     watch.note("reduced basis: " + std::to_string(basis.basis) + " modes stand for " +
                std::to_string(problem->modes->structure().nominal().size()) +

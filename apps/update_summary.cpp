@@ -66,6 +66,7 @@ Report modes_of(const UpdateFindings& findings) {
                     {"moves", m.moves},
                     {"by_sd", m.moved},
                     {"reliable", m.reliable}}}};
+    if (!m.state.empty()) row.update({{"state", m.state}, {"mode_of_state", m.mode_of_state}});
     if (m.has_shape)
       row["shape"] = {{"mac", {{"q2.5", m.mac.q2_5}, {"q50", m.mac.q50}, {"q97.5", m.mac.q97_5}}},
                       {"chi_square", m.shape_chi_square},
@@ -108,8 +109,23 @@ Report predictions_of(const UpdateFindings& findings) {
          {"held_out_hz", p.measured_hz ? Report(*p.measured_hz) : Report()},
          {"inside", p.measured_hz ? Report(!p.misses()) : Report()},
          {"useful", !p.useless()}});
+    if (!p.state.empty()) rows.back()["state"] = p.state;
   }
   return rows;
+}
+
+Report reduced_basis_of(const UpdateProblem& problem, const UpdateFindings& findings) {
+  if (!problem.modes) return {};
+  const auto& training = problem.modes->training();
+  return {{"columns", training.basis},
+          {"degrees_of_freedom", problem.modes->structure().nominal().size()},
+          {"complete", training.complete},
+          {"solved_for_it", training.solved},
+          {"tried_at", training.points},
+          {"largest_bound", training.largest_bound},
+          {"beyond_tolerance", training.beyond},
+          {"miscounted", training.miscounted},
+          {"in_full", {{"draws", findings.in_full}, {"of", findings.examined}}}};
 }
 
 Report unknowns_of(const UpdateCaseFile& parsed, const UpdateFindings& findings) {
@@ -130,7 +146,6 @@ Report update_summary(const UpdateCaseFile& parsed, const UpdateProblem& problem
   const auto& parameters = findings.models[0].parameters;
   for (std::size_t p = 0; p < parameters.size(); ++p)
     best[parameters[p].unknown.label] = findings.best_draw[p];
-  const auto& training = problem.modes->training();
   Report summary = {{"wheeltap", about("update", info, parsed.file)},
                     {"title", parsed.update.title},
                     {"notes", parsed.notes},
@@ -149,16 +164,7 @@ Report update_summary(const UpdateCaseFile& parsed, const UpdateProblem& problem
                     {"data", data_of(parsed, findings)},
                     {"predictions", predictions_of(findings)},
                     {"best_draw", best},
-                    {"reduced_basis",
-                     {{"columns", training.basis},
-                      {"degrees_of_freedom", problem.modes->structure().nominal().size()},
-                      {"complete", training.complete},
-                      {"solved_for_it", training.solved},
-                      {"tried_at", training.points},
-                      {"largest_bound", training.largest_bound},
-                      {"beyond_tolerance", training.beyond},
-                      {"miscounted", training.miscounted},
-                      {"in_full", {{"draws", findings.in_full}, {"of", findings.examined}}}}},
+                    {"reduced_basis", reduced_basis_of(problem, findings)},
                     {"diagnostics", diagnostics(findings, update_warnings(findings))},
                     {"cost", cost(findings.sampling)}};
   summary["cost"]["seconds_a_likelihood"] = problem.seconds_a_likelihood;

@@ -34,7 +34,8 @@ std::vector<std::string> at_prior(const UpdateFindings& findings) {
 }
 
 std::string one_mode(const ModeFinding& m) {
-  std::string text = "mode " + std::to_string(m.mode);
+  std::string text = m.state.empty() ? "mode " + std::to_string(m.mode)
+                                     : "mode " + std::to_string(m.mode_of_state) + " of " + m.state;
   std::vector<std::string> why;
   if (!std::isnan(m.residual) && std::abs(m.residual) > 3.0)
     why.push_back("its frequency is " + fixed(std::abs(m.residual), 1) + " sd " +
@@ -57,9 +58,10 @@ std::string in_words(const UntouchedDirection& direction) {
 }
 
 std::string matched_in_words(const ModeFinding& mode) {
-  if (mode.computed == mode.mode && mode.matched > 0.999) return {};
-  return "mode " + std::to_string(mode.mode) + " is the model's mode " +
-         std::to_string(mode.computed) +
+  const int number = mode.state.empty() ? mode.mode : mode.mode_of_state;
+  if (mode.computed == number && mode.matched > 0.999) return {};
+  return "mode " + std::to_string(number) + (mode.state.empty() ? "" : " of " + mode.state) +
+         " is the model's mode " + std::to_string(mode.computed) +
          (mode.matched > 0.999 ? "" : " in " + percent(mode.matched) + " of the draws");
 }
 
@@ -80,9 +82,10 @@ std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
   }
   for (const Prediction& p : findings.predictions)
     if (p.misses())
-      out.push_back("Mode " + std::to_string(p.mode) + ", held out, was measured at " +
-                    significant(*p.measured_hz, 5) + " Hz, outside of the band foretold, " +
-                    significant(p.low_hz, 4) + " to " + significant(p.high_hz, 4) +
+      out.push_back("Mode " + std::to_string(p.mode) + (p.state.empty() ? "" : " of " + p.state) +
+                    ", held out, was measured at " + significant(*p.measured_hz, 5) +
+                    " Hz, outside of the band foretold, " + significant(p.low_hz, 4) + " to " +
+                    significant(p.high_hz, 4) +
                     " Hz: the model is wrong there, however well it fits the others.");
   return out;
 }

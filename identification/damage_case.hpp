@@ -14,6 +14,7 @@
 #include "identification/emulator_spec.hpp"
 #include "identification/modal_data.hpp"
 #include "identification/noise_model.hpp"
+#include "identification/observed_states.hpp"
 #include "identification/structure_model.hpp"
 
 namespace wheeltap::identification {
@@ -44,6 +45,9 @@ struct DamageCase {
   /// `data` is the part of it that is frequencies. Shapes belong to the structure that is solved.
   std::shared_ptr<const ModalData> modal = {};
   std::optional<Baseline> baseline = {};  ///< that `data` are compared with already
+  /// Where coefficients of the intact structure are unknown, or several states were measured: all
+  /// that was measured; `modal` and `data` are then that in a row.
+  std::shared_ptr<const ObservedStates> states = {};
   std::optional<Simulation> simulation = {};
   std::vector<DefectKind> kinds = {};
   std::optional<EmulatorSpec> emulator = {};  ///< none: the FE solution itself

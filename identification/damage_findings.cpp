@@ -202,14 +202,14 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   const NoiseModel noise = problem.noise();
   const std::vector<std::vector<double>> variances = emulator_variances(problem, posterior);
   long stride = emulator_stride(problem);
-  if (problem.modal) {  // each is solved again
+  if (problem.by_modes()) {  // each is solved again
     constexpr long kSolved = 2000;
     long all = 0;
     for (const auto& chain : posterior.chains) all += static_cast<long>(chain.model.size());
     stride = std::max(1L, all / kSolved);
   }
   FrequencyPredictor by_shapes(problem);
-  fem::ParametricModes::Modes computed;
+  ModalLikelihood::Score score;
   long visited = 0;
   double mean_p = 0.0, weight_seen = 0.0;
   std::vector<double> mean_residual(modes);
@@ -226,9 +226,8 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
       squares += r * r;
       mean_residual[mode] += weight * r;
     }
-    if (problem.modal) {
-      if (!by_shapes.solve_modes(posterior.chains[c].model[i], x, computed)) return;
-      const auto score = problem.modal->score(computed, problem.modal_noise(x));
+    if (problem.by_modes()) {
+      if (!by_shapes.score(posterior.chains[c].model[i], x, score)) return;
       mean_p += weight * boost::math::gamma_q(0.5 * score.freedoms, 0.5 * score.chi_square);
     } else {
       mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
@@ -249,7 +248,15 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
                          .mean = predicted.mean,
                          .q2_5 = predicted.q2_5,
                          .q97_5 = predicted.q97_5,
-                         .standardised_residual = measured ? residual : kNaN});
+                         .standardised_residual = measured ? residual : kNaN,
+                         .state = {},
+                         .mode = static_cast<int>(mode) + 1});
+    if (problem.states) {
+      const auto place = problem.states->place(static_cast<int>(mode));
+      out.modes.back().state =
+          problem.states->states().list[static_cast<std::size_t>(place.state)].name;
+      out.modes.back().mode = place.mode + 1;
+    }
     if (measured && std::abs(residual) > 3.0) off.push_back(static_cast<int>(mode) + 1);
   }
   if (out.posterior_predictive_p < kMisfit) {
@@ -467,6 +474,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
       }
     }
   }
+  if (problem.states) out.baseline = baseline_findings(problem, posterior);
   out.remarks = std::move(remarks);
   conclude(out, draws.space(), evidence);
   if (damage_case.structure) tell_sites(draws, out.models);

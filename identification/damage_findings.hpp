@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "identification/baseline_findings.hpp"
 #include "identification/damage_problem.hpp"
 #include "identification/emulator_check.hpp"
 #include "identification/findings.hpp"
@@ -46,6 +47,8 @@ struct FitFinding {
     double observed, sd;           ///< [Hz]; NaN where not measured, or where the noise is inferred
     double mean, q2_5, q97_5;      ///< predicted [Hz]
     double standardised_residual;  ///< posterior mean; NaN where not measured
+    std::string state = {};        ///< where there are several
+    int mode = 0;                  ///< as measured in its state, from 1
   };
   std::vector<Mode> modes;
   /// P(χ² of a replicate > χ² of the data), both about the model: small where nothing fits.
@@ -83,6 +86,7 @@ struct DamageFindings : Findings {
   std::optional<SymmetryFinding> symmetry;
   std::optional<FitFinding> fit;
   std::optional<EmulatorFinding> emulator;
+  std::optional<BaselineFindings> baseline;  ///< where there are states
 
   /// Estimates of a model's defects to be shown: folded where there are any.
   [[nodiscard]] const std::vector<ParameterFinding>& shown(std::size_t model) const {

@@ -28,7 +28,7 @@ class FrequencyLikelihood final : public inference::Likelihood {
         gradient_prediction_(prediction_.size()) {}
 
   double log_likelihood(int model, std::span<const double> x) override {
-    if (problem_.modal) return of_modes(model, x);
+    if (problem_.by_modes()) return of_modes(model, x);
     const double cv = data_.cv_prior ? x[0] : 0.0;
     noise_scale_ = data_.cv_prior ? cv : 1.0;
     if (emulated_) {
@@ -70,18 +70,17 @@ class FrequencyLikelihood final : public inference::Likelihood {
   double of_modes(int model, std::span<const double> x) {
     noise_scale_ = 1.0;
     residuals_.clear();
-    if (!predictor_.solve_modes(model, x, modes_)) {
+    if (!predictor_.score(model, x, score_)) {
       std::ranges::fill(prediction_, std::numeric_limits<double>::infinity());
       return -std::numeric_limits<double>::infinity();
     }
-    const auto score = problem_.modal->score(modes_, problem_.modal_noise(x));
     for (std::size_t i = 0; i < prediction_.size(); ++i)
-      prediction_[i] = score.matches[i].frequency_hz;
-    return score.log_likelihood;
+      prediction_[i] = score_.matches[i].frequency_hz;
+    return score_.log_likelihood;
   }
 
   const DamageProblem& problem_;
-  fem::ParametricModes::Modes modes_;
+  ModalLikelihood::Score score_;
   bool emulated_;
   const FrequencyData& data_;
   NoiseModel noise_;
@@ -105,14 +104,16 @@ bool is_mirror_symmetric(const Prior& prior, double length) {
 // Where the data tell the images apart the moves remain: shapes of 1 % leave each image its share.
 void find_images(DamageProblem& problem, bool told_apart) {
   const DamageCase& damage_case = problem.damage_case;
-  auto workspace = problem.structure->make_workspace();
+  std::optional<fem::StructureReanalysis::Workspace> workspace;
+  if (problem.structure) workspace = problem.structure->make_workspace();
   SiteSymmetries found = find_symmetries(
       damage_case.structure->nominal, damage_case.kinds,
       [&](const std::vector<PlacedDefect>& defects) {
+        if (problem.states) return problem.states->frequencies_anywhere(defects);
         std::vector<double> f(static_cast<std::size_t>(problem.structure->modes()));
         try {
           problem.structure->solve(structure_change(damage_case.kinds, defects, problem.mesh.get()),
-                                   workspace, {.frequencies_hz = f});
+                                   *workspace, {.frequencies_hz = f});
         } catch (const std::invalid_argument&) {
           f.clear();
         }
@@ -161,7 +162,7 @@ FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
   }
   if (problem.structure) {
     structure_workspace_ = problem.structure->make_workspace();
-  } else {
+  } else if (problem.reanalysis) {
     workspace_ = problem.reanalysis->make_workspace();
   }
 }
@@ -189,7 +190,7 @@ std::size_t FrequencyPredictor::first_elastic() const {
 
 bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
                                        std::span<double> jacobian) {
-  if (problem_.structure) return false;
+  if (!problem_.reanalysis) return false;
   for (const DefectKind& kind : problem_.damage_case.kinds) {
     if (!kind.type->is_elementary) return false;
   }
@@ -245,14 +246,13 @@ bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std
 }
 
 void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<double> out) {
-  if (problem_.modal) {
-    fem::ParametricModes::Modes modes;
-    if (!solve_modes(model, x, modes)) {
+  if (problem_.by_modes()) {
+    ModalLikelihood::Score found;
+    if (!score(model, x, found)) {
       std::ranges::fill(out, std::numeric_limits<double>::infinity());
       return;
     }
-    const auto score = problem_.modal->score(modes, problem_.modal_noise(x));
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = score.matches[i].frequency_hz;
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = found.matches[i].frequency_hz;
     return;
   }
   if (problem_.structure) return solve_structure(model, x, out);
@@ -302,6 +302,22 @@ bool FrequencyPredictor::solve_modes(int model, std::span<const double> x,
       out.shapes(s, static_cast<Eigen::Index>(i)) =
           shapes_[(first + i) * motions_.size() + static_cast<std::size_t>(s)];
   }
+  return true;
+}
+
+bool FrequencyPredictor::score(int model, std::span<const double> x, ModalLikelihood::Score& out) {
+  const ModalNoise noise = problem_.modal_noise(x);
+  if (!problem_.states) {
+    if (!solve_modes(model, x, modes_)) return false;
+    out = problem_.modal->score(modes_, noise);
+    return true;
+  }
+  in_structure_.clear();
+  for (const DamageProblem::Component& c : problem_.components(model, x))
+    in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
+  const auto theta = x.subspan(static_cast<std::size_t>(problem_.scatters));
+  if (!problem_.states->solve(theta, in_structure_, of_states_)) return false;
+  out = problem_.states->score(of_states_, noise);
   return true;
 }
 
@@ -375,6 +391,9 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
     if (data.shape_discrepancy.prior)
       common.push_back({"shape_discrepancy", *data.shape_discrepancy.prior});
   }
+  const auto scatters = static_cast<int>(common.size());
+  if (damage_case.states)
+    for (auto& parameter : damage_case.states->parameters()) common.push_back(parameter);
 
   auto out = std::make_unique<DamageProblem>(
       DamageProblem{.damage_case = damage_case,
@@ -384,9 +403,18 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
                                     common, kinds, combinations(damage_case.kinds)),
                                 .likelihood = {}},
                     .fe_likelihood = nullptr,
-                    .common = static_cast<int>(common.size())});
+                    .common = static_cast<int>(common.size()),
+                    .scatters = scatters});
   int wanted = damage_case.modes() + damage_case.rigid_body_modes;
-  if (damage_case.solved_as_structure()) {
+  if (damage_case.states) {
+    try {
+      out->states = std::make_shared<const StatesLikelihood>(damage_case.states, damage_case.kinds);
+    } catch (const fem::InvalidStructure& error) {
+      throw InvalidInput(InvalidInput::Part::beam, error.what());
+    } catch (const std::invalid_argument& error) {
+      throw InvalidInput(InvalidInput::Part::data, error.what());
+    }
+  } else if (damage_case.solved_as_structure()) {
     try {
       if (damage_case.modal) {
         out->modal = std::make_shared<const ModalLikelihood>(*damage_case.modal);
@@ -412,12 +440,14 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   } else {
     out->reanalysis = std::make_shared<const fem::Reanalysis>(damage_case.beam, wanted);
   }
-  const bool told_apart = damage_case.modal && damage_case.modal->has_shapes();
+  const auto& states = damage_case.states;
+  const bool told_apart =
+      (damage_case.modal && damage_case.modal->has_shapes()) || (states && states->has_shapes());
   bool mirrored = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam);
   for (const DefectKind& kind : damage_case.kinds) {
     mirrored = mirrored && is_mirror_symmetric(kind.location, damage_case.beam.length);
   }
-  out->symmetric = mirrored && !told_apart;
+  out->symmetric = mirrored && !told_apart && !(states && states->tells_sides());
   if (mirrored) {
     for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
       out->problem.reflections.push_back({static_cast<int>(k), 0, 0.5 * damage_case.beam.length});

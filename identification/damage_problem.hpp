@@ -10,6 +10,7 @@
 #include "identification/frequency_emulator.hpp"
 #include "identification/modal_likelihood.hpp"
 #include "identification/site_symmetries.hpp"
+#include "identification/states_likelihood.hpp"
 #include "inference/target.hpp"
 
 namespace wheeltap::identification {
@@ -22,14 +23,19 @@ struct DamageProblem {
   std::shared_ptr<const fem::Mesh> mesh = {};  ///< of a structure of members
   std::shared_ptr<const FrequencyEmulator>
       emulator;  ///< null where the FE solution itself predicts
-  std::shared_ptr<const ModalLikelihood> modal = {};  ///< of shapes, where there are any
+  std::shared_ptr<const ModalLikelihood> modal = {};    ///< of shapes, where there are any
+  std::shared_ptr<const StatesLikelihood> states = {};  ///< in place of all these
   inference::Problem problem;
   inference::LikelihoodFactory fe_likelihood;  ///< of the FE solution, whatever predicts
-  /// The intact beam and the location priors equal their mirror images, and frequencies are all
-  /// there is; shapes tell images apart.
+  /// The intact beam and the location priors equal their mirror images, and nothing that was
+  /// measured tells them apart, as shapes do.
   bool symmetric = false;
   SiteSymmetries symmetries = {};  ///< of a structure, likewise
-  int common = 0;                  ///< parameters that all models have: 1 where cv is inferred
+  int common = 0;    ///< parameters that all models have: scatters, then the intact structure's
+  int scatters = 0;  ///< of these, inferred scatters
+
+  /// Modes are matched, and not numbered.
+  [[nodiscard]] bool by_modes() const { return modal || states; }
 
   /// The components of a parameter vector of `model`, in the order of kinds.
   struct Component {
@@ -56,6 +62,8 @@ class FrequencyPredictor {
   /// Elastic modes of a problem with shapes, at its sensors. False where there is no such
   /// structure.
   bool solve_modes(int model, std::span<const double> x, fem::ParametricModes::Modes& out);
+  /// What the data say of a state of a problem `by_modes`. False where there is no such structure.
+  bool score(int model, std::span<const double> x, ModalLikelihood::Score& out);
   /// By the problem's emulator, with the variances [Hz²] of its error (0 where the case switches
   /// them off). Without damages, and where ANOVA's sum is no frequency, by the FE solution.
   void emulate(int model, std::span<const double> x, std::span<double> out,
@@ -81,6 +89,8 @@ class FrequencyPredictor {
   std::optional<fem::Reanalysis::Workspace> workspace_;
   std::optional<fem::StructureReanalysis::Workspace> structure_workspace_;
   std::vector<PlacedDefect> in_structure_;
+  fem::ParametricModes::Modes modes_;
+  std::vector<fem::ParametricModes::Modes> of_states_;
   std::size_t rigid_;
   std::vector<double> all_, shapes_;
   std::vector<fem::SparseRow> motions_;

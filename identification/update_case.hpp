@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "identification/modal_data.hpp"
+#include "identification/observed_states.hpp"
 #include "identification/structure_model.hpp"
 
 namespace wheeltap::identification {
@@ -26,6 +27,8 @@ struct UpdateCase {
   std::shared_ptr<const StructureModel> structure = {};
   ModalData data = {};
   std::optional<ModalSimulation> simulation = {};
+  /// Where several states were measured; `data` are then their frequencies in a row.
+  std::shared_ptr<const ObservedStates> states = {};
 };
 
 /// The lowest elastic modes of the structure with these parameters, by the full solve: frequencies

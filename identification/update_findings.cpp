@@ -124,7 +124,8 @@ Examined examine(const UpdateProblem& problem, const Posterior& posterior, Updat
     seen.scores.push_back(predictor.score(x));
     seen.log_likelihood.push_back(seen.scores.back().log_likelihood);
     seen.frequencies_hz.emplace_back(predictor.modes().eigenvalues.cwiseSqrt() / (2.0 * M_PI));
-    out.in_full += predictor.modes().in_full && !problem.modes->training().complete;
+    out.in_full +=
+        problem.modes && predictor.modes().in_full && !problem.modes->training().complete;
   };
   const std::size_t chains = posterior.chains.size(), draws = posterior.chains[0].model.size();
   const std::size_t stride = std::max<std::size_t>(1, chains * draws / kExamined);
@@ -155,13 +156,12 @@ Marginal marginal_of(const UpdateFindings& out, const Value& value) {
 /// kept by conditioning on the others.
 std::vector<VectorXd> mode_likelihoods(const UpdateProblem& problem, const Examined& seen,
                                        std::size_t draws) {
-  const ModalLikelihood& likelihood = *problem.likelihood;
-  const ModalData& data = likelihood.data();
+  const ModalData& data = problem.update_case.data;
   const auto n = static_cast<Index>(data.modes());
   std::vector<VectorXd> out;
   for (std::size_t s = 0; s < draws; ++s) {
     const auto noise = problem.noise(seen.x[s]);
-    const MatrixXd covariance = likelihood.covariance(noise);
+    const MatrixXd covariance = problem.covariance(noise);
     std::vector<int> with;
     for (Index i = 0; i < n; ++i)
       if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)]))
@@ -230,11 +230,15 @@ void leave_one_out(const UpdateProblem& problem, const Examined& seen, UpdateFin
 }
 
 void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
-  const ModalLikelihood& likelihood = *problem.likelihood;
-  const ModalData& data = likelihood.data();
+  const ModalData& data = problem.update_case.data;
   for (int i = 0; i < data.modes(); ++i) {
     const auto m = static_cast<std::size_t>(i);
     ModeFinding f{.mode = i + 1, .measured_hz = data.frequencies_hz[m], .sd_hz = kNaN};
+    if (problem.states) {
+      const auto place = problem.states->place(i);
+      f.state = problem.states->states().list[static_cast<std::size_t>(place.state)].name;
+      f.mode_of_state = place.mode + 1;
+    }
     const auto match = [&](std::size_t s) -> const auto& {
       return seen.scores[s].matches[m];
     };
@@ -243,7 +247,7 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
     double residual = 0.0, sd = 0.0;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
       ++tally[match(s).computed];
-      const double here = std::sqrt(likelihood.covariance(problem.noise(seen.x[s]))(i, i));
+      const double here = std::sqrt(problem.covariance(problem.noise(seen.x[s]))(i, i));
       sd += here / out.examined;
       residual += (f.measured_hz - match(s).frequency_hz) / here / out.examined;
     }
@@ -253,7 +257,7 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
     const auto most = std::ranges::max_element(tally, {}, [](const auto& e) { return e.second; });
     f.computed = most->first + 1;
     f.matched = static_cast<double>(most->second) / out.examined;
-    if (const auto& shape = likelihood.shape(i)) {
+    if (const auto& shape = problem.shape(i)) {
       f.has_shape = true;
       f.shape_freedoms = shape->freedoms();
       f.mac = marginal_of(out, [&](std::size_t s) { return match(s).shape->mac; });
@@ -299,9 +303,86 @@ void judge_fit(const UpdateProblem& problem, const Examined& seen, UpdateFinding
     if (p.misses()) fit.missed.push_back(p.mode);
 }
 
+/// What the residuals of the other states say of a mode's, whose model is wrong by the same factor:
+/// mean and variance of f_obs - f, the measurement's noise left out.
+struct Conditional {
+  double mean = 0.0, variance = 0.0;
+};
+Conditional conditional(const UpdateProblem& problem, const ModalLikelihood::Score& score,
+                        const ModalNoise& noise, std::size_t mode) {
+  const ModalData& data = problem.update_case.data;
+  const auto& of = score.matches[mode];
+  const double common = noise.discrepancy * noise.discrepancy;
+  Conditional out{.variance = common * of.frequency_hz * of.frequency_hz};
+  if (common == 0.0) return out;
+  std::vector<Index> same;
+  const auto known = [&](std::size_t i) -> const auto& {
+    const auto state = static_cast<std::size_t>(problem.states->place(static_cast<int>(i)).state);
+    return problem.states->states().list[state].known;
+  };
+  for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i)
+    if (!std::isnan(data.frequencies_hz[i]) && score.matches[i].computed == of.computed &&
+        known(i) == known(mode))
+      same.push_back(static_cast<Index>(i));
+  if (same.empty()) return out;
+  const auto n = static_cast<Index>(same.size());
+  MatrixXd c = problem.covariance(noise)(same, same);
+  VectorXd f(n), r(n);
+  for (Index k = 0; k < n; ++k) {
+    const auto at = static_cast<std::size_t>(same[static_cast<std::size_t>(k)]);
+    f[k] = data.frequencies_hz[at];
+    r[k] = f[k] - score.matches[at].frequency_hz;
+    for (Index l = 0; l < k; ++l) c(k, l) = c(l, k) = c(k, l) + common * f[k] * f[l];
+  }
+  const Eigen::LLT<MatrixXd> llt(c);
+  const VectorXd cross = common * of.frequency_hz * f;
+  out.mean = cross.dot(llt.solve(r));
+  out.variance = std::max(0.0, out.variance - cross.dot(llt.solve(cross)));
+  return out;
+}
+
+/// Modes of states in which no frequency was measured, as well known as the others are on average.
+void predict_states(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
+                    UpdateFindings& out) {
+  const ModalData& data = problem.update_case.data;
+  for (std::size_t m = 0; m < out.modes.size(); ++m) {
+    if (!std::isnan(out.modes[m].measured_hz) || out.modes[m].has_shape) continue;
+    const auto place = problem.states->place(static_cast<int>(m));
+    Prediction p{.mode = place.mode + 1, .state = out.modes[m].state};
+    std::vector<double> means, replicates;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
+      ModalNoise noise = problem.noise(seen.x[s]);
+      const Conditional error = conditional(problem, seen.scores[s], noise, m);
+      noise.discrepancy = 0.0;
+      const MatrixXd covariance = problem.covariance(noise);
+      double relative = 0.0, count = 0.0;
+      for (int i = 0; i < data.modes(); ++i)
+        if (const double f = data.frequencies_hz[static_cast<std::size_t>(i)]; !std::isnan(f))
+          relative += covariance(i, i) / (f * f), ++count;
+      base::Random random(seed, m, s, base::Purpose::prediction);
+      means.push_back(seen.scores[s].matches[m].frequency_hz + error.mean);
+      replicates.push_back(means.back() +
+                           std::sqrt(error.variance + relative / std::max(1.0, count) *
+                                                          means.back() * means.back()) *
+                               random.normal());
+    }
+    p.frequency_hz = marginal({means});
+    std::ranges::sort(replicates);
+    p.low_hz = quantile(replicates, 0.025);
+    p.high_hz = quantile(replicates, 0.975);
+    const ModalData& own =
+        problem.states->states().list[static_cast<std::size_t>(place.state)].data;
+    if (static_cast<std::size_t>(place.mode) < own.held_out_hz.size() &&
+        !std::isnan(own.held_out_hz[static_cast<std::size_t>(place.mode)]))
+      p.measured_hz = own.held_out_hz[static_cast<std::size_t>(place.mode)];
+    out.predictions.push_back(std::move(p));
+  }
+}
+
 /// The next modes after those that the measured ones are matched to.
 void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
              UpdateFindings& out) {
+  if (problem.states) return predict_states(problem, seen, seed, out);
   const ModalData& data = problem.update_case.data;
   int first = 0;
   for (const ModeFinding& m : out.modes) first = std::max(first, m.computed);
@@ -312,7 +393,7 @@ void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t s
     // As well as the modes measured are known, on average.
     std::vector<double> replicates;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
-      const MatrixXd covariance = problem.likelihood->covariance(problem.noise(seen.x[s]));
+      const MatrixXd covariance = problem.covariance(problem.noise(seen.x[s]));
       double relative = 0.0, count = 0.0;
       for (int i = 0; i < data.modes(); ++i) {
         const double f = data.frequencies_hz[static_cast<std::size_t>(i)];
@@ -344,7 +425,7 @@ void show_shapes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
   out.mac = MatrixXd::Constant(data.modes(), shapes.cols(), kNaN);
   out.best_shapes = MatrixXd::Constant(data.modes(), shapes.rows(), kNaN);
   for (int i = 0; i < data.modes(); ++i) {
-    if (!problem.likelihood->shape(i)) continue;
+    if (!problem.shape(i)) continue;
     std::vector<int> entries;
     for (Index s = 0; s < shapes.rows(); ++s)
       if (!std::isnan(data.shapes(i, s))) entries.push_back(static_cast<int>(s));
@@ -380,7 +461,7 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
                                const std::vector<MethodEvidence>& evidence, std::uint64_t seed) {
   UpdateFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior), seed);
-  out.numbers = problem.likelihood->measured();
+  out.numbers = problem.measured();
   judge_parameters(problem, posterior, out);
   const Examined seen = examine(problem, posterior, out);
   judge_modes(problem, seen, out);

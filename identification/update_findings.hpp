@@ -56,6 +56,8 @@ struct ModeFinding {
   std::string moves = {};
   double moved = 0.0;
   bool reliable = true;
+  std::string state = {};  ///< where there are several
+  int mode_of_state = 0;   ///< as measured in it, from 1
 
   /// Off by more than the stated scatter allows: 3 sd, or p below 1e-3.
   [[nodiscard]] bool is_off() const;
@@ -67,6 +69,7 @@ struct Prediction {
   Marginal frequency_hz = {};
   double low_hz = 0.0, high_hz = 0.0;  ///< 95 % of a measurement, noise and discrepancy included
   std::optional<double> measured_hz = {};  ///< held out
+  std::string state = {};                  ///< where it is one of a state's: `mode` is then its own
 
   [[nodiscard]] bool misses() const {
     return measured_hz && (*measured_hz < low_hz || *measured_hz > high_hz);

@@ -77,6 +77,29 @@ double seconds_of(const UpdateProblem& problem, const std::vector<std::vector<do
   return took.count() / static_cast<double>(std::max<std::size_t>(1, tried));
 }
 
+std::shared_ptr<const fem::ParametricModes> reduced_basis(const UpdateCase& update_case,
+                                                          const ModalLikelihood& likelihood,
+                                                          const UpdateProblemOptions& options) {
+  const StructureModel& model = *update_case.structure;
+  const ModalData& data = update_case.data;
+  const auto draws = prior_draws(model, options.training);
+  auto structure =
+      std::make_shared<const fem::ParametricStructure>(family_of(update_case.structure), draws);
+  const auto available = static_cast<int>(fem::mode_count(structure->nominal()) -
+                                          structure->nominal().rigid_motions.cols());
+  std::vector<fem::SparseRow> motions;
+  if (data.has_shapes())
+    for (const Sensor& sensor : data.sensors) motions.push_back(sensor.motion);
+  const Tolerances tolerances = tolerances_of(likelihood);
+  return std::make_shared<const fem::ParametricModes>(
+      std::move(structure), draws,
+      fem::ParametricModesOptions{.modes = std::max(data.modes(), likelihood.candidates(available)),
+                                  .motions = std::move(motions),
+                                  .tolerance = tolerances.eigenvalue,
+                                  .shape_tolerance = tolerances.shape,
+                                  .progress = options.progress});
+}
+
 }  // namespace
 
 const std::vector<std::string>& scatter_names() {
@@ -98,12 +121,16 @@ ModalNoise UpdateProblem::noise(std::span<const double> x) const {
 
 std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
                                                          const UpdateProblemOptions& options) {
-  const StructureModel& model = *update_case.structure;
-  if (model.parameters.empty())
-    throw std::invalid_argument("parameters is empty: there is nothing to be learnt");
-  auto likelihood = std::make_shared<const ModalLikelihood>(update_case.data);
+  const auto states = update_case.states ? std::make_shared<const StatesLikelihood>(
+                                               update_case.states, std::vector<DefectKind>{})
+                                         : nullptr;
+  auto likelihood = states ? nullptr : std::make_shared<const ModalLikelihood>(update_case.data);
 
-  std::vector<inference::Parameter> parameters = model.parameters;
+  std::vector<inference::Parameter> parameters =
+      states ? update_case.states->parameters() : update_case.structure->parameters;
+  if (parameters.empty())
+    throw std::invalid_argument("parameters is empty: there is nothing to be learnt");
+  const auto structural = static_cast<int>(parameters.size());
   std::vector<int> places;
   const ModalData& data = update_case.data;
   for (const auto& prior : {data.cov_prior, data.shape_sd_prior, data.discrepancy.prior,
@@ -115,32 +142,16 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   std::vector<std::string> names;
   for (const auto& parameter : parameters) names.push_back(parameter.name);
 
-  const auto draws = prior_draws(model, options.training);
-  auto structure =
-      std::make_shared<const fem::ParametricStructure>(family_of(update_case.structure), draws);
-  const auto available = static_cast<int>(fem::mode_count(structure->nominal()) -
-                                          structure->nominal().rigid_motions.cols());
-  std::vector<fem::SparseRow> motions;
-  if (data.has_shapes())
-    for (const Sensor& sensor : data.sensors) motions.push_back(sensor.motion);
-  const Tolerances tolerances = tolerances_of(*likelihood);
-  auto modes = std::make_shared<const fem::ParametricModes>(
-      std::move(structure), draws,
-      fem::ParametricModesOptions{
-          .modes = std::max(data.modes(), likelihood->candidates(available)),
-          .motions = std::move(motions),
-          .tolerance = tolerances.eigenvalue,
-          .shape_tolerance = tolerances.shape,
-          .progress = options.progress});
-
+  auto modes = states ? nullptr : reduced_basis(update_case, *likelihood, options);
   auto out = std::make_unique<UpdateProblem>(UpdateProblem{
       .update_case = std::move(update_case),
       .modes = std::move(modes),
       .likelihood = std::move(likelihood),
+      .states = states,
       .problem = {.space =
                       inference::ModelSpace::of_models(parameters, {{"the structure", 1.0, names}}),
                   .likelihood = {}},
-      .structural = static_cast<int>(model.parameters.size()),
+      .structural = structural,
       .cov = places[0],
       .shape_sd = places[1],
       .discrepancy = places[2],
@@ -148,16 +159,24 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   out->problem.likelihood = [problem = out.get()] {
     return std::make_unique<UpdateLikelihood>(*problem);
   };
-  out->seconds_a_likelihood = seconds_of(*out, draws);
+  out->seconds_a_likelihood =
+      states ? states->check(20).seconds_a_solution
+             : seconds_of(*out, prior_draws(*out->update_case.structure, options.training));
   return out;
 }
 
-ModePredictor::ModePredictor(const UpdateProblem& problem)
-    : problem_(problem), workspace_(problem.modes->make_workspace()) {}
+ModePredictor::ModePredictor(const UpdateProblem& problem) : problem_(problem) {
+  if (problem.modes) workspace_ = problem.modes->make_workspace();
+}
 
 bool ModePredictor::solve(std::span<const double> x) {
+  if (problem_.states) {
+    if (!problem_.states->solve(problem_.theta(x), {}, of_states_)) return false;
+    modes_ = of_states_.back();
+    return true;
+  }
   try {
-    problem_.modes->solve(problem_.theta(x), workspace_, modes_);
+    problem_.modes->solve(problem_.theta(x), *workspace_, modes_);
   } catch (const std::invalid_argument&) {
     return false;
   } catch (const std::runtime_error&) {
@@ -167,13 +186,15 @@ bool ModePredictor::solve(std::span<const double> x) {
 }
 
 ModalLikelihood::Score ModePredictor::score(std::span<const double> x) const {
+  if (problem_.states) return problem_.states->score(of_states_, problem_.noise(x));
   return problem_.likelihood->score(modes_, problem_.noise(x));
 }
 
 bool ModePredictor::gradient(std::span<const double> x, std::span<double> out) {
+  if (problem_.states) return false;
   const auto structural = static_cast<std::size_t>(problem_.structural);
   try {
-    if (!problem_.modes->differentiate(problem_.theta(x), workspace_, modes_, slopes_))
+    if (!problem_.modes->differentiate(problem_.theta(x), *workspace_, modes_, slopes_))
       return false;
   } catch (const std::exception&) {
     return false;

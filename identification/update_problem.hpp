@@ -6,6 +6,7 @@
 
 #include "fem/structures/parametric_modes.hpp"
 #include "identification/modal_likelihood.hpp"
+#include "identification/states_likelihood.hpp"
 #include "identification/update_case.hpp"
 #include "inference/target.hpp"
 
@@ -16,8 +17,9 @@ namespace wheeltap::identification {
 /// "shape_sd", "discrepancy" and "shape_discrepancy".
 struct UpdateProblem {
   UpdateCase update_case;
-  std::shared_ptr<const fem::ParametricModes> modes;
-  std::shared_ptr<const ModalLikelihood> likelihood;
+  std::shared_ptr<const fem::ParametricModes> modes;    ///< null where there are states
+  std::shared_ptr<const ModalLikelihood> likelihood;    ///< likewise
+  std::shared_ptr<const StatesLikelihood> states = {};  ///< in place of both
   inference::Problem problem;
   int structural = 0;  ///< parameters of the structure
   /// Where the scatters stand in a parameter vector; -1: known.
@@ -28,8 +30,19 @@ struct UpdateProblem {
   [[nodiscard]] std::span<const double> theta(std::span<const double> x) const {
     return x.first(static_cast<std::size_t>(structural));
   }
-  /// The lowest elastic modes that are computed.
-  [[nodiscard]] int candidates() const { return modes->modes(); }
+  /// The lowest elastic modes that are computed, to be foretold.
+  [[nodiscard]] int candidates() const { return modes ? modes->modes() : 0; }
+  [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const {
+    return states ? states->covariance(noise) : likelihood->covariance(noise);
+  }
+  [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const {
+    if (!states) return likelihood->shape(mode);
+    const auto at = states->place(mode);
+    return states->of(at.state).shape(at.mode);
+  }
+  [[nodiscard]] int measured() const {
+    return states ? states->measured() : likelihood->measured();
+  }
 };
 
 /// Names that scatters have as parameters.
@@ -60,7 +73,8 @@ class ModePredictor {
 
  private:
   const UpdateProblem& problem_;
-  fem::ParametricModes::Workspace workspace_;
+  std::optional<fem::ParametricModes::Workspace> workspace_;
+  std::vector<fem::ParametricModes::Modes> of_states_;
   fem::ParametricModes::Modes modes_;
   fem::ParametricModes::Slopes slopes_;
 };

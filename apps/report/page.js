@@ -202,6 +202,22 @@
     ...(foretold.length ? [element('h3', { class: 'apart' }, 'Modes foretold'), copyable({ head: ['mode', 'model [Hz]', '2.5 % [Hz]', '97.5 % [Hz]', 'held out [Hz]', 'in the band'],
       rows: foretold.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Bands of a measurement, its noise included' })] : [])];
   }
+  // Of a damage run with states: every mode of each, and the intact structure's parameters.
+  function statesTable() {
+    const rows = (summary.data?.modes || []).filter((m) => m.state);
+    if (!rows.length) return [];
+    const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
+    return [element('h3', { class: 'apart' }, 'Each measured mode'), copyable({ head: ['state', 'mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]'],
+      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state' })];
+  }
+  function baselineTable() {
+    const rows = Object.entries(summary.baseline?.parameters || {});
+    if (!rows.length) return [];
+    const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
+    return [element('h3', { class: 'apart' }, 'The intact structure'), copyable({ head: ['parameter', 'prior', '2.5 %', '50 %', '97.5 %', 'contracted by'],
+      rows: rows.map(([name, p]) => [name, p.prior, of(p.posterior['q2.5'], 6), of(p.posterior.q50, 6), of(p.posterior['q97.5'], 6), { value: p.contraction, text: `${Math.round(100 * Math.max(0, p.contraction))} %` }]), caption: '0 %: assumed, not measured; 100 %: measured, not assumed' }),
+    element('p', { class: 'lead' }, summary.baseline.check.statement)];
+  }
   // Models that the draws cannot speak for.
   const toldByEvidence = () => (told.length ? [element('ul', { class: 'warnings' }, ...told.map((t) => element('li', { dir: 'auto' }, t)))] : []);
   // How the tempered replicas fared, where the run has them.
@@ -244,7 +260,7 @@
       of('fit').length ? grid(of('fit')) : null);
 
     const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length && rows.every((r) => r && typeof r === 'object'));
-    document.getElementById('fit')?.append(...updateTables());
+    document.getElementById('fit')?.append(...updateTables(), ...statesTable());
     if (fits.length) {
       document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
         head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],
@@ -263,7 +279,7 @@
       if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));
       return [element('section', { class: 'model', 'aria-label': model }, ...out)];
     });
-    section('parameters', 'Parameters', 'Posterior beside prior. A posterior that repeats its prior is not a finding.', ...perModel);
+    section('parameters', 'Parameters', 'Posterior beside prior. A posterior that repeats its prior is not a finding.', ...baselineTable(), ...perModel);
 
     const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
     const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of what means the same in every model, and of parameters within a model' }) : null;

@@ -1,0 +1,266 @@
+#include "identification/states_likelihood.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "base/random.hpp"
+#include "fem/structures/structure_modes.hpp"
+
+namespace wheeltap::identification {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Modes = fem::ParametricModes::Modes;
+
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+bool same_masses(const ObservedState& a, const ObservedState& b) {
+  return std::ranges::equal(a.masses, b.masses, [](const auto& x, const auto& y) {
+    return x.mass == y.mass && x.motion.dofs == y.motion.dofs &&
+           x.motion.coefficients == y.motion.coefficients;
+  });
+}
+
+/// A thousandth of the smallest scatter of a frequency, for its square.
+double tolerance_of(const ObservedStates& states) {
+  double cov = 1e-3;
+  for (const ObservedState& s : states.list)
+    for (std::size_t i = 0; i < s.data.frequencies_hz.size() && !s.data.cov_prior; ++i)
+      if (const double f = s.data.frequencies_hz[i]; !std::isnan(f)) {
+        const auto at = static_cast<Index>(i);
+        cov = std::min(cov, std::sqrt(s.data.covariance(at, at)) / f);
+      }
+  return std::clamp(2e-3 * cov, 1e-8, 1e-5);
+}
+
+}  // namespace
+
+StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
+                                   std::vector<DefectKind> kinds)
+    : states_(std::move(states)), kinds_(std::move(kinds)), joined_(states_->joined()) {
+  std::vector<double> theta;
+  for (const auto& parameter : states_->parameters())
+    theta.push_back(parameter.prior.from_standard_normal(0.0));
+  int held = 0;
+  for (const DefectKind& kind : kinds_) held += kind.type->may_be_known ? kind.max_count : 0;
+  const double tolerance = tolerance_of(*states_);
+  for (std::size_t s = 0; s < states_->list.size(); ++s) {
+    const ObservedState& state = states_->list[s];
+    try {
+      likelihoods_.emplace_back(state.data);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(state.name + ": " + error.what());
+    }
+    for (int m = 0; m < state.data.modes(); ++m) places_.push_back({static_cast<int>(s), m});
+    const auto group = std::ranges::find_if(groups_, [&](const Group& g) {
+      const ObservedState& other = states_->list[static_cast<std::size_t>(g.states[0])];
+      return other.damaged == state.damaged && other.known == state.known &&
+             same_masses(other, state);
+    });
+    if (group != groups_.end())
+      group->states.push_back(static_cast<int>(s));
+    else
+      groups_.push_back({.states = {static_cast<int>(s)}, .solver = nullptr});
+  }
+  for (Group& group : groups_) {
+    const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
+    const fem::Discretisation d = structure(theta, {}, state);
+    const auto available =
+        static_cast<int>(fem::mode_count(d) - d.rigid_motions.cols()) - (state.damaged ? held : 0);
+    int modes = 1;
+    for (const int s : group.states)
+      modes = std::max({modes, of(s).candidates(available), of(s).data().modes()});
+    if (modes > available)
+      throw std::invalid_argument(state.name + ": " + std::to_string(modes) +
+                                  " modes: must be at most " + std::to_string(available) +
+                                  ", the elastic modes that the structure has");
+    group.solver = std::make_shared<const fem::SubspaceModes>(
+        d, fem::SubspaceModes::Options{.modes = modes, .tolerance = tolerance});
+  }
+}
+
+int StatesLikelihood::measured() const {
+  int sum = 0;
+  for (const ModalLikelihood& l : likelihoods_) sum += l.measured();
+  return sum;
+}
+
+MatrixXd StatesLikelihood::covariance(const ModalNoise& noise) const {
+  MatrixXd out = MatrixXd::Zero(modes(), modes());
+  Index at = 0;
+  for (const ModalLikelihood& l : likelihoods_) {
+    const Index m = l.data().modes();
+    out.block(at, at, m, m) = l.covariance(noise);
+    at += m;
+  }
+  return out;
+}
+
+ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
+                                               const ModalNoise& noise) const {
+  ModalLikelihood::Score out;
+  for (std::size_t s = 0; s < likelihoods_.size(); ++s) {
+    ModalLikelihood::Score one = likelihoods_[s].score(modes[s], noise);
+    out.log_likelihood += one.log_likelihood;
+    out.chi_square += one.chi_square;
+    out.freedoms += one.freedoms;
+    std::ranges::move(one.matches, std::back_inserter(out.matches));
+  }
+  if (noise.discrepancy == 0.0 || likelihoods_.size() == 1) return out;
+
+  // Frequencies of all states at once, with what they have in common.
+  std::vector<Index> with;
+  for (Index i = 0; i < this->modes(); ++i)
+    if (!std::isnan(joined_.frequencies_hz[static_cast<std::size_t>(i)])) with.push_back(i);
+  const auto n = static_cast<Index>(with.size());
+  MatrixXd c = covariance(noise)(with, with);
+  VectorXd r(n);
+  const auto observed = [&](Index k) {
+    return joined_.frequencies_hz[static_cast<std::size_t>(with[static_cast<std::size_t>(k)])];
+  };
+  const auto match = [&](Index k) -> const auto& {
+    return out.matches[static_cast<std::size_t>(with[static_cast<std::size_t>(k)])];
+  };
+  const auto same_model = [&](Index k, Index l) {
+    const auto known = [&](Index i) -> const auto& {
+      const int mode = static_cast<int>(with[static_cast<std::size_t>(i)]);
+      return states_->list[static_cast<std::size_t>(place(mode).state)].known;
+    };
+    return known(k) == known(l);
+  };
+  for (Index k = 0; k < n; ++k) {
+    r[k] = observed(k) - match(k).frequency_hz;
+    for (Index l = 0; l < k; ++l)
+      if (match(k).computed == match(l).computed && same_model(k, l)) {
+        c(k, l) += noise.discrepancy * noise.discrepancy * observed(k) * observed(l);
+        c(l, k) = c(k, l);
+      }
+  }
+  out.log_likelihood = out.chi_square = 0.0;
+  for (const auto& m : out.matches)
+    if (m.shape) {
+      out.log_likelihood += m.shape->log_density;
+      out.chi_square += m.shape->chi_square;
+    }
+  const Eigen::LLT<MatrixXd> llt(c);
+  if (llt.info() != Eigen::Success) {
+    out.log_likelihood = -std::numeric_limits<double>::infinity();
+    return out;
+  }
+  const double chi_square = llt.matrixL().solve(r).squaredNorm();
+  out.chi_square += chi_square;
+  out.log_likelihood -= 0.5 * chi_square + 0.5 * static_cast<double>(n) * std::log(kTwoPi) +
+                        MatrixXd(llt.matrixL()).diagonal().array().log().sum();
+  return out;
+}
+
+fem::Discretisation StatesLikelihood::structure(std::span<const double> x,
+                                                const std::vector<PlacedDefect>& defects,
+                                                const ObservedState& state) const {
+  const AnyStructure at = states_->model->at(states_->values(x, state));
+  const auto* members = std::get_if<fem::Structure>(&at);
+  std::optional<fem::Mesh> mesh;
+  if (members != nullptr) mesh.emplace(*members);
+  fem::Discretisation d = mesh ? mesh->discretisation() : discretise(at);
+  fem::StructureChange change;
+  if (state.damaged && !defects.empty())
+    change = structure_change(kinds_, defects, mesh ? &*mesh : nullptr);
+  change.masses.insert(change.masses.end(), state.masses.begin(), state.masses.end());
+  return change.empty() ? d : fem::changed(d, change);
+}
+
+bool StatesLikelihood::solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
+                             std::vector<Modes>& out) const {
+  out.resize(likelihoods_.size());
+  const double per_kelvin = states_->per_kelvin ? x[states_->unknown.size()] : 0.0;
+  fem::SubspaceModes::Found found;
+  for (const Group& group : groups_) {
+    try {
+      const auto& state = states_->list[static_cast<std::size_t>(group.states[0])];
+      if (!group.solver->solve(structure(x, defects, state), found)) return false;
+    } catch (const std::invalid_argument&) {
+      return false;  // no such structure
+    }
+    for (const int s : group.states) {
+      const ObservedState& state = states_->list[static_cast<std::size_t>(s)];
+      const double stiffer = 1.0 + per_kelvin * state.temperature;
+      if (!(stiffer > 0.0)) return false;
+      Modes& modes = out[static_cast<std::size_t>(s)];
+      modes.eigenvalues = stiffer * found.eigenvalues;
+      modes.shapes.resize(static_cast<Index>(state.data.sensors.size()), found.shapes.cols());
+      for (Index i = 0; i < modes.shapes.rows(); ++i)
+        for (Index m = 0; m < modes.shapes.cols(); ++m)
+          modes.shapes(i, m) =
+              state.data.sensors[static_cast<std::size_t>(i)].motion.of(found.shapes.col(m));
+    }
+  }
+  return true;
+}
+
+std::vector<double> StatesLikelihood::frequencies_anywhere(
+    const std::vector<PlacedDefect>& defects) const {
+  base::Random random(3, 0, 0, base::Purpose::fit);
+  std::vector<double> x, out;
+  for (const auto& parameter : states_->parameters())
+    x.push_back(parameter.prior.from_standard_normal(0.5 * random.normal()));
+  std::vector<Modes> found;
+  if (!solve(x, defects, found)) return out;
+  for (const Modes& modes : found)
+    for (const double lambda : modes.eigenvalues) out.push_back(std::sqrt(lambda) / kTwoPi);
+  return out;
+}
+
+StatesLikelihood::Check StatesLikelihood::check(int points) const {
+  Check out;
+  const auto parameters = states_->parameters();
+  std::vector<Modes> found;
+  std::chrono::duration<double> took{};
+  for (int i = 0; i < points; ++i) {
+    base::Random random(1, 0, static_cast<std::uint64_t>(i), base::Purpose::fit);
+    std::vector<double> x;
+    for (const auto& parameter : parameters)
+      x.push_back(parameter.prior.from_standard_normal(random.normal()));
+    std::vector<PlacedDefect> defects;
+    for (std::size_t k = 0; k < kinds_.size() && i % 4 != 0; ++k) {
+      const DefectKind& kind = kinds_[k];
+      const auto draw = [&](const inference::Prior& p) {
+        return p.from_standard_normal(random.normal());
+      };
+      defects.push_back(
+          {.kind = static_cast<int>(k),
+           .location = draw(kind.location),
+           .severity = kind.severity_prior() ? draw(*kind.severity_prior()) : kind.known_severity(),
+           .extent = kind.extent_prior ? draw(*kind.extent_prior) : 0.0});
+    }
+    const auto began = std::chrono::steady_clock::now();
+    const bool solved = solve(x, defects, found);
+    took += std::chrono::steady_clock::now() - began;
+    if (!solved) continue;
+    ++out.points;
+    const double per_kelvin = states_->per_kelvin ? x[states_->unknown.size()] : 0.0;
+    for (const Group& group : groups_) {
+      const auto s = static_cast<std::size_t>(group.states[0]);
+      const fem::Discretisation d = structure(x, defects, states_->list[s]);
+      const double stiffer = 1.0 + per_kelvin * states_->list[s].temperature;
+      const VectorXd eigenvalues = found[s].eigenvalues / stiffer;
+      const auto rigid = d.rigid_motions.cols();
+      const VectorXd full = fem::structure_modes(d, static_cast<int>(rigid + eigenvalues.size()))
+                                .eigenvalues.tail(eigenvalues.size());
+      const auto errors = ((eigenvalues - full).array() / full.array()).abs().eval();
+      out.missed += static_cast<int>((errors > 1e-3).count());
+      out.largest_error = std::max(out.largest_error, 0.5 * errors.maxCoeff());
+    }
+  }
+  out.seconds_a_solution = took.count() / std::max(1, points);
+  return out;
+}
+
+}  // namespace wheeltap::identification

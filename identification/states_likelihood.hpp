@@ -1,0 +1,91 @@
+// The likelihood of the modes of all states together, at the parameters of the intact structure and
+// the damages.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fem/structures/subspace_modes.hpp"
+#include "identification/damage_case.hpp"
+#include "identification/modal_likelihood.hpp"
+#include "identification/observed_states.hpp"
+
+namespace wheeltap::identification {
+
+/// With s the states, θ the intact structure and d the damages (of those states that have them),
+///
+///   ln p = Σ_s Σ_shapes ln p(ψ | φ(θ, d)) + ln N(f_obs; f(θ, d), C),
+///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ,
+///
+/// f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere: what the model
+/// does wrong by a factor of a mode (discrepancy δ) it does wrong in all of these, so that it does
+/// not pass for damage. With one state this is ModalLikelihood.
+///
+/// Each state's structure is assembled at θ, changed by its damages and masses, and solved by
+/// SubspaceModes. States that differ by temperature alone share a solution.
+class StatesLikelihood {
+ public:
+  /// `kinds`: of the damages; none in an update. Throws std::invalid_argument for data that do not
+  /// fit together, naming state and mode; fem::InvalidStructure.
+  StatesLikelihood(std::shared_ptr<const ObservedStates> states, std::vector<DefectKind> kinds);
+
+  [[nodiscard]] const ObservedStates& states() const { return *states_; }
+  [[nodiscard]] int modes() const { return static_cast<int>(joined_.frequencies_hz.size()); }
+  /// All frequencies in a row; a mode's state and its place there.
+  [[nodiscard]] const ModalData& data() const { return joined_; }
+  struct Place {
+    int state = 0, mode = 0;
+  };
+  [[nodiscard]] Place place(int mode) const { return places_[static_cast<std::size_t>(mode)]; }
+  [[nodiscard]] const ModalLikelihood& of(int state) const {
+    return likelihoods_[static_cast<std::size_t>(state)];
+  }
+  /// Numbers measured, scales not counted.
+  [[nodiscard]] int measured() const;
+  /// C without what states have in common, modes × modes.
+  [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
+
+  /// The matches of all states in a row. `modes`: of each state.
+  [[nodiscard]] ModalLikelihood::Score score(const std::vector<fem::ParametricModes::Modes>& modes,
+                                             const ModalNoise& noise) const;
+
+  /// The modes of each state. False where there is no such structure. `x`: as
+  /// `ObservedStates::parameters`.
+  bool solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
+             std::vector<fem::ParametricModes::Modes>& out) const;
+
+  /// All computed frequencies [Hz] at a draw of the priors that is no special place: what is alike
+  /// there is alike. Empty where there is no such structure.
+  [[nodiscard]] std::vector<double> frequencies_anywhere(
+      const std::vector<PlacedDefect>& defects) const;
+
+  /// Largest relative error of a frequency against full solutions at `points` draws of the priors,
+  /// one defect of each kind among them, and how many modes Sturm's count misses.
+  struct Check {
+    double largest_error = 0.0;
+    int points = 0, missed = 0;
+    double seconds_a_solution = 0.0;  ///< of all states
+  };
+  [[nodiscard]] Check check(int points) const;
+
+ private:
+  struct Group {
+    std::vector<int> states;  // that differ by temperature alone
+    std::shared_ptr<const fem::SubspaceModes> solver;
+  };
+  /// The structure of a state, changed. Throws ImpossibleChange, std::invalid_argument.
+  [[nodiscard]] fem::Discretisation structure(std::span<const double> x,
+                                              const std::vector<PlacedDefect>& defects,
+                                              const ObservedState& state) const;
+
+  std::shared_ptr<const ObservedStates> states_;
+  std::vector<DefectKind> kinds_;
+  ModalData joined_;
+  std::vector<ModalLikelihood> likelihoods_;
+  std::vector<Place> places_;
+  std::vector<Group> groups_;
+};
+
+}  // namespace wheeltap::identification

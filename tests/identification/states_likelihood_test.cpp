@@ -1,0 +1,235 @@
+#include "identification/states_likelihood.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+#include "fem/structures/structure_modes.hpp"
+#include "identification/defects/floor_mass.hpp"
+#include "identification/defects/reduction.hpp"
+#include "identification/defects/storey.hpp"
+#include "tests/identification/modal_cases.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Modes = fem::ParametricModes::Modes;
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+std::shared_ptr<const StructureModel> three_storeys() {
+  const inference::Prior k = inference::LogNormal{std::log(1000.0), 0.2};
+  return modal::chain({1.0, 1.2, 0.8}, {k, k, k});
+}
+
+ModalData frequencies(std::vector<double> f, double cov) {
+  ModalData out{.frequencies_hz = std::move(f)};
+  std::vector<double> sd;
+  for (const double x : out.frequencies_hz) sd.push_back(cov * (std::isnan(x) ? 0.0 : x));
+  out.covariance = modal::diagonal(sd);
+  return out;
+}
+
+DefectKind soft_storey() {
+  SiteLine line = SiteLine::of_points({0, 1, 2}, {"storey 1", "storey 2", "storey 3"});
+  DefectKind kind{.type = &defects::kStorey,
+                  .name = "storey",
+                  .plural = "storeys",
+                  .max_count = 1,
+                  .location = inference::Uniform{0.0, line.length()},
+                  .severity = inference::Prior(inference::Uniform{0.0, 0.9})};
+  kind.line = std::move(line);
+  return kind;
+}
+
+ObservedStates healthy_and_damaged() {
+  ObservedStates out{.model = three_storeys(), .unknown = {0, 1, 2}};
+  out.list.push_back({.name = "healthy", .data = frequencies({2.2, 6.3, 8.6}, 0.01)});
+  out.list.push_back(
+      {.name = "damaged", .data = frequencies({2.0, 6.2, 8.5}, 0.01), .damaged = true});
+  return out;
+}
+
+/// Frequencies [Hz] of the chain by the full solution.
+std::vector<double> full(fem::LumpedChain chain) {
+  const auto found =
+      fem::structure_modes(fem::discretise(chain), static_cast<int>(chain.masses.size()));
+  return {found.frequencies_hz.begin(), found.frequencies_hz.end()};
+}
+
+fem::LumpedChain chain_of(double k1, double k2, double k3, std::vector<double> masses) {
+  return {.masses = std::move(masses),
+          .links = {{"1", {0, 1}, k1}, {"2", {1, 2}, k2}, {"3", {2, 3}, k3}}};
+}
+
+double log_normal_of(const std::vector<double>& observed, const std::vector<double>& computed,
+                     double cov) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < observed.size(); ++i) {
+    const double sd = cov * observed[i], r = (observed[i] - computed[i]) / sd;
+    sum -= 0.5 * r * r + std::log(sd * std::sqrt(kTwoPi));
+  }
+  return sum;
+}
+
+TEST(StatesLikelihood, IsTheSumOfItsStates) {
+  auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+  const StatesLikelihood likelihood(states, {soft_storey()});
+  const std::vector<double> x = {900.0, 1100.0, 1050.0};
+  std::vector<Modes> modes;
+  ASSERT_TRUE(likelihood.solve(x, {{.kind = 0, .location = 1.5, .severity = 0.3}}, modes));
+  const auto score = likelihood.score(modes, {});
+  const std::vector<double> masses = {1.0, 1.2, 0.8};
+  const double expected =
+      log_normal_of({2.2, 6.3, 8.6}, full(chain_of(900.0, 1100.0, 1050.0, masses)), 0.01) +
+      log_normal_of({2.0, 6.2, 8.5}, full(chain_of(900.0, 770.0, 1050.0, masses)), 0.01);
+  EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected));
+  EXPECT_EQ(score.freedoms, 6);
+  EXPECT_EQ(likelihood.place(4).state, 1);
+  EXPECT_EQ(likelihood.place(4).mode, 1);
+}
+
+// The masses that a state has count in it alone, and so does its temperature.
+TEST(StatesLikelihood, MassesAndTemperatures) {
+  auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+  states->list[1].damaged = false;
+  states->list[1].masses = {{.motion = {.dofs = {2}, .coefficients = {1.0}}, .mass = 0.5}};
+  states->list[1].temperature = 12.0;
+  states->per_kelvin = inference::Normal{-3e-4, 2e-4};
+  const StatesLikelihood likelihood(states, {});
+  const std::vector<double> x = {900.0, 1100.0, 1050.0, -1e-3};
+  std::vector<Modes> modes;
+  ASSERT_TRUE(likelihood.solve(x, {}, modes));
+  const auto plain = full(chain_of(900.0, 1100.0, 1050.0, {1.0, 1.2, 0.8}));
+  const auto heavy = full(chain_of(900.0, 1100.0, 1050.0, {1.0, 1.2, 1.3}));
+  for (Index i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    EXPECT_NEAR(std::sqrt(modes[0].eigenvalues[i]) / kTwoPi, plain[at], 1e-9 * plain[at]);
+    EXPECT_NEAR(std::sqrt(modes[1].eigenvalues[i]) / kTwoPi, heavy[at] * std::sqrt(1.0 - 0.012),
+                1e-9 * heavy[at]);
+  }
+}
+
+// Coefficients that the states set are no unknowns.
+TEST(StatesLikelihood, KnownCoefficients) {
+  auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+  states->unknown = {0, 2};
+  states->known = {1};
+  states->list[0].known = {1200.0};
+  states->list[1].known = {600.0};
+  EXPECT_EQ(states->parameters().size(), 2U);
+  const StatesLikelihood likelihood(states, {soft_storey()});
+  std::vector<Modes> modes;
+  ASSERT_TRUE(likelihood.solve(std::vector<double>{900.0, 1050.0}, {}, modes));
+  const auto second = full(chain_of(900.0, 600.0, 1050.0, {1.0, 1.2, 0.8}));
+  EXPECT_NEAR(std::sqrt(modes[1].eigenvalues[0]) / kTwoPi, second[0], 1e-9);
+}
+
+// What the model does wrong by a factor of a mode it does wrong in all states: with a large
+// discrepancy ratios count, and nothing else.
+TEST(StatesLikelihood, ADiscrepancyIsCommonToAllStates) {
+  const auto f = full(chain_of(1000.0, 1000.0, 1000.0, {1.0, 1.2, 0.8}));
+  const auto at = [&](double factor, double only_damaged, double discrepancy) {
+    auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+    states->list[0].data = frequencies({f[0] * factor, f[1], f[2]}, 0.001);
+    states->list[1].data = frequencies({f[0] * factor * only_damaged, f[1], f[2]}, 0.001);
+    const StatesLikelihood likelihood(states, {soft_storey()});
+    std::vector<Modes> modes;
+    EXPECT_TRUE(likelihood.solve(std::vector<double>{1000.0, 1000.0, 1000.0}, {}, modes));
+    return likelihood.score(modes, {.discrepancy = discrepancy}).chi_square;
+  };
+  EXPECT_GT(at(1.05, 1.0, 0.0), 1000.0);
+  EXPECT_NEAR(at(1.05, 1.0, 1.0), at(1.0, 1.0, 1.0), 0.1);
+  EXPECT_GT(at(1.0, 0.99, 1.0), at(1.0, 1.0, 1.0) + 30.0) << "a change is none of the model's";
+}
+
+// The joint density by its covariance, written out.
+TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
+  auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+  const StatesLikelihood likelihood(states, {soft_storey()});
+  std::vector<Modes> modes;
+  ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 1100.0, 900.0}, {}, modes));
+  const double delta = 0.02;
+  const auto score = likelihood.score(modes, {.discrepancy = delta});
+  Eigen::VectorXd f(6), r(6);
+  f << 2.2, 6.3, 8.6, 2.0, 6.2, 8.5;
+  MatrixXd c = MatrixXd::Zero(6, 6);
+  for (Index i = 0; i < 6; ++i) {
+    r[i] = f[i] - score.matches[static_cast<std::size_t>(i)].frequency_hz;
+    for (Index j = 0; j < 6; ++j)
+      if (i % 3 == j % 3) c(i, j) = delta * delta * f[i] * f[j];
+    c(i, i) += 1e-4 * f[i] * f[i];
+  }
+  const double expected =
+      -0.5 * r.dot(c.inverse() * r) - 0.5 * std::log(c.determinant()) - 3.0 * std::log(kTwoPi);
+  EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected));
+}
+
+// A frame too large for dense solutions, with E and a spring unknown, cracked: against full
+// solutions.
+TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
+  const fem::Material steel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
+  const fem::MemberSection section{
+      .area = 5e-3, .second_moment_y = 1.7e-5, .shear_coefficient_z = 0.85, .depth = 0.2};
+  fem::Structure s{
+      .dimension = 2,
+      .nodes = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {4, 3, 0}}, {"D", {4, 0, 0}}},
+      .members = {}};
+  const auto add = [&](std::string name, int a, int b, double length) {
+    s.members.push_back({.name = std::move(name),
+                         .nodes = {a, b},
+                         .elements = 10,
+                         .pieces = {{.to = length, .material = steel, .section = section}}});
+  };
+  add("left", 0, 1, 3.0);
+  add("beam", 1, 2, 4.0);
+  add("right", 2, 3, 3.0);
+  s.supports.push_back({.node = 0, .fix = {true, true, false, false, false, true}});
+  s.supports.push_back({.node = 3, .fix = {true, true}, .stiffness = {0, 0, 0, 0, 0, 1e6}});
+  auto model = std::make_shared<StructureModel>();
+  model->nominal = s;
+  model->parameters = {{"E", inference::LogNormal{std::log(210e9), 0.1}},
+                       {"foot", inference::LogNormal{std::log(1e6), 1.0}}};
+  model->setters = {[](AnyStructure& any, double x) {
+                      for (auto& m : std::get<fem::Structure>(any).members)
+                        m.pieces[0].material.young = x;
+                    },
+                    [](AnyStructure& any, double x) {
+                      std::get<fem::Structure>(any).supports[1].stiffness[5] = x;
+                    }};
+  const fem::Mesh mesh(s);
+  SiteLine line = SiteLine::of_members(mesh, {0, 1, 2});
+  DefectKind kind{.type = &defects::kReduction,
+                  .name = "damage",
+                  .plural = "damages",
+                  .max_count = 1,
+                  .location = inference::Uniform{0.0, line.length()},
+                  .severity = inference::Prior(inference::Uniform{0.0, 0.9})};
+  kind.line = std::move(line);
+  auto states = std::make_shared<ObservedStates>();
+  states->model = model;
+  states->unknown = {0, 1};
+  states->list.push_back({.name = "healthy", .data = frequencies({5.0, 20.0, 30.0, 40.0}, 0.01)});
+  states->list.push_back(
+      {.name = "damaged", .data = frequencies({5.0, 20.0, 30.0, 40.0}, 0.01), .damaged = true});
+  const StatesLikelihood likelihood(states, {kind});
+  const auto check = likelihood.check(40);
+  EXPECT_EQ(check.points, 40);
+  EXPECT_EQ(check.missed, 0);
+  EXPECT_LT(check.largest_error, 1e-6);
+  std::printf("  %.1e, %.3f ms a likelihood\n", check.largest_error,
+              1e3 * check.seconds_a_solution);
+}
+
+TEST(StatesLikelihood, RefusesMoreModesThanThereAre) {
+  auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+  states->list[0].data = frequencies({1.0, 2.0, 3.0, 4.0}, 0.01);
+  EXPECT_THROW(StatesLikelihood(states, {soft_storey()}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace wheeltap::identification
