@@ -48,7 +48,8 @@ TEST(RealShape, DoesNotDependOnTheFactor) {
 
 // The covariance is that of the line: by differences over draws of the complex shape.
 TEST(RealShape, CovarianceIsThatOfScatter) {
-  const VectorXcd shape = nearly_real();
+  VectorXcd shape = nearly_real();
+  shape.imag() << 0.4, 0.3, 0.0, -0.5;
   const MatrixXd c = some_covariance(8);
   const RealShape found = real_shape(shape, c, 0);
   const VectorXd along = found.values.normalized();

@@ -169,6 +169,22 @@ TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
   EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected));
 }
 
+// Where a coefficient is set anew, the model errs anew.
+TEST(StatesLikelihood, StatesOfOtherCoefficientsErrByThemselves) {
+  auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+  states->unknown = {0, 2};
+  states->known = {1};
+  states->list[0].known = {1000.0};
+  states->list[1].known = {1001.0};
+  const StatesLikelihood likelihood(states, {soft_storey()});
+  std::vector<Modes> modes;
+  ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 900.0}, {}, modes));
+  const ModalNoise noise{.discrepancy = 0.02};
+  const double apart = likelihood.of(0).score(modes[0], noise).log_likelihood +
+                       likelihood.of(1).score(modes[1], noise).log_likelihood;
+  EXPECT_NEAR(likelihood.score(modes, noise).log_likelihood, apart, 1e-9 * std::abs(apart));
+}
+
 // A frame too large for dense solutions, with E and a spring unknown, cracked: against full
 // solutions.
 TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
