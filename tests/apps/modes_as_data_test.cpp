@@ -136,6 +136,24 @@ TEST(ModesAsData, TakesFrequenciesShapesAndTheirCovariances) {
   EXPECT_FALSE(parsed(where, one).has_shapes());
 }
 
+// Of merged set-ups one lacks a mode: its sensors say nothing of that shape.
+TEST(ModesAsData, GapsOfShapesAreNotMeasured) {
+  const Workspace where;
+  MeasuredModes modes = three();
+  const double none = std::nan("");
+  modes.shapes(1, 0) = {none, none};
+  modes.shapes(0, 2) = modes.shapes(1, 2) = {none, none};
+  where.write("m.json", modes_json(modes).dump());
+  const auto data = parsed(where, {{"from", "m.json"}});
+  ASSERT_EQ(data.shapes.rows(), 2);
+  EXPECT_FALSE(std::isnan(data.shapes(0, 0)));
+  EXPECT_TRUE(std::isnan(data.shapes(0, 1)));
+  EXPECT_FALSE(std::isnan(data.shapes(0, 2)));
+  // A single entry is no shape.
+  for (Eigen::Index s = 0; s < 3; ++s) EXPECT_TRUE(std::isnan(data.shapes(1, s))) << s;
+  EXPECT_EQ(data.shape_covariances.size(), 2U);
+}
+
 TEST(ModesAsData, CovariancesOfFewBlocksAreRaised) {
   const Workspace where;
   MeasuredModes modes = three();
