@@ -256,6 +256,7 @@ VectorXcd shape_of(const MatrixXd& factors, std::size_t mode, Index channels) {
 void describe(ModalResult& out, const DecayModel& model, Index channels, double step,
               std::uint64_t seed) {
   const auto count = static_cast<Index>(model.poles.size());
+  if (count == 0) return;
   MatrixXd moves(2 * count, out.replicates);
   std::vector<MatrixXd> shapes(model.poles.size());
   std::vector<Index> tops;

@@ -69,7 +69,9 @@ struct Mean {
   VectorXd weights;
 };
 
-Mean weighted_mean(const VectorXd& x, const VectorXd& variance) {
+Mean weighted_mean(const VectorXd& x, const VectorXd& stated) {
+  // What is stated to be exact is no better than rounding.
+  const VectorXd variance = stated.cwiseMax(1e-30 + 1e-24 * x.cwiseAbs2().maxCoeff());
   VectorXd w = variance.cwiseInverse();
   Mean out;
   out.value = w.dot(x) / w.sum();

@@ -84,6 +84,17 @@ TEST(FreeDecay, ItsCovarianceIsThatOfItsErrors) {
   }
 }
 
+// Nothing but noise once ended in the factorisation of an empty matrix.
+TEST(FreeDecay, NoiseHasNoModes) {
+  base::Random random(8, 0, 0, base::Purpose::test);
+  Eigen::MatrixXd noise(2, 1000);
+  for (double& x : noise.reshaped()) x = random.normal();
+  const ModalResult found =
+      identify_decays({noise, 2.0 * noise.colwise().reverse()}, {.sample_rate_hz = 20.0});
+  EXPECT_TRUE(found.modes.empty());
+  EXPECT_EQ(found.covariance.size(), 0);
+}
+
 TEST(FreeDecay, Misuse) {
   const VibratingStructure s = chain(2, 1.0, 400.0);
   const Eigen::MatrixXd y = decay(s, 300, 0.01, 1);

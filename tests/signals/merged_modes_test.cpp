@@ -184,6 +184,16 @@ TEST(MergedModes, FromRecordsOfAChain) {
   }
 }
 
+TEST(MergedModes, ExactSetUpsHaveFiniteMeans) {
+  const Whole whole;
+  const MergedModes merged = merge_modes(whole.all(0.0, 3), 6);
+  ASSERT_EQ(merged.modes.size(), 3U);
+  for (const MergedMode& mode : merged.modes) {
+    EXPECT_TRUE(std::isfinite(mode.frequency_hz) && std::isfinite(mode.damping_sd));
+    EXPECT_TRUE(mode.shape_covariance.allFinite());
+  }
+}
+
 TEST(MergedModes, Misuse) {
   const Whole whole;
   EXPECT_THROW(merge_modes({}, 6), std::invalid_argument);
