@@ -6,6 +6,15 @@
 
 namespace wheeltap::apps {
 
+std::string variable_of(const std::string& parameter) {
+  // Not netcdf_name: what a name must not hold, a case refuses.
+  std::string name = parameter;
+  std::ranges::replace(name, '/', '_');
+  while (!name.empty() && name.back() == ' ') name.pop_back();
+  if (name == "model" || name == "chain" || name == "draw") name += "_";
+  return name;
+}
+
 DrawColumn model_column(const inference::Posterior& posterior) {
   std::vector<int> models;
   for (const auto& chain : posterior.chains)
@@ -33,6 +42,15 @@ DrawColumn parameter_column(const inference::Posterior& posterior, int parameter
     }
   }
   return {.name = std::move(name), .values = std::move(values), .unit = std::move(unit)};
+}
+
+std::vector<DrawColumn> parameter_columns(const inference::Posterior& posterior) {
+  std::vector<DrawColumn> columns = {model_column(posterior)};
+  const auto& parameters = posterior.space->parameters();
+  for (std::size_t p = 0; p < parameters.size(); ++p)
+    columns.push_back(
+        parameter_column(posterior, static_cast<int>(p), variable_of(parameters[p].name)));
+  return columns;
 }
 
 void write_draws(const io::NetcdfWriter& file, const inference::Posterior& posterior,

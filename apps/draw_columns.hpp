@@ -22,11 +22,17 @@ struct DrawColumn {
   std::string names = {};  ///< what whole numbers stand for, joined by ";"
 };
 
+/// The variable of the group `posterior` that holds a parameter: its name, with "_" for what NetCDF
+/// forbids.
+[[nodiscard]] std::string variable_of(const std::string& parameter);
+
 /// The model of each draw, as the column "model".
 [[nodiscard]] DrawColumn model_column(const inference::Posterior& posterior);
 /// A parameter of the space's table, NaN in draws of models that have it not.
 [[nodiscard]] DrawColumn parameter_column(const inference::Posterior& posterior, int parameter,
                                           std::string name, std::string unit = {});
+/// A column a parameter, after that of the model.
+[[nodiscard]] std::vector<DrawColumn> parameter_columns(const inference::Posterior& posterior);
 
 /// Writes the group `posterior`, dimensions chain and draw first.
 void write_draws(const io::NetcdfWriter& file, const inference::Posterior& posterior,

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <set>
 
-#include "apps/sid_posterior_file.hpp"
 #include "base/random.hpp"
 #include "identification/damage_findings.hpp"
 #include "io/netcdf_writer.hpp"
@@ -65,7 +64,7 @@ std::string common_variable(const std::string& name) {
       "model", "k",    "chain", "draw", "slot", "location",  "reduction", "member",
       "node",  "link", "depth", "mass", "mode", "stiffness", "extent"};
   const bool free = !taken.contains(name) && !name.starts_with("k_");
-  return sid_variable(free ? name : "parameter_" + name);
+  return variable_of(free ? name : "parameter_" + name);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include "apps/posterior_file.hpp"
 #include "apps/running.hpp"
-#include "apps/sid_posterior_file.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/terminal.hpp"
 #include "inference/verdict.hpp"
@@ -16,18 +15,9 @@ using namespace identification;
 
 namespace {
 
-std::vector<DrawColumn> columns_of(const inference::Posterior& posterior) {
-  std::vector<DrawColumn> columns = {model_column(posterior)};
-  const auto& parameters = posterior.space->parameters();
-  for (std::size_t p = 0; p < parameters.size(); ++p)
-    columns.push_back(
-        parameter_column(posterior, static_cast<int>(p), sid_variable(parameters[p].name)));
-  return columns;
-}
-
 std::string posterior_nc(const std::string& run, const ProblemFile& parsed,
                          const inference::Posterior& posterior) {
-  const std::vector<DrawColumn> columns = columns_of(posterior);
+  const std::vector<DrawColumn> columns = parameter_columns(posterior);
   io::NetcdfWriter file("posterior.nc");
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", parsed.title);
@@ -167,7 +157,7 @@ FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
       .print = [parsed, findings](std::ostream& out,
                                   bool colour) { apps::print(out, colour, *parsed, *findings); },
       .draws = [parsed, posterior, run] { return posterior_nc(run, *parsed, *posterior); },
-      .columns = [posterior] { return columns_of(*posterior); }};
+      .columns = [posterior] { return parameter_columns(*posterior); }};
 }
 
 }  // namespace wheeltap::apps

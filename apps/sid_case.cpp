@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "apps/draw_columns.hpp"
 #include "apps/law_words.hpp"
-#include "apps/sid_posterior_file.hpp"
 #include "apps/sid_record.hpp"
 #include "apps/sid_truth.hpp"
 #include "identification/sid_discovery.hpp"
@@ -56,7 +56,7 @@ class Parser {
     std::map<std::string, std::string> by_variable;
     for (const auto& [name, ignored] : priors.items()) {
       if (out_.number > 1) break;  // the first record's table is the table of all
-      const std::string variable = sid_variable(name);
+      const std::string variable = variable_of(name);
       if (const auto why = io::why_no_netcdf_name(variable)) {
         file_.refuse(Pointer("/parameters") / name, "a parameter's name " + *why);
       }

@@ -123,15 +123,6 @@ void write_link_paths(const io::NetcdfWriter& file, const SidProblem& problem,
 
 }  // namespace
 
-std::string sid_variable(const std::string& parameter) {
-  // Not netcdf_name: what a name must not hold, a case refuses.
-  std::string name = parameter;
-  std::ranges::replace(name, '/', '_');
-  while (!name.empty() && name.back() == ' ') name.pop_back();
-  if (name == "model" || name == "chain" || name == "draw") name += "_";
-  return name;
-}
-
 std::vector<DrawColumn> sid_columns(const SidProblem& problem,
                                     const inference::Posterior& posterior) {
   std::vector<DrawColumn> columns = {model_column(posterior)};
@@ -139,7 +130,7 @@ std::vector<DrawColumn> sid_columns(const SidProblem& problem,
   const auto& parameters = posterior.space->parameters();
   for (std::size_t p = 0; p < parameters.size(); ++p)
     columns.push_back(parameter_column(posterior, static_cast<int>(p),
-                                       sid_variable(parameters[p].name),
+                                       variable_of(parameters[p].name),
                                        units.at(parameters[p].name)));
   return columns;
 }

@@ -9,10 +9,6 @@
 
 namespace wheeltap::apps {
 
-/// The variable of the group `posterior` that holds a parameter: its name, with "_" for what NetCDF
-/// forbids.
-[[nodiscard]] std::string sid_variable(const std::string& parameter);
-
 /// A column a parameter, after that of the model.
 [[nodiscard]] std::vector<DrawColumn> sid_columns(const identification::SidProblem& problem,
                                                   const inference::Posterior& posterior);

@@ -154,7 +154,7 @@ Report unknowns_of(const SidFindings& findings) {
     Report list = Report::array();
     for (const ParameterFinding& p : findings.models[m].parameters) {
       list.push_back({{"label", p.unknown.label},
-                      {"variable", sid_variable(p.unknown.name)},
+                      {"variable", variable_of(p.unknown.name)},
                       {"prior", (Pointer("/parameters") / p.unknown.name).to_string()},
                       {"unit", p.unknown.unit}});
     }

@@ -3,8 +3,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "apps/draw_columns.hpp"
 #include "apps/posterior_file.hpp"
-#include "apps/sid_posterior_file.hpp"
 #include "base/random.hpp"
 #include "io/netcdf_writer.hpp"
 
@@ -58,15 +58,6 @@ void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem
 
 }  // namespace
 
-std::vector<DrawColumn> update_columns(const inference::Posterior& posterior) {
-  std::vector<DrawColumn> columns = {model_column(posterior)};
-  const auto& parameters = posterior.space->parameters();
-  for (std::size_t p = 0; p < parameters.size(); ++p)
-    columns.push_back(
-        parameter_column(posterior, static_cast<int>(p), sid_variable(parameters[p].name)));
-  return columns;
-}
-
 std::string update_posterior_file(const std::string& run, const UpdateCaseFile& parsed,
                                   const UpdateProblem& problem,
                                   const inference::Posterior& posterior, std::uint64_t seed) {
@@ -79,7 +70,7 @@ std::string update_posterior_file(const std::string& run, const UpdateCaseFile& 
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", parsed.update.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
-  write_draws(file, posterior, update_columns(posterior));
+  write_draws(file, posterior, parameter_columns(posterior));
   write_sample_stats(file, posterior, std::vector<int>(shape.chains * shape.draws, 0));
   if (posterior.predictions == data.modes())
     write_replicates(file, problem, posterior, shape, seed);

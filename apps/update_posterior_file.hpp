@@ -3,15 +3,11 @@
 
 #include <string>
 
-#include "apps/draw_columns.hpp"
 #include "apps/update_case.hpp"
 #include "identification/update_problem.hpp"
 #include "inference/reversible_jump.hpp"
 
 namespace wheeltap::apps {
-
-/// A column a parameter, after that of the model, which is always the same.
-[[nodiscard]] std::vector<DrawColumn> update_columns(const inference::Posterior& posterior);
 
 /// A NetCDF-4 file, in memory, with the groups
 ///   posterior             a variable a parameter (chain, draw)

@@ -89,7 +89,7 @@ FinishedRun sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
                                   bool colour) { print_update(out, *parsed, *findings, colour); },
       .draws = [parsed, problem, posterior, run,
                 seed] { return update_posterior_file(run, *parsed, *problem, *posterior, seed); },
-      .columns = [posterior] { return update_columns(*posterior); }};
+      .columns = [posterior] { return parameter_columns(*posterior); }};
 }
 
 }  // namespace wheeltap::apps

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "apps/draw_columns.hpp"
 #include "apps/report/answer.hpp"
-#include "apps/sid_posterior_file.hpp"
 #include "apps/update_words.hpp"
 
 namespace wheeltap::apps {
@@ -132,7 +132,7 @@ Report unknowns_of(const UpdateCaseFile& parsed, const UpdateFindings& findings)
   Report list = Report::array();
   for (const ParameterFinding& p : findings.models[0].parameters)
     list.push_back({{"label", p.unknown.label},
-                    {"variable", sid_variable(p.unknown.name)},
+                    {"variable", variable_of(p.unknown.name)},
                     {"prior", prior_place(parsed.update, p.unknown.name).to_string()},
                     {"unit", p.unknown.unit}});
   return {{findings.models[0].name, list}};
