@@ -65,7 +65,8 @@ Kernel::Outcome MetropolisHastings::step(State& state, const Step& step) {
   return outcome;
 }
 
-void KernelMixture::add(double weight, std::unique_ptr<Kernel> kernel) {
+void KernelMixture::add(double weight, std::unique_ptr<Kernel> kernel, double most) {
+  most_.push_back(most);
   cumulative_.push_back((cumulative_.empty() ? 0.0 : cumulative_.back()) + weight);
   kernels_.push_back(std::move(kernel));
 }
@@ -83,24 +84,23 @@ std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                         const std::vector<KernelRecord>& records) {
   constexpr long kEnough = 100;  // proposals
   constexpr double kLeast = 0.1;
+  const auto jumps = [&](std::size_t k) { return records[k].jumps_proposed > 0; };
   std::vector<double> rate(records.size(), -1.0);
-  double best_jump = 0.0, best_within = 0.0;
   for (std::size_t k = 0; k < records.size(); ++k) {
     const KernelRecord& r = records[k];
     if (r.proposed < kEnough) continue;
     const double work =
         static_cast<double>(r.proposed) * (1.0 + kernels[static_cast<int>(k)].work());
-    const bool jumps = r.jumps_proposed > 0;
-    rate[k] = static_cast<double>(jumps ? r.jumps_accepted : r.accepted) / work;
-    double& best = jumps ? best_jump : best_within;
-    best = std::max(best, rate[k]);
+    rate[k] = static_cast<double>(jumps(k) ? r.jumps_accepted : r.accepted) / work;
   }
   std::vector<double> efficiency(records.size(), 1.0);
   for (std::size_t k = 0; k < records.size(); ++k) {
-    const bool jumps = records[k].jumps_proposed > 0;
-    if (rate[k] < 0.0 || kernels[static_cast<int>(k)].work() == 0.0) continue;
-    const double best = jumps ? best_jump : best_within;
-    if (best > 0.0) efficiency[k] = std::clamp(rate[k] / best, kLeast, 1.0);
+    const double most = kernels.most(static_cast<int>(k));
+    if (rate[k] < 0.0 || (kernels[static_cast<int>(k)].work() == 0.0 && most == 1.0)) continue;
+    double best = 0.0;
+    for (std::size_t other = 0; other < records.size(); ++other)
+      if (other != k && jumps(other) == jumps(k)) best = std::max(best, rate[other]);
+    if (best > 0.0) efficiency[k] = std::clamp(rate[k] / best, kLeast, most);
   }
   return efficiency;
 }

@@ -131,7 +131,8 @@ class MetropolisHastings : public Kernel {
 /// whatever the state. A kernel that does not apply leaves the state alone.
 class KernelMixture {
  public:
-  void add(double weight, std::unique_ptr<Kernel> kernel);
+  /// `most`: how many times its weight it may come to have (kernel_efficiencies).
+  void add(double weight, std::unique_ptr<Kernel> kernel, double most = 1.0);
   /// Multiplies the weights, one factor > 0 a kernel.
   void reweigh(const std::vector<double>& factors);
   /// Makes one step; returns the index of the kernel used, -1 where there is none.
@@ -144,16 +145,18 @@ class KernelMixture {
   [[nodiscard]] const Kernel& operator[](int i) const {
     return *kernels_[static_cast<std::size_t>(i)];
   }
+  [[nodiscard]] double most(int i) const { return most_[static_cast<std::size_t>(i)]; }
 
  private:
   std::vector<std::unique_ptr<Kernel>> kernels_;
-  std::vector<double> cumulative_;
+  std::vector<double> cumulative_, most_;
 };
 
-/// What each kernel is worth beside the best of its sort, from 0.1 to 1: the moves it had accepted,
-/// between models where it proposes such, per unit of counted work, a likelihood call a proposal
-/// included. Kernels that cost nothing beside their call keep their weight, 1, whatever they bring:
-/// some are there for what the others miss. So does one of which there is too little to go by.
+/// What each kernel is worth beside the best other one of its sort, from 0.1 to its `most`: the
+/// moves it had accepted, between models where it proposes such, per unit of counted work, a
+/// likelihood call a proposal included. Kernels that cost nothing beside their call and may not
+/// grow keep their weight, 1, whatever they bring: some are there for what the others miss. So does
+/// one of which there is too little to go by.
 [[nodiscard]] std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                                       const std::vector<KernelRecord>& records);
 

@@ -67,7 +67,7 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
   }
   for (const NamedMove& extra : problem.moves) {
     kernels.add(share / static_cast<double>(problem.moves.size()),
-                std::make_unique<MetropolisHastings>(extra.name, extra.make()));
+                std::make_unique<MetropolisHastings>(extra.name, extra.make()), extra.most);
   }
   if (options.moves.reflection && !problem.reflections.empty()) {
     add_move<Mirror>(kernels, share * 0.25, "mirror", problem.reflections, true);

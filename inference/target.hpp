@@ -99,6 +99,9 @@ class Move;
 struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
+  /// How many times its share of the steps it may earn by changing models more often, for its calls
+  /// and its work, than the engine's own moves do.
+  double most = 1.0;
 };
 
 /// Everything the engine asks of its user.

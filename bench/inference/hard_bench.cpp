@@ -250,7 +250,7 @@ void galaxies(benchmark::State& state) {
                   .likelihood = [=] { return std::make_unique<Galaxies>(y); }};
   if (with_moves) {
     problem.moves.push_back(
-        {"telescoping Gibbs", [=] { return std::make_unique<MixtureGibbs>(y); }});
+        {"telescoping Gibbs", [=] { return std::make_unique<MixtureGibbs>(y); }, 5.0});
   }
   for (auto _ : state) {
     const Posterior posterior =

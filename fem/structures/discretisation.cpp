@@ -1,6 +1,17 @@
 #include "fem/structures/discretisation.hpp"
 
+#include <Eigen/QR>
+
 namespace wheeltap::fem {
+
+std::vector<char> Discretisation::holding_dofs() const {
+  std::vector<char> held(static_cast<std::size_t>(size()), 0);
+  if (rigid_motions.cols() == 0) return held;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rigid_motions.transpose());
+  for (Eigen::Index r = 0; r < rigid_motions.cols(); ++r)
+    held[static_cast<std::size_t>(qr.colsPermutation().indices()[r])] = 1;
+  return held;
+}
 
 Eigen::VectorXd Discretisation::stiffness_times(const Eigen::Ref<const Eigen::VectorXd>& u) const {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(size());

@@ -51,6 +51,8 @@ struct Discretisation {
   Eigen::MatrixXd rigid_motions;  ///< n × r: motions that strain nothing, any basis
 
   [[nodiscard]] Eigen::Index size() const { return mass.rows(); }
+  /// n marks: as many degrees of freedom as there are rigid motions, and they hold all of those.
+  [[nodiscard]] std::vector<char> holding_dofs() const;
   /// K u by the strains.
   [[nodiscard]] Eigen::VectorXd stiffness_times(const Eigen::Ref<const Eigen::VectorXd>& u) const;
   /// uᵀ K u by the strains: twice the strain energy.

@@ -16,17 +16,28 @@ namespace wheeltap::fem {
 /// 1/√μ, and is linked rigidly to r; so it costs a column and a pole, and the count still holds. A
 /// lost mass is a floating one that counts with the other sign.
 ///
-/// All modes of the mesh are kept. Frequencies are right to 1e-9 relative; with lost masses to
-/// 2e-7, since their columns are scaled by what the place itself yields (of 2000 random sets,
-/// tests/fem/structures/structure_reanalysis_test.cpp). Immutable after construction; a workspace a
-/// thread.
+/// All modes of the mesh are kept up to `kAllModes` of them. Frequencies are right to 1e-9
+/// relative; with lost masses to 2e-7, since their columns are scaled by what the place itself
+/// yields (of 2000 random sets, tests/fem/structures/structure_reanalysis_test.cpp).
+///
+/// Beyond, the lowest p modes are kept, and what the others yield along the changes is matched up
+/// to λ³ by two further modes a column (`ResidualModes`). Frequencies are then those of a
+/// constrained structure, not below the true ones, and a count in S less what the others may add at
+/// most bounds how far above. Where that bound exceeds 1e-6 the changed structure is solved in
+/// full; shapes stay those of the constrained one.
+///
+/// Any number of threads may use one, each with a workspace of its own.
 class StructureReanalysis {
  public:
   class Workspace;
 
-  /// `modes`: how many of the lowest frequencies may be asked for, rigid-body ones included. Throws
-  /// as `structure_modes`.
-  StructureReanalysis(std::shared_ptr<const Discretisation> discretisation, int modes);
+  static constexpr int kAllModes = 1500;
+
+  /// `modes`: how many of the lowest frequencies may be asked for, rigid-body ones included; `kept`
+  /// of the modes are kept, 0 for all or 3 `modes` + 40. Throws as `structure_modes`;
+  /// std::invalid_argument where a mode may be missing among those kept.
+  StructureReanalysis(std::shared_ptr<const Discretisation> discretisation, int modes,
+                      int kept = 0);
   ~StructureReanalysis();
   StructureReanalysis(StructureReanalysis&&) noexcept;
   StructureReanalysis& operator=(StructureReanalysis&&) noexcept;
@@ -43,6 +54,7 @@ class StructureReanalysis {
     /// n × motions: mass-normalised shapes of the changed structure at these motions.
     std::span<double> shapes = {};
     std::span<const SparseRow> motions = {};
+    std::span<double> bounds_hz = {};  ///< n: no frequency is further off
   };
 
   /// Throws std::invalid_argument for q outside (0, 1], k <= 0, or sizes that do not fit;

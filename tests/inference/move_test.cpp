@@ -556,16 +556,21 @@ TEST(KernelEfficiencies, CountWorkAndNotTime) {
   kernels.add(1.0, std::make_unique<Idle>("dear and hardly accepted", 3.0));
   kernels.add(1.0, std::make_unique<Idle>("cheap and hardly accepted", 0.0));
   kernels.add(1.0, std::make_unique<Idle>("dear and hardly tried", 3.0));
+  kernels.add(1.0, std::make_unique<Idle>("may grow", 1.0), 1.4);
+  kernels.add(1.0, std::make_unique<Idle>("may grow further", 1.0), 5.0);
   const auto jumps = [](long proposed, long accepted) {
     return KernelRecord{proposed, accepted, proposed, accepted};
   };
   const std::vector<double> efficiency = kernel_efficiencies(
-      kernels, {jumps(1000, 400), jumps(1000, 400), jumps(1000, 4), jumps(1000, 4), jumps(10, 0)});
+      kernels, {jumps(1000, 100), jumps(1000, 200), jumps(1000, 4), jumps(1000, 4), jumps(10, 0),
+                jumps(1000, 400), jumps(1000, 300)});
   EXPECT_EQ(efficiency[0], 1.0);
-  EXPECT_DOUBLE_EQ(efficiency[1], 0.25);
+  EXPECT_DOUBLE_EQ(efficiency[1], 0.25);  // .05 a unit, beside .2
   EXPECT_DOUBLE_EQ(efficiency[2], 0.1);
   EXPECT_EQ(efficiency[3], 1.0);
   EXPECT_EQ(efficiency[4], 1.0);
+  EXPECT_DOUBLE_EQ(efficiency[5], 0.2 / 0.15);
+  EXPECT_DOUBLE_EQ(efficiency[6], 0.75);
 }
 
 }  // namespace

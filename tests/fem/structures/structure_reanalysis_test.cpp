@@ -156,6 +156,44 @@ TEST(StructureReanalysis, AgreesWithFullSolutions) {
     }
 }
 
+/// With 40 of its modes kept, a structure's frequencies are not below the whole one's, and above it
+/// by no more than is said.
+TEST(StructureReanalysis, FewModesBoundTheFrequencies) {
+  for (const int dimension : {2, 3})
+    for (const bool free : {false, true}) {
+      Structure s = portal(dimension == 2 ? 12 : 6, dimension);
+      if (free) s.supports.clear();
+      const Mesh mesh(s);
+      const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
+      const StructureReanalysis few(d, 12, 40);
+      auto workspace = few.make_workspace();
+      std::mt19937_64 random(7);
+      double worst = 0.0, widest = 0.0, below = 0.0;
+      for (int trial = 0; trial < 200; ++trial) {
+        const StructureChange change = random_change(mesh, random);
+        std::vector<double> f(12), bounds(12);
+        few.solve(change, workspace, {.frequencies_hz = f, .bounds_hz = bounds});
+        const StructureModes full = structure_modes(changed(*d, change), 12);
+        for (std::size_t i = 0; i < f.size(); ++i) {
+          const double exact = full.frequencies_hz[static_cast<Eigen::Index>(i)];
+          if (exact == 0.0) {
+            EXPECT_EQ(f[i], 0.0);
+            continue;
+          }
+          const double rounding = change.masses.empty() ? 1e-9 : 2e-7;
+          worst = std::max(worst, f[i] / exact - 1.0);
+          below = std::max(below, 1.0 - f[i] / exact);
+          widest = std::max(widest, bounds[i] / exact);
+          EXPECT_GT(f[i], exact * (1.0 - rounding)) << trial << ", mode " << i;
+          EXPECT_LT(f[i], exact * (1.0 + rounding) + bounds[i]) << trial << ", mode " << i;
+        }
+      }
+      std::cout << dimension << (free ? " free" : " held") << ", " << d->size()
+                << " degrees of freedom: above by at most " << worst << ", below by " << below
+                << "; widest bound " << widest << "\n";
+    }
+}
+
 /// Near buckling, what is lost of the stiffness may leave less than its share of a frequency, and
 /// beyond it nothing stands.
 TEST(StructureReanalysis, CompressedMembersMayBuckle) {

@@ -1,0 +1,48 @@
+// What the reanalysis keeps of the intact structure. Internal.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "base/eigen.hpp"
+#include "fem/structures/discretisation.hpp"
+#include "fem/structures/residual_flexibility.hpp"
+#include "fem/structures/structure_spectrum.hpp"
+#include "fem/window.hpp"
+
+namespace wheeltap::fem::detail {
+
+/// Added springs may raise root i as far as intact eigenvalue i + their number; this many are
+/// served by a short sum over the near modes, more by the sum over all.
+inline constexpr int kFewSupports = 8;
+/// s of a mode that adds nothing to static parts, over the lowest elastic eigenvalue.
+inline constexpr double kFloating = 1e30;
+
+struct IntactStructure {
+  std::shared_ptr<const Discretisation> discretisation;
+  int wanted;                                            // lowest modes that may be asked for
+  int modes;                                             // kept, all with mass where they are few
+  int rigid;                                             // of them at λ = 0
+  std::size_t stride;                                    // modes, and at least two
+  std::vector<double> eigenvalues, scales, compliances;  // stride
+  std::vector<double> frequencies;                       // wanted
+  std::vector<double> dof_rows;                          // n × stride
+  std::vector<double> strain_rows;                       // strains × stride
+  Eigen::MatrixXd self_stresses;                         // strains × strains; where all are kept
+  bool compressed = false;      // geometric stiffness takes from that of the strains
+  std::vector<Window> windows;  // for no, few, and any number of springs
+  std::unique_ptr<const ResidualFlexibility> residual;  // of the modes that are not kept
+  double next = 0.0;                                    // the lowest eigenvalue of those
+
+  /// As the constructor of StructureReanalysis.
+  IntactStructure(std::shared_ptr<const Discretisation> given, int wanted_modes, int kept_modes);
+
+  /// A motion in each mode: `stride` numbers.
+  void motion(const SparseRow& row, double* out) const;
+
+ private:
+  StructureSpectrum kept_spectrum(int kept);
+};
+
+}  // namespace wheeltap::fem::detail
