@@ -79,7 +79,7 @@ struct ResidualFlexibility::Impl {
   }
 
   void remove_kept(VectorXd& u) const {
-    for (int pass = 0; pass < 2; ++pass) u -= shapes * (mass_shapes.transpose() * u);
+    u -= shapes * (mass_shapes.transpose() * u);
   }
 
   [[nodiscard]] std::shared_ptr<const Column> compute(int basic) const {
