@@ -17,7 +17,7 @@ using nlohmann::json;
 
 constexpr double kYoung = 210e9, kSpread = 0.05;
 constexpr double kHealthyShare = 0.25, kWorst = 0.8;
-constexpr int kElements = 4;
+constexpr int kElements = 3;
 constexpr Eigen::Index kMostModes = 8;  // in the band
 constexpr double kHighest = 85.0;       // of the band [Hz]
 
@@ -25,7 +25,9 @@ double between(base::Random& random, double low, double high) {
   return low + (high - low) * random.uniform();
 }
 
-double rounded(double x, double to) { return std::round(x / to) * to; }
+double rounded(double x, double to) {
+  return std::round(x / to) * to;
+}
 
 json section(base::Random& random) {
   const double height = rounded(between(random, 0.15, 0.4), 0.01);
@@ -78,8 +80,8 @@ struct Frame {
 Frame frame(base::Random& random) {
   Frame out{.structure = {{"dimension", 2}},
             .lengths = {},
-            .bays = 1 + random.index(3),
-            .storeys = 1 + random.index(3)};
+            .bays = 1 + random.index(2),
+            .storeys = 1 + random.index(2)};
   std::vector<double> x = {0.0}, y = {0.0};
   for (int i = 0; i < out.bays; ++i)
     x.push_back(x.back() + rounded(between(random, 3.0, 8.0), 0.1));
@@ -163,8 +165,7 @@ FrameCase frame_case(std::uint64_t seed, int number) {
   out.along = out.location;
   while (out.along > f.lengths[static_cast<std::size_t>(out.member)])
     out.along -= f.lengths[static_cast<std::size_t>(out.member++)];
-  const std::vector<Place> where =
-      places(random, f.structure, f.lengths, f.storeys, f.bays + 1);
+  const std::vector<Place> where = places(random, f.structure, f.lengths, f.storeys, f.bays + 1);
 
   const json prior = {{"log_normal", {std::log(kYoung), kSpread}}};
   json sensors = json::array();

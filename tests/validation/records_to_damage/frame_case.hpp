@@ -11,14 +11,15 @@
 
 namespace wheeltap::coverage {
 
-/// One to three bays and storeys of steel, clamped feet. Unknown: Young's moduli of the posts and
+/// One or two bays and storeys of steel, clamped feet. Unknown: Young's moduli of the posts and
 /// of the girders, ln E ~ N(ln 210 GPa, 0.05²). With probability 3/4 one element, anywhere along
-/// the members, has lost r ~ U(0, 0.8) of its stiffness. Truths are drawn from these priors, so that
-/// a right posterior is calibrated.
+/// the members, has lost r ~ U(0, 0.8) of its stiffness. Truths are drawn from these priors, so
+/// that a right posterior is calibrated.
 struct FrameCase {
   int number = 0;
   std::string name;
-  nlohmann::json damage = {};   ///< the case, its data "from" healthy/modes.json and damaged/modes.json
+  nlohmann::json damage =
+      {};  ///< the case, its data "from" healthy/modes.json and damaged/modes.json
   nlohmann::json healthy = {};  ///< the case of `wheeltap modal`; its record is healthy.csv
   nlohmann::json damaged = {};
 

@@ -23,8 +23,8 @@ Eigen::MatrixXd accelerations(const FrameCase::State& state, double damping, dou
   const Eigen::ArrayXd natural = 2.0 * std::numbers::pi * state.frequencies_hz.array();
   Eigen::VectorXcd force(sensors);
   for (Eigen::Index k = 1; k < kPeriod / 2; ++k) {
-    const double omega =
-        2.0 * std::numbers::pi * kSampleRate * static_cast<double>(k) / static_cast<double>(kPeriod);
+    const double omega = 2.0 * std::numbers::pi * kSampleRate * static_cast<double>(k) /
+                         static_cast<double>(kPeriod);
     for (Complex& f : force) f = {random.normal(), random.normal()};
     const Eigen::VectorXcd modal =
         (state.shapes.transpose() * force).array() * (-omega * omega) /
@@ -40,8 +40,7 @@ Eigen::MatrixXd accelerations(const FrameCase::State& state, double damping, dou
     fft.inv(x, half, kPeriod);
     const Eigen::Map<const Eigen::VectorXd> all(x.data(), kPeriod);
     const double sd = std::sqrt(all.squaredNorm() / kPeriod);
-    for (Eigen::Index i = 0; i < kSamples; ++i)
-      out(s, i) = all[i] / sd + noise * random.normal();
+    for (Eigen::Index i = 0; i < kSamples; ++i) out(s, i) = all[i] / sd + noise * random.normal();
     out.row(s) *= sd;
   }
   // To a largest RMS of 0.1 m/s²: what wind and traffic make.

@@ -30,9 +30,13 @@ int main(int argc, char** argv) {
     write("damage.json", c.damage);
     write("healthy.json", c.healthy);
     write("damaged.json", c.damaged);
-    write_csv(folder / "healthy.csv", accelerations(c.state_healthy, c.damping, 0.05, 1000 * seed + 2 * i));
-    write_csv(folder / "damaged.csv", accelerations(c.state_damaged, c.damping, 0.05, 1000 * seed + 2 * i + 1));
-    std::printf("%d %s: E %.4g %.4g, damaged %d member %d at %.3f r %.3f zeta %.4f\n", i, c.name.c_str(), c.posts_young, c.girders_young, c.is_damaged, c.member, c.along, c.reduction, c.damping);
+    write_csv(folder / "healthy.csv",
+              accelerations(c.state_healthy, c.damping, 0.05, 1000 * seed + 2 * i));
+    write_csv(folder / "damaged.csv",
+              accelerations(c.state_damaged, c.damping, 0.05, 1000 * seed + 2 * i + 1));
+    std::printf("%d %s: E %.4g %.4g, damaged %d member %d at %.3f r %.3f zeta %.4f\n", i,
+                c.name.c_str(), c.posts_young, c.girders_young, c.is_damaged, c.member, c.along,
+                c.reduction, c.damping);
     for (double f : c.healthy_hz) std::printf(" %.4f", f);
     std::printf("\n");
     for (double f : c.damaged_hz) std::printf(" %.4f", f);
