@@ -17,7 +17,6 @@ using nlohmann::json;
 
 constexpr double kYoung = 210e9, kSpread = 0.05;
 constexpr double kHealthyShare = 0.25, kWorst = 0.8;
-constexpr int kElements = 3;
 constexpr Eigen::Index kMostModes = 8;  // in the band
 constexpr double kHighest = 85.0;       // of the band [Hz]
 
@@ -30,7 +29,7 @@ double rounded(double x, double to) {
 }
 
 json section(base::Random& random) {
-  const double height = rounded(between(random, 0.15, 0.4), 0.01);
+  const double height = rounded(between(random, 0.08, 0.2), 0.01);
   return {{"shape", "rectangle"},
           {"height", height},
           {"width", rounded(height * between(random, 0.4, 1.0), 0.01)}};
@@ -81,7 +80,8 @@ Frame frame(base::Random& random) {
   Frame out{.structure = {{"dimension", 2}},
             .lengths = {},
             .bays = 1 + random.index(2),
-            .storeys = 1 + random.index(2)};
+            .storeys = 1};
+  const int elements = out.bays == 1 ? 4 : 3;
   std::vector<double> x = {0.0}, y = {0.0};
   for (int i = 0; i < out.bays; ++i)
     x.push_back(x.back() + rounded(between(random, 3.0, 8.0), 0.1));
@@ -101,7 +101,7 @@ Frame frame(base::Random& random) {
   const auto add = [&](const std::string& a, const std::string& b, bool post, double length) {
     s["members"].push_back({{"name", a + "-" + b},
                             {"nodes", {a, b}},
-                            {"elements", kElements},
+                            {"elements", elements},
                             {"material", post ? "posts" : "girders"},
                             {"section", post ? "post" : "girder"}});
     out.lengths.push_back(length);

@@ -11,7 +11,7 @@
 
 namespace wheeltap::coverage {
 
-/// One or two bays and storeys of steel, clamped feet. Unknown: Young's moduli of the posts and
+/// One storey of one or two bays of steel, clamped feet. Unknown: Young's moduli of the posts and
 /// of the girders, ln E ~ N(ln 210 GPa, 0.05²). With probability 3/4 one element, anywhere along
 /// the members, has lost r ~ U(0, 0.8) of its stiffness. Truths are drawn from these priors, so
 /// that a right posterior is calibrated.
