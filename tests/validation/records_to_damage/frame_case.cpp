@@ -77,10 +77,8 @@ struct Frame {
 };
 
 Frame frame(base::Random& random) {
-  Frame out{.structure = {{"dimension", 2}},
-            .lengths = {},
-            .bays = 1 + random.index(2),
-            .storeys = 1};
+  Frame out{
+      .structure = {{"dimension", 2}}, .lengths = {}, .bays = 1 + random.index(2), .storeys = 1};
   const int elements = out.bays == 1 ? 4 : 3;
   std::vector<double> x = {0.0}, y = {0.0};
   for (int i = 0; i < out.bays; ++i)
