@@ -103,10 +103,10 @@ std::vector<double> member_lengths(const json& structure) {
 double largest_shift(const FrameCase& c) {
   double out = 0.0;
   const double high = c.healthy.at("band")[1];
-  for (Eigen::Index i = 0; i < c.state_healthy.frequencies_hz.size() &&
-                           c.state_healthy.frequencies_hz[i] < high;
-       ++i)
-    out = std::max(out, 1.0 - c.state_damaged.frequencies_hz[i] / c.state_healthy.frequencies_hz[i]);
+  for (Eigen::Index i = 0;
+       i < c.state_healthy.frequencies_hz.size() && c.state_healthy.frequencies_hz[i] < high; ++i)
+    out =
+        std::max(out, 1.0 - c.state_damaged.frequencies_hz[i] / c.state_healthy.frequencies_hz[i]);
   return out;
 }
 
@@ -140,8 +140,8 @@ RecordsRow run_records(const FrameCase& c, const RecordsOptions& options) {
                  .in_band = static_cast<int>(c.healthy_hz.size() + c.damaged_hz.size())};
   for (const char* state : {"healthy", "damaged"})
     row.seconds_modal += command(options, std::string("modal ") + state + ".json -o " + state);
-  row.seconds_damage = command(
-      options, "damage damage.json -o out --seed " + std::to_string(c.number + 1) + " " + options.sampling);
+  row.seconds_damage = command(options, "damage damage.json -o out --seed " +
+                                            std::to_string(c.number + 1) + " " + options.sampling);
   if (!options.keep_records)
     for (const char* record : {"healthy.csv", "damaged.csv"})
       std::filesystem::remove(options.folder / record);
@@ -219,9 +219,13 @@ std::string records_report(const std::vector<RecordsRow>& rows) {
       ++held["all"][0];
     }
   }
-  std::string out = text("%zu cases, %d converged; %d of %d modes in the bands were used; p < 0.01 of the fit in %d\n\n",
-                         rows.size(), converged, found, there, misfits);
-  out += "| quantity | cases | 90 % intervals held | share, 95 % bounds |\n| --- | ---: | ---: | --- |\n";
+  std::string out = text(
+      "%zu cases, %d converged; %d of %d modes in the bands were used; p < 0.01 of the fit in "
+      "%d\n\n",
+      rows.size(), converged, found, there, misfits);
+  out +=
+      "| quantity | cases | 90 % intervals held | share, 95 % bounds |\n| --- | ---: | ---: | --- "
+      "|\n";
   for (const auto& [name, n] : held) {
     const auto [low, high] = bounds(n[0], n[1]);
     out += text("| %s | %d | %d | %.3f, %.3f to %.3f |\n", name.c_str(), n[1], n[0],
@@ -231,7 +235,8 @@ std::string records_report(const std::vector<RecordsRow>& rows) {
                          const char* format) {
     out += "\n| " + head +
            " | cases | P(damage) > 0.5 | > 0.95 | mean P |\n| --- | ---: | ---: | ---: | ---: |\n";
-    const auto line = [&](const std::string& name, const std::function<bool(const RecordsRow&)>& in) {
+    const auto line = [&](const std::string& name,
+                          const std::function<bool(const RecordsRow&)>& in) {
       int n = 0, half = 0, sure = 0;
       double sum = 0.0;
       for (const RecordsRow& r : rows)
@@ -241,7 +246,8 @@ std::string records_report(const std::vector<RecordsRow>& rows) {
           sure += r.probability > 0.95 ? 1 : 0;
           sum += r.probability;
         }
-      if (n > 0) out += text("| %s | %d | %d | %d | %.3f |\n", name.c_str(), n, half, sure, sum / n);
+      if (n > 0)
+        out += text("| %s | %d | %d | %d | %.3f |\n", name.c_str(), n, half, sure, sum / n);
     };
     line("none", [](const RecordsRow& r) { return !r.is_damaged; });
     for (std::size_t i = 0; i + 1 < edges.size(); ++i)
@@ -249,10 +255,12 @@ std::string records_report(const std::vector<RecordsRow>& rows) {
         return r.is_damaged && of(r) >= edges[i] && of(r) < edges[i + 1];
       });
   };
-  table("stiffness lost by one element", [](const RecordsRow& r) { return 100.0 * r.reduction; },
-        {0.0, 2.0, 5.0, 10.0, 20.0, 80.0}, "%g to %g %%");
-  table("largest shift of a frequency", [](const RecordsRow& r) { return 100.0 * r.largest_shift; },
-        {0.0, 0.03, 0.1, 0.3, 1.0, 100.0}, "%g to %g %%");
+  table(
+      "stiffness lost by one element", [](const RecordsRow& r) { return 100.0 * r.reduction; },
+      {0.0, 2.0, 5.0, 10.0, 20.0, 80.0}, "%g to %g %%");
+  table(
+      "largest shift of a frequency", [](const RecordsRow& r) { return 100.0 * r.largest_shift; },
+      {0.0, 0.03, 0.1, 0.3, 1.0, 100.0}, "%g to %g %%");
   return out;
 }
 

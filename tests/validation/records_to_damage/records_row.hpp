@@ -27,16 +27,17 @@ struct RecordsRow {
   std::map<std::string, double> ranks = {};
   double seconds_modal = 0.0, seconds_damage = 0.0;
 
-  [[nodiscard]] std::string to_line() const;                           ///< JSON
-  [[nodiscard]] static RecordsRow from_line(const std::string& line);  ///< throws what the parser does
+  [[nodiscard]] std::string to_line() const;  ///< JSON
+  [[nodiscard]] static RecordsRow from_line(
+      const std::string& line);  ///< throws what the parser does
 };
 
 struct RecordsOptions {
-  std::string program;             ///< wheeltap
-  std::filesystem::path folder;    ///< of the case's files
-  double noise = 0.05;             ///< of the sensors
-  std::uint64_t seed = 1;          ///< of the study
-  std::string sampling = {};       ///< options of `wheeltap damage`
+  std::string program;           ///< wheeltap
+  std::filesystem::path folder;  ///< of the case's files
+  double noise = 0.05;           ///< of the sensors
+  std::uint64_t seed = 1;        ///< of the study
+  std::string sampling = {};     ///< options of `wheeltap damage`
   bool keep_records = false;
 };
 
