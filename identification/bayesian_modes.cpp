@@ -100,8 +100,7 @@ BandLines band_lines(const Eigen::Ref<const MatrixXd>& records, double sample_ra
 BandProblem::BandProblem(BandLines lines, ModalBand band)
     : lines_(std::move(lines)), band_(std::move(band)) {
   const std::size_t m = band_.peaks_hz.size();
-  if (m < 1 || m > kMostModes)
-    refuse("modes", static_cast<double>(m), "must be 1 to 3 in a band");
+  if (m < 1 || m > kMostModes) refuse("modes", static_cast<double>(m), "must be 1 to 3 in a band");
   if (channels() < 2) refuse("channels", channels(), "must be at least 2");
   for (std::size_t i = 0; i < m; ++i) {
     if (band_.peaks_hz[i] < band_.lowest_hz || band_.peaks_hz[i] > band_.highest_hz)
@@ -110,7 +109,8 @@ BandProblem::BandProblem(BandLines lines, ModalBand band)
       refuse("peak", band_.peaks_hz[i], "must be above the one before");
   }
   if (lines_.frequencies_hz.size() < kFewestLines * static_cast<Index>(m))
-    refuse("lines", static_cast<double>(lines_.frequencies_hz.size()), "must be at least 20 a mode");
+    refuse("lines", static_cast<double>(lines_.frequencies_hz.size()),
+           "must be at least 20 a mode");
   power_ = lines_.transform.squaredNorm();
   const double largest = lines_.transform.colwise().squaredNorm().maxCoeff();
   using namespace inference;
@@ -190,9 +190,8 @@ double BandProblem::log_likelihood(std::span<const double> x) const {
       explained += y.dot(lu.solve(response * y)).real();
     }
   }
-  return -static_cast<double>(lines) *
-             (static_cast<double>(n - m) * std::log(noise) +
-              static_cast<double>(n) * std::log(std::numbers::pi)) -
+  return -static_cast<double>(lines) * (static_cast<double>(n - m) * std::log(noise) +
+                                        static_cast<double>(n) * std::log(std::numbers::pi)) -
          log_determinants - (power_ - explained) / noise;
 }
 

@@ -1,9 +1,9 @@
 // Bayesian operational modal analysis: the modes of a band and their posterior, from the Fourier
 // transform of a record.
 //
-// Au 2011, "Fast Bayesian FFT method for ambient modal identification with separated modes", J. Eng.
-// Mech. 137:214; Au 2012, MSSP 26:60 and 76 (close modes); Au 2017, Operational Modal Analysis,
-// chapters 10 to 13.
+// Au 2011, "Fast Bayesian FFT method for ambient modal identification with separated modes", J.
+// Eng. Mech. 137:214; Au 2012, MSSP 26:60 and 76 (close modes); Au 2017, Operational Modal
+// Analysis, chapters 10 to 13.
 #pragma once
 
 #include <cstdint>
@@ -77,9 +77,9 @@ class BandProblem {
 
 /// The posterior of a band's modes, in short.
 struct BayesianBand {
-  Eigen::VectorXd frequencies_hz, damping;  ///< means
-  Eigen::MatrixXd covariance;               ///< of all frequencies, then all damping ratios
-  Eigen::MatrixXd shapes;                   ///< n × m, largest entry 1: means of the draws
+  Eigen::VectorXd frequencies_hz, damping;         ///< means
+  Eigen::MatrixXd covariance;                      ///< of all frequencies, then all damping ratios
+  Eigen::MatrixXd shapes;                          ///< n × m, largest entry 1: means of the draws
   std::vector<Eigen::MatrixXd> shape_covariances;  ///< n × n, of shapes so scaled
   bool converged = false;
   std::vector<std::string> not_established = {};
