@@ -1,6 +1,7 @@
 #include "identification/bayesian_modes.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -9,6 +10,7 @@
 #include <stdexcept>
 #include <unsupported/Eigen/FFT>
 
+#include "base/number.hpp"
 #include "inference/reason.hpp"
 #include "inference/reversible_jump.hpp"
 
@@ -253,6 +255,57 @@ BayesianBand identify_band(const Eigen::Ref<const MatrixXd>& records, double sam
   }
   for (const inference::Reason& reason : posterior.why_not())
     out.not_established.push_back(inference::describe(reason, *posterior.space));
+  return out;
+}
+
+signals::ModalResult identify_bands(const Eigen::Ref<const MatrixXd>& records,
+                                    double sample_rate_hz, const std::vector<ModalBand>& bands,
+                                    const BayesianBandOptions& options) {
+  signals::ModalResult out{.method = signals::ModalMethod::bayesian,
+                           .sample_rate_hz = sample_rate_hz};
+  std::vector<ModalBand> sorted = bands;
+  std::ranges::sort(sorted, {}, &ModalBand::lowest_hz);
+  for (std::size_t b = 0; b + 1 < sorted.size(); ++b)
+    if (sorted[b].highest_hz > sorted[b + 1].lowest_hz)
+      refuse("band", sorted[b + 1].lowest_hz, "must begin where the one before has ended");
+  std::vector<BayesianBand> found;
+  Index count = 0;
+  for (const ModalBand& band : sorted) {
+    found.push_back(identify_band(records, sample_rate_hz, band, options));
+    count += found.back().frequencies_hz.size();
+  }
+  if (sorted.empty()) return out;
+  out.lowest_hz = sorted.front().lowest_hz;
+  out.highest_hz = sorted.back().highest_hz;
+  out.covariance = MatrixXd::Zero(2 * count, 2 * count);
+  const Index n = records.rows();
+  Index first = 0;
+  for (std::size_t b = 0; b < found.size(); ++b) {
+    const BayesianBand& band = found[b];
+    const Index m = band.frequencies_hz.size();
+    for (const Index row : {Index{0}, Index{1}})
+      for (const Index column : {Index{0}, Index{1}})
+        out.covariance.block(row * count + first, column * count + first, m, m) =
+            band.covariance.block(row * m, column * m, m, m);
+    first += m;
+    for (Index i = 0; i < m; ++i) {
+      signals::Mode mode;
+      mode.pole.frequency_hz = band.frequencies_hz[i];
+      mode.pole.damping = band.damping[i];
+      mode.pole.frequency_sd = std::sqrt(band.covariance(i, i));
+      mode.pole.damping_sd = std::sqrt(band.covariance(m + i, m + i));
+      mode.pole.shape = band.shapes.col(i).cast<Complex>();
+      mode.collinearity = 1.0;
+      mode.shape_covariance = MatrixXd::Zero(2 * n, 2 * n);
+      mode.shape_covariance.topLeftCorner(n, n) =
+          band.shape_covariances[static_cast<std::size_t>(i)];
+      out.modes.push_back(std::move(mode));
+    }
+    for (const std::string& why : band.not_established)
+      out.remarks.unsettled.push_back(base::number(sorted[b].lowest_hz) + " to " +
+                                      base::number(sorted[b].highest_hz) + " Hz: " + why);
+  }
+  signals::doubt_modes(out);
   return out;
 }
 

@@ -12,6 +12,7 @@
 
 #include "base/eigen.hpp"
 #include "inference/target.hpp"
+#include "signals/modal_identification.hpp"
 
 namespace wheeltap::identification {
 
@@ -88,7 +89,7 @@ struct BayesianBand {
 
 struct BayesianBandOptions {
   std::uint64_t seed = 1;
-  int warmup = 0, draws = 5000, searches = 0;
+  int warmup = 2000, draws = 1500, searches = 10;  ///< as in inference::Options
   int threads = 0;
 };
 
@@ -96,5 +97,12 @@ struct BayesianBandOptions {
 [[nodiscard]] BayesianBand identify_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          double sample_rate_hz, const ModalBand& band,
                                          const BayesianBandOptions& options = {});
+
+/// All bands, one after another; modes by frequency. Those of different bands are independent.
+/// Throws as `band_lines` and BandProblem do, naming the band (from 0), and for bands that overlap.
+[[nodiscard]] signals::ModalResult identify_bands(const Eigen::Ref<const Eigen::MatrixXd>& records,
+                                                  double sample_rate_hz,
+                                                  const std::vector<ModalBand>& bands,
+                                                  const BayesianBandOptions& options = {});
 
 }  // namespace wheeltap::identification
