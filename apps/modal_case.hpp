@@ -27,8 +27,8 @@ struct SetUp {
   signals::ModalOptions options = {};
   /// Of the method plscf, where they are measured, and then there are no records; or made of them.
   std::optional<signals::FrequencyResponses> responses = {};
-  std::vector<std::string> inputs = {};      ///< of the responses
-  std::vector<Eigen::MatrixXd> decays = {};  ///< of the method era: pieces of the records
+  std::vector<std::string> inputs = {};               ///< of the responses
+  std::vector<Eigen::MatrixXd> decays = {};           ///< of the method era: pieces of the records
   std::vector<identification::ModalBand> bands = {};  ///< of the method bayoma
 };
 

@@ -159,8 +159,8 @@ void print_table(const Page& page, const std::vector<Mode>& modes) {
   for (const Mode& m : modes)
     rows.push_back({std::to_string(rows.size()), with_sd(m.pole.frequency_hz, m.pole.frequency_sd),
                     with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd),
-                    fixed(m.collinearity, 3),
-                    orders_in_words(m), m.doubts.empty() ? "" : "doubtful"});
+                    fixed(m.collinearity, 3), orders_in_words(m),
+                    m.doubts.empty() ? "" : "doubtful"});
   page.table(rows);
 }
 

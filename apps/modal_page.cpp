@@ -70,10 +70,9 @@ std::string diagram(const SetUp& modal, const ModalResult& result) {
     const auto [low, high] = std::ranges::minmax(spectrum, {}, [](auto& p) { return p.second; });
     std::string path;
     for (const auto& [f, level] : spectrum)
-      path += (path.empty() ? "M" : "L") + fixed(plot.x(f), 1) + " " +
-              fixed(plot.y(top * (level - low.second) /
-                           std::max(high.second - low.second, 1e-9)),
-                    1);
+      path +=
+          (path.empty() ? "M" : "L") + fixed(plot.x(f), 1) + " " +
+          fixed(plot.y(top * (level - low.second) / std::max(high.second - low.second, 1e-9)), 1);
     inside += "<path class=\"grid\" d=\"" + path + "\"/>\n";
   }
   std::vector<bool> kept(result.diagram.poles.size());
@@ -196,11 +195,13 @@ std::string of_record(const SetUp& set_up, const ModalResult& result, const std:
   const bool orders = result.method != signals::ModalMethod::bayesian;
   out += "<" + level + ">" + (orders ? "Stabilisation diagram" : "Spectrum") + "</" + level +
          ">\n" + diagram(set_up, result);
-  if (!orders) out += "<p>The mean spectrum of the channels, in decibels; lines mark the modes.</p>\n";
-  if (orders) out +=
-      "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the pole that "
-      "stands for it. Behind, in decibels, the mean spectrum of the channels, or the sum of the "
-      "frequency responses' squares.</p>\n";
+  if (!orders)
+    out += "<p>The mean spectrum of the channels, in decibels; lines mark the modes.</p>\n";
+  if (orders)
+    out +=
+        "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the pole that "
+        "stands for it. Behind, in decibels, the mean spectrum of the channels, or the sum of the "
+        "frequency responses' squares.</p>\n";
   if (!result.modes.empty())
     out += "<" + level + ">Damping, with 95 % intervals</" + level + ">\n" + damping(result);
   for (const std::string& text : procedure_in_words(result))

@@ -82,7 +82,8 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
   std::vector<std::string> out;
   if (result.method == signals::ModalMethod::bayesian) {
     out.emplace_back(
-        "The posterior of each band's modes, modal forces and noise, sampled given the lines of the "
+        "The posterior of each band's modes, modal forces and noise, sampled given the lines of "
+        "the "
         "Fourier transform within it; means and standard deviations of the draws. The forces are "
         "taken to be white within a band, and other bands' modes to be absent from it.");
     return out;
