@@ -30,7 +30,7 @@ struct Runs {
   const char* command;
 };
 constexpr std::array kCommands{Runs{"damage", "damage"}, Runs{"sid", "sid"},
-                               Runs{"update", "update"}};
+                               Runs{"update", "update"}, Runs{"modal", "modal"}};
 
 std::string command_of(const CaseFile& file) {
   std::vector<std::string> known;
@@ -60,6 +60,7 @@ std::vector<std::string> arguments(const std::string& command, const std::filesy
   };
   for (const std::string& override : common.overrides) out.push_back("--set=" + override);
   add("--threads", threads);
+  if (command == "modal") return out;  // nothing is sampled, and nothing goes on
   add("--chains", sampling.chains);
   if (common.seed) add("--seed", *common.seed);
   if (sampling.warmup > 0) add("--warmup", sampling.warmup);

@@ -51,6 +51,17 @@ void take_models(const Report& models, BatchRow& row) {
   }
 }
 
+/// "7 modes (1 doubtful)" of modal identification.
+void take_modes(const Report& modes, BatchRow& row) {
+  if (!modes.is_array()) return;
+  const auto doubtful = std::ranges::count_if(modes, [](const Report& mode) {
+    const Report* doubts = at(mode, "doubts");
+    return doubts != nullptr && !doubts->empty();
+  });
+  row.model = std::to_string(modes.size()) + (modes.size() == 1 ? " mode" : " modes");
+  if (doubtful > 0) row.model += " (" + std::to_string(doubtful) + " doubtful)";
+}
+
 void take_sweep(const Report& rows, BatchRow& row) {
   if (!rows.is_array()) return;
   row.seconds = 0.0;
@@ -68,6 +79,7 @@ void take_from_summary(const std::filesystem::path& folder, BatchRow& row) {
   if (!summary) return;
   if (const Report* rows = at(*summary, "sweep", "rows")) return take_sweep(*rows, row);
   if (const Report* models = at(*summary, "models")) take_models(*models, row);
+  if (const Report* modes = at(*summary, "modes")) take_modes(*modes, row);
   row.converged = truth(at(*summary, "diagnostics", "converged"));
   row.seconds = number(at(*summary, "cost", "wall_seconds")).value_or(row.seconds);
 }
@@ -104,6 +116,8 @@ std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all) {
   if (row.exit != 0) return text + "FAILED (" + std::to_string(row.exit) + "): " + row.error;
   if (row.probability)
     text += io::printable(row.model) + ", " + probability_is(*row.probability) + "  ";
+  else if (!row.model.empty())
+    text += io::printable(row.model) + "  ";
   if (row.converged) text += *row.converged ? "converged  " : "NOT CONVERGED  ";
   return text + significant(row.seconds, 2) + " s";
 }

@@ -14,7 +14,7 @@ struct BatchRow {
   std::string name;     ///< of the case and its folder
   std::string kind{};   ///< empty where the case does not say
   int exit = 0;         ///< of its run; 128 + the signal where one ended it
-  std::string model{};  ///< the most probable one; empty where there is none, as for a sweep
+  std::string model{};  ///< the most probable one; of a modal case "7 modes"; else empty
   std::optional<double> probability{};  ///< of that model
   std::optional<bool> converged{};
   double seconds = 0.0;  ///< wall time of the run itself, however many sessions it took

@@ -279,8 +279,31 @@ void collect_sensors(ModalCaseFile& out) {
                     "nothing says how their shapes belong together");
 }
 
+void take_bands(const CaseFile& file, SetUp& s) {
+  if (!file.json.contains("bands"))
+    file.refuse(Pointer("/bands"),
+                "is missing: the method \"bayoma\" is told where modes are, [{\"band\": [lowest, "
+                "highest], \"modes\": [frequency, ...]}]");
+  for (const char* key : {"band", "order", "lags", "blocks", "segment"})
+    if (file.json.contains(key)) file.refuse(Pointer() / std::string(key), "is not of this method");
+  for (std::size_t i = 0; i < file.json.at("bands").size(); ++i) {
+    const Json& one = file.json.at("bands")[i];
+    identification::ModalBand band{.lowest_hz = one.at("band")[0], .highest_hz = one.at("band")[1]};
+    for (const Json& peak : one.at("modes")) band.peaks_hz.push_back(peak);
+    try {
+      const identification::BandProblem checked(
+          identification::band_lines(s.records, s.options.sample_rate_hz, band), band);
+    } catch (const std::invalid_argument& error) {
+      file.refuse(Pointer("/bands") / i, error.what());
+    }
+    s.bands.push_back(std::move(band));
+  }
+}
+
 void take_band(const ModalCaseFile& out, SetUp& s) {
   const Json& json = out.file.json;
+  if (json.value("method", "ssi-cov") == "bayoma") return take_bands(out.file, s);
+  if (json.contains("bands")) out.file.refuse(Pointer("/bands"), "goes with the method \"bayoma\"");
   if (json.contains("band")) {
     s.options.lowest_hz = json.at("band")[0];
     s.options.highest_hz = json.at("band")[1];

@@ -8,6 +8,7 @@
 #include "apps/case_file.hpp"
 #include "apps/measured_file.hpp"
 #include "apps/modes_file.hpp"
+#include "identification/bayesian_modes.hpp"
 #include "signals/frequency_responses.hpp"
 #include "signals/merged_modes.hpp"
 #include "signals/record.hpp"
@@ -26,8 +27,9 @@ struct SetUp {
   signals::ModalOptions options = {};
   /// Of the method plscf, where they are measured, and then there are no records; or made of them.
   std::optional<signals::FrequencyResponses> responses = {};
-  std::vector<std::string> inputs = {};      ///< of the responses
-  std::vector<Eigen::MatrixXd> decays = {};  ///< of the method era: pieces of the records
+  std::vector<std::string> inputs = {};               ///< of the responses
+  std::vector<Eigen::MatrixXd> decays = {};           ///< of the method era: pieces of the records
+  std::vector<identification::ModalBand> bands = {};  ///< of the method bayoma
 };
 
 struct ModalCaseFile {

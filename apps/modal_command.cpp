@@ -31,6 +31,10 @@ ModalResult identify(const CaseFile& file, const SetUp& set_up, std::uint64_t se
                                       .largest_order = set_up.options.largest_order,
                                       .seed = seed,
                                       .threads = set_up.options.threads});
+    if (!set_up.bands.empty())
+      return identification::identify_bands(set_up.records, set_up.options.sample_rate_hz,
+                                            set_up.bands,
+                                            {.seed = seed, .threads = set_up.options.threads});
     if (!set_up.decays.empty())
       return signals::identify_decays(set_up.decays, set_up.options, seed);
     return signals::identify_modes(set_up.records, set_up.options);
@@ -119,6 +123,8 @@ Report set_up_json(const ModalResult& result) {
     procedure["decimated"] = result.decimated;
     procedure["lags"] = result.lags;
     procedure["replicates"] = result.replicates;
+  } else if (result.method == signals::ModalMethod::bayesian) {
+    procedure = {{"method", "bayoma"}, {"sample_rate_hz", result.sample_rate_hz}};
   } else {
     procedure.update({{"sample_rate_hz", result.sample_rate_hz},
                       {"decimated", result.decimated},
@@ -153,8 +159,7 @@ void print_table(const Page& page, const std::vector<Mode>& modes) {
   for (const Mode& m : modes)
     rows.push_back({std::to_string(rows.size()), with_sd(m.pole.frequency_hz, m.pole.frequency_sd),
                     with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd),
-                    fixed(m.collinearity, 3),
-                    std::to_string(m.present) + " of " + std::to_string(m.orders),
+                    fixed(m.collinearity, 3), orders_in_words(m),
                     m.doubts.empty() ? "" : "doubtful"});
   page.table(rows);
 }

@@ -62,6 +62,7 @@ std::vector<std::pair<double, double>> levels(const SetUp& modal, const ModalRes
 
 std::string diagram(const SetUp& modal, const ModalResult& result) {
   constexpr double kHeight = 320.0;
+  const int top = std::max(result.largest_order, 1);
   const Plot plot(result.lowest_hz, result.highest_hz, 0.0, result.largest_order + 2.0, kHeight);
   const auto spectrum = levels(modal, result);
   std::string inside;
@@ -69,10 +70,9 @@ std::string diagram(const SetUp& modal, const ModalResult& result) {
     const auto [low, high] = std::ranges::minmax(spectrum, {}, [](auto& p) { return p.second; });
     std::string path;
     for (const auto& [f, level] : spectrum)
-      path += (path.empty() ? "M" : "L") + fixed(plot.x(f), 1) + " " +
-              fixed(plot.y(result.largest_order * (level - low.second) /
-                           std::max(high.second - low.second, 1e-9)),
-                    1);
+      path +=
+          (path.empty() ? "M" : "L") + fixed(plot.x(f), 1) + " " +
+          fixed(plot.y(top * (level - low.second) / std::max(high.second - low.second, 1e-9)), 1);
     inside += "<path class=\"grid\" d=\"" + path + "\"/>\n";
   }
   std::vector<bool> kept(result.diagram.poles.size());
@@ -131,8 +131,7 @@ std::string table(const ModalResult& result) {
            with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd) + "</td><td>" +
            fixed(m.collinearity, 3) + "</td><td>" +
            fixed(m.phase_deviation * 180.0 / std::numbers::pi, 1) + "</td><td>" +
-           std::to_string(m.present) + " of " + std::to_string(m.orders) +
-           "</td><td class=\"odd\">" + escaped(why) + "</td></tr>\n";
+           orders_in_words(m) + "</td><td class=\"odd\">" + escaped(why) + "</td></tr>\n";
   }
   return out + "</table>\n";
 }
@@ -193,11 +192,16 @@ std::string of_record(const SetUp& set_up, const ModalResult& result, const std:
   std::string out;
   if (!result.modes.empty()) out += "<" + level + ">Modes</" + level + ">\n" + table(result);
   out += "<p>± is one standard deviation.</p>\n";
-  out += "<" + level + ">Stabilisation diagram</" + level + ">\n" + diagram(set_up, result);
-  out +=
-      "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the pole that "
-      "stands for it. Behind, in decibels, the mean spectrum of the channels, or the sum of the "
-      "frequency responses' squares.</p>\n";
+  const bool orders = result.method != signals::ModalMethod::bayesian;
+  out += "<" + level + ">" + (orders ? "Stabilisation diagram" : "Spectrum") + "</" + level +
+         ">\n" + diagram(set_up, result);
+  if (!orders)
+    out += "<p>The mean spectrum of the channels, in decibels; lines mark the modes.</p>\n";
+  if (orders)
+    out +=
+        "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the pole that "
+        "stands for it. Behind, in decibels, the mean spectrum of the channels, or the sum of the "
+        "frequency responses' squares.</p>\n";
   if (!result.modes.empty())
     out += "<" + level + ">Damping, with 95 % intervals</" + level + ">\n" + damping(result);
   for (const std::string& text : procedure_in_words(result))

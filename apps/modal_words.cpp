@@ -73,8 +73,21 @@ std::vector<std::string> doubts_in_words(const signals::MergedMode& mode) {
   return out;
 }
 
+std::string orders_in_words(const signals::Mode& mode) {
+  return mode.orders > 0 ? std::to_string(mode.present) + " of " + std::to_string(mode.orders)
+                         : "-";
+}
+
 std::vector<std::string> procedure_in_words(const signals::ModalResult& result) {
   std::vector<std::string> out;
+  if (result.method == signals::ModalMethod::bayesian) {
+    out.emplace_back(
+        "The posterior of each band's modes, modal forces and noise, sampled given the lines of "
+        "the "
+        "Fourier transform within it; means and standard deviations of the draws. The forces are "
+        "taken to be white within a band, and other bands' modes to be absent from it.");
+    return out;
+  }
   if (result.method == signals::ModalMethod::polyreference) {
     out.push_back("Frequency responses at " + base::grouped(result.lines) + " frequencies from " +
                   significant(result.lowest_hz, 4) + " to " + significant(result.highest_hz, 4) +
@@ -117,6 +130,8 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
     out.push_back(std::to_string(n) + (n == 1 ? " mode was" : " modes were") +
                   " moved by the last fit of all modes together away from where the diagram has " +
                   (n == 1 ? "it" : "them") + ": another mode may be missing nearby.");
+  for (const std::string& why : result.remarks.unsettled)
+    out.push_back("Not converged, do not trust its numbers yet: " + why);
   if (result.remarks.short_blocks)
     out.push_back("The record is short: it gives " + std::to_string(result.blocks) + " blocks of " +
                   significant(result.block_seconds, 3) +

@@ -13,6 +13,8 @@ namespace wheeltap::apps {
 [[nodiscard]] std::vector<std::string> doubts_in_words(const signals::MergedMode& mode);
 
 /// What was done, a sentence each: decimation, lags, blocks, orders.
+/// "31 of 32", "-" where the method has no orders.
+[[nodiscard]] std::string orders_in_words(const signals::Mode& mode);
 [[nodiscard]] std::vector<std::string> procedure_in_words(const signals::ModalResult& result);
 
 /// What a reader should keep in mind of the whole.

@@ -16,7 +16,11 @@ using Eigen::VectorXd;
 double estimated_covariance_factor(int numbers, int blocks) {
   if (blocks == 0) return 1.0;
   if (blocks < 2 * numbers + 3) return 0.0;
-  return (blocks - 1.0) / (blocks - numbers - 2.0);
+  const double n = blocks, p = numbers;
+  if (numbers < 2) return (n - 1.0) / (n - p - 2.0);  // nothing to weigh
+  const double inverse = (n - 1.0) / (n - p - 2.0);
+  const double weights = (n - p - 2.0) / ((n - p - 1.0) * (n - p - 4.0));
+  return inverse * (1.0 + weights * (p - 1.0));
 }
 
 RealShape real_shape(const VectorXcd& shape, const MatrixXd& covariance, int blocks) {

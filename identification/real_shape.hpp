@@ -22,7 +22,9 @@ struct RealShape {
 /// `covariance`: of real parts, then imaginary parts, 2m × 2m, of ψ as it is.
 ///
 /// It is an estimate from `blocks` parts of a record, whose inverse is too large: it is raised by
-/// (n - 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17). Where blocks
+/// (n - 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17), and by
+/// 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)), the scatter that weights which err
+/// add to what is estimated from them (Percival et al. 2014, MNRAS 439:2531). Where blocks
 /// are fewer than 2 p + 3, the variances alone are kept. 0: exact.
 ///
 /// Throws std::invalid_argument for fewer than 2 entries, a zero shape, sizes that do not fit, and

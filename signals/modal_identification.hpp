@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "signals/stabilisation.hpp"
@@ -42,7 +43,8 @@ struct Mode {
 enum class ModalMethod {
   subspace,       ///< from output covariances (stochastic_subspace.hpp)
   polyreference,  ///< from frequency responses (polyreference.hpp)
-  realisation     ///< from free decays (free_decay.hpp)
+  realisation,    ///< from free decays (free_decay.hpp)
+  bayesian        ///< of bands, by sampling (identification/bayesian_modes.hpp)
 };
 
 /// What is odd about the whole record.
@@ -53,6 +55,7 @@ struct ModalRemarks {
   int order_cut = 0;          ///< largest order that was asked for, where records allow less
   int narrow = 0;             ///< modes of a half-power width below the spacing of lines
   int moved = 0;              ///< modes that their refinement took elsewhere
+  std::vector<std::string> unsettled = {};  ///< bands whose draws are not to be relied on, and why
 };
 
 struct ModalResult {

@@ -17,6 +17,9 @@ constexpr double kLeastThreshold = 0.005, kLargestThreshold = 0.08;
 constexpr std::size_t kLeastMembers = 3;
 constexpr double kGoodScatter = 1.25;
 constexpr double kWorse = 2.0, kSameShape = 0.9;
+constexpr double kSteady = 0.5;  // share of orders of a mode that every other one must wait for
+constexpr double kOverlap =
+    5.0;  // half-power half widths, of modes that lie in each other's skirts
 
 double scatter(const Pole& p) {
   return std::sqrt(p.frequency_sd / p.frequency_hz * p.damping_sd / std::abs(p.damping));
@@ -47,25 +50,61 @@ double threshold_of(const std::vector<Pole>& poles) {
   return std::clamp(mean + 2.0 * std::sqrt(square), kLeastThreshold, kLargestThreshold);
 }
 
-int representative(const std::vector<Pole>& poles, const std::vector<int>& members) {
+/// Among members of orders from `from` on, where some of these scatter little enough, or else there
+/// are enough of them.
+int representative(const std::vector<Pole>& poles, const std::vector<int>& members, int from = 0) {
   std::vector<double> all;
   for (const int m : members) {
     const double one = scatter(poles[static_cast<std::size_t>(m)]);
     all.push_back(std::isnan(one) ? 1.0 : one);
   }
-  std::vector<double> sorted = all;
+  const auto late = [&](std::size_t i) {
+    return poles[static_cast<std::size_t>(members[i])].order >= from;
+  };
+  std::vector<double> sorted = all, later;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (late(i)) later.push_back(all[i]);
   std::ranges::sort(sorted);
-  const double good = kGoodScatter * sorted[sorted.size() / 10];
+  double good = kGoodScatter * sorted[sorted.size() / 10];
+  if (later.empty() || *std::ranges::min_element(later) > good) {
+    if (later.size() < kLeastMembers) return representative(poles, members);
+    std::ranges::sort(later);
+    good = kGoodScatter * later[later.size() / 10];
+  }
   std::vector<int> best;
   std::vector<double> frequencies;
   for (std::size_t i = 0; i < members.size(); ++i) {
-    if (!(all[i] <= good)) continue;
+    if (!(all[i] <= good) || !late(i)) continue;
     best.push_back(members[i]);
     frequencies.push_back(poles[static_cast<std::size_t>(members[i])].frequency_hz);
   }
   const double middle = median(frequencies);
   return best[static_cast<std::size_t>(std::ranges::find(frequencies, middle) -
                                        frequencies.begin())];
+}
+
+/// The lowest order that holds whatever would bend this mode while it is not resolved: the steady
+/// modes, and all within its skirts.
+int settled_order(const Stabilisation& of, const ModeCluster& cluster) {
+  const auto pole = [&](int m) -> const Pole& { return of.poles[static_cast<std::size_t>(m)]; };
+  const Pole& own = pole(cluster.chosen);
+  int out = 0;
+  for (const ModeCluster& other : of.modes) {
+    const Pole& p = pole(other.chosen);
+    const bool skirts = std::abs(p.frequency_hz - own.frequency_hz) <
+                        kOverlap * (std::abs(p.damping) * p.frequency_hz +
+                                    std::abs(own.damping) * own.frequency_hz);
+    if (other.share() >= kSteady || skirts) out = std::max(out, pole(other.members.front()).order);
+  }
+  return out;
+}
+
+/// Chooses anew among the orders from `settled_order` on.
+void settle(Stabilisation& of) {
+  std::vector<int> chosen;
+  for (const ModeCluster& c : of.modes)
+    chosen.push_back(representative(of.poles, c.members, settled_order(of, c)));
+  for (std::size_t i = 0; i < chosen.size(); ++i) of.modes[i].chosen = chosen[i];
 }
 
 bool is_splinter(const Stabilisation& of, const ModeCluster& c, const ModeCluster& whole) {
@@ -83,6 +122,28 @@ void drop_splinters(Stabilisation& of) {
   std::erase_if(of.modes, [&](const ModeCluster& c) {
     return std::ranges::any_of(all, [&](const ModeCluster& d) { return is_splinter(of, c, d); });
   });
+}
+
+/// Leaves out what lies beyond the band.
+void cut_to_band(Stabilisation& of, double lowest_hz, double highest_hz) {
+  std::vector<int> place(of.poles.size(), -1);
+  Stabilisation out{.threshold = of.threshold, .orders = of.orders};
+  for (std::size_t i = 0; i < of.poles.size(); ++i) {
+    const double f = of.poles[i].frequency_hz;
+    if (f < lowest_hz || f > highest_hz) continue;
+    place[i] = static_cast<int>(out.poles.size());
+    out.poles.push_back(std::move(of.poles[i]));
+    out.hard.push_back(of.hard[i]);
+  }
+  const auto now = [&](int m) { return place[static_cast<std::size_t>(m)]; };
+  for (ModeCluster& c : of.modes) {
+    if (now(c.chosen) < 0) continue;
+    std::erase_if(c.members, [&](int m) { return now(m) < 0; });
+    for (int& m : c.members) m = now(m);
+    c.chosen = now(c.chosen);
+    out.modes.push_back(std::move(c));
+  }
+  of = std::move(out);
 }
 
 }  // namespace
@@ -117,8 +178,9 @@ Stabilisation stabilise(const StochasticSubspace& subspace, const StabilisationO
   const int smallest = std::max(2, options.smallest_order + options.smallest_order % 2);
   const int orders = std::max(0, (largest - smallest) / 2 + 1);
   std::vector<std::vector<Pole>> by_order(static_cast<std::size_t>(orders));
-  const PoleWindow window{.lowest_hz = options.lowest_hz,
-                          .highest_hz = options.highest_hz,
+  // What lies beyond the band bends shapes within, too, while it is not resolved.
+  const PoleWindow window{.lowest_hz = 0.0,
+                          .highest_hz = std::numeric_limits<double>::infinity(),
                           .lowest_damping = options.lowest_damping,
                           .highest_damping = options.highest_damping};
   // The largest orders first: they take longest.
@@ -138,9 +200,7 @@ Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
   std::vector<int> place;
   for (std::vector<Pole>& some : by_order)
     for (Pole& p : some) {
-      if (p.frequency_hz < options.lowest_hz || p.frequency_hz > options.highest_hz ||
-          p.damping < options.lowest_damping || p.damping > options.highest_damping)
-        continue;
+      if (p.damping < options.lowest_damping || p.damping > options.highest_damping) continue;
       const bool good = p.frequency_sd <= options.largest_relative_sd * p.frequency_hz ||
                         options.largest_relative_sd == kNever;
       if (good) {
@@ -150,7 +210,10 @@ Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
       out.hard.push_back(good);
       out.poles.push_back(std::move(p));
     }
-  if (hard.empty()) return out;
+  if (hard.empty()) {
+    cut_to_band(out, options.lowest_hz, options.highest_hz);
+    return out;
+  }
   out.threshold = threshold_of(hard);
   std::vector<int> orders;
   for (const Pole& p : hard) orders.push_back(p.order);
@@ -168,6 +231,8 @@ Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
     out.modes.push_back(std::move(cluster));
   }
   drop_splinters(out);
+  settle(out);
+  cut_to_band(out, options.lowest_hz, options.highest_hz);
   std::ranges::sort(out.modes, {}, [&](const ModeCluster& c) {
     return out.poles[static_cast<std::size_t>(c.chosen)].frequency_hz;
   });

@@ -49,8 +49,12 @@ struct Stabilisation {
 /// is represented by one of its poles: of those whose scatter (geometric mean of both relative
 /// standard deviations) is within a quarter of the cluster's best tenth, the one with the median
 /// frequency. That passes by the orders that are too large, whose poles scatter more, and selects
-/// among the others by nothing that has to do with their uncertainty. Of poles without standard
-/// deviations (NaN), which take largest_relative_sd = ∞, the median of all stands for the cluster.
+/// among the others by nothing that has to do with their uncertainty. Only orders count from
+/// where on all steady modes are there, those beyond the band as well, and all within the mode's
+/// skirts: one that is not resolved bends the shapes of others. Where no such order scatters as
+/// little as the best, the best of them do; where there are fewer than three, all orders count. Of
+/// poles without standard deviations (NaN), which take largest_relative_sd = ∞, the median of all
+/// stands for the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 

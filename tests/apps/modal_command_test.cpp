@@ -259,6 +259,46 @@ TEST_F(ModalCommand, FreeDecays) {
   EXPECT_THAT(run(c).err, HasSubstr("/record/decays"));
 }
 
+TEST_F(ModalCommand, BandsByBayes) {
+  json c = a_case();
+  c.erase("band");
+  c["method"] = "bayoma";
+  c["bands"] =
+      json::parse(R"([{"band": [0.8, 1.2], "modes": [1.0]}, {"band": [2.6, 3.4], "modes": [3]}])");
+  const Outcome outcome = run(c);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("posterior of each band's modes"));
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  ASSERT_EQ(modes["frequencies_hz"].size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double sd = std::sqrt(modes["covariance"][i][i].get<double>());
+    EXPECT_NEAR(modes["frequencies_hz"][i], i == 0 ? 1.0 : 3.0, 4.0 * sd);
+    EXPECT_GT(sd, 0.0);
+    EXPECT_NEAR(modes["damping"][i], 0.01, 0.01);
+  }
+  EXPECT_EQ(modes["covariance"][0][1], 0.0);  // of two bands
+  const json summary = json::parse(read_all(where / "out/summary.json"));
+  EXPECT_EQ(summary["procedure"]["method"], "bayoma");
+
+  const auto refused = [&](const json& changed, const char* words) {
+    const Outcome bad = run(changed);
+    EXPECT_EQ(bad.exit_code, 65) << words;
+    EXPECT_THAT(bad.err, HasSubstr(words));
+  };
+  json bad = c;
+  bad["band"] = {0.3, 9.0};
+  refused(bad, "/band");
+  bad = c;
+  bad["bands"][1]["modes"] = {9.0};
+  refused(bad, "/bands/1");
+  bad = c;
+  bad.erase("bands");
+  refused(bad, "/bands");
+  bad = c;
+  bad.erase("method");
+  refused(bad, "/bands");
+}
+
 TEST_F(ModalCommand, DryRunWritesNothing) {
   const Outcome ran =
       wheeltap(where, "modal " + where.write_json("case.json", a_case()).string() + " --dry-run");

@@ -91,7 +91,8 @@ TEST(RealShape, EstimatesAreRaisedAndFewBlocksKeepVariances) {
   const MatrixXd c = some_covariance(8);
   const RealShape exact = real_shape(nearly_real(), c, 0);
   const RealShape estimated = real_shape(nearly_real(), c, 50);
-  EXPECT_NEAR(estimated.covariance(0, 1) / exact.covariance(0, 1), 49.0 / 45.0, 1e-12);
+  EXPECT_NEAR(estimated.covariance(0, 1) / exact.covariance(0, 1),
+              49.0 / 45.0 * (1.0 + 2.0 * 45.0 / (46.0 * 43.0)), 1e-12);
   const RealShape few = real_shape(nearly_real(), c, 8);
   EXPECT_FALSE(few.correlated);
   EXPECT_EQ(few.covariance(0, 1), 0.0);
@@ -103,6 +104,33 @@ TEST(RealShape, Refusals) {
   EXPECT_THROW((void)real_shape(shape, some_covariance(4), 0), std::invalid_argument);
   EXPECT_THROW((void)real_shape(VectorXcd::Zero(4), some_covariance(8), 0), std::invalid_argument);
   EXPECT_THROW((void)real_shape(shape, MatrixXd::Zero(8, 8), 0), std::invalid_argument);
+}
+
+// GLS with an estimated covariance, raised so: its stated variance is that of its scatter.
+TEST(RealShape, RaisedCovariancesStateTheScatterOfEstimates) {
+  constexpr int kNumbers = 11, kBlocks = 50, kDraws = 4000;
+  base::Random random(2, 0, 0, base::Purpose::test);
+  const auto normal = [&](Eigen::Index rows, Eigen::Index columns) {
+    MatrixXd out(rows, columns);
+    for (double& v : out.reshaped()) v = random.normal();
+    return out;
+  };
+  const VectorXd one = VectorXd::Ones(kNumbers);
+  double errors = 0.0, stated = 0.0;
+  for (int i = 0; i < kDraws; ++i) {
+    const MatrixXd x = normal(kNumbers, kBlocks);
+    const MatrixXd centred = x.colwise() - x.rowwise().mean();
+    const MatrixXd c = estimated_covariance_factor(kNumbers, kBlocks) * centred *
+                       centred.transpose() / (kBlocks - 1.0);
+    const VectorXd weights = c.ldlt().solve(one);
+    const double estimate = weights.dot(normal(kNumbers, 1).col(0)) / weights.sum();
+    errors += estimate * estimate / kDraws;
+    stated += 1.0 / weights.sum() / kDraws;
+  }
+  // χ² of 4000 scatters by 2.2 %; the correction is of first order.
+  EXPECT_NEAR(errors / stated, 1.0, 0.1);
+  EXPECT_EQ(estimated_covariance_factor(kNumbers, 2 * kNumbers + 2), 0.0);
+  EXPECT_NEAR(estimated_covariance_factor(1, 5), 2.0, 1e-15);
 }
 
 }  // namespace

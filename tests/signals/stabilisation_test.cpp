@@ -53,5 +53,32 @@ TEST(Stabilisation, SplitsInTwoClasses) {
   EXPECT_EQ(two_classes({-9.0, 0.0, 0.1, 0.3}), 1U);
 }
 
+// A mode beyond the band is not resolved below order 20; till then it bends the shape of the one
+// within, whose pole is known as well there as later.
+TEST(Stabilisation, ChoosesWhereModesThatBendAShapeAreResolved) {
+  std::vector<std::vector<Pole>> by_order;
+  for (int order = 2; order <= 40; order += 2) {
+    const auto pole = [order](double f, double bend) {
+      Pole out;
+      out.order = order;
+      out.frequency_hz = f * (1.0 + 1e-5 * order);
+      out.damping = 0.01;
+      out.frequency_sd = 1e-3 * f;
+      out.damping_sd = 1e-3;
+      out.shape = Eigen::Vector2cd(1.0, bend);
+      return out;
+    };
+    by_order.push_back({pole(1.0, order < 20 ? 0.55 : 0.5)});
+    if (order >= 20) by_order.back().push_back(pole(3.0, -2.0));
+  }
+  const Stabilisation found = stabilise(std::move(by_order), {.lowest_hz = 0.5, .highest_hz = 2.0});
+  ASSERT_EQ(found.modes.size(), 1U);
+  EXPECT_EQ(found.modes[0].members.size(), 20U);
+  const Pole& chosen = found.poles[static_cast<std::size_t>(found.modes[0].chosen)];
+  EXPECT_GE(chosen.order, 20);
+  EXPECT_EQ(chosen.shape[1].real(), 0.5);
+  for (const Pole& p : found.poles) EXPECT_LT(p.frequency_hz, 2.0);
+}
+
 }  // namespace
 }  // namespace wheeltap::signals
