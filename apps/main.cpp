@@ -178,6 +178,10 @@ int run(int argc, char** argv) {
                       "say what the run would take, and do nothing else");
     command->get_option("--output")->required(false);  // unless it runs
   };
+  const auto add_allow_commands = [&](CLI::App* command) {
+    command->add_flag("--allow-commands", common.allow_commands,
+                      "let the case run programs (\"predictor\": {\"command\": ...})");
+  };
   std::string simd;  // obeyed before
   const auto add_threads = [&](CLI::App* command) {
     command
@@ -274,6 +278,7 @@ int run(int argc, char** argv) {
   add_seed(damage_command, "of the chains (default 1)");
   add_threads(damage_command);
   add_sampling(damage_command);
+  add_allow_commands(damage_command);
   add_limits(damage_command);
   add_dry_run(damage_command);
   damage_command->add_flag("--resume", common.resume,
@@ -309,6 +314,7 @@ int run(int argc, char** argv) {
   add_seed(batch_command, "of every run's chains (default 1)");
   add_threads(batch_command);
   add_sampling(batch_command);
+  add_allow_commands(batch_command);
   add_limits(batch_command);
   batch_command->add_flag("--resume", common.resume,
                           "keep finished runs, go on with interrupted ones, run the others");
@@ -320,6 +326,7 @@ int run(int argc, char** argv) {
   add_seed(update_command, "of the chains (default 1)");
   add_threads(update_command);
   add_sampling(update_command);
+  add_allow_commands(update_command);
   add_limits(update_command);
   add_dry_run(update_command);
   update_command->add_flag("--resume", common.resume,
