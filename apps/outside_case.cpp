@@ -171,6 +171,34 @@ std::shared_ptr<RememberedModel> open_outside(const CaseFile& file, const Outsid
       std::make_shared<InOrder>(std::move(model), spec.order), memory, identity.dump());
 }
 
+Report outside_report(const OutsideSpec& spec, const OutsideModel& model,
+                      const OutsideEmulator* emulator) {
+  Report out = {{"model", in_words(spec)}, {"inputs", spec.names}};
+  if (const auto* asked = dynamic_cast<const RememberedModel*>(&model)) {
+    out["asked"] = asked->asked();
+    out["remembered"] = asked->remembered();
+    out["gradients"] = asked->slopes();
+  }
+  if (emulator == nullptr) return out;
+  Report modes = Report::array();
+  for (std::size_t m = 0; m < emulator->error().holdout.size(); ++m) {
+    const auto& error = emulator->error().holdout[m];
+    modes.push_back({{"rmse", error.rmse},
+                     {"max_error", error.max_error},
+                     {"q2", error.q2},
+                     {"leave_one_out_rmse", emulator->error().leave_one_out[m]},
+                     {"scale", emulator->error().scale[m]}});
+  }
+  Report box = Report::object();
+  for (const auto& factor : emulator->box()) box[factor.name] = {factor.low(), factor.high()};
+  out["emulator"] = {{"kind", "Gaussian process"},
+                     {"runs", emulator->runs()},
+                     {"fresh_runs", emulator->fresh_runs()},
+                     {"box", box},
+                     {"modes", modes}};
+  return out;
+}
+
 std::string in_words(const OutsideSpec& spec) {
   if (spec.umbridge)
     return (spec.umbridge->model.empty() ? "the model" : "\"" + spec.umbridge->model + "\"") +

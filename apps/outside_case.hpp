@@ -8,6 +8,7 @@
 
 #include "apps/case_file.hpp"
 #include "apps/commands.hpp"
+#include "apps/summary.hpp"
 #include "identification/outside_emulator.hpp"
 #include "identification/remembered_model.hpp"
 
@@ -60,7 +61,11 @@ inline constexpr const char* kModelRuns = "model-runs.journal";
 [[nodiscard]] std::shared_ptr<identification::RememberedModel> open_outside(
     const CaseFile& file, const OutsideSpec& spec, int outputs, const CommonOptions& common);
 
-/// What of the model a summary tells.
+/// The model in a few words.
 [[nodiscard]] std::string in_words(const OutsideSpec& spec);
+/// What of it a summary tells: whose it is, how often it was asked, how wrong its emulator is.
+[[nodiscard]] Report outside_report(const OutsideSpec& spec,
+                                    const identification::OutsideModel& model,
+                                    const identification::OutsideEmulator* emulator = nullptr);
 
 }  // namespace wheeltap::apps

@@ -132,6 +132,9 @@ FinishedRun sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
   Report summary = update_summary(*parsed, *problem, *findings,
                                   {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
+  if (parsed->outside)
+    summary["predictor"] = outside_report(*parsed->outside, *problem->outside->model,
+                                          problem->outside->emulator.get());
   const std::string run = run_id(summary["wheeltap"], *posterior);
   return {
       .summary = std::move(summary),
