@@ -94,7 +94,8 @@ std::optional<int> run(const std::vector<std::string>& words, const fs::path& di
     waitpid(pid, nullptr, 0);
     throw OutsideModelError(Kind::unreachable, "this system cannot watch processes (pidfd_open)");
   }
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_seconds);
+  const auto end =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_seconds);
   bool late = false;
   while (true) {
     const double left =
@@ -174,7 +175,8 @@ std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) c
     }
     if (!said.is_array()) return "it wrote neither a list nor an object with \"predictions\"";
     for (const Json& value : said) {
-      if (!value.is_number()) return "it wrote " + value.dump().substr(0, kLongest) + ", which is no number";
+      if (!value.is_number())
+        return "it wrote " + value.dump().substr(0, kLongest) + ", which is no number";
       found.push_back(value);
     }
   }
@@ -234,9 +236,9 @@ void CommandModel::evaluate(std::span<const double> x, std::span<double> y) {
     if (trouble.empty()) return;
   }
   const std::string times = tries > 1 ? ", " + std::to_string(tries) + " times" : "";
-  throw OutsideModelError(
-      Kind::bad_answer,
-      io::printable(trouble + times + ", at " + Json(std::vector<double>(x.begin(), x.end())).dump()));
+  throw OutsideModelError(Kind::bad_answer,
+                          io::printable(trouble + times + ", at " +
+                                        Json(std::vector<double>(x.begin(), x.end())).dump()));
 }
 
 }  // namespace wheeltap::apps

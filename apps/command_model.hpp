@@ -24,8 +24,7 @@ class CommandModel final : public identification::OutsideModel {
   /// What went wrong, or nothing.
   std::string attempt(std::span<const double> x, std::span<double> y, bool last);
   [[nodiscard]] std::vector<std::string> words_in(const std::filesystem::path& directory) const;
-  [[nodiscard]] std::string answer_in(const std::filesystem::path& file,
-                                      std::span<double> y) const;
+  [[nodiscard]] std::string answer_in(const std::filesystem::path& file, std::span<double> y) const;
 
   CommandSpec spec_;
   std::vector<std::string> names_;

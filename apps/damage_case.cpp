@@ -492,8 +492,8 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
                "{\"runs_csv\": ...}");
     for (const DefectKind& kind : out.kinds)
       if (kind.severity_prior() == nullptr)
-        f.refuse(at("/predictor"), "a " + kind.name +
-                                       " of known severity cannot be told from none: give it a prior");
+        f.refuse(at("/predictor"),
+                 "a " + kind.name + " of known severity cannot be told from none: give it a prior");
     parsed.outside = parse_outside(f, outside_inputs(out));
   } else if (json.contains("predictor") && json["predictor"].is_object()) {
     out.emulator = parse_emulator(f, out);

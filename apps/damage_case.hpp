@@ -16,7 +16,7 @@ struct DamageCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
   identification::DamageCase damage;
-  std::vector<Pointer> kinds;  ///< blocks of the damage's kinds, for complaints
+  std::vector<Pointer> kinds;               ///< blocks of the damage's kinds, for complaints
   std::optional<OutsideSpec> outside = {};  ///< predicts in place of the FE solution
 
   /// What the library complains about, as a complaint about the case. Throws Failure.

@@ -64,11 +64,10 @@ CommandSpec parse_command(const CaseFile& file, const Json& p) {
   };
   for (const char* place : {"{in}", "{out}"})
     if (!has(place))
-      file.refuse(kPredictor / "command", std::string("has no ") + place +
-                                              ", which stands for the file with " +
-                                              (std::string(place) == "{in}"
-                                                   ? "the parameters"
-                                                   : "the predictions that it writes"));
+      file.refuse(
+          kPredictor / "command",
+          std::string("has no ") + place + ", which stands for the file with " +
+              (std::string(place) == "{in}" ? "the parameters" : "the predictions that it writes"));
   if (out.words[0].find('{') != std::string::npos && !out.words[0].starts_with("{case}"))
     file.refuse(kPredictor / "command", "must begin with a program");
   return out;
@@ -127,8 +126,7 @@ OutsideSpec parse_outside(const CaseFile& file, const std::vector<std::string>& 
     file.refuse(kPredictor / "command", "takes the place of \"umbridge\": give one of them");
   const auto only = [&](const char* with, std::initializer_list<const char*> keys) {
     for (const char* key : keys)
-      if (p.contains(key))
-        file.refuse(kPredictor / key, std::string("goes with \"") + with + "\"");
+      if (p.contains(key)) file.refuse(kPredictor / key, std::string("goes with \"") + with + "\"");
   };
   if (p.contains("umbridge")) {
     only("command", {"format"});
@@ -167,8 +165,8 @@ std::shared_ptr<RememberedModel> open_outside(const CaseFile& file, const Outsid
   Json identity = file.json.at(kPredictor);
   for (const char* key : {"timeout", "retries", "memory", "emulator"}) identity.erase(key);
   identity["inputs"] = spec.names;
-  return std::make_shared<RememberedModel>(
-      std::make_shared<InOrder>(std::move(model), spec.order), memory, identity.dump());
+  return std::make_shared<RememberedModel>(std::make_shared<InOrder>(std::move(model), spec.order),
+                                           memory, identity.dump());
 }
 
 Report outside_report(const OutsideSpec& spec, const OutsideModel& model,

@@ -22,8 +22,8 @@ struct Patience {
 
 /// A model that a UM-Bridge server offers.
 struct UmbridgeSpec {
-  std::string url;            ///< http://host:port, with a path or without
-  std::string model;          ///< empty: the only one, or "forward"
+  std::string url;    ///< http://host:port, with a path or without
+  std::string model;  ///< empty: the only one, or "forward"
   Json config = Json::object();
   Patience patience = {.retries = 4};
 };
@@ -42,7 +42,8 @@ struct OutsideSpec {
   std::vector<int> order = {};              ///< input i is unknown order[i]
   std::vector<std::string> names = {};      ///< of the inputs
   std::optional<identification::OutsideEmulatorSpec> emulator = {};
-  std::filesystem::path memory = {};  ///< a file of the user's for its answers; empty: the run's own
+  std::filesystem::path memory =
+      {};  ///< a file of the user's for its answers; empty: the run's own
 };
 
 /// Whether /predictor is such a model.

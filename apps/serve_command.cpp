@@ -49,21 +49,21 @@ void run_serve(const CommonOptions& common, const ServeOptions& options) {
   const std::vector<ServedModel> models =
       models_of(read_case(common.case_path, common.overrides), common);
   const StopOnInterrupt stop;
-  serve_models(models,
-               {.host = options.host,
-                .port = options.port,
-                .threads = base::thread_count(common.threads),
-                .ready =
-                    [&](int port) {
-                      std::cout << "Serving " << io::printable(common.case_path.string())
-                                << " at http://"
-                                << (options.host == "127.0.0.1" ? "localhost" : options.host) << ":"
-                                << port << " (Ctrl-C ends it):";
-                      for (const ServedModel& model : models)
-                        std::cout << (&model == &models[0] ? " " : ", ") << model.name;
-                      std::cout << std::endl;
-                    },
-                .stop = was_interrupted});
+  serve_models(models, {.host = options.host,
+                        .port = options.port,
+                        .threads = base::thread_count(common.threads),
+                        .ready =
+                            [&](int port) {
+                              std::cout
+                                  << "Serving " << io::printable(common.case_path.string())
+                                  << " at http://"
+                                  << (options.host == "127.0.0.1" ? "localhost" : options.host)
+                                  << ":" << port << " (Ctrl-C ends it):";
+                              for (const ServedModel& model : models)
+                                std::cout << (&model == &models[0] ? " " : ", ") << model.name;
+                              std::cout << std::endl;
+                            },
+                        .stop = was_interrupted});
 }
 
 }  // namespace wheeltap::apps

@@ -42,8 +42,7 @@ class StructureForward final : public OutsideModel {
   // f = √λ / 2π:  ∂f = ∂λ / (8π² f).
   bool gradient(std::span<const double> theta, std::span<const double> sensitivity,
                 std::span<double> slope) override {
-    if (!problem_->modes ||
-        !problem_->modes->differentiate(theta, *workspace_, modes_, slopes_))
+    if (!problem_->modes || !problem_->modes->differentiate(theta, *workspace_, modes_, slopes_))
       return by_differences(theta, sensitivity, slope);
     std::ranges::fill(slope, 0.0);
     for (std::size_t i = 0; i < sensitivity.size(); ++i) {
@@ -51,8 +50,7 @@ class StructureForward final : public OutsideModel {
       const double f = std::sqrt(modes_.eigenvalues[at]) / kTwoPi;
       const double rate = 1.0 / (2.0 * kTwoPi * kTwoPi * f);
       for (std::size_t p = 0; p < slope.size(); ++p)
-        slope[p] += sensitivity[i] * rate *
-                    slopes_.eigenvalues(at, static_cast<Eigen::Index>(p));
+        slope[p] += sensitivity[i] * rate * slopes_.eigenvalues(at, static_cast<Eigen::Index>(p));
     }
     return true;
   }
@@ -194,11 +192,10 @@ void add_densities(const std::shared_ptr<const AnyProblem>& problem,
 }  // namespace
 
 std::vector<ServedModel> served(std::shared_ptr<const UpdateProblem> problem) {
-  std::vector<ServedModel> out = {{.name = "forward",
-                                   .has_gradient = problem->modes != nullptr,
-                                   .make = [problem] {
-                                     return std::make_unique<StructureForward>(problem);
-                                   }}};
+  std::vector<ServedModel> out = {
+      {.name = "forward", .has_gradient = problem->modes != nullptr, .make = [problem] {
+         return std::make_unique<StructureForward>(problem);
+       }}};
   add_densities(problem, out);
   return out;
 }

@@ -32,8 +32,9 @@ bool knows_http() {
 std::unique_ptr<OutsideModel> umbridge_model(const UmbridgeSpec& spec, int /*inputs*/,
                                              int /*outputs*/) {
   throw OutsideModelError(Kind::unreachable,
-                          spec.url + ": this wheeltap was built without cpp-httplib, and knows no "
-                                     "servers");
+                          spec.url +
+                              ": this wheeltap was built without cpp-httplib, and knows no "
+                              "servers");
 }
 
 #else
@@ -63,9 +64,9 @@ class UmbridgeModel final : public OutsideModel {
   [[nodiscard]] int outputs() const override { return sum(output_sizes_); }
 
   void evaluate(std::span<const double> x, std::span<double> y) override {
-    const Json answer = ask("Evaluate", {{"name", spec_.model},
-                                         {"input", blocks(x, input_sizes_)},
-                                         {"config", spec_.config}});
+    const Json answer =
+        ask("Evaluate",
+            {{"name", spec_.model}, {"input", blocks(x, input_sizes_)}, {"config", spec_.config}});
     const std::string where = at("Evaluate");
     const Json& output = field(answer, "output", where);
     if (!output.is_array() || output.size() != output_sizes_.size())
@@ -140,8 +141,9 @@ class UmbridgeModel final : public OutsideModel {
     for (std::size_t i = 0; i < to.size(); ++i) {
       // JSON has no NaN: Python's writes one all the same, and others write null.
       if (!from[i].is_number() || !std::isfinite(from[i].get<double>()))
-        wrong(where, "answered with " + from[i].dump(-1, ' ', false, Json::error_handler_t::replace) +
-                         " at " + text(x) + ", number " + std::to_string(i + 1) +
+        wrong(where, "answered with " +
+                         from[i].dump(-1, ' ', false, Json::error_handler_t::replace) + " at " +
+                         text(x) + ", number " + std::to_string(i + 1) +
                          ": must be a finite number");
       to[i] = from[i];
     }
@@ -203,7 +205,8 @@ class UmbridgeModel final : public OutsideModel {
     auto client = std::make_unique<httplib::Client>(host_);
     const auto whole = std::chrono::duration_cast<std::chrono::microseconds>(
         std::chrono::duration<double>(spec_.patience.timeout_seconds));
-    client->set_connection_timeout(std::min<std::chrono::microseconds>(whole, std::chrono::seconds(10)));
+    client->set_connection_timeout(
+        std::min<std::chrono::microseconds>(whole, std::chrono::seconds(10)));
     client->set_read_timeout(whole);
     client->set_write_timeout(whole);
     client->set_keep_alive(true);
@@ -280,7 +283,7 @@ class UmbridgeModel final : public OutsideModel {
   std::vector<int> input_sizes_, output_sizes_;
   bool has_gradient_ = false;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<httplib::Client>> idle_;
+  std::vector<std::unique_ptr<httplib::Client> > idle_;
 };
 
 }  // namespace

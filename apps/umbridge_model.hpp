@@ -17,6 +17,6 @@ namespace wheeltap::apps {
 /// not answer, or says 5xx, is asked again after ¼, ½, 1 … seconds; other answers are final.
 /// Throws OutsideModelError.
 [[nodiscard]] std::unique_ptr<identification::OutsideModel> umbridge_model(const UmbridgeSpec& spec,
-                                                                          int inputs, int outputs);
+                                                                           int inputs, int outputs);
 
 }  // namespace wheeltap::apps

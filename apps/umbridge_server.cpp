@@ -65,7 +65,7 @@ class Workers {
   std::unique_ptr<OutsideModel> first_;
   int inputs_ = 0, outputs_ = 0;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<OutsideModel>> idle_;
+  std::vector<std::unique_ptr<OutsideModel> > idle_;
 };
 
 std::vector<double> numbers(const Json& from, int size, const char* what) {
@@ -203,21 +203,19 @@ class Server {
     const Json& name = field(question, "name");
     const auto found = std::ranges::find_if(
         models_, [&](const auto& model) { return name == model->model().name; });
-    if (found == models_.end())
-      throw Refusal{"ModelNotFound", "there is no model " + name.dump()};
+    if (found == models_.end()) throw Refusal{"ModelNotFound", "there is no model " + name.dump()};
     return make(**found, question);
   }
 
   static void refuse(httplib::Response& response, const Refusal& refusal, int status) {
     response.status = status;
-    response.set_content(
-        Json({{"error", {{"type", refusal.type}, {"message", refusal.message}}}})
-            .dump(-1, ' ', false, Json::error_handler_t::replace),
-        kType);
+    response.set_content(Json({{"error", {{"type", refusal.type}, {"message", refusal.message}}}})
+                             .dump(-1, ' ', false, Json::error_handler_t::replace),
+                         kType);
   }
 
   ServerOptions options_;
-  std::vector<std::unique_ptr<Workers>> models_;
+  std::vector<std::unique_ptr<Workers> > models_;
   httplib::Server server_;
 };
 

@@ -288,8 +288,7 @@ void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
   std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
 }
 
-void FrequencyPredictor::ask_outside(int model, std::span<const double> x,
-                                     std::span<double> out) {
+void FrequencyPredictor::ask_outside(int model, std::span<const double> x, std::span<double> out) {
   const auto& kinds = problem_.damage_case.kinds;
   auto present = problem_.components(model, x);
   std::ranges::sort(present, [](const auto& a, const auto& b) {
@@ -485,12 +484,14 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   }
   if (options.outside) {
     if (!out->reanalysis)
-      throw InvalidInput(InvalidInput::Part::data,
-                         "a predictor of one's own goes with a beam and its frequencies: there must "
-                         "be no shapes, states or structure");
+      throw InvalidInput(
+          InvalidInput::Part::data,
+          "a predictor of one's own goes with a beam and its frequencies: there must "
+          "be no shapes, states or structure");
     out->outside = options.outside;
   }
-  out->symmetric = mirrored && !options.outside && !told_apart && !(states && states->tells_sides());
+  out->symmetric =
+      mirrored && !options.outside && !told_apart && !(states && states->tells_sides());
   if (mirrored) {
     for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
       out->problem.reflections.push_back({static_cast<int>(k), 0, 0.5 * damage_case.beam.length});

@@ -110,8 +110,8 @@ struct DamageProblemOptions {
   std::shared_ptr<OutsideModel> outside = {};
 };
 
-/// Inputs that such a model has, by name: "location[1]", "reduction[1]" …, with a kind's name before
-/// where there are several.
+/// Inputs that such a model has, by name: "location[1]", "reduction[1]" …, with a kind's name
+/// before where there are several.
 [[nodiscard]] std::vector<std::string> outside_inputs(const DamageCase& damage_case);
 
 /// Completes the case, and trains or reads the emulator where it asks for one. The log likelihood

@@ -15,9 +15,9 @@ namespace wheeltap::identification {
 
 /// What a case says of it.
 struct OutsideEmulatorSpec {
-  int runs = 0;     ///< of the model, to train on; 0: 20 an unknown, 40 at least
-  int holdout = 0;  ///< fresh ones that measure the error; 0: a quarter of those, 10 at least
-  bool sobol = false;          ///< Sobol's points in place of a Latin hypercube's
+  int runs = 0;        ///< of the model, to train on; 0: 20 an unknown, 40 at least
+  int holdout = 0;     ///< fresh ones that measure the error; 0: a quarter of those, 10 at least
+  bool sobol = false;  ///< Sobol's points in place of a Latin hypercube's
   bool emulator_error = true;  ///< add its measured error to the noise
   std::uint64_t seed = 1;      ///< of both designs
 
@@ -40,8 +40,7 @@ class OutsideEmulator {
   [[nodiscard]] bool contains(std::span<const double> x) const { return process_->contains(x); }
   /// All responses and the variances of their errors (0 where the case switches them off), at an x
   /// in the box.
-  void evaluate(std::span<const double> x, std::span<double> out,
-                std::span<double> variance) const;
+  void evaluate(std::span<const double> x, std::span<double> out, std::span<double> variance) const;
 
   [[nodiscard]] const EmulatorError& error() const { return error_; }
   [[nodiscard]] const std::vector<emulator::Factor>& box() const { return process_->factors(); }
