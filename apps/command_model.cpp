@@ -2,8 +2,8 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -88,7 +88,7 @@ std::optional<int> run(const std::vector<std::string>& words, const fs::path& di
     _exit(errno == ENOENT ? kNoProgram : kNotRunnable);
   }
   setpgid(pid, pid);  // whichever of the two comes first
-  const int handle = pidfd_open(pid, 0);
+  const auto handle = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
   if (handle < 0) {
     kill(-pid, SIGKILL);
     waitpid(pid, nullptr, 0);

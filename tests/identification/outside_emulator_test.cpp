@@ -48,11 +48,11 @@ TEST(OutsideEmulator, ItsBoxIsThatOfThePriors) {
   EXPECT_FALSE(emulator.contains(std::vector<double>{1e6, 0.5}));
 }
 
-// Standardised by the variance that it claims, errors at points that it has never seen are not
-// larger than they should be: χ² of 400 of them, beyond which one in 10^6 lies for honest errors
-// twice as large as claimed in variance.
+// Errors at 400 points that it has never seen, standardised by the variance that it claims: 1 in
+// the mean. 40 fresh runs know their variance to about a factor of 2, and beyond 4.75 sd of χ² lies
+// one in 10^6.
 TEST(OutsideEmulator, ClaimsTheErrorThatItHas) {
-  for (const double waves : {3.0, 25.0}) {
+  for (const double waves : {3.0, 200.0}) {
     Smooth model(waves);
     const OutsideEmulator emulator(model, unknowns(), {.runs = 40, .holdout = 40}, 2);
     const auto points = emulator::random_design(emulator.box(), 400, 77);
@@ -64,7 +64,7 @@ TEST(OutsideEmulator, ClaimsTheErrorThatItHas) {
       sum += (y[1] - found[1]) * (y[1] - found[1]) / variance[1];
     }
     EXPECT_LT(sum / 400.0, 2.0 * (1.0 + 4.75 * std::sqrt(2.0 / 400.0))) << waves;
-    EXPECT_EQ(emulator.error().holdout[1].cannot_be_predicted(), waves > 20.0);
+    EXPECT_EQ(emulator.error().holdout[1].cannot_be_predicted(), waves > 100.0);
   }
 }
 
