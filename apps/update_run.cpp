@@ -54,6 +54,28 @@ void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem,
   }
 }
 
+/// A posterior that leans on the emulator's box would go on beyond it.
+void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& posterior,
+                     RunWatch& watch) {
+  if (!problem.outside->emulator) return;
+  constexpr double kNear = 3.5, kShare = 0.01;  // standard normal, of the draws
+  const auto& space = problem.problem.space;
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  for (int p = 0; p < problem.structural; ++p) {
+    const inference::Prior& prior = space.prior(0, p);
+    if (std::isfinite(prior.lower()) && std::isfinite(prior.upper())) continue;
+    double near = 0.0, all = 0.0;
+    for (const auto& chain : posterior.chains)
+      for (std::size_t i = 0; i < chain.size(); ++i, ++all)
+        near += std::abs(prior.to_standard_normal(
+                    chain.theta[i * width + static_cast<std::size_t>(p)])) > kNear;
+    if (near > kShare * all)
+      watch.warn(space.parameter_name(0, p) +
+                 " leans on the end of the emulator's box, four standard deviations of its prior: "
+                 "widen the prior");
+  }
+}
+
 RunCost cost_of(int dimension, int modes, double seconds_a_likelihood, const CommonOptions& common,
                 const SamplingOptions& options) {
   const double d = dimension;
@@ -126,6 +148,7 @@ FinishedRun sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
   if (parsed->outside) tell_of_outside(*parsed, *problem, watch);
   const auto posterior = std::make_shared<const inference::Posterior>(
       watch.sample(problem->problem, engine_options(common, options)));
+  if (parsed->outside) warn_of_the_box(*problem, *posterior, watch);
   const auto findings = std::make_shared<const UpdateFindings>(update_findings(
       *problem, *posterior,
       compute_evidence(problem->problem, methods, seed, common.threads, watch), seed));

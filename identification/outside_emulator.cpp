@@ -17,9 +17,12 @@ constexpr double kDecade = 10.0;
 Factor factor_of(const inference::Parameter& unknown) {
   const inference::Prior& prior = unknown.prior;
   const auto end = [&](double bound, double z) {
-    return std::isfinite(bound) && bound != 0.0 ? bound : prior.from_standard_normal(z);
+    return std::isfinite(bound) ? bound : prior.from_standard_normal(z);
   };
-  const double low = end(prior.lower(), -kFarthest), high = end(prior.upper(), kFarthest);
+  const double high = end(prior.upper(), kFarthest);
+  // A density that reaches up from 0 without end has its scale in its quantiles.
+  const bool half = prior.lower() == 0.0 && !std::isfinite(prior.upper());
+  const double low = half ? prior.from_standard_normal(-kFarthest) : end(prior.lower(), -kFarthest);
   return {.name = unknown.name,
           .unit = "",
           .levels = {low, high},

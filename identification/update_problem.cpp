@@ -135,7 +135,7 @@ ModalNoise UpdateProblem::noise(std::span<const double> x) const {
     const auto outputs = static_cast<std::size_t>(outside->model->outputs());
     std::vector<double> ignored(outputs);
     out.emulator_variance.resize(outputs);
-    outside->predict(theta(x), ignored, out.emulator_variance);
+    static_cast<void>(outside->predict(theta(x), ignored, out.emulator_variance));
   }
   return out;
 }
@@ -233,7 +233,7 @@ bool ModePredictor::ask_outside(std::span<const double> x) {
   const auto outputs = static_cast<std::size_t>(problem_.outside->model->outputs());
   frequencies_hz_.resize(outputs);
   variance_.resize(outputs);
-  problem_.outside->predict(problem_.theta(x), frequencies_hz_, variance_);
+  if (!problem_.outside->predict(problem_.theta(x), frequencies_hz_, variance_)) return false;
   if (!problem_.outside->emulator) variance_.clear();
   modes_.eigenvalues.resize(static_cast<Eigen::Index>(outputs));
   for (std::size_t i = 0; i < outputs; ++i) {
