@@ -26,10 +26,9 @@ struct OutsideEmulatorSpec {
 };
 
 /// A Gaussian process for each response. The box has the ends of a prior's support or, where it
-/// has none, its quantiles at z = ±4 (both, where it reaches up from 0 without end); an unknown
-/// that is positive over more than a decade is taken by its logarithm. The variance of its error is
-/// the process's own times a factor >= 1 that makes it honest on the fresh runs
-/// (emulator_error.hpp).
+/// has none, its quantiles at z = ±4; an unknown that is positive over more than a decade is taken
+/// by its logarithm. The variance of its error is the process's own times a factor >= 1 that makes
+/// it honest on the fresh runs (emulator_error.hpp).
 class OutsideEmulator {
  public:
   /// Runs the model at both designs, on `threads` threads. Throws OutsideModelError, and
