@@ -135,7 +135,8 @@ ModalNoise UpdateProblem::noise(std::span<const double> x) const {
     const auto outputs = static_cast<std::size_t>(outside->model->outputs());
     std::vector<double> ignored(outputs);
     out.emulator_variance.resize(outputs);
-    static_cast<void>(outside->predict(theta(x), ignored, out.emulator_variance));
+    if (outside->emulator->contains(theta(x)))
+      outside->predict(theta(x), ignored, out.emulator_variance);
   }
   return out;
 }
@@ -233,7 +234,10 @@ bool ModePredictor::ask_outside(std::span<const double> x) {
   const auto outputs = static_cast<std::size_t>(problem_.outside->model->outputs());
   frequencies_hz_.resize(outputs);
   variance_.resize(outputs);
-  if (!problem_.outside->predict(problem_.theta(x), frequencies_hz_, variance_)) return false;
+  // The box cuts priors off: searches go beyond it far too often to ask the model itself there.
+  const auto& emulator = problem_.outside->emulator;
+  if (emulator && !emulator->contains(problem_.theta(x))) return false;
+  problem_.outside->predict(problem_.theta(x), frequencies_hz_, variance_);
   if (!problem_.outside->emulator) variance_.clear();
   modes_.eigenvalues.resize(static_cast<Eigen::Index>(outputs));
   for (std::size_t i = 0; i < outputs; ++i) {
