@@ -152,6 +152,21 @@ std::optional<Complaint> explain(const Json& root, const Json& reference, const 
         fitting.push_back(&candidate);
       }
     }
+    // Objects of several kinds are told by the keys that each must have.
+    const auto named = [&](const Json* candidate) {
+      const Json required = candidate->value("required", Json::array());
+      return value.is_object() && !required.empty() &&
+             std::ranges::all_of(
+                 required, [&](const Json& key) { return value.contains(key.get<std::string>()); });
+    };
+    if (fitting.size() > 1) {
+      if (std::ranges::any_of(fitting, named)) {
+        std::erase_if(fitting, [&](const Json* candidate) { return !named(candidate); });
+      } else {
+        std::erase_if(fitting,
+                      [](const Json* candidate) { return candidate->contains("x-named"); });
+      }
+    }
     if (fitting.size() == 1) return explain(root, *fitting[0], value, where);
     return complain("must be " + wanted(rule));
   }

@@ -23,6 +23,7 @@ struct CommonOptions {
   bool dry_run = false;              ///< says what it would take, and ends
   double max_memory_gb = 4.0;        ///< estimates beyond these are refused
   double max_hours = 100.0;
+  bool allow_commands = false;  ///< cases may run programs
   std::string command_line;
 };
 

@@ -12,6 +12,7 @@
 #include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
+#include "identification/damage_problem.hpp"
 #include "identification/defects/reduction.hpp"
 #include "identification/interpolants.hpp"
 #include "io/netcdf_name.hpp"
@@ -484,7 +485,17 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
       }
     }
   }
-  if (json.contains("predictor") && json["predictor"].is_object()) {
+  if (has_outside_model(f)) {
+    if (json["predictor"].contains("emulator"))
+      f.refuse(at("/predictor/emulator"),
+               "goes with update cases; here, run a design of your own and name it as "
+               "{\"runs_csv\": ...}");
+    for (const DefectKind& kind : out.kinds)
+      if (kind.severity_prior() == nullptr)
+        f.refuse(at("/predictor"),
+                 "a " + kind.name + " of known severity cannot be told from none: give it a prior");
+    parsed.outside = parse_outside(f, outside_inputs(out));
+  } else if (json.contains("predictor") && json["predictor"].is_object()) {
     out.emulator = parse_emulator(f, out);
   }
   const bool states = needs == Needs::data && has_states(f);

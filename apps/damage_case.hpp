@@ -7,6 +7,7 @@
 
 #include "apps/case_file.hpp"
 #include "apps/explained.hpp"
+#include "apps/outside_case.hpp"
 #include "identification/damage_case.hpp"
 
 namespace wheeltap::apps {
@@ -15,7 +16,8 @@ struct DamageCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
   identification::DamageCase damage;
-  std::vector<Pointer> kinds;  ///< blocks of the damage's kinds, for complaints
+  std::vector<Pointer> kinds;               ///< blocks of the damage's kinds, for complaints
+  std::optional<OutsideSpec> outside = {};  ///< predicts in place of the FE solution
 
   /// What the library complains about, as a complaint about the case. Throws Failure.
   [[noreturn]] void refuse(const identification::InvalidInput& error) const;

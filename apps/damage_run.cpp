@@ -19,10 +19,15 @@ std::shared_ptr<const DamageProblem> prepare_damage(const DamageCaseFile& parsed
                std::to_string(total) + " FE runs, " + std::to_string(count) +
                    (count == 1 ? " damage" : " damages"));
   };
-  std::shared_ptr<const DamageProblem> problem = explained(parsed, [&] {
-    return make_damage_problem(
-        parsed.damage, {.threads = base::thread_count(common.threads), .table_progress = show});
-  });
+  DamageProblemOptions options = {.threads = base::thread_count(common.threads),
+                                  .table_progress = show};
+  if (parsed.outside) {
+    if (base::ranks() != nullptr)
+      throw Failure(Exit::usage, "a predictor of one's own runs in one process, not under mpirun");
+    options.outside = open_outside(parsed.file, *parsed.outside, parsed.damage.modes(), common);
+  }
+  std::shared_ptr<const DamageProblem> problem =
+      explained(parsed, [&] { return make_damage_problem(parsed.damage, options); });
   watch.clear();
   return problem;
 }
@@ -45,6 +50,7 @@ std::optional<FinishedRun> sample_damage(std::shared_ptr<const DamageCaseFile> p
   Report summary =
       damage_summary(*parsed, *findings, {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
+  if (parsed->outside) summary["predictor"] = outside_report(*parsed->outside, *problem->outside);
   const std::string run = run_id(summary["wheeltap"], *posterior);
   return FinishedRun{
       .summary = std::move(summary),

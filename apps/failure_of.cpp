@@ -3,6 +3,7 @@
 #include <new>
 #include <system_error>
 
+#include "identification/outside_model.hpp"
 #include "inference/target.hpp"
 #include "io/file_error.hpp"
 #include "io/text.hpp"
@@ -36,6 +37,11 @@ Failure failure_of(const std::exception_ptr& thrown, const std::filesystem::path
     return failure(exit_of(error.kind()), error.what());
   } catch (const inference::LikelihoodError& error) {
     return failure(Exit::bad_input, case_path.string() + ": " + error.what());
+  } catch (const identification::OutsideModelError& error) {
+    return failure(error.kind() == identification::OutsideModelError::Kind::unreachable
+                       ? Exit::no_input
+                       : Exit::bad_input,
+                   case_path.string() + ": /predictor: " + error.what());
   } catch (const std::bad_alloc&) {
     return failure(Exit::bad_input, case_path.string() +
                                         ": asks for more memory than there is (--dry-run estimates "

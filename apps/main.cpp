@@ -21,6 +21,7 @@
 #include "apps/program_text.hpp"
 #include "apps/report/report.hpp"
 #include "apps/section_command.hpp"
+#include "apps/serve_command.hpp"
 #include "apps/several_ranks.hpp"
 #include "apps/update_command.hpp"
 #include "apps/whole_number.hpp"
@@ -178,6 +179,10 @@ int run(int argc, char** argv) {
                       "say what the run would take, and do nothing else");
     command->get_option("--output")->required(false);  // unless it runs
   };
+  const auto add_allow_commands = [&](CLI::App* command) {
+    command->add_flag("--allow-commands", common.allow_commands,
+                      "let the case run programs (\"predictor\": {\"command\": ...})");
+  };
   std::string simd;  // obeyed before
   const auto add_threads = [&](CLI::App* command) {
     command
@@ -274,6 +279,7 @@ int run(int argc, char** argv) {
   add_seed(damage_command, "of the chains (default 1)");
   add_threads(damage_command);
   add_sampling(damage_command);
+  add_allow_commands(damage_command);
   add_limits(damage_command);
   add_dry_run(damage_command);
   damage_command->add_flag("--resume", common.resume,
@@ -309,6 +315,7 @@ int run(int argc, char** argv) {
   add_seed(batch_command, "of every run's chains (default 1)");
   add_threads(batch_command);
   add_sampling(batch_command);
+  add_allow_commands(batch_command);
   add_limits(batch_command);
   batch_command->add_flag("--resume", common.resume,
                           "keep finished runs, go on with interrupted ones, run the others");
@@ -320,10 +327,24 @@ int run(int argc, char** argv) {
   add_seed(update_command, "of the chains (default 1)");
   add_threads(update_command);
   add_sampling(update_command);
+  add_allow_commands(update_command);
   add_limits(update_command);
   add_dry_run(update_command);
   update_command->add_flag("--resume", common.resume,
                            "print a finished run of the same case again instead of repeating it");
+
+  apps::ServeOptions serving;
+  CLI::App* serve_command = app.add_subcommand(
+      "serve", "offer the case's predictor to other programs, as a UM-Bridge model");
+  add_case(serve_command);
+  serve_command->add_option("--port", serving.port, "to listen at (default: one that is free)")
+      ->transform(whole(0, 65535));
+  serve_command->add_option("--host", serving.host,
+                            "address to listen at (default 127.0.0.1, this machine alone; 0.0.0.0: "
+                            "whoever reaches it)");
+  serve_command->add_flag("--quiet", common.quiet, "no progress on standard error");
+  add_threads(serve_command);
+  add_allow_commands(serve_command);
 
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");
@@ -421,6 +442,7 @@ int run(int argc, char** argv) {
     if (modal_command->parsed()) apps::run_modal(common);
     if (batch_command->parsed()) apps::run_batch(common, sampling);
     if (update_command->parsed()) apps::run_update(common, sampling);
+    if (serve_command->parsed()) apps::run_serve(common, serving);
     if (simulate_command->parsed()) apps::run_simulate(common);
     if (report_command->parsed()) apps::run_report(common.output, drawing);
     if (init_command->parsed()) apps::run_init(starting, start_structure, start_in);

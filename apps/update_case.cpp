@@ -119,6 +119,33 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
   }
 }
 
+/// Parameters that are a model's of someone else's, which has a structure that we do not see.
+StructureModel parse_parameters_alone(const CaseFile& f) {
+  // Nobody solves it: it stands where data ask which places a structure has.
+  StructureModel model{
+      .nominal = fem::LumpedChain{.masses = {1.0},
+                                  .links = {{.name = "", .between = {0, 1}, .stiffness = 1.0}}}};
+  for (const auto& [name, ignored] : f.json.at("parameters").items()) {
+    model.parameters.push_back({name, parse_prior(f, Pointer("/parameters") / name)});
+    model.setters.emplace_back([](AnyStructure&, double) {});
+  }
+  return model;
+}
+
+/// What goes with a structure that is seen, and not with a predictor of someone else's.
+void check_outside(const CaseFile& f, UpdateCaseFile& parsed) {
+  for (const char* key : {"sensors", "shapes", "shape_sd", "shape_covariance", "states", "masses",
+                          "temperature", "known"})
+    if (f.json.contains(kData / key))
+      f.refuse(kData / key,
+               "does not go with a predictor of one's own, which predicts frequencies");
+  if (f.json.contains("temperature"))
+    f.refuse(Pointer("/temperature"), "does not go with a predictor of one's own");
+  std::vector<std::string> names;
+  for (const auto& parameter : parsed.update.structure->parameters) names.push_back(parameter.name);
+  parsed.outside = parse_outside(f, names);
+}
+
 // The data are one state's, or several.
 bool has_several(const CaseFile& f) {
   if (!f.json.contains(kData)) return false;
@@ -162,7 +189,18 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
   for (const std::string& name : scatter_names())
     if (json["parameters"].contains(name))
       f.refuse(Pointer("/parameters") / name, "is the name of a scatter of the data: take another");
-  out.structure = std::make_shared<const StructureModel>(parse_structure(with_known(f)));
+  const bool outside = has_outside_model(f);
+  const bool alone = outside && !json.contains("structure");
+  if (!outside && !json.contains("structure"))
+    f.refuse(Pointer("/structure"),
+             "is missing: must be an object, unless a \"predictor\" of one's own takes its place");
+  if (alone && needs == UpdateNeeds::structure)
+    f.refuse(Pointer("/structure"), "is missing: there is nothing to solve but by the predictor");
+  if (alone && json.contains("truth"))
+    f.refuse(kTruth, "goes with a structure to simulate from, and there is none");
+  out.structure = std::make_shared<const StructureModel>(alone ? parse_parameters_alone(f)
+                                                               : parse_structure(with_known(f)));
+  if (outside) check_outside(f, parsed);
   if (has_several(f)) {
     if (json.contains("truth"))
       f.refuse(kTruth, "does not go with states: what was measured in them must be given");
@@ -171,7 +209,7 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
   }
   if (json.contains("data")) out.data = parse_modal_data(f, kData, out.structure->nominal);
   if (json.contains("truth")) parse_truth(f, out);
-  check_modes(f, out);
+  if (!alone) check_modes(f, out);
   if (needs == UpdateNeeds::structure) return parsed;
   const bool measured = out.data.modes() > 0;
   if (needs == UpdateNeeds::truth && !out.simulation)

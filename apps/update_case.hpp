@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/case_file.hpp"
+#include "apps/outside_case.hpp"
 #include "identification/update_case.hpp"
 
 namespace wheeltap::apps {
@@ -13,6 +13,7 @@ struct UpdateCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
   identification::UpdateCase update;
+  std::optional<OutsideSpec> outside = {};  ///< predicts in place of the structure
 };
 
 enum class UpdateNeeds {

@@ -19,14 +19,23 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   const auto parsed = std::make_shared<const UpdateCaseFile>(
       parse_update_case(read_case(common.case_path, common.overrides)));
   const std::uint64_t seed = common.seed.value_or(1);
-  require_affordable(parsed->file, Pointer("/structure"), cost_of_basis(parsed->update), common);
+  require_affordable(parsed->file, Pointer("/structure"), cost_of_basis(*parsed), common);
+  if (parsed->outside && common.dry_run) {
+    if (const auto& front = parsed->outside->emulator) {
+      const auto d = static_cast<int>(parsed->outside->order.size());
+      print_estimate("emulator", {.likelihoods = static_cast<double>(front->runs_for(d) +
+                                                                     front->holdout_for(d))});
+    }
+    return print_estimate("run", cost_of_outside(*parsed, common, options));
+  }
   if (common.resume && !common.dry_run) {
     if (const auto text = finished_run(common.output, parsed->file.json, seed, "options",
                                        options_report(options)))
       return print_finished(common.output, *text, *log);
   }
   TerminalWatch watch(common, *log);
-  const auto problem = prepare_update(*parsed, watch);
+  if (parsed->outside) make_output_folder(common.output);  // its answers are kept there
+  const auto problem = prepare_update(*parsed, common, watch);
   const RunCost cost = cost_of_update(*problem, common, options);
   require_affordable(parsed->file, Pointer(), cost, common);
   if (common.dry_run) return print_estimate("run", cost);

@@ -29,7 +29,8 @@ void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem
   std::vector<float> values;
   values.reserve(shape.chains * shape.draws * shape.modes);
   Eigen::VectorXd noise(static_cast<Eigen::Index>(shape.modes));
-  const bool scatters_vary = problem.cov >= 0 || problem.discrepancy >= 0;
+  const bool scatters_vary = problem.cov >= 0 || problem.discrepancy >= 0 ||
+                             (problem.outside && problem.outside->emulator);
   Eigen::MatrixXd root;
   for (std::size_t c = 0; c < shape.chains; ++c) {
     const auto& from = posterior.chains[c];

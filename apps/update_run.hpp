@@ -12,14 +12,18 @@
 namespace wheeltap::apps {
 
 /// Of what comes before anything is known of the likelihood: solutions for the basis.
-[[nodiscard]] RunCost cost_of_basis(const identification::UpdateCase& update_case);
+[[nodiscard]] RunCost cost_of_basis(const UpdateCaseFile& parsed);
+/// Of a run whose likelihood is a model's of someone else's, before that is asked for anything.
+[[nodiscard]] RunCost cost_of_outside(const UpdateCaseFile& parsed, const CommonOptions& common,
+                                      const SamplingOptions& options);
 /// Of the draws.
 [[nodiscard]] RunCost cost_of_update(const identification::UpdateProblem& problem,
                                      const CommonOptions& common, const SamplingOptions& options);
 
-/// Trains the reduced basis. Throws Failure.
+/// Trains the reduced basis, or opens the predictor of one's own and trains what stands in front of
+/// it. Throws Failure, io::FileError, OutsideModelError.
 [[nodiscard]] std::shared_ptr<const identification::UpdateProblem> prepare_update(
-    const UpdateCaseFile& parsed, RunWatch& watch);
+    const UpdateCaseFile& parsed, const CommonOptions& common, RunWatch& watch);
 
 /// Throws as the watch does.
 [[nodiscard]] FinishedRun sample_update(

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "fem/structures/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
@@ -190,7 +191,7 @@ std::size_t FrequencyPredictor::first_elastic() const {
 
 bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
                                        std::span<double> jacobian) {
-  if (!problem_.reanalysis) return false;
+  if (!problem_.reanalysis || problem_.outside) return false;
   for (const DefectKind& kind : problem_.damage_case.kinds) {
     if (!kind.type->is_elementary) return false;
   }
@@ -255,6 +256,7 @@ void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<d
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = found.matches[i].frequency_hz;
     return;
   }
+  if (problem_.outside) return ask_outside(model, x, out);
   if (problem_.structure) return solve_structure(model, x, out);
   place(model, x);
   solve_placed(out);
@@ -284,6 +286,25 @@ void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
     return;
   }
   std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
+}
+
+void FrequencyPredictor::ask_outside(int model, std::span<const double> x, std::span<double> out) {
+  const auto& kinds = problem_.damage_case.kinds;
+  auto present = problem_.components(model, x);
+  std::ranges::sort(present, [](const auto& a, const auto& b) {
+    return std::tie(a.kind, a.location) < std::tie(b.kind, b.location);
+  });
+  std::vector<double> sent;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    for (int c = 0; c < kinds[k].max_count; ++c) {
+      const bool is = next < present.size() && present[next].kind == static_cast<int>(k);
+      const auto one = is ? present[next++] : DamageProblem::Component{};
+      const double numbers[] = {one.location, one.severity, one.extent};
+      sent.insert(sent.end(), numbers, numbers + (kinds[k].extent_prior ? 3 : 2));
+    }
+  }
+  problem_.outside->evaluate(sent, out);
 }
 
 bool FrequencyPredictor::solve_modes(int model, std::span<const double> x,
@@ -370,6 +391,20 @@ std::vector<DamageProblem::Component> DamageProblem::components(int model,
   return list;
 }
 
+std::vector<std::string> outside_inputs(const DamageCase& damage_case) {
+  std::vector<std::string> names;
+  for (const DefectKind& kind : damage_case.kinds) {
+    const std::string prefix = damage_case.kinds.size() > 1 ? kind.name + " " : "";
+    for (int c = 1; c <= kind.max_count; ++c) {
+      std::vector<std::string> own = {"location", kind.severity_name()};
+      if (kind.extent_prior) own.emplace_back("extent");
+      for (const std::string& name : own)
+        names.push_back(prefix + name + "[" + std::to_string(c) + "]");
+    }
+  }
+  return names;
+}
+
 std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
                                                          const DamageProblemOptions& options) {
   complete(damage_case);
@@ -447,7 +482,16 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   for (const DefectKind& kind : damage_case.kinds) {
     mirrored = mirrored && is_mirror_symmetric(kind.location, damage_case.beam.length);
   }
-  out->symmetric = mirrored && !told_apart && !(states && states->tells_sides());
+  if (options.outside) {
+    if (!out->reanalysis)
+      throw InvalidInput(
+          InvalidInput::Part::data,
+          "a predictor of one's own goes with a beam and its frequencies: there must "
+          "be no shapes, states or structure");
+    out->outside = options.outside;
+  }
+  out->symmetric =
+      mirrored && !options.outside && !told_apart && !(states && states->tells_sides());
   if (mirrored) {
     for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
       out->problem.reflections.push_back({static_cast<int>(k), 0, 0.5 * damage_case.beam.length});

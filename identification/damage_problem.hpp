@@ -9,6 +9,7 @@
 #include "identification/damage_case.hpp"
 #include "identification/frequency_emulator.hpp"
 #include "identification/modal_likelihood.hpp"
+#include "identification/outside_model.hpp"
 #include "identification/site_symmetries.hpp"
 #include "identification/states_likelihood.hpp"
 #include "inference/target.hpp"
@@ -25,6 +26,7 @@ struct DamageProblem {
       emulator;  ///< null where the FE solution itself predicts
   std::shared_ptr<const ModalLikelihood> modal = {};    ///< of shapes, where there are any
   std::shared_ptr<const StatesLikelihood> states = {};  ///< in place of all these
+  std::shared_ptr<OutsideModel> outside = {};           ///< in place of the FE solution
   inference::Problem problem;
   inference::LikelihoodFactory fe_likelihood;  ///< of the FE solution, whatever predicts
   /// The intact beam and the location priors equal their mirror images, and nothing that was
@@ -84,6 +86,7 @@ class FrequencyPredictor {
   bool solve_changed(int model, std::span<const double> x,
                      const fem::StructureReanalysis::Results& results);
   void solve_structure(int model, std::span<const double> x, std::span<double> out);
+  void ask_outside(int model, std::span<const double> x, std::span<double> out);
 
   const DamageProblem& problem_;
   std::optional<fem::Reanalysis::Workspace> workspace_;
@@ -101,7 +104,15 @@ class FrequencyPredictor {
 struct DamageProblemOptions {
   int threads = 1;
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> table_progress = {};
+  /// Predicts a beam's elastic frequencies [Hz] in place of the FE solution: from the place [m] and
+  /// severity (and extent [m], where it is unknown) of each defect, of each kind as many as there
+  /// may be at the most, those that there are first, in order of place, and then zeros.
+  std::shared_ptr<OutsideModel> outside = {};
 };
+
+/// Inputs that such a model has, by name: "location[1]", "reduction[1]" …, with a kind's name
+/// before where there are several.
+[[nodiscard]] std::vector<std::string> outside_inputs(const DamageCase& damage_case);
 
 /// Completes the case, and trains or reads the emulator where it asks for one. The log likelihood
 /// is
@@ -115,7 +126,8 @@ struct DamageProblemOptions {
 ///
 /// The FE solution's likelihood offers its gradient, with slopes along places as FrequencyPredictor
 /// has them: not the derivative of a likelihood that is piecewise constant in a damage's place, but
-/// the way uphill. An emulator's offers none. Throws InvalidInput.
+/// the way uphill. An emulator's offers none, nor does a model's of someone else's, whose mirror
+/// images are not taken for the same. Throws InvalidInput, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);
 

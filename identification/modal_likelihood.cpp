@@ -54,6 +54,21 @@ Turn closest(const Modes& modes, Index i) {
 
 }  // namespace
 
+double eigenvalue_of(double frequency_hz) {
+  const double omega = kTwoPi * frequency_hz;
+  const double lambda = omega * omega;
+  // λ has twice as many neighbours as f has: one of the nearest few is it.
+  constexpr double kUp = std::numeric_limits<double>::infinity();
+  double low = lambda, high = lambda;
+  for (int i = 0; i < 8; ++i) {
+    if (std::sqrt(low) / kTwoPi == frequency_hz) return low;
+    if (std::sqrt(high) / kTwoPi == frequency_hz) return high;
+    low = std::nextafter(low, -kUp);
+    high = std::nextafter(high, kUp);
+  }
+  return lambda;
+}
+
 ModalLikelihood::ModalLikelihood(ModalData data) : data_(std::move(data)) {
   const int n = data_.modes();
   const auto refuse = [](int mode, const std::string& message) {
@@ -99,6 +114,8 @@ MatrixXd ModalLikelihood::covariance(const ModalNoise& noise) const {
   for (const int i : with_frequency_) {
     const double f = data_.frequencies_hz[static_cast<std::size_t>(i)];
     c(i, i) += relative * f * f;
+    if (!noise.emulator_variance.empty())
+      c(i, i) += noise.emulator_variance[static_cast<std::size_t>(i)];
   }
   return c;
 }
@@ -170,21 +187,40 @@ ModalLikelihood::Score ModalLikelihood::score(const Modes& modes, const ModalNoi
   return out;
 }
 
+VectorXd ModalLikelihood::pulls(const Modes& modes, const std::vector<int>& matched,
+                                const MatrixXd& covariance) const {
+  const auto n = static_cast<Index>(with_frequency_.size());
+  VectorXd r(n);
+  for (Index k = 0; k < n; ++k) {
+    const auto i = static_cast<std::size_t>(with_frequency_[static_cast<std::size_t>(k)]);
+    r[k] = data_.frequencies_hz[i] - frequency_of(modes, matched[i]);
+  }
+  if (n == 0) return r;
+  return covariance(with_frequency_, with_frequency_).llt().solve(r);
+}
+
+std::vector<double> ModalLikelihood::pulls(const Modes& modes, const ModalNoise& noise) const {
+  const MatrixXd c = covariance(noise);
+  const std::vector<int> matched = match(modes, c, noise);
+  const VectorXd pull = pulls(modes, matched, c);
+  std::vector<double> out(static_cast<std::size_t>(modes.eigenvalues.size()), 0.0);
+  for (Index k = 0; k < pull.size(); ++k) {
+    const auto i = static_cast<std::size_t>(with_frequency_[static_cast<std::size_t>(k)]);
+    out[static_cast<std::size_t>(matched[i])] = pull[k];
+  }
+  return out;
+}
+
 bool ModalLikelihood::slope(const Modes& modes, const fem::ParametricModes::Slopes& slopes,
                             const ModalNoise& noise, std::span<double> out) const {
   const MatrixXd c = covariance(noise);
   const std::vector<int> matched = match(modes, c, noise);
   std::ranges::fill(out, 0.0);
   const auto n = static_cast<Index>(with_frequency_.size());
-  VectorXd r(n);
   const auto computed = [&](int i) {
     return static_cast<Index>(matched[static_cast<std::size_t>(i)]);
   };
-  for (Index k = 0; k < n; ++k) {
-    const int i = with_frequency_[static_cast<std::size_t>(k)];
-    r[k] = data_.frequencies_hz[static_cast<std::size_t>(i)] - frequency_of(modes, computed(i));
-  }
-  const VectorXd pull = n > 0 ? VectorXd(c(with_frequency_, with_frequency_).llt().solve(r)) : r;
+  const VectorXd pull = pulls(modes, matched, c);
   for (Index k = 0; k < n; ++k) {
     const Index j = computed(with_frequency_[static_cast<std::size_t>(k)]);
     // f = √λ / 2π:  ∂f = ∂λ / (8π² f).

@@ -18,12 +18,19 @@ struct ModalNoise {
   double cov = 0.0;       ///< of frequencies, where it is unknown
   double shape_sd = 1.0;  ///< multiplies the shapes' sd, where it is unknown
   double discrepancy = 0.0, shape_discrepancy = 0.0;
+  /// Of what an emulator gets wrong [Hz²], one a measured mode; empty: it is exact.
+  std::vector<double> emulator_variance = {};
 };
+
+/// The eigenvalue [rad²/s²] whose frequency, √λ / 2π in floating point, is f [Hz] to the last bit
+/// (or next to it, where none is).
+[[nodiscard]] double eigenvalue_of(double frequency_hz);
 
 /// With A the matching of measured to computed modes,
 ///
 ///   ln p(data | θ) = ln N(f_obs; f_A(θ), C) + Σ ln p(ψ_i | φ_A(i)(θ)),
-///   C = C_noise + δ² diag(f_obs²),   C_noise = C of the data, or cov² diag(f_obs²),
+///   C = C_noise + δ² diag(f_obs²) + diag(σ²_emulator),
+///   C_noise = C of the data, or cov² diag(f_obs²),
 ///
 /// shapes' densities as in shape_density.hpp, δ the discrepancy: what the model leaves out moves
 /// each frequency by N(0, (δ f)²), which is integrated out, so that δ may be inferred from the
@@ -64,6 +71,9 @@ class ModalLikelihood {
   [[nodiscard]] bool slope(const fem::ParametricModes::Modes& modes,
                            const fem::ParametricModes::Slopes& slopes, const ModalNoise& noise,
                            std::span<double> out) const;
+  /// ∂ ln p/∂f of each computed mode at a given matching, where no shape was measured.
+  [[nodiscard]] std::vector<double> pulls(const fem::ParametricModes::Modes& modes,
+                                          const ModalNoise& noise) const;
 
   /// C, and its part of a mode.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
@@ -78,6 +88,9 @@ class ModalLikelihood {
   [[nodiscard]] int candidates(int available) const;
 
  private:
+  [[nodiscard]] Eigen::VectorXd pulls(const fem::ParametricModes::Modes& modes,
+                                      const std::vector<int>& matched,
+                                      const Eigen::MatrixXd& covariance) const;
   [[nodiscard]] Eigen::VectorXd entries(const Eigen::MatrixXd& shapes, int mode,
                                         Eigen::Index computed) const;
   [[nodiscard]] ShapeDensity::Comparison compare(const fem::ParametricModes::Modes& modes, int mode,

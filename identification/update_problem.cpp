@@ -100,6 +100,27 @@ std::shared_ptr<const fem::ParametricModes> reduced_basis(const UpdateCase& upda
                                   .progress = options.progress});
 }
 
+std::shared_ptr<const OutsidePredictor> predictor_in_front(const UpdateCase& update_case,
+                                                           const UpdateProblemOptions& options) {
+  const ModalData& data = update_case.data;
+  const auto& unknowns = update_case.structure->parameters;
+  const auto must = [](const char* what, int has, int wanted) {
+    if (has != wanted)
+      throw std::invalid_argument(std::string("the model has ") + std::to_string(has) + " " + what +
+                                  ", must have " + std::to_string(wanted));
+  };
+  must("inputs", options.outside->inputs(), static_cast<int>(unknowns.size()));
+  must("outputs", options.outside->outputs(), data.modes() + data.predict);
+  if (data.has_shapes() || update_case.states)
+    throw std::invalid_argument(
+        "the model predicts frequencies: there must be no shapes or states");
+  auto out = std::make_shared<OutsidePredictor>(OutsidePredictor{.model = options.outside});
+  if (options.emulator)
+    out->emulator = std::make_shared<const OutsideEmulator>(
+        *options.outside, unknowns, *options.emulator, options.threads, options.progress);
+  return out;
+}
+
 }  // namespace
 
 const std::vector<std::string>& scatter_names() {
@@ -109,6 +130,18 @@ const std::vector<std::string>& scatter_names() {
 }
 
 ModalNoise UpdateProblem::noise(std::span<const double> x) const {
+  ModalNoise out = scatters(x);
+  if (outside && outside->emulator) {
+    const auto outputs = static_cast<std::size_t>(outside->model->outputs());
+    std::vector<double> ignored(outputs);
+    out.emulator_variance.resize(outputs);
+    if (outside->emulator->contains(theta(x)))
+      outside->predict(theta(x), ignored, out.emulator_variance);
+  }
+  return out;
+}
+
+ModalNoise UpdateProblem::scatters(std::span<const double> x) const {
   const ModalData& data = update_case.data;
   const auto at = [&](int place, double known) {
     return place < 0 ? known : x[static_cast<std::size_t>(place)];
@@ -142,12 +175,15 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   std::vector<std::string> names;
   for (const auto& parameter : parameters) names.push_back(parameter.name);
 
-  auto modes = states ? nullptr : reduced_basis(update_case, *likelihood, options);
+  std::shared_ptr<const OutsidePredictor> outside;
+  if (options.outside) outside = predictor_in_front(update_case, options);
+  auto modes = states || outside ? nullptr : reduced_basis(update_case, *likelihood, options);
   auto out = std::make_unique<UpdateProblem>(UpdateProblem{
       .update_case = std::move(update_case),
       .modes = std::move(modes),
       .likelihood = std::move(likelihood),
       .states = states,
+      .outside = outside,
       .problem = {.space =
                       inference::ModelSpace::of_models(parameters, {{"the structure", 1.0, names}}),
                   .likelihood = {}},
@@ -161,7 +197,8 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   };
   out->seconds_a_likelihood =
       states ? states->check(20).seconds_a_solution
-             : seconds_of(*out, prior_draws(*out->update_case.structure, options.training));
+             : seconds_of(*out, prior_draws(*out->update_case.structure,
+                                            outside && !outside->emulator ? 1 : options.training));
   return out;
 }
 
@@ -170,6 +207,7 @@ ModePredictor::ModePredictor(const UpdateProblem& problem) : problem_(problem) {
 }
 
 bool ModePredictor::solve(std::span<const double> x) {
+  if (problem_.outside) return ask_outside(x);
   if (problem_.states) {
     if (!problem_.states->solve(problem_.theta(x), {}, of_states_)) return false;
     modes_ = of_states_.back();
@@ -187,20 +225,46 @@ bool ModePredictor::solve(std::span<const double> x) {
 
 ModalLikelihood::Score ModePredictor::score(std::span<const double> x) const {
   if (problem_.states) return problem_.states->score(of_states_, problem_.noise(x));
-  return problem_.likelihood->score(modes_, problem_.noise(x));
+  ModalNoise noise = problem_.scatters(x);
+  noise.emulator_variance = variance_;
+  return problem_.likelihood->score(modes_, noise);
+}
+
+bool ModePredictor::ask_outside(std::span<const double> x) {
+  const auto outputs = static_cast<std::size_t>(problem_.outside->model->outputs());
+  frequencies_hz_.resize(outputs);
+  variance_.resize(outputs);
+  // The box cuts priors off: searches go beyond it far too often to ask the model itself there.
+  const auto& emulator = problem_.outside->emulator;
+  if (emulator && !emulator->contains(problem_.theta(x))) return false;
+  problem_.outside->predict(problem_.theta(x), frequencies_hz_, variance_);
+  if (!problem_.outside->emulator) variance_.clear();
+  modes_.eigenvalues.resize(static_cast<Eigen::Index>(outputs));
+  for (std::size_t i = 0; i < outputs; ++i) {
+    if (!(frequencies_hz_[i] > 0.0)) return false;
+    modes_.eigenvalues[static_cast<Eigen::Index>(i)] = eigenvalue_of(frequencies_hz_[i]);
+  }
+  return true;
 }
 
 bool ModePredictor::gradient(std::span<const double> x, std::span<double> out) {
   if (problem_.states) return false;
   const auto structural = static_cast<std::size_t>(problem_.structural);
-  try {
-    if (!problem_.modes->differentiate(problem_.theta(x), *workspace_, modes_, slopes_))
+  if (problem_.outside) {
+    if (problem_.outside->emulator || !ask_outside(x)) return false;
+    const auto pull = problem_.likelihood->pulls(modes_, problem_.scatters(x));
+    if (!problem_.outside->model->gradient(problem_.theta(x), pull, out.first(structural)))
       return false;
-  } catch (const std::exception&) {
-    return false;
+  } else {
+    try {
+      if (!problem_.modes->differentiate(problem_.theta(x), *workspace_, modes_, slopes_))
+        return false;
+    } catch (const std::exception&) {
+      return false;
+    }
+    if (!problem_.likelihood->slope(modes_, slopes_, problem_.scatters(x), out.first(structural)))
+      return false;
   }
-  if (!problem_.likelihood->slope(modes_, slopes_, problem_.noise(x), out.first(structural)))
-    return false;
   // Scatters move no mode: differences cost next to nothing.
   std::vector<double> moved(x.begin(), x.end());
   for (std::size_t p = structural; p < x.size(); ++p) {

@@ -6,6 +6,7 @@
 
 #include "fem/structures/parametric_modes.hpp"
 #include "identification/modal_likelihood.hpp"
+#include "identification/outside_predictor.hpp"
 #include "identification/states_likelihood.hpp"
 #include "identification/update_case.hpp"
 #include "inference/target.hpp"
@@ -17,21 +18,27 @@ namespace wheeltap::identification {
 /// "shape_sd", "discrepancy" and "shape_discrepancy".
 struct UpdateProblem {
   UpdateCase update_case;
-  std::shared_ptr<const fem::ParametricModes> modes;    ///< null where there are states
-  std::shared_ptr<const ModalLikelihood> likelihood;    ///< likewise
-  std::shared_ptr<const StatesLikelihood> states = {};  ///< in place of both
+  std::shared_ptr<const fem::ParametricModes> modes;     ///< null where there are states
+  std::shared_ptr<const ModalLikelihood> likelihood;     ///< likewise
+  std::shared_ptr<const StatesLikelihood> states = {};   ///< in place of both
+  std::shared_ptr<const OutsidePredictor> outside = {};  ///< in place of `modes`
   inference::Problem problem;
   int structural = 0;  ///< parameters of the structure
   /// Where the scatters stand in a parameter vector; -1: known.
   int cov = -1, shape_sd = -1, discrepancy = -1, shape_discrepancy = -1;
   double seconds_a_likelihood = 0.0;  ///< about, on this machine now
 
+  /// Of the state x, the emulator's error there included.
   [[nodiscard]] ModalNoise noise(std::span<const double> x) const;
+  /// Without it.
+  [[nodiscard]] ModalNoise scatters(std::span<const double> x) const;
   [[nodiscard]] std::span<const double> theta(std::span<const double> x) const {
     return x.first(static_cast<std::size_t>(structural));
   }
   /// The lowest elastic modes that are computed, to be foretold.
-  [[nodiscard]] int candidates() const { return modes ? modes->modes() : 0; }
+  [[nodiscard]] int candidates() const {
+    return modes ? modes->modes() : outside ? outside->model->outputs() : 0;
+  }
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const {
     return states ? states->covariance(noise) : likelihood->covariance(noise);
   }
@@ -51,12 +58,17 @@ struct UpdateProblem {
 struct UpdateProblemOptions {
   int training = 200;  ///< draws of the prior that the reduced basis is made for
   std::function<void(double)> progress = {};
+  /// Predicts the frequencies [Hz] of the modes measured and of those to be foretold, from the
+  /// parameters of the structure in their order; that structure is not looked at then.
+  std::shared_ptr<OutsideModel> outside = {};
+  std::optional<OutsideEmulatorSpec> emulator = {};  ///< in front of it
+  int threads = 1;                                   ///< that train the emulator
 };
 
 /// Trains the reduced basis: eigenvalues are then known to a thousandth of the smallest scatter of
 /// a frequency (1e-8 to 1e-5, relative), shapes to a fifth of theirs, or the structure is solved in
 /// full. Throws std::invalid_argument for data that do not fit together and
-/// more modes than there are, fem::InvalidStructure.
+/// more modes than there are, fem::InvalidStructure, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const UpdateProblem> make_update_problem(
     UpdateCase update_case, const UpdateProblemOptions& options = {});
 
@@ -73,6 +85,9 @@ class ModePredictor {
 
  private:
   const UpdateProblem& problem_;
+  bool ask_outside(std::span<const double> x);
+
+  std::vector<double> frequencies_hz_, variance_;
   std::optional<fem::ParametricModes::Workspace> workspace_;
   std::vector<fem::ParametricModes::Modes> of_states_;
   fem::ParametricModes::Modes modes_;

@@ -49,6 +49,8 @@ RunOptions run_options(const py::dict& said) {
       out.common.max_memory_gb = positive("max_memory_gb", value);
     } else if (name == "max_hours") {
       out.common.max_hours = positive("max_hours", value);
+    } else if (name == "allow_commands") {
+      out.common.allow_commands = value.cast<bool>();
     } else if (name == "chains") {
       out.sampling.chains = count(1, 1000);
     } else if (name == "warmup") {

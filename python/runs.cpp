@@ -33,9 +33,8 @@ Run damage(CaseFile file, const RunOptions& options, JobWatch& watch) {
 
 Run update(CaseFile file, const RunOptions& options, JobWatch& watch) {
   const auto parsed = std::make_shared<const UpdateCaseFile>(parse_update_case(std::move(file)));
-  require_affordable(parsed->file, Pointer("/structure"), cost_of_basis(parsed->update),
-                     options.common);
-  const auto problem = prepare_update(*parsed, watch);
+  require_affordable(parsed->file, Pointer("/structure"), cost_of_basis(*parsed), options.common);
+  const auto problem = prepare_update(*parsed, options.common, watch);
   require_affordable(parsed->file, Pointer(),
                      cost_of_update(*problem, options.common, options.sampling), options.common);
   return {sample_update(parsed, problem, options.common, options.sampling, watch), {}};

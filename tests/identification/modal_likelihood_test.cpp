@@ -50,6 +50,44 @@ ModalData data_of(const std::vector<double>& frequencies_hz, double cov, const M
   return data;
 }
 
+TEST(ModalLikelihood, EigenvaluesOfFrequenciesLoseNoBit) {
+  double lambda = 1e-3;
+  for (int i = 0; i < 20000; ++i, lambda *= 1.0021) {
+    const double f = std::sqrt(lambda) / (2.0 * std::numbers::pi);
+    EXPECT_EQ(std::sqrt(eigenvalue_of(f)) / (2.0 * std::numbers::pi), f);
+  }
+}
+
+TEST(ModalLikelihood, AnEmulatorsErrorIsNoiseBesideTheMeasurements) {
+  const Modes modes = modes_of({1.02, 2.97, 5.0}, MatrixXd(0, 3));
+  const ModalData data = data_of({1.0, kNaN, 5.1}, 0.01, {}, 0.0);
+  ModalData wider = data;
+  wider.covariance(0, 0) += 4e-4;
+  wider.covariance(2, 2) += 9e-4;
+  const ModalNoise noise{.emulator_variance = {4e-4, 25.0, 9e-4}};
+  EXPECT_DOUBLE_EQ(ModalLikelihood(data).score(modes, noise).log_likelihood,
+                   ModalLikelihood(wider).score(modes, {}).log_likelihood);
+  EXPECT_NE(ModalLikelihood(data).score(modes, {}).log_likelihood,
+            ModalLikelihood(wider).score(modes, {}).log_likelihood);
+}
+
+TEST(ModalLikelihood, PullsAreTheSlopesByFrequencies) {
+  ModalData data = data_of({1.0, kNaN, 5.1}, 0.01, {}, 0.0);
+  data.covariance(0, 2) = data.covariance(2, 0) = 2e-4;
+  const ModalLikelihood likelihood(data);
+  const std::vector<double> f = {1.02, 2.97, 5.0};
+  const auto pulls = likelihood.pulls(modes_of(f, MatrixXd(0, 3)), {});
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    const auto at = [&](double step) {
+      std::vector<double> moved = f;
+      moved[i] += step;
+      return likelihood.score(modes_of(moved, MatrixXd(0, 3)), {}).log_likelihood;
+    };
+    // Quadratic: central differences are exact but for rounding.
+    EXPECT_NEAR(pulls[i], (at(1e-4) - at(-1e-4)) / 2e-4, 1e-5 * (1.0 + std::abs(pulls[i]))) << i;
+  }
+}
+
 TEST(ModalLikelihood, FrequenciesWithACovarianceAreNormal) {
   ModalData data = data_of({1.0, 3.0}, 0.01, {}, 0.0);
   data.covariance << 0.0004, 0.0003, 0.0003, 0.0009;

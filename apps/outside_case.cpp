@@ -1,0 +1,209 @@
+#include "apps/outside_case.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "apps/command_model.hpp"
+#include "apps/nearest.hpp"
+#include "apps/umbridge_model.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+const Pointer kPredictor("/predictor");
+
+/// A model whose inputs stand in another order.
+class InOrder final : public OutsideModel {
+ public:
+  InOrder(std::unique_ptr<OutsideModel> model, std::vector<int> order)
+      : model_(std::move(model)), order_(std::move(order)) {}
+  [[nodiscard]] int inputs() const override { return model_->inputs(); }
+  [[nodiscard]] int outputs() const override { return model_->outputs(); }
+  void evaluate(std::span<const double> x, std::span<double> y) override {
+    model_->evaluate(sent(x), y);
+  }
+  bool gradient(std::span<const double> x, std::span<const double> sensitivity,
+                std::span<double> slope) override {
+    std::vector<double> of_sent(slope.size());
+    if (!model_->gradient(sent(x), sensitivity, of_sent)) return false;
+    for (std::size_t i = 0; i < order_.size(); ++i)
+      slope[static_cast<std::size_t>(order_[i])] = of_sent[i];
+    return true;
+  }
+
+ private:
+  [[nodiscard]] std::vector<double> sent(std::span<const double> x) const {
+    std::vector<double> out;
+    for (const int i : order_) out.push_back(x[static_cast<std::size_t>(i)]);
+    return out;
+  }
+
+  std::unique_ptr<OutsideModel> model_;
+  std::vector<int> order_;
+};
+
+/// Words between blanks.
+std::vector<std::string> words_of(const Json& command) {
+  if (command.is_array()) return command.get<std::vector<std::string>>();
+  std::vector<std::string> words;
+  std::istringstream text(command.get<std::string>());
+  for (std::string word; text >> word;) words.push_back(word);
+  return words;
+}
+
+CommandSpec parse_command(const CaseFile& file, const Json& p) {
+  CommandSpec out{.words = words_of(p.at("command")),
+                  .numbers = p.value("format", "json") == "numbers",
+                  .folder = std::filesystem::absolute(file.path).parent_path()};
+  const auto has = [&](const char* word) {
+    return std::ranges::any_of(
+        out.words, [&](const std::string& w) { return w.find(word) != std::string::npos; });
+  };
+  for (const char* place : {"{in}", "{out}"})
+    if (!has(place))
+      file.refuse(
+          kPredictor / "command",
+          std::string("has no ") + place + ", which stands for the file with " +
+              (std::string(place) == "{in}" ? "the parameters" : "the predictions that it writes"));
+  if (out.words[0].find('{') != std::string::npos && !out.words[0].starts_with("{case}"))
+    file.refuse(kPredictor / "command", "must begin with a program");
+  return out;
+}
+
+UmbridgeSpec parse_umbridge(const CaseFile& file, const Json& p) {
+  UmbridgeSpec out{.url = p.at("umbridge"),
+                   .model = p.value("model", ""),
+                   .config = p.value("config", Json::object())};
+  if (!out.url.starts_with("http://") || out.url.size() <= 7)
+    file.refuse(kPredictor / "umbridge",
+                "must be the address of a server, like \"http://localhost:4242\"");
+  return out;
+}
+
+OutsideEmulatorSpec parse_front(const Json& e) {
+  return {.runs = e.value("runs", 0),
+          .holdout = e.value("holdout", 0),
+          .sobol = e.value("design", "latin-hypercube") == "sobol",
+          .emulator_error = e.value("emulator_error", true),
+          .seed = e.value("seed", std::uint64_t{1})};
+}
+
+void take_order(const CaseFile& file, const std::vector<std::string>& unknowns, OutsideSpec& out) {
+  const Pointer where = kPredictor / "inputs";
+  out.names = unknowns;
+  if (file.json.contains(where)) out.names = file.json.at(where).get<std::vector<std::string>>();
+  for (std::size_t i = 0; i < out.names.size(); ++i) {
+    const auto found = std::ranges::find(unknowns, out.names[i]);
+    if (found == unknowns.end()) {
+      const std::string meant = nearest(out.names[i], unknowns);
+      file.refuse(where / i, "no parameter has this name" +
+                                 (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+    }
+    const auto at = static_cast<int>(found - unknowns.begin());
+    if (std::ranges::find(out.order, at) != out.order.end())
+      file.refuse(where / i, "stands there twice");
+    out.order.push_back(at);
+  }
+  if (out.order.size() != unknowns.size())
+    file.refuse(where, "must name every parameter once: " + listed(unknowns));
+}
+
+}  // namespace
+
+bool has_outside_model(const CaseFile& file) {
+  if (!file.json.contains(kPredictor) || !file.json.at(kPredictor).is_object()) return false;
+  const Json& p = file.json.at(kPredictor);
+  return p.contains("umbridge") || p.contains("command");
+}
+
+OutsideSpec parse_outside(const CaseFile& file, const std::vector<std::string>& unknowns) {
+  const Json& p = file.json.at(kPredictor);
+  OutsideSpec out;
+  if (p.contains("umbridge") && p.contains("command"))
+    file.refuse(kPredictor / "command", "takes the place of \"umbridge\": give one of them");
+  const auto only = [&](const char* with, std::initializer_list<const char*> keys) {
+    for (const char* key : keys)
+      if (p.contains(key)) file.refuse(kPredictor / key, std::string("goes with \"") + with + "\"");
+  };
+  if (p.contains("umbridge")) {
+    only("command", {"format"});
+    out.umbridge = parse_umbridge(file, p);
+  } else {
+    only("umbridge", {"model", "config"});
+    out.command = parse_command(file, p);
+  }
+  Patience& patience = out.umbridge ? out.umbridge->patience : out.command->patience;
+  patience.timeout_seconds = p.value("timeout", patience.timeout_seconds);
+  patience.retries = p.value("retries", patience.retries);
+  take_order(file, unknowns, out);
+  if (p.contains("emulator")) out.emulator = parse_front(p.at("emulator"));
+  if (p.contains("memory")) out.memory = file.resolve(p.at("memory").get<std::string>());
+  return out;
+}
+
+std::shared_ptr<RememberedModel> open_outside(const CaseFile& file, const OutsideSpec& spec,
+                                              int outputs, const CommonOptions& common) {
+  if (spec.command && !common.allow_commands)
+    throw Failure(Exit::usage, file.path.string() + ": " + (kPredictor / "command").to_string() +
+                                   ": runs \"" + spec.command->words[0] +
+                                   "\", and cases may run programs only with --allow-commands");
+  std::unique_ptr<OutsideModel> model;
+  if (spec.umbridge) {
+    model = umbridge_model(*spec.umbridge, static_cast<int>(spec.order.size()), outputs);
+  } else {
+    model = std::make_unique<CommandModel>(*spec.command, spec.names, outputs);
+  }
+  std::filesystem::path memory = spec.memory;
+  if (memory.empty() && !common.output.empty()) {
+    memory = common.output / kModelRuns;
+    if (!common.resume) emulator::Journal::remove(memory);
+  }
+  // Whose answers they are: how long it may take, and what stands in front, changes none.
+  Json identity = file.json.at(kPredictor);
+  for (const char* key : {"timeout", "retries", "memory", "emulator"}) identity.erase(key);
+  identity["inputs"] = spec.names;
+  return std::make_shared<RememberedModel>(std::make_shared<InOrder>(std::move(model), spec.order),
+                                           memory, identity.dump());
+}
+
+Report outside_report(const OutsideSpec& spec, const OutsideModel& model,
+                      const OutsideEmulator* emulator) {
+  Report out = {{"model", in_words(spec)}, {"inputs", spec.names}};
+  if (const auto* asked = dynamic_cast<const RememberedModel*>(&model)) {
+    out["asked"] = asked->asked();
+    out["remembered"] = asked->remembered();
+    out["gradients"] = asked->slopes();
+  }
+  if (emulator == nullptr) return out;
+  Report modes = Report::array();
+  for (std::size_t m = 0; m < emulator->error().holdout.size(); ++m) {
+    const auto& error = emulator->error().holdout[m];
+    modes.push_back({{"rmse", error.rmse},
+                     {"max_error", error.max_error},
+                     {"q2", error.q2},
+                     {"leave_one_out_rmse", emulator->error().leave_one_out[m]},
+                     {"scale", emulator->error().scale[m]}});
+  }
+  Report box = Report::object();
+  for (const auto& factor : emulator->box()) box[factor.name] = {factor.low(), factor.high()};
+  out["emulator"] = {{"kind", "Gaussian process"},
+                     {"runs", emulator->runs()},
+                     {"fresh_runs", emulator->fresh_runs()},
+                     {"box", box},
+                     {"modes", modes}};
+  return out;
+}
+
+std::string in_words(const OutsideSpec& spec) {
+  if (spec.umbridge)
+    return (spec.umbridge->model.empty() ? "the model" : "\"" + spec.umbridge->model + "\"") +
+           std::string(" of ") + spec.umbridge->url;
+  std::string text;
+  for (const std::string& word : spec.command->words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+}  // namespace wheeltap::apps

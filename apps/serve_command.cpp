@@ -1,0 +1,69 @@
+#include "apps/serve_command.hpp"
+
+#include <iostream>
+
+#include "apps/damage_case.hpp"
+#include "apps/damage_run.hpp"
+#include "apps/running.hpp"
+#include "apps/served_case.hpp"
+#include "apps/update_run.hpp"
+#include "base/parallel.hpp"
+#include "io/text.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+/// Training is shown; nothing is sampled.
+class ServeWatch final : public RunWatch {
+ public:
+  explicit ServeWatch(bool quiet) : bar_(quiet) {}
+  inference::Posterior sample(const inference::Problem&, inference::Options) override {
+    throw std::logic_error("ServeWatch: nothing is sampled");
+  }
+  void show(const char* stage, double fraction, const std::string& detail) override {
+    bar_.show(stage, fraction, detail);
+  }
+  void clear() override { bar_.clear(); }
+  void note(const std::string&) override {}
+  void warn(const std::string& line) override { std::cerr << "wheeltap: " << line << '\n'; }
+  [[nodiscard]] bool stopped() const override { return was_interrupted(); }
+
+ private:
+  ProgressBar bar_;
+};
+
+std::vector<ServedModel> models_of(CaseFile file, const CommonOptions& common) {
+  ServeWatch watch(common.quiet);
+  const Json kind = file.json.value("kind", Json());
+  if (kind == "update")
+    return served(prepare_update(parse_update_case(std::move(file)), common, watch));
+  if (kind != "damage")
+    file.refuse(Pointer("/kind"), "must be \"damage\" or \"update\" to be served");
+  const DamageCaseFile parsed = parse_damage_case(std::move(file));
+  return explained(parsed, [&] { return served(prepare_damage(parsed, common, watch)); });
+}
+
+}  // namespace
+
+void run_serve(const CommonOptions& common, const ServeOptions& options) {
+  const std::vector<ServedModel> models =
+      models_of(read_case(common.case_path, common.overrides), common);
+  const StopOnInterrupt stop;
+  serve_models(models, {.host = options.host,
+                        .port = options.port,
+                        .threads = base::thread_count(common.threads),
+                        .ready =
+                            [&](int port) {
+                              std::cout
+                                  << "Serving " << io::printable(common.case_path.string())
+                                  << " at http://"
+                                  << (options.host == "127.0.0.1" ? "localhost" : options.host)
+                                  << ":" << port << " (Ctrl-C ends it):";
+                              for (const ServedModel& model : models)
+                                std::cout << (&model == &models[0] ? " " : ", ") << model.name;
+                              std::cout << std::endl;
+                            },
+                        .stop = was_interrupted});
+}
+
+}  // namespace wheeltap::apps

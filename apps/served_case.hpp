@@ -1,0 +1,26 @@
+// What of a case can be asked for by others: predictions, likelihood, posterior.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "apps/umbridge_server.hpp"
+#include "identification/damage_problem.hpp"
+#include "identification/update_problem.hpp"
+
+namespace wheeltap::apps {
+
+/// "forward": the parameters of the structure, alphabetically, to the frequencies [Hz] of the modes
+/// measured and of those to be foretold. "log_likelihood" and "posterior": all parameters to
+/// ln p(data | x), and to that and ln p(x). The problem must outlive them.
+[[nodiscard]] std::vector<ServedModel> served(
+    std::shared_ptr<const identification::UpdateProblem> problem);
+
+/// "forward": of each kind of defect, as many as there may be at the most, place [m] and severity
+/// (and extent [m], where it is unknown) of each; a severity of 0 is none. For each model with its
+/// name, "log_likelihood NAME" and "posterior NAME". Throws std::invalid_argument where a kind has
+/// no severity to be 0.
+[[nodiscard]] std::vector<ServedModel> served(
+    std::shared_ptr<const identification::DamageProblem> problem);
+
+}  // namespace wheeltap::apps
