@@ -25,15 +25,15 @@ std::size_t index(Index i) {
 
 }  // namespace
 
-void ChangeColumns::set_residual_modes(
-    const IntactStructure& intact, const StructureChange& change,
-    const std::vector<const StructureChange::Mass*>& masses) {
+void ChangeColumns::set_residual_modes(const IntactStructure& intact, const StructureChange& change,
+                                       const std::vector<const StructureChange::Mass*>& masses) {
   extra = 0;
   forms_.clear();
   if (!intact.residual) return;
   for (const StructureChange::Spring& s : change.springs)
     forms_.push_back(intact.residual->motion(s.motion));
-  for (const StructureChange::Mass* m : masses) forms_.push_back(intact.residual->motion(m->motion));
+  for (const StructureChange::Mass* m : masses)
+    forms_.push_back(intact.residual->motion(m->motion));
   for (const StructureChange::Softening* s : softenings_) forms_.push_back(s->direction);
   const auto m = static_cast<Index>(forms_.size());
   for (Eigen::MatrixXd& r : moments_) r.resize(m, m);
@@ -46,8 +46,8 @@ void ChangeColumns::set_residual_modes(
   extra = static_cast<int>(residual_.eigenvalues.size());
 }
 
-void ChangeColumns::observe(const IntactStructure& intact,
-                                                   const SparseRow& row, double* out) const {
+void ChangeColumns::observe(const IntactStructure& intact, const SparseRow& row,
+                            double* out) const {
   intact.motion(row, out);
   out += intact.stride;
   std::fill_n(out, extra, 0.0);
@@ -90,9 +90,8 @@ double ChangeColumns::bound(double found, int root, double next) const {
   return std::numeric_limits<double>::infinity();
 }
 
-void ChangeColumns::set(const IntactStructure& intact,
-                                               const StructureChange& change,
-                                               const detail::SecularKernel& kernel) {
+void ChangeColumns::set(const IntactStructure& intact, const StructureChange& change,
+                        const detail::SecularKernel& kernel) {
   std::vector<const StructureChange::Mass*> masses;
   negative_poles = 0;
   for (const bool lost : {true, false})  // lost ones first
@@ -147,7 +146,7 @@ void ChangeColumns::set(const IntactStructure& intact,
   // Supports: springs, then the links of floating masses. L_s L_sᵀ = 1/k + Σ c cᵀ / s, row by row;
   // what is held already is dropped.
   factor_.setZero(static_cast<Index>(change.springs.size() + p + softenings_.size()),
-                 static_cast<Index>(change.springs.size() + p + softenings_.size()));
+                  static_cast<Index>(change.springs.size() + p + softenings_.size()));
   supports = 0;
   const auto add_support = [&](const SparseRow& motion, std::size_t form, double stiffness,
                                int pole, double mass) {
@@ -259,7 +258,7 @@ void ChangeColumns::set(const IntactStructure& intact,
             value += weight * other_weight;
       if (intact.residual)  // what the strains yield to, of what they measure
         value -= moments_[0](static_cast<Index>(first_softening) + i,
-                            static_cast<Index>(first_softening) + b) +
+                             static_cast<Index>(first_softening) + b) +
                  kernel.weighted_dot(c + p, column(index(first + b)) + p, compliances.data(),
                                      static_cast<int>(intact.stride));
       for (Index k = 0; k < first; ++k) value += factor_(first + i, k) * factor_(first + b, k);

@@ -10,7 +10,7 @@
 
 namespace wheeltap::fem::detail {
 
-/// As `DefectColumns`, for springs, floating masses and softenings_; of the modes that are not kept,
+/// As `DefectColumns`, for springs, floating masses and softenings; of the modes that are not kept,
 /// `ResidualModes` take the place.
 class ChangeColumns {
  public:
@@ -46,7 +46,7 @@ class ChangeColumns {
   Eigen::MatrixXd moments_[4];
   ResidualModes residual_;
   std::vector<double> raw_row_, mass_rows_;  // scratch
-  Eigen::MatrixXd factor_;                  // L
+  Eigen::MatrixXd factor_;                   // L
 };
 
 }  // namespace wheeltap::fem::detail

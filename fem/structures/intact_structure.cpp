@@ -93,7 +93,7 @@ StructureSpectrum IntactStructure::kept_spectrum(int kept) {
 }
 
 IntactStructure::IntactStructure(std::shared_ptr<const Discretisation> given, int wanted_modes,
-                                int kept_modes)
+                                 int kept_modes)
     : discretisation(std::move(given)), wanted(wanted_modes) {
   const Discretisation& d = *discretisation;
   const auto available = static_cast<int>(mode_count(d));

@@ -50,7 +50,8 @@ struct ResidualFlexibility::Impl {
     return {.dofs = {basic - strains}, .coefficients = {1.0}};
   }
 
-  // K⁻¹ load of a load that moves nothing rigidly; refined so often by what the strains leave of it.
+  // K⁻¹ load of a load that moves nothing rigidly; refined so often by what the strains leave of
+  // it.
   [[nodiscard]] VectorXd solve(const VectorXd& load, int refinements) const {
     VectorXd left = load;
     for (Index i = 0; i < left.size(); ++i)
@@ -78,9 +79,7 @@ struct ResidualFlexibility::Impl {
     return u.cast<double>();
   }
 
-  void remove_kept(VectorXd& u) const {
-    u -= shapes * (mass_shapes.transpose() * u);
-  }
+  void remove_kept(VectorXd& u) const { u -= shapes * (mass_shapes.transpose() * u); }
 
   [[nodiscard]] std::shared_ptr<const Column> compute(int basic) const {
     auto column = std::make_shared<Column>();
@@ -209,9 +208,8 @@ ResidualModes residual_modes(const MatrixXd (&moments)[4]) {
   Index first = 0;
   while (first < 2 * m && !(energies.eigenvalues()[first] > kDependent * largest)) ++first;
   const Index kept = 2 * m - first;
-  const MatrixXd basis =
-      energies.eigenvectors().rightCols(kept) *
-      energies.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  const MatrixXd basis = energies.eigenvectors().rightCols(kept) *
+                         energies.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(basis.transpose() * mass * basis);
   ResidualModes out;
   out.eigenvalues.resize(kept);
