@@ -195,6 +195,9 @@ std::pair<double, double> ResidualFlexibility::responses(const SparseRow& row,
 
 ResidualModes residual_modes(const MatrixXd (&moments)[4]) {
   const Index m = moments[0].rows();
+  ResidualModes out{.eigenvalues = {}, .forms = MatrixXd(m, 0), .weights = MatrixXd(2 * m, 0)};
+  // The solvers of nothing: nothing changes, or only what cannot move.
+  if (m == 0 || !(moments[0].diagonal().maxCoeff() > 0.0)) return out;
   MatrixXd stiffness(2 * m, 2 * m), mass(2 * m, 2 * m);
   stiffness << moments[0], moments[1], moments[1], moments[2];
   mass << moments[1], moments[2], moments[2], moments[3];
@@ -204,18 +207,16 @@ ResidualModes residual_modes(const MatrixXd (&moments)[4]) {
   stiffness = scale.asDiagonal() * stiffness * scale.asDiagonal();
   mass = scale.asDiagonal() * mass * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> energies(stiffness);
-  const double largest = m > 0 ? energies.eigenvalues().maxCoeff() : 0.0;
+  const double largest = energies.eigenvalues().maxCoeff();
   Index first = 0;
   while (first < 2 * m && !(energies.eigenvalues()[first] > kDependent * largest)) ++first;
   const Index kept = 2 * m - first;
   const MatrixXd basis = energies.eigenvectors().rightCols(kept) *
                          energies.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(basis.transpose() * mass * basis);
-  ResidualModes out;
   out.eigenvalues.resize(kept);
   out.weights.resize(2 * m, kept);
-  const double least =
-      kept > 0 ? std::numeric_limits<double>::epsilon() * solver.eigenvalues().maxCoeff() : 0.0;
+  const double least = std::numeric_limits<double>::epsilon() * solver.eigenvalues().maxCoeff();
   for (Index i = 0; i < kept; ++i) {
     const Index from = kept - 1 - i;  // the largest μ first
     // What has no mass yields statically.

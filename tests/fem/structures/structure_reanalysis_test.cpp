@@ -194,6 +194,48 @@ TEST(StructureReanalysis, FewModesBoundTheFrequencies) {
     }
 }
 
+TEST(StructureReanalysis, FewModesOfAnUnchangedStructureAreItsOwn) {
+  const Mesh mesh(portal(12, 2));
+  const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
+  const StructureReanalysis few(d, 6, 20);
+  auto workspace = few.make_workspace();
+  std::vector<double> f(6), bounds(6);
+  // Nothing, a softening that leaves all, a spring at a clamped foot.
+  const std::vector<StructureChange> changes = {
+      {}, {.softenings = {{{{0, 1.0}}, 1.0}}}, {.springs = {{mesh.motion(0, Direction::x), 1e6}}}};
+  for (const StructureChange& change : changes) {
+    few.solve(change, workspace, {.frequencies_hz = f, .bounds_hz = bounds});
+    for (std::size_t i = 0; i < f.size(); ++i)
+      EXPECT_NEAR(f[i] / few.intact_frequencies_hz()[i], 1.0, 1e-12);
+  }
+}
+
+/// Shapes from few modes are those of the full solution.
+TEST(StructureReanalysis, FewModesGiveShapes) {
+  const Mesh mesh(portal(12, 2));
+  const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
+  const StructureReanalysis few(d, 8, 40);
+  auto workspace = few.make_workspace();
+  const StructureChange change =
+      change_of(mesh, {.cracks = {{1, 2.0, 0.5, &crack_laws()[0]}}, .masses = {{2, 1.0, 20.0}}});
+  const std::vector<SparseRow> motions = {mesh.motion(1, 2.2, Direction::y),
+                                          mesh.motion(2, 1.0, Direction::x),
+                                          mesh.motion(0, 1.5, Direction::x)};
+  std::vector<double> f(6), shapes(6 * motions.size());
+  few.solve(change, workspace, {.frequencies_hz = f, .shapes = shapes, .motions = motions});
+  const StructureModes full = structure_modes(changed(*d, change), 6);
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    double sign = 0.0;
+    for (std::size_t m = 0; m < motions.size(); ++m) {
+      const double expected = motions[m].of(full.shapes.col(static_cast<Eigen::Index>(i)));
+      const double found = shapes[i * motions.size() + m];
+      if (sign == 0.0) sign = expected * found > 0.0 ? 1.0 : -1.0;
+      // An error of 1e-8 in λ is one of 1e-4 in the shape.
+      EXPECT_NEAR(sign * found, expected, 1e-4 * full.shapes.cwiseAbs().maxCoeff()) << i << m;
+    }
+  }
+}
+
 /// Near buckling, what is lost of the stiffness may leave less than its share of a frequency, and
 /// beyond it nothing stands.
 TEST(StructureReanalysis, CompressedMembersMayBuckle) {
