@@ -15,6 +15,7 @@
 #include "apps/failure.hpp"
 #include "apps/several_ranks.hpp"
 #include "apps/terminal.hpp"
+#include "apps/time_left.hpp"
 #include "base/parallel.hpp"
 #include "io/atomic_file.hpp"
 #include "io/fingerprint.hpp"
@@ -29,34 +30,6 @@ constexpr const char* kGoesOn = "; the same command with --resume goes on";
 void ask_to_stop(int signal) {
   if (interrupted.exchange(true)) std::_Exit(128 + signal);
 }
-
-// The time left of a whole run: the rest of its stage as long as that has taken so far, and the
-// calls of the stages to come as fast as those of this one.
-class TimeLeft {
- public:
-  std::optional<double> estimate(const inference::Options::Progress& progress) {
-    constexpr double kEnough = 1.0, kShare = 0.005;  // seconds, of the stage
-    const auto now = std::chrono::steady_clock::now();
-    if (stage_ != progress.stage) {
-      stage_ = progress.stage;
-      began_ = now;
-      calls_before_ = progress.likelihood_evaluations;
-      share_before_ = progress.fraction;  // of a run that was taken up
-    }
-    const double seconds = std::chrono::duration<double>(now - began_).count();
-    const auto calls = static_cast<double>(progress.likelihood_evaluations - calls_before_);
-    const double share = progress.fraction - share_before_;
-    if (seconds < kEnough || share < kShare) return {};
-    const double rest = seconds * (1.0 - progress.fraction) / share;
-    return rest + (calls > 0.0 ? progress.evaluations_to_come * seconds / calls : 0.0);
-  }
-
- private:
-  std::string stage_;
-  std::chrono::steady_clock::time_point began_{};
-  long calls_before_ = 0;
-  double share_before_ = 0.0;
-};
 
 std::string fingerprint_of(const inference::Posterior& posterior) {
   std::string text;
@@ -142,7 +115,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
       if (m == 0) detail += (detail.empty() ? "P =" : "  P =");
       if (m < 8) detail += " " + fixed(progress.model_probabilities[m], 2);
     }
-    bar.show(progress.stage, progress.fraction, detail, time_left.estimate(progress));
+    bar.show(progress.stage, progress.fraction, detail, time_left.estimate(progress, seconds));
     return !interrupted.load();
   };
   try {

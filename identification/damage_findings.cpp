@@ -127,11 +127,16 @@ std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& dr
   return {below, above};
 }
 
-// Models with at least as many unknowns as data, and what they hide.
+// Models with at least as many unknowns as data, and what they hide. Where shapes were measured,
+// too, frequencies are not all the data.
 void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
                   std::vector<Remark>& remarks) {
   const DamageProblem& problem = draws.problem();
-  const int data = problem.damage_case.data.measured();
+  const DamageCase& damage_case = problem.damage_case;
+  if ((damage_case.modal && damage_case.modal->has_shapes()) ||
+      (damage_case.states && damage_case.states->has_shapes()))
+    return;
+  const int data = damage_case.data.measured();
   for (std::size_t m = 0; m < models.size(); ++m) {
     const ModelFinding& model = models[m];
     if (model.probability() < kWorthTelling || model.dimension < data || data == 0) continue;
