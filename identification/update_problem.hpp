@@ -84,9 +84,9 @@ class ModePredictor {
   bool gradient(std::span<const double> x, std::span<double> out);
 
  private:
-  const UpdateProblem& problem_;
   bool ask_outside(std::span<const double> x);
 
+  const UpdateProblem& problem_;
   std::vector<double> frequencies_hz_, variance_;
   std::optional<fem::ParametricModes::Workspace> workspace_;
   std::vector<fem::ParametricModes::Modes> of_states_;
