@@ -44,6 +44,11 @@ namespace {
 constexpr double kFirstPause = 0.25, kLongestPause = 30.0;  // seconds between two tries
 constexpr std::size_t kLongest = 200;                       // characters of a server's own words
 
+/// As much of a server's own words as a line has room for.
+std::string beginning(const std::string& words) {
+  return words.size() > kLongest ? words.substr(0, kLongest) + "..." : words;
+}
+
 std::string sizes_in_words(const std::vector<int>& sizes) {
   return Json(sizes).dump();
 }
@@ -179,10 +184,13 @@ class UmbridgeModel final : public OutsideModel {
     const Json answer = ask(endpoint, {{"name", spec_.model}, {"config", spec_.config}});
     const Json& list = field(answer, name, at(endpoint));
     std::vector<int> out;
+    constexpr std::int64_t kMost = 1'000'000;
+    std::int64_t all = 0;
     for (const Json& size : list) {
       if (!size.is_number_integer() || size.get<std::int64_t>() < 0 ||
-          size.get<std::int64_t>() > 1'000'000)
-        wrong(at(endpoint), "answered " + list.dump() + ", must be whole numbers");
+          size.get<std::int64_t>() > kMost || (all += size.get<std::int64_t>()) > kMost)
+        wrong(at(endpoint), "answered " + beginning(list.dump()) +
+                                ", must be whole numbers, 1 million together at most");
       out.push_back(size);
     }
     if (sum(out) != wanted)
@@ -226,8 +234,7 @@ class UmbridgeModel final : public OutsideModel {
     } else {
       words = answer.body;
     }
-    if (words.size() > kLongest) words = words.substr(0, kLongest) + "...";
-    return "HTTP " + std::to_string(answer.status) + (words.empty() ? "" : ": " + words);
+    return "HTTP " + std::to_string(answer.status) + (words.empty() ? "" : ": " + beginning(words));
   }
 
   Json ask(const std::string& endpoint, const Json& question) {

@@ -63,7 +63,11 @@ void RememberedModel::evaluate(std::span<const double> x, std::span<double> y) {
   asking([&] { model_->evaluate(x, y); });
   ++asked_;
   const std::lock_guard lock(mutex_);
-  if (!answers_.try_emplace(std::move(key), y.begin(), y.end()).second) return;
+  const auto [kept, is_new] = answers_.try_emplace(std::move(key), y.begin(), y.end());
+  if (!is_new) {  // another thread asked the same meanwhile: every draw is of one answer
+    std::ranges::copy(kept->second, y.begin());
+    return;
+  }
   if (!journal_) return;
   std::vector<double> both(x.begin(), x.end());
   both.insert(both.end(), y.begin(), y.end());

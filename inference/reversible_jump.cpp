@@ -1,9 +1,11 @@
 #include "inference/reversible_jump.hpp"
 
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "base/number.hpp"
 #include "inference/checkpoint.hpp"
 #include "inference/stages/explore.hpp"
 #include "inference/stages/run_context.hpp"
@@ -40,6 +42,13 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
       throw std::invalid_argument(std::string(name) + " = " + std::to_string(value) +
                                   " must be at least 0 (0: the engine chooses)");
     }
+  }
+  for (const NamedMove& move : problem.moves) {
+    if (!(move.most >= 1.0 && std::isfinite(move.most))) {
+      throw std::invalid_argument("move '" + move.name + "': most = " + base::number(move.most) +
+                                  " must be finite and at least 1");
+    }
+    if (!move.make) throw std::invalid_argument("move '" + move.name + "': nothing makes it");
   }
   const Options chosen = options.quick ? as_a_look(options) : options;
   RunContext run(problem, chosen);

@@ -30,6 +30,7 @@ void ChangeColumns::set_residual_modes(const IntactStructure& intact, const Stru
   extra = 0;
   forms_.clear();
   if (!intact.residual) return;
+  require_mass_left(*intact.discretisation, change);
   for (const StructureChange::Spring& s : change.springs)
     forms_.push_back(intact.residual->motion(s.motion));
   for (const StructureChange::Mass* m : masses)
@@ -77,6 +78,7 @@ int ChangeColumns::eigenvalues_below_at_most(double z, double next) const {
     s.selfadjointView<Eigen::Lower>().rankUpdate(Eigen::VectorXd(c), -weight);
   }
   for (Index a = 0; a < m; ++a) s(a, a) += a < supports ? -1.0 : 1.0;
+  if (!s.allFinite()) return std::numeric_limits<int>::max();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(s, Eigen::EigenvaluesOnly);
   return below + static_cast<int>((solver.eigenvalues().array() < 0.0).count()) - supports -
          negative_poles;

@@ -15,9 +15,6 @@ namespace {
 
 using Eigen::Index;
 
-/// Memory for the vectors of the residual flexibility [bytes].
-constexpr std::size_t kResidualMemory = std::size_t{4} << 30;
-
 std::size_t index(Index i) {
   return static_cast<std::size_t>(i);
 }
@@ -86,7 +83,7 @@ StructureSpectrum IntactStructure::kept_spectrum(int kept) {
   next = low.eigenvalues[kept];
   const Eigen::MatrixXd shapes = low.shapes.leftCols(kept);
   residual = std::make_unique<const ResidualFlexibility>(
-      discretisation, shapes, low.eigenvalues.head(kept), kResidualMemory);
+      discretisation, shapes, low.eigenvalues.head(kept), StructureReanalysis::kResidualMemory);
   return {.eigenvalues = low.eigenvalues.head(kept),
           .shapes = shapes.cast<long double>(),
           .rigid_body_modes = low.rigid_body_modes};
@@ -101,8 +98,8 @@ IntactStructure::IntactStructure(std::shared_ptr<const Discretisation> given, in
     throw std::invalid_argument("modes = " + std::to_string(wanted) + ": must be between 1 and " +
                                 std::to_string(available) +
                                 ", the free degrees of freedom that have mass");
-  const int automatic = available > StructureReanalysis::kAllModes ? 3 * wanted + 40 : available;
-  const int kept = kept_modes > 0 ? std::max(kept_modes, wanted) : automatic;
+  const int kept = kept_modes > 0 ? std::max(kept_modes, wanted)
+                                  : StructureReanalysis::kept_modes(available, wanted);
   const StructureSpectrum spectrum =
       kept < available ? kept_spectrum(kept)
                        : structure_spectrum(d, std::min(available, 3 * wanted + 20));

@@ -111,6 +111,21 @@ void hold(Discretisation& d, const std::vector<SparseRow>& held) {
   d.mass = left.of(d.mass);
 }
 
+/// factor · r rᵀ.
+void add_square(std::vector<Eigen::Triplet<double>>& to, const SparseRow& r, double factor) {
+  for (std::size_t i = 0; i < r.dofs.size(); ++i)
+    for (std::size_t j = 0; j < r.dofs.size(); ++j)
+      to.emplace_back(r.dofs[i], r.dofs[j], factor * r.coefficients[i] * r.coefficients[j]);
+}
+
+Discretisation::Sparse changed_mass(const Discretisation& d, const StructureChange& change) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const StructureChange::Mass& m : change.masses) add_square(entries, m.motion, m.mass);
+  Discretisation::Sparse extra(d.size(), d.size());
+  extra.setFromTriplets(entries.begin(), entries.end());
+  return d.mass + extra;
+}
+
 /// Whether anything has a negative mass: by the signs of D in M + ε diag M = L D Lᵀ.
 bool has_negative_mass(const Discretisation::Sparse& mass) {
   constexpr double kShift = 1e-12;
@@ -133,6 +148,12 @@ bool has_negative_mass(const Discretisation::Sparse& mass) {
 }
 
 }  // namespace
+
+void require_mass_left(const Discretisation& d, const StructureChange& change) {
+  const auto lost = [](const StructureChange::Mass& m) { return m.mass < 0.0; };
+  if (std::ranges::any_of(change.masses, lost) && has_negative_mass(changed_mass(d, change)))
+    throw ImpossibleChange("lost mass: more than there is");
+}
 
 void validate(const Discretisation& d, const StructureChange& change) {
   for (const StructureChange::Softening& s : change.softenings) {
@@ -180,13 +201,7 @@ Discretisation changed(const Discretisation& d, const StructureChange& change) {
     }
     return out_row;
   };
-  std::vector<Eigen::Triplet<double>> k, m;
-  const auto add = [](auto& list, const SparseRow& row, double factor) {
-    for (std::size_t i = 0; i < row.dofs.size(); ++i)
-      for (std::size_t j = 0; j < row.dofs.size(); ++j)
-        list.emplace_back(row.dofs[i], row.dofs[j],
-                          factor * row.coefficients[i] * row.coefficients[j]);
-  };
+  std::vector<Eigen::Triplet<double>> k;
   // I - (1 - q) v vᵀ is the square of I - (1 - √q) v vᵀ, which the rows take: nothing cancels.
   for (const StructureChange::Softening& s : change.softenings) {
     const double lost = 1.0 - std::sqrt(s.remaining);
@@ -210,13 +225,8 @@ Discretisation changed(const Discretisation& d, const StructureChange& change) {
     for (double& c : row.coefficients) c *= std::sqrt(s.stiffness);
     out.strains.push_back({std::move(row), 1.0});
   }
-  for (const StructureChange::Mass& s : change.masses) add(m, s.motion, s.mass);
-  Discretisation::Sparse extra(d.size(), d.size());
-  extra.setFromTriplets(m.begin(), m.end());
-  out.mass += extra;
-  if (std::ranges::any_of(change.masses, [](const auto& mass) { return mass.mass < 0.0; }) &&
-      has_negative_mass(out.mass))
-    throw ImpossibleChange("lost mass: more than there is");
+  require_mass_left(d, change);
+  out.mass = changed_mass(d, change);
   if (out.rigid_motions.cols() > 0 && !change.springs.empty()) {
     // What the springs leave of the rigid motions.
     Eigen::MatrixXd holds(static_cast<Index>(change.springs.size()), out.rigid_motions.cols());
@@ -231,7 +241,7 @@ Discretisation changed(const Discretisation& d, const StructureChange& change) {
   if (!held.empty()) hold(out, held);
   const Index n = out.size();
   out.stiffness = out.rest.nonZeros() > 0 ? out.rest : Discretisation::Sparse(n, n);
-  for (const Strain& s : out.strains) add(k, s.row, s.factor);
+  for (const Strain& s : out.strains) add_square(k, s.row, s.factor);
   Discretisation::Sparse stiffness(n, n);
   stiffness.setFromTriplets(k.begin(), k.end());
   out.stiffness += stiffness;

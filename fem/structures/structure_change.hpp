@@ -51,6 +51,10 @@ void compound(StructureChange& change);
 /// ImpossibleChange for more mass taken than there is.
 [[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change);
 
+/// Throws ImpossibleChange where masses take away more than M has: where M with them, L D Lᵀ, has a
+/// negative D. Costs nothing where none is taken.
+void require_mass_left(const Discretisation& d, const StructureChange& change);
+
 /// Throws std::invalid_argument for q outside (0, 1], k <= 0, masses that are not finite, and
 /// strains that there are not.
 void validate(const Discretisation& d, const StructureChange& change);

@@ -32,9 +32,16 @@ class StructureReanalysis {
   class Workspace;
 
   static constexpr int kAllModes = 1500;
+  /// At most, for what the modes that are not kept yield along changes [bytes]: four vectors of the
+  /// structure's size for each strain or motion asked for, the longest unasked forgotten first.
+  static constexpr std::size_t kResidualMemory = std::size_t{2} << 30;
+  /// How many of its modes a structure with that many keeps where `wanted` are asked for.
+  [[nodiscard]] static int kept_modes(int available, int wanted) {
+    return available > kAllModes ? 3 * wanted + 40 : available;
+  }
 
   /// `modes`: how many of the lowest frequencies may be asked for, rigid-body ones included; `kept`
-  /// of the modes are kept, 0 for all or 3 `modes` + 40. Throws as `structure_modes`;
+  /// of the modes are kept, 0 for `kept_modes`. Throws as `structure_modes`;
   /// std::invalid_argument where a mode may be missing among those kept.
   StructureReanalysis(std::shared_ptr<const Discretisation> discretisation, int modes,
                       int kept = 0);

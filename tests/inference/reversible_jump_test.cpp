@@ -6,9 +6,11 @@
 #include <Eigen/LU>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "inference/diagnostics.hpp"
+#include "inference/moves/model_switch.hpp"
 #include "inference/stages/explore.hpp"
 #include "inference/stages/sample.hpp"
 #include "inference/stages/tune.hpp"
@@ -290,6 +292,15 @@ TEST(ReversibleJump, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW((void)reversible_jump(problem, {.warmup = -1}), std::invalid_argument);
   EXPECT_THROW((void)reversible_jump(problem, {.draws = -1}), std::invalid_argument);
   EXPECT_THROW((void)reversible_jump(problem, {.thin = -1}), std::invalid_argument);
+  for (const double most : {0.05, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    Problem greedy = problem;
+    greedy.moves.push_back(
+        {.name = "greedy", .make = [] { return std::make_unique<ModelSwitch>(); }, .most = most});
+    EXPECT_THROW((void)reversible_jump(greedy, small()), std::invalid_argument) << most;
+  }
+  Problem unmade = problem;
+  unmade.moves.push_back({.name = "unmade", .make = nullptr});
+  EXPECT_THROW((void)reversible_jump(unmade, small()), std::invalid_argument);
 }
 
 TEST(ReversibleJump, TheLeastWarmupAndDrawsStillRun) {
