@@ -266,6 +266,8 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
         .name = names[s],
         .damaged = damage && names.size() > 0 && where[s].to_string().starts_with("/data")};
     state.data = parse_modal_data(file, where[s], out.model->nominal);
+    if (state.data.doubt > 0.0)
+      file.refuse(where[s] / "doubt", "goes with one state: leave spurious modes out of \"modes\"");
     if (state.data.modes() == 0 && state.data.predict > 0 && !damage) {
       // Nothing was measured here: all is to be foretold.
       const auto n = static_cast<std::size_t>(state.data.predict);

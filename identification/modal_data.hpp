@@ -46,6 +46,10 @@ struct ModalData {
   /// frequency, independent from mode to mode, and an sd of shapes' entries.
   Scatter discrepancy = {}, shape_discrepancy = {};
 
+  /// P, before the data, that a measured mode is none of the structure's (a harmonic, a pole of the
+  /// noise). Goes with shapes.
+  double doubt = 0.0;
+
   int predict = 0;                       ///< further modes to be foretold
   std::vector<double> held_out_hz = {};  ///< of these, what was measured; NaN where nothing was
   bool simulated = false;                ///< made from the case's truth
