@@ -75,7 +75,7 @@ TEST(UpdateCase, ModesMayBeDoubtedWhereTheyHaveShapes) {
   EXPECT_EQ(parsed(with("/data/doubt", 0.05)).update.data.doubt, 0.05);
   json alone = with("/data/doubt", 0.05);
   for (const char* key : {"shapes", "shape_sd", "sensors"}) alone["data"].erase(key);
-  expect_refused(alone, "data.doubt", "goes with shapes");
+  expect_refused(alone, "/data/doubt", "goes with shapes");
 }
 
 TEST(UpdateCase, ATruthStandsInForData) {
