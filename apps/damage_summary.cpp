@@ -152,7 +152,9 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
                             : own                           ? Pointer("/parameters") / u.name
                             : u.name == "discrepancy"       ? Pointer("/data/discrepancy/cov")
                             : u.name == "shape_discrepancy" ? Pointer("/data/discrepancy/shape")
-                                                            : Pointer("/data") / u.name;
+                            : u.name == "change_discrepancy"
+                                ? Pointer("/data/discrepancy/change")
+                                : Pointer("/data") / u.name;
       Report one = {{"label", u.label},
                     {"variable", damage_variable(file.damage, u)},
                     {"prior", prior.to_string()}};

@@ -57,6 +57,7 @@ class ModalDataParser {
     if (has("discrepancy")) {
       out_.discrepancy = scatter("cov");
       out_.shape_discrepancy = scatter("shape");
+      out_.change_discrepancy = scatter("change");
     }
     if (has("doubt")) out_.doubt = json_.at("doubt");
     if (has("predict")) {

@@ -17,7 +17,7 @@ namespace wheeltap::identification {
 struct ModalNoise {
   double cov = 0.0;       ///< of frequencies, where it is unknown
   double shape_sd = 1.0;  ///< multiplies the shapes' sd, where it is unknown
-  double discrepancy = 0.0, shape_discrepancy = 0.0;
+  double discrepancy = 0.0, shape_discrepancy = 0.0, change_discrepancy = 0.0;
   /// Of what an emulator gets wrong [Hz²], one a measured mode; empty: it is exact.
   std::vector<double> emulator_variance = {};
 };
