@@ -150,8 +150,7 @@ void take_data(const CaseFile& f, DamageCase& out) {
     f.refuse(at(out.structure ? "/structure" : "/beam"), error.what());
   }
   out.modal = std::make_shared<const ModalData>(parse_modal_data(f, at("/data"), solved));
-  if (!out.modal->change_discrepancy.none())
-    f.refuse(at("/data/discrepancy/change"), kChangeAlone);
+  if (!out.modal->change_discrepancy.none()) f.refuse(at("/data/discrepancy/change"), kChangeAlone);
   if (out.modal->predict > 0) f.refuse(at("/data/predict"), "goes with \"kind\": \"update\" only");
   out.data = frequencies_of(*out.modal, data);
 }

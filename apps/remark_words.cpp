@@ -297,9 +297,8 @@ class Speaker {
   std::string operator()(const remark::ScatterBetweenWindows& r) const { return sentence(r); }
   std::string operator()(const remark::WindowsUnsound& r) const { return sentence(r); }
   std::string operator()(const remark::SpuriousMode& r) const {
-    const std::string mode =
-        "Mode " + std::to_string(r.mode) +
-        (std::isnan(r.hz) ? "" : " (" + significant(r.hz, 4) + " Hz)");
+    const std::string mode = "Mode " + std::to_string(r.mode) +
+                             (std::isnan(r.hz) ? "" : " (" + significant(r.hz, 4) + " Hz)");
     return r.probability > 0.5
                ? mode + " is taken for none of the structure's (P " + percent(r.probability) +
                      "): it says next to nothing here. Look at it again, or leave it out."

@@ -233,8 +233,8 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     }
     if (problem.by_modes()) {
       if (!by_shapes.score(posterior.chains[c].model[i], x, score)) return;
-      mean_p += weight * boost::math::gamma_q(0.5 * std::max(score.freedoms, 1),
-                                              0.5 * score.chi_square);
+      mean_p +=
+          weight * boost::math::gamma_q(0.5 * std::max(score.freedoms, 1), 0.5 * score.chi_square);
       for (std::size_t mode = 0; mode < modes; ++mode)
         spurious[mode] += weight * score.matches[mode].spurious;
     } else {
@@ -270,7 +270,8 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
           problem.states->states().list[static_cast<std::size_t>(place.state)].name;
       out.modes.back().mode = place.mode + 1;
     }
-    if (measured && std::abs(residual) > 3.0 && doubted < 0.5) off.push_back(static_cast<int>(mode) + 1);
+    if (measured && std::abs(residual) > 3.0 && doubted < 0.5)
+      off.push_back(static_cast<int>(mode) + 1);
   }
   if (out.posterior_predictive_p < kMisfit) {
     verdict.why.emplace_back(

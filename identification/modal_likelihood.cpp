@@ -274,8 +274,7 @@ VectorXd ModalLikelihood::pulls(const Modes& modes, const std::vector<int>& matc
     r[k] = data_.frequencies_hz[i] - frequency_of(modes, matched[i]);
   }
   if (n == 0) return r;
-  if (data_.doubt > 0.0)
-    return r.cwiseQuotient(VectorXd(covariance.diagonal()(with_frequency_)));
+  if (data_.doubt > 0.0) return r.cwiseQuotient(VectorXd(covariance.diagonal()(with_frequency_)));
   return covariance(with_frequency_, with_frequency_).llt().solve(r);
 }
 

@@ -67,7 +67,7 @@ class ModalLikelihood {
     int computed = 0;           ///< 0-based, of the elastic modes
     double frequency_hz = 0.0;  ///< computed
     std::optional<ShapeDensity::Comparison> shape = {};
-    double spurious = 0.0;       ///< P that it is none of the structure's, given θ
+    double spurious = 0.0;        ///< P that it is none of the structure's, given θ
     double log_likelihood = 0.0;  ///< of this mode alone, where modes are doubted
   };
   struct Score {

@@ -162,9 +162,8 @@ void StatesLikelihood::add_common(const std::vector<Modes>& modes, const ModalNo
   // From the first healthy state with the same coefficients; 0 where there is none.
   const auto change = [&](Index mode) {
     const ObservedState& here = state_of(mode);
-    const auto healthy = std::ranges::find_if(states_->list, [&](const ObservedState& s) {
-      return !s.damaged && s.known == here.known;
-    });
+    const auto healthy = std::ranges::find_if(
+        states_->list, [&](const ObservedState& s) { return !s.damaged && s.known == here.known; });
     if (!here.damaged || healthy == states_->list.end()) return 0.0;
     const VectorXd& before =
         modes[static_cast<std::size_t>(healthy - states_->list.begin())].eigenvalues;

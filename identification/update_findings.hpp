@@ -44,7 +44,7 @@ struct ModeFinding {
   double residual = 0.0;                  ///< of the frequency, in sd: mean over the draws
   int computed = 0;                       ///< the computed mode it is matched to most, from 1
   double matched = 1.0;                   ///< share of the draws in which it is that one
-  double spurious = 0.0;    ///< P that it is none of the structure's, where modes are doubted
+  double spurious = 0.0;  ///< P that it is none of the structure's, where modes are doubted
   bool has_shape = false;
   Marginal mac = {};              ///< over the draws
   double shape_chi_square = 0.0;  ///< mean over the draws

@@ -182,8 +182,7 @@ TEST(StatesLikelihood, AChangeErrsByAFactorOfItself) {
   const auto after = full(chain_of(1000.0, 770.0, 900.0, {1.0, 1.2, 0.8}));
   for (const double delta : {0.0, 0.02}) {
     const double eta = 0.2;
-    const auto score =
-        likelihood.score(modes, {.discrepancy = delta, .change_discrepancy = eta});
+    const auto score = likelihood.score(modes, {.discrepancy = delta, .change_discrepancy = eta});
     Eigen::VectorXd f(9), r(9), moved = Eigen::VectorXd::Zero(9);
     f << 2.2, 6.3, 8.6, 2.0, 6.2, 8.5, 1.9, 6.1, 8.3;
     MatrixXd c = MatrixXd::Zero(9, 9);
@@ -194,8 +193,7 @@ TEST(StatesLikelihood, AChangeErrsByAFactorOfItself) {
     }
     for (Index i = 0; i < 9; ++i) {
       for (Index j = 0; j < 9; ++j)
-        if (i % 3 == j % 3)
-          c(i, j) = delta * delta * f[i] * f[j] + eta * eta * moved[i] * moved[j];
+        if (i % 3 == j % 3) c(i, j) = delta * delta * f[i] * f[j] + eta * eta * moved[i] * moved[j];
       c(i, i) += 1e-4 * f[i] * f[i];
     }
     const double expected =

@@ -210,8 +210,8 @@ UpdateCase with_modes(const UpdateCase& from, const std::vector<int>& order) {
     const double f = mode < 0 ? 6.0 : from.data.frequencies_hz[static_cast<std::size_t>(mode)];
     data.frequencies_hz.push_back(f);
     sds.push_back(0.005 * f);
-    data.shapes.row(i) =
-        mode < 0 ? Eigen::RowVector4d(1.0, 0.3, 0.7, 0.9) : Eigen::RowVector4d(from.data.shapes.row(mode));
+    data.shapes.row(i) = mode < 0 ? Eigen::RowVector4d(1.0, 0.3, 0.7, 0.9)
+                                  : Eigen::RowVector4d(from.data.shapes.row(mode));
     data.shape_covariances.push_back(from.data.shape_covariances[0]);
   }
   data.covariance = modal::diagonal(sds);
@@ -241,8 +241,7 @@ void expect_same(const Outcome& a, const Outcome& b, const char* what) {
 
 TEST(UpdateProblem, ThePosteriorDoesNotMoveWithTheOrderOfModes) {
   const UpdateCase all = four_storeys();
-  expect_same(run(with_modes(all, {0, 1, 2, 3})), run(with_modes(all, {2, 0, 3, 1}), 2),
-              "swapped");
+  expect_same(run(with_modes(all, {0, 1, 2, 3})), run(with_modes(all, {2, 0, 3, 1}), 2), "swapped");
 }
 
 // What a spurious mode does where it may be one, and what is said where it may not.
