@@ -8,6 +8,7 @@
 #include "apps/beam_parameters.hpp"
 #include "apps/damage_data.hpp"
 #include "apps/damage_parts.hpp"
+#include "apps/modal_data_case.hpp"
 #include "apps/states_case.hpp"
 #include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
@@ -548,6 +549,8 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
                "has changed but the truth");
     take_baseline(f, out);
   }
+  if (!states && json.contains("data"))
+    require_shapes_to_doubt(f, at("/data"), out.modal && out.modal->has_shapes());
   return parsed;
 }
 

@@ -57,7 +57,9 @@ class ModalDataParser {
     if (has("discrepancy")) {
       out_.discrepancy = scatter("cov");
       out_.shape_discrepancy = scatter("shape");
+      out_.change_discrepancy = scatter("change");
     }
+    if (has("doubt")) out_.doubt = json_.at("doubt");
     if (has("predict")) {
       const Json& predict = json_.at("predict");
       if (predict.is_array()) out_.held_out_hz = numbers(predict);
@@ -529,6 +531,12 @@ class ModalDataParser {
 };
 
 }  // namespace
+
+void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool shapes) {
+  if (file.json.at(where).contains("doubt") && !shapes)
+    file.refuse(where / "doubt",
+                "goes with shapes: without them the i-th frequency is the i-th mode");
+}
 
 ModalData parse_modal_data(const CaseFile& file, const Pointer& where,
                            const AnyStructure& structure) {

@@ -13,4 +13,7 @@ namespace wheeltap::apps {
 [[nodiscard]] identification::ModalData parse_modal_data(
     const CaseFile& file, const Pointer& where, const identification::AnyStructure& structure);
 
+/// Refuses a "doubt" of modes without shapes, once what a truth simulates is there.
+void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool shapes);
+
 }  // namespace wheeltap::apps

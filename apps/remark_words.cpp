@@ -296,6 +296,15 @@ class Speaker {
   }
   std::string operator()(const remark::ScatterBetweenWindows& r) const { return sentence(r); }
   std::string operator()(const remark::WindowsUnsound& r) const { return sentence(r); }
+  std::string operator()(const remark::SpuriousMode& r) const {
+    const std::string mode = "Mode " + std::to_string(r.mode) +
+                             (std::isnan(r.hz) ? "" : " (" + significant(r.hz, 4) + " Hz)");
+    return r.probability > 0.5
+               ? mode + " is taken for none of the structure's (P " + percent(r.probability) +
+                     "): it says next to nothing here. Look at it again, or leave it out."
+               : mode + " may be none of the structure's (P " + percent(r.probability) +
+                     "): it counts the less.";
+  }
 
  private:
   [[nodiscard]] const DefectKind& kind_of(int kind) const {
@@ -339,6 +348,7 @@ struct Rank {
   int operator()(const remark::NearlyPrior&) const { return 4; }
   int operator()(const remark::LargestCount&) const { return 4; }
   int operator()(const remark::SeverityAtBound&) const { return 4; }
+  int operator()(const remark::SpuriousMode&) const { return 2; }
   int operator()(const remark::ParameterAtBound&) const { return 4; }
   int operator()(const remark::InitialStateInferred&) const { return 5; }
   int operator()(const remark::BaseIntegrated&) const { return 5; }

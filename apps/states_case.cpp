@@ -165,6 +165,7 @@ void check_scatters(const CaseFile& file, const Pointer& where, const ModalData&
   };
   one(first.discrepancy, data.discrepancy, "cov");
   one(first.shape_discrepancy, data.shape_discrepancy, "shape");
+  one(first.change_discrepancy, data.change_discrepancy, "change");
 }
 
 /// Temperatures above the reference, and how the stiffness follows them.
@@ -266,6 +267,8 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
         .name = names[s],
         .damaged = damage && names.size() > 0 && where[s].to_string().starts_with("/data")};
     state.data = parse_modal_data(file, where[s], out.model->nominal);
+    if (state.data.doubt > 0.0)
+      file.refuse(where[s] / "doubt", "goes with one state: leave spurious modes out of \"modes\"");
     if (state.data.modes() == 0 && state.data.predict > 0 && !damage) {
       // Nothing was measured here: all is to be foretold.
       const auto n = static_cast<std::size_t>(state.data.predict);
@@ -307,6 +310,9 @@ void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> mod
   states.uniform = uniform;
   const bool healthy = std::ranges::any_of(states.list, [](const auto& s) { return !s.damaged; });
   const ModalData all = states.joined();
+  if (!healthy && !all.change_discrepancy.none())
+    file.refuse(kData / "discrepancy" / "change",
+                "is that of a frequency's change, and goes with a healthy state (\"baseline\")");
   if (healthy && states.parameters().empty() && all.discrepancy.none())
     file.refuse(kBaseline,
                 "tells nothing here: name the coefficients that may be wrong, in \"parameters\", "

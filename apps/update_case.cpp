@@ -107,8 +107,9 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
       f.refuse(at, std::to_string(modes) + " modes: must be at most " + std::to_string(most) +
                        ", the elastic modes that the structure has");
     };
-    if (out.data.modes() > most) refuse(kData, out.data.modes());
-    if (out.data.modes() + out.data.predict > most)
+    // Of modes that are doubted some may be none of the structure's.
+    if (out.data.modes() > most && out.data.doubt == 0.0) refuse(kData, out.data.modes());
+    if (out.data.modes() + out.data.predict > most && out.data.predict > 0)
       refuse(kData / "predict", out.data.modes() + out.data.predict);
     if (out.simulation && out.simulation->modes > most) {
       if (f.json.at(kTruth).contains("modes")) refuse(kTruth / "modes", out.simulation->modes);
@@ -221,6 +222,7 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
                "them from");
     take_truth(f, out, seed.value_or(out.simulation->seed));
   }
+  if (json.contains("data")) require_shapes_to_doubt(f, kData, out.data.has_shapes());
   return parsed;
 }
 

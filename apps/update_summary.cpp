@@ -66,6 +66,7 @@ Report modes_of(const UpdateFindings& findings) {
                     {"moves", m.moves},
                     {"by_sd", m.moved},
                     {"reliable", m.reliable}}}};
+    if (m.spurious > 0.0) row["spurious"] = m.spurious;
     if (!m.state.empty()) row.update({{"state", m.state}, {"mode_of_state", m.mode_of_state}});
     if (m.has_shape)
       row["shape"] = {{"mac", {{"q2.5", m.mac.q2_5}, {"q50", m.mac.q50}, {"q97.5", m.mac.q97_5}}},

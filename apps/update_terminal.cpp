@@ -51,7 +51,10 @@ void print_modes(const Page& page, const UpdateFindings& findings) {
   rows[0].insert(rows[0].end(), {"information", "without it"});
   for (const ModeFinding& m : findings.modes) {
     std::string name = std::to_string(m.mode);
-    if (m.computed != m.mode) name += " (model's " + std::to_string(m.computed) + ")";
+    if (m.spurious > kSpurious)
+      name += " (spurious: " + percent(m.spurious) + ")";
+    else if (m.computed != m.mode)
+      name += " (model's " + std::to_string(m.computed) + ")";
     std::vector<std::string> row = {name, number_or_dash(m.measured_hz, 6),
                                     resolved(m.frequency_hz.mean, m.frequency_hz.width()),
                                     interval(m.frequency_hz),

@@ -46,6 +46,16 @@ std::string one_mode(const ModeFinding& m) {
   return text + " (" + in_words(why) + ")";
 }
 
+/// One or two shapes of several that are none of the model's, and no doubt allowed.
+bool may_be_spurious(const UpdateFindings& findings) {
+  std::size_t strange = 0;
+  for (const ModeFinding& m : findings.modes) {
+    if (m.spurious > 0.0) return false;
+    strange += m.has_shape && m.shape_p < kMisfit;
+  }
+  return strange > 0 && 3 * strange <= findings.modes.size();
+}
+
 }  // namespace
 
 std::string in_words(const UntouchedDirection& direction) {
@@ -59,7 +69,7 @@ std::string in_words(const UntouchedDirection& direction) {
 
 std::string matched_in_words(const ModeFinding& mode) {
   const int number = mode.state.empty() ? mode.mode : mode.mode_of_state;
-  if (mode.computed == number && mode.matched > 0.999) return {};
+  if ((mode.computed == number && mode.matched > 0.999) || mode.spurious > 0.5) return {};
   return "mode " + std::to_string(number) + (mode.state.empty() ? "" : " of " + mode.state) +
          " is the model's mode " + std::to_string(mode.computed) +
          (mode.matched > 0.999 ? "" : " in " + percent(mode.matched) + " of the draws");
@@ -78,7 +88,10 @@ std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
                          : "even the best draw has " + p_value(fit.best_p)) +
         ")" + (modes.empty() ? "." : ": " + in_words(modes) + ".") +
         " Check scatter, units, sensors and directions; then the model: what it leaves out can be "
-        "inferred, by \"discrepancy\": {\"cov\": {\"log_uniform\": [1e-3, 0.3]}}.");
+        "inferred, by \"discrepancy\": {\"cov\": {\"log_uniform\": [1e-3, 0.3]}}" +
+        (may_be_spurious(findings) ? ", and a mode may be none of the structure's, by "
+                                     "\"doubt\": 0.05."
+                                   : "."));
   }
   for (const Prediction& p : findings.predictions)
     if (p.misses())

@@ -217,7 +217,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   ModalLikelihood::Score score;
   long visited = 0;
   double mean_p = 0.0, weight_seen = 0.0;
-  std::vector<double> mean_residual(modes);
+  std::vector<double> mean_residual(modes), spurious(modes);
   draws.for_each([&](std::size_t c, std::size_t i) {
     if (visited++ % stride != 0) return;
     const std::span<const double> x(posterior.chains[c].theta.data() + i * width, width);
@@ -233,7 +233,10 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     }
     if (problem.by_modes()) {
       if (!by_shapes.score(posterior.chains[c].model[i], x, score)) return;
-      mean_p += weight * boost::math::gamma_q(0.5 * score.freedoms, 0.5 * score.chi_square);
+      mean_p +=
+          weight * boost::math::gamma_q(0.5 * std::max(score.freedoms, 1), 0.5 * score.chi_square);
+      for (std::size_t mode = 0; mode < modes; ++mode)
+        spurious[mode] += weight * score.matches[mode].spurious;
     } else {
       mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
     }
@@ -248,6 +251,11 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
         all_draws(posterior, [&](auto c, auto i) { return prediction(c, i, mode); }), weights);
     const bool measured = !std::isnan(data.frequencies_hz[mode]);
     const double residual = mean_residual[mode] / weight_seen;
+    const double doubted = spurious[mode] / weight_seen;
+    if (doubted > kSpurious)
+      remarks.push_back(remark::SpuriousMode{.mode = static_cast<int>(mode) + 1,
+                                             .hz = data.frequencies_hz[mode],
+                                             .probability = doubted});
     out.modes.push_back({.observed = data.frequencies_hz[mode],
                          .sd = measured && !data.sd_hz.empty() ? data.sd_hz[mode] : kNaN,
                          .mean = predicted.mean,
@@ -262,7 +270,8 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
           problem.states->states().list[static_cast<std::size_t>(place.state)].name;
       out.modes.back().mode = place.mode + 1;
     }
-    if (measured && std::abs(residual) > 3.0) off.push_back(static_cast<int>(mode) + 1);
+    if (measured && std::abs(residual) > 3.0 && doubted < 0.5)
+      off.push_back(static_cast<int>(mode) + 1);
   }
   if (out.posterior_predictive_p < kMisfit) {
     verdict.why.emplace_back(

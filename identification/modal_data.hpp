@@ -45,6 +45,12 @@ struct ModalData {
   /// What the model itself leaves out, beside the noise: a coefficient of variation of each
   /// frequency, independent from mode to mode, and an sd of shapes' entries.
   Scatter discrepancy = {}, shape_discrepancy = {};
+  /// Of how far damage moves each frequency: a coefficient of variation. Goes with a healthy state.
+  Scatter change_discrepancy = {};
+
+  /// P, before the data, that a measured mode is none of the structure's (a harmonic, a pole of the
+  /// noise). Goes with shapes.
+  double doubt = 0.0;
 
   int predict = 0;                       ///< further modes to be foretold
   std::vector<double> held_out_hz = {};  ///< of these, what was measured; NaN where nothing was

@@ -79,6 +79,10 @@ ModalLikelihood::ModalLikelihood(ModalData data) : data_(std::move(data)) {
   for (int i = 0; i < n; ++i)
     if (!std::isnan(data_.frequencies_hz[static_cast<std::size_t>(i)]))
       with_frequency_.push_back(i);
+  if (!(data_.doubt >= 0.0 && data_.doubt < 1.0))
+    throw std::invalid_argument("doubt must be in [0, 1)");
+  if (!data_.has_shapes() && data_.doubt > 0.0)
+    throw std::invalid_argument("doubt goes with shapes");
   if (!data_.has_shapes()) return;
   if (data_.shapes.rows() != n || data_.shapes.cols() != static_cast<Index>(data_.sensors.size()))
     throw std::invalid_argument("shapes must have one row a mode and one column a sensor");
@@ -141,19 +145,93 @@ std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& cova
   std::vector<int> out(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) out[static_cast<std::size_t>(i)] = i;
   if (!data_.has_shapes()) return out;
-  MatrixXd costs = MatrixXd::Zero(n, modes.eigenvalues.size());
-  for (int i = 0; i < n; ++i)
-    for (Index j = 0; j < costs.cols(); ++j) {
-      const double f = data_.frequencies_hz[static_cast<std::size_t>(i)];
+  const Index computed = modes.eigenvalues.size();
+  const bool doubt = data_.doubt > 0.0;
+  MatrixXd costs = MatrixXd::Zero(n, computed + (doubt ? n : 0));
+  for (int i = 0; i < n; ++i) {
+    const double f = data_.frequencies_hz[static_cast<std::size_t>(i)];
+    for (Index j = 0; j < computed; ++j) {
       const double r = f - frequency_of(modes, j);
       if (!std::isnan(f)) costs(i, j) += 0.5 * r * r / covariance(i, i);
       if (shapes_[static_cast<std::size_t>(i)])
         costs(i, j) -= compare(modes, i, j, noise).log_density;
     }
-  return least_cost_assignment(costs);
+    if (!doubt) continue;
+    costs.row(i).tail(n).setConstant(std::numeric_limits<double>::infinity());
+    costs(i, computed + i) = -log_spurious(i) + std::log1p(-data_.doubt) -
+                             (std::isnan(f) ? 0.0 : 0.5 * std::log(kTwoPi * covariance(i, i)));
+  }
+  std::vector<int> matched = least_cost_assignment(costs);
+  if (!doubt) return matched;
+  // A mode that is none of them is compared with the one that is left and comes nearest.
+  std::vector<bool> taken(static_cast<std::size_t>(computed));
+  for (const int j : matched)
+    if (j < computed) taken[static_cast<std::size_t>(j)] = true;
+  for (int i = 0; i < n; ++i) {
+    int& j = matched[static_cast<std::size_t>(i)];
+    if (j < computed) continue;
+    j = -1;
+    for (int k = 0; k < computed; ++k)
+      if (!taken[static_cast<std::size_t>(k)] && (j < 0 || costs(i, k) < costs(i, j))) j = k;
+    if (j >= 0) continue;
+    Index nearest = 0;
+    costs.row(i).head(computed).minCoeff(&nearest);
+    j = static_cast<int>(nearest);
+  }
+  return matched;
+}
+
+double ModalLikelihood::log_spurious(int mode) const {
+  const auto i = static_cast<std::size_t>(mode);
+  double out = std::log(data_.doubt);
+  if (!std::isnan(data_.frequencies_hz[i])) {
+    double highest = 0.0;
+    for (const double f : data_.frequencies_hz)
+      if (!std::isnan(f)) highest = std::max(highest, f);
+    out -= std::log(kBand * highest);
+  }
+  if (shapes_[i]) out += shapes_[i]->log_uniform_density();
+  return out;
+}
+
+ModalLikelihood::Score ModalLikelihood::score_with_doubt(const Modes& modes,
+                                                         const ModalNoise& noise) const {
+  const MatrixXd c = covariance(noise);
+  const std::vector<int> matched = match(modes, c, noise);
+  Score out;
+  for (int i = 0; i < data_.modes(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Index j = matched[at];
+    Match m{.computed = static_cast<int>(j), .frequency_hz = frequency_of(modes, j)};
+    double real = std::log1p(-data_.doubt), chi_square = 0.0;
+    int freedoms = 0;
+    if (const double f = data_.frequencies_hz[at]; !std::isnan(f)) {
+      const double square = (f - m.frequency_hz) * (f - m.frequency_hz) / c(i, i);
+      real -= 0.5 * (square + std::log(kTwoPi * c(i, i)));
+      chi_square += square;
+      ++freedoms;
+    }
+    if (shapes_[at]) {
+      m.shape = compare(modes, i, j, noise);
+      real += m.shape->log_density;
+      chi_square += m.shape->chi_square;
+      freedoms += shapes_[at]->freedoms();
+    }
+    const double spurious = log_spurious(i), most = std::max(real, spurious);
+    m.log_likelihood = most + std::log(std::exp(real - most) + std::exp(spurious - most));
+    m.spurious = std::exp(spurious - m.log_likelihood);
+    out.log_likelihood += m.log_likelihood;
+    if (m.spurious < 0.5) {
+      out.chi_square += chi_square;
+      out.freedoms += freedoms;
+    }
+    out.matches.push_back(std::move(m));
+  }
+  return out;
 }
 
 ModalLikelihood::Score ModalLikelihood::score(const Modes& modes, const ModalNoise& noise) const {
+  if (data_.doubt > 0.0) return score_with_doubt(modes, noise);
   Score out;
   const MatrixXd c = covariance(noise);
   const std::vector<int> matched = match(modes, c, noise);
@@ -196,6 +274,7 @@ VectorXd ModalLikelihood::pulls(const Modes& modes, const std::vector<int>& matc
     r[k] = data_.frequencies_hz[i] - frequency_of(modes, matched[i]);
   }
   if (n == 0) return r;
+  if (data_.doubt > 0.0) return r.cwiseQuotient(VectorXd(covariance.diagonal()(with_frequency_)));
   return covariance(with_frequency_, with_frequency_).llt().solve(r);
 }
 
@@ -220,8 +299,16 @@ bool ModalLikelihood::slope(const Modes& modes, const fem::ParametricModes::Slop
   const auto computed = [&](int i) {
     return static_cast<Index>(matched[static_cast<std::size_t>(i)]);
   };
-  const VectorXd pull = pulls(modes, matched, c);
+  // Of a mode that may be spurious, the share that is not.
+  VectorXd real = VectorXd::Ones(data_.modes());
+  if (data_.doubt > 0.0) {
+    const Score found = score_with_doubt(modes, noise);
+    for (Index i = 0; i < real.size(); ++i)
+      real[i] -= found.matches[static_cast<std::size_t>(i)].spurious;
+  }
+  VectorXd pull = pulls(modes, matched, c);
   for (Index k = 0; k < n; ++k) {
+    pull[k] *= real[with_frequency_[static_cast<std::size_t>(k)]];
     const Index j = computed(with_frequency_[static_cast<std::size_t>(k)]);
     // f = √λ / 2π:  ∂f = ∂λ / (8π² f).
     const double rate = 1.0 / (2.0 * kTwoPi * kTwoPi * frequency_of(modes, j));
@@ -235,7 +322,7 @@ bool ModalLikelihood::slope(const Modes& modes, const fem::ParametricModes::Slop
     if (!density) continue;
     const Index j = computed(i);
     if (closest(modes, j).tau > 0.0) return false;
-    const VectorXd s = density->slope(entries(modes.shapes, i, j), scale, more);
+    const VectorXd s = real[i] * density->slope(entries(modes.shapes, i, j), scale, more);
     for (std::size_t p = 0; p < out.size(); ++p) out[p] += s.dot(entries(slopes.shapes[p], i, j));
   }
   return true;

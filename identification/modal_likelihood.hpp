@@ -17,7 +17,7 @@ namespace wheeltap::identification {
 struct ModalNoise {
   double cov = 0.0;       ///< of frequencies, where it is unknown
   double shape_sd = 1.0;  ///< multiplies the shapes' sd, where it is unknown
-  double discrepancy = 0.0, shape_discrepancy = 0.0;
+  double discrepancy = 0.0, shape_discrepancy = 0.0, change_discrepancy = 0.0;
   /// Of what an emulator gets wrong [Hz²], one a measured mode; empty: it is exact.
   std::vector<double> emulator_variance = {};
 };
@@ -42,6 +42,14 @@ struct ModalNoise {
 /// frequencies count once A is known. It takes the best matching for the true one: where another
 /// comes near, modes are close and both are alike.
 ///
+/// Where the data may hold modes that are none of the structure's, each with probability ε
+/// (`ModalData::doubt`), frequencies' correlations are left out and
+///
+///   p(mode i | θ) = (1 - ε) N(f_i; f_A(i), C_ii) p(ψ_i | φ_A(i)) + ε p₀(f_i) p₀(ψ_i),
+///
+/// p₀ uniform over frequencies up to `kBand` times the highest measured, and over all lines. Beside
+/// the computed modes A then has "none" to offer to each.
+///
 /// Modes whose eigenvalues are closer than `kClose` may have turned in their common plane by
 /// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), gap relative: what a change of K by a
 /// thousandth does to them. Of more than two such modes, each with the closest.
@@ -49,6 +57,7 @@ class ModalLikelihood {
  public:
   static constexpr double kClose = 0.05;
   static constexpr double kMixing = 1e-3;
+  static constexpr double kBand = 1.5;
 
   /// Throws std::invalid_argument for data that do not fit together, naming the mode (from 1).
   explicit ModalLikelihood(ModalData data);
@@ -58,11 +67,13 @@ class ModalLikelihood {
     int computed = 0;           ///< 0-based, of the elastic modes
     double frequency_hz = 0.0;  ///< computed
     std::optional<ShapeDensity::Comparison> shape = {};
+    double spurious = 0.0;        ///< P that it is none of the structure's, given θ
+    double log_likelihood = 0.0;  ///< of this mode alone, where modes are doubted
   };
   struct Score {
     double log_likelihood = 0.0;
-    double chi_square = 0.0;  ///< of frequencies and shapes
-    int freedoms = 0;
+    double chi_square = 0.0;  ///< of frequencies and shapes; more likely spurious ones left out
+    int freedoms = 0;         ///< numbers that it is of
     std::vector<Match> matches;
   };
   [[nodiscard]] Score score(const fem::ParametricModes::Modes& modes,
@@ -98,6 +109,10 @@ class ModalLikelihood {
                                                  const ModalNoise& noise) const;
   [[nodiscard]] std::vector<int> match(const fem::ParametricModes::Modes& modes,
                                        const Eigen::MatrixXd& covariance,
+                                       const ModalNoise& noise) const;
+  /// ln ε p₀(f) p₀(ψ) of a mode.
+  [[nodiscard]] double log_spurious(int mode) const;
+  [[nodiscard]] Score score_with_doubt(const fem::ParametricModes::Modes& modes,
                                        const ModalNoise& noise) const;
 
   ModalData data_;

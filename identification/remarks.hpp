@@ -235,7 +235,16 @@ struct ParameterAtBound {
   bool upper;
 };
 
+/// A measured mode may be none of the structure's.
+struct SpuriousMode {
+  int mode = 0;  ///< as measured, from 1
+  double hz = 0.0, probability = 0.0;
+};
+
 }  // namespace remark
+
+/// From this probability on it is said.
+inline constexpr double kSpurious = 0.05;
 
 using Remark =
     std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
@@ -248,6 +257,6 @@ using Remark =
                  remark::MostlyNoise, remark::InitialStateInferred, remark::StepsTooLong,
                  remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::MostProbableFails,
                  remark::ColouredResiduals, remark::ParameterAtBound, remark::ScatterBetweenWindows,
-                 remark::WindowsUnsound>;
+                 remark::WindowsUnsound, remark::SpuriousMode>;
 
 }  // namespace wheeltap::identification

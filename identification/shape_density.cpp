@@ -92,6 +92,12 @@ double ShapeDensity::log_normaliser(const VectorXd& w) const {
          0.5 * static_cast<double>(freedoms()) * std::log(2.0 * kPi);
 }
 
+double ShapeDensity::log_uniform_density() const {
+  const double m = static_cast<double>(values_.size());
+  return std::lgamma(0.5 * m) - 0.5 * m * std::log(kPi) -
+         0.5 * (m - 1.0) * std::log(values_.squaredNorm());
+}
+
 double ShapeDensity::sd() const {
   return std::sqrt(spread_.mean());
 }

@@ -50,6 +50,9 @@ class ShapeDensity {
   [[nodiscard]] Eigen::VectorXd slope(const Eigen::VectorXd& shape, double scale,
                                       double more) const;
 
+  /// Of a line that may point anywhere, Γ(m/2) / π^{m/2}, on the same tangent plane at ψ.
+  [[nodiscard]] double log_uniform_density() const;
+
   [[nodiscard]] int freedoms() const { return static_cast<int>(values_.size()) - 1; }
   [[nodiscard]] const Eigen::VectorXd& values() const { return values_; }
   /// Standard deviation of an entry, about.

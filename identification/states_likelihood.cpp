@@ -114,7 +114,8 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
     out.freedoms += one.freedoms;
     std::ranges::move(one.matches, std::back_inserter(out.matches));
   }
-  if (noise.discrepancy == 0.0 || likelihoods_.size() == 1) return out;
+  if ((noise.discrepancy == 0.0 && noise.change_discrepancy == 0.0) || likelihoods_.size() == 1)
+    return out;
 
   // Frequencies of all states at once, with what they have in common.
   std::vector<Index> with;
@@ -129,21 +130,8 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   const auto match = [&](Index k) -> const auto& {
     return out.matches[static_cast<std::size_t>(with[static_cast<std::size_t>(k)])];
   };
-  const auto same_model = [&](Index k, Index l) {
-    const auto known = [&](Index i) -> const auto& {
-      const int mode = static_cast<int>(with[static_cast<std::size_t>(i)]);
-      return states_->list[static_cast<std::size_t>(place(mode).state)].known;
-    };
-    return known(k) == known(l);
-  };
-  for (Index k = 0; k < n; ++k) {
-    r[k] = observed(k) - match(k).frequency_hz;
-    for (Index l = 0; l < k; ++l)
-      if (match(k).computed == match(l).computed && same_model(k, l)) {
-        c(k, l) += noise.discrepancy * noise.discrepancy * observed(k) * observed(l);
-        c(l, k) = c(k, l);
-      }
-  }
+  for (Index k = 0; k < n; ++k) r[k] = observed(k) - match(k).frequency_hz;
+  add_common(modes, noise, out, with, c);
   out.log_likelihood = out.chi_square = 0.0;
   for (const auto& m : out.matches)
     if (m.shape) {
@@ -160,6 +148,46 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   out.log_likelihood -= 0.5 * chi_square + 0.5 * static_cast<double>(n) * std::log(kTwoPi) +
                         MatrixXd(llt.matrixL()).diagonal().array().log().sum();
   return out;
+}
+
+void StatesLikelihood::add_common(const std::vector<Modes>& modes, const ModalNoise& noise,
+                                  const ModalLikelihood::Score& score,
+                                  const std::vector<Index>& with, MatrixXd& covariance) const {
+  const auto state_of = [&](Index mode) -> const ObservedState& {
+    return states_->list[static_cast<std::size_t>(place(static_cast<int>(mode)).state)];
+  };
+  const auto match = [&](Index mode) -> const auto& {
+    return score.matches[static_cast<std::size_t>(mode)];
+  };
+  // From the first healthy state with the same coefficients; 0 where there is none.
+  const auto change = [&](Index mode) {
+    const ObservedState& here = state_of(mode);
+    const auto healthy = std::ranges::find_if(
+        states_->list, [&](const ObservedState& s) { return !s.damaged && s.known == here.known; });
+    if (!here.damaged || healthy == states_->list.end()) return 0.0;
+    const VectorXd& before =
+        modes[static_cast<std::size_t>(healthy - states_->list.begin())].eigenvalues;
+    const int computed = match(mode).computed;
+    if (computed >= before.size()) return 0.0;
+    return match(mode).frequency_hz - std::sqrt(std::max(0.0, before[computed])) / kTwoPi;
+  };
+  const double common = noise.discrepancy * noise.discrepancy;
+  const double of_change = noise.change_discrepancy * noise.change_discrepancy;
+  const auto n = static_cast<Index>(with.size());
+  VectorXd moved = VectorXd::Zero(n);
+  for (Index k = 0; of_change > 0.0 && k < n; ++k)
+    moved[k] = change(with[static_cast<std::size_t>(k)]);
+  for (Index k = 0; k < n; ++k)
+    for (Index l = 0; l <= k; ++l) {
+      const Index a = with[static_cast<std::size_t>(k)], b = with[static_cast<std::size_t>(l)];
+      if (match(a).computed != match(b).computed || state_of(a).known != state_of(b).known)
+        continue;
+      covariance(k, l) += of_change * moved[k] * moved[l];
+      if (l < k)  // a state's own share stands there already
+        covariance(k, l) += common * joined_.frequencies_hz[static_cast<std::size_t>(a)] *
+                            joined_.frequencies_hz[static_cast<std::size_t>(b)];
+      covariance(l, k) = covariance(k, l);
+    }
 }
 
 fem::Discretisation StatesLikelihood::structure(std::span<const double> x,

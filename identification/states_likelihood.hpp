@@ -17,11 +17,14 @@ namespace wheeltap::identification {
 /// With s the states, θ the intact structure and d the damages (of those states that have them),
 ///
 ///   ln p = Σ_s Σ_shapes ln p(ψ | φ(θ, d)) + ln N(f_obs; f(θ, d), C),
-///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ,
+///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ + η² Σ_m Δ_m Δ_mᵀ,
 ///
 /// f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere: what the model
 /// does wrong by a factor of a mode (discrepancy δ) it does wrong in all of these, so that it does
-/// not pass for damage. With one state this is ModalLikelihood.
+/// not pass for damage. Δ_m are the changes of its frequency from the first healthy of these states
+/// to the damaged ones, as computed: by how much damage moves it the model has wrong by a factor,
+/// too (η, `change_discrepancy`): an error of the shapes, and so of first order where that of the
+/// frequencies is of second. With one state this is ModalLikelihood.
 ///
 /// Each state's structure is assembled at θ, changed by its damages and masses, and solved by
 /// SubspaceModes. States that differ by temperature alone share a solution.
@@ -71,6 +74,10 @@ class StatesLikelihood {
   [[nodiscard]] Check check(int points) const;
 
  private:
+  /// Where C has what states have in common: `with` are the modes that were measured.
+  void add_common(const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
+                  const ModalLikelihood::Score& score, const std::vector<Eigen::Index>& with,
+                  Eigen::MatrixXd& covariance) const;
   struct Group {
     std::vector<int> states;  // that differ by temperature alone
     std::shared_ptr<const fem::SubspaceModes> solver;

@@ -167,6 +167,12 @@ std::vector<VectorXd> mode_likelihoods(const UpdateProblem& problem, const Exami
       if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)]))
         with.push_back(static_cast<int>(i));
     VectorXd l = VectorXd::Zero(n);
+    if (data.doubt > 0.0) {
+      for (Index i = 0; i < n; ++i)
+        l[i] = seen.scores[s].matches[static_cast<std::size_t>(i)].log_likelihood;
+      out.push_back(std::move(l));
+      continue;
+    }
     if (!with.empty()) {
       const MatrixXd precision = covariance(with, with).inverse();
       VectorXd r(static_cast<Index>(with.size()));
@@ -250,6 +256,7 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
       const double here = std::sqrt(problem.covariance(problem.noise(seen.x[s]))(i, i));
       sd += here / out.examined;
       residual += (f.measured_hz - match(s).frequency_hz) / here / out.examined;
+      f.spurious += match(s).spurious / out.examined;
     }
     const bool has_frequency = !std::isnan(f.measured_hz);
     f.sd_hz = has_frequency ? sd : kNaN;
@@ -268,6 +275,9 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
       }
       f.shape_p = p;
     }
+    if (f.spurious > kSpurious)
+      out.remarks.push_back(
+          remark::SpuriousMode{.mode = f.mode, .hz = f.measured_hz, .probability = f.spurious});
     out.modes.push_back(std::move(f));
   }
 }
@@ -276,10 +286,15 @@ void judge_fit(const UpdateProblem& problem, const Examined& seen, UpdateFinding
   UpdateFit& fit = out.fit;
   fit.p = 0.0;
   double least = std::numeric_limits<double>::infinity();
+  int numbers = 0;  // of the best
   for (std::size_t s = 0; s < seen.scores.size(); ++s) {
-    least = std::min(least, seen.scores[s].chi_square);
+    const ModalLikelihood::Score& score = seen.scores[s];
+    if (score.chi_square < least) {
+      least = score.chi_square;
+      numbers = score.freedoms;
+    }
     if (s < static_cast<std::size_t>(out.examined))
-      fit.p += tail(out.numbers, seen.scores[s].chi_square) / out.examined;
+      fit.p += tail(score.freedoms, score.chi_square) / out.examined;
   }
   // Parameters that the data move, each its share of one.
   double used = 0.0;
@@ -287,14 +302,17 @@ void judge_fit(const UpdateProblem& problem, const Examined& seen, UpdateFinding
     used += std::clamp(out.contractions[static_cast<std::size_t>(p)].contraction, 0.0, 1.0);
   const bool known = problem.cov < 0 && problem.shape_sd < 0 && problem.discrepancy < 0 &&
                      problem.shape_discrepancy < 0;
-  if (known && out.numbers - used >= 1.0) fit.best_p = tail(out.numbers - used, least);
+  if (known && numbers - used >= 1.0) fit.best_p = tail(numbers - used, least);
   double rest = 0.0, spread = 0.0, mean = 0.0, count = 0.0;
+  const auto counts = [](const ModeFinding& m) {
+    return !std::isnan(m.measured_hz) && m.spurious < 0.5;
+  };
   for (const ModeFinding& m : out.modes)
-    if (!std::isnan(m.measured_hz)) mean += m.measured_hz, ++count;
+    if (counts(m)) mean += m.measured_hz, ++count;
   mean /= count;
   for (const ModeFinding& m : out.modes) {
     if (m.is_off()) fit.off.push_back(m.mode);
-    if (std::isnan(m.measured_hz)) continue;
+    if (!counts(m)) continue;
     rest += std::pow(m.measured_hz - m.frequency_hz.mean, 2);
     spread += std::pow(m.measured_hz - mean, 2);
   }
@@ -385,7 +403,8 @@ void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t s
   if (problem.states) return predict_states(problem, seen, seed, out);
   const ModalData& data = problem.update_case.data;
   int first = 0;
-  for (const ModeFinding& m : out.modes) first = std::max(first, m.computed);
+  for (const ModeFinding& m : out.modes)
+    if (m.spurious < 0.5) first = std::max(first, m.computed);
   for (int k = 0; k < data.predict && first + k < problem.candidates(); ++k) {
     const Index at = first + k;
     Prediction p{.mode = first + k + 1};
@@ -450,6 +469,7 @@ bool Contraction::at_prior() const {
 }
 
 bool ModeFinding::is_off() const {
+  if (spurious > 0.5) return false;
   return (!std::isnan(residual) && std::abs(residual) > 3.0) || (has_shape && shape_p < kMisfit);
 }
 

@@ -44,6 +44,7 @@ struct ModeFinding {
   double residual = 0.0;                  ///< of the frequency, in sd: mean over the draws
   int computed = 0;                       ///< the computed mode it is matched to most, from 1
   double matched = 1.0;                   ///< share of the draws in which it is that one
+  double spurious = 0.0;  ///< P that it is none of the structure's, where modes are doubted
   bool has_shape = false;
   Marginal mac = {};              ///< over the draws
   double shape_chi_square = 0.0;  ///< mean over the draws
@@ -59,7 +60,7 @@ struct ModeFinding {
   std::string state = {};  ///< where there are several
   int mode_of_state = 0;   ///< as measured in it, from 1
 
-  /// Off by more than the stated scatter allows: 3 sd, or p below 1e-3.
+  /// Off by more than the stated scatter allows: 3 sd, or p below 1e-3; spurious ones are not.
   [[nodiscard]] bool is_off() const;
 };
 

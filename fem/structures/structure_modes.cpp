@@ -54,27 +54,28 @@ std::string place_of(const Discretisation& d, Index dof) {
   return name.place + ", " + name.direction;
 }
 
-/// Columns made M-orthonormal, twice over; those that depend on earlier ones are dropped.
+/// Columns made M-orthonormal to each other and to those of `against`, which are so already, twice
+/// over; those that depend on earlier ones are dropped.
 MatrixXd orthonormal(const Sparse& mass, const MatrixXd& against, const MatrixXd& columns) {
-  std::vector<VectorXd> kept;
-  for (Index c = 0; c < columns.cols(); ++c) {
-    VectorXd v = columns.col(c);
-    const double before = std::sqrt(std::max(0.0, v.dot(mass * v)));
+  const Index given = against.cols();
+  MatrixXd all(columns.rows(), given + columns.cols());
+  all.leftCols(given) = against;
+  Index n = given;
+  for (const auto& column : columns.colwise()) {
+    VectorXd v = column, momentum = mass * v;
+    const double before = std::sqrt(std::max(0.0, v.dot(momentum)));
     if (!(before > 0.0)) continue;
     v /= before;
+    momentum /= before;
     for (int pass = 0; pass < 2; ++pass) {
-      const VectorXd momentum = mass * v;
-      if (against.cols() > 0) v -= against * (against.transpose() * momentum);
-      VectorXd correction = VectorXd::Zero(v.size());
-      for (const VectorXd& other : kept) correction += other.dot(momentum) * other;
-      v -= correction;
+      const VectorXd shares = all.leftCols(n).transpose() * momentum;
+      v.noalias() -= all.leftCols(n) * shares;
+      momentum.noalias() = mass * v;
     }
-    const double left = std::sqrt(std::max(0.0, v.dot(mass * v)));
-    if (left > 1e-8) kept.emplace_back(v / left);
+    const double left = std::sqrt(std::max(0.0, v.dot(momentum)));
+    if (left > 1e-8) all.col(n++) = v / left;
   }
-  MatrixXd out(columns.rows(), static_cast<Index>(kept.size()));
-  for (std::size_t i = 0; i < kept.size(); ++i) out.col(static_cast<Index>(i)) = kept[i];
-  return out;
+  return all.middleCols(given, n - given);
 }
 
 /// Ritz values λ, ascending, and their vectors, M-orthonormal.
@@ -199,9 +200,12 @@ Ritz refined(const Search& s, const MatrixXd& vectors, Index count) {
     // Far below rounding, a correction is only noise.
     for (Index i = 0; i < m; ++i)
       if (corrections.col(i).dot(d.mass * corrections.col(i)) < 1e-30) corrections.col(i).setZero();
-    MatrixXd both(d.size(), ritz.shapes.cols() + m);
-    both << ritz.shapes, corrections;
-    basis = orthonormal(d.mass, s.rigid, both);
+    // Ritz vectors are M-orthonormal, to each other and to rigid motions.
+    MatrixXd known(d.size(), s.rigid.cols() + ritz.shapes.cols());
+    known << s.rigid, ritz.shapes;
+    const MatrixXd more = orthonormal(d.mass, known, corrections);
+    basis.resize(d.size(), ritz.shapes.cols() + more.cols());
+    basis << ritz.shapes, more;
     ritz = rayleigh_ritz(d, basis);
   }
   const Index kept = std::min(count, ritz.shapes.cols());

@@ -265,6 +265,13 @@ TEST(StatesCase, Refusals) {
   c["baseline"]["data"]["discrepancy"] = {{"cov", 0.02}};
   refused(c, "/data/discrepancy/cov");
   c = two_storeys();
+  c["data"]["discrepancy"] = {{"change", 0.1}};
+  c["baseline"]["data"]["discrepancy"] = {{"change", 0.2}};
+  refused(c, "/data/discrepancy/change");
+  c["baseline"]["data"].erase("discrepancy");
+  c.erase("baseline");
+  refused(c, "/data/discrepancy/change");
+  c = two_storeys();
   c["structure"]["chain"]["links"][0]["stiffness"] = 1400;
   c.erase("parameters");
   c["baseline"]["data"]["covariance"] = {{1e-4, 0}, {0, 1e-4}};

@@ -71,6 +71,13 @@ TEST(UpdateCase, ScattersMayBeUnknown) {
   EXPECT_EQ(data.shape_discrepancy.value, 0.01);
 }
 
+TEST(UpdateCase, ModesMayBeDoubtedWhereTheyHaveShapes) {
+  EXPECT_EQ(parsed(with("/data/doubt", 0.05)).update.data.doubt, 0.05);
+  json alone = with("/data/doubt", 0.05);
+  for (const char* key : {"shapes", "shape_sd", "sensors"}) alone["data"].erase(key);
+  expect_refused(alone, "/data/doubt", "goes with shapes");
+}
+
 TEST(UpdateCase, ATruthStandsInForData) {
   json text = with("/data/frequencies", nullptr);
   text["data"].erase("shapes");

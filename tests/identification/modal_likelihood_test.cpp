@@ -186,6 +186,83 @@ TEST(ModalLikelihood, ShapesOfWrongSizeAreRefusedByTheirMode) {
   }
 }
 
+/// ln (e^a + e^b).
+double log_sum(double a, double b) {
+  return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
+}
+
+// By hand: 1/(1.5 f) for the frequency, and for the line 1/2π on the half sphere.
+TEST(ModalLikelihood, ADoubtedModeIsAMixture) {
+  const Modes modes = modes_of({1.0, 2.0, 3.0, 4.0}, three_shapes());
+  constexpr double kDoubt = 0.1;
+  int doubted = 0;
+  for (const double turn : {0.0, 0.08, 0.12, 0.5}) {
+    const VectorXd shape = three_shapes().col(1) + turn * VectorXd::Unit(3, 2);
+    ModalData data = data_of({2.03}, 0.01, shape.transpose(), 0.02);
+    const double real = ModalLikelihood(data).score(modes, {}).log_likelihood;
+    data.doubt = kDoubt;
+    const auto found = ModalLikelihood(data).score(modes, {});
+    const double size = shape.norm() / shape.cwiseAbs().maxCoeff();
+    const double spurious = std::log(kDoubt) - std::log(1.5 * 2.03) -
+                            std::log(2.0 * std::numbers::pi) - 2.0 * std::log(size);
+    const double expected = log_sum(std::log(1.0 - kDoubt) + real, spurious);
+    EXPECT_NEAR(found.log_likelihood, expected, 1e-10) << turn;
+    EXPECT_NEAR(found.matches[0].spurious, std::exp(spurious - expected), 1e-10) << turn;
+    EXPECT_EQ(found.freedoms, found.matches[0].spurious < 0.5 ? 3 : 0) << turn;
+    doubted += found.matches[0].spurious > 0.5;
+  }
+  EXPECT_GT(doubted, 0);
+  EXPECT_LT(doubted, 4);
+}
+
+// It leaves its place to one that is the structure's.
+TEST(ModalLikelihood, ASpuriousModeTakesNoOthersPlace) {
+  const MatrixXd shapes = three_shapes();
+  const Modes modes = modes_of({1.0, 2.0, 3.0, 4.0}, shapes);
+  MatrixXd measured(5, 3);
+  measured << shapes.transpose().topRows(2), Eigen::RowVector3d(0.9, 0.8, -1.0),
+      shapes.transpose().bottomRows(2);
+  ModalData data = data_of({1.0, 2.0, 2.0, 3.0, 4.0}, 0.01, measured, 0.02);
+  data.doubt = 0.05;
+  const auto found = ModalLikelihood(data).score(modes, {});
+  const int computed[] = {0, 1, -1, 2, 3};
+  for (int i = 0; i < 5; ++i) {
+    const auto& match = found.matches[static_cast<std::size_t>(i)];
+    if (i == 2) {
+      EXPECT_GT(match.spurious, 0.999);
+    } else {
+      EXPECT_EQ(match.computed, computed[i]);
+      EXPECT_LT(match.spurious, 1e-3);
+    }
+  }
+}
+
+TEST(ModalLikelihood, GradientsOfDoubtedModesAreThoseOfDifferences) {
+  for (const double second : {0.4, 0.62}) {  // fits, hardly
+    UpdateCase update_case = modal::two_storeys(0.01, 0.05);
+    update_case.data.shapes(0, 0) = second;
+    update_case.data.doubt = 0.2;
+    const auto problem = make_update_problem(update_case);
+    const auto likelihood = problem->problem.likelihood();
+    std::vector<double> x = {1400.0, 900.0}, gradient(2);
+    ASSERT_TRUE(likelihood->gradient(0, x, gradient));
+    for (std::size_t p = 0; p < x.size(); ++p) {
+      auto up = x, down = x;
+      const double step = 1e-5 * x[p];
+      up[p] += step, down[p] -= step;
+      const double slope =
+          (likelihood->log_likelihood(0, up) - likelihood->log_likelihood(0, down)) / (2.0 * step);
+      EXPECT_NEAR(gradient[p], slope, 1e-5 * std::abs(slope) + 1e-9) << p;
+    }
+  }
+}
+
+TEST(ModalLikelihood, DoubtGoesWithShapes) {
+  ModalData data = data_of({1.0, 3.0}, 0.01, {}, 0.0);
+  data.doubt = 0.1;
+  EXPECT_THROW(ModalLikelihood{data}, std::invalid_argument);
+}
+
 TEST(ModalLikelihood, GradientsAreThoseOfDifferences) {
   UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   update_case.data.discrepancy.prior = inference::LogUniform{1e-3, 1e-1};

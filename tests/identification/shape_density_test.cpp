@@ -176,5 +176,19 @@ TEST(ShapeDensity, WhatIsNoScatterIsRefused) {
   EXPECT_THROW(ShapeDensity(shape, lopsided), std::invalid_argument);
 }
 
+// Over all lines of two entries, in arc lengths r dθ at the shape's own size.
+TEST(ShapeDensity, ALineThatMayPointAnywhereIsSomewhere) {
+  double sum = 0.0;
+  constexpr int kSteps = 20000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double angle = std::numbers::pi * (i + 0.5) / kSteps;
+    const VectorXd shape = Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    const ShapeDensity density(shape, 1e-4 * MatrixXd::Identity(2, 2));
+    sum += std::exp(density.log_uniform_density()) * density.values().norm() * std::numbers::pi /
+           kSteps;
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace wheeltap::identification

@@ -169,6 +169,39 @@ TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
   EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected));
 }
 
+// What damage changes is known to a factor: the joint density by its covariance, written out.
+TEST(StatesLikelihood, AChangeErrsByAFactorOfItself) {
+  auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+  states->list.push_back(
+      {.name = "worse", .data = frequencies({1.9, 6.1, 8.3}, 0.01), .damaged = true});
+  const StatesLikelihood likelihood(states, {soft_storey()});
+  std::vector<Modes> modes;
+  ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 1100.0, 900.0},
+                               {{.kind = 0, .location = 1.5, .severity = 0.3}}, modes));
+  const auto before = full(chain_of(1000.0, 1100.0, 900.0, {1.0, 1.2, 0.8}));
+  const auto after = full(chain_of(1000.0, 770.0, 900.0, {1.0, 1.2, 0.8}));
+  for (const double delta : {0.0, 0.02}) {
+    const double eta = 0.2;
+    const auto score = likelihood.score(modes, {.discrepancy = delta, .change_discrepancy = eta});
+    Eigen::VectorXd f(9), r(9), moved = Eigen::VectorXd::Zero(9);
+    f << 2.2, 6.3, 8.6, 2.0, 6.2, 8.5, 1.9, 6.1, 8.3;
+    MatrixXd c = MatrixXd::Zero(9, 9);
+    for (Index i = 0; i < 9; ++i) {
+      const auto mode = static_cast<std::size_t>(i % 3);
+      r[i] = f[i] - (i < 3 ? before[mode] : after[mode]);
+      if (i >= 3) moved[i] = after[mode] - before[mode];
+    }
+    for (Index i = 0; i < 9; ++i) {
+      for (Index j = 0; j < 9; ++j)
+        if (i % 3 == j % 3) c(i, j) = delta * delta * f[i] * f[j] + eta * eta * moved[i] * moved[j];
+      c(i, i) += 1e-4 * f[i] * f[i];
+    }
+    const double expected =
+        -0.5 * r.dot(c.inverse() * r) - 0.5 * std::log(c.determinant()) - 4.5 * std::log(kTwoPi);
+    EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected)) << delta;
+  }
+}
+
 // Where a coefficient is set anew, the model errs anew.
 TEST(StatesLikelihood, StatesOfOtherCoefficientsErrByThemselves) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());

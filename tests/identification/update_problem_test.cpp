@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -181,6 +182,87 @@ TEST(UpdateProblem, AModeThatDoesNotFitIsNamed) {
   EXPECT_FALSE(found.findings.fit.ok());
   ASSERT_FALSE(found.findings.fit.off.empty());
   EXPECT_EQ(found.findings.fit.off.back(), 2);
+}
+
+/// Four storeys, all modes at all floors.
+UpdateCase four_storeys() {
+  const inference::Prior prior = inference::LogUniform{300.0, 3000.0};
+  UpdateCase out{.title = "four storeys",
+                 .structure = modal::chain({2.0, 1.5, 1.2, 1.0}, {prior, prior, prior, prior})};
+  out.data.sensors = modal::at_masses({1, 2, 3, 4});
+  out.simulation = ModalSimulation{
+      .parameters = {1400.0, 900.0, 1100.0, 800.0}, .modes = 4, .cov = 0.005, .shape_sd = 0.02};
+  simulate(out, 4);
+  return out;
+}
+
+/// The modes with these numbers, from 0, in this order; -1 for one that is none of the structure's.
+UpdateCase with_modes(const UpdateCase& from, const std::vector<int>& order) {
+  UpdateCase out = from;
+  const auto n = static_cast<Eigen::Index>(order.size());
+  ModalData& data = out.data;
+  data.frequencies_hz.clear();
+  data.shapes.resize(n, 4);
+  data.shape_covariances.clear();
+  std::vector<double> sds;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int mode = order[static_cast<std::size_t>(i)];
+    const double f = mode < 0 ? 6.0 : from.data.frequencies_hz[static_cast<std::size_t>(mode)];
+    data.frequencies_hz.push_back(f);
+    sds.push_back(0.005 * f);
+    data.shapes.row(i) = mode < 0 ? Eigen::RowVector4d(1.0, 0.3, 0.7, 0.9)
+                                  : Eigen::RowVector4d(from.data.shapes.row(mode));
+    data.shape_covariances.push_back(from.data.shape_covariances[0]);
+  }
+  data.covariance = modal::diagonal(sds);
+  out.simulation.reset();
+  return out;
+}
+
+/// Means and spreads of all stiffnesses agree within five Monte Carlo errors.
+void expect_same(const Outcome& a, const Outcome& b, const char* what) {
+  for (const char* k : {"k1", "k2", "k3", "k4"}) {
+    const auto first = a.posterior.draws_of(k, 0), second = b.posterior.draws_of(k, 0);
+    const double middle = inference::mean(first);
+    const auto squares = [&](inference::ChainsOf draws) {
+      for (auto& chain : draws)
+        for (double& x : chain) x = (x - middle) * (x - middle);
+      return draws;
+    };
+    const auto near = [&](const inference::ChainsOf& p, const inference::ChainsOf& q) {
+      EXPECT_NEAR(inference::mean(p), inference::mean(q),
+                  5.0 * std::hypot(inference::mcse_mean(p), inference::mcse_mean(q)))
+          << what << ", " << k;
+    };
+    near(first, second);
+    near(squares(first), squares(second));
+  }
+}
+
+TEST(UpdateProblem, ThePosteriorDoesNotMoveWithTheOrderOfModes) {
+  const UpdateCase all = four_storeys();
+  expect_same(run(with_modes(all, {0, 1, 2, 3})), run(with_modes(all, {2, 0, 3, 1}), 2), "swapped");
+}
+
+// What a spurious mode does where it may be one, and what is said where it may not.
+TEST(UpdateProblem, ASpuriousModeMovesNothingOrIsNamed) {
+  const UpdateCase all = four_storeys();
+  const Outcome without = run(with_modes(all, {0, 2, 3}));
+  UpdateCase spoilt = with_modes(all, {0, -1, 2, 3});
+  const Outcome trusted = run(spoilt, 2);
+  EXPECT_FALSE(trusted.findings.fit.ok());
+  EXPECT_NE(std::ranges::find(trusted.findings.fit.off, 2), trusted.findings.fit.off.end());
+  spoilt.data.doubt = 0.05;
+  const Outcome doubted = run(spoilt, 3);
+  expect_same(without, doubted, "doubted");
+  EXPECT_TRUE(doubted.findings.fit.ok());
+  EXPECT_GT(doubted.findings.modes[1].spurious, 0.99);
+  for (const std::size_t real : {0u, 2u, 3u})
+    EXPECT_LT(doubted.findings.modes[real].spurious, 0.01);
+  EXPECT_TRUE(std::ranges::any_of(doubted.findings.remarks, [](const Remark& remark) {
+    const auto* mode = std::get_if<remark::SpuriousMode>(&remark);
+    return mode != nullptr && mode->mode == 2;
+  }));
 }
 
 TEST(UpdateProblem, NothingUnknownIsRefused) {
