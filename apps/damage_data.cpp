@@ -19,9 +19,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr const char* kChangeAlone =
-    "is that of a frequency's change, and goes with a healthy state (\"baseline\") and "
-    "\"discrepancy\": {\"cov\": ...}";
 
 Pointer at(const char* place) {
   return Pointer(place);
@@ -89,8 +86,8 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
   if (d.contains("discrepancy")) {
     if (d["discrepancy"].contains("shape"))
       file.refuse(where / "discrepancy" / "shape", "goes with \"shapes\" only");
-    if (d["discrepancy"].contains("change"))
-      file.refuse(where / "discrepancy" / "change", kChangeAlone);
+    if (d["discrepancy"].contains("mixing"))
+      file.refuse(where / "discrepancy" / "mixing", "goes with \"shapes\", or with a baseline");
     data.discrepancy_cv = d["discrepancy"]["cov"];
   }
   if (d.contains("sd")) {
@@ -150,7 +147,6 @@ void take_data(const CaseFile& f, DamageCase& out) {
     f.refuse(at(out.structure ? "/structure" : "/beam"), error.what());
   }
   out.modal = std::make_shared<const ModalData>(parse_modal_data(f, at("/data"), solved));
-  if (!out.modal->change_discrepancy.none()) f.refuse(at("/data/discrepancy/change"), kChangeAlone);
   if (out.modal->predict > 0) f.refuse(at("/data/predict"), "goes with \"kind\": \"update\" only");
   out.data = frequencies_of(*out.modal, data);
 }

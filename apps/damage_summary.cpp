@@ -147,13 +147,13 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
       const Unknown& u = p.unknown;
       const auto kind = static_cast<std::size_t>(u.kind);
       const bool own = file.damage.states && is_of_structure(*file.damage.states, u.name);
-      const Pointer prior = u.kind >= 0                      ? file.kinds[kind] / u.name
-                            : own && u.name == kPerKelvin    ? Pointer("/temperature") / u.name
-                            : own                            ? Pointer("/parameters") / u.name
-                            : u.name == "discrepancy"        ? Pointer("/data/discrepancy/cov")
-                            : u.name == "shape_discrepancy"  ? Pointer("/data/discrepancy/shape")
-                            : u.name == "change_discrepancy" ? Pointer("/data/discrepancy/change")
-                                                             : Pointer("/data") / u.name;
+      const Pointer prior = u.kind >= 0                     ? file.kinds[kind] / u.name
+                            : own && u.name == kPerKelvin   ? Pointer("/temperature") / u.name
+                            : own                           ? Pointer("/parameters") / u.name
+                            : u.name == "discrepancy"       ? Pointer("/data/discrepancy/cov")
+                            : u.name == "shape_discrepancy" ? Pointer("/data/discrepancy/shape")
+                            : u.name == "mixing"            ? Pointer("/data/discrepancy/mixing")
+                                                            : Pointer("/data") / u.name;
       Report one = {{"label", u.label},
                     {"variable", damage_variable(file.damage, u)},
                     {"prior", prior.to_string()}};

@@ -57,7 +57,10 @@ class ModalDataParser {
     if (has("discrepancy")) {
       out_.discrepancy = scatter("cov");
       out_.shape_discrepancy = scatter("shape");
-      out_.change_discrepancy = scatter("change");
+      out_.mixing = scatter("mixing");
+      if (!out_.mixing.none() && out_.discrepancy.none())
+        file_.refuse(where_ / "discrepancy" / "mixing",
+                     "goes with \"cov\", of which it is a share");
     }
     if (has("doubt")) out_.doubt = json_.at("doubt");
     if (has("predict")) {

@@ -165,7 +165,7 @@ void check_scatters(const CaseFile& file, const Pointer& where, const ModalData&
   };
   one(first.discrepancy, data.discrepancy, "cov");
   one(first.shape_discrepancy, data.shape_discrepancy, "shape");
-  one(first.change_discrepancy, data.change_discrepancy, "change");
+  one(first.mixing, data.mixing, "mixing");
 }
 
 /// Temperatures above the reference, and how the stiffness follows them.
@@ -310,9 +310,6 @@ void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> mod
   states.uniform = uniform;
   const bool healthy = std::ranges::any_of(states.list, [](const auto& s) { return !s.damaged; });
   const ModalData all = states.joined();
-  if (!healthy && !all.change_discrepancy.none())
-    file.refuse(kData / "discrepancy" / "change",
-                "is that of a frequency's change, and goes with a healthy state (\"baseline\")");
   if (healthy && states.parameters().empty() && all.discrepancy.none())
     file.refuse(kBaseline,
                 "tells nothing here: name the coefficients that may be wrong, in \"parameters\", "

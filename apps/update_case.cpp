@@ -171,6 +171,7 @@ Pointer prior_place(const UpdateCase& update_case, const std::string& parameter)
   if (parameter == kPerKelvin) return Pointer("/temperature") / parameter;
   if (parameter == "discrepancy") return kData / "discrepancy" / "cov";
   if (parameter == "shape_discrepancy") return kData / "discrepancy" / "shape";
+  if (parameter == "mixing") return kData / "discrepancy" / "mixing";
   return kData / parameter;
 }
 

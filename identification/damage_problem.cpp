@@ -370,7 +370,7 @@ ModalNoise DamageProblem::modal_noise(std::span<const double> x) const {
   noise.shape_sd = at(data.shape_sd_prior.has_value(), 1.0);
   noise.discrepancy = at(!data.discrepancy.known(), data.discrepancy.value);
   noise.shape_discrepancy = at(!data.shape_discrepancy.known(), data.shape_discrepancy.value);
-  noise.change_discrepancy = at(!data.change_discrepancy.known(), data.change_discrepancy.value);
+  noise.mixing = at(!data.mixing.known(), data.mixing.value);
   return noise;
 }
 
@@ -426,8 +426,7 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
     if (data.discrepancy.prior) common.push_back({"discrepancy", *data.discrepancy.prior});
     if (data.shape_discrepancy.prior)
       common.push_back({"shape_discrepancy", *data.shape_discrepancy.prior});
-    if (data.change_discrepancy.prior)
-      common.push_back({"change_discrepancy", *data.change_discrepancy.prior});
+    if (data.mixing.prior) common.push_back({"mixing", *data.mixing.prior});
   }
   const auto scatters = static_cast<int>(common.size());
   if (damage_case.states)

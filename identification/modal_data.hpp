@@ -45,8 +45,8 @@ struct ModalData {
   /// What the model itself leaves out, beside the noise: a coefficient of variation of each
   /// frequency, independent from mode to mode, and an sd of shapes' entries.
   Scatter discrepancy = {}, shape_discrepancy = {};
-  /// Of how far damage moves each frequency: a coefficient of variation. Goes with a healthy state.
-  Scatter change_discrepancy = {};
+  /// By how much the error that moves frequencies by `discrepancy` mixes modes: see ModalMixing.
+  Scatter mixing = {};
 
   /// P, before the data, that a measured mode is none of the structure's (a harmonic, a pole of the
   /// noise). Goes with shapes.

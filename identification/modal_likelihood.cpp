@@ -69,6 +69,11 @@ double eigenvalue_of(double frequency_hz) {
   return lambda;
 }
 
+double mixing_sd(const ModalNoise& noise, double first, double second) {
+  const double gap = std::abs(first - second), size = std::sqrt(std::max(0.0, first * second));
+  return std::min(1.0, noise.mixing * 2.0 * noise.discrepancy * size / std::max(gap, 1e-12 * size));
+}
+
 ModalLikelihood::ModalLikelihood(ModalData data) : data_(std::move(data)) {
   const int n = data_.modes();
   const auto refuse = [](int mode, const std::string& message) {
@@ -135,6 +140,17 @@ ShapeDensity::Comparison ModalLikelihood::compare(const Modes& modes, int mode, 
   const double more = noise.shape_discrepancy * noise.shape_discrepancy;
   const VectorXd shape = entries(modes.shapes, mode, computed);
   const Turn turn = closest(modes, computed);
+  if (noise.mixing > 0.0 && noise.discrepancy > 0.0) {
+    const Index others = modes.eigenvalues.size() - 1;
+    ShapeDensity::Mixing mixing{.others = MatrixXd(shape.size(), others), .tau = VectorXd(others)};
+    for (Index k = 0, at = 0; k <= others; ++k) {
+      if (k == computed) continue;
+      mixing.others.col(at) = entries(modes.shapes, mode, k);
+      const double tau = mixing_sd(noise, modes.eigenvalues[computed], modes.eigenvalues[k]);
+      mixing.tau[at++] = std::min(1.0, k == turn.mode ? std::hypot(tau, turn.tau) : tau);
+    }
+    return density.against(shape, mixing, scale, more);
+  }
   if (turn.tau == 0.0) return density.against(shape, scale, more);
   return density.against(shape, entries(modes.shapes, mode, turn.mode), turn.tau, scale, more);
 }
@@ -292,6 +308,7 @@ std::vector<double> ModalLikelihood::pulls(const Modes& modes, const ModalNoise&
 
 bool ModalLikelihood::slope(const Modes& modes, const fem::ParametricModes::Slopes& slopes,
                             const ModalNoise& noise, std::span<double> out) const {
+  if (noise.mixing > 0.0) return false;
   const MatrixXd c = covariance(noise);
   const std::vector<int> matched = match(modes, c, noise);
   std::ranges::fill(out, 0.0);

@@ -17,7 +17,8 @@ namespace wheeltap::identification {
 struct ModalNoise {
   double cov = 0.0;       ///< of frequencies, where it is unknown
   double shape_sd = 1.0;  ///< multiplies the shapes' sd, where it is unknown
-  double discrepancy = 0.0, shape_discrepancy = 0.0, change_discrepancy = 0.0;
+  double discrepancy = 0.0, shape_discrepancy = 0.0;
+  double mixing = 0.0;  ///< κ, of `mixing_sd`
   /// Of what an emulator gets wrong [Hz²], one a measured mode; empty: it is exact.
   std::vector<double> emulator_variance = {};
 };
@@ -25,6 +26,16 @@ struct ModalNoise {
 /// The eigenvalue [rad²/s²] whose frequency, √λ / 2π in floating point, is f [Hz] to the last bit
 /// (or next to it, where none is).
 [[nodiscard]] double eigenvalue_of(double frequency_hz);
+
+/// What the model leaves out of K, δK, moves a frequency by δ = φ_jᵀ δK φ_j / 2λ_j, relative, and
+/// mixes φ_k into φ_j by φ_jᵀ δK φ_k / (λ_j - λ_k). With entries φ_jᵀ δK φ_k / √(λ_j λ_k) off the
+/// diagonal κ times as large as those on it, this is normal with sd
+///
+///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj,
+///
+/// at most 1, where first order ends (Fox & Kapoor 1968, AIAA J. 6:2426, for the expansion). For
+/// entries of a random symmetric matrix κ = 1/√2.
+[[nodiscard]] double mixing_sd(const ModalNoise& noise, double first, double second);
 
 /// With A the matching of measured to computed modes,
 ///
@@ -41,6 +52,9 @@ struct ModalNoise {
 /// together: modes may be missing from the data, or stand in another order; correlations of
 /// frequencies count once A is known. It takes the best matching for the true one: where another
 /// comes near, modes are close and both are alike.
+///
+/// With mixing (κ > 0) a shape's Σ has φ_A(i) mixed with every other computed mode by `mixing_sd`;
+/// that takes the place of the turn, whose τ is added to that of the closest.
 ///
 /// Where the data may hold modes that are none of the structure's, each with probability ε
 /// (`ModalData::doubt`), frequencies' correlations are left out and
@@ -78,7 +92,7 @@ class ModalLikelihood {
   };
   [[nodiscard]] Score score(const fem::ParametricModes::Modes& modes,
                             const ModalNoise& noise) const;
-  /// ∂ ln p/∂θ_j at a given matching. False where close modes may have turned.
+  /// ∂ ln p/∂θ_j at a given matching. False where modes may have turned or mixed.
   [[nodiscard]] bool slope(const fem::ParametricModes::Modes& modes,
                            const fem::ParametricModes::Slopes& slopes, const ModalNoise& noise,
                            std::span<double> out) const;

@@ -43,7 +43,7 @@ ModalData ObservedStates::joined() const {
     if (s.data.shape_sd_prior) out.shape_sd_prior = s.data.shape_sd_prior;
     if (!s.data.discrepancy.none()) out.discrepancy = s.data.discrepancy;
     if (!s.data.shape_discrepancy.none()) out.shape_discrepancy = s.data.shape_discrepancy;
-    if (!s.data.change_discrepancy.none()) out.change_discrepancy = s.data.change_discrepancy;
+    if (!s.data.mixing.none()) out.mixing = s.data.mixing;
     out.simulated = out.simulated || s.data.simulated;
     out.origin += (out.origin.empty() ? "" : "; ") + s.name + " " + s.data.origin;
   }

@@ -105,14 +105,34 @@ double ShapeDensity::sd() const {
 ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, double scale,
                                                double more) const {
   const VectorXd w = weights(scale, more);
-  const VectorXd measured = w.cwiseProduct(in_axes_);
-  const VectorXd computed = w.cwiseProduct(axes_.transpose() * shape);
+  return fitted(shape, w.cwiseProduct(in_axes_), w.cwiseProduct(axes_.transpose() * shape),
+                log_normaliser(w));
+}
+
+ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, const Mixing& mixing,
+                                               double scale, double more) const {
+  const double size = shape.squaredNorm();
+  const double amplitude = size > 0.0 ? shape.dot(values_) / size : 0.0;
+  const MatrixXd mixed = axes_.transpose() * mixing.others * (amplitude * mixing.tau).asDiagonal();
+  MatrixXd sigma = mixed * mixed.transpose();
+  sigma.diagonal().array() += scale * spread_.array() + more;
+  const Eigen::LLT<MatrixXd> llt(sigma);
+  const VectorXd measured = llt.matrixL().solve(in_axes_);
+  const double log_normaliser = -llt.matrixLLT().diagonal().array().log().sum() -
+                                0.5 * std::log(measured.squaredNorm() / values_.squaredNorm()) -
+                                0.5 * static_cast<double>(freedoms()) * std::log(2.0 * kPi);
+  return fitted(shape, measured, llt.matrixL().solve(axes_.transpose() * shape), log_normaliser);
+}
+
+ShapeDensity::Comparison ShapeDensity::fitted(const VectorXd& shape, const VectorXd& measured,
+                                              const VectorXd& computed,
+                                              double log_normaliser) const {
   const double size = computed.squaredNorm();
   Comparison out;
   // A mode that does not move the sensors explains nothing of the shape.
   out.chi_square = size > 0.0 ? (measured - measured.dot(computed) / size * computed).squaredNorm()
                               : measured.squaredNorm();
-  out.log_density = log_normaliser(w) - 0.5 * out.chi_square;
+  out.log_density = log_normaliser - 0.5 * out.chi_square;
   out.mac = mac_of(values_, shape);
   return out;
 }

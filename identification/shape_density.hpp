@@ -26,6 +26,9 @@ namespace wheeltap::identification {
 ///
 /// α̂ being the best angle, s its sd from the noise and N_π the normal wrapped at π: the mean over α
 /// of how well each angle fits, and so 1 at most. τ = 0 is the above.
+///
+/// Where the model's error mixes other modes into the computed one, φ_j + Σ_k c_k φ_k with
+/// c_k ~ N(0, τ_k²) (`Mixing`), Σ gains a² Σ_k τ_k² φ_k φ_kᵀ, a the amplitude by least squares.
 class ShapeDensity {
  public:
   /// `values`: ψ, of any scale and sign; `covariance`: Σ of ψ scaled to a largest entry of 1, m × m
@@ -46,6 +49,13 @@ class ShapeDensity {
   /// With a close mode, and τ > 0.
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Eigen::VectorXd& close,
                                    double tau, double scale, double more) const;
+  /// Other modes at the entries measured, a column each, and how far they may be mixed in.
+  struct Mixing {
+    Eigen::MatrixXd others;
+    Eigen::VectorXd tau;
+  };
+  [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
+                                   double more) const;
   /// ∂ log_density/∂φ of the first.
   [[nodiscard]] Eigen::VectorXd slope(const Eigen::VectorXd& shape, double scale,
                                       double more) const;
@@ -62,6 +72,9 @@ class ShapeDensity {
   /// Σ^{-1/2} in its own axes, with scale and addition.
   [[nodiscard]] Eigen::VectorXd weights(double scale, double more) const;
   [[nodiscard]] double log_normaliser(const Eigen::VectorXd& weights) const;
+  /// `measured`, `computed`: times Σ^{-1/2}.
+  [[nodiscard]] Comparison fitted(const Eigen::VectorXd& shape, const Eigen::VectorXd& measured,
+                                  const Eigen::VectorXd& computed, double log_normaliser) const;
 
   Eigen::VectorXd values_;   // largest entry 1
   Eigen::MatrixXd axes_;     // of Σ, columns

@@ -114,8 +114,7 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
     out.freedoms += one.freedoms;
     std::ranges::move(one.matches, std::back_inserter(out.matches));
   }
-  if ((noise.discrepancy == 0.0 && noise.change_discrepancy == 0.0) || likelihoods_.size() == 1)
-    return out;
+  if (noise.discrepancy == 0.0 || likelihoods_.size() == 1) return out;
 
   // Frequencies of all states at once, with what they have in common.
   std::vector<Index> with;
@@ -159,35 +158,47 @@ void StatesLikelihood::add_common(const std::vector<Modes>& modes, const ModalNo
   const auto match = [&](Index mode) -> const auto& {
     return score.matches[static_cast<std::size_t>(mode)];
   };
-  // From the first healthy state with the same coefficients; 0 where there is none.
-  const auto change = [&](Index mode) {
-    const ObservedState& here = state_of(mode);
-    const auto healthy = std::ranges::find_if(
-        states_->list, [&](const ObservedState& s) { return !s.damaged && s.known == here.known; });
-    if (!here.damaged || healthy == states_->list.end()) return 0.0;
-    const VectorXd& before =
-        modes[static_cast<std::size_t>(healthy - states_->list.begin())].eigenvalues;
-    const int computed = match(mode).computed;
-    if (computed >= before.size()) return 0.0;
-    return match(mode).frequency_hz - std::sqrt(std::max(0.0, before[computed])) / kTwoPi;
-  };
   const double common = noise.discrepancy * noise.discrepancy;
-  const double of_change = noise.change_discrepancy * noise.change_discrepancy;
   const auto n = static_cast<Index>(with.size());
-  VectorXd moved = VectorXd::Zero(n);
-  for (Index k = 0; of_change > 0.0 && k < n; ++k)
-    moved[k] = change(with[static_cast<std::size_t>(k)]);
   for (Index k = 0; k < n; ++k)
-    for (Index l = 0; l <= k; ++l) {
+    for (Index l = 0; l < k; ++l) {
       const Index a = with[static_cast<std::size_t>(k)], b = with[static_cast<std::size_t>(l)];
       if (match(a).computed != match(b).computed || state_of(a).known != state_of(b).known)
         continue;
-      covariance(k, l) += of_change * moved[k] * moved[l];
-      if (l < k)  // a state's own share stands there already
-        covariance(k, l) += common * joined_.frequencies_hz[static_cast<std::size_t>(a)] *
-                            joined_.frequencies_hz[static_cast<std::size_t>(b)];
+      covariance(k, l) += common * joined_.frequencies_hz[static_cast<std::size_t>(a)] *
+                          joined_.frequencies_hz[static_cast<std::size_t>(b)];
       covariance(l, k) = covariance(k, l);
     }
+  if (noise.mixing == 0.0) return;
+  for (const ObservedState& healthy : states_->list) {
+    const auto first = std::ranges::find_if(states_->list, [&](const ObservedState& s) {
+      return !s.damaged && s.known == healthy.known;
+    });
+    if (&*first != &healthy) continue;
+    const VectorXd& before =
+        modes[static_cast<std::size_t>(first - states_->list.begin())].eigenvalues;
+    // √|Δλ| of a mode in a damaged state; 0 elsewhere.
+    const auto change = [&](Index state, Index mode) {
+      const VectorXd& after = modes[static_cast<std::size_t>(state)].eigenvalues;
+      return mode < after.size() ? std::sqrt(std::abs(after[mode] - before[mode])) : 0.0;
+    };
+    for (Index j = 0; j < before.size(); ++j)
+      for (Index k = j + 1; k < before.size(); ++k) {
+        const double tau = mixing_sd(noise, before[j], before[k]);
+        VectorXd moved = VectorXd::Zero(n);
+        for (Index i = 0; i < n; ++i) {
+          const Index mode = with[static_cast<std::size_t>(i)];
+          const ObservedState& state = state_of(mode);
+          const int computed = match(mode).computed;
+          if (!state.damaged || state.known != healthy.known || (computed != j && computed != k))
+            continue;
+          const Index at = place(static_cast<int>(mode)).state;
+          moved[i] = (computed == j ? 2.0 : -2.0) * tau * change(at, j) * change(at, k) /
+                     (2.0 * kTwoPi * kTwoPi * match(mode).frequency_hz);
+        }
+        covariance += moved * moved.transpose();
+      }
+  }
 }
 
 fem::Discretisation StatesLikelihood::structure(std::span<const double> x,

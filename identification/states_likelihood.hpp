@@ -17,14 +17,19 @@ namespace wheeltap::identification {
 /// With s the states, θ the intact structure and d the damages (of those states that have them),
 ///
 ///   ln p = Σ_s Σ_shapes ln p(ψ | φ(θ, d)) + ln N(f_obs; f(θ, d), C),
-///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ + η² Σ_m Δ_m Δ_mᵀ,
+///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ + Σ_{j<k} τ_jk² ℓ_jk ℓ_jkᵀ,
 ///
 /// f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere: what the model
 /// does wrong by a factor of a mode (discrepancy δ) it does wrong in all of these, so that it does
-/// not pass for damage. Δ_m are the changes of its frequency from the first healthy of these states
-/// to the damaged ones, as computed: by how much damage moves it the model has wrong by a factor,
-/// too (η, `change_discrepancy`): an error of the shapes, and so of first order where that of the
-/// frequencies is of second. With one state this is ModalLikelihood.
+/// not pass for damage. With one state this is ModalLikelihood.
+///
+/// What damage does to a frequency goes by the shapes, and these err at first order where the
+/// frequencies do at second. If the model's error mixes c φ_k into φ_j and -c φ_j into φ_k,
+/// c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d moves λ_j by 2c φ_jᵀ δK_d φ_k more and λ_k by
+/// as much less. For a loss along one strain (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k; for others it is less.
+/// So, with Δλ from the first healthy state with the same `known` to a damaged one,
+///
+///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, less as much at mode k.
 ///
 /// Each state's structure is assembled at θ, changed by its damages and masses, and solved by
 /// SubspaceModes. States that differ by temperature alone share a solution.

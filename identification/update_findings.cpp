@@ -301,7 +301,7 @@ void judge_fit(const UpdateProblem& problem, const Examined& seen, UpdateFinding
   for (int p = 0; p < problem.structural; ++p)
     used += std::clamp(out.contractions[static_cast<std::size_t>(p)].contraction, 0.0, 1.0);
   const bool known = problem.cov < 0 && problem.shape_sd < 0 && problem.discrepancy < 0 &&
-                     problem.shape_discrepancy < 0;
+                     problem.shape_discrepancy < 0 && problem.mixing < 0;
   if (known && numbers - used >= 1.0) fit.best_p = tail(numbers - used, least);
   double rest = 0.0, spread = 0.0, mean = 0.0, count = 0.0;
   const auto counts = [](const ModeFinding& m) {

@@ -125,7 +125,7 @@ std::shared_ptr<const OutsidePredictor> predictor_in_front(const UpdateCase& upd
 
 const std::vector<std::string>& scatter_names() {
   static const std::vector<std::string> names = {"cov", "shape_sd", "discrepancy",
-                                                 "shape_discrepancy"};
+                                                 "shape_discrepancy", "mixing"};
   return names;
 }
 
@@ -149,7 +149,8 @@ ModalNoise UpdateProblem::scatters(std::span<const double> x) const {
   return {.cov = at(cov, 0.0),
           .shape_sd = at(shape_sd, 1.0),
           .discrepancy = at(discrepancy, data.discrepancy.value),
-          .shape_discrepancy = at(shape_discrepancy, data.shape_discrepancy.value)};
+          .shape_discrepancy = at(shape_discrepancy, data.shape_discrepancy.value),
+          .mixing = at(mixing, data.mixing.value)};
 }
 
 std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
@@ -167,7 +168,7 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   std::vector<int> places;
   const ModalData& data = update_case.data;
   for (const auto& prior : {data.cov_prior, data.shape_sd_prior, data.discrepancy.prior,
-                            data.shape_discrepancy.prior}) {
+                            data.shape_discrepancy.prior, data.mixing.prior}) {
     places.push_back(prior ? static_cast<int>(parameters.size()) : -1);
     const std::string& name = scatter_names()[places.size() - 1];
     if (prior) parameters.push_back({name, *prior});
@@ -191,7 +192,8 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
       .cov = places[0],
       .shape_sd = places[1],
       .discrepancy = places[2],
-      .shape_discrepancy = places[3]});
+      .shape_discrepancy = places[3],
+      .mixing = places[4]});
   out->problem.likelihood = [problem = out.get()] {
     return std::make_unique<UpdateLikelihood>(*problem);
   };

@@ -15,7 +15,7 @@ namespace wheeltap::identification {
 
 /// All that a run needs, kept together because the problem's likelihood refers to it. One model,
 /// whose parameters are those of the structure and then, where they are unknown, "cov",
-/// "shape_sd", "discrepancy" and "shape_discrepancy".
+/// "shape_sd", "discrepancy", "shape_discrepancy" and "mixing".
 struct UpdateProblem {
   UpdateCase update_case;
   std::shared_ptr<const fem::ParametricModes> modes;     ///< null where there are states
@@ -25,7 +25,7 @@ struct UpdateProblem {
   inference::Problem problem;
   int structural = 0;  ///< parameters of the structure
   /// Where the scatters stand in a parameter vector; -1: known.
-  int cov = -1, shape_sd = -1, discrepancy = -1, shape_discrepancy = -1;
+  int cov = -1, shape_sd = -1, discrepancy = -1, shape_discrepancy = -1, mixing = -1;
   double seconds_a_likelihood = 0.0;  ///< about, on this machine now
 
   /// Of the state x, the emulator's error there included.

@@ -265,12 +265,11 @@ TEST(StatesCase, Refusals) {
   c["baseline"]["data"]["discrepancy"] = {{"cov", 0.02}};
   refused(c, "/data/discrepancy/cov");
   c = two_storeys();
-  c["data"]["discrepancy"] = {{"change", 0.1}};
-  c["baseline"]["data"]["discrepancy"] = {{"change", 0.2}};
-  refused(c, "/data/discrepancy/change");
-  c["baseline"]["data"].erase("discrepancy");
-  c.erase("baseline");
-  refused(c, "/data/discrepancy/change");
+  c["data"]["discrepancy"] = {{"cov", 0.01}, {"mixing", 0.5}};
+  c["baseline"]["data"]["discrepancy"] = {{"cov", 0.01}, {"mixing", 0.7}};
+  refused(c, "/data/discrepancy/mixing");
+  c["data"]["discrepancy"].erase("cov");
+  refused(c, "/data/discrepancy/mixing");
   c = two_storeys();
   c["structure"]["chain"]["links"][0]["stiffness"] = 1400;
   c.erase("parameters");

@@ -176,6 +176,24 @@ TEST(ShapeDensity, WhatIsNoScatterIsRefused) {
   EXPECT_THROW(ShapeDensity(shape, lopsided), std::invalid_argument);
 }
 
+// Mixed modes are a covariance of rank as many.
+TEST(ShapeDensity, MixedModesAreNoiseAlongThem) {
+  const VectorXd measured = vector({0.4, 1.0, -0.3, 0.7}), computed = vector({0.5, 0.9, -0.2, 0.8});
+  MatrixXd others(4, 2);
+  others << 1.0, 0.2, -0.4, 0.6, 0.3, -1.0, 0.8, 0.5;
+  const VectorXd tau = vector({0.1, 0.03});
+  const double a = computed.dot(measured) / computed.squaredNorm();
+  const MatrixXd spread = others * (a * tau).asDiagonal();
+  const MatrixXd sigma = 0.0009 * vector({1.0, 2.0, 0.5, 1.5}).asDiagonal().toDenseMatrix();
+  const auto found =
+      ShapeDensity(measured, sigma).against(computed, {.others = others, .tau = tau}, 2.0, 1e-4);
+  const MatrixXd whole =
+      2.0 * sigma + 1e-4 * MatrixXd::Identity(4, 4) + spread * spread.transpose();
+  const auto expected = ShapeDensity(measured, whole).against(computed);
+  EXPECT_NEAR(found.log_density, expected.log_density, 1e-10);
+  EXPECT_NEAR(found.chi_square, expected.chi_square, 1e-9);
+}
+
 // Over all lines of two entries, in arc lengths r dθ at the shape's own size.
 TEST(ShapeDensity, ALineThatMayPointAnywhereIsSomewhere) {
   double sum = 0.0;

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "fem/structures/structure_modes.hpp"
 #include "identification/defects/floor_mass.hpp"
@@ -169,8 +170,8 @@ TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
   EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected));
 }
 
-// What damage changes is known to a factor: the joint density by its covariance, written out.
-TEST(StatesLikelihood, AChangeErrsByAFactorOfItself) {
+// The joint density by its covariance, written out.
+TEST(StatesLikelihood, MixedModesErrInWhatDamageChanges) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->list.push_back(
       {.name = "worse", .data = frequencies({1.9, 6.1, 8.3}, 0.01), .damaged = true});
@@ -180,26 +181,87 @@ TEST(StatesLikelihood, AChangeErrsByAFactorOfItself) {
                                {{.kind = 0, .location = 1.5, .severity = 0.3}}, modes));
   const auto before = full(chain_of(1000.0, 1100.0, 900.0, {1.0, 1.2, 0.8}));
   const auto after = full(chain_of(1000.0, 770.0, 900.0, {1.0, 1.2, 0.8}));
-  for (const double delta : {0.0, 0.02}) {
-    const double eta = 0.2;
-    const auto score = likelihood.score(modes, {.discrepancy = delta, .change_discrepancy = eta});
-    Eigen::VectorXd f(9), r(9), moved = Eigen::VectorXd::Zero(9);
-    f << 2.2, 6.3, 8.6, 2.0, 6.2, 8.5, 1.9, 6.1, 8.3;
-    MatrixXd c = MatrixXd::Zero(9, 9);
-    for (Index i = 0; i < 9; ++i) {
-      const auto mode = static_cast<std::size_t>(i % 3);
-      r[i] = f[i] - (i < 3 ? before[mode] : after[mode]);
-      if (i >= 3) moved[i] = after[mode] - before[mode];
-    }
-    for (Index i = 0; i < 9; ++i) {
-      for (Index j = 0; j < 9; ++j)
-        if (i % 3 == j % 3) c(i, j) = delta * delta * f[i] * f[j] + eta * eta * moved[i] * moved[j];
-      c(i, i) += 1e-4 * f[i] * f[i];
-    }
-    const double expected =
-        -0.5 * r.dot(c.inverse() * r) - 0.5 * std::log(c.determinant()) - 4.5 * std::log(kTwoPi);
-    EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected)) << delta;
+  const auto lambda = [](double f) { return kTwoPi * kTwoPi * f * f; };
+  const double delta = 0.02, kappa = 0.7;
+  const auto score = likelihood.score(modes, {.discrepancy = delta, .mixing = kappa});
+  Eigen::VectorXd f(9), r(9);
+  f << 2.2, 6.3, 8.6, 2.0, 6.2, 8.5, 1.9, 6.1, 8.3;
+  MatrixXd c = MatrixXd::Zero(9, 9);
+  for (Index i = 0; i < 9; ++i) {
+    const auto mode = static_cast<std::size_t>(i % 3);
+    r[i] = f[i] - (i < 3 ? before[mode] : after[mode]);
+    for (Index j = 0; j < 9; ++j)
+      if (i % 3 == j % 3) c(i, j) = delta * delta * f[i] * f[j];
+    c(i, i) += 1e-4 * f[i] * f[i];
   }
+  for (const auto& [j, k] : {std::pair{0, 1}, {0, 2}, {1, 2}}) {
+    const auto a = static_cast<std::size_t>(j), b = static_cast<std::size_t>(k);
+    const double first = lambda(before[a]), second = lambda(before[b]);
+    const double tau = 2.0 * kappa * delta * std::sqrt(first * second) / (second - first);
+    const double cross = std::sqrt((first - lambda(after[a])) * (second - lambda(after[b])));
+    Eigen::VectorXd moved = Eigen::VectorXd::Zero(9);
+    for (const Index state : {1, 2}) {
+      moved[3 * state + j] = 2.0 * tau * cross / (2.0 * kTwoPi * kTwoPi * after[a]);
+      moved[3 * state + k] = -2.0 * tau * cross / (2.0 * kTwoPi * kTwoPi * after[b]);
+    }
+    c += moved * moved.transpose();
+  }
+  const double expected =
+      -0.5 * r.dot(c.inverse() * r) - 0.5 * std::log(c.determinant()) - 4.5 * std::log(kTwoPi);
+  EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected));
+}
+
+// Stiffnesses of chains drawn about the model's: the shapes' mixing and what a soft storey changes
+// scatter as they are said to, within what first order and a random matrix allow.
+TEST(StatesLikelihood, MixingIsWhatARandomErrorOfStiffnessDoes) {
+  const std::vector<double> masses = {1.0, 1.2, 0.8};
+  const MatrixXd mass = modal::diagonal({1.0, std::sqrt(1.2), std::sqrt(0.8)});
+  const auto stiffness = [&](double k1, double k2, double k3) {
+    return MatrixXd(fem::discretise(chain_of(k1, k2, k3, masses)).stiffness);
+  };
+  const MatrixXd sound = stiffness(1000.0, 1100.0, 900.0), soft = stiffness(1000.0, 1045.0, 900.0);
+  const auto solve = [&](const MatrixXd& k) {
+    return Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(k, mass);
+  };
+  const auto model = solve(sound), damaged = solve(soft);
+  const MatrixXd phi = model.eigenvectors();
+  const Eigen::VectorXd lambda = model.eigenvalues();
+  const ModalNoise noise{.discrepancy = 0.01, .mixing = std::sqrt(0.5)};
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  MatrixXd mixed = MatrixXd::Zero(3, 3), changed = MatrixXd::Zero(3, 3);
+  constexpr int kDraws = 4000;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    MatrixXd g(3, 3);  // 2δ on the diagonal, and κ times that beside it
+    for (Index i = 0; i < 3; ++i)
+      for (Index j = 0; j <= i; ++j)
+        g(i, j) = g(j, i) = 2.0 * noise.discrepancy * (i == j ? 1.0 : noise.mixing) *
+                            std::sqrt(lambda[i] * lambda[j]) * normal(random);
+    const MatrixXd error = mass * phi * g * phi.transpose() * mass;
+    const auto true_sound = solve(sound + error), true_soft = solve(soft + error);
+    const MatrixXd shares = phi.transpose() * mass * true_sound.eigenvectors();
+    Eigen::VectorXd off(3);
+    for (Index j = 0; j < 3; ++j) {
+      for (Index k = 0; k < 3; ++k)
+        mixed(j, k) += std::pow(shares(k, j) / shares(j, j), 2) / kDraws;
+      off[j] = (true_soft.eigenvalues()[j] - true_sound.eigenvalues()[j]) -
+               (damaged.eigenvalues()[j] - lambda[j]);
+    }
+    changed += off * off.transpose() / kDraws;
+  }
+  MatrixXd expected = MatrixXd::Zero(3, 3);
+  for (Index j = 0; j < 3; ++j)
+    for (Index k = 0; k < 3; ++k) {
+      if (k == j) continue;
+      const double tau = mixing_sd(noise, lambda[j], lambda[k]);
+      // 5 % for the scatter of 4000 draws, and for second order.
+      EXPECT_NEAR(std::sqrt(mixed(j, k)), tau, 0.07 * tau) << j << k;
+      const double cross = 4.0 * tau * tau * (lambda[j] - damaged.eigenvalues()[j]) *
+                           (lambda[k] - damaged.eigenvalues()[k]);
+      expected(j, j) += cross;
+      expected(j, k) -= cross;
+    }
+  EXPECT_LT((changed - expected).norm(), 0.12 * expected.norm()) << changed << "\n" << expected;
 }
 
 // Where a coefficient is set anew, the model errs anew.

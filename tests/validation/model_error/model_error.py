@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Damage of frames whose model is wrong: model_error.py PROGRAM ROWS [--cases 0:400] [--plain]
+"""Damage of frames whose model is wrong: model_error.py PROGRAM ROWS [--cases 0:400] [--alone] [--discrepancy WHICH]
 
 Portal frames with random spans and sections, clamped feet and rigid corners, as the model has them. The true ones have
 elastic feet and corners, members that are 3 % (one sd) heavier or lighter, and a brace that the model lacks; they come
 from Euler-Bernoulli elements of this file's own. Even cases are healthy, of odd ones an element has lost 10 to 70 % of
 its stiffness. Five frequencies (0.1 %) and shapes at seven sensors (2 % of the largest entry), healthy and damaged, go
-to `wheeltap damage` with the discrepancy inferred; with --plain without one.
+to `wheeltap damage`, with --alone the damaged ones only; inferred is the discrepancy of frequencies and shapes and of
+that of mixed modes ("all"), without the latter ("common"), or none.
 
 ROWS is a file with a line of JSON a case, which is continued. Prints what all of its rows come to.
 """
@@ -153,7 +154,14 @@ def measured(modes, sensors, rng):
             "shapes": (shapes + SHAPE_SD * rng.normal(size=shapes.shape)).tolist(), "shape_sd": SHAPE_SD}
 
 
-def one(program, number, plain):
+DISCREPANCIES = {
+    "all": {"cov": {"log_uniform": [1e-4, 0.3]}, "shape": {"log_uniform": [1e-3, 0.5]},
+            "mixing": 0.7},
+    "common": {"cov": {"log_uniform": [1e-4, 0.3]}, "shape": {"log_uniform": [1e-3, 0.5]}},
+    "none": None}
+
+
+def one(program, number, alone, which):
     rng = np.random.default_rng([number, 17])
     frame = Frame(rng)
     truth = Truth(frame, rng)
@@ -164,10 +172,12 @@ def one(program, number, plain):
     case, sensors = frame.case()
     case["baseline"] = {"data": measured(truth.modes(), sensors, rng)}
     case["data"] = measured(truth.modes(damage), sensors, rng)
-    discrepancy = {} if plain else {"discrepancy": {"cov": {"log_uniform": [1e-4, 0.3]},
-                                                    "shape": {"log_uniform": [1e-3, 0.5]}}}
-    case["data"].update(discrepancy)
-    case["baseline"]["data"].update(discrepancy)
+    if alone:
+        del case["baseline"]
+    discrepancy = DISCREPANCIES[which]
+    for part in (case, case.get("baseline", {})):
+        if part and discrepancy:
+            part["data"]["discrepancy"] = discrepancy
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "case.json")
         with open(path, "w") as f:
@@ -213,7 +223,8 @@ def main():
     parser.add_argument("program")
     parser.add_argument("rows")
     parser.add_argument("--cases", default="0:400")
-    parser.add_argument("--plain", action="store_true")
+    parser.add_argument("--alone", action="store_true")
+    parser.add_argument("--discrepancy", choices=DISCREPANCIES, default="all")
     options = parser.parse_args()
     first, last = map(int, options.cases.split(":"))
     rows = []
@@ -224,7 +235,7 @@ def main():
     for number in range(first, last):
         if number in known:
             continue
-        row = one(options.program, number, options.plain)
+        row = one(options.program, number, options.alone, options.discrepancy)
         rows.append(row)
         with open(options.rows, "a") as f:
             f.write(json.dumps(row) + "\n")
