@@ -91,13 +91,16 @@ std::shared_ptr<const fem::ParametricModes> reduced_basis(const UpdateCase& upda
   if (data.has_shapes())
     for (const Sensor& sensor : data.sensors) motions.push_back(sensor.motion);
   const Tolerances tolerances = tolerances_of(likelihood);
+  // Of modes that are doubted there may be more than the structure has.
+  const int candidates = likelihood.candidates(available);
   return std::make_shared<const fem::ParametricModes>(
       std::move(structure), draws,
-      fem::ParametricModesOptions{.modes = std::max(data.modes(), likelihood.candidates(available)),
-                                  .motions = std::move(motions),
-                                  .tolerance = tolerances.eigenvalue,
-                                  .shape_tolerance = tolerances.shape,
-                                  .progress = options.progress});
+      fem::ParametricModesOptions{
+          .modes = data.doubt > 0.0 ? candidates : std::max(data.modes(), candidates),
+          .motions = std::move(motions),
+          .tolerance = tolerances.eigenvalue,
+          .shape_tolerance = tolerances.shape,
+          .progress = options.progress});
 }
 
 std::shared_ptr<const OutsidePredictor> predictor_in_front(const UpdateCase& update_case,

@@ -249,6 +249,9 @@ TEST(UpdateProblem, ASpuriousModeMovesNothingOrIsNamed) {
   const UpdateCase all = four_storeys();
   const Outcome without = run(with_modes(all, {0, 2, 3}));
   UpdateCase spoilt = with_modes(all, {0, -1, 2, 3});
+  UpdateCase more = with_modes(all, {0, 1, -1, 2, 3});  // than the structure has
+  more.data.doubt = 0.05;
+  EXPECT_NO_THROW((void)make_update_problem(more));
   const Outcome trusted = run(spoilt, 2);
   EXPECT_FALSE(trusted.findings.fit.ok());
   EXPECT_NE(std::ranges::find(trusted.findings.fit.off, 2), trusted.findings.fit.off.end());

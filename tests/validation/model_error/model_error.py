@@ -22,7 +22,7 @@ import numpy as np
 
 YOUNG, DENSITY, ELEMENTS, MODES = 2e11, 7850.0, 4, 5
 COV, SHAPE_SD = 0.001, 0.02
-SHORT = ["--chains", "4", "--warmup", "1500", "--draws", "1500", "--threads", "1", "--quiet"]
+SHORT = ["--chains", "4", "--warmup", "1000", "--draws", "1000", "--search", "20", "--threads", "1", "--quiet"]
 
 
 class Frame:
