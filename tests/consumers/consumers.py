@@ -196,7 +196,7 @@ def debian_packages(folder):
     run("cpack", "-G", "DEB", "--config", BUILD / "CPackConfig.cmake", "-B", folder / "made")
     made = {p.name.split("_")[0]: p for p in (folder / "made").glob("*.deb")}
     wanted = ["libwheeltap-dev", "wheeltap"] + (["python3-wheeltap"] if (BUILD / "python/wheeltap").is_dir() else [])
-    if (BUILD / "manual/html/index.html").exists():
+    if "WHEELTAP_WITH_MANUAL:BOOL=ON" in (BUILD / "CMakeCache.txt").read_text():
         wanted.append("wheeltap-doc")
     assert sorted(made) == sorted(wanted), made
     needs = run("dpkg-deb", "-f", made["wheeltap"], "Depends")
