@@ -1,5 +1,6 @@
 # Sphinx reads this; make_site.py beside it gathers the pages.
 import os
+import re
 
 project = "Wheeltap"
 copyright = "The Wheeltap authors"
@@ -33,3 +34,20 @@ html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#1f5f8b", "color-brand-content": "#1f5f8b"},
     "dark_css_variables": {"color-brand-primary": "#7fb8e0", "color-brand-content": "#7fb8e0"},
 }
+html_search_scorer = os.path.join(os.path.dirname(os.path.abspath(__file__)), "scorer.js")
+
+
+def docstring(app, what, name, obj, options, lines):
+    """Docstrings are plain text: tables of arguments are shown as they stand, and no sign means anything."""
+    paragraphs = "\n".join(lines).strip("\n").split("\n\n")
+    lines.clear()
+    for paragraph in paragraphs:
+        columns = re.search(r"\S {2,}\S|^ ", paragraph, re.M)
+        if columns:
+            lines += ["::", "", *("   " + line for line in paragraph.splitlines()), ""]
+        else:
+            lines += [*re.sub(r"([*|_\\])", r"\\\1", paragraph).splitlines(), ""]
+
+
+def setup(app):
+    app.connect("autodoc-process-docstring", docstring)

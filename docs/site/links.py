@@ -6,18 +6,27 @@ LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)")
 
 
 def outside_code(text, change):
-    """The text with `change` made to every line that is no code; code within a line is hidden from it."""
-    made, fenced, code_may_start = [], False, True
+    """The text with `change` made to every paragraph that is no code; code within one is hidden from it."""
+    made, paragraph, fenced, code_may_start = [], [], False, True
+
+    def close():
+        words = "".join(paragraph)
+        codes = re.findall(r"`[^`]*`", words)
+        made.append(re.sub("\x00", lambda _: codes.pop(0), change(re.sub(r"`[^`]*`", "\x00", words))))
+        paragraph.clear()
+
     for line in text.splitlines(keepends=True):
-        if line.lstrip().startswith("```"):
-            fenced = not fenced
-        elif not fenced and not (line.startswith("    ") and code_may_start):
-            codes = re.findall(r"`[^`]*`", line)
-            changed = change(re.sub(r"`[^`]*`", "\x00", line))
-            made.append(re.sub("\x00", lambda _: codes.pop(0), changed))
-            code_may_start = not line.strip()
+        fence = line.lstrip().startswith("```")
+        if fence or fenced or (line.startswith("    ") and code_may_start):
+            close()
+            made.append(line)
+            fenced = fenced != fence
             continue
-        made.append(line)
+        paragraph.append(line)
+        code_may_start = not line.strip()
+        if code_may_start:
+            close()
+    close()
     return "".join(made)
 
 
@@ -25,9 +34,9 @@ def links(text):
     """The target of each link and picture."""
     found = []
 
-    def note(line):
-        found.extend(match[3] for match in LINK.finditer(line))
-        return line
+    def note(words):
+        found.extend(match[3] for match in LINK.finditer(words))
+        return words
 
     outside_code(text, note)
     return found

@@ -96,9 +96,16 @@ def site(folder):
                 yield f"{name}: {target}: no such place"
     for at, _, names in os.walk(folder):
         for name in names:
+            text = text_of(os.path.join(at, name)) if name.endswith((".css", ".js")) else ""
             if name.endswith(".css"):
-                for target in re.findall(r"""(?:url\(|@import\s+)['"]?(https?://[^'")]+)""", text_of(os.path.join(at, name))):
-                    yield f"{name}: {target}: asked of a network"
+                for target in re.findall(r"""(?:url\(|@import\s)\s*['"]?(?!data:|#|url)([^'")\s;]+)""", text):
+                    if not os.path.isfile(os.path.join(at, target.split("?")[0].split("#")[0])):
+                        yield f"{name}: {target}: not within the site"
+            elif re.search(r"^(import|export) ", text, re.M):
+                yield f"{name}: a module, which a page that is read from a disk may not load"
+    styles = text_of(os.path.join(folder, "_static/styles/furo.css")) + text_of(os.path.join(folder, "_static/wheeltap.css"))
+    if not re.search(r"prefers-color-scheme:\s*dark", styles):
+        yield "no style for who prefers dark pages"
     assert os.path.getsize(os.path.join(folder, "searchindex.js")) > 10000, "nothing to search"
     print(f"{len(pages)} pages, {checked} links within the site")
 
