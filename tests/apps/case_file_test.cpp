@@ -152,7 +152,8 @@ TEST(CaseFile, SuggestsTheNearestKey) {
   json = small_case();
   json["zzz"] = 1;
   EXPECT_THAT(complaint(json), HasSubstr("/zzz"));
-  EXPECT_THAT(complaint(json), HasSubstr("allowed here: $schema, balance, baseline, beam, damage, data"));
+  EXPECT_THAT(complaint(json),
+              HasSubstr("allowed here: $schema, balance, baseline, beam, damage, data"));
 }
 
 TEST(CaseFile, NamesPlaceValueAndBound) {
