@@ -1,5 +1,6 @@
-# Installs in three components: program (wheeltap, its MPI module, completions and manual page), dev (libraries, headers, the package
-# for find_package(wheeltap)) and python (python/CMakeLists.txt). `uninstall` takes all of them away.
+# Installs in components: program (wheeltap, its MPI module, completions and manual page), dev (libraries, headers, the package
+# for find_package(wheeltap)) python (python/CMakeLists.txt) and, with WHEELTAP_WITH_MANUAL, manual
+# (docs/CMakeLists.txt). `uninstall` takes all of them away.
 include(CMakePackageConfigHelpers)
 set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/wheeltap")
 

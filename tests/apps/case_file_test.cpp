@@ -41,6 +41,18 @@ TEST(CaseFile, AcceptsAGoodCase) {
 }
 
 // Fault: 4294967297 modes were one.
+TEST(CaseFile, MayNameItsSchemaAndTheVersionOfItsFormat) {
+  Json json = small_case();
+  json["$schema"] = "damage.schema.json";
+  json["format"] = 1;
+  EXPECT_EQ(complaint(json), "");
+  json["format"] = 2;
+  EXPECT_THAT(complaint(json), HasSubstr("c.json: /format: 2: "));
+  json["format"] = 1;
+  json["$schema"] = 7;
+  EXPECT_THAT(complaint(json), HasSubstr("/$schema: 7: "));
+}
+
 TEST(CaseFile, WholeNumbersBeyondWhatIsCountedWithAreRefused) {
   Json json = small_case();
   json["data"]["modes"] = 4294967297;
@@ -140,7 +152,8 @@ TEST(CaseFile, SuggestsTheNearestKey) {
   json = small_case();
   json["zzz"] = 1;
   EXPECT_THAT(complaint(json), HasSubstr("/zzz"));
-  EXPECT_THAT(complaint(json), HasSubstr("allowed here: balance, baseline, beam, damage, data"));
+  EXPECT_THAT(complaint(json),
+              HasSubstr("allowed here: $schema, balance, baseline, beam, damage, data"));
 }
 
 TEST(CaseFile, NamesPlaceValueAndBound) {

@@ -196,11 +196,16 @@ def debian_packages(folder):
     run("cpack", "-G", "DEB", "--config", BUILD / "CPackConfig.cmake", "-B", folder / "made")
     made = {p.name.split("_")[0]: p for p in (folder / "made").glob("*.deb")}
     wanted = ["libwheeltap-dev", "wheeltap"] + (["python3-wheeltap"] if (BUILD / "python/wheeltap").is_dir() else [])
+    if "WHEELTAP_WITH_MANUAL:BOOL=ON" in (BUILD / "CMakeCache.txt").read_text():
+        wanted.append("wheeltap-doc")
     assert sorted(made) == sorted(wanted), made
     needs = run("dpkg-deb", "-f", made["wheeltap"], "Depends")
     assert "libnetcdf" in needs and "libc6" in needs, needs
-    for package in made.values():
+    for name, package in made.items():
         run("dpkg-deb", "-x", package, folder / "root")
+        for document in ("copyright", "changelog.gz"):
+            assert (folder / "root/usr/share/doc" / name / document).exists(), f"{name} has no {document}"
+        assert len(run("dpkg-deb", "-f", package, "Description").splitlines()) > 3, f"{name} says little of itself"
     assert run(folder / "root/usr/bin/wheeltap", "--version").startswith("wheeltap ")
     assert (folder / "root/usr/include/wheeltap/inference/reversible_jump.hpp").exists()
     if "python3-wheeltap" in made:

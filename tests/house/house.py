@@ -5,6 +5,7 @@ arrows      a room includes only rooms that it stands on
 json        JSON is named in io/, apps/ and python/ alone
 size        no file has more than 600 lines, but with a reason in its first lines: "Longer than 600 lines: …"
 repetition  no 12 or more lines of code stand twice
+versions    what names the project's version names that of CMakeLists.txt
 """
 import collections
 import pathlib
@@ -87,9 +88,24 @@ def repetition(root):
                    f'the same {REPEATED} lines or more')
 
 
+def versions(root):
+    text = pathlib.Path(root, 'CMakeLists.txt').read_text()
+    version = re.search(r'project\(wheeltap VERSION (\d+\.\d+\.\d+)', text)[1]
+    for name, line in {'CITATION.cff': r'^version: (.*)$', 'codemeta.json': r'"version": "([^"]*)"',
+                       'packaging/conda/recipe.yaml': r'version: "([^"]*)"', 'packaging/vcpkg/vcpkg.json':
+                       r'"version": "([^"]*)"', 'packaging/nix/default.nix': r'version = "([^"]*)"'}.items():
+        said = re.search(line, pathlib.Path(root, name).read_text(), re.M)
+        if not said or said[1] != version:
+            yield f'{name}: version {said[1] if said else "not said"}, but the project is {version}'
+    changes = pathlib.Path(root, 'CHANGELOG.md').read_text()
+    if f'\n## {version}' not in changes:
+        yield f'CHANGELOG.md: nothing of {version}'
+
+
 def main():
     rule, root = sys.argv[1], sys.argv[2]
-    faults = list({'arrows': arrows, 'json': json, 'size': size, 'repetition': repetition}[rule](root))
+    faults = list({'arrows': arrows, 'json': json, 'size': size, 'repetition': repetition,
+                   'versions': versions}[rule](root))
     print('\n'.join(faults) or f'{rule}: nothing to complain about')
     sys.exit(1 if faults else 0)
 

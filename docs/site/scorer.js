@@ -1,0 +1,12 @@
+// What a search finds: pages to read before declarations and shown files. Scores are Sphinx's own else.
+const Scorer = {
+  score: ([page, , , , score]) => (/^(reference\/cpp|files\/)/.test(page) ? score - 30 : score),
+  objNameMatch: 11,
+  objPartialMatch: 6,
+  objPrio: { 0: 15, 1: 5, 2: -5 },
+  objPrioDefault: 0,
+  title: 15,
+  partialTitle: 7,
+  term: 5,
+  partialTerm: 2,
+};

@@ -1,0 +1,59 @@
+# %% [markdown]
+# # A question of your own for the engine
+#
+# The engine that counts damages knows nothing of beams. Give it models, each with priors and a likelihood, and it
+# returns their probabilities, with an error, and the draws. Here: readings of a crack's length over load cycles, and the question
+# whether it grows at all, steadily, or faster as it goes.
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import wheeltap as wt
+
+cycles = np.linspace(0, 1, 15)                                    # millions
+random = np.random.default_rng(3)
+length = 2.0 + 0.3 * cycles + 0.5 * cycles**2 + 0.05 * random.standard_normal(15)    # mm
+# %% [markdown]
+# A likelihood takes an array with a parameter vector a row, and returns a number a row: ln p(data | parameters), normaliser
+# included. It is called with many rows at once where the engine can, so NumPy does the work.
+# %%
+def density(mean, noise):
+    return (-0.5 * ((length - mean) / noise) ** 2 - np.log(noise * np.sqrt(2 * np.pi))).sum(axis=1)
+
+
+def still(x):
+    return density(x[:, 0:1] + 0 * cycles, x[:, 1:2])
+
+
+def steady(x):
+    return density(x[:, 0:1] + x[:, 2:3] * cycles, x[:, 1:2])
+
+
+def faster(x):
+    return density(x[:, 0:1] + x[:, 2:3] * cycles + x[:, 3:4] * cycles**2, x[:, 1:2])
+
+
+start = {"start": wt.uniform(0, 5), "noise": wt.log_uniform(0.01, 1)}
+result = wt.sample([
+    wt.Model("does not grow", start, still),
+    wt.Model("grows steadily", {**start, "rate": wt.half_normal(1)}, steady),
+    wt.Model("grows faster and faster", {**start, "rate": wt.half_normal(1), "rise": wt.half_normal(1)}, faster),
+], seed=1)
+for model in result.models:
+    print(f"{model['name']:>24}: {model['probability']:.3f} ± {model['mcse']:.3f}")
+assert result.converged, result.warnings
+# %% [markdown]
+# Priors matter here, and they should: `half_normal(1)` says that rates are of the order of 1 mm in a million cycles. A prior
+# a hundred times as wide would make the richer model a hundred times less probable before any data. That is why they must be
+# proper, and stated.
+# %%
+figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
+wt.plot.models(result, ax=left)
+right.plot(cycles, length, "o", markersize=4)
+draws = [result.draws_of(name, "grows faster and faster") for name in ("start", "rate", "rise")]
+a, b, c = (d[:400, None] for d in draws)
+low, high = np.quantile(a + b * cycles + c * cycles**2, [0.025, 0.975], axis=0)
+right.fill_between(cycles, low, high, alpha=0.3, linewidth=0)
+right.set(xlabel="load cycles [10⁶]", ylabel="length [mm]");
+# %% [markdown]
+# The same in C++ is [a page](../libraries.md#a-likelihood-a-prior-a-move) and an [example](../../examples/polynomial_degree.cpp).
