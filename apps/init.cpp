@@ -155,6 +155,26 @@ Report ordered_schema(const std::string& kind) {
   return found;
 }
 
+/// The record that a starter case names, simulated: a sid case with this truth in its place, or
+/// what the truth itself is a sid case of, without the forces.
+std::string simulated(const std::string& kind, CaseFile file, Json truth) {
+  const bool whole = truth.contains("kind");
+  if (whole) {
+    file.json = std::move(truth);
+  } else {
+    file.json["truth"] = std::move(truth);
+    file.json["record"].erase("file");
+    std::erase_if(file.json["record"]["channels"].get_ref<Json::array_t&>(),
+                  [](const Json& channel) { return channel["role"] == "time"; });
+  }
+  const SidCaseFile parsed = parse_sid_case(std::move(file), SidNeeds::truth);
+  signals::Record record = identification::simulate_record(parsed.sid, parsed.sid.truth->seed);
+  if (whole)
+    std::erase_if(record.columns, [](const io::Column& c) { return c.name.starts_with("force"); });
+  return signals::record_csv(record,
+                             "simulated by wheeltap init " + kind + ": put your own record here");
+}
+
 }  // namespace
 
 std::string describe_keys(const std::string& kind) {
@@ -203,19 +223,10 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
                        std::string(content)});
     }
   if (const std::string truth = starter(kind + ".truth.json"); !truth.empty()) {
-    // The record that the case names, simulated from the case with this truth in its place.
-    CaseFile file{.path = folder / (kind + ".json"), .json = Json::parse(text)};
-    const std::string record = file.json["record"]["file"];
-    file.json["truth"] = Json::parse(truth);
-    file.json["record"].erase("file");
-    std::erase_if(file.json["record"]["channels"].get_ref<Json::array_t&>(),
-                  [](const Json& channel) { return channel["role"] == "time"; });
-    const SidCaseFile truth_case = parse_sid_case(std::move(file), SidNeeds::truth);
-    files.push_back(
-        {(folder / record).lexically_normal(),
-         signals::record_csv(
-             identification::simulate_record(truth_case.sid, truth_case.sid.truth->seed),
-             "simulated by wheeltap init " + kind + ": put your own record here")});
+    const std::string record = Json::parse(text)["record"]["file"];
+    files.push_back({(folder / record).lexically_normal(),
+                     simulated(kind, {.path = folder / (kind + ".json"), .json = Json::parse(text)},
+                               Json::parse(truth))});
   }
   for (const File& file : files) {
     std::error_code ignored;
@@ -234,7 +245,8 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
   const auto shown = [](const std::filesystem::path& path) { return io::printable(path.string()); };
   for (const File& file : files) std::cout << "  " << shown(file.path) << '\n';
   std::cout << "It runs as it is:\n  wheeltap ";
-  if (Json::parse(text).contains("data"))
+  const Json written = Json::parse(text);
+  if (written.contains("data") || written.contains("record"))
     std::cout << kind << ' ' << shown(files[0].path) << " -o "
               << shown((folder / "results").lexically_normal());
   else

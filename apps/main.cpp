@@ -366,7 +366,7 @@ int run(int argc, char** argv) {
   CLI::App* init_command =
       app.add_subcommand("init", "a case to start from, every key explained beside it");
   std::string start_structure = "beam";
-  init_command->add_option("KIND", starting, "damage, sid or update")->required();
+  init_command->add_option("KIND", starting, "damage, sid, update or modal")->required();
   init_command->add_option("--structure", start_structure,
                            "of damage: beam (unless given), frame, building or matrices");
   init_command->add_option("-o,--output", start_in, "the folder to write into (default: this one)");

@@ -313,14 +313,38 @@ void take_band(const ModalCaseFile& out, SetUp& s) {
       out.file.refuse(Pointer("/band/1"), "must be at most half the sampling rate, " +
                                               base::number(0.5 * s.options.sample_rate_hz) + " Hz");
   }
+  const std::string method = json.value("method", "ssi-cov");
+  if (method == "fdd") s.spectral = signals::ModalMethod::decomposition;
+  if (method == "efdd") s.spectral = signals::ModalMethod::enhanced;
+  for (const char* key : {"order", "lags", "blocks"})
+    if (json.contains(key) && s.spectral && (method == "fdd" || key != std::string("blocks")))
+      out.file.refuse(Pointer() / std::string(key), "is not of this method");
+  if (method == "fdd" && out.set_ups.size() > 1)
+    out.file.refuse(Pointer("/method"),
+                    "says nothing of scatter, by which set-ups are weighed: take \"efdd\" or "
+                    "\"ssi-cov\" for several");
   if (json.contains("order")) s.options.largest_order = json.at("order").value("max", 0);
   s.options.lags = json.value("lags", 0);
   s.options.blocks = json.value("blocks", 0);
   for (const char* key : {"lags", "blocks"})
     if (json.contains(key) && (s.responses || (!s.decays.empty() && key == std::string("blocks"))))
       out.file.refuse(Pointer() / std::string(key), "is not of this method");
-  if (json.contains("segment") && !s.responses)
-    out.file.refuse(Pointer("/segment"), "is of the method \"plscf\"");
+  if (json.contains("segment") && !s.responses && !s.spectral)
+    out.file.refuse(Pointer("/segment"), "is of the methods \"plscf\", \"fdd\" and \"efdd\"");
+}
+
+void take_geometry(ModalCaseFile& out) {
+  out.geometry = parse_geometry(out.file);
+  for (const SetUp& s : out.set_ups)
+    for (std::size_t c = 0; c < s.sensors.size(); ++c) {
+      if (s.responses || s.sensors[c].node.empty()) continue;
+      if (!out.geometry->nodes.contains(s.sensors[c].node))
+        out.file.refuse(s.places[c] / "node", "is no node of the geometry");
+      if (!direction_of(s.sensors[c]))
+        out.file.refuse(s.places[c] / "direction",
+                        "must be x, y or z, or one of them with a sign, to be drawn on the "
+                        "geometry; or give azimuth and elevation");
+    }
 }
 
 }  // namespace
@@ -342,6 +366,7 @@ ModalCaseFile parse_modal_case(CaseFile file, std::optional<signals::Record> giv
   }
   collect_sensors(out);
   for (SetUp& s : out.set_ups) take_band(out, s);
+  if (json.contains("geometry")) take_geometry(out);
   out.title =
       json.value("title", out.set_ups.size() == 1
                               ? "Modes of " + out.set_ups[0].name

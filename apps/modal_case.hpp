@@ -7,6 +7,7 @@
 
 #include "apps/case_file.hpp"
 #include "apps/measured_file.hpp"
+#include "apps/modal_geometry.hpp"
 #include "apps/modes_file.hpp"
 #include "identification/bayesian_modes.hpp"
 #include "signals/frequency_responses.hpp"
@@ -30,6 +31,7 @@ struct SetUp {
   std::vector<std::string> inputs = {};               ///< of the responses
   std::vector<Eigen::MatrixXd> decays = {};           ///< of the method era: pieces of the records
   std::vector<identification::ModalBand> bands = {};  ///< of the method bayoma
+  std::optional<signals::ModalMethod> spectral = {};  ///< decomposition or enhanced: fdd, efdd
 };
 
 struct ModalCaseFile {
@@ -37,6 +39,7 @@ struct ModalCaseFile {
   std::string title = {};
   std::vector<SetUp> set_ups = {};
   std::vector<MeasuredSensor> sensors = {};  ///< of all set-ups, each once
+  std::optional<Geometry> geometry = {};
 };
 
 /// What the records of a case gave.

@@ -1,6 +1,8 @@
 #include "apps/modal_command.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iostream>
 #include <numbers>
 #include <stdexcept>
@@ -9,11 +11,14 @@
 #include "apps/modal_page.hpp"
 #include "apps/modal_words.hpp"
 #include "apps/running.hpp"
+#include "apps/stored_run.hpp"
 #include "apps/summary.hpp"
 #include "apps/terminal.hpp"
 #include "io/text.hpp"
 #include "signals/free_decay.hpp"
+#include "signals/frequency_domain_decomposition.hpp"
 #include "signals/polyreference.hpp"
+#include "signals/spectra.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -35,6 +40,15 @@ ModalResult identify(const CaseFile& file, const SetUp& set_up, std::uint64_t se
       return identification::identify_bands(set_up.records, set_up.options.sample_rate_hz,
                                             set_up.bands,
                                             {.seed = seed, .threads = set_up.options.threads});
+    if (set_up.spectral)
+      return signals::decompose_spectra(
+          set_up.records, {.sample_rate_hz = set_up.options.sample_rate_hz,
+                           .lowest_hz = set_up.options.lowest_hz,
+                           .highest_hz = set_up.options.highest_hz,
+                           .segment = file.json.value("segment", 0),
+                           .enhanced = set_up.spectral == signals::ModalMethod::enhanced,
+                           .blocks = set_up.options.blocks,
+                           .threads = set_up.options.threads});
     if (!set_up.decays.empty())
       return signals::identify_decays(set_up.decays, set_up.options, seed);
     return signals::identify_modes(set_up.records, set_up.options);
@@ -77,7 +91,7 @@ IdentifiedModes identify(const ModalCaseFile& modal, const CommonOptions& common
 Report mode_json(const Mode& m) {
   return {{"frequency_hz", m.pole.frequency_hz},
           {"frequency_sd", finite(m.pole.frequency_sd)},
-          {"damping", m.pole.damping},
+          {"damping", finite(m.pole.damping)},
           {"damping_sd", finite(m.pole.damping_sd)},
           {"collinearity", m.collinearity},
           {"phase_deviation", m.phase_deviation},
@@ -102,13 +116,94 @@ Report merged_json(const signals::MergedMode& m) {
           {"doubts", doubts_in_words(m)}};
 }
 
-/// "procedure", "stabilisation" and "modes" of one record.
-Report set_up_json(const ModalResult& result) {
-  Report modes = Report::array(), poles = Report::array();
+/// Poles of the diagram, each with the mode that it belongs to (from 1).
+Report poles_json(const signals::Stabilisation& diagram) {
+  std::vector<Report> of(diagram.poles.size());
+  for (std::size_t m = 0; m < diagram.modes.size(); ++m)
+    for (const int p : diagram.modes[m].members) of[static_cast<std::size_t>(p)] = m + 1;
+  Report out = Report::array();
+  for (std::size_t i = 0; i < diagram.poles.size(); ++i) {
+    const signals::Pole& p = diagram.poles[i];
+    out.push_back(
+        {p.order, p.frequency_hz, p.damping, finite(p.frequency_sd), finite(p.damping_sd), of[i]});
+  }
+  return {{"columns", {"order", "frequency_hz", "damping", "frequency_sd", "damping_sd", "mode"}},
+          {"poles", out}};
+}
+
+Report rejected_json(const signals::Stabilisation& diagram) {
+  Report out = Report::array();
+  for (const signals::RejectedCluster& r : diagram.rejected) {
+    const signals::Pole& p = diagram.poles[static_cast<std::size_t>(r.cluster.chosen)];
+    out.push_back(
+        {{"frequency_hz", p.frequency_hz},
+         {"damping", p.damping},
+         {"orders", {{"present", r.cluster.members.size()}, {"possible", r.cluster.orders}}},
+         {"why", rejection_in_words(r.why)}});
+  }
+  return out;
+}
+
+/// Mean of the channels' spectra, each over its variance, in decibels, within the band.
+std::vector<std::pair<double, double>> levels(const SetUp& modal, const ModalResult& result) {
+  if (result.singular_spectrum.rows() > 0) {
+    std::vector<std::pair<double, double>> out;
+    for (const auto& line : result.singular_spectrum.rowwise())
+      if (line[1] > 0.0) out.emplace_back(line[0], 10.0 * std::log10(line[1]));
+    return out;
+  }
+  if (modal.responses) {
+    std::vector<std::pair<double, double>> out;
+    const signals::FrequencyResponses f =
+        modal.responses->band(result.lowest_hz, result.highest_hz);
+    for (Eigen::Index k = 0; k < f.lines(); ++k)
+      if (const double size = f.h[static_cast<std::size_t>(k)].squaredNorm(); size > 0.0)
+        out.emplace_back(f.frequencies_hz[k], 10.0 * std::log10(size));
+    return out;
+  }
+  const double rate = modal.options.sample_rate_hz;
+  const auto n = static_cast<int>(modal.records.cols());
+  int segment = 64;
+  while (segment * 8 <= n && segment < 16384) segment *= 2;
+  std::vector<std::pair<double, double>> out;
+  for (Eigen::Index c = 0; c < modal.records.rows(); ++c) {
+    const Eigen::VectorXd x = modal.records.row(c).transpose();
+    const signals::Spectrum s =
+        signals::welch({x.data(), static_cast<std::size_t>(x.size())}, rate, {.segment = segment});
+    const double variance = (x.array() - x.mean()).square().mean();
+    if (out.empty())
+      for (const double f : s.frequencies_hz) out.emplace_back(f, 0.0);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i].second += s.density[i] / variance;
+  }
+  std::erase_if(out, [&](const auto& p) {
+    return p.first < result.lowest_hz || p.first > result.highest_hz || !(p.second > 0.0);
+  });
+  for (auto& [f, level] : out) level = 10.0 * std::log10(level);
+  return out;
+}
+
+/// What a record holds, in decibels within the band: the mean of its channels' spectra, each over
+/// its variance, the sum of its frequency responses' squares, or the first singular value. Of many
+/// lines the highest of each neighbourhood.
+Report spectrum_json(const SetUp& set_up, const ModalResult& result) {
+  constexpr std::size_t kMostLines = 1000;
+  const std::vector<std::pair<double, double>> all = levels(set_up, result);
+  const std::size_t width = (all.size() + kMostLines - 1) / kMostLines;
+  Report frequencies = Report::array(), level = Report::array();
+  for (std::size_t from = 0; from < all.size(); from += width) {
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(from + width, all.size()));
+    const auto top = std::max_element(all.begin() + static_cast<std::ptrdiff_t>(from), end,
+                                      [](auto& a, auto& b) { return a.second < b.second; });
+    frequencies.push_back(top->first);
+    level.push_back(0.01 * std::round(100.0 * top->second));
+  }
+  return {{"frequencies_hz", frequencies}, {"level_db", level}};
+}
+
+/// "modes", "procedure", "spectrum", "stabilisation" and what was rejected, of one record.
+Report set_up_json(const SetUp& set_up, const ModalResult& result) {
+  Report modes = Report::array();
   for (const Mode& m : result.modes) modes.push_back(mode_json(m));
-  for (const signals::Pole& p : result.diagram.poles)
-    poles.push_back(
-        {p.order, p.frequency_hz, p.damping, finite(p.frequency_sd), finite(p.damping_sd)});
   Report procedure = {{"method", "ssi-cov"},
                       {"band", {result.lowest_hz, result.highest_hz}},
                       {"largest_order", result.largest_order},
@@ -123,8 +218,18 @@ Report set_up_json(const ModalResult& result) {
     procedure["decimated"] = result.decimated;
     procedure["lags"] = result.lags;
     procedure["replicates"] = result.replicates;
+  } else if (result.segments > 0) {
+    procedure = {{"method", result.method == signals::ModalMethod::enhanced ? "efdd" : "fdd"},
+                 {"band", {result.lowest_hz, result.highest_hz}},
+                 {"sample_rate_hz", result.sample_rate_hz},
+                 {"decimated", result.decimated},
+                 {"segment", result.segment},
+                 {"segments", result.segments},
+                 {"blocks", result.blocks}};
   } else if (result.method == signals::ModalMethod::bayesian) {
-    procedure = {{"method", "bayoma"}, {"sample_rate_hz", result.sample_rate_hz}};
+    procedure = {{"method", "bayoma"},
+                 {"band", {result.lowest_hz, result.highest_hz}},
+                 {"sample_rate_hz", result.sample_rate_hz}};
   } else {
     procedure.update({{"sample_rate_hz", result.sample_rate_hz},
                       {"decimated", result.decimated},
@@ -133,11 +238,13 @@ Report set_up_json(const ModalResult& result) {
                       {"block_seconds", result.block_seconds},
                       {"references", result.references}});
   }
+  procedure["in_words"] = procedure_in_words(result);
   return {{"modes", modes},
           {"procedure", procedure},
-          {"stabilisation",
-           {{"columns", {"order", "frequency_hz", "damping", "frequency_sd", "damping_sd"}},
-            {"poles", poles}}}};
+          {"spectrum", spectrum_json(set_up, result)},
+          {"stabilisation", poles_json(result.diagram)},
+          {"rejected", rejected_json(result.diagram)},
+          {"rejected_poles", rejected_poles_in_words(result)}};
 }
 
 template <class AnyMode>
@@ -159,7 +266,7 @@ void print_table(const Page& page, const std::vector<Mode>& modes) {
   for (const Mode& m : modes)
     rows.push_back({std::to_string(rows.size()), with_sd(m.pole.frequency_hz, m.pole.frequency_sd),
                     with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd),
-                    fixed(m.collinearity, 3), orders_in_words(m),
+                    fixed(m.collinearity, 3), orders_in_words(m.present, m.orders),
                     m.doubts.empty() ? "" : "doubtful"});
   page.table(rows);
 }
@@ -187,16 +294,18 @@ Report ModalRun::summary(const CommonOptions& common) const {
     for (const signals::MergedMode& m : found.merged->modes) merged.push_back(merged_json(m));
     for (std::size_t s = 0; s < found.set_ups.size(); ++s) {
       Report one = {{"file", modal.set_ups[s].name}};
-      one.update(set_up_json(found.set_ups[s]));
+      one.update(set_up_json(modal.set_ups[s], found.set_ups[s]));
       one["warnings"] = cautions(modal.set_ups[s], found.set_ups[s]);
       set_ups.push_back(std::move(one));
     }
     out["modes"] = merged;
+    out["merging"] = {{"in_words", merging_in_words(*found.merged, found.set_ups.size())}};
     out["references"] = found.merged->references;
     out["set_ups"] = set_ups;
   } else {
-    out.update(set_up_json(found.set_ups[0]));
+    out.update(set_up_json(modal.set_ups[0], found.set_ups[0]));
   }
+  if (modal.geometry) out["geometry"] = geometry_json(*modal.geometry);
   out["diagnostics"] = {{"warnings", cautions(modal, found)}};
   out["cost"] = {{"wall_seconds", seconds}};
   return out;
@@ -208,7 +317,7 @@ void ModalRun::print(std::ostream& out, bool colour) const {
   const auto say = [&](const auto& list) {
     if (list.empty()) return;
     print_table(page, list);
-    out << "± is one standard deviation.\n";
+    if (modes.covariance.size() > 0) out << "± is one standard deviation.\n";
     print_doubts(page, list);
   };
   if (found.merged) {
@@ -228,9 +337,12 @@ void ModalRun::print(std::ostream& out, bool colour) const {
 
 void ModalRun::keep(const std::filesystem::path& folder, const CommonOptions& common) const {
   make_output_folder(folder);
-  write_text(folder / "modes.json", modes_json(modes).dump(1) + "\n");
-  write_text(folder / "report.html", modal_page(modal, found));
-  write_text(folder / "summary.json", summary(common).dump(1) + "\n");
+  Report kept = summary(common);
+  const std::string text = modes_json(modes).dump(1) + "\n";
+  write_text(folder / "modes.json", text);
+  write_text(folder / "report.html", modal_page(kept, modes));
+  kept["files"]["modes.json"] = seal(text);
+  write_text(folder / "summary.json", kept.dump(1) + "\n");
 }
 
 ModalRun identify_modal(CaseFile file, const CommonOptions& common,

@@ -3,20 +3,35 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <stdexcept>
 
+#include "apps/modal_figures.hpp"
+#include "apps/modal_geometry.hpp"
 #include "apps/modal_words.hpp"
+#include "apps/report/assets.hpp"
+#include "apps/report/report.hpp"
 #include "apps/svg_plot.hpp"
 #include "apps/words.hpp"
-#include "signals/spectra.hpp"
 
 namespace wheeltap::apps {
 namespace {
 
-using signals::ModalResult;
-using signals::Mode;
-using signals::Pole;
-
 constexpr double kInterval = 1.96;
+
+double number(const Report& value) {
+  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+double number(const Report& object, const char* key) {
+  return number(object.at(key));
+}
+
+const Report& list_at(const Report& object, const char* key) {
+  const Report& found = object.at(key);
+  if (!found.is_array()) throw std::invalid_argument(std::string(key) + " must be a list");
+  return found;
+}
 
 std::string line(const std::string& kind, double x0, double y0, double x1, double y1) {
   return "<path class=\"" + kind + "\" d=\"M" + fixed(x0, 1) + " " + fixed(y0, 1) + "L" +
@@ -28,203 +43,266 @@ std::string dot(const std::string& kind, double x, double y, double radius) {
          "\" r=\"" + fixed(radius, 1) + "\"/>\n";
 }
 
-/// Mean of the channels' spectra, each over its variance, in decibels, within the band.
-std::vector<std::pair<double, double>> levels(const SetUp& modal, const ModalResult& result) {
-  if (modal.responses) {
-    std::vector<std::pair<double, double>> out;
-    const signals::FrequencyResponses f =
-        modal.responses->band(result.lowest_hz, result.highest_hz);
-    for (Eigen::Index k = 0; k < f.lines(); ++k)
-      if (const double size = f.h[static_cast<std::size_t>(k)].squaredNorm(); size > 0.0)
-        out.emplace_back(f.frequencies_hz[k], 10.0 * std::log10(size));
-    return out;
-  }
-  const double rate = modal.options.sample_rate_hz;
-  const auto n = static_cast<int>(modal.records.cols());
-  int segment = 64;
-  while (segment * 8 <= n && segment < 16384) segment *= 2;
-  std::vector<std::pair<double, double>> out;
-  for (Eigen::Index c = 0; c < modal.records.rows(); ++c) {
-    const Eigen::VectorXd x = modal.records.row(c).transpose();
-    const signals::Spectrum s =
-        signals::welch({x.data(), static_cast<std::size_t>(x.size())}, rate, {.segment = segment});
-    const double variance = (x.array() - x.mean()).square().mean();
-    if (out.empty())
-      for (const double f : s.frequencies_hz) out.emplace_back(f, 0.0);
-    for (std::size_t i = 0; i < out.size(); ++i) out[i].second += s.density[i] / variance;
-  }
-  std::erase_if(out, [&](const auto& p) {
-    return p.first < result.lowest_hz || p.first > result.highest_hz || !(p.second > 0.0);
-  });
-  for (auto& [f, level] : out) level = 10.0 * std::log10(level);
+struct Band {
+  double lowest = 0.0, highest = 0.0;
+  [[nodiscard]] double within(double f) const { return std::clamp(f, lowest, highest); }
+};
+
+Band band_of(const Report& set_up) {
+  const Report& band = set_up.at("procedure").at("band");
+  const Band out{.lowest = number(band.at(0)), .highest = number(band.at(1))};
+  if (!(out.lowest < out.highest)) throw std::invalid_argument("a band must be ascending");
   return out;
 }
 
-std::string diagram(const SetUp& modal, const ModalResult& result) {
-  constexpr double kHeight = 320.0;
-  const int top = std::max(result.largest_order, 1);
-  const Plot plot(result.lowest_hz, result.highest_hz, 0.0, result.largest_order + 2.0, kHeight);
-  const auto spectrum = levels(modal, result);
-  std::string inside;
-  if (spectrum.size() > 1) {
-    const auto [low, high] = std::ranges::minmax(spectrum, {}, [](auto& p) { return p.second; });
-    std::string path;
-    for (const auto& [f, level] : spectrum)
-      path +=
-          (path.empty() ? "M" : "L") + fixed(plot.x(f), 1) + " " +
-          fixed(plot.y(top * (level - low.second) / std::max(high.second - low.second, 1e-9)), 1);
-    inside += "<path class=\"grid\" d=\"" + path + "\"/>\n";
+bool has_poles(const Report& set_up) {
+  return set_up.at("procedure").value("largest_order", 0) > 0;
+}
+
+std::string spectrum_path(const Report& spectrum, const Plot& plot, double top) {
+  const Report &f = spectrum.at("frequencies_hz"), &level = spectrum.at("level_db");
+  if (f.size() < 2) return {};
+  double low = number(level.at(0)), high = low;
+  for (const Report& l : level) {
+    low = std::min(low, number(l));
+    high = std::max(high, number(l));
   }
-  std::vector<bool> kept(result.diagram.poles.size());
-  for (const signals::ModeCluster& c : result.diagram.modes)
-    for (const int m : c.members) kept[static_cast<std::size_t>(m)] = true;
-  for (std::size_t i = 0; i < result.diagram.poles.size(); ++i) {
-    const Pole& p = result.diagram.poles[i];
-    const double y = plot.y(p.order);
-    const auto at = [&](double f) {
-      return plot.x(std::clamp(f, result.lowest_hz, result.highest_hz));
-    };
-    if (kept[i])
-      inside += line("kept", at(p.frequency_hz - kInterval * p.frequency_sd), y,
-                     at(p.frequency_hz + kInterval * p.frequency_sd), y);
-    inside += dot(kept[i] ? "kept" : "pole", at(p.frequency_hz), y, kept[i] ? 2.0 : 1.2);
+  std::string path;
+  for (std::size_t i = 0; i < f.size(); ++i)
+    path += (path.empty() ? "M" : "L") + fixed(plot.x(number(f.at(i))), 1) + " " +
+            fixed(plot.y(top * (number(level.at(i)) - low) / std::max(high - low, 1e-9)), 1);
+  return "<path class=\"grid\" d=\"" + path + "\"/>\n";
+}
+
+std::string diagram(const Report& set_up) {
+  constexpr double kHeight = 320.0;
+  const int largest = set_up.at("procedure").value("largest_order", 0);
+  const double top = std::max(largest, 1);
+  const Band band = band_of(set_up);
+  const Plot plot(band.lowest, band.highest, 0.0, has_poles(set_up) ? top + 2.0 : 1.0, kHeight);
+  std::string inside = spectrum_path(set_up.at("spectrum"), plot, top);
+  for (const Report& p : list_at(set_up.at("stabilisation"), "poles")) {
+    const double y = plot.y(number(p.at(0))), f = number(p.at(1)), sd = number(p.at(3));
+    const bool kept = !p.at(5).is_null();
+    if (kept && std::isfinite(sd))
+      inside += line("kept", plot.x(band.within(f - kInterval * sd)), y,
+                     plot.x(band.within(f + kInterval * sd)), y);
+    inside += dot(kept ? "kept" : "pole", plot.x(band.within(f)), y, kept ? 2.0 : 1.2);
   }
   std::vector<double> marks;
-  for (const Mode& mode : result.modes) {
-    marks.push_back(mode.pole.frequency_hz);
-    inside += dot("chosen", plot.x(mode.pole.frequency_hz), plot.y(mode.pole.order), 4.0);
+  for (const Report& mode : list_at(set_up, "modes")) {
+    marks.push_back(number(mode, "frequency_hz"));
+    if (has_poles(set_up))
+      inside += dot("chosen", plot.x(marks.back()), plot.y(number(mode, "order")), 4.0);
   }
-  return plot.framed("stabilisation diagram", "frequency [Hz]", "order",
+  return plot.framed(has_poles(set_up) ? "stabilisation diagram" : "spectrum", "frequency [Hz]",
+                     has_poles(set_up) ? "order" : "level, from least to largest",
                      plot.hairs(marks) + inside);
 }
 
-std::string damping(const ModalResult& result) {
+std::string damping(const Report& modes, const Band& band) {
   double highest = 0.0, lowest = 0.0;
-  for (const Mode& m : result.modes) {
-    highest = std::max(highest, 100.0 * (m.pole.damping + kInterval * m.pole.damping_sd));
-    lowest = std::min(lowest, 100.0 * (m.pole.damping - kInterval * m.pole.damping_sd));
+  const auto ends = [](const Report& m) {
+    const double at = 100.0 * number(m, "damping"), sd = 100.0 * number(m, "damping_sd");
+    const double reach = std::isfinite(sd) ? kInterval * sd : 0.0;
+    return std::pair{at - reach, at + reach};
+  };
+  for (const Report& m : modes) {
+    if (m.at("damping").is_null()) continue;
+    lowest = std::min(lowest, ends(m).first);
+    highest = std::max(highest, ends(m).second);
   }
   highest = std::min(highest, 20.0);
   lowest = std::max(lowest, -2.0);
-  const Plot plot(result.lowest_hz, result.highest_hz, lowest, highest);
+  const Plot plot(band.lowest, band.highest, lowest, highest);
   std::string inside;
-  for (const Mode& m : result.modes) {
-    const double x = plot.x(m.pole.frequency_hz);
-    const auto y = [&](double zeta) { return plot.y(std::clamp(100.0 * zeta, lowest, highest)); };
-    inside += line("kept", x, y(m.pole.damping - kInterval * m.pole.damping_sd), x,
-                   y(m.pole.damping + kInterval * m.pole.damping_sd));
-    inside += dot(m.doubts.empty() ? "kept" : "chosen", x, y(m.pole.damping), 3.0);
+  for (const Report& m : modes) {
+    if (m.at("damping").is_null()) continue;
+    const double x = plot.x(band.within(number(m, "frequency_hz")));
+    const auto y = [&](double percent) { return plot.y(std::clamp(percent, lowest, highest)); };
+    inside += line("kept", x, y(ends(m).first), x, y(ends(m).second));
+    inside +=
+        dot(m.at("doubts").empty() ? "kept" : "chosen", x, y(100.0 * number(m, "damping")), 3.0);
   }
   return plot.framed("damping ratios with 95 % intervals", "frequency [Hz]", "damping [%]", inside);
 }
 
-std::string table(const ModalResult& result) {
-  std::string out =
-      "<table><tr><th>mode</th><th>f [Hz]</th><th>damping [%]</th><th>MPC</th><th>MPD [°]</th>"
-      "<th>orders</th><th>doubts</th></tr>\n";
-  int number = 0;
-  for (const Mode& m : result.modes) {
-    std::string why;
-    for (const std::string& text : doubts_in_words(m)) why += (why.empty() ? "" : "; ") + text;
-    out += "<tr><td>" + std::to_string(++number) + "</td><td>" +
-           with_sd(m.pole.frequency_hz, m.pole.frequency_sd) + "</td><td>" +
-           with_sd(100.0 * m.pole.damping, 100.0 * m.pole.damping_sd) + "</td><td>" +
-           fixed(m.collinearity, 3) + "</td><td>" +
-           fixed(m.phase_deviation * 180.0 / std::numbers::pi, 1) + "</td><td>" +
-           orders_in_words(m) + "</td><td class=\"odd\">" + escaped(why) + "</td></tr>\n";
-  }
-  return out + "</table>\n";
+std::string why(const Report& doubts) {
+  std::string out;
+  for (const Report& text : doubts) out += (out.empty() ? "" : "; ") + text.get<std::string>();
+  return "<td class=\"odd\">" + escaped(out) + "</td>";
 }
 
-std::string table(const signals::MergedModes& merged) {
-  std::string out =
-      "<table><tr><th>mode</th><th>f [Hz]</th><th>damping [%]</th><th>MPC</th><th>set-ups</th>"
-      "<th>between set-ups [Hz]</th><th>least MAC of references</th><th>doubts</th></tr>\n";
-  int number = 0;
-  for (const signals::MergedMode& m : merged.modes) {
-    std::string why;
-    for (const std::string& text : doubts_in_words(m)) why += (why.empty() ? "" : "; ") + text;
-    out += "<tr><td>" + std::to_string(++number) + "</td><td>" +
-           with_sd(m.frequency_hz, m.frequency_sd) + "</td><td>" +
-           with_sd(100.0 * m.damping, 100.0 * m.damping_sd) + "</td><td>" +
-           fixed(m.collinearity, 3) + "</td><td>" + std::to_string(m.found()) + " of " +
-           std::to_string(m.places.size()) + "</td><td>" +
-           (m.between_hz > 0.0 ? significant(m.between_hz, 2) : "0") + "</td><td>" +
-           fixed(m.reference_mac, 3) + "</td><td class=\"odd\">" + escaped(why) + "</td></tr>\n";
-  }
-  return out + "</table>\n";
+std::string first_cells(const Report& m, int mode) {
+  return "<tr><td>" + std::to_string(mode) + "</td><td>" +
+         with_sd(number(m, "frequency_hz"), number(m, "frequency_sd")) + "</td><td>" +
+         with_sd(100.0 * number(m, "damping"), 100.0 * number(m, "damping_sd")) + "</td><td>" +
+         fixed(number(m, "collinearity"), 3) + "</td><td>";
 }
 
-/// The merged frequency of each mode over what each set-up says of it, in standard deviations of
-/// the set-ups: as wide as the numbers allow.
-std::string agreement(const ModalCaseFile& modal, const IdentifiedModes& found) {
-  const auto sets = static_cast<double>(found.set_ups.size());
-  const double reach = 6.0;
-  const Plot plot(0.5, static_cast<double>(found.merged->modes.size()) + 0.5, -reach, reach);
-  std::string inside =
-      line("grid", plot.x(0.5), plot.y(0.0),
-           plot.x(static_cast<double>(found.merged->modes.size()) + 0.5), plot.y(0.0));
-  for (std::size_t m = 0; m < found.merged->modes.size(); ++m) {
-    const signals::MergedMode& mode = found.merged->modes[m];
-    for (std::size_t s = 0; s < modal.set_ups.size(); ++s) {
-      if (mode.places[s] < 0) continue;
-      const Pole& p = found.set_ups[s].modes[static_cast<std::size_t>(mode.places[s])].pole;
-      const double z =
-          std::clamp((p.frequency_hz - mode.frequency_hz) / p.frequency_sd, -reach, reach);
+std::string table(const Report& modes) {
+  std::string out =
+      "<div class=\"scroll\"><table><tr><th>mode</th><th>f [Hz]</th><th>damping [%]</th>"
+      "<th>MPC</th><th>MPD [°]</th><th>orders</th><th>doubts</th></tr>\n";
+  int mode = 0;
+  for (const Report& m : modes)
+    out += first_cells(m, ++mode) +
+           fixed(number(m, "phase_deviation") * 180.0 / std::numbers::pi, 1) + "</td><td>" +
+           orders_in_words(m.at("orders").at("present"), m.at("orders").at("possible")) + "</td>" +
+           why(m.at("doubts")) + "</tr>\n";
+  return out + "</table></div>\n";
+}
+
+std::string merged_table(const Report& modes) {
+  std::string out =
+      "<div class=\"scroll\"><table><tr><th>mode</th><th>f [Hz]</th><th>damping [%]</th>"
+      "<th>MPC</th><th>set-ups</th><th>between set-ups [Hz]</th>"
+      "<th>least MAC of references</th><th>doubts</th></tr>\n";
+  int mode = 0;
+  for (const Report& m : modes) {
+    const Report& places = m.at("places");
+    const auto found = std::ranges::count_if(places, [](const Report& p) { return !p.is_null(); });
+    const double between = number(m, "between_hz");
+    out += first_cells(m, ++mode) + std::to_string(found) + " of " + std::to_string(places.size()) +
+           "</td><td>" + (between > 0.0 ? significant(between, 2) : "0") + "</td><td>" +
+           fixed(number(m, "reference_mac"), 3) + "</td>" + why(m.at("doubts")) + "</tr>\n";
+  }
+  return out + "</table></div>\n";
+}
+
+/// What each set-up says of each mode's frequency, less the merged one, in standard deviations of
+/// the set-up.
+std::string agreement(const Report& modes, const Report& set_ups) {
+  const auto sets = static_cast<double>(set_ups.size());
+  const double reach = 6.0, end = static_cast<double>(modes.size()) + 0.5;
+  const Plot plot(0.5, end, -reach, reach);
+  std::string inside = line("grid", plot.x(0.5), plot.y(0.0), plot.x(end), plot.y(0.0));
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    for (std::size_t s = 0; s < set_ups.size(); ++s) {
+      const Report& place = modes.at(m).at("places").at(s);
+      if (place.is_null()) continue;
+      const Report& own = set_ups.at(s).at("modes").at(place.get<std::size_t>());
+      const double z = (number(own, "frequency_hz") - number(modes.at(m), "frequency_hz")) /
+                       number(own, "frequency_sd");
+      if (!std::isfinite(z)) continue;
       inside += dot("kept",
                     plot.x(static_cast<double>(m) + 1.0 +
                            0.6 * ((static_cast<double>(s) + 0.5) / sets - 0.5)),
-                    plot.y(z), 2.5);
+                    plot.y(std::clamp(z, -reach, reach)), 2.5);
     }
   }
   return plot.framed("set-ups against the merged frequencies", "mode",
                      "deviation of a set-up, in its standard deviations", inside);
 }
 
-std::string list(const std::vector<std::string>& items) {
+std::string list(const Report& items) {
   if (items.empty()) return {};
   std::string out = "<ul class=\"odd\">";
-  for (const std::string& item : items) out += "<li>" + escaped(item) + "</li>";
+  for (const Report& item : items) out += "<li>" + escaped(item.get<std::string>()) + "</li>";
   return out + "</ul>\n";
 }
 
-std::string of_record(const SetUp& set_up, const ModalResult& result, const std::string& level) {
-  std::string out;
-  if (!result.modes.empty()) out += "<" + level + ">Modes</" + level + ">\n" + table(result);
-  out += "<p>± is one standard deviation.</p>\n";
-  const bool orders = result.method != signals::ModalMethod::bayesian;
-  out += "<" + level + ">" + (orders ? "Stabilisation diagram" : "Spectrum") + "</" + level +
-         ">\n" + diagram(set_up, result);
-  if (!orders)
-    out += "<p>The mean spectrum of the channels, in decibels; lines mark the modes.</p>\n";
-  if (orders)
+std::string headed(const std::string& level, const std::string& words) {
+  return "<" + level + ">" + words + "</" + level + ">\n";
+}
+
+/// What was left out of a record's diagram, and why.
+std::string rejected(const Report& set_up, const std::string& level) {
+  const Report& clusters = list_at(set_up, "rejected");
+  const std::string poles = set_up.at("rejected_poles").get<std::string>();
+  if (clusters.empty() && poles.empty()) return {};
+  std::string out = headed(level, "What was rejected, and why");
+  if (!clusters.empty()) {
     out +=
-        "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the pole that "
-        "stands for it. Behind, in decibels, the mean spectrum of the channels, or the sum of the "
-        "frequency responses' squares.</p>\n";
-  if (!result.modes.empty())
-    out += "<" + level + ">Damping, with 95 % intervals</" + level + ">\n" + damping(result);
-  for (const std::string& text : procedure_in_words(result))
-    out += "<p>" + escaped(text) + "</p>\n";
+        "<div class=\"scroll\"><table><tr><th>f [Hz]</th><th>damping [%]</th><th>orders</th>"
+        "<th>why</th></tr>\n";
+    for (const Report& r : clusters)
+      out += "<tr><td>" + significant(number(r, "frequency_hz"), 5) + "</td><td>" +
+             significant(100.0 * number(r, "damping"), 3) + "</td><td>" +
+             orders_in_words(r.at("orders").at("present"), r.at("orders").at("possible")) +
+             "</td><td>" + escaped(r.at("why").get<std::string>()) + "</td></tr>\n";
+    out += "</table></div>\n";
+  }
+  return out + "<p>" + escaped(poles) + "</p>\n";
+}
+
+std::string of_record(const Report& set_up, const std::string& level, bool alone) {
+  const Report& modes = list_at(set_up, "modes");
+  const bool orders = has_poles(set_up);
+  std::string out;
+  if (!alone && !modes.empty()) out += headed(level, "Modes") + table(modes);
+  out += headed(level, orders ? "Stabilisation diagram" : "Spectrum") + diagram(set_up);
+  out += orders ? "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the "
+                  "pole that stands for it. Behind, in decibels, the mean spectrum of the "
+                  "channels, or the sum of the frequency responses' squares.</p>\n"
+                : "<p>The mean spectrum of the channels, or the first singular value of their "
+                  "spectra, in decibels; lines mark the modes.</p>\n";
+  if (std::ranges::any_of(modes, [](const Report& m) { return !m.at("damping").is_null(); }))
+    out += headed(level, "Damping, with 95 % intervals") + damping(modes, band_of(set_up));
+  out += rejected(set_up, level);
+  for (const Report& text : list_at(set_up.at("procedure"), "in_words"))
+    out += "<p>" + escaped(text.get<std::string>()) + "</p>\n";
+  return out;
+}
+
+/// The script of the pages with charts, for this page without them.
+std::string moving(const Report& drawing) {
+  if (drawing.is_null()) return {};
+  return "<div id=\"moving\"></div>\n<script>\n"
+         "const charts = { number: (x, digits) => String(Number(x.toPrecision(digits))) };\n" +
+         std::string(assets::kShapes) +
+         "\n{\nconst element = (name, properties = {}, ...children) => {\n"
+         "  const node = document.createElement(name);\n"
+         "  for (const [key, value] of Object.entries(properties)) node.setAttribute(key, value);\n"
+         "  node.append(...children);\n  return node;\n};\n"
+         "document.getElementById('moving').append(shapeView(" +
+         script_safe(drawing) + ", element));\n}\n</script>\n";
+}
+
+std::string shapes(const Report& summary, const MeasuredModes& modes) {
+  if (modes.frequencies_hz.size() == 0) return {};
+  std::string out = "<h2>Mode shapes</h2>\n";
+  if (summary.contains("geometry"))
+    out += moving(modal_drawing(geometry_of(summary.at("geometry")), modes));
+  out += bar_figures(modes);
+  out +=
+      "<p>Bars: shapes by channel, the largest entry 1, turned in the complex plane to be as "
+      "real as they can be";
+  out += modes.shape_covariance.empty() ? ". Doubtful modes in red.</p>\n"
+                                        : ", with 95 % intervals. Doubtful modes in red.</p>\n";
+  out += "<h2>Modal assurance criterion</h2>\n" + mac_figure(modes);
+  out +=
+      "<p>1: two modes have the same shape at these sensors; 0: they have nothing in common. "
+      "Large values beside the diagonal say that sensors are too few to tell modes apart, or "
+      "that one mode was found twice.</p>\n";
+  out += "<h2>Complexity</h2>\n" + complexity_figures(modes);
+  out +=
+      "<p>The entries of each shape in the complex plane. A lightly damped mode is a standing "
+      "wave, whose entries lie along one line (MPC 1, MPD 0°); a fan of them is noise, two "
+      "modes in one, dampers, or channels that were not sampled at one time.</p>\n";
   return out;
 }
 
 }  // namespace
 
-std::string modal_page(const ModalCaseFile& modal, const IdentifiedModes& found) {
-  std::string out = page_head(modal.title) + list(cautions(modal, found));
-  if (found.merged) {
-    out += "<h2>Modes</h2>\n" + table(*found.merged);
-    out += "<p>± is one standard deviation. " +
-           escaped(merging_in_words(*found.merged, found.set_ups.size())) + "</p>\n";
-    if (!found.merged->modes.empty())
-      out += "<h2>Set-ups against the whole</h2>\n" + agreement(modal, found);
-    for (std::size_t s = 0; s < found.set_ups.size(); ++s)
-      out += "<h2>" + escaped(modal.set_ups[s].name) + "</h2>\n" +
-             of_record(modal.set_ups[s], found.set_ups[s], "h3");
-  } else {
-    out += of_record(modal.set_ups[0], found.set_ups[0], "h2");
-  }
+std::string modal_page(const Report& summary, const MeasuredModes& modes) {
+  const Report& list_of_modes = list_at(summary, "modes");
+  std::string out = page_head(modes.title) + list(list_at(summary.at("diagnostics"), "warnings"));
+  const bool merged = summary.contains("set_ups");
+  if (!list_of_modes.empty())
+    out += "<h2>Modes</h2>\n" + (merged ? merged_table(list_of_modes) : table(list_of_modes));
+  out += modes.covariance.size() > 0 ? "<p>± is one standard deviation." : "<p>";
+  if (merged) out += " " + escaped(summary.at("merging").at("in_words").get<std::string>());
+  out += "</p>\n" + shapes(summary, modes);
+  if (!merged) return out + of_record(summary, "h2", true) + "</body>\n</html>\n";
+  const Report& set_ups = list_at(summary, "set_ups");
+  if (!list_of_modes.empty())
+    out += "<h2>Damping, with 95 % intervals</h2>\n" +
+           damping(list_of_modes, band_of(set_ups.at(0))) + "<h2>Set-ups against the whole</h2>\n" +
+           agreement(list_of_modes, set_ups);
+  for (const Report& set_up : set_ups)
+    out += "<h2>" + escaped(set_up.at("file").get<std::string>()) + "</h2>\n" +
+           of_record(set_up, "h3", false);
   return out + "</body>\n</html>\n";
 }
 

@@ -13,6 +13,7 @@ namespace wheeltap::apps {
 using signals::ModeDoubt;
 
 std::string with_sd(double x, double sd) {
+  if (!std::isfinite(x)) return "-";
   if (!(sd > 0.0) || !std::isfinite(sd)) return significant(x, 5);
   const int decimals = std::max(0, 1 - static_cast<int>(std::floor(std::log10(sd))));
   return fixed(x, decimals) + " ± " + fixed(sd, decimals);
@@ -73,9 +74,38 @@ std::vector<std::string> doubts_in_words(const signals::MergedMode& mode) {
   return out;
 }
 
-std::string orders_in_words(const signals::Mode& mode) {
-  return mode.orders > 0 ? std::to_string(mode.present) + " of " + std::to_string(mode.orders)
-                         : "-";
+std::string orders_in_words(int present, int orders) {
+  return orders > 0 ? std::to_string(present) + " of " + std::to_string(orders) : "-";
+}
+
+std::string rejection_in_words(signals::Rejection why) {
+  switch (why) {
+    case signals::Rejection::few_orders:
+      return "in too few orders";
+    case signals::Rejection::splinter:
+      return "part of a mode that is known better: large orders split it";
+    case signals::Rejection::noise:
+      return "the decays are explained as well without it";
+  }
+  return {};
+}
+
+std::string rejected_poles_in_words(const signals::ModalResult& result) {
+  const signals::Stabilisation& of = result.diagram;
+  if (of.poles.empty()) return {};
+  std::vector<bool> told(of.poles.size());
+  for (const signals::ModeCluster& c : of.modes)
+    for (const int m : c.members) told[static_cast<std::size_t>(m)] = true;
+  for (const signals::RejectedCluster& r : of.rejected)
+    for (const int m : r.cluster.members) told[static_cast<std::size_t>(m)] = true;
+  long unknown = 0, alone = 0;
+  for (std::size_t i = 0; i < of.poles.size(); ++i)
+    if (!told[i]) ++(of.hard[i] ? alone : unknown);
+  std::string out = "Of " + base::grouped(static_cast<long>(of.poles.size())) +
+                    " poles in the band with a damping from -0.2 to 20 %, ";
+  if (unknown > 0)
+    out += base::grouped(unknown) + " were left out for a frequency that is not known to 5 %, ";
+  return out + base::grouped(alone) + " for having none like them in two other orders.";
 }
 
 std::vector<std::string> procedure_in_words(const signals::ModalResult& result) {
@@ -94,6 +124,24 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                   " Hz, fitted by matrix fractions of orders up to " +
                   std::to_string(result.largest_order) + "; scatter from " +
                   std::to_string(result.replicates) + " replicates of the fit's residuals.");
+    return out;
+  }
+  if (result.segments > 0) {
+    out.push_back("Spectra of " + base::grouped(static_cast<long>(result.segments)) +
+                  " segments of " + base::grouped(static_cast<long>(result.segment)) +
+                  " samples, " + significant(result.sample_rate_hz / result.segment, 3) +
+                  " Hz between their lines; modes are peaks of the first singular value.");
+    if (result.method == signals::ModalMethod::enhanced)
+      out.push_back(
+          "Frequency and damping are those of the decay that the lines about a peak "
+          "hold. Standard deviations are the scatter between " +
+          std::to_string(result.blocks) +
+          " parts of the record: they know nothing of bias, and a bell that is cut, by "
+          "another mode or where the shape changes, makes damping come out wrong.");
+    else
+      out.emplace_back(
+          "Frequencies are known to the spacing of the lines at best. Nothing is said of damping, "
+          "and nothing of scatter: a damage or update case does not take these modes as data.");
     return out;
   }
   if (result.decimated > 1)

@@ -12,9 +12,16 @@ namespace wheeltap::apps {
 [[nodiscard]] std::vector<std::string> doubts_in_words(const signals::Mode& mode);
 [[nodiscard]] std::vector<std::string> doubts_in_words(const signals::MergedMode& mode);
 
-/// What was done, a sentence each: decimation, lags, blocks, orders.
 /// "31 of 32", "-" where the method has no orders.
-[[nodiscard]] std::string orders_in_words(const signals::Mode& mode);
+[[nodiscard]] std::string orders_in_words(int present, int orders);
+
+/// Why poles that belong together were no mode, half a sentence.
+[[nodiscard]] std::string rejection_in_words(signals::Rejection why);
+
+/// What is said of single poles that were left out; empty where none was.
+[[nodiscard]] std::string rejected_poles_in_words(const signals::ModalResult& result);
+
+/// What was done, a sentence each: decimation, lags, blocks, orders.
 [[nodiscard]] std::vector<std::string> procedure_in_words(const signals::ModalResult& result);
 
 /// What a reader should keep in mind of the whole.
@@ -30,7 +37,7 @@ namespace wheeltap::apps {
 /// How set-ups were merged.
 [[nodiscard]] std::string merging_in_words(const signals::MergedModes& merged, std::size_t set_ups);
 
-/// "1.2284 ± 0.0012": two digits of the standard deviation.
+/// "1.2284 ± 0.0012": two digits of the standard deviation; "-" of NaN.
 [[nodiscard]] std::string with_sd(double x, double sd);
 
 }  // namespace wheeltap::apps

@@ -67,6 +67,11 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   out.file = read_modes_file(out.path);
   const auto all = static_cast<int>(out.file.frequencies_hz.size());
   if (all == 0) refuse_file(out, Pointer("/frequencies_hz"), "holds no mode");
+  if (out.file.covariance.size() == 0)
+    refuse_file(out, Pointer("/covariance"),
+                "is null: the method that found these modes says nothing of their scatter, and "
+                "without it they are not data: identify them with \"ssi-cov\", or give "
+                "frequencies and how exact they are in the case");
   for (Index i = 0; i < all; ++i)
     if (!(out.file.frequencies_hz[i] > 0.0))
       refuse_file(out, Pointer("/frequencies_hz") / static_cast<std::size_t>(i),

@@ -108,7 +108,7 @@ MeasuredModes measured_modes(const signals::ModalResult& result,
     out.frequencies_hz[m] = mode.pole.frequency_hz;
     out.damping[m] = mode.pole.damping;
     out.shapes.col(m) = mode.pole.shape;
-    out.shape_covariance.push_back(mode.shape_covariance);
+    if (out.covariance.size() > 0) out.shape_covariance.push_back(mode.shape_covariance);
     out.doubtful.push_back(!mode.doubts.empty());
   }
   out.blocks = result.blocks;
@@ -147,15 +147,16 @@ Report modes_json(const MeasuredModes& modes) {
   }
   Report shapes = Report::array();
   for (const Eigen::MatrixXd& c : modes.shape_covariance) shapes.push_back(rows_of(c));
+  const bool scatter = modes.covariance.size() > 0 || modes.frequencies_hz.size() == 0;
   return {{"title", modes.title},
           {"frequencies_hz", list_of(modes.frequencies_hz)},
           {"damping", list_of(modes.damping)},
-          {"covariance", rows_of(modes.covariance)},
+          {"covariance", scatter ? rows_of(modes.covariance) : Report()},
           {"sensors", sensors},
           {"shapes",
            {{"real", rows_of(modes.shapes.real().transpose())},
             {"imaginary", rows_of(modes.shapes.imag().transpose())}}},
-          {"shape_covariance", shapes},
+          {"shape_covariance", scatter ? shapes : Report()},
           {"doubtful", modes.doubtful},
           {"blocks", modes.blocks}};
 }
@@ -166,8 +167,9 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
   MeasuredModes out{.title = file.json.value("title", "")};
   out.frequencies_hz = read.vector(Pointer("/frequencies_hz"), -1);
   const Index count = out.frequencies_hz.size();
-  out.damping = read.vector(Pointer("/damping"), count);
-  out.covariance = read.covariance(Pointer("/covariance"), 2 * count);
+  out.damping = read.vector(Pointer("/damping"), count, true);
+  const bool scatter = !read.at(Pointer("/covariance")).is_null();
+  if (scatter) out.covariance = read.covariance(Pointer("/covariance"), 2 * count);
   const Json& sensors = read.at(Pointer("/sensors"));
   if (!sensors.is_array()) file.refuse(Pointer("/sensors"), "must be a list");
   for (std::size_t i = 0; i < sensors.size(); ++i)
@@ -177,9 +179,11 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
   out.shapes.real() = read.matrix(Pointer("/shapes/real"), count, size, true).transpose();
   out.shapes.imag() = read.matrix(Pointer("/shapes/imaginary"), count, size, true).transpose();
   const Json& covariances = read.at(Pointer("/shape_covariance"));
-  if (!covariances.is_array() || static_cast<Index>(covariances.size()) != count)
+  if (!scatter && !covariances.is_null())
+    file.refuse(Pointer("/shape_covariance"), "must be null where the covariance is");
+  if (scatter && (!covariances.is_array() || static_cast<Index>(covariances.size()) != count))
     file.refuse(Pointer("/shape_covariance"), "must be a list of one matrix a mode");
-  for (std::size_t m = 0; m < covariances.size(); ++m)
+  for (std::size_t m = 0; scatter && m < covariances.size(); ++m)
     out.shape_covariance.push_back(read.covariance(Pointer("/shape_covariance") / m, 2 * size));
   out.doubtful.assign(static_cast<std::size_t>(count), false);
   const Json doubtful = file.json.value("doubtful", Json::array());

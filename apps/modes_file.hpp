@@ -23,10 +23,12 @@ struct MeasuredSensor {
 struct MeasuredModes {
   std::string title = {};
   std::vector<MeasuredSensor> sensors = {};
-  Eigen::VectorXd frequencies_hz = {}, damping = {};
-  Eigen::MatrixXd covariance = {};  ///< of all frequencies, then all damping ratios
-  Eigen::MatrixXcd shapes = {};     ///< a mode a column, largest entry 1; NaN where not measured
-  std::vector<Eigen::MatrixXd> shape_covariance = {};  ///< of real parts, then imaginary parts
+  Eigen::VectorXd frequencies_hz = {}, damping = {};  ///< damping NaN where not known
+  /// Of all frequencies, then all damping ratios; empty where the method says nothing of scatter.
+  Eigen::MatrixXd covariance = {};
+  Eigen::MatrixXcd shapes = {};  ///< a mode a column, largest entry 1; NaN where not measured
+  /// Of real parts, then imaginary parts; empty as the covariance is.
+  std::vector<Eigen::MatrixXd> shape_covariance = {};
   std::vector<bool> doubtful = {};
   int blocks = 0;  ///< that the covariances were estimated from; 0: not said
 };

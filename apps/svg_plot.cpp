@@ -40,6 +40,16 @@ svg { width: 100%; height: auto; } svg text { font: 11px system-ui, sans-serif; 
 .pole { fill: light-dark(#94a3b8, #64748b); } .kept { fill: light-dark(#1d4ed8, #93c5fd); stroke: light-dark(#1d4ed8, #93c5fd); }
 .chosen { fill: none; stroke: light-dark(#dc2626, #f87171); }
 table { border-collapse: collapse; } td, th { padding: .2rem .7rem; text-align: right; }
+.line.bar { fill: light-dark(#93b4f5, #3b5b9e); } .doubt.bar { fill: light-dark(#f3c1a5, #7c3a1c); }
+.doubt { stroke: light-dark(#c2410c, #fdba74); fill: none; } .whisker { stroke: currentColor; fill: none; }
+.cell { fill: light-dark(#1d4ed8, #93c5fd); } table { font-variant-numeric: tabular-nums; } td { white-space: nowrap; } td.odd { white-space: normal; min-width: 14rem; text-align: left; }
+.small { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(11rem, 100%), 1fr)); gap: .5rem; }
+.scroll { overflow-x: auto; } figure { margin: 0; } figcaption { font-size: .9rem; }
+.tools { display: flex; flex-wrap: wrap; gap: .25rem 1rem; } svg.shape { display: block; max-height: 26rem; }
+svg.shape path { fill: none; stroke-linejoin: round; stroke-linecap: round; }
+svg.shape .rest { stroke: light-dark(#94a3b8, #64748b); stroke-width: var(--unit); }
+svg.shape .moving { stroke: light-dark(#1d4ed8, #93c5fd); stroke-width: calc(2.5 * var(--unit)); }
+svg.turns { cursor: grab; touch-action: none; } select, button { font: inherit; max-width: 100%; }
 .mark { stroke: light-dark(#dc2626, #f87171); fill: none; stroke-dasharray: 3 3; }
 )";
 

@@ -86,7 +86,9 @@ void bind_modal(py::module_& m) {
                                return out.str();
                              })
       .def("page",
-           [](const Modal& self) { return apps::modal_page(self.run.modal, self.run.found); })
+           [](const Modal& self) {
+             return apps::modal_page(self.run.summary(self.common), self.run.modes);
+           })
       .def("keep", [](const Modal& self, const std::string& folder) {
         guarded(folder, [&] { self.run.keep(folder, self.common); });
       });

@@ -180,6 +180,7 @@ void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
       }
     }
     if (!(smallest < least)) return;
+    diagram.rejected.push_back({.cluster = diagram.modes[which], .why = Rejection::noise});
     diagram.modes.erase(diagram.modes.begin() + static_cast<std::ptrdiff_t>(which));
   }
 }

@@ -146,9 +146,13 @@ void doubt_modes(ModalResult& out) {
     const Pole& p = mode.pole;
     const auto say = [&](ModeDoubt d) { mode.doubts.push_back(d); };
     if (2 * mode.present < mode.orders) say(ModeDoubt::few_orders);
-    const bool tone = out.method == ModalMethod::subspace &&
-                      p.damping < std::max(kToneDamping, 2.0 * p.damping_sd) &&
-                      p.damping < 2.5 * kToneDamping && mode.amplitude_kurtosis < kTone;
+    const bool spectral =
+        out.method == ModalMethod::decomposition || out.method == ModalMethod::enhanced;
+    // A peak of a spectrum has no damping, or one that its window has touched.
+    const bool tone = (spectral && mode.amplitude_kurtosis < kTone) ||
+                      (out.method == ModalMethod::subspace &&
+                       p.damping < std::max(kToneDamping, 2.0 * p.damping_sd) &&
+                       p.damping < 2.5 * kToneDamping && mode.amplitude_kurtosis < kTone);
     if (tone) say(ModeDoubt::tone);
     if (p.damping_sd > 0.5 * std::abs(p.damping)) say(ModeDoubt::damping_unknown);
     if (mode.collinearity < kCollinear) say(ModeDoubt::complex_shape);
@@ -188,24 +192,29 @@ double amplitude_kurtosis(const Eigen::Ref<const Eigen::VectorXd>& x, double fre
   return second > 0.0 ? fourth * static_cast<double>(count) / (second * second) : 2.0;
 }
 
-ModalResult identify_modes(const Eigen::Ref<const MatrixXd>& records, const ModalOptions& options) {
-  if (!(options.sample_rate_hz > 0.0))
-    refuse("sample rate", options.sample_rate_hz, "must be positive");
-  ModalResult out{.lowest_hz = options.lowest_hz, .highest_hz = options.highest_hz};
-  const double most = 0.45 * options.sample_rate_hz;
+MatrixXd records_of_band(const Eigen::Ref<const MatrixXd>& records, double sample_rate_hz,
+                         int threads, ModalResult& out) {
+  if (!(sample_rate_hz > 0.0)) refuse("sample rate", sample_rate_hz, "must be positive");
+  const double most = 0.45 * sample_rate_hz;
   if (!(out.highest_hz > 0.0)) out.highest_hz = most;
   if (!(out.lowest_hz >= 0.0 && out.lowest_hz < out.highest_hz))
     refuse("lowest frequency", out.lowest_hz, "must be from 0 to below the highest");
-  if (out.lowest_hz >= 0.5 * options.sample_rate_hz)
+  if (out.lowest_hz >= 0.5 * sample_rate_hz)
     refuse("lowest frequency", out.lowest_hz, "must be below half the sampling rate");
   if (out.highest_hz > most) {
-    out.remarks.band_cut = out.highest_hz >= 0.5 * options.sample_rate_hz;
-    out.highest_hz = std::min(out.highest_hz, 0.5 * options.sample_rate_hz);
+    out.remarks.band_cut = out.highest_hz >= 0.5 * sample_rate_hz;
+    out.highest_hz = std::min(out.highest_hz, 0.5 * sample_rate_hz);
   }
-  out.decimated = std::max(1, static_cast<int>(kKept * options.sample_rate_hz / out.highest_hz));
-  out.sample_rate_hz = options.sample_rate_hz / out.decimated;
-  const MatrixXd y = decimated(records, out.decimated, options.threads);
+  out.decimated = std::max(1, static_cast<int>(kKept * sample_rate_hz / out.highest_hz));
+  out.sample_rate_hz = sample_rate_hz / out.decimated;
+  MatrixXd y = decimated(records, out.decimated, threads);
   refuse_copies(y);
+  return y;
+}
+
+ModalResult identify_modes(const Eigen::Ref<const MatrixXd>& records, const ModalOptions& options) {
+  ModalResult out{.lowest_hz = options.lowest_hz, .highest_hz = options.highest_hz};
+  const MatrixXd y = records_of_band(records, options.sample_rate_hz, options.threads, out);
   const auto channels = static_cast<int>(y.rows());
   const int references =
       options.references.empty() ? channels : static_cast<int>(options.references.size());

@@ -44,6 +44,8 @@ enum class ModalMethod {
   subspace,       ///< from output covariances (stochastic_subspace.hpp)
   polyreference,  ///< from frequency responses (polyreference.hpp)
   realisation,    ///< from free decays (free_decay.hpp)
+  decomposition,  ///< peaks of spectra (frequency_domain_decomposition.hpp)
+  enhanced,       ///< and the decays that these hold
   bayesian        ///< of bands, by sampling (identification/bayesian_modes.hpp)
 };
 
@@ -71,6 +73,8 @@ struct ModalResult {
   long lines = 0;      ///< of frequency responses
   int replicates = 0;  ///< of the bootstrap, or surrogates of the noise
   std::vector<int> references = {};
+  Eigen::MatrixXd singular_spectrum = {};  ///< of peaks of spectra: line [Hz], its first value
+  int segments = 0, segment = 0;           ///< of these spectra: how many, of how many samples
   ModalRemarks remarks = {};
 };
 
@@ -80,6 +84,11 @@ struct ModalResult {
 /// none, channels that are constant, alike or not finite, and records too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
+
+/// Records decimated to the band of `out`, which is checked and filled in. Throws
+/// std::invalid_argument as identify_modes does. Exposed for the methods.
+[[nodiscard]] Eigen::MatrixXd records_of_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
+                                              double sample_rate_hz, int threads, ModalResult& out);
 
 /// Fills in the modes' doubts. Exposed for the methods.
 void doubt_modes(ModalResult& result);

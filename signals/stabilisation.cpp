@@ -120,7 +120,10 @@ bool is_splinter(const Stabilisation& of, const ModeCluster& c, const ModeCluste
 void drop_splinters(Stabilisation& of) {
   const std::vector<ModeCluster> all = of.modes;
   std::erase_if(of.modes, [&](const ModeCluster& c) {
-    return std::ranges::any_of(all, [&](const ModeCluster& d) { return is_splinter(of, c, d); });
+    const bool splinter =
+        std::ranges::any_of(all, [&](const ModeCluster& d) { return is_splinter(of, c, d); });
+    if (splinter) of.rejected.push_back({.cluster = c, .why = Rejection::splinter});
+    return splinter;
   });
 }
 
@@ -136,13 +139,17 @@ void cut_to_band(Stabilisation& of, double lowest_hz, double highest_hz) {
     out.hard.push_back(of.hard[i]);
   }
   const auto now = [&](int m) { return place[static_cast<std::size_t>(m)]; };
-  for (ModeCluster& c : of.modes) {
-    if (now(c.chosen) < 0) continue;
+  const auto within = [&](ModeCluster& c) {
+    if (now(c.chosen) < 0) return false;
     std::erase_if(c.members, [&](int m) { return now(m) < 0; });
     for (int& m : c.members) m = now(m);
     c.chosen = now(c.chosen);
-    out.modes.push_back(std::move(c));
-  }
+    return true;
+  };
+  for (ModeCluster& c : of.modes)
+    if (within(c)) out.modes.push_back(std::move(c));
+  for (RejectedCluster& r : of.rejected)
+    if (within(r.cluster)) out.rejected.push_back(std::move(r));
   of = std::move(out);
 }
 
@@ -224,18 +231,23 @@ Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
     ModeCluster cluster;
     cluster.orders = (largest - hard[static_cast<std::size_t>(found.front())].order) / 2 + 1;
     for (const int m : found) cluster.members.push_back(place[static_cast<std::size_t>(m)]);
-    if (found.size() < kLeastMembers || cluster.share() < options.least_share ||
-        static_cast<double>(found.size()) < 0.1 * out.orders)
-      continue;
+    if (found.size() < kLeastMembers) continue;
     cluster.chosen = representative(out.poles, cluster.members);
-    out.modes.push_back(std::move(cluster));
+    if (cluster.share() < options.least_share ||
+        static_cast<double>(found.size()) < 0.1 * out.orders)
+      out.rejected.push_back({.cluster = std::move(cluster), .why = Rejection::few_orders});
+    else
+      out.modes.push_back(std::move(cluster));
   }
   drop_splinters(out);
   settle(out);
   cut_to_band(out, options.lowest_hz, options.highest_hz);
-  std::ranges::sort(out.modes, {}, [&](const ModeCluster& c) {
+  const auto frequency = [&](const ModeCluster& c) {
     return out.poles[static_cast<std::size_t>(c.chosen)].frequency_hz;
-  });
+  };
+  std::ranges::sort(out.modes, {}, frequency);
+  std::ranges::sort(out.rejected, {},
+                    [&](const RejectedCluster& r) { return frequency(r.cluster); });
   return out;
 }
 

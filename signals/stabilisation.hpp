@@ -35,12 +35,24 @@ struct ModeCluster {
   }
 };
 
+/// Why poles that belong together are no mode.
+enum class Rejection {
+  few_orders,  ///< in less than least_share of the orders from the first one on
+  splinter,    ///< a part of a mode that is known better
+  noise        ///< of free decays, which are explained as well without it
+};
+struct RejectedCluster {
+  ModeCluster cluster = {};
+  Rejection why = Rejection::few_orders;
+};
+
 struct Stabilisation {
-  std::vector<Pole> poles = {};         ///< within the band, of all orders, ascending
-  std::vector<bool> hard = {};          ///< which of them meet the hard criteria
-  double threshold = 0.0;               ///< of the distance
-  int orders = 0;                       ///< that were tried
-  std::vector<ModeCluster> modes = {};  ///< by frequency
+  std::vector<Pole> poles = {};                ///< within the band, of all orders, ascending
+  std::vector<bool> hard = {};                 ///< which of them meet the hard criteria
+  double threshold = 0.0;                      ///< of the distance
+  int orders = 0;                              ///< that were tried
+  std::vector<ModeCluster> modes = {};         ///< by frequency
+  std::vector<RejectedCluster> rejected = {};  ///< of three poles and more
 };
 
 /// A mode is a cluster in at least `least_share` of the orders from its first on, and in three; one

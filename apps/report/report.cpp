@@ -5,9 +5,11 @@
 #include <fstream>
 #include <iostream>
 #include <sstream>
+#include <stdexcept>
 
 #include "apps/failure.hpp"
 #include "apps/json_text.hpp"
+#include "apps/modal_page.hpp"
 #include "apps/report/answer.hpp"
 #include "apps/report/assets.hpp"
 #include "apps/report/digest.hpp"
@@ -22,6 +24,23 @@ namespace {
 
 using io::FileError;
 namespace fs = std::filesystem;
+
+bool is_modal(const Report& summary) {
+  return summary.at("wheeltap").is_object() &&
+         summary.at("wheeltap").value("command", Report()) == "modal";
+}
+
+/// The page of identified modes, which has no posterior.
+std::string modes_page(const fs::path& directory, const Report& summary) {
+  static_cast<void>(sealed_file(directory, "modes.json", summary));
+  const MeasuredModes modes = read_modes_file(directory / "modes.json");
+  try {
+    return modal_page(summary, modes);
+  } catch (const std::logic_error& error) {
+    throw FileError(FileError::Kind::foreign, directory / "summary.json",
+                    std::string("does not hold what a run writes: ") + error.what());
+  }
+}
 
 Report read_summary(const fs::path& directory) {
   const fs::path path = directory / "summary.json";
@@ -47,6 +66,10 @@ Report read_summary(const fs::path& directory) {
   using enum Report::value_t;
   need("wheeltap", object);
   if (!summary.at("wheeltap").contains("case")) lacks("\"wheeltap\".\"case\"");
+  if (is_modal(summary)) {
+    need("diagnostics", object);
+    return summary;
+  }
   if (sweep) {
     need("sweep", object);
     if (const auto rows = summary["sweep"].find("rows");
@@ -275,8 +298,10 @@ std::string report_page(const fs::path& directory, const Report& summary,
 void write_report(const fs::path& directory) {
   io::finish_commit(directory);
   const Report summary = trusting(directory, [&] { return read_summary(directory); });
-  const std::string page = trusting(
-      directory, [&] { return page_of(directory, summary, stored_draws(directory, summary)); });
+  const std::string page = trusting(directory, [&] {
+    return is_modal(summary) ? modes_page(directory, summary)
+                             : page_of(directory, summary, stored_draws(directory, summary));
+  });
   io::AtomicFile file(directory / "report.html");
   file.write(page);
   file.commit();
@@ -285,6 +310,9 @@ void write_report(const fs::path& directory) {
 int write_figures(const fs::path& directory) {
   const Report data = trusting(directory, [&] {
     const Report summary = read_summary(directory);
+    if (is_modal(summary))
+      throw Failure(Exit::usage,
+                    "--figures: the pictures of a modal report are SVG in report.html itself");
     return content(directory, summary, {}, stored_draws(directory, summary));
   });
   const fs::path folder = directory / "figures";

@@ -1,4 +1,5 @@
-// The intact structure moving in one of its modes: a picture that plays, and in space turns.
+// A structure moving in one of its modes: a picture that plays, and in space turns. A measured mode has a quadrature
+// part, a quarter of a period ahead.
 const shapeView = (() => {
   const svg = (name, attributes) => {
     const node = document.createElementNS('http://www.w3.org/2000/svg', name);
@@ -33,9 +34,9 @@ const shapeView = (() => {
     const picture = svg('svg', { viewBox: box.join(' '), role: 'img', class: 'shape' + (solid ? ' turns' : ''), ...(solid ? { tabindex: 0 } : {}), style: `--unit: ${unit}px` });
     picture.append(rest, moving);
     const show = () => {
-      const motions = modes[mode].motions, amplitude = reach * Math.sin(phase);
+      const { motions, quadrature } = modes[mode], amplitude = reach * Math.sin(phase), ahead = reach * Math.cos(phase);
       rest.setAttribute('d', path((i) => flat(points[i])));
-      moving.setAttribute('d', path((i) => flat(points[i].map((v, k) => v + amplitude * motions[i][k]))));
+      moving.setAttribute('d', path((i) => flat(points[i].map((v, k) => v + amplitude * motions[i][k] + (quadrature ? ahead * quadrature[i][k] : 0)))));
       picture.setAttribute('aria-label', `Mode ${mode + 1}, ${charts.number(modes[mode].frequency_hz, 4)} Hz, at rest and moved`);
     };
     const step = (time) => {
@@ -73,7 +74,7 @@ const shapeView = (() => {
     addEventListener('beforeprint', () => play(false));
     show();
     return element('figure', { class: 'wide' }, element('p', { class: 'tools' }, element('label', {}, 'Shown: ', choice), button),
-      picture, element('figcaption', {}, `At rest (thin) and moved. Motions are drawn ${charts.number(100 * reach / size, 2)} % of the structure's size, slowed down, and as computed for the intact structure.` + (solid ? ' Drag to turn it, or use the arrow keys.' : '')));
+      picture, element('figcaption', {}, `At rest (thin) and moved. Motions are drawn ${charts.number(100 * reach / size, 2)} % of the structure's size, slowed down, and ${drawing.as ?? 'as computed for the intact structure'}.` + (solid ? ' Drag to turn it, or use the arrow keys.' : '')));
   };
 })();
 

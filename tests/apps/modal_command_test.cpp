@@ -1,6 +1,7 @@
 // `wheeltap modal`, as its users run it.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -85,6 +86,128 @@ TEST_F(ModalCommand, FindsModesAndWritesThem) {
   EXPECT_EQ(summary["modes"].size(), 2U);
 }
 
+/// The record in two halves, as if sensor b had been moved from one node to another.
+json two_set_ups(json c) {
+  json second = c["record"];
+  c["record"]["samples"] = {0, 6000};
+  second["samples"] = {6000, 12000};
+  second["channels"][1]["node"] = 8;
+  c["records"] = {c["record"], second};
+  c.erase("record");
+  for (json& r : c["records"]) r["channels"][0]["reference"] = true;
+  return c;
+}
+
+/// The case on a tower: sensor a at its top along x, b at 7 along y.
+json drawn_case(json c) {
+  c["geometry"] = json::parse(R"({"nodes": {"foot": [0, 0, 0], "7": [0, 0, 1], "tip": [0, 0, 2],
+    "idle": [1, 0, 2]}, "lines": [["foot", 7, "tip"], ["tip", "idle"]], "fixed": ["foot"]})");
+  return c;
+}
+
+TEST_F(ModalCommand, ReportIsDrawnAgainFromWhatIsKept) {
+  for (const json& c : {drawn_case(a_case()), two_set_ups(a_case())}) {
+    ASSERT_EQ(run(c).exit_code, 0);
+    const std::string page = read_all(where / "out/report.html");
+    std::filesystem::remove(where / "out/report.html");
+    const std::string again = "report " + (where / "out").string();
+    ASSERT_EQ(wheeltap(where, again).exit_code, 0);
+    EXPECT_EQ(read_all(where / "out/report.html"), page);
+    for (const char* part : {"Mode shapes", "Modal assurance criterion", "Complexity",
+                             "Damping, with 95 % intervals", "What was rejected, and why"})
+      EXPECT_THAT(page, HasSubstr(part));
+    EXPECT_EQ(wheeltap(where, again + " --figures").exit_code, 64);
+  }
+}
+
+TEST_F(ModalCommand, ReportOfWhatIsNotWhatARunWroteIsRefused) {
+  ASSERT_EQ(run(drawn_case(a_case())).exit_code, 0);
+  const std::string page = read_all(where / "out/report.html");
+  const json summary = json::parse(read_all(where / "out/summary.json"));
+  const auto refused = [&](int code, const std::string& said) {
+    const Outcome again = wheeltap(where, "report " + (where / "out").string());
+    EXPECT_EQ(again.exit_code, code) << again.err;
+    EXPECT_THAT(again.err, HasSubstr(said));
+    EXPECT_TRUE(read_all(where / "out/report.html") == page);
+  };
+  for (const char* key :
+       {"modes", "procedure", "stabilisation", "rejected", "spectrum", "diagnostics", "geometry"})
+    for (const json& wrong : {json(3), json(nullptr), json("text"), json{{1, 2}, {"x"}}}) {
+      json changed = summary;
+      changed[key] = wrong;
+      where.write("out/summary.json", changed.dump());
+      refused(65, "summary.json");
+    }
+  json changed = summary;
+  changed["geometry"]["lines"][0][0] = "nowhere";
+  where.write("out/summary.json", changed.dump());
+  refused(65, "summary.json");
+  where.write("out/summary.json", summary.dump());
+  json modes = json::parse(read_all(where / "out/modes.json"));
+  modes["frequencies_hz"][0] = 5.0;
+  where.write("out/modes.json", modes.dump(1) + "\n");
+  refused(65, "modes.json");
+  std::filesystem::remove(where / "out/modes.json");
+  refused(66, "modes.json");
+}
+
+TEST_F(ModalCommand, ShapesAreDrawnOnTheGeometry) {
+  ASSERT_EQ(run(drawn_case(a_case())).exit_code, 0);
+  const std::string page = read_all(where / "out/report.html");
+  const std::size_t from = page.find("shapeView({");
+  ASSERT_NE(from, std::string::npos);
+  const std::size_t begin = from + 10;
+  const json drawn = json::parse(page.substr(begin, page.find(", element)", begin) - begin));
+  EXPECT_EQ(drawn["dimension"], 3);
+  const json& drawing = drawn["drawing"];
+  // Four nodes at rest, two that move; each mode's motions of all of them.
+  ASSERT_EQ(drawing["points"].size(), 6U);
+  const json& motions = drawing["modes"][0]["motions"];
+  ASSERT_EQ(motions.size(), 6U);
+  // By name: 7, foot, idle, tip at rest; in the sensors' order tip and 7 moved.
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(motions[i], (json{0.0, 0.0, 0.0}));
+  EXPECT_NEAR(std::abs(motions[4][0].get<double>()), 1.0, 0.01);
+  EXPECT_NEAR(motions[5][1].get<double>() / motions[4][0].get<double>(), 0.5, 0.05);
+  EXPECT_EQ(motions[5][2], 0.0);
+  // foot to 7 moves at one end; the line to the idle node stays.
+  const json& lines = drawing["lines"];
+  const auto has = [&](int a, int b) { return std::ranges::count(lines, json{a, b}) == 1; };
+  EXPECT_TRUE(has(1, 5) && has(5, 4) && has(3, 2) && !has(4, 2)) << lines;
+}
+
+TEST_F(ModalCommand, GeometryOfAStructureAndWhatDoesNotFit) {
+  where.write("frame.json", R"({"kind": "damage", "structure": {"dimension": 2,
+    "nodes": {"7": [0, 1], "tip": [0, 2], "foot": [0, 0]},
+    "members": [{"name": "a", "nodes": ["foot", "7"]}, {"name": "b", "nodes": ["7", "tip"]}],
+    "supports": [{"node": "foot", "fix": ["x"]}]}})");
+  json c = a_case();
+  c["geometry"] = "frame.json";
+  ASSERT_EQ(run(c).exit_code, 0);
+  const json kept = json::parse(read_all(where / "out/summary.json"))["geometry"];
+  EXPECT_EQ(kept["lines"], json::parse(R"([["foot", "7"], ["7", "tip"]])"));
+  EXPECT_EQ(kept["fixed"], json::parse(R"(["foot"])"));
+  const auto refused = [&](const json& wrong, const std::string& said, int code = 65) {
+    const Outcome ran = run(wrong);
+    EXPECT_EQ(ran.exit_code, code) << said;
+    EXPECT_THAT(ran.err, HasSubstr(said));
+  };
+  c["geometry"] = "nowhere.json";
+  refused(c, "nowhere.json", 66);
+  c["geometry"] = "case.json";
+  refused(c, "/geometry");
+  c = drawn_case(a_case());
+  c["geometry"]["nodes"].erase("tip");
+  refused(c, "/geometry/lines/0/2");
+  c["geometry"].erase("lines");
+  refused(c, "/record/channels/0/node");
+  c = drawn_case(a_case());
+  c["record"]["channels"][0]["direction"] = "up";
+  refused(c, "/record/channels/0/direction");
+  c = drawn_case(a_case());
+  c["geometry"]["fixed"] = {"moon"};
+  refused(c, "/geometry/fixed/0");
+}
+
 TEST_F(ModalCommand, RefusesWhatCannotBe) {
   const auto refused = [&](const json& c, const std::string& said) {
     const Outcome ran = run(c);
@@ -113,18 +236,6 @@ TEST_F(ModalCommand, RefusesWhatCannotBe) {
   refused(c, "/record");
   c["record"]["samples"] = {0, 20000};
   refused(c, "20000");
-}
-
-/// The record in two halves, as if sensor b had been moved from one node to another.
-json two_set_ups(json c) {
-  json second = c["record"];
-  c["record"]["samples"] = {0, 6000};
-  second["samples"] = {6000, 12000};
-  second["channels"][1]["node"] = 8;
-  c["records"] = {c["record"], second};
-  c.erase("record");
-  for (json& r : c["records"]) r["channels"][0]["reference"] = true;
-  return c;
 }
 
 TEST_F(ModalCommand, SetUpsAreMerged) {
@@ -297,6 +408,56 @@ TEST_F(ModalCommand, BandsByBayes) {
   bad = c;
   bad.erase("method");
   refused(bad, "/bands");
+}
+
+TEST_F(ModalCommand, PeaksOfSpectraSayNothingOfScatterAndAreNoData) {
+  json c = a_case();
+  c["method"] = "fdd";
+  const Outcome ran = run(c);
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("nothing of scatter"));
+  EXPECT_THAT(ran.out, Not(HasSubstr("±")));
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
+  for (std::size_t m = 0; m < 2; ++m)  // to a line's spacing
+    EXPECT_NEAR(modes["frequencies_hz"][m], m == 0 ? 1.0 : 3.0, 20.0 / 512.0);
+  for (const char* key : {"covariance", "shape_covariance"}) EXPECT_TRUE(modes[key].is_null());
+  EXPECT_TRUE(modes["damping"][0].is_null());
+  EXPECT_THAT(read_all(where / "out/report.html"), Not(HasSubstr("nan")));
+  EXPECT_EQ(wheeltap(where, "report " + (where / "out").string()).exit_code, 0);
+  const json update = json::parse(R"({"kind": "update", "structure": {"chain": {"masses": [1, 1],
+    "links": [{"name": "a", "between": [0, 1], "stiffness": "k"},
+              {"name": "b", "between": [1, 2], "stiffness": 100}]}},
+    "parameters": {"k": {"log_normal": [4.6, 0.3]}}, "data": {"from": "out/modes.json"}})");
+  const Outcome refused =
+      wheeltap(where, "update " + where.write_json("update.json", update).string() + " -o " +
+                          (where / "updated").string());
+  EXPECT_EQ(refused.exit_code, 65) << refused.out;
+  EXPECT_THAT(refused.err, HasSubstr("/covariance: is null"));
+  for (const char* key : {"lags", "blocks"}) {
+    json bad = c;
+    bad[key] = 20;
+    EXPECT_THAT(run(bad).err, HasSubstr(std::string("/") + key));
+  }
+  json bad = two_set_ups(c);
+  EXPECT_THAT(run(bad).err, HasSubstr("/method"));
+}
+
+TEST_F(ModalCommand, DecaysOfSpectraHaveTheScatterOfBlocks) {
+  json c = a_case();
+  c["method"] = "efdd";
+  const Outcome ran = run(c);
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("nothing of bias"));
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
+  EXPECT_EQ(modes["blocks"], 20);
+  for (std::size_t m = 0; m < 2; ++m) {
+    EXPECT_NEAR(modes["frequencies_hz"][m], m == 0 ? 1.0 : 3.0,
+                5.0 * std::sqrt(modes["covariance"][m][m].get<double>()) + 1e-3);
+    EXPECT_NEAR(modes["damping"][m], 0.01, 0.006);
+  }
+  EXPECT_EQ(run(two_set_ups(c)).exit_code, 0);
 }
 
 TEST_F(ModalCommand, DryRunWritesNothing) {
