@@ -286,6 +286,31 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   return out;
 }
 
+// Damage from changes, by a model whose frequencies are off.
+void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
+                     std::vector<Remark>& remarks) {
+  constexpr double kOff = 0.003;
+  const DamageProblem& problem = draws.problem();
+  const auto& states = problem.damage_case.states;
+  if (!states || !states->joined().mixing.none() ||
+      std::ranges::all_of(states->list, &ObservedState::damaged))
+    return;
+  double damaged = 0.0;
+  for (const ModelFinding& model : models)
+    if (std::ranges::any_of(model.counts, [](int n) { return n > 0; }))
+      damaged += model.probability();
+  const Posterior& posterior = draws.posterior();
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  double sum = 0.0, weights = 0.0;
+  draws.for_each([&](std::size_t c, std::size_t i) {
+    sum += draws.weight(c, i) *
+           problem.modal_noise({posterior.chains[c].theta.data() + i * width, width}).discrepancy;
+    weights += draws.weight(c, i);
+  });
+  if (damaged > 0.5 && sum > kOff * weights)
+    remarks.push_back(remark::ChangesTakenForExact{sum / weights});
+}
+
 // Posteriors that lean on the end of a prior, or counts on the largest allowed.
 void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
             std::vector<Remark>& remarks) {
@@ -461,6 +486,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   unidentified(draws, out.models, remarks);
   out.fit_verdict.model = static_cast<int>(out.by_probability()[0]);
   out.fit = fit(draws, out.fit_verdict, remarks);
+  trusted_changes(draws, out.models, remarks);
   bounds(draws, out.models, remarks);
   if (problem.emulator) {
     out.emulator = emulator_finding(*problem.emulator, damage_case.data.sd_hz);

@@ -235,6 +235,10 @@ struct ParameterAtBound {
   bool upper;
 };
 
+/// The model errs in every state alike, and what it says of changes is trusted all the same.
+struct ChangesTakenForExact {
+  double discrepancy;  ///< of frequencies, relative
+};
 /// A measured mode may be none of the structure's.
 struct SpuriousMode {
   int mode = 0;  ///< as measured, from 1
@@ -257,6 +261,6 @@ using Remark =
                  remark::MostlyNoise, remark::InitialStateInferred, remark::StepsTooLong,
                  remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::MostProbableFails,
                  remark::ColouredResiduals, remark::ParameterAtBound, remark::ScatterBetweenWindows,
-                 remark::WindowsUnsound, remark::SpuriousMode>;
+                 remark::WindowsUnsound, remark::ChangesTakenForExact, remark::SpuriousMode>;
 
 }  // namespace wheeltap::identification

@@ -3,14 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "fem/structures/structure_modes.hpp"
+#include "identification/damage_findings.hpp"
+#include "identification/damage_problem.hpp"
 #include "identification/defects/floor_mass.hpp"
 #include "identification/defects/reduction.hpp"
 #include "identification/defects/storey.hpp"
+#include "inference/reversible_jump.hpp"
 #include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {
@@ -262,6 +266,37 @@ TEST(StatesLikelihood, MixingIsWhatARandomErrorOfStiffnessDoes) {
       expected(j, k) -= cross;
     }
   EXPECT_LT((changed - expected).norm(), 0.12 * expected.norm()) << changed << "\n" << expected;
+}
+
+// Damage found by a model that is off is told with what was trusted.
+TEST(StatesLikelihood, ChangesThatAreTakenForExactAreToldOf) {
+  const std::vector<double> masses = {1.0, 1.2, 0.8};
+  for (const double mixing : {0.0, 0.7}) {
+    auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+    states->list[0].data = frequencies(full(chain_of(1020.0, 1000.0, 990.0, masses)), 0.002);
+    states->list[1].data = frequencies(full(chain_of(1020.0, 600.0, 990.0, masses)), 0.002);
+    for (ObservedState& s : states->list) {
+      s.data.discrepancy.value = 0.01;
+      s.data.mixing.value = mixing;
+    }
+    DamageCase damage_case;
+    damage_case.structure = states->model;
+    damage_case.modal = std::make_shared<const ModalData>(states->joined());
+    damage_case.kinds = {soft_storey()};
+    damage_case.data.frequencies_hz = damage_case.modal->frequencies_hz;
+    for (Index i = 0; i < 6; ++i)
+      damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal->covariance(i, i)));
+    damage_case.states = std::move(states);
+    const auto problem = make_damage_problem(damage_case, {});
+    const auto posterior = inference::reversible_jump(
+        problem->problem, {.chains = 2, .warmup = 500, .draws = 500, .searches = 16});
+    const DamageFindings found = damage_findings(*problem, posterior, {}, 1);
+    EXPECT_EQ(std::ranges::any_of(found.remarks,
+                                  [](const Remark& r) {
+                                    return std::holds_alternative<remark::ChangesTakenForExact>(r);
+                                  }),
+              mixing == 0.0);
+  }
 }
 
 // Where a coefficient is set anew, the model errs anew.
