@@ -24,7 +24,7 @@ import links
 HERE = os.path.dirname(os.path.abspath(__file__))
 # The manual's order. Every page of docs/ must be in it.
 CHAPTERS = {
-    "Begin": ["readme", "guide", "tutorials/index", "gallery", "report", "which-tool"],
+    "Begin": ["Build and use <readme>", "guide", "tutorials/index", "gallery", "report", "which-tool"],
     "Structures and damage": ["structures", "sections", "emulators", "updating", "states"],
     "Records": ["measured-data", "modal", "laws"],
     "At home": ["python", "libraries", "models-of-others", "scale"],
@@ -258,10 +258,10 @@ class Site:
         index = index.replace("# Documentation", "# Wheeltap", 1)
         trees = []
         for chapter, pages in CHAPTERS.items():
-            missing = [page for page in pages if page not in self.made]
+            missing = [name_of(page) for page in pages if name_of(page) not in self.made]
             assert not missing, f"no page {', '.join(missing)}"
             trees.append(toctree(pages, chapter))
-        listed = {page for pages in CHAPTERS.values() for page in pages}
+        listed = {name_of(page) for pages in CHAPTERS.values() for page in pages}
         lost = {page for page in self.made if "/" not in page} - listed - {"data"}
         assert not lost, f"docs/site/make_site.py has no chapter for {', '.join(sorted(lost))}"
         self.write("index", "---\nhide-toc: true\n---\n" + index + "\n" + "\n".join(trees))
@@ -304,6 +304,11 @@ def mend_theme(static):
     if text.startswith("import Gumshoe"):
         with open(script, "w", encoding="utf-8") as f:
             f.write(text_of(os.path.join(static, "scripts/gumshoe-patched.js")) + text.split("\n", 1)[1])
+
+
+def name_of(entry):
+    """The page of a chapter's entry, which may give it another title."""
+    return re.sub(r".*<(.*)>", r"\1", entry)
 
 
 def toctree(pages, caption=None):

@@ -1,6 +1,7 @@
-// What a search finds: pages to read before declarations and shown files. Scores are Sphinx's own else.
-const Scorer = {
-  score: ([page, , , , score]) => (/^(reference\/cpp|files\/)/.test(page) ? score - 30 : score),
+// What a search finds: pages to read before declarations and shown files; the rest of the scores are Sphinx's. `var`, since
+// Sphinx declares it, too, where it is not.
+var Scorer = {
+  score: ([page, , , , score]) => (/^(reference\/cpp|files\/)/.test(page) ? score - 200 : score),
   objNameMatch: 11,
   objPartialMatch: 6,
   objPrio: { 0: 15, 1: 5, 2: -5 },

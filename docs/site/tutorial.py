@@ -17,6 +17,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import textwrap
 import traceback
 
 FENCE = "```"
@@ -136,6 +137,8 @@ def page(shown, title, source):
         elif kind == "figure":
             lines += [f"![figure]({body})", ""]
         else:
+            if kind == "text":
+                body = "\n".join(textwrap.fill(line, 110) if len(line) > 130 else line for line in body.splitlines())
             lines += [FENCE + kind, body, FENCE, ""]
     lines += [f"This page is `{source}`, and what it showed when the manual was built: run it yourself.", ""]
     return "\n".join(lines)

@@ -38,7 +38,7 @@ result = wt.sample([
     wt.Model("does not grow", start, still),
     wt.Model("grows steadily", {**start, "rate": wt.half_normal(1)}, steady),
     wt.Model("grows faster and faster", {**start, "rate": wt.half_normal(1), "rise": wt.half_normal(1)}, faster),
-], seed=1)
+], seed=1, warmup=1000, draws=2000)
 for model in result.models:
     print(f"{model['name']:>24}: {model['probability']:.3f} ± {model['mcse']:.3f}")
 assert result.converged, result.warnings
