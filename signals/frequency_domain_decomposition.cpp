@@ -26,8 +26,8 @@ using Eigen::VectorXd;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kSegments = 40, kFewestSegments = 8, kBlocks = 20, kFewestBlocks = 4;
 constexpr int kPadding = 2;
-constexpr double kOwn = 0.8;       // MAC with the peak, of lines that are the mode's
-constexpr int kFewestLines = 3;    // that share a shape, unpadded
+constexpr double kOwn = 0.8;                  // MAC with the peak, of lines that are the mode's
+constexpr int kFewestLines = 3;               // that share a shape, unpadded
 constexpr double kUpper = 0.9, kLower = 0.3;  // of |c|, where it is taken as a decay
 constexpr int kFewestLags = 8;
 constexpr double kLeastDecibels = 3.0;
@@ -208,8 +208,8 @@ Estimate estimate(const Spectra& spectra, const ModalResult& band, const Peak& p
     const First one = first_of(spectra.mean(l, without));
     bell[l - peak.begin] = one.value;
   }
-  return {.eigenvalue = decay_of(bell, spectra.first + peak.begin, 1.0 / band.sample_rate_hz,
-                                 band.segment),
+  return {.eigenvalue =
+              decay_of(bell, spectra.first + peak.begin, 1.0 / band.sample_rate_hz, band.segment),
           .shape = top.shape};
 }
 
@@ -273,10 +273,9 @@ void enhance(ModalResult& out, const Spectra& spectra, std::vector<Peak>& peaks,
 
 ModalResult decompose_spectra(const Eigen::Ref<const MatrixXd>& records,
                               const DecompositionOptions& options) {
-  ModalResult out{
-      .method = options.enhanced ? ModalMethod::enhanced : ModalMethod::decomposition,
-      .lowest_hz = options.lowest_hz,
-      .highest_hz = options.highest_hz};
+  ModalResult out{.method = options.enhanced ? ModalMethod::enhanced : ModalMethod::decomposition,
+                  .lowest_hz = options.lowest_hz,
+                  .highest_hz = options.highest_hz};
   const MatrixXd y = records_of_band(records, options.sample_rate_hz, options.threads, out);
   for (Index c = 0; c < y.rows(); ++c)
     if (!y.row(c).allFinite() || !((y.row(c).array() - y(c, 0)).abs().maxCoeff() > 0.0))

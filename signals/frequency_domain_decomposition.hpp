@@ -1,13 +1,13 @@
 // Modes from the singular values of the spectra of responses: frequency domain decomposition.
 //
-// Under forces that are white, S(f) = mean of Y Yᴴ over segments has one large singular value s near
-// a resonance, and its vector is the shape there (fdd: Brincker, Zhang & Andersen 2001, Smart
+// Under forces that are white, S(f) = mean of Y Yᴴ over segments has one large singular value s
+// near a resonance, and its vector is the shape there (fdd: Brincker, Zhang & Andersen 2001, Smart
 // Mater. Struct. 10:441). Of the lines about a peak with nearly its shape (MAC above 0.8), s alone
 // is a spectrum of one mode (efdd: Brincker, Ventura & Andersen 2001, IMAC 19): its inverse
 // transform over positive frequencies is c(τ) ∝ e^{λτ}, ln c by least squares over the lags where
-// |c| falls from 0.9 to 0.3 gives λ, f = |λ| / 2π, ζ = -Re λ / |λ|. Segments are padded with zeros to
-// twice their length, so that c is the correlation times the window's own, which it is divided by:
-// without that the window's width would be taken for damping.
+// |c| falls from 0.9 to 0.3 gives λ, f = |λ| / 2π, ζ = -Re λ / |λ|. Segments are padded with zeros
+// to twice their length, so that c is the correlation times the window's own, which it is divided
+// by: without that the window's width would be taken for damping.
 //
 // Assumes modes that are lightly damped and apart: of two that share lines, one is seen, or both
 // are bent; the bell is cut, which biases damping.
@@ -32,9 +32,9 @@ struct DecompositionOptions {
 ///
 /// fdd: frequencies are lines, damping is NaN, `covariance` and shape covariances are empty. efdd:
 /// covariances are a jackknife over blocks, (n_b - 1)/n_b Σ (x_k - x̄)(x_k - x̄)ᵀ with x_k of the
-/// record without block k (Miller 1974, Biometrika 61:1): scatter, and no bias. A peak that gives no decay is left out.
-/// Throws std::invalid_argument as identify_modes does, and for segments that the record does not
-/// hold eight of.
+/// record without block k (Miller 1974, Biometrika 61:1): scatter, and no bias. A peak that gives
+/// no decay is left out. Throws std::invalid_argument as identify_modes does, and for segments that
+/// the record does not hold eight of.
 [[nodiscard]] ModalResult decompose_spectra(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                             const DecompositionOptions& options);
 

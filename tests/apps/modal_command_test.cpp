@@ -258,6 +258,28 @@ TEST_F(ModalCommand, SetUpsAreMerged) {
   EXPECT_THAT(page, Not(HasSubstr("nan")));
 }
 
+TEST_F(ModalCommand, SetUpsAreMergedBeforeTheyAreIdentified) {
+  json c = two_set_ups(a_case());
+  c["merge"] = "preger";
+  const Outcome ran = run(c);
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("2 set-ups were merged"));
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
+  ASSERT_EQ(modes["sensors"].size(), 3U);
+  for (const std::size_t k : {1, 2})
+    EXPECT_NEAR(modes["shapes"]["real"][0][k].get<double>(), 0.5, 0.1);
+  EXPECT_EQ(wheeltap(where, "report " + (where / "out").string()).exit_code, 0);
+  c["method"] = "efdd";
+  EXPECT_THAT(run(c).err, HasSubstr("/merge"));
+  c.erase("method");
+  c["records"][1]["sample_rate"] = 10;
+  EXPECT_THAT(run(c).err, HasSubstr("/records/1"));
+  c["record"] = c["records"][0];
+  c.erase("records");
+  EXPECT_THAT(run(c).err, HasSubstr("/merge"));
+}
+
 TEST_F(ModalCommand, SetUpsThatCannotBeMergedAreRefused) {
   const auto refused = [&](const json& c, const std::string& said) {
     const Outcome ran = run(c);

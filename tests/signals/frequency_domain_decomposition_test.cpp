@@ -75,7 +75,8 @@ TEST(FrequencyDomainDecomposition, TonesAreDoubtedAndNoiseHasNoModes) {
   const double size = 2.0 * std::sqrt(y.row(0).squaredNorm() / 18000.0);
   for (Index k = 0; k < y.cols(); ++k)
     for (Index c = 0; c < y.rows(); ++c)
-      y(c, k) += size * (1.0 + 0.3 * static_cast<double>(c)) * std::sin(2.0 * 3.14159265358979 * 6.1 * 0.05 * static_cast<double>(k));
+      y(c, k) += size * (1.0 + 0.3 * static_cast<double>(c)) *
+                 std::sin(2.0 * 3.14159265358979 * 6.1 * 0.05 * static_cast<double>(k));
   const ModalResult found = decompose_spectra(y, {.sample_rate_hz = 20.0, .enhanced = false});
   bool doubted = false;
   for (const Mode& mode : found.modes)
@@ -91,9 +92,9 @@ TEST(FrequencyDomainDecomposition, RefusesWhatHasTooFewSegments) {
   const MatrixXd y = three().accelerations(400, 0.05, 1);
   EXPECT_THROW((void)decompose_spectra(y, {.sample_rate_hz = 20.0, .segment = 128}),
                std::invalid_argument);
-  EXPECT_THROW((void)decompose_spectra(y, {.sample_rate_hz = 20.0, .lowest_hz = 5.0,
-                                           .highest_hz = 5.1}),
-               std::invalid_argument);
+  EXPECT_THROW(
+      (void)decompose_spectra(y, {.sample_rate_hz = 20.0, .lowest_hz = 5.0, .highest_hz = 5.1}),
+      std::invalid_argument);
 }
 
 }  // namespace
