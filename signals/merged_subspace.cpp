@@ -68,7 +68,8 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
   const auto& first = set_ups.front();
   const auto references = static_cast<Index>(first.covariances.references.size());
   std::vector<int> reference_sensors;
-  for (const int c : first.covariances.references) reference_sensors.push_back(first.sensors[at(c)]);
+  for (const int c : first.covariances.references)
+    reference_sensors.push_back(first.sensors[at(c)]);
 
   HankelFactor out{.scale = VectorXd::Zero(sensors)};
   const double share = 1.0 / static_cast<double>(set_ups.size());
@@ -86,7 +87,8 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
                 .column_scale = VectorXd(references)};
     for (Index r = 0; r < references; ++r) {
       const int c = own.references[at(r)];
-      piece.row_scale[c] = piece.column_scale[r] = own.scale[c] / out.scale[reference_sensors[at(r)]];
+      piece.row_scale[c] = piece.column_scale[r] =
+          own.scale[c] / out.scale[reference_sensors[at(r)]];
     }
     // Set-ups weigh alike, however strongly they were driven: Z_s takes any factor.
     const double level = piece.column_scale.norm() / std::sqrt(static_cast<double>(references));
@@ -116,8 +118,8 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
   const MatrixXd turn = svd.matrixV().leftCols(rank) * std::sqrt(share);
   const VectorXd weight = svd.singularValues().head(rank) * std::sqrt(share);
 
-  // What each block moves, and so which components of Z are more than its scatter: the moved sensors
-  // are regressed on these alone, the others would fit noise by noise.
+  // What each block moves, and so which components of Z are more than its scatter: the moved
+  // sensors are regressed on these alone, the others would fit noise by noise.
   std::vector<std::vector<MatrixXd>> moves(pieces.size());
   VectorXd scatter = VectorXd::Zero(rank);
   for (std::size_t s = 0; s < pieces.size(); ++s) {
@@ -127,10 +129,10 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
     for (const MatrixXd& block : own.blocks) {
       moves[s].push_back(
           norm * pieces[s].scaled(block_hankel(block - own.mean, pieces[s].channels, columns)));
-      scatter += share * (basis.transpose() *
-                          rows_of(moves[s].back(), pieces[s].channels, own.references))
-                             .rowwise()
-                             .squaredNorm();
+      scatter +=
+          share * (basis.transpose() * rows_of(moves[s].back(), pieces[s].channels, own.references))
+                      .rowwise()
+                      .squaredNorm();
     }
   }
   Index told = 2;
@@ -170,8 +172,7 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
       const MatrixXd of_references = numerator(dh, p.reference, reference, p.z, dz);
       const MatrixXd of_moved = numerator(rows_of(moved, p.channels, p.moved), p.mov,
                                           p.observability, p.z.topRows(told), dz.topRows(told));
-      MatrixXd one =
-          observability * (dz * turn.middleRows(static_cast<Index>(s) * width, width));
+      MatrixXd one = observability * (dz * turn.middleRows(static_cast<Index>(s) * width, width));
       add_rows(one, sensors, reference_sensors,
                weighted(whole.solve(of_references.transpose()).transpose()));
       add_rows(one, sensors, p.moved_sensors,

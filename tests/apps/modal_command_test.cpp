@@ -482,6 +482,27 @@ TEST_F(ModalCommand, DecaysOfSpectraHaveTheScatterOfBlocks) {
   EXPECT_EQ(run(two_set_ups(c)).exit_code, 0);
 }
 
+// A healthy and a damaged record in one command, and a case that fails beside them.
+TEST_F(ModalCommand, BatchesTakeModalCases) {
+  json bad = a_case();
+  bad["record"]["file"] = "nowhere.csv";
+  for (const auto& [name, c] :
+       {std::pair{"healthy.json", a_case()}, {"damaged.json", a_case()}, {"bad.json", bad}})
+    where.write_json(name, c);
+  const auto list = where.write("list.txt", "healthy.json\nbad.json\ndamaged.json\n");
+  const std::string folder = (where / "batch").string();
+  const Outcome ran = wheeltap(where, "batch " + list.string() + " -o " + folder + " --quiet");
+  EXPECT_EQ(ran.exit_code, 66) << ran.err;
+  const std::string table = read_all(where / "batch/batch.csv");
+  EXPECT_THAT(table, HasSubstr("healthy,modal,0,2 modes"));
+  EXPECT_THAT(table, HasSubstr("damaged,modal,0,2 modes"));
+  EXPECT_THAT(table, HasSubstr("bad,modal,66,"));
+  ASSERT_EQ(run(a_case()).exit_code, 0);
+  for (const char* name : {"healthy", "damaged"})
+    EXPECT_EQ(read_all((where / "batch") / name / "modes.json"),
+              read_all(where / "out/modes.json"));
+}
+
 TEST_F(ModalCommand, DryRunWritesNothing) {
   const Outcome ran =
       wheeltap(where, "modal " + where.write_json("case.json", a_case()).string() + " --dry-run");

@@ -50,7 +50,8 @@ TEST(MergedSubspace, ModesOfAllSensorsAndTheirCovariances) {
     const ModalResult found = moving.identify(seed);
     for (Index m = 0; m < 5; ++m) {
       const auto same = std::ranges::find_if(found.modes, [&](const Mode& mode) {
-        return mode.doubts.empty() && std::abs(mode.pole.frequency_hz / truth.frequencies_hz[m] - 1.0) < 0.03;
+        return mode.doubts.empty() &&
+               std::abs(mode.pole.frequency_hz / truth.frequencies_hz[m] - 1.0) < 0.03;
       });
       if (same == found.modes.end()) continue;
       ++modes;
@@ -63,8 +64,7 @@ TEST(MergedSubspace, ModesOfAllSensorsAndTheirCovariances) {
       p.shape.cwiseAbs().maxCoeff(&top);
       for (Index k = 0; k < 5; ++k) {
         if (k == top) continue;
-        const std::complex<double> error =
-            p.shape[k] - truth.shapes(k, m) / truth.shapes(top, m);
+        const std::complex<double> error = p.shape[k] - truth.shapes(k, m) / truth.shapes(top, m);
         shape += std::pow(error.real(), 2) / same->shape_covariance(k, k);
         ++entries;
       }
