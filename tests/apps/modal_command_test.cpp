@@ -488,7 +488,7 @@ TEST_F(ModalCommand, BatchesTakeModalCases) {
   bad["record"]["file"] = "nowhere.csv";
   for (const auto& [name, c] :
        {std::pair{"healthy.json", a_case()}, {"damaged.json", a_case()}, {"bad.json", bad}})
-    where.write_json(name, c);
+    static_cast<void>(where.write_json(name, c));
   const auto list = where.write("list.txt", "healthy.json\nbad.json\ndamaged.json\n");
   const std::string folder = (where / "batch").string();
   const Outcome ran = wheeltap(where, "batch " + list.string() + " -o " + folder + " --quiet");
