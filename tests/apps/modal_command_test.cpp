@@ -273,7 +273,7 @@ TEST_F(ModalCommand, SetUpsAreMergedBeforeTheyAreIdentified) {
   c["method"] = "efdd";
   EXPECT_THAT(run(c).err, HasSubstr("/merge"));
   c.erase("method");
-  c["records"][1]["sample_rate"] = 10;
+  c["records"][1]["sample_rate"] = 40;
   EXPECT_THAT(run(c).err, HasSubstr("/records/1"));
   c["record"] = c["records"][0];
   c.erase("records");
