@@ -333,6 +333,35 @@ void take_band(const ModalCaseFile& out, SetUp& s) {
     out.file.refuse(Pointer("/segment"), "is of the methods \"plscf\", \"fdd\" and \"efdd\"");
 }
 
+void take_merging(ModalCaseFile& out) {
+  const Json& json = out.file.json;
+  if (!json.contains("merge")) return;
+  if (out.set_ups.size() < 2) out.file.refuse(Pointer("/merge"), "is of several \"records\"");
+  out.pre_merged = json.at("merge") == "preger";
+  if (!out.pre_merged) return;
+  if (json.value("method", "ssi-cov") != "ssi-cov")
+    out.file.refuse(Pointer("/merge"), "goes with the method \"ssi-cov\" where it is \"preger\"");
+  const double rate = out.set_ups.front().options.sample_rate_hz;
+  for (const SetUp& s : out.set_ups)
+    if (std::abs(s.options.sample_rate_hz / rate - 1.0) > 1e-6)
+      out.file.refuse(s.where, "has another sampling rate than the first: \"preger\" needs one");
+  bool named = false;
+  for (const MeasuredSensor& s : out.sensors) named = named || s.reference;
+  std::vector<int> common;
+  for (int k = 0; k < static_cast<int>(out.sensors.size()); ++k)
+    if ((!named || out.sensors[static_cast<std::size_t>(k)].reference) &&
+        std::ranges::all_of(out.set_ups, [k](const SetUp& s) {
+          return std::ranges::find(s.which, k) != s.which.end();
+        }))
+      common.push_back(k);
+  for (const SetUp& s : out.set_ups) {
+    out.references.emplace_back();
+    for (const int k : common)
+      out.references.back().push_back(
+          static_cast<int>(std::ranges::find(s.which, k) - s.which.begin()));
+  }
+}
+
 void take_geometry(ModalCaseFile& out) {
   out.geometry = parse_geometry(out.file);
   for (const SetUp& s : out.set_ups)
@@ -366,6 +395,7 @@ ModalCaseFile parse_modal_case(CaseFile file, std::optional<signals::Record> giv
   }
   collect_sensors(out);
   for (SetUp& s : out.set_ups) take_band(out, s);
+  take_merging(out);
   if (json.contains("geometry")) take_geometry(out);
   out.title =
       json.value("title", out.set_ups.size() == 1

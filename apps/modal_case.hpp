@@ -40,11 +40,14 @@ struct ModalCaseFile {
   std::vector<SetUp> set_ups = {};
   std::vector<MeasuredSensor> sensors = {};  ///< of all set-ups, each once
   std::optional<Geometry> geometry = {};
+  bool pre_merged = false;  ///< set-ups are merged before they are identified
+  /// Of pre-merged set-ups: channels at the sensors that all have, in one order.
+  std::vector<std::vector<int>> references = {};
 };
 
 /// What the records of a case gave.
 struct IdentifiedModes {
-  std::vector<signals::ModalResult> set_ups = {};
+  std::vector<signals::ModalResult> set_ups = {};   ///< one of all, where they are pre-merged
   std::optional<signals::MergedModes> merged = {};  ///< of several
 };
 

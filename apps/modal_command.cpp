@@ -69,8 +69,29 @@ ModalResult identify(const CaseFile& file, const SetUp& set_up, std::uint64_t se
   }
 }
 
+/// Set-ups that are merged before they are identified.
+ModalResult identify_together(const ModalCaseFile& modal) {
+  std::vector<Eigen::MatrixXd> records;
+  std::vector<std::vector<int>> sensors;
+  for (const SetUp& s : modal.set_ups) {
+    records.push_back(s.records);
+    sensors.push_back(s.which);
+  }
+  try {
+    return signals::identify_set_ups(records, sensors, modal.references,
+                                     static_cast<int>(modal.sensors.size()),
+                                     modal.set_ups.front().options);
+  } catch (const std::invalid_argument& error) {
+    modal.file.refuse(Pointer("/records"), error.what());
+  }
+}
+
 IdentifiedModes identify(const ModalCaseFile& modal, const CommonOptions& common) {
   IdentifiedModes out;
+  if (modal.pre_merged) {
+    out.set_ups.push_back(identify_together(modal));
+    return out;
+  }
   ProgressBar bar(common.quiet || modal.set_ups.size() == 1);
   std::vector<signals::SetUpModes> pieces;
   for (const SetUp& set_up : modal.set_ups) {
@@ -235,6 +256,7 @@ Report set_up_json(const SetUp& set_up, const ModalResult& result) {
                       {"decimated", result.decimated},
                       {"lags", result.lags},
                       {"blocks", result.blocks},
+                      {"set_ups", result.set_ups},
                       {"block_seconds", result.block_seconds},
                       {"references", result.references}});
   }

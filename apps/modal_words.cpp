@@ -155,6 +155,11 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                   " surrogates of what the modes leave of the decays.");
     return out;
   }
+  if (result.set_ups > 1)
+    out.push_back("The covariances of " + std::to_string(result.set_ups) +
+                  " set-ups were merged through the " + std::to_string(result.references.size()) +
+                  (result.references.size() == 1 ? " sensor" : " sensors") +
+                  " that all have, and identified together; the spectrum is that of the first.");
   out.push_back("Covariances over " + std::to_string(result.lags) + " lags (" +
                 significant(result.lags / result.sample_rate_hz, 3) + " s), their scatter from " +
                 std::to_string(result.blocks) + " blocks of " +
@@ -216,7 +221,13 @@ std::vector<std::string> cautions(const SetUp& set_up, const signals::ModalResul
 }
 
 std::vector<std::string> cautions(const ModalCaseFile& modal, const IdentifiedModes& found) {
-  if (!found.merged) return cautions(modal.set_ups[0], found.set_ups[0]);
+  if (!found.merged) {
+    std::vector<std::string> out = cautions(modal.set_ups[0], found.set_ups[0]);
+    for (std::size_t s = 1; s < modal.set_ups.size(); ++s)
+      for (const std::string& text : modal.set_ups[s].oddities)
+        out.push_back(modal.set_ups[s].name + ": " + text);
+    return out;
+  }
   std::vector<std::string> out;
   // What several set-ups have in common is said once.
   std::vector<std::pair<std::string, std::vector<std::string>>> said;

@@ -5,10 +5,12 @@
 #include <complex>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
 #include "base/parallel.hpp"
+#include "signals/merged_subspace.hpp"
 #include "signals/spectra.hpp"
 
 namespace wheeltap::signals {
@@ -20,6 +22,7 @@ using Eigen::MatrixXd;
 constexpr int kBlocks = 50, kFewBlocks = 20, kFewestBlocks = 8;
 constexpr long kLagsPerBlock = 5;
 constexpr int kFewestLags = 4;
+constexpr int kRoom = 2;        // columns over the order, of regressions on references
 constexpr double kRows = 1.2;   // rows and columns of H, over the least that the order needs
 constexpr int kMostRows = 900;  // of H
 constexpr double kKept = 0.4;   // of the new rate, by decimate()
@@ -103,35 +106,56 @@ bool near(double a, double b) {
   return std::abs(a - b) <= 0.05 * b;
 }
 
+/// Of the channel that moves most in the mode, in each record; the largest of these: what is a tone
+/// in all of them. What is too short says 2.
+double largest_kurtosis(const std::vector<MatrixXd>& records,
+                        const std::vector<std::vector<int>>& sensors, const Pole& pole,
+                        double sample_rate_hz) {
+  double out = 0.0;
+  for (std::size_t s = 0; s < records.size(); ++s) {
+    const MatrixXd& y = records[s];
+    Eigen::VectorXd share(y.rows());
+    for (Index c = 0; c < y.rows(); ++c)
+      share[c] = std::abs(pole.shape[sensors[s][static_cast<std::size_t>(c)]]) /
+                 (y.row(c).norm() + 1e-300);
+    Index strongest = 0;
+    share.maxCoeff(&strongest);
+    out = std::max(
+        out, amplitude_kurtosis(y.row(strongest).transpose(), pole.frequency_hz, sample_rate_hz));
+  }
+  return out;
+}
+
 /// Modes of the diagram with all their uncertainty.
-void describe(ModalResult& out, const StochasticSubspace& subspace, const MatrixXd& y) {
+/// `records`, `sensors`: of each set-up, the sensors of its channels.
+void describe(ModalResult& out, const StochasticSubspace& subspace,
+              const std::vector<MatrixXd>& records, const std::vector<std::vector<int>>& sensors) {
   std::map<int, std::vector<std::size_t>> by_order;
   for (std::size_t m = 0; m < out.diagram.modes.size(); ++m)
     by_order[out.diagram.poles[static_cast<std::size_t>(out.diagram.modes[m].chosen)].order]
         .push_back(m);
   const auto count = static_cast<Index>(out.diagram.modes.size());
   out.modes.resize(out.diagram.modes.size());
-  MatrixXd moves(2 * count, out.blocks);
+  MatrixXd moves(2 * count, 0);
   for (const auto& [order, which] : by_order) {
     std::vector<int> places;
     for (const std::size_t m : which)
       places.push_back(
           out.diagram.poles[static_cast<std::size_t>(out.diagram.modes[m].chosen)].place);
     const MovedPoles moved = subspace.moved_poles(order, places);
+    if (moves.cols() == 0) moves.resize(2 * count, moved.frequency_moves.cols());
     for (std::size_t i = 0; i < which.size(); ++i) {
       const std::size_t m = which[i];
       const ModeCluster& cluster = out.diagram.modes[m];
       const Pole& pole = moved.poles[i];
-      Index strongest = 0;
-      (pole.shape.array().abs() / (y.rowwise().norm().array() + 1e-300)).maxCoeff(&strongest);
-      out.modes[m] = {.pole = pole,
-                      .collinearity = phase_collinearity(pole.shape),
-                      .phase_deviation = mean_phase_deviation(pole.shape),
-                      .present = static_cast<int>(cluster.members.size()),
-                      .orders = cluster.orders,
-                      .amplitude_kurtosis = amplitude_kurtosis(
-                          y.row(strongest).transpose(), pole.frequency_hz, out.sample_rate_hz),
-                      .shape_covariance = moved.shape_moves[i] * moved.shape_moves[i].transpose()};
+      out.modes[m] = {
+          .pole = pole,
+          .collinearity = phase_collinearity(pole.shape),
+          .phase_deviation = mean_phase_deviation(pole.shape),
+          .present = static_cast<int>(cluster.members.size()),
+          .orders = cluster.orders,
+          .amplitude_kurtosis = largest_kurtosis(records, sensors, pole, out.sample_rate_hz),
+          .shape_covariance = moved.shape_moves[i] * moved.shape_moves[i].transpose()};
       moves.row(static_cast<Index>(m)) = moved.frequency_moves.row(static_cast<Index>(i));
       moves.row(count + static_cast<Index>(m)) = moved.damping_moves.row(static_cast<Index>(i));
     }
@@ -212,6 +236,49 @@ MatrixXd records_of_band(const Eigen::Ref<const MatrixXd>& records, double sampl
   return y;
 }
 
+namespace {
+
+/// Channels that orders and lags are counted by: rows and columns of H.
+struct Counted {
+  int rows = 0, references = 0;
+  int asked = 0;  ///< order that H has room for
+  int order = 0;  ///< that is wanted
+};
+
+/// Twice: with the lags of a period of the band's lower end, and, where that is less, of the lowest
+/// mode's. `subspace_of(shape)` fills in lags, blocks and their length.
+template <class Make>
+void identify_by_lags(ModalResult& out, const ModalOptions& options, const Counted& counted,
+                      const std::vector<MatrixXd>& records,
+                      const std::vector<std::vector<int>>& sensors, const Make& subspace_of) {
+  long samples = records.front().cols();
+  for (const MatrixXd& y : records) samples = std::min<long>(samples, y.cols());
+  double slowest = std::max(out.lowest_hz, 0.01 * out.sample_rate_hz);
+  for (int round = 0; round < 2; ++round) {
+    const Shape shape = shape_of(counted.asked, out.sample_rate_hz / slowest, counted.rows,
+                                 counted.references, samples, options.lags);
+    if (shape.order < 2) refuse("samples", static_cast<double>(samples), "too few for any order");
+    if (round == 1 && shape.lags() >= out.lags) break;  // as it was
+    out.lags = shape.lags();
+    out.largest_order = shape.order;
+    out.remarks.order_cut = shape.order < counted.asked ? counted.order : 0;
+    out.blocks = blocks_of(options.blocks, samples, out.lags);
+    const StochasticSubspace subspace = subspace_of(shape);
+    out.remarks.short_blocks = out.blocks < kFewBlocks ||
+                               out.block_seconds * out.sample_rate_hz < kLagsPerBlock * out.lags;
+    out.singular_values = subspace.singular_values();
+    out.diagram = stabilise(
+        subspace,
+        {.lowest_hz = out.lowest_hz, .highest_hz = out.highest_hz, .threads = options.threads});
+    describe(out, subspace, records, sensors);
+    if (out.modes.empty() || options.lags > 0) break;
+    slowest = out.modes.front().pole.frequency_hz;
+  }
+  doubt_modes(out);
+}
+
+}  // namespace
+
 ModalResult identify_modes(const Eigen::Ref<const MatrixXd>& records, const ModalOptions& options) {
   ModalResult out{.lowest_hz = options.lowest_hz, .highest_hz = options.highest_hz};
   const MatrixXd y = records_of_band(records, options.sample_rate_hz, options.threads, out);
@@ -220,38 +287,68 @@ ModalResult identify_modes(const Eigen::Ref<const MatrixXd>& records, const Moda
       options.references.empty() ? channels : static_cast<int>(options.references.size());
   const int asked =
       options.largest_order > 0 ? options.largest_order / 2 * 2 : std::clamp(10 * channels, 20, 80);
-  double slowest = std::max(out.lowest_hz, 0.01 * out.sample_rate_hz);
-  for (int round = 0; round < 2; ++round) {
-    const Shape shape =
-        shape_of(asked, out.sample_rate_hz / slowest, channels, references, y.cols(), options.lags);
-    if (shape.order < 2)
-      refuse("samples", static_cast<double>(records.cols()), "too few for any order");
-    if (round == 1 && shape.lags() >= out.lags) break;  // as it was
-    out.lags = shape.lags();
-    out.largest_order = shape.order;
-    out.remarks.order_cut = shape.order < asked ? asked : 0;
-    out.blocks = blocks_of(options.blocks, y.cols(), out.lags);
-    const OutputCovariances covariances = output_covariances(y, {.lags = out.lags,
-                                                                 .blocks = out.blocks,
-                                                                 .references = options.references,
-                                                                 .threads = options.threads});
-    out.references = covariances.references;
-    out.block_seconds = static_cast<double>(covariances.samples) / out.sample_rate_hz;
-    out.remarks.short_blocks =
-        out.blocks < kFewBlocks || covariances.samples < kLagsPerBlock * out.lags;
-    const StochasticSubspace subspace(covariances, {.step = 1.0 / out.sample_rate_hz,
-                                                    .columns = shape.columns,
-                                                    .largest_order = shape.order,
-                                                    .threads = options.threads});
-    out.singular_values = subspace.singular_values();
-    out.diagram = stabilise(
-        subspace,
-        {.lowest_hz = out.lowest_hz, .highest_hz = out.highest_hz, .threads = options.threads});
-    describe(out, subspace, y);
-    if (out.modes.empty() || options.lags > 0) break;
-    slowest = out.modes.front().pole.frequency_hz;
+  std::vector<int> all(static_cast<std::size_t>(channels));
+  std::iota(all.begin(), all.end(), 0);
+  identify_by_lags(
+      out, options, {channels, references, asked, asked}, {y}, {all}, [&](const Shape& shape) {
+        const OutputCovariances covariances =
+            output_covariances(y, {.lags = out.lags,
+                                   .blocks = out.blocks,
+                                   .references = options.references,
+                                   .threads = options.threads});
+        out.references = covariances.references;
+        out.block_seconds = static_cast<double>(covariances.samples) / out.sample_rate_hz;
+        return StochasticSubspace(covariances, {.step = 1.0 / out.sample_rate_hz,
+                                                .columns = shape.columns,
+                                                .largest_order = shape.order,
+                                                .threads = options.threads});
+      });
+  return out;
+}
+
+ModalResult identify_set_ups(const std::vector<MatrixXd>& records,
+                             const std::vector<std::vector<int>>& sensors,
+                             const std::vector<std::vector<int>>& references, int count,
+                             const ModalOptions& options) {
+  if (records.empty() || sensors.size() != records.size() || references.size() != records.size())
+    refuse("set-ups", static_cast<double>(records.size()),
+           "must be at least one, each with its sensors and references");
+  ModalResult out;
+  std::vector<MatrixXd> y;
+  for (const MatrixXd& record : records) {
+    ModalResult band{.lowest_hz = options.lowest_hz, .highest_hz = options.highest_hz};
+    y.push_back(records_of_band(record, options.sample_rate_hz, options.threads, band));
+    out = std::move(band);
   }
-  doubt_modes(out);
+  out.set_ups = static_cast<int>(records.size());
+  const auto common = static_cast<int>(references.front().size());
+  const int asked =
+      options.largest_order > 0 ? options.largest_order / 2 * 2 : std::clamp(10 * common, 20, 80);
+  // The references alone must hold the order, in rows as in columns.
+  // Moved sensors are regressed on them: with as many columns as the order, noise would fit noise.
+  identify_by_lags(
+      out, options, {common, common, kRoom * asked, asked}, y, sensors, [&](const Shape& shape) {
+        std::vector<SetUpCovariances> set_ups;
+        for (std::size_t s = 0; s < y.size(); ++s) {
+          set_ups.push_back({.covariances = output_covariances(y[s], {.lags = out.lags,
+                                                                      .blocks = out.blocks,
+                                                                      .references = references[s],
+                                                                      .threads = options.threads}),
+                             .sensors = sensors[s]});
+          const double seconds =
+              static_cast<double>(set_ups.back().covariances.samples) / out.sample_rate_hz;
+          out.block_seconds = s == 0 ? seconds : std::min(out.block_seconds, seconds);
+        }
+        out.references.clear();
+        for (const int c : references.front())
+          out.references.push_back(sensors.front()[static_cast<std::size_t>(c)]);
+        out.largest_order = shape.order / kRoom / 2 * 2;
+        return StochasticSubspace(
+            merge_covariances(set_ups, count, shape.columns, out.largest_order),
+            {.step = 1.0 / out.sample_rate_hz,
+             .largest_order = out.largest_order,
+             .threads = options.threads});
+      });
   return out;
 }
 

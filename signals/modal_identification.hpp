@@ -70,6 +70,7 @@ struct ModalResult {
   double lowest_hz = 0.0, highest_hz = 0.0;
   int decimated = 1, lags = 0, blocks = 0, largest_order = 0;
   double block_seconds = 0.0;
+  int set_ups = 1;     ///< that were merged before they were identified
   long lines = 0;      ///< of frequency responses
   int replicates = 0;  ///< of the bootstrap, or surrogates of the noise
   std::vector<int> references = {};
@@ -84,6 +85,16 @@ struct ModalResult {
 /// none, channels that are constant, alike or not finite, and records too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
+
+/// Modes of one structure from several set-ups, merged before they are identified
+/// (merged_subspace.hpp): `sensors` says which of `count` sensors each channel of a record is,
+/// `references` which of its channels are at those that all set-ups have, in one order. Orders are
+/// limited by what the references can hold; options.references is not used. Throws
+/// std::invalid_argument as identify_modes does.
+[[nodiscard]] ModalResult identify_set_ups(const std::vector<Eigen::MatrixXd>& records,
+                                           const std::vector<std::vector<int>>& sensors,
+                                           const std::vector<std::vector<int>>& references,
+                                           int count, const ModalOptions& options);
 
 /// Records decimated to the band of `out`, which is checked and filled in. Throws
 /// std::invalid_argument as identify_modes does. Exposed for the methods.

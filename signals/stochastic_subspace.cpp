@@ -26,15 +26,6 @@ using Eigen::VectorXcd;
   throw std::invalid_argument(name + " = " + std::to_string(value) + ": " + bound);
 }
 
-/// R_1 over R_2 over … as a block Hankel matrix with `columns` block columns.
-MatrixXd hankel(const MatrixXd& stacked, Index channels, Index columns) {
-  const Index references = stacked.cols(), rows = stacked.rows() - (columns - 1) * channels;
-  MatrixXd h(rows, columns * references);
-  for (Index j = 0; j < columns; ++j)
-    h.middleCols(j * references, references) = stacked.middleRows(j * channels, rows);
-  return h;
-}
-
 /// Derivatives of f [Hz] and ζ to λ: Δf = Re(f' Δλ), Δζ = Re(ζ' Δλ).
 struct Slopes {
   Complex frequency, damping;
@@ -57,6 +48,14 @@ struct StochasticSubspace::Realisation {
   std::vector<int> pairs = {};      // places with Im μ > 0, by frequency
 };
 
+MatrixXd block_hankel(const MatrixXd& stacked, Index channels, Index columns) {
+  const Index references = stacked.cols(), rows = stacked.rows() - (columns - 1) * channels;
+  MatrixXd h(rows, columns * references);
+  for (Index j = 0; j < columns; ++j)
+    h.middleCols(j * references, references) = stacked.middleRows(j * channels, rows);
+  return h;
+}
+
 StochasticSubspace::StochasticSubspace(const OutputCovariances& covariances,
                                        SubspaceOptions options)
     : step_(options.step),
@@ -65,28 +64,52 @@ StochasticSubspace::StochasticSubspace(const OutputCovariances& covariances,
       scale_(covariances.scale) {
   const int columns = options.columns > 0 ? options.columns : covariances.lags / 2;
   const int p = covariances.lags - columns;  // R_{p+q} is the last
-  const auto references = static_cast<int>(covariances.references.size());
-  if (!(step_ > 0.0)) refuse("step", step_, "must be positive");
   if (columns < 1 || p < 1)
     refuse("columns", columns, "must leave rows of " + std::to_string(covariances.lags) + " lags");
-  const int most = std::min(p * channels_, columns * references) / 2 * 2;
+  const MatrixXd h = block_hankel(covariances.mean, channels_, columns);
+  const double norm = 1.0 / std::sqrt(static_cast<double>(blocks_) * (blocks_ - 1.0));
+  decompose(
+      h,
+      [&](int k) -> MatrixXd {
+        return norm *
+               (block_hankel(covariances.blocks[static_cast<std::size_t>(k)], channels_, columns) -
+                h);
+      },
+      options);
+}
+
+StochasticSubspace::StochasticSubspace(const HankelFactor& factor, SubspaceOptions options)
+    : step_(options.step),
+      channels_(static_cast<int>(factor.scale.size())),
+      blocks_(static_cast<int>(factor.moves.size())),
+      scale_(factor.scale) {
+  if (channels_ < 1 || factor.hankel.rows() < 2 * channels_ ||
+      factor.hankel.rows() % channels_ != 0)
+    refuse("rows", static_cast<double>(factor.hankel.rows()),
+           "must be block rows of " + std::to_string(channels_) + " sensors, two at least");
+  decompose(
+      factor.hankel,
+      [&](int k) -> const MatrixXd& { return factor.moves[static_cast<std::size_t>(k)]; }, options);
+}
+
+template <class Move>
+void StochasticSubspace::decompose(const MatrixXd& h, const Move& move,
+                                   const SubspaceOptions& options) {
+  if (!(step_ > 0.0)) refuse("step", step_, "must be positive");
+  // Without the last block row.
+  const int most = static_cast<int>(std::min(h.rows() - channels_, h.cols())) / 2 * 2;
   largest_ = options.largest_order > 0 ? options.largest_order / 2 * 2 : most;
   if (largest_ < 2 || largest_ > most)
     refuse("largest order", options.largest_order,
-           "must be from 2 to " + std::to_string(most) + " with " +
-               std::to_string(covariances.lags) + " lags");
-
-  const MatrixXd h = hankel(covariances.mean, channels_, columns);
+           "must be from 2 to " + std::to_string(most) + " with these lags");
   const Eigen::BDCSVD<MatrixXd> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
   u_ = svd.matrixU();
   s_ = svd.singularValues();
   const MatrixXd& v = svd.matrixV();
   const Index m = h.rows(), common = s_.size();
-  const double norm = 1.0 / std::sqrt(static_cast<double>(blocks_) * (blocks_ - 1.0));
   turns_.resize(m, static_cast<Index>(blocks_) * largest_);
   base::parallel_for(blocks_, options.threads, [&](int k) {
-    const MatrixXd moved =
-        norm * (hankel(covariances.blocks[static_cast<std::size_t>(k)], channels_, columns) - h);
+    const MatrixXd& moved = move(k);
     const MatrixXd p_ji = u_.transpose() * (moved * v.leftCols(largest_));
     const MatrixXd p_ij =
         v.leftCols(common).transpose() * (moved.transpose() * u_.leftCols(largest_));

@@ -58,11 +58,26 @@ struct PoleWindow {
   double lowest_damping = -1.0, highest_damping = 1.0;
 };
 
+/// A Hankel matrix with the columns of a factor of its covariance: Σ moves_k moves_kᵀ, as vectors.
+struct HankelFactor {
+  Eigen::MatrixXd hankel = {};              ///< block rows of as many rows as there are sensors
+  std::vector<Eigen::MatrixXd> moves = {};  ///< T_k
+  Eigen::VectorXd scale = {};               ///< of each sensor [its unit]
+};
+
+/// R_1 over R_2 over … as a block Hankel matrix with `columns` block columns.
+[[nodiscard]] Eigen::MatrixXd block_hankel(const Eigen::MatrixXd& stacked, Eigen::Index channels,
+                                           Eigen::Index columns);
+
 class StochasticSubspace {
  public:
   /// Throws std::invalid_argument for a step <= 0, columns that leave no rows, and an order beyond
   /// what H can have.
   StochasticSubspace(const OutputCovariances& covariances, SubspaceOptions options);
+
+  /// Of a Hankel matrix however it was made; `columns` of the options is not used. Throws
+  /// std::invalid_argument as the other does.
+  StochasticSubspace(const HankelFactor& factor, SubspaceOptions options);
 
   [[nodiscard]] int largest_order() const { return largest_; }
   [[nodiscard]] const Eigen::VectorXd& singular_values() const { return s_; }
@@ -77,6 +92,10 @@ class StochasticSubspace {
   struct Realisation;  // A, C, their eigenvectors and what derivatives need
   [[nodiscard]] Realisation realise(int order) const;
   [[nodiscard]] Pole pole(const Realisation& model, int place) const;
+
+  /// H taken apart, and what each of its moves (by number) turns.
+  template <class Move>
+  void decompose(const Eigen::MatrixXd& h, const Move& move, const SubspaceOptions& options);
 
   double step_;
   int channels_, largest_, blocks_;

@@ -258,6 +258,28 @@ TEST_F(ModalCommand, SetUpsAreMerged) {
   EXPECT_THAT(page, Not(HasSubstr("nan")));
 }
 
+TEST_F(ModalCommand, SetUpsAreMergedBeforeTheyAreIdentified) {
+  json c = two_set_ups(a_case());
+  c["merge"] = "preger";
+  const Outcome ran = run(c);
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("2 set-ups were merged"));
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
+  ASSERT_EQ(modes["sensors"].size(), 3U);
+  for (const std::size_t k : {1, 2})
+    EXPECT_NEAR(modes["shapes"]["real"][0][k].get<double>(), 0.5, 0.1);
+  EXPECT_EQ(wheeltap(where, "report " + (where / "out").string()).exit_code, 0);
+  c["method"] = "efdd";
+  EXPECT_THAT(run(c).err, HasSubstr("/merge"));
+  c.erase("method");
+  c["records"][1]["sample_rate"] = 40;
+  EXPECT_THAT(run(c).err, HasSubstr("/records/1"));
+  c["record"] = c["records"][0];
+  c.erase("records");
+  EXPECT_THAT(run(c).err, HasSubstr("/merge"));
+}
+
 TEST_F(ModalCommand, SetUpsThatCannotBeMergedAreRefused) {
   const auto refused = [&](const json& c, const std::string& said) {
     const Outcome ran = run(c);
@@ -458,6 +480,27 @@ TEST_F(ModalCommand, DecaysOfSpectraHaveTheScatterOfBlocks) {
     EXPECT_NEAR(modes["damping"][m], 0.01, 0.006);
   }
   EXPECT_EQ(run(two_set_ups(c)).exit_code, 0);
+}
+
+// A healthy and a damaged record in one command, and a case that fails beside them.
+TEST_F(ModalCommand, BatchesTakeModalCases) {
+  json bad = a_case();
+  bad["record"]["file"] = "nowhere.csv";
+  for (const auto& [name, c] :
+       {std::pair{"healthy.json", a_case()}, {"damaged.json", a_case()}, {"bad.json", bad}})
+    static_cast<void>(where.write_json(name, c));
+  const auto list = where.write("list.txt", "healthy.json\nbad.json\ndamaged.json\n");
+  const std::string folder = (where / "batch").string();
+  const Outcome ran = wheeltap(where, "batch " + list.string() + " -o " + folder + " --quiet");
+  EXPECT_EQ(ran.exit_code, 66) << ran.err;
+  const std::string table = read_all(where / "batch/batch.csv");
+  EXPECT_THAT(table, HasSubstr("healthy,modal,0,2 modes"));
+  EXPECT_THAT(table, HasSubstr("damaged,modal,0,2 modes"));
+  EXPECT_THAT(table, HasSubstr("bad,modal,66,"));
+  ASSERT_EQ(run(a_case()).exit_code, 0);
+  for (const char* name : {"healthy", "damaged"})
+    EXPECT_EQ(read_all((where / "batch") / name / "modes.json"),
+              read_all(where / "out/modes.json"));
 }
 
 TEST_F(ModalCommand, DryRunWritesNothing) {

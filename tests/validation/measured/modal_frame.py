@@ -61,6 +61,11 @@ with tempfile.TemporaryDirectory() as folder:
     path.write_text(json.dumps({"kind": "modal", "band": [0.5, 16], "order": {"max": 80}, "records": records}))
     subprocess.run([program, "modal", path, "-o", path.with_suffix("")], check=True, stdout=subprocess.DEVNULL)
     merged = json.loads((path.with_suffix("") / "modes.json").read_text())
+    path = pathlib.Path(folder) / "preger.json"
+    path.write_text(json.dumps({"kind": "modal", "band": [0.5, 16], "order": {"max": 60}, "merge": "preger",
+                                "records": records}))
+    subprocess.run([program, "modal", path, "-o", path.with_suffix("")], check=True, stdout=subprocess.DEVNULL)
+    together = json.loads((path.with_suffix("") / "modes.json").read_text())
 
 certain = [f for f, doubtful in zip(merged["frequencies_hz"], merged["doubtful"]) if not doubtful]
 check(len(certain) == len(KNOWN), f"merged: {len(certain)} modes without doubt")
@@ -69,6 +74,11 @@ if len(certain) == len(KNOWN):
     # The source stores three decimals of its own estimates.
     check(max(map(abs, off)) < 1.5e-3 and sorted(map(abs, off))[-2] < 1e-3,
           f"merged: off by at most {100 * max(map(abs, off)):.2f} %")
+off = [min(abs(f / known - 1) for f in together["frequencies_hz"]) for known in KNOWN]
+check(max(off) < 1.5e-3, f"merged before: off by at most {100 * max(off):.2f} %")
+strange = [f for f, doubtful in zip(together["frequencies_hz"], together["doubtful"])
+           if not doubtful and min(abs(f / known - 1) for known in KNOWN) > 0.005]
+check(not strange, f"merged before: {len(off)} modes, false ones without doubt: {strange}")
 errors.sort()
 check(errors[len(errors) * 7 // 10] < 1e-3,
       f"{sum(e < 1e-3 for e in errors)} of {len(errors)} within 0.1 %, worst {100 * errors[-1]:.2f} %")
