@@ -111,7 +111,7 @@ class Galaxies : public Likelihood {
 // several sweeps, whose path has the same ratio: the likelihood is called for the last alone.
 class MixtureGibbs : public Move {
  public:
-  static constexpr int kSweeps = 16;
+  static constexpr int kSweeps = 4;
 
   explicit MixtureGibbs(std::vector<double> y) : y_(std::move(y)) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
