@@ -112,7 +112,7 @@ std::string damping(const Report& modes, const Band& band) {
     lowest = std::min(lowest, ends(m).first);
     highest = std::max(highest, ends(m).second);
   }
-  highest = std::min(highest, 20.0);
+  highest = std::min(1.05 * highest, 20.0);
   lowest = std::max(lowest, -2.0);
   const Plot plot(band.lowest, band.highest, lowest, highest);
   std::string inside;

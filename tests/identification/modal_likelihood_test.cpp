@@ -237,23 +237,27 @@ TEST(ModalLikelihood, ASpuriousModeTakesNoOthersPlace) {
   }
 }
 
+void expect_gradient_of_differences(const UpdateCase& update_case, const std::vector<double>& x) {
+  const auto problem = make_update_problem(update_case);
+  const auto likelihood = problem->problem.likelihood();
+  std::vector<double> gradient(x.size());
+  ASSERT_TRUE(likelihood->gradient(0, x, gradient));
+  for (std::size_t p = 0; p < x.size(); ++p) {
+    auto up = x, down = x;
+    const double step = 1e-5 * x[p];
+    up[p] += step, down[p] -= step;
+    const double slope =
+        (likelihood->log_likelihood(0, up) - likelihood->log_likelihood(0, down)) / (2.0 * step);
+    EXPECT_NEAR(gradient[p], slope, 1e-5 * std::abs(slope) + 1e-9) << p;
+  }
+}
+
 TEST(ModalLikelihood, GradientsOfDoubtedModesAreThoseOfDifferences) {
   for (const double second : {0.4, 0.62}) {  // fits, hardly
     UpdateCase update_case = modal::two_storeys(0.01, 0.05);
     update_case.data.shapes(0, 0) = second;
     update_case.data.doubt = 0.2;
-    const auto problem = make_update_problem(update_case);
-    const auto likelihood = problem->problem.likelihood();
-    std::vector<double> x = {1400.0, 900.0}, gradient(2);
-    ASSERT_TRUE(likelihood->gradient(0, x, gradient));
-    for (std::size_t p = 0; p < x.size(); ++p) {
-      auto up = x, down = x;
-      const double step = 1e-5 * x[p];
-      up[p] += step, down[p] -= step;
-      const double slope =
-          (likelihood->log_likelihood(0, up) - likelihood->log_likelihood(0, down)) / (2.0 * step);
-      EXPECT_NEAR(gradient[p], slope, 1e-5 * std::abs(slope) + 1e-9) << p;
-    }
+    expect_gradient_of_differences(update_case, {1400.0, 900.0});
   }
 }
 
@@ -266,18 +270,7 @@ TEST(ModalLikelihood, DoubtGoesWithShapes) {
 TEST(ModalLikelihood, GradientsAreThoseOfDifferences) {
   UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   update_case.data.discrepancy.prior = inference::LogUniform{1e-3, 1e-1};
-  const auto problem = make_update_problem(update_case);
-  const auto likelihood = problem->problem.likelihood();
-  std::vector<double> x = {1300.0, 1000.0, 0.02}, gradient(3);
-  ASSERT_TRUE(likelihood->gradient(0, x, gradient));
-  for (std::size_t p = 0; p < x.size(); ++p) {
-    auto up = x, down = x;
-    const double step = 1e-5 * x[p];
-    up[p] += step, down[p] -= step;
-    const double slope =
-        (likelihood->log_likelihood(0, up) - likelihood->log_likelihood(0, down)) / (2.0 * step);
-    EXPECT_NEAR(gradient[p], slope, 1e-5 * std::abs(slope) + 1e-9) << p;
-  }
+  expect_gradient_of_differences(update_case, {1300.0, 1000.0, 0.02});
 }
 
 }  // namespace
