@@ -7,7 +7,8 @@
 #include <chrono>
 #include <csignal>
 #include <iostream>
-#include <list>
+#include <mutex>
+#include <type_traits>
 
 #include "apps/batch_list.hpp"
 #include "apps/batch_table.hpp"
@@ -15,7 +16,9 @@
 #include "apps/child_program.hpp"
 #include "apps/failure.hpp"
 #include "apps/running.hpp"
+#include "apps/several_ranks.hpp"
 #include "base/parallel.hpp"
+#include "base/parcel.hpp"
 #include "io/atomic_file.hpp"
 #include "io/text.hpp"
 
@@ -77,21 +80,32 @@ std::vector<std::string> arguments(const std::string& command, const std::filesy
   return out;
 }
 
-/// The cases that run, those that wait, and what has come of the others.
+/// Runs each case by a program of its own, on some thread of some rank.
 class Batch {
  public:
   Batch(std::vector<BatchCase> cases, const CommonOptions& common, const SamplingOptions& sampling)
-      : cases_(std::move(cases)),
-        common_(common),
-        sampling_(sampling),
-        rows_(cases_.size()),
-        free_(base::thread_count(common.threads)) {}
+      : cases_(std::move(cases)), common_(common), sampling_(sampling), rows_(cases_.size()) {
+    if (base::ranks() != nullptr) section_ = kCasesAThread * base::ranks()->size() * threads_;
+  }
 
+  /// Rows of other ranks come at the end of a section.
   void run() {
-    while (true) {
-      while (free_ > 0 && next_ < cases_.size() && !was_interrupted()) start(next_++);
-      if (running_.empty()) break;
-      wait();
+    for (int first = 0; first < all() && !stopped_; first += section_) {
+      const int n = std::min(section_, all() - first);
+      free_ = threads_;
+      base::parallel_for(
+          n, threads_, [&](int i) { run_case(first + i, n - i); },
+          base::carriage([&](int i, auto& parcel) {
+            std::optional<BatchRow>& row = rows_[static_cast<std::size_t>(first + i)];
+            bool there = row.has_value();
+            parcel(there);
+            if (!there) return;
+            if (!row) row.emplace();
+            parcel(*row);
+            if constexpr (std::is_same_v<std::remove_reference_t<decltype(parcel)>, base::Unpacker>)
+              tell(first + i);
+          }));
+      stopped_ = was_interrupted();
     }
   }
 
@@ -99,78 +113,76 @@ class Batch {
   [[nodiscard]] std::size_t done() const { return done_; }
 
  private:
-  struct Running {
-    std::size_t at;
-    int threads;
-    BatchRow row;
-    Clock::time_point began;
-    ChildProgram program;
-  };
+  static constexpr int kCasesAThread = 8;
 
-  [[nodiscard]] std::filesystem::path folder(std::size_t at) const {
-    return common_.output / cases_[at].name;
+  [[nodiscard]] int all() const { return static_cast<int>(cases_.size()); }
+  [[nodiscard]] std::filesystem::path folder(int at) const {
+    return common_.output / cases_[static_cast<std::size_t>(at)].name;
   }
 
-  // A case a thread while there are as many; what is left over goes to the last ones.
-  void start(std::size_t at) {
-    const int waiting = static_cast<int>(std::min<std::size_t>(cases_.size() - at, 1U << 20));
-    const int threads = free_ / std::min(free_, waiting);
-    BatchRow row{.name = cases_[at].name};
+  // A case a thread while there are as many `waiting`; what is left over goes to the last ones.
+  void run_case(int at, int waiting) {
+    if (was_interrupted()) return;
+    int threads = 0;
+    {
+      const std::scoped_lock lock(mutex_);
+      threads = std::max(1, free_ / std::min(std::max(free_, 1), waiting));
+      free_ -= threads;
+    }
+    const auto& one = cases_[static_cast<std::size_t>(at)];
+    BatchRow row{.name = one.name};
+    bool ended = true;
     try {
-      const CaseFile file = read_case(cases_[at].path, common_.overrides);
+      const CaseFile file = read_case(one.path, common_.overrides);
       const std::string command = command_of(file);
       row.kind = file.json["kind"].get<std::string>();
-      const auto words =
-          arguments(command, cases_[at].path, folder(at), threads, common_, sampling_);
-      running_.push_back({at, threads, row, Clock::now(), ChildProgram(words)});
-      free_ -= threads;
+      ended = run_program(arguments(command, one.path, folder(at), threads, common_, sampling_), at,
+                          row);
     } catch (const Failure& failure) {
       row.exit = static_cast<int>(failure.exit());
       row.error = failure.what();
-      keep(at, std::move(row));
     }
+    const std::scoped_lock lock(mutex_);
+    free_ += threads;
+    if (!ended) return;  // it goes on another time
+    rows_[static_cast<std::size_t>(at)] = std::move(row);
+    tell(at);
   }
 
-  // Until one of them says something or ends, or a signal comes.
-  void wait() {
+  /// Until it ends; false where it has been stopped with the batch.
+  bool run_program(const std::vector<std::string>& words, int at, BatchRow& row) const {
     constexpr int kMilliseconds = 200;
-    std::vector<pollfd> descriptors;
-    for (const Running& one : running_) {
-      descriptors.push_back({.fd = one.program.descriptor(), .events = POLLIN, .revents = 0});
+    const auto began = Clock::now();
+    ChildProgram program(words);
+    std::optional<int> exit;
+    for (bool told = false; !exit; exit = program.ended()) {
+      pollfd descriptor{.fd = program.descriptor(), .events = POLLIN, .revents = 0};
+      poll(&descriptor, 1, kMilliseconds);
+      if (!told && was_interrupted()) {
+        program.send(SIGTERM);
+        told = true;
+      }
     }
-    poll(descriptors.data(), descriptors.size(), kMilliseconds);
-    if (was_interrupted() && !told_) {
-      for (const Running& one : running_) one.program.send(SIGTERM);
-      told_ = true;
-    }
-    std::erase_if(running_, [&](Running& one) {
-      const std::optional<int> exit = one.program.ended();
-      if (exit) end(one, *exit);
-      return exit.has_value();
-    });
-  }
-
-  void end(Running& one, int exit) {
-    free_ += one.threads;
     const bool stopped =
-        exit == static_cast<int>(Exit::interrupted) || (exit == 0 && stopped_early(folder(one.at)));
-    if (stopped && was_interrupted()) return;  // it goes on another time
-    BatchRow row = std::move(one.row);
-    row.exit = stopped ? static_cast<int>(Exit::interrupted) : exit;
-    row.seconds = std::chrono::duration<double>(Clock::now() - one.began).count();
+        *exit == static_cast<int>(Exit::interrupted) || (*exit == 0 && stopped_early(folder(at)));
+    if (stopped && was_interrupted()) return false;
+    row.exit = stopped ? static_cast<int>(Exit::interrupted) : *exit;
+    row.seconds = std::chrono::duration<double>(Clock::now() - began).count();
     if (row.exit == 0) {
-      take_from_summary(folder(one.at), row);
+      take_from_summary(folder(at), row);
     } else {
-      row.error = one.program.last_line();
+      row.error = program.last_line();
       if (row.error.empty()) row.error = "ended without a word";
-      if (exit > 128 && !stopped) row.error = "ended by signal " + std::to_string(exit - 128);
+      if (*exit > 128 && !stopped) row.error = "ended by signal " + std::to_string(*exit - 128);
     }
-    keep(one.at, std::move(row));
+    return true;
   }
 
-  void keep(std::size_t at, BatchRow row) {
-    std::cout << batch_line(row, ++done_, cases_.size()) << std::endl;
-    rows_[at] = std::move(row);
+  void tell(int at) {
+    ++done_;
+    if (!base::is_first_rank()) return;
+    std::cout << batch_line(*rows_[static_cast<std::size_t>(at)], done_, cases_.size())
+              << std::endl;
     write_text(common_.output / kBatchTable, batch_csv(rows_));
   }
 
@@ -178,10 +190,12 @@ class Batch {
   const CommonOptions& common_;
   const SamplingOptions& sampling_;
   std::vector<std::optional<BatchRow>> rows_;
-  std::list<Running> running_;
-  std::size_t next_ = 0, done_ = 0;
-  int free_;  // threads
-  bool told_ = false;
+  int threads_ = base::thread_count(common_.threads);  // of this rank
+  int section_ = all();                                // cases
+  std::mutex mutex_;                                   // guards what follows, and rows_
+  int free_ = 0;                                       // threads
+  std::size_t done_ = 0;
+  bool stopped_ = false;
 };
 
 }  // namespace
@@ -189,12 +203,18 @@ class Batch {
 void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   static_cast<void>(evidence_methods(sampling.evidence));  // refuse before anything runs
   std::vector<BatchCase> cases = read_batch_list(common.case_path);
+  std::string names;
+  for (const BatchCase& one : cases) names += one.name + '\n';
+  require_same_on_all_ranks("list", names);
   outlive_readers();
-  make_output_folder(common.output);
-  { const io::AtomicFile writable(common.output / kBatchTable); }
+  on_first_rank([&] {
+    make_output_folder(common.output);
+    const io::AtomicFile writable(common.output / kBatchTable);
+  });
   const StopOnInterrupt stop;
   Batch batch(std::move(cases), common, sampling);
   batch.run();
+  if (!base::is_first_rank()) return;
   const auto& rows = batch.rows();
   const std::string all = std::to_string(rows.size());
   if (batch.done() < rows.size()) {

@@ -1,9 +1,11 @@
 // The results of a batch: one row a case.
 #pragma once
 
+#include <concepts>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace wheeltap::apps {
@@ -20,6 +22,14 @@ struct BatchRow {
   double seconds = 0.0;  ///< wall time of the run itself, however many sessions it took
   std::string error{};   ///< one line, where exit is not 0
 };
+
+/// For ranks (base/parcel.hpp), both ways.
+template <class Parcel, class Row>
+requires std::same_as<std::remove_const_t<Row>, BatchRow>
+void carry(Parcel& parcel, Row& row) {
+  parcel(row.name, row.kind, row.exit, row.model, row.probability, row.converged, row.seconds,
+         row.error);
+}
 
 /// What summary.json in `folder` says of a run that ended well; of a sweep, whether all its rows
 /// converged.

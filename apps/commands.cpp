@@ -217,10 +217,11 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   require_affordable(parsed.file, predictor, cost, common);
   if (common.dry_run) return print_estimate("table", cost);
   const auto part = options.part.empty() ? std::pair(0, 1) : parse_part(options.part);
+  require_same_on_all_ranks("case", parsed.file.json.dump());
   std::optional<emulator::TableFile> made;
   if (!options.merge.empty()) made = read_parts(options.merge, damage_case);
   // Reserve the name first: a table that cannot be written should not be computed.
-  { const io::AtomicFile writable(common.output); }
+  on_first_rank([&] { const io::AtomicFile writable(common.output); });
   const std::string stem = common.output.string() + ".runs";
   const auto journal = [&](int count) {
     return std::filesystem::path(stem + ".count_" + std::to_string(count));
@@ -229,7 +230,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     if (made) return;  // there are none
     for (int count = 1; count <= kind.max_count; ++count) emulator::Journal::remove(journal(count));
   };
-  if (!common.resume) forget();
+  if (!common.resume) on_first_rank(forget);
   const fem::Reanalysis reanalysis(damage_case.beam, modes + damage_case.rigid_body_modes);
   ProgressBar bar(common.quiet);
   std::map<int, Eigen::Index> remembered;
@@ -253,18 +254,19 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     if (options.part.empty()) {
       trained = FrequencyEmulator::train(reanalysis, spec, kind, modes, train);
       bar.clear();
-      trained->save(common.output, attributes);
+      on_first_rank([&] { trained->save(common.output, attributes); });
     } else {
       emulator::TableFile file =
           run_part(reanalysis, spec, kind, modes, part.first, part.second, train);
       bar.clear();
       file.attributes.insert(attributes.begin(), attributes.end());
-      emulator::write_table_file(common.output, file);
+      on_first_rank([&] { emulator::write_table_file(common.output, file); });
     }
   } catch (const std::invalid_argument& error) {
     bar.clear();
     parsed.file.refuse(predictor, error.what());
   }
+  if (!base::is_first_rank()) return;
   forget();
   for (const auto& [count, runs] : remembered) {
     if (runs > 0) {

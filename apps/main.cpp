@@ -413,13 +413,9 @@ int run(int argc, char** argv) {
 
   if (base::ranks() != nullptr) {
     if (common.threads == 0) common.threads = 1;
-    for (const CLI::App* alone : {table_command, batch_command}) {
-      if (alone->parsed()) {
-        return report(Exit::usage, alone->get_name() + " runs in one process, not under mpirun");
-      }
-    }
+    const auto shared = {table_command, damage_command, sid_command, update_command, batch_command};
     // Whatever else there is rank 0 does by itself.
-    if (!damage_command->parsed() && !sid_command->parsed()) {
+    if (std::ranges::none_of(shared, [](const CLI::App* command) { return command->parsed(); })) {
       if (!base::is_first_rank()) return 0;
       base::ranks() = nullptr;
     }

@@ -52,8 +52,9 @@ class Speaker {
            grouped(r.evaluated) + " places: these count as impossible.";
   }
   std::string operator()(const remark::EvidenceFailed& r) const {
-    return "Evidence of " + r.model + " by " + method_name(r.method) + " " + r.reason +
-           ". The run itself is not affected.";
+    const bool failed = r.why.kind == inference::EvidenceWarning::Kind::failed;
+    return "Evidence of " + r.model + " by " + method_name(r.method) + (failed ? " " : ": ") +
+           describe(r.why) + ". The run itself is not affected.";
   }
   std::string operator()(const remark::EvidenceDisagrees& r) const {
     return method_name(r.method) + ": model '" + r.model + "': sampled probability " +

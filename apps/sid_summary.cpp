@@ -271,6 +271,7 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
                    const SidFindings& findings, const RunInfo& info) {
   const SidCase& sid_case = problem.sid_case;
   Report diagnosed = diagnostics(findings, warnings(findings, {}));
+  if (findings.look) diagnosed["notes"].push_back(in_words(*findings.look));
   for (const SidModel& model : sid_case.models) {
     if (const std::string note = order_note(model); !note.empty())
       diagnosed["notes"].push_back(note);

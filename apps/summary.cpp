@@ -123,6 +123,8 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
           {"rate", rate(sampling.jumps_accepted[a][b], proposed)}};
     }
   }
+  Report notes = Report::array();
+  for (const inference::Choice choice : sampling.choices) notes.push_back(in_words(choice));
   const inference::ModelProbabilities& stationary = sampling.stationary;
   Report transitions = Report::array();
   const bool few = findings.models.size() <= kFewModelsTold;
@@ -154,7 +156,7 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
       {"balanced", sampling.balanced},
       {"stopped_early", sampling.stopped_early},
       {"quick", sampling.quick},
-      {"notes", sampling.notes},
+      {"notes", notes},
       {"warnings", warnings}};
 }
 
@@ -171,6 +173,8 @@ Report evidence_report(const Findings& findings) {
     Report rows = Report::array();
     for (std::size_t m = 0; m < by.evidences.size(); ++m) {
       const inference::Evidence& e = by.evidences[m];
+      Report doubts = Report::array();
+      for (const inference::EvidenceWarning& w : e.warnings) doubts.push_back(describe(w));
       rows.push_back({{"model", findings.models[m].name},
                       {"log_evidence", finite(e.log_evidence)},
                       {"standard_error", finite(e.standard_error)},
@@ -178,7 +182,7 @@ Report evidence_report(const Findings& findings) {
                       {"probability", finite(by.implied.mean[m])},
                       {"probability_error", finite(by.implied.standard_error[m])},
                       {"likelihood_evaluations", e.likelihood_evaluations},
-                      {"warnings", e.warnings}});
+                      {"warnings", doubts}});
     }
     out[method_name(by.method)] = rows;
   }

@@ -1,8 +1,10 @@
 #include "apps/update_command.hpp"
 
 #include <iostream>
+#include <optional>
 
 #include "apps/running.hpp"
+#include "apps/several_ranks.hpp"
 #include "apps/simulation.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/update_case.hpp"
@@ -28,10 +30,16 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
     }
     return print_estimate("run", cost_of_outside(*parsed, common, options));
   }
+  if (parsed->outside && base::ranks() != nullptr)
+    throw Failure(Exit::usage, "a predictor of one's own runs in one process, not under mpirun");
+  require_same_on_all_ranks("case", parsed->file.json.dump());
   if (common.resume && !common.dry_run) {
-    if (const auto text = finished_run(common.output, parsed->file.json, seed, "options",
-                                       options_report(options)))
-      return print_finished(common.output, *text, *log);
+    const auto text = first_rank_says([&] {
+      return finished_run(common.output, parsed->file.json, seed, "options",
+                          options_report(options));
+    });
+    if (text && !base::is_first_rank()) return;
+    if (text) return print_finished(common.output, *text, *log);
   }
   TerminalWatch watch(common, *log);
   if (parsed->outside) make_output_folder(common.output);  // its answers are kept there
@@ -39,7 +47,8 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   const RunCost cost = cost_of_update(*problem, common, options);
   require_affordable(parsed->file, Pointer(), cost, common);
   if (common.dry_run) return print_estimate("run", cost);
-  RunFiles files(common.output);
+  std::optional<RunFiles> files;
+  on_first_rank([&] { files.emplace(common.output); });
   CheckpointFile checkpoint(common.output,
                             {.command = "update",
                              .seed = seed,
@@ -47,7 +56,8 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
                              .case_json = parsed->file.json},
                             common);
   watch.keep(checkpoint);
-  deliver(sample_update(parsed, problem, common, options, watch), files, common.output, checkpoint);
+  const auto run = sample_update(parsed, problem, common, options, watch);
+  if (run) deliver(*run, *files, common.output, checkpoint);
 }
 
 void simulate_update(const CommonOptions& common, CaseFile file) {

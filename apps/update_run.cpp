@@ -130,9 +130,10 @@ std::shared_ptr<const UpdateProblem> prepare_update(const UpdateCaseFile& parsed
   return problem;
 }
 
-FinishedRun sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
-                          std::shared_ptr<const UpdateProblem> problem, const CommonOptions& common,
-                          const SamplingOptions& options, RunWatch& watch) {
+std::optional<FinishedRun> sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
+                                         std::shared_ptr<const UpdateProblem> problem,
+                                         const CommonOptions& common,
+                                         const SamplingOptions& options, RunWatch& watch) {
   const auto methods = evidence_methods(options.evidence);
   const std::uint64_t seed = common.seed.value_or(1);
   const auto basis = problem->modes ? problem->modes->training()
@@ -149,9 +150,10 @@ FinishedRun sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
   const auto posterior = std::make_shared<const inference::Posterior>(
       watch.sample(problem->problem, engine_options(common, options)));
   if (parsed->outside) warn_of_the_box(*problem, *posterior, watch);
-  const auto findings = std::make_shared<const UpdateFindings>(update_findings(
-      *problem, *posterior,
-      compute_evidence(problem->problem, methods, seed, common.threads, watch), seed));
+  const auto evidence = compute_evidence(problem->problem, methods, seed, common.threads, watch);
+  if (!base::is_first_rank()) return {};
+  const auto findings =
+      std::make_shared<const UpdateFindings>(update_findings(*problem, *posterior, evidence, seed));
   Report summary = update_summary(*parsed, *problem, *findings,
                                   {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
@@ -159,7 +161,7 @@ FinishedRun sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
     summary["predictor"] = outside_report(*parsed->outside, *problem->outside->model,
                                           problem->outside->emulator.get());
   const std::string run = run_id(summary["wheeltap"], *posterior);
-  return {
+  return FinishedRun{
       .summary = std::move(summary),
       .run = run,
       .posterior = posterior,

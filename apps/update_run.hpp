@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "apps/finished_run.hpp"
 #include "apps/run_cost.hpp"
@@ -25,8 +26,8 @@ namespace wheeltap::apps {
 [[nodiscard]] std::shared_ptr<const identification::UpdateProblem> prepare_update(
     const UpdateCaseFile& parsed, const CommonOptions& common, RunWatch& watch);
 
-/// Throws as the watch does.
-[[nodiscard]] FinishedRun sample_update(
+/// None on ranks but the first. Throws as the watch does.
+[[nodiscard]] std::optional<FinishedRun> sample_update(
     std::shared_ptr<const UpdateCaseFile> parsed,
     std::shared_ptr<const identification::UpdateProblem> problem, const CommonOptions& common,
     const SamplingOptions& options, RunWatch& watch);

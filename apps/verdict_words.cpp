@@ -84,6 +84,12 @@ struct Sentence {
            " by its draws, but its evidence implies " + plus_minus(r.by_evidence) + "." +
            kRunLonger;
   }
+  std::string operator()(const DrawsBeyondMixture& r) const {
+    return within(r.model) + share_of(r.share) +
+           " of the draws lie where no proposal but small steps leads, in " +
+           significant(r.visits, 2) + " effective visits (must exceed " + significant(r.limit, 3) +
+           "): as much again may not have been found." + kRunLonger;
+  }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " is " + significant(r.rhat, 4) + " (must be below " +
            significant(r.limit, 4) + ")";
@@ -124,7 +130,8 @@ Topic topic_of(const Reason& reason) {
         if constexpr (std::is_same_v<R, ModelNotEntered>) return Topic::absent;
         if constexpr (std::is_same_v<R, ModelNotInEveryChain>) return Topic::partial;
         if constexpr (std::is_same_v<R, ModelUnknown>) return Topic::unknown;
-        if constexpr (std::is_same_v<R, AnnealingFindsMore> || std::is_same_v<R, EvidenceDisagrees>)
+        if constexpr (std::is_same_v<R, AnnealingFindsMore> ||
+                      std::is_same_v<R, EvidenceDisagrees> || std::is_same_v<R, DrawsBeyondMixture>)
           return Topic::evidence;
         if constexpr (std::is_same_v<R, ChainsDisagree> || std::is_same_v<R, TooFewEffectiveDraws>)
           return Topic::chains;

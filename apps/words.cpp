@@ -171,6 +171,25 @@ std::string emulator_warning(int damages, const std::vector<int>& blind) {
          "\"predictor\": \"fe\".";
 }
 
+std::string in_words(inference::Choice choice) {
+  switch (choice) {
+    case inference::Choice::restarted_tempered:
+      return "The chains disagreed, so they were restarted with parallel tempering throughout.";
+    case inference::Choice::started_on_first_samples:
+      return "The record is long, so the chains were started near modes that were found on its "
+             "first samples and followed as it grew.";
+    case inference::Choice::drawn_by_searches:
+      return "The run was stopped before its chains had drawn; these are draws of what its "
+             "searches had found.";
+  }
+  return {};
+}
+
+std::string in_words(const Look& look) {
+  return "The look was taken at the first " + std::to_string(look.samples) + " of " +
+         std::to_string(look.of) + " samples alone.";
+}
+
 std::string repeat_note(const StepsRefined& refined) {
   return "The integrator's steps were too long for the noise of this record, so the run was "
          "repeated with " +

@@ -53,6 +53,11 @@ struct Context {
 };
 [[nodiscard]] std::string sentence(const identification::Remark& remark, const Context& context);
 
+/// What the engine chose, a sentence.
+[[nodiscard]] std::string in_words(inference::Choice choice);
+/// How much of a record a look was taken at.
+[[nodiscard]] std::string in_words(const identification::Look& look);
+
 /// Why a system identification was repeated, and with what.
 [[nodiscard]] std::string repeat_note(const identification::StepsRefined& refined);
 

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -20,7 +21,8 @@ template <class T>
 concept PlainNumber = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
 /// Bytes of what it is called with, one after the other: numbers, texts, vectors and matrices of
-/// numbers, vectors of these; of a span its numbers alone, whose number both sides know.
+/// numbers, optional ones, structures with a `carry(parcel, structure)` beside them, vectors of
+/// these; of a span its numbers alone, whose number both sides know.
 class Packer {
  public:
   template <class... T>
@@ -51,6 +53,14 @@ class Packer {
       for (const T& entry : list) put(entry);
     }
   }
+  template <class T>
+  void put(const std::optional<T>& value) {
+    (*this)(value.has_value());
+    if (value) (*this)(*value);
+  }
+  template <class T>
+  requires requires(Packer& to, const T& value) { carry(to, value); }
+  void put(const T& value) { carry(*this, value); }
   template <class S, int R, int C, int O, int MR, int MC>
   void put(const Eigen::Matrix<S, R, C, O, MR, MC>& matrix) {
     (*this)(matrix.rows(), matrix.cols());
@@ -97,6 +107,16 @@ class Unpacker {
       for (T& entry : list) get(entry);
     }
   }
+  template <class T>
+  void get(std::optional<T>& value) {
+    bool there = false;
+    (*this)(there);
+    value.reset();
+    if (there) (*this)(value.emplace());
+  }
+  template <class T>
+  requires requires(Unpacker& from, T& value) { carry(from, value); }
+  void get(T& value) { carry(*this, value); }
   template <class S, int R, int C, int O, int MR, int MC>
   void get(Eigen::Matrix<S, R, C, O, MR, MC>& matrix) {
     Eigen::Index rows = 0, columns = 0;

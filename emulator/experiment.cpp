@@ -1,5 +1,6 @@
 #include "emulator/experiment.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <exception>
@@ -8,9 +9,12 @@
 #include <optional>
 #include <sstream>
 #include <string>
-#include <thread>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "base/parallel.hpp"
+#include "base/parcel.hpp"
 #include "emulator/journal.hpp"
 
 namespace wheeltap::emulator {
@@ -36,6 +40,151 @@ std::string text_of(const Design& design) {
   return text;
 }
 
+// Runs that are being made. Ranks keep one journal, rank 0's: it has what others made once a
+// section of the runs has ended.
+class Experiment {
+ public:
+  Experiment(const Design& design, Eigen::Index responses, const ModelFactory& factory,
+             const ExperimentOptions& options)
+      : design_(design),
+        factory_(factory),
+        options_(options),
+        result_(design.runs(), responses),
+        known_(static_cast<std::size_t>(design.runs()), 0) {
+    if (!options.journal.empty()) remember();
+  }
+
+  RowMatrix run() && {
+    const Eigen::Index runs = design_.runs();
+    const Eigen::Index sections =
+        base::ranks() != nullptr ? std::min<Eigen::Index>(runs, kSections) : 1;
+    for (Eigen::Index s = 0; s < sections; ++s) {
+      first_ = s * runs / sections;
+      last_ = (s + 1) * runs / sections;
+      failed_block_ = kNone;
+      block_ = std::max<Eigen::Index>(1, (last_ - first_) / kBlocks);
+      base::parallel_for(
+          static_cast<int>((last_ - first_ + block_ - 1) / block_), options_.threads,
+          [this](int block) { make(block); }, base::carriage([this](int block, auto& parcel) {
+            const auto [begin, end] = runs_of(block);
+            parcel(std::span<double>(result_.row(begin).data(),
+                                     static_cast<std::size_t>((end - begin) * result_.cols())));
+            if constexpr (std::is_same_v<std::remove_reference_t<decltype(parcel)>, base::Unpacker>)
+              take_over(begin, end);
+          }));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  static constexpr int kSections = 20, kBlocks = 4096, kNone = std::numeric_limits<int>::max();
+
+  [[nodiscard]] std::pair<Eigen::Index, Eigen::Index> runs_of(int block) const {
+    const Eigen::Index begin = first_ + block * block_;
+    return {begin, std::min(begin + block_, last_)};
+  }
+  [[nodiscard]] std::span<double> response(Eigen::Index run) {
+    return {result_.row(run).data(), static_cast<std::size_t>(result_.cols())};
+  }
+
+  // What the journal has; rank 0's, where there are several.
+  void remember() {
+    base::Packer packer;
+    if (base::is_first_rank()) {
+      const std::string identity = options_.identity + '\n' + text_of(design_);
+      journal_.emplace(options_.journal, identity, static_cast<std::size_t>(result_.cols()));
+      for (const Journal::Entry& entry : journal_->entries()) {
+        if (entry.run < 0 || entry.run >= design_.runs())
+          throw io::FileError(io::FileError::Kind::corrupt, options_.journal,
+                              "holds run " + std::to_string(entry.run) + " of a design of " +
+                                  std::to_string(design_.runs()));
+        packer(entry.run, entry.response);
+      }
+    }
+    std::string bytes = std::move(packer).bytes();
+    if (base::ranks() != nullptr) bytes = base::ranks()->from_first(std::move(bytes));
+    for (base::Unpacker unpacker(bytes); !unpacker.empty();) {
+      std::int64_t run = 0;
+      std::vector<double> values;
+      unpacker(run, values);
+      auto& known = known_[static_cast<std::size_t>(run)];
+      done_ += known != 0 ? 0 : 1;
+      known = 1;
+      std::ranges::copy(values, result_.row(run).data());
+    }
+  }
+
+  // Blocks are handed out in order, and those before one that fails are made to their end: the
+  // first failing run of the design is found, whatever the threads' timing.
+  void make(int block) {
+    if (block > failed_block_) return;
+    try {
+      Model model = take_model();
+      const auto [begin, end] = runs_of(block);
+      for (Eigen::Index run = begin; run < end; ++run) {
+        if (known_[static_cast<std::size_t>(run)] != 0) continue;
+        answer(model, run);
+        const std::lock_guard lock(mutex_);
+        tell(run);
+      }
+      const std::lock_guard lock(mutex_);
+      idle_.push_back(std::move(model));
+    } catch (...) {
+      for (int now = failed_block_; block < now;) failed_block_.compare_exchange_weak(now, block);
+      throw;
+    }
+  }
+
+  Model take_model() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!idle_.empty()) {
+        Model model = std::move(idle_.back());
+        idle_.pop_back();
+        return model;
+      }
+    }
+    return factory_();
+  }
+
+  void answer(Model& model, Eigen::Index run) {
+    try {
+      model(design_.point(run), response(run));
+      for (std::size_t k = 0; k < response(run).size(); ++k)
+        if (!std::isfinite(response(run)[k]))
+          throw std::domain_error("response " + std::to_string(k) + " is not finite");
+    } catch (const std::exception& error) {
+      std::throw_with_nested(RunError(run, describe(design_, run) + " failed: " + error.what()));
+    } catch (...) {
+      std::throw_with_nested(RunError(run, describe(design_, run) + " failed"));
+    }
+  }
+
+  void tell(Eigen::Index run) {
+    if (journal_) journal_->append(run, response(run));
+    ++done_;
+    if (options_.progress) options_.progress(done_, design_.runs());
+  }
+
+  void take_over(Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index run = begin; run < end; ++run) {
+      if (known_[static_cast<std::size_t>(run)] == 0) tell(run);
+    }
+  }
+
+  const Design& design_;
+  const ModelFactory& factory_;
+  const ExperimentOptions& options_;
+  RowMatrix result_;
+  std::vector<char> known_;  // from the journal
+  Eigen::Index first_ = 0, last_ = 0, block_ = 1;
+  std::atomic<int> failed_block_{kNone};
+  std::mutex mutex_;  // guards what follows and the progress callback
+  std::optional<Journal> journal_;
+  std::vector<Model> idle_;
+  Eigen::Index done_ = 0;
+};
+
 }  // namespace
 
 RowMatrix run_experiment(const Design& design, Eigen::Index responses, const ModelFactory& factory,
@@ -51,89 +200,8 @@ RowMatrix run_experiment(const Design& design, Eigen::Index responses, const Mod
   if (options.threads < 1)
     throw std::invalid_argument("threads = " + std::to_string(options.threads) + " must be >= 1");
 
-  RowMatrix result(runs, responses);
-  std::atomic<Eigen::Index> next{0};
-  std::atomic<bool> failed{false};
-  std::mutex mutex;  // guards what follows and the progress callback
-  Eigen::Index done = 0;
-  std::vector<char> remembered(static_cast<std::size_t>(runs), 0);
-  std::optional<Journal> journal;
-  if (!options.journal.empty()) {
-    journal.emplace(options.journal, options.identity + '\n' + text_of(design),
-                    static_cast<std::size_t>(responses));
-    for (const Journal::Entry& entry : journal->entries()) {
-      if (entry.run < 0 || entry.run >= runs)
-        throw io::FileError(
-            io::FileError::Kind::corrupt, options.journal,
-            "holds run " + std::to_string(entry.run) + " of a design of " + std::to_string(runs));
-      auto& seen = remembered[static_cast<std::size_t>(entry.run)];
-      done += seen ? 0 : 1;
-      seen = 1;
-      std::copy(entry.response.begin(), entry.response.end(), result.row(entry.run).data());
-    }
-  }
-  Eigen::Index failed_run = std::numeric_limits<Eigen::Index>::max();
-  std::exception_ptr failure;
-
-  // Runs are handed out in order and every run handed out is finished, so the first failing run of
-  // the design is always among those seen, whatever the threads' timing.
-  const auto fail = [&](Eigen::Index run) {
-    failed = true;
-    const std::lock_guard lock(mutex);
-    if (run < failed_run) {
-      failed_run = run;
-      failure = std::current_exception();
-    }
-  };
-  const auto work = [&] {
-    Model model;
-    try {
-      model = factory();
-    } catch (...) {
-      fail(-1);
-      return;
-    }
-    while (!failed) {
-      const Eigen::Index run = next++;
-      if (run >= runs) return;
-      if (remembered[static_cast<std::size_t>(run)]) continue;
-      try {
-        const std::span<double> response(result.row(run).data(),
-                                         static_cast<std::size_t>(responses));
-        model(design.point(run), response);
-        for (std::size_t k = 0; k < response.size(); ++k)
-          if (!std::isfinite(response[k]))
-            throw std::domain_error("response " + std::to_string(k) + " is not finite");
-        const std::lock_guard lock(mutex);
-        if (journal) journal->append(run, response);
-        ++done;
-        if (options.progress) options.progress(done, runs);
-      } catch (...) {
-        fail(run);
-      }
-    }
-  };
-
-  {
-    std::vector<std::jthread> crew;
-    for (Eigen::Index t = 1; t < std::min<Eigen::Index>(options.threads, runs); ++t)
-      crew.emplace_back(work);
-    work();
-  }
-  if (failure) {
-    if (failed_run < 0) std::rethrow_exception(failure);
-    try {
-      std::rethrow_exception(failure);
-    } catch (const io::FileError&) {
-      throw;  // the journal's, not the model's
-    } catch (const std::exception& error) {
-      std::throw_with_nested(
-          RunError(failed_run, describe(design, failed_run) + " failed: " + error.what()));
-    } catch (...) {
-      std::throw_with_nested(RunError(failed_run, describe(design, failed_run) + " failed"));
-    }
-  }
-  return result;
+  Experiment experiment(design, responses, factory, options);
+  return std::move(experiment).run();
 }
 
 Design shard(const Design& design, Eigen::Index part, Eigen::Index parts) {

@@ -1,4 +1,5 @@
-// Running a model over a design, on several threads.
+// Running a model over a design, on several threads, and ranks where there are any
+// (base/ranks.hpp).
 #pragma once
 
 #include <filesystem>
@@ -13,7 +14,8 @@ namespace wheeltap::emulator {
 
 /// Computes all responses at one point.
 using Model = std::function<void(std::span<const double> point, std::span<double> response)>;
-/// Makes one model a thread, so that each keeps its own workspace. Called from the thread itself.
+/// Makes a model for one thread at a time, so that each keeps its own workspace: at most as many as
+/// there are threads.
 using ModelFactory = std::function<Model()>;
 
 struct ExperimentOptions {
@@ -24,7 +26,8 @@ struct ExperimentOptions {
   std::filesystem::path journal = {};
   /// What the journal's runs belong to, beside the design itself, e.g. the case as text.
   std::string identity = {};
-  /// Called after each run with (runs done, runs in all), one call at a time, from any thread.
+  /// Called after each run with (runs done, runs in all), one call at a time, from any thread; of
+  /// runs of other ranks once a twentieth of the design is done.
   std::function<void(Eigen::Index done, Eigen::Index total)> progress = {};
 };
 
@@ -39,7 +42,7 @@ class RunError : public std::runtime_error {
 };
 
 /// Responses at every point of the design: runs × responses. The result does not depend on the
-/// number of threads.
+/// number of threads or ranks; every rank must ask for the same, and rank 0 keeps the journal.
 /// Throws std::invalid_argument for an empty design, no responses or threads < 1; RunError naming
 /// the run and its point when runs fail (the first of them in the order of the design, with the
 /// model's exception nested in it).

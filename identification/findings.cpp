@@ -174,7 +174,8 @@ std::vector<MethodEvidence> compute_evidence(const inference::Problem& problem,
         by.evidences.push_back({.log_evidence = std::nan(""),
                                 .standard_error = std::nan(""),
                                 .likelihood_evaluations = 0,
-                                .warnings = {std::string("failed: ") + error.what()}});
+                                .warnings = {{.kind = inference::EvidenceWarning::Kind::failed,
+                                              .error = error.what()}}});
       }
     }
     if (go_on()) out.push_back(std::move(by));
@@ -244,7 +245,7 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
                   .impossible = posterior.impossible,
                   .stopped_early = posterior.stopped_early,
                   .quick = posterior.quick,
-                  .notes = posterior.notes,
+                  .choices = posterior.choices,
                   .likelihood_evaluations = posterior.likelihood_evaluations,
                   .full_model_calls = posterior.full_evaluations > 0
                                           ? posterior.full_evaluations
@@ -274,7 +275,7 @@ void conclude(Findings& findings, const inference::ModelSpace& space,
       const inference::Evidence& e = by.evidences[m];
       if (std::isnan(e.log_evidence) && !e.warnings.empty()) {
         findings.remarks.push_back(remark::EvidenceFailed{
-            .method = by.method, .model = findings.models[m].name, .reason = e.warnings[0]});
+            .method = by.method, .model = findings.models[m].name, .why = e.warnings[0]});
       }
     }
     for (const auto& d : inference::disagreements(sampled, errors, found.implied)) {

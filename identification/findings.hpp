@@ -102,7 +102,7 @@ struct Sampling {
   long impossible = 0;
   bool stopped_early = false;
   bool quick = false;  ///< a look, not a posterior
-  std::vector<std::string> notes;
+  std::vector<inference::Choice> choices;
 
   long likelihood_evaluations = 0;
   long full_model_calls = 0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "identification/fit_verdict.hpp"
+#include "inference/evidence/evidence_warning.hpp"
 
 namespace wheeltap::identification {
 
@@ -25,7 +26,8 @@ struct ImpossibleLikelihoods {
 /// A method found no evidence of a model.
 struct EvidenceFailed {
   EvidenceMethod method;
-  std::string model, reason;
+  std::string model;
+  inference::EvidenceWarning why;
 };
 /// A method's evidences imply another probability of a model than the draws do, by more than 3 of
 /// their combined errors.

@@ -225,6 +225,7 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
       p.unknown.unit = units.at(p.unknown.name);
     }
   }
+  out.look = run.look;
   out.refined = run.refined;
   for (int m = 0; m < space.size(); ++m) {
     const ModelFinding& model = out.models[static_cast<std::size_t>(m)];

@@ -42,6 +42,7 @@ struct SidFindings : Findings {
   std::vector<double> coverage;            ///< of each response by the predictive band, a share
   int predictive_draws = 0;
   Discovery discovery;                  ///< empty where the case asks for none
+  std::optional<Look> look;             ///< where it was at a part of the record alone
   std::optional<StepsRefined> refined;  ///< where the run was repeated
   long windows_evaluations = 0;         ///< likelihoods of windows, each a part of the record's
 };

@@ -120,9 +120,7 @@ SidRun run_sid(SidCase sid_case, const SidRunOptions& options) {
     run.posterior = options.sample ? options.sample(run.problem->problem, run.engine)
                                    : inference::reversible_jump(run.problem->problem, run.engine);
     if (run.engine.quick && run.problem->misfits.front().samples() < all) {
-      run.posterior.notes.push_back("The look was taken at the first " +
-                                    std::to_string(run.problem->misfits.front().samples()) +
-                                    " of " + std::to_string(all) + " samples alone.");
+      run.look = {.samples = run.problem->misfits.front().samples(), .of = all};
     }
     if (now.fixed_integration || run.engine.prior_only || run.engine.quick ||
         run.posterior.stopped_early)

@@ -34,11 +34,17 @@ struct SidRunOptions {
   std::optional<StepsRefined> refined = {};
 };
 
+/// A quick look at a record that was taken at its first samples alone.
+struct Look {
+  int samples = 0, of = 0;
+};
+
 struct SidRun {
   std::unique_ptr<const SidProblem> problem;
   inference::Options engine;  ///< as used
   inference::Posterior posterior;
   std::optional<StepsRefined> refined;  ///< of the last repeat
+  std::optional<Look> look = {};        ///< where it was quick
   std::vector<Remark> doubts = {};      ///< as told before it began
 };
 

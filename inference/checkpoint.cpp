@@ -148,6 +148,12 @@ struct CheckpointFields {
     a("shares", w.shares);
   }
   template <class A>
+  static void of(A& a, In<A, EvidenceWarning>& w) {
+    a("kind", w.kind);
+    a("value", w.value);
+    a("error", w.error);
+  }
+  template <class A>
   static void of(A& a, In<A, Evidence>& e) {
     a("log_evidence", e.log_evidence);
     a("standard_error", e.standard_error);
@@ -219,7 +225,7 @@ struct CheckpointFields {
     a("quick", p.quick);
     a("tempered_draws", p.tempered_draws);
     a("barrier", p.barrier);
-    a("notes", p.notes);
+    a("choices", p.choices);
   }
   template <class A>
   static void of(A& a, In<A, Position>& p) {

@@ -23,9 +23,13 @@ struct ConvergenceLimits {
   double slack_probability = 0.005;  ///< a difference that is none, whatever its error
   double slack_nats = 0.5;
   double probable_model = 0.05;
-  double judged_model = 0.01;      ///< probability from which a model's parameters are judged
-  double searched_model = 0.001;   ///< from which a glance at a model does not do
-  double judged_mode = 0.01;       ///< share of the rarer side from which chains must agree on it
+  double judged_model = 0.01;     ///< probability from which a model's parameters are judged
+  double searched_model = 0.001;  ///< from which a glance at a model does not do
+  double judged_mode = 0.01;      ///< share of the rarer side from which chains must agree on it
+  /// Ratio of the densities of posterior and mixture from which a draw is beyond the mixture; the
+  /// share of such draws that is judged; and how many effective visits there they must be, so that
+  /// the share is known to a tenth.
+  double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
   std::size_t fewest_draws = 100;  ///< of a chain within a model, for R-hat to be judged
   std::size_t fewest_for_ess = 400;
   long round_trips = 10;  ///< of a ladder that the draws are made with

@@ -4,6 +4,7 @@
 //   P(m | data) ∝ P(m) Z_m,   B_ab = Z_a / Z_b = [P(a | data) / P(b | data)] / [P(a) / P(b)].
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -44,6 +45,11 @@ struct ModelFindings {
   Evidence sampled = kNoEvidence;  ///< by importance sampling from the final mixture
   Evidence bridged =
       kNoEvidence;  ///< by bridge sampling between its draws and that mixture; NaN: too few draws
+  /// Share of its draws at which that mixture has less than a thousandth of the posterior's
+  /// density, and the effective sample size of it: there the steps of a walk alone lead. NaN as
+  /// `bridged`.
+  double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
+  double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Likelihood calls, by what they were spent on; of a stand-in where there is one.
@@ -55,6 +61,13 @@ struct Calls {
   long tune = 0;      ///< fitting the proposals, and a ladder where the draws need one
   long sample = 0;    ///< the draws
   long evidence = 0;  ///< of the mixtures that the draws are compared with
+};
+
+/// What the engine chose to do, beyond what its options say.
+enum class Choice {
+  restarted_tempered,  ///< the chains disagreed: once more, with parallel tempering throughout
+  started_on_first_samples,  ///< near modes found on a long record's start, followed as it grew
+  drawn_by_searches,         ///< stopped before its chains had drawn: draws of what searches found
 };
 
 /// All that a run found. It shares its space and refers to nothing else: the problem may be gone.
@@ -87,7 +100,7 @@ struct Posterior {
       0;                 ///< between β = 0 and β = 1 and back, while drawing, over all chains
   double barrier = 0.0;  ///< Λ of the ladder (Syed et al. 2022), the largest of any chain; 0: none
   long impossible = 0;   ///< likelihoods that were NaN or +∞ and counted as -∞
-  std::vector<std::string> notes;  ///< what the engine chose, in words
+  std::vector<Choice> choices;
 
   /// Draw i of chain c.
   [[nodiscard]] Draw draw(std::size_t c, std::size_t i) const { return chains[c].draw(i, *space); }

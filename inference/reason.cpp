@@ -48,6 +48,10 @@ struct Phrase {
     return name(r.model) + ": probability by draws " + short_number(r.by_draws.value) +
            ", by evidence " + short_number(r.by_evidence.value);
   }
+  std::string operator()(const DrawsBeyondMixture& r) const {
+    return name(r.model) + ": a share of draws beyond its mixture, " + short_number(r.share) +
+           ", in effective visits " + short_number(r.visits) + " <= " + short_number(r.limit);
+  }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " " + short_number(r.rhat) + " >= " + short_number(r.limit);
   }

@@ -50,6 +50,13 @@ struct EvidenceDisagrees {
   int model = 0;
   Estimate by_draws{}, by_evidence{};  ///< its probability
 };
+/// Many draws of a model lie where its mixture hardly is, in few visits: what a walk alone finds of
+/// the posterior it may find half of.
+struct DrawsBeyondMixture {
+  int model = 0;
+  double share = 0.0;                ///< of its draws
+  double visits = 0.0, limit = 0.0;  ///< effective ones; must exceed it
+};
 /// R-hat of something that means the same in every model.
 struct ChainsDisagree {
   std::string quantity;  ///< "log posterior", "number of damages", "P(line)", or one that was given
@@ -82,9 +89,9 @@ struct QuickLook {};
 
 using Reason =
     std::variant<ModelNotEntered, ModelNotInEveryChain, ModelUnknown, ModeNotInEveryChain,
-                 ModeSharesDisagree, AnnealingFindsMore, EvidenceDisagrees, ChainsDisagree,
-                 TooFewEffectiveDraws, ParameterDisagrees, ParameterMovesSlowly, TooFewRoundTrips,
-                 StoppedEarly, QuickLook>;
+                 ModeSharesDisagree, AnnealingFindsMore, EvidenceDisagrees, DrawsBeyondMixture,
+                 ChainsDisagree, TooFewEffectiveDraws, ParameterDisagrees, ParameterMovesSlowly,
+                 TooFewRoundTrips, StoppedEarly, QuickLook>;
 
 /// One short neutral phrase, for logs, examples and users of the library, who would otherwise write
 /// out fourteen cases to learn what is wrong. What to do about it is for those to say who know what

@@ -46,6 +46,7 @@ class Judge {
     judge_modes();
     judge_evidence();
     if (!posterior_.quick) {
+      judge_mixtures();
       judge_chains();
       judge_parameters();
     }
@@ -184,6 +185,22 @@ class Judge {
       add(EvidenceDisagrees{.model = static_cast<int>(m),
                             .by_draws = {.value = s.probability, .mcse = s.mcse},
                             .by_evidence = by_evidence});
+    }
+  }
+
+  // ---- mixtures ------------------------------------------------------------------------------
+
+  void judge_mixtures() {
+    for (std::size_t m = 0; m < std::min(models_, posterior_.found.size()); ++m) {
+      const ModelFindings& found = posterior_.found[m];
+      if (standing(m).probability < kLimits.judged_model || standing(m).visited == 0) continue;
+      const double share = found.beyond_mixture;
+      const double visits = share * found.beyond_mixture_ess;
+      if (!(share > kLimits.beyond_share) || visits > kLimits.beyond_visits) continue;
+      add(DrawsBeyondMixture{.model = static_cast<int>(m),
+                             .share = share,
+                             .visits = visits,
+                             .limit = kLimits.beyond_visits});
     }
   }
 

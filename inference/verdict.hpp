@@ -50,6 +50,10 @@ struct Verdict {
 /// - Every mode that the searches found and whose share of the draws should exceed 10 a chain is in
 ///   every chain (5e-5), and R-hat of its indicator is below 1.05 or within what chains of that
 ///   many effective draws scatter by (1e-6).
+/// - Of models above 1 %, where more than 5 % of the draws lie where the fitted mixture has less
+///   than a thousandth of the posterior's density: that share is known to a tenth, by 100 effective
+///   visits. Chains come there by small steps alone; of a funnel's neck they may have found half,
+///   and agree.
 /// - R-hat < 1.01 and effective sample sizes above 400 of the log posterior and `watched`; the same
 ///   of counts (or models' indicators) where their probabilities are not known to 0.001 anyway.
 /// - Parameters within every model above 1 %, components of a kind by their sums since which

@@ -37,7 +37,7 @@ Run update(CaseFile file, const RunOptions& options, JobWatch& watch) {
   const auto problem = prepare_update(*parsed, options.common, watch);
   require_affordable(parsed->file, Pointer(),
                      cost_of_update(*problem, options.common, options.sampling), options.common);
-  return {sample_update(parsed, problem, options.common, options.sampling, watch), {}};
+  return {*sample_update(parsed, problem, options.common, options.sampling, watch), {}};
 }
 
 Run sid(CaseFile file, const RunOptions& options, JobWatch& watch) {

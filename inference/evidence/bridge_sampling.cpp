@@ -114,15 +114,11 @@ Evidence bridge_sampling(const Problem& problem, int model, const ModelSamples& 
   const Bridge bridged = bridge(at_posterior, at_proposal);
   evidence.log_evidence = bridged.log_evidence;
   evidence.standard_error = bridged.standard_error;
-  const std::string name = "model '" + problem.space[model].name + "': ";
   if (!bridged.settled)
-    evidence.warnings.push_back(name +
-                                "bridge sampling did not settle; the proposal and the "
-                                "posterior hardly overlap");
+    evidence.warnings.push_back({.kind = EvidenceWarning::Kind::bridge_unsettled});
   if (bridged.effective_draws < 100.0)
-    evidence.warnings.push_back(name +
-                                "fewer than 100 effective posterior draws in the bridge; "
-                                "draw more");
+    evidence.warnings.push_back(
+        {.kind = EvidenceWarning::Kind::few_bridge_draws, .value = bridged.effective_draws});
   evidence.warnings.insert(evidence.warnings.end(), samples.warnings.begin(),
                            samples.warnings.end());
   return evidence;

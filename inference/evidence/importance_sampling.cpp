@@ -116,12 +116,11 @@ ImportanceSampling importance_sampling(const Problem& problem, int model,
   evidence.standard_error = std::sqrt(std::max(0.0, (n * squares / (sum * sum) - 1.0) / (n - 1.0)));
   result.pareto_k = pareto_shape(ratios);
   if (result.pareto_k > 0.7)
-    evidence.warnings.push_back(name + "importance weights have too heavy a tail (Pareto shape " +
-                                std::to_string(result.pareto_k) +
-                                " > 0.7); the proposal misses part of the posterior");
+    evidence.warnings.push_back(
+        {.kind = EvidenceWarning::Kind::heavy_tail, .value = result.pareto_k});
   if (result.effective_draws < 100.0)
-    evidence.warnings.push_back(name + "importance sampling has only " +
-                                std::to_string(result.effective_draws) + " effective draws");
+    evidence.warnings.push_back(
+        {.kind = EvidenceWarning::Kind::few_effective_draws, .value = result.effective_draws});
   return result;
 }
 

@@ -162,10 +162,7 @@ void check_shape(const Problem& problem, int model, std::uint64_t seed, const Ei
   if (std::fabs(difference) > kHalfNat + 3.0 * drawn.evidence.standard_error ||
       drawn.pareto_k > 0.7)
     result.evidence.warnings.push_back(
-        "model '" + problem.space[model].name +
-        "': the posterior about its mode does not look normal; importance sampling there changes "
-        "Laplace's log evidence by " +
-        std::to_string(difference));
+        {.kind = EvidenceWarning::Kind::not_normal, .value = difference});
 }
 
 // A population about the mode of a shorter record, several of its standard deviations wide.
@@ -286,10 +283,7 @@ Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
     } else {
       result.evidence.log_evidence = std::numeric_limits<double>::quiet_NaN();
       result.covariance = Eigen::MatrixXd::Constant(d, d, std::numeric_limits<double>::quiet_NaN());
-      result.evidence.warnings.push_back(
-          "model '" + posterior.name() +
-          "': minus the Hessian at the mode is not positive definite; Laplace's evidence does not "
-          "exist");
+      result.evidence.warnings.push_back({.kind = EvidenceWarning::Kind::no_maximum});
     }
     (void)posterior(view(z));
     result.x.assign(posterior.x().begin(), posterior.x().end());

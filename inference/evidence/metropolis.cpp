@@ -188,9 +188,8 @@ ModelSamples run(const Problem& problem, int model, const NormalMixture* pilot,
     samples.rhat = std::max(samples.rhat, rhat(of));
   }
   if (!(samples.rhat < 1.05))
-    samples.warnings.push_back("chains of model '" + problem.space[model].name +
-                               "' disagree (R-hat " + std::to_string(samples.rhat) +
-                               "): draw more, or start from a pilot that knows every mode");
+    samples.warnings.push_back(
+        {.kind = EvidenceWarning::Kind::chains_disagree, .value = samples.rhat});
   return samples;
 }
 

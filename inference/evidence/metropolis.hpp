@@ -28,7 +28,7 @@ struct ModelSamples {
   double acceptance = 0.0;  ///< after warm-up
   double rhat = 1.0;        ///< the largest over parameters and log posterior
   long likelihood_evaluations = 0;
-  std::vector<std::string> warnings;
+  std::vector<EvidenceWarning> warnings;
 };
 
 /// Random-walk Metropolis whose covariance adapts during warm-up (robust adaptive Metropolis,

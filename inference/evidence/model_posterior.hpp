@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "inference/evidence/evidence_warning.hpp"
 #include "inference/target.hpp"
 
 namespace wheeltap::inference {
@@ -19,7 +20,7 @@ struct Evidence {
   /// then ln Z is NaN, too, and a warning says why.
   double standard_error = 0.0;
   long likelihood_evaluations = 0;
-  std::vector<std::string> warnings{};
+  std::vector<EvidenceWarning> warnings{};
 };
 
 /// Of a method that was not run or could not tell.

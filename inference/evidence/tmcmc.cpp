@@ -73,7 +73,7 @@ class Replicate {
   }
   [[nodiscard]] bool sluggish() const { return sluggish_; }
   // Says at which exponent the stages ran out; empty where they did not.
-  [[nodiscard]] const std::string& stuck() const { return stuck_; }
+  [[nodiscard]] double stalled_at() const { return stalled_at_; }
 
  private:
   static constexpr int kMostStages = 1000, kMostSweeps = 30;
@@ -106,7 +106,7 @@ class Replicate {
     return std::make_unique<Record>(std::move(part), problem, model_);
   }
 
-  [[nodiscard]] bool ended() const { return stopped_ || !stuck_.empty(); }
+  [[nodiscard]] bool ended() const { return stopped_ || !std::isnan(stalled_at_); }
 
   // Possible particles, as many of `samples` draws from the prior as there are, and the log of the
   // share of possible draws. Where fewer than kLeastPossible of the first ones are possible, draws
@@ -164,8 +164,7 @@ class Replicate {
     double log_ratio = 0.0;
     for (double beta = 0.0; beta < 1.0 && !ended();) {
       if (++stages_ > kMostStages) {
-        stuck_ = "TMCMC is still at exponent " + base::number(beta) + " after " +
-                 std::to_string(kMostStages) + " stages";
+        stalled_at_ = beta;
         break;
       }
       const double step = possible ? next_step(1.0 - beta) : 0.0;
@@ -339,7 +338,7 @@ class Replicate {
   bool sluggish_ = false;
   double reported_ = 0.0;
   bool stopped_ = false;
-  std::string stuck_;
+  double stalled_at_ = std::numeric_limits<double>::quiet_NaN();  // an exponent; NaN: nowhere
 };
 
 // Whether the data had better come in parts: a model that cannot explain them may fit the first
@@ -397,7 +396,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   std::vector<long> evaluations(r);
   std::vector<int> stages(r);
   std::vector<char> sluggish(r);
-  std::vector<std::string> stuck(r);
+  std::vector<double> stalled(r);
   const bool growing =
       better_growing(problem, model, options, result.evidence.likelihood_evaluations);
   result.z.resize(static_cast<Eigen::Index>(r) * options.samples, posterior.dimension());
@@ -410,7 +409,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
         evaluations[i] = replicate.evaluations();
         stages[i] = replicate.stages();
         sluggish[i] = replicate.sluggish() ? 1 : 0;
-        stuck[i] = replicate.stuck();
+        stalled[i] = replicate.stalled_at();
         if (std::isnan(log_evidence[i])) return;
         Eigen::Index row = static_cast<Eigen::Index>(index) * options.samples;
         for (const Particle& p : replicate.particles())
@@ -419,7 +418,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
       },
       base::carriage([&](int index, auto& parcel) {
         const auto i = static_cast<std::size_t>(index);
-        parcel(log_evidence[i], evaluations[i], stages[i], sluggish[i], stuck[i]);
+        parcel(log_evidence[i], evaluations[i], stages[i], sluggish[i], stalled[i]);
         const Eigen::Index first = static_cast<Eigen::Index>(index) * options.samples;
         for (Eigen::Index row = first; row < first + options.samples; ++row) {
           for (Eigen::Index j = 0; j < result.z.cols(); ++j) parcel(result.z(row, j));
@@ -429,14 +428,11 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   Evidence& evidence = result.evidence;
   for (const long e : evaluations) evidence.likelihood_evaluations += e;
   result.stages = std::ranges::max(stages);
-  const std::string name = "model '" + problem.space[model].name + "': ";
   if (std::ranges::any_of(log_evidence, [](double l) { return std::isnan(l); })) {
     evidence.log_evidence = evidence.standard_error = std::numeric_limits<double>::quiet_NaN();
-    for (const std::string& sentence : stuck) {
-      if (sentence.empty()) continue;
-      evidence.warnings.push_back(name + sentence);
-      break;
-    }
+    const auto is_number = [](double x) { return !std::isnan(x); };
+    if (const auto first = std::ranges::find_if(stalled, is_number); first != stalled.end())
+      evidence.warnings.push_back({.kind = EvidenceWarning::Kind::stalled, .value = *first});
     result.z.resize(0, posterior.dimension());
     return result;
   }
@@ -452,12 +448,10 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   evidence.log_evidence = top + std::log(mean);
   evidence.standard_error = std::sqrt(squares / (n - 1.0) / n * (n - 1.0) / (n - 3.0));
   if (squares / (n - 1.0) > 0.25)
-    evidence.warnings.push_back(name +
-                                "TMCMC replicates scatter by more than half a nat; use more "
-                                "samples");
+    evidence.warnings.push_back({.kind = EvidenceWarning::Kind::replicates_scatter,
+                                 .value = std::sqrt(squares / (n - 1.0))});
   if (std::ranges::any_of(sluggish, [](char s) { return s != 0; }))
-    evidence.warnings.push_back(name +
-                                "TMCMC samples hardly moved in some stage; use more samples");
+    evidence.warnings.push_back({.kind = EvidenceWarning::Kind::samples_hardly_move});
   return result;
 }
 

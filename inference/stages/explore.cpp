@@ -308,9 +308,7 @@ void explore_growing(RunContext& run, RunState& state) {
   }
   if (!any && run.monitor.stopped()) return;
   if (!any) throw LikelihoodError("no model has a mode that a search on growing records finds");
-  state.posterior.notes.push_back(
-      "The record is long, so the chains were started near modes that were found on its first "
-      "samples and followed as it grew.");
+  state.posterior.choices.push_back(Choice::started_on_first_samples);
 }
 
 // Chains start in different models where several are possible, at draws of the populations.

@@ -91,9 +91,7 @@ void salvage(RunContext& run, RunState& state) {
   posterior.predictions =
       any.size() == 0 ? 0 : static_cast<int>(any.prediction.size() / any.size());
   weigh(run, state);
-  posterior.notes.push_back(
-      "The run was stopped before its chains had drawn; these are draws of what its searches had "
-      "found.");
+  posterior.choices.push_back(Choice::drawn_by_searches);
 }
 
 }  // namespace wheeltap::inference

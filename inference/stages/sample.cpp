@@ -205,8 +205,7 @@ void forget_draws(RunState& state) {
 void restart_tempered(const RunContext& run, RunState& state) {
   Posterior& posterior = state.posterior;
   posterior.tempered_draws = true;
-  posterior.notes.push_back(
-      "The chains disagreed, so they were restarted with parallel tempering throughout.");
+  posterior.choices.push_back(Choice::restarted_tempered);
   posterior.warmup += posterior.draws * posterior.thin;
   posterior.draws = 0;
   if (run.options.thin == 0) posterior.thin = 1;  // a scan is a step of every rung already

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "inference/convergence.hpp"
 #include "inference/diagnostics.hpp"
 #include "inference/evidence/bridge_sampling.hpp"
 #include "inference/evidence/importance_sampling.hpp"
@@ -32,16 +33,16 @@ Evidence by_importance(const std::vector<double>& log_ratios) {
   return evidence;
 }
 
-Evidence by_bridge(const RunState& state, int model, const std::vector<double>& at_mixture) {
+// ln (π / q) at a model's draws, as many of each chain.
+ChainsOf log_ratios_at_draws(const RunState& state, int model) {
   constexpr std::size_t kLeast = 100;  // draws of a chain
-  Evidence evidence = kNoEvidence;
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const ChainState& chain : state.chains) {
     const std::size_t n = chain.kept->of(model).size();
     if (n >= kLeast) least = std::min(least, n);
   }
-  if (least == std::numeric_limits<std::size_t>::max()) return evidence;
   ChainsOf at_draws;
+  if (least == std::numeric_limits<std::size_t>::max()) return at_draws;
   const NormalMixture& mixture = *state.pilot.fit->density[static_cast<std::size_t>(model)];
   for (const ChainState& chain : state.chains) {
     const KeptDraws::OfModel& kept = chain.kept->of(model);
@@ -52,11 +53,26 @@ Evidence by_bridge(const RunState& state, int model, const std::vector<double>& 
       ratios.push_back(kept.log_posterior[row] - mixture.log_density(kept.row(row)));
     }
   }
+  return at_draws;
+}
+
+// Between the draws and the mixture: ln Z, and how much of the draws lies beyond the mixture.
+void find_by_bridge(const RunState& state, int model, const std::vector<double>& at_mixture,
+                    ModelFindings& found) {
+  const ChainsOf at_draws = log_ratios_at_draws(state, model);
+  if (at_draws.empty()) return;
   const Bridge bridged = bridge(at_draws, at_mixture);
-  if (!bridged.settled || !std::isfinite(bridged.log_evidence)) return evidence;
-  evidence.log_evidence = bridged.log_evidence;
-  evidence.standard_error = bridged.standard_error;
-  return evidence;
+  if (!bridged.settled || !std::isfinite(bridged.log_evidence)) return;
+  found.bridged.log_evidence = bridged.log_evidence;
+  found.bridged.standard_error = bridged.standard_error;
+  const double beyond = bridged.log_evidence + std::log(kLimits.beyond_mixture);
+  ChainsOf is_beyond;
+  for (const std::vector<double>& ratios : at_draws) {
+    std::vector<double>& indicator = is_beyond.emplace_back();
+    for (const double r : ratios) indicator.push_back(r > beyond ? 1.0 : 0.0);
+  }
+  found.beyond_mixture = mean(is_beyond);
+  found.beyond_mixture_ess = ess_mean(is_beyond);
 }
 
 void describe_modes(const RunContext& run, const RunState& state, int model, ModelFindings& found) {
@@ -122,7 +138,7 @@ void weigh(RunContext& run, RunState& state) {
     if (!std::isfinite(explored.sampled.standard_error) ||
         sampled.standard_error < explored.sampled.standard_error)
       found.sampled = sampled;
-    found.bridged = by_bridge(state, m, at_mixture);
+    find_by_bridge(state, m, at_mixture, found);
   }
 }
 

@@ -89,7 +89,7 @@ def one_line(err):
 
 def timeless(found):
     """The files of a run without wall seconds."""
-    seconds = re.compile(rb'"wall_seconds": ?[-+.0-9e]+|Time</dt>|\d[\d.,e-]* s\b[^<"]*')
+    seconds = re.compile(rb'"(?:wall_seconds|seconds_a_likelihood)": ?[-+.0-9e]+|Time</dt>|\d[\d.,e-]* s\b[^<"]*')
     return {name: content if name.endswith('.nc') else seconds.sub(b'', content) for name, content in found.items()}
 
 
@@ -286,6 +286,9 @@ LONGER = ['--chains', '2', '--warmup', '2000', '--draws', '2000', '--search', '2
 
 
 FRAME = json.loads((pathlib.Path(__file__).parents[2] / 'data/structures/cracked-portal.json').read_text())
+
+
+UPDATE = json.loads((pathlib.Path(__file__).parents[2] / 'data/structures/storeys-update.json').read_text())
 
 
 def resumable(bench, *more):

@@ -13,10 +13,11 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from durable import BEAM, CHAIN, LONGER, SHORT, SWEEP, Bench, expect, files, same  # noqa: E402
+from durable import BEAM, CHAIN, LONGER, SHORT, SWEEP, UPDATE, Bench, expect, files, same  # noqa: E402
 
 MPIRUN = ['mpirun', '--oversubscribe']
-JOBS = (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'))
+JOBS = (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('update', UPDATE, 'update'))
+TABLE = BEAM | {'predictor': {'sites': [1, 4, 7, 9], 'multipliers': [0.4, 0.7, 1.0]}}
 # A list of many models of a record, and evidence by methods of its own.
 TERMS = CHAIN | {'models': [{'name': f'm{i}', 'masses': [0.5], 'noise': 0.05,
                              'links': [{'between': [0, 1], 'stiffness': 'k', 'damping': 0.1,
@@ -67,6 +68,64 @@ def check_every_stage_is_the_same(bench):
     compare(bench, 'terms', 'sid', (TERMS, SHORT), (3,))
     compare(bench, 'sweep', 'sid', (SWEEP, SHORT), (3,))
     compare(bench, 'prior', 'damage', (BEAM, [*SHORT, '--prior-only']), (2,))
+
+
+def check_any_number_of_ranks_makes_the_same_table(bench):
+    case, out = bench.case('table', TABLE), bench.folder / 'tables'
+    out.mkdir()
+    words = ['table', case, '-o', out / 'one.nc', '--quiet', '--resume']
+    bench.run(*words)
+    whole = files(out)
+    expect(list(whole) == ['one.nc'], f'nothing beside the table: {sorted(whole)}')
+    for n in (1, 2, 3, 5):
+        shutil.rmtree(out)
+        out.mkdir()
+        bench.run(*words, ranks=n)
+        same(files(out), whole)
+    bench.run('table', case, '-o', out / 'part.nc', '--part', '1/2', '--quiet', ranks=2)
+    # What one process had done, ranks take up; and what they had done, it does.
+    for first, then in ((0, 3), (3, 0)):
+        shutil.rmtree(out)
+        out.mkdir()
+        stopped_table(bench, first, words, out)
+        bench.run(*words, ranks=then)
+        same(files(out), whole)
+
+
+def stopped_table(bench, ranks, words, out):
+    """Killed once it remembers runs; ended, where it was too fast for that."""
+    process = bench.start(*(bench.words(ranks, words) if ranks else words))
+    while process.poll() is None and not any(p.stat().st_size for p in out.glob('*.runs.*')):
+        pass
+    process.kill()
+    process.communicate()
+
+
+def check_any_number_of_ranks_makes_the_same_batch(bench):
+    out = bench.folder / 'batch'
+    cases = [bench.case(f'case{i}', BEAM | {'title': f'Case {i}'}) for i in range(4)]
+    cases += [bench.case('bad', BEAM | {'data': {'frequencies': [-1.0], 'cov': 0.01}}), bench.case('rig', CHAIN)]
+    path = bench.folder / 'cases.txt'
+    path.write_text('\n'.join(cases) + '\n')
+    words = ['batch', path, '-o', out, *SHORT]
+
+    def everything():
+        found = {f'{folder.name}/{name}': content for folder in sorted(out.iterdir()) if folder.is_dir()
+                 for name, content in files(folder).items()}
+        rows = [line.split(',') for line in (out / 'batch.csv').read_text().splitlines()]
+        seconds = rows[0].index('wall_seconds')
+        return found, [row[:seconds] + row[seconds + 1:] for row in rows]
+
+    bench.run(*words, '--threads', '1', code=65)
+    whole, rows = everything()
+    expect(len(rows) == 7, f'a row a case: {rows}')
+    for n in (1, 2, 3):
+        shutil.rmtree(out)
+        _, said, _ = bench.run(*words, ranks=n, code=65)
+        found, theirs = everything()
+        same(found, whole)
+        expect(theirs == rows, f'{n} ranks: {theirs}')
+        expect(said.count('[') == 6, f'a line a case: {said}')
 
 
 def started(bench, words, out):
@@ -130,7 +189,8 @@ def check_errors_are_said_once(bench):
     (bench.folder / 'file').write_text('')
     for words, code in ((['damage', bad, '-o', bench.folder / 'o', *SHORT], 65),
                         (['damage', good, '-o', bench.folder / 'file' / 'o', *SHORT], 73),
-                        (['table', good, '-o', bench.folder / 't.nc'], 64),
+                        (['table', good, '-o', bench.folder / 't.nc'], 65),
+                        (['batch', bench.folder / 'none.txt', '-o', bench.folder / 'b'], 66),
                         (['damage', good], 64)):
         _, _, err = bench.run(*words, ranks=3, code=code)
         expect(err.count('wheeltap: ') == 1, err)

@@ -36,7 +36,7 @@ TEST(Experiment, ResultsDoNotDependOnThreads) {
     EXPECT_EQ(one, run_experiment(design, 2, smooth(), {.threads = threads}));
 }
 
-TEST(Experiment, OneModelAThread) {
+TEST(Experiment, NoModelServesTwoThreadsAtOnce) {
   // A model that notices when two threads are in it at once.
   std::atomic<int> made{0};
   std::atomic<bool> shared{false};
@@ -51,7 +51,7 @@ TEST(Experiment, OneModelAThread) {
     };
   };
   (void)run_experiment(grid(), 1, factory, {.threads = 4});
-  EXPECT_EQ(made, 4);
+  EXPECT_LE(made, 4);
   EXPECT_FALSE(shared);
 }
 

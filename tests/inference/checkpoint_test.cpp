@@ -186,7 +186,7 @@ void expect_same(const Posterior& a, const Posterior& b) {
   };
   EXPECT_EQ(numbers(a), numbers(b));
   expect_bits<double>({a.barrier}, {b.barrier}, "barrier");
-  EXPECT_EQ(a.notes, b.notes);
+  EXPECT_EQ(a.choices, b.choices);
   ASSERT_EQ(a.found.size(), b.found.size());
   for (std::size_t m = 0; m < a.found.size(); ++m) {
     const ModelFindings &one = a.found[m], &other = b.found[m];

@@ -43,7 +43,7 @@ TEST(Laplace, SaysWhereTheHessianFails) {
                                  [](int, std::span<const double> x) { return 0.6 * x[0] * x[0]; });
   const Laplace result = laplace(flat, 0, {});
   ASSERT_EQ(result.evidence.warnings.size(), 1U);
-  EXPECT_NE(result.evidence.warnings[0].find("not positive definite"), std::string::npos);
+  EXPECT_EQ(result.evidence.warnings[0].kind, EvidenceWarning::Kind::no_maximum);
   EXPECT_TRUE(std::isnan(result.evidence.log_evidence));
   EXPECT_THROW((void)laplace(never(), 0, {}), LikelihoodError);
 }
@@ -56,7 +56,7 @@ TEST(Laplace, SaysWhereThePosteriorIsNotNormal) {
   });
   const Laplace result = laplace(steps, 0, {});
   ASSERT_EQ(result.evidence.warnings.size(), 1U);
-  EXPECT_NE(result.evidence.warnings[0].find("does not look normal"), std::string::npos);
+  EXPECT_EQ(result.evidence.warnings[0].kind, EvidenceWarning::Kind::not_normal);
 }
 
 // Fault: a mode at the edge of the impossible has no curvature, and the next search began from the

@@ -27,7 +27,7 @@ TEST(PublishedEvidences, CoalMiningDisasters) {
         "    k = %d: exact %.3f, TMCMC %+.3f ± %.3f (%ld calls), bridge %+.3f ± %.3f (%ld)\n", k,
         known, t.log_evidence - known, t.standard_error, t.likelihood_evaluations,
         b.log_evidence - known, b.standard_error, b.likelihood_evaluations);
-    for (const std::string& w : b.warnings) std::printf("      %s\n", w.c_str());
+    for (const EvidenceWarning& w : b.warnings) std::printf("      %s\n", describe(w).c_str());
     // Student's t with 7 degrees of freedom; normal.
     EXPECT_NEAR(t.log_evidence, known, 6.0 * t.standard_error + 1e-6) << k;
     EXPECT_NEAR(b.log_evidence, known, 4.5 * b.standard_error + 1e-6) << k;

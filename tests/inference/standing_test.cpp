@@ -1,0 +1,121 @@
+#include "inference/standing.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/inference/made_up_posterior.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+
+Standings stand(const Posterior& posterior) {
+  const ModelShares shares = model_shares(posterior);
+  return standings(posterior, shares, mixing(posterior, shares, {}));
+}
+
+double sum(const Standings& all) {
+  double out = 0.0;
+  for (const ModelStanding& m : all.models) out += m.probability;
+  return out;
+}
+
+TEST(Standing, ModelsThatEveryChainDrewStandByTheirDraws) {
+  const Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
+  const ModelShares shares = model_shares(posterior);
+  const Standings all = stand(posterior);
+  for (std::size_t m = 0; m < 3; ++m) {
+    EXPECT_EQ(all.models[m].basis, Basis::draws);
+    EXPECT_NEAR(all.models[m].probability, shares.share[m], 1e-12);
+    EXPECT_EQ(all.models[m].visited, 4);
+    EXPECT_TRUE(all.evidence_of_draws[m]);
+  }
+  EXPECT_THAT(all.missed, Each(false));
+  EXPECT_NEAR(sum(all), 1.0, 1e-12);
+}
+
+// Two models drawn 2 : 1, and a third that no chain drew, of P = 0.25 by evidence: the others share
+// what it leaves.
+TEST(Standing, AModelThatNoChainDrewStandsByItsEvidence) {
+  Posterior posterior = made_up::run({{2.0 / 3.0, 1.0 / 3.0, 0.0}});
+  posterior.found[2].bridged = made_up::kUnknown;
+  posterior.found[2].sampled = {.log_evidence = -50.0 + std::log(1.0 / 3.0),
+                                .standard_error = 0.1};
+  const Standings all = stand(posterior);
+  EXPECT_THAT(all.missed, ElementsAre(false, false, true));
+  const ModelStanding& third = all.models[2];
+  EXPECT_EQ(third.basis, Basis::evidence);
+  EXPECT_EQ(third.visited, 0);
+  EXPECT_NEAR(third.probability, 0.25, 1e-12);
+  // ∂P/∂ln Z = P (1 - P) of its own evidence, and less of the others', which are known to 0.01.
+  EXPECT_NEAR(third.mcse, 0.25 * 0.75 * 0.1, 2e-4);
+  const ModelShares shares = model_shares(posterior);
+  EXPECT_NEAR(all.models[0].probability, 0.75 * shares.share[0], 1e-12);
+  EXPECT_GT(all.models[0].mcse, shares.share[0] * third.mcse) << "the leaver's error is theirs, too";
+  EXPECT_NEAR(sum(all), 1.0, 1e-12);
+}
+
+TEST(Standing, ModelsThatChainsDoNotNeedToHaveAreNotMissed) {
+  // P of some 1e-8 by evidence: of 4000 draws a chain none is expected.
+  Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
+  posterior.found[2].bridged = {.log_evidence = -68.0, .standard_error = 0.1};
+  const Standings all = stand(posterior);
+  EXPECT_THAT(all.missed, Each(false));
+  EXPECT_EQ(all.models[2].basis, Basis::evidence) << "it has no draws";
+  EXPECT_NEAR(all.models[2].probability / std::exp(-18.0), 1.0, 0.01);
+}
+
+TEST(Standing, EvidenceIsThatOfTheBestMethodThatCouldSay) {
+  Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
+  posterior.found[0].sampled = {.log_evidence = -1.0, .standard_error = 0.1};  // beside a bridge
+  posterior.found[1].bridged = made_up::kUnknown;
+  posterior.found[1].sampled = {.log_evidence = -51.5, .standard_error = 2.0};  // too vague
+  posterior.found[1].annealed = {.log_evidence = -51.0, .standard_error = 0.3};
+  posterior.found[2].bridged = made_up::kUnknown;
+  const Standings all = stand(posterior);
+  EXPECT_NEAR(all.models[0].log_evidence, -50.0 + std::log(0.6), 1e-12);
+  EXPECT_EQ(all.models[1].log_evidence, -51.0);
+  EXPECT_TRUE(std::isnan(all.models[2].log_evidence));
+  EXPECT_THAT(all.evidence_of_draws, ElementsAre(true, false, false));
+  EXPECT_EQ(all.models[2].basis, Basis::draws);
+  EXPECT_NEAR(sum(all), 1.0, 1e-12);
+}
+
+TEST(Standing, WhereNothingIsKnownTheErrorIsNoNumber) {
+  Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
+  for (ModelFindings& found : posterior.found) found.bridged = made_up::kUnknown;
+  const Standings all = stand(posterior);
+  EXPECT_EQ(all.models[2].probability, 0.0);
+  EXPECT_TRUE(std::isnan(all.models[2].mcse));
+}
+
+// Independent draws, shares 0.6 and 0.3: ln B is ln (s_a / s_b) - ln (prior odds), and its standard
+// error √((1/s_a + 1/s_b) / n).
+TEST(Standing, BayesFactorsOfModelsThatWereDrawnAreOfTheDraws) {
+  Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
+  const ModelShares shares = model_shares(posterior);
+  const Estimate found = log_bayes_factor(posterior, 0, 1);
+  EXPECT_NEAR(found.value, std::log(shares.share[0] / shares.share[1]), 1e-12)
+      << "models of equal prior probability";
+  const double error = std::sqrt((1.0 / 0.6 + 1.0 / 0.3) / (4.0 * made_up::kDraws));
+  EXPECT_NEAR(found.mcse / error, 1.0, 0.15);
+  EXPECT_NEAR(log_bayes_factor(posterior, 1, 0).value, -found.value, 1e-12);
+  const Estimate itself = log_bayes_factor(posterior, 1, 1);
+  EXPECT_EQ(itself.value, 0.0);
+  EXPECT_EQ(itself.mcse, 0.0);
+}
+
+// exp(-800) is no number: evidences keep what probabilities lose.
+TEST(Standing, BayesFactorsBeyondTheNumbersAreOfTheEvidences) {
+  Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
+  posterior.found[2].bridged = {.log_evidence = -850.0, .standard_error = 0.4};
+  const Estimate found = log_bayes_factor(posterior, 0, 2);
+  EXPECT_NEAR(found.value, 800.0 + std::log(0.7), 1e-9);
+  EXPECT_NEAR(found.mcse, std::hypot(0.4, 0.01), 1e-12);
+}
+
+}  // namespace
+}  // namespace wheeltap::inference
