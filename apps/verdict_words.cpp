@@ -85,9 +85,9 @@ struct Sentence {
            kRunLonger;
   }
   std::string operator()(const DrawsBeyondMixture& r) const {
-    return within(r.model) + share_of(r.share) +
-           " of the draws lie where no proposal but small steps leads, in " +
-           significant(r.visits, 2) + " effective visits (must exceed " + significant(r.limit, 3) +
+    return "Of the draws of model " + quoted(r.model) + " " + share_of(r.share) +
+           " lie where no proposal but small steps leads, in " + significant(r.visits, 2) +
+           " effective visits (must exceed " + significant(r.limit, 3) +
            "): as much again may not have been found." + kRunLonger;
   }
   std::string operator()(const ChainsDisagree& r) const {

@@ -31,7 +31,7 @@ struct EvidenceWarning {
 
 /// For ranks (base/parcel.hpp), both ways.
 template <class Parcel, class Warning>
-  requires std::same_as<std::remove_const_t<Warning>, EvidenceWarning>
+requires std::same_as<std::remove_const_t<Warning>, EvidenceWarning>
 void carry(Parcel& parcel, Warning& warning) {
   parcel(warning.kind, warning.value, warning.error);
 }

@@ -64,9 +64,9 @@ TEST(VerdictWords, OfEachReason) {
             "Model 'two' has P = 0.3 ± 0.004 by its draws, but its evidence implies 0.42 ± 0.003. "
             "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(DrawsBeyondMixture{.model = 0, .share = 0.07, .visits = 27.3, .limit = 100.0}),
-            "Within model 'one' 7 % of the draws lie where no proposal but small steps leads, in "
-            "27 effective visits (must exceed 100): as much again may not have been found. Run "
-            "longer (--warmup, --draws).");
+            "Of the draws of model 'one' 7 % lie where no proposal but small steps leads, in 27 "
+            "effective visits (must exceed 100): as much again may not have been found. Run longer "
+            "(--warmup, --draws).");
   EXPECT_EQ(
       sentence(ParameterDisagrees{.model = 1, .parameter = "a", .rhat = 1.23456, .limit = 1.01}),
       "Within model 'two' the chains disagree about a (R-hat 1.235). Run longer (--warmup, "

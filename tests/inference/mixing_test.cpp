@@ -31,8 +31,9 @@ ChainsOf quantity(double shift) {
 
 TEST(Mixing, OfIndependentDrawsIsThatOfAllOfThem) {
   const Mixing found = mixed(made_up::run({{0.6, 0.3, 0.1}}));
-  EXPECT_THAT(found.rhats, ElementsAre(Pair("log posterior", testing::_), Pair("P(one)", testing::_),
-                                       Pair("P(two)", testing::_), Pair("P(none)", testing::_)));
+  EXPECT_THAT(found.rhats,
+              ElementsAre(Pair("log posterior", testing::_), Pair("P(one)", testing::_),
+                          Pair("P(two)", testing::_), Pair("P(none)", testing::_)));
   EXPECT_LT(found.rhat_max, kLimits.rhat);
   EXPECT_FALSE(found.too_few);
   const double draws = 4.0 * made_up::kDraws;
@@ -68,7 +69,8 @@ TEST(Mixing, ModelsThatChangeSeldomAreTooFewUnlessTheirProbabilityIsKnown) {
 
 TEST(Mixing, WhatIsWatchedIsJudgedAndTheWorstIsNamed) {
   const Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
-  const Mixing found = mixed(posterior, {{"first location", quantity(0.0)}, {"side", quantity(1.0)}});
+  const Mixing found =
+      mixed(posterior, {{"first location", quantity(0.0)}, {"side", quantity(1.0)}});
   ASSERT_EQ(found.rhats.size(), 6U);
   EXPECT_EQ(found.rhats[4].first, "first location");
   EXPECT_LT(found.rhats[4].second, kLimits.rhat);
@@ -98,8 +100,8 @@ TEST(Mixing, OfComponentsTheirNumberIsWatchedAndNotTheModels) {
     }
     posterior.chains.push_back(std::move(chain));
   }
-  EXPECT_THAT(mixed(posterior).rhats, ElementsAre(Pair("log posterior", testing::_),
-                                                  Pair("number of cracks", testing::_)));
+  EXPECT_THAT(mixed(posterior).rhats,
+              ElementsAre(Pair("log posterior", testing::_), Pair("number of cracks", testing::_)));
 }
 
 }  // namespace

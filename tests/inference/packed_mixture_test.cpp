@@ -175,8 +175,7 @@ TEST(PackedMixture, OnePassOfEmSumsTheMomentsOfEachComponent) {
     for (std::size_t k = 0; k < parts.size(); ++k) {
       const auto plain = plain_moments(parts, k, z, weight);
       for (std::size_t i = 0; i < plain.size(); ++i) {
-        const double found =
-            moments[(k / kLanes) * (stride + kLanes) + i * kLanes + k % kLanes];
+        const double found = moments[(k / kLanes) * (stride + kLanes) + i * kLanes + k % kLanes];
         EXPECT_NEAR(found, plain[i], kLeftOut * (1.0 + std::fabs(plain[i])))
             << "component " << k << ", moment " << i;
       }

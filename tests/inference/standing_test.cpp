@@ -42,8 +42,7 @@ TEST(Standing, ModelsThatEveryChainDrewStandByTheirDraws) {
 TEST(Standing, AModelThatNoChainDrewStandsByItsEvidence) {
   Posterior posterior = made_up::run({{2.0 / 3.0, 1.0 / 3.0, 0.0}});
   posterior.found[2].bridged = made_up::kUnknown;
-  posterior.found[2].sampled = {.log_evidence = -50.0 + std::log(1.0 / 3.0),
-                                .standard_error = 0.1};
+  posterior.found[2].sampled = {.log_evidence = -50.0 + std::log(1.0 / 3.0), .standard_error = 0.1};
   const Standings all = stand(posterior);
   EXPECT_THAT(all.missed, ElementsAre(false, false, true));
   const ModelStanding& third = all.models[2];
@@ -54,7 +53,8 @@ TEST(Standing, AModelThatNoChainDrewStandsByItsEvidence) {
   EXPECT_NEAR(third.mcse, 0.25 * 0.75 * 0.1, 2e-4);
   const ModelShares shares = model_shares(posterior);
   EXPECT_NEAR(all.models[0].probability, 0.75 * shares.share[0], 1e-12);
-  EXPECT_GT(all.models[0].mcse, shares.share[0] * third.mcse) << "the leaver's error is theirs, too";
+  EXPECT_GT(all.models[0].mcse, shares.share[0] * third.mcse)
+      << "the leaver's error is theirs, too";
   EXPECT_NEAR(sum(all), 1.0, 1e-12);
 }
 

@@ -37,21 +37,20 @@ Problem level(long samples, bool broken) {
     sum += y;
     squares += y * y;
   }
-  return {.space = ModelSpace::of_models({{"a", Normal{0.0, kWidth}}},
-                                         {{"level", 1.0, {"a"}}, {"doubled", 1.0, {"a"}}}),
-          .likelihood =
-              [=] {
-                return std::make_unique<FunctionLikelihood>(
-                    [=](int model, std::span<const double> x) {
-                      if (model == 1 && broken) return -HUGE_VAL;
-                      const double a = model == 0 ? x[0] : 2.0 * x[0];
-                      return -n * kLogSqrt2Pi - 0.5 * (squares - 2.0 * a * sum + n * a * a);
-                    });
-              },
-          .samples = samples,
-          .shortened = [broken](long first) {
-            return std::make_shared<const Problem>(level(first, broken));
-          }};
+  return {
+      .space = ModelSpace::of_models({{"a", Normal{0.0, kWidth}}},
+                                     {{"level", 1.0, {"a"}}, {"doubled", 1.0, {"a"}}}),
+      .likelihood =
+          [=] {
+            return std::make_unique<FunctionLikelihood>([=](int model, std::span<const double> x) {
+              if (model == 1 && broken) return -HUGE_VAL;
+              const double a = model == 0 ? x[0] : 2.0 * x[0];
+              return -n * kLogSqrt2Pi - 0.5 * (squares - 2.0 * a * sum + n * a * a);
+            });
+          },
+      .samples = samples,
+      .shortened =
+          [broken](long first) { return std::make_shared<const Problem>(level(first, broken)); }};
 }
 
 std::vector<Laplace> climb(const Problem& problem, Options options = {}) {
