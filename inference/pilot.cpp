@@ -9,6 +9,7 @@
 #include "inference/moves/mirror.hpp"
 #include "inference/moves/mixture_transport.hpp"
 #include "inference/moves/model_switch.hpp"
+#include "inference/moves/multiscale_walk.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -281,11 +282,15 @@ std::vector<double> equal_visits_bias(const std::vector<double>& probability, do
 }
 
 std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Options& options,
-                                                const Atlases& atlases, const Pilot& pilot) {
+                                                const Atlases& atlases, const Pilot& pilot,
+                                                bool tuning) {
   const ModelSpace& space = problem.space;
   auto kernels = std::make_unique<KernelMixture>();
   if (options.moves.random_walk) {
-    add_move<RandomWalk>(*kernels, 0.1, "random walk", pilot.scales);
+    // What a mixture is fitted to must have been found first: steps of all lengths go where it has
+    // nothing to propose from. Later they take over from the random walk, a part of its steps.
+    add_move<RandomWalk>(*kernels, tuning ? 0.1 : 0.05, "random walk", pilot.scales);
+    add_move<MultiscaleWalk>(*kernels, tuning ? 0.3 : 0.05, "multiscale walk", pilot.scales);
     add_move<DifferentialEvolution>(*kernels, 0.05, "differential evolution", pilot.archive);
   }
   // Without an atlas only blind births and the pilots change the count: give them more of the

@@ -90,10 +90,12 @@ struct PilotOptions {
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 
-/// All the kernels, the pilot's among them.
+/// All the kernels, the pilot's among them. While the proposals are still `tuning`, more of the
+/// steps find what those lack.
 [[nodiscard]] std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem,
                                                               const Options& options,
                                                               const Atlases& atlases,
-                                                              const Pilot& pilot);
+                                                              const Pilot& pilot,
+                                                              bool tuning = false);
 
 }  // namespace wheeltap::inference

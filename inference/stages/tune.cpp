@@ -41,8 +41,8 @@ std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
   std::vector<KernelRecord> sums(state.chains.front().records.size());
   for (const ChainState& chain : state.chains)
     for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += chain.records[k];
-  return kernel_efficiencies(*sampling_kernels(run.problem, run.options, run.atlases, state.pilot),
-                             sums);
+  return kernel_efficiencies(
+      *sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true), sums);
 }
 
 // A round of so many steps, or what is left of it; then the fit, and the next round is due.
@@ -52,7 +52,7 @@ void tune_once(RunContext& run, RunState& state, int steps) {
     int& i = chain.lesson.steps;
     if (i > 0 && i == steps) return true;
     target.set_model_bias(state.tuning_bias);
-    const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot);
+    const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
     if (i == 0) {
       chain.by_rung.assign(1, PilotSamples(run.space()));
       chain.models.clear();

@@ -18,6 +18,7 @@
 #include "inference/moves/mixture_jump.hpp"
 #include "inference/moves/mixture_transport.hpp"
 #include "inference/moves/model_switch.hpp"
+#include "inference/moves/multiscale_walk.hpp"
 #include "inference/moves/random_walk.hpp"
 #include "inference/moves/slice.hpp"
 #include "inference/moves/split_merge.hpp"
@@ -208,6 +209,15 @@ TEST(Invariance, Relocation) {
 TEST(Invariance, RandomWalk) {
   const MoveFactory make = [] {
     return std::make_unique<RandomWalk>(RandomWalk::initial_scales(toy::bump_space({1, 2, 2, 1})));
+  };
+  EXPECT_GT(invariance_p_value(make), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
+}
+
+TEST(Invariance, MultiscaleWalk) {
+  const MoveFactory make = [] {
+    return std::make_unique<MultiscaleWalk>(
+        RandomWalk::initial_scales(toy::bump_space({1, 2, 2, 1})));
   };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
