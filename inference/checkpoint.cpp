@@ -242,6 +242,7 @@ struct CheckpointFields {
     a("tuned", p.tuned);
     a("sample", p.sample);
     a("goal", p.goal);
+    a("refits", p.refits);
   }
   // Mixtures are immutable: they go through what they are made of.
   struct Mixture {

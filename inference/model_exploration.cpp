@@ -31,14 +31,29 @@ constexpr double kGoodShare = 0.5;    // of the draws effective: no further roun
 constexpr Eigen::Index kPopulation = 4000;
 constexpr Eigen::Index kFitted = 2000;            // draws that a proposal is fitted to
 constexpr std::array<int, 2> kComponents{8, 20};  // of it, at first and where that does not do
-constexpr int kBlock = 250;                       // draws a job
-constexpr double kOneMode = 0.99;                 // share of a mode that holds everything
-constexpr int kBriefParticles = 200;              // where it does
+// Of the annealing's draws: where more of them lie beyond all proposals, these have missed some of
+// the posterior, as along a ridge that turns, and go on with more components.
+constexpr double kLacking = 0.003;
+constexpr int kOfRidges = 80;
+constexpr int kMoreRounds = 4;
+constexpr int kBlock = 250;           // draws a job
+constexpr double kOneMode = 0.99;     // share of a mode that holds everything
+constexpr int kBriefParticles = 200;  // where it does
 constexpr double kFar = 8.0;  // of the scatter of a χ² about its mean: a draw of no known mode
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using Components = std::vector<NormalMixture::Component>;
+
+std::vector<double> row(const Matrix& draws, Eigen::Index i) {
+  return {draws.row(i).begin(), draws.row(i).end()};
+}
+
+void append(const Matrix& more, Matrix& draws) {
+  const Eigen::Index had = draws.rows();
+  draws.conservativeResize(had + more.rows(), more.cols());
+  draws.bottomRows(more.rows()) = more;
+}
 
 Matrix cholesky(const Matrix& covariance) {
   return Eigen::LLT<Matrix>(covariance).matrixL();
@@ -156,6 +171,14 @@ class ImportanceSampler {
     const auto n = static_cast<double>(weights_.size());
     e.standard_error = std::sqrt(std::max(0.0, (n / effective_ - 1.0) / (n - 1.0)));
     return e;
+  }
+
+  /// ln of the mixture of all proposals, each counted as often as it was drawn from.
+  [[nodiscard]] double log_proposal(std::span<const double> z) const {
+    double sum = -kInfinity;
+    for (std::size_t r = 0; r < proposals_.size(); ++r)
+      accumulate(sum, std::log(sizes_[r]) + proposals_[r].log_density(z));
+    return sum - std::log(static_cast<double>(log_posterior_.size()));
   }
 
   // Systematic resampling, n × d.
@@ -323,6 +346,33 @@ class Reporter {
   bool stopped_ = false;
 };
 
+// Draws of another method, with ln π at each.
+class OtherDraws {
+ public:
+  OtherDraws(const Problem& problem, int model, const Matrix& draws) : draws_(draws) {
+    ModelPosterior posterior(problem, model);
+    for (Eigen::Index i = 0; i < draws.rows(); ++i)
+      log_posterior_.push_back(posterior(row(draws, i)).log_posterior());
+    evaluations_ = posterior.evaluations();
+  }
+  [[nodiscard]] long evaluations() const { return evaluations_; }
+  /// Those that lie beyond the mixture of a sample's proposals, as the verdict has it.
+  [[nodiscard]] Matrix beyond(const ImportanceSampler& sampler) const {
+    const double level = sampler.evidence().log_evidence + std::log(kLimits.beyond_mixture);
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index i = 0; i < draws_.rows(); ++i) {
+      const double log_posterior = log_posterior_[static_cast<std::size_t>(i)];
+      if (log_posterior - sampler.log_proposal(row(draws_, i)) > level) rows.push_back(i);
+    }
+    return draws_(rows, Eigen::indexing::all);
+  }
+
+ private:
+  const Matrix& draws_;
+  std::vector<double> log_posterior_;
+  long evaluations_ = 0;
+};
+
 // Importance sampling from all that was found: evidence, shares and the population.
 void weigh(const Problem& problem, int model, const ExplorationOptions& options,
            const Matrix& draws, ModelExploration& found) {
@@ -334,28 +384,39 @@ void weigh(const Problem& problem, int model, const ExplorationOptions& options,
   add_modes(found.modes, 0.5, components);
   add_fit(draws, kComponents[0], 0.5, random, components);
   const int n = static_cast<int>(std::clamp<Eigen::Index>(200 * d, 1000, 4000));
-  for (int round = 0; round < options.rounds && !components.empty(); ++round) {
+  const OtherDraws others(problem, model, draws);
+  Matrix beyond(0, d);
+  const auto lacks = [&] {
+    return static_cast<double>(beyond.rows()) > kLacking * static_cast<double>(draws.rows());
+  };
+  for (int round = 0; round < options.rounds + (lacks() ? kMoreRounds : 0) && !components.empty();
+       ++round) {
     components.push_back({kDefensive, Vector::Zero(d), Matrix::Identity(d, d)});
     sampler.add(NormalMixture(std::move(components)), n);
     components.clear();
-    const int most = kComponents[round < 2 ? 0 : 1];
-    if (round > 0 && sampler.efficiency() > kGoodShare) break;
+    beyond = others.beyond(sampler);
+    const int most = lacks() ? kOfRidges : kComponents[round < 2 ? 0 : 1];
+    if (round > 0 && sampler.efficiency() > kGoodShare && !lacks()) break;
     if (sampler.effective_draws() < 8.0 * static_cast<double>(d + 1)) {
       // Too few to fit to: more of the same.
       add_modes(found.modes, 0.5, components);
       add_fit(draws, most, 0.5, random, components);
       continue;
     }
+    const double share =
+        lacks() ? static_cast<double>(beyond.rows()) / static_cast<double>(draws.rows()) : 0.0;
     add_modes(found.modes, 0.1, components);
-    add_fit(sampler.resampled(kFitted, random), most, 0.9, random, components);
+    add_fit(sampler.resampled(kFitted, random), most, 0.9 * (1.0 - share), random, components);
+    if (share > 0.0) add_fit(beyond, most, 0.9 * share, random, components);
   }
-  found.calls.weigh += sampler.evaluations();
+  found.calls.weigh += sampler.evaluations() + others.evaluations();
   found.sampled = sampler.evidence();
   found.effective_draws = sampler.effective_draws();
   found.efficiency = sampler.efficiency();
   const bool trusted = found.effective_draws >= std::max(500.0, 50.0 * static_cast<double>(d));
-  const Matrix population = trusted ? sampler.resampled(kPopulation, random)
-                                    : draws_and_modes(draws, found.modes, random);
+  Matrix population = trusted ? sampler.resampled(kPopulation, random)
+                              : draws_and_modes(draws, found.modes, random);
+  if (trusted && beyond.rows() > 0) append(beyond, population);
   found.population = population.transpose();
   found.shares = shares(found, sampler, trusted);
   if (!trusted) found.efficiency = 0.0;
@@ -375,10 +436,6 @@ void take_laplace(int model, const ExplorationOptions& options, ModelExploration
     found.shares.push_back(std::exp(mode.log_mass - found.modes.front().log_mass) / sum);
   const auto d = static_cast<Eigen::Index>(found.modes.front().z.size());
   found.population = draws_and_modes(Matrix(0, d), found.modes, random, 100.0).transpose();
-}
-
-std::vector<double> row(const Matrix& draws, Eigen::Index i) {
-  return {draws.row(i).begin(), draws.row(i).end()};
 }
 
 // Draws to climb from, evenly spread.
@@ -404,12 +461,6 @@ Matrix outlying(const Matrix& draws, const std::vector<Mode>& modes) {
     if (e.dot(precisions[at] * e) > d + kFar * (1.0 + std::sqrt(2.0 * d))) rows.push_back(i);
   }
   return draws(rows, Eigen::indexing::all);
-}
-
-void append(const Matrix& more, Matrix& draws) {
-  const Eigen::Index had = draws.rows();
-  draws.conservativeResize(had + more.rows(), more.cols());
-  draws.bottomRows(more.rows()) = more;
 }
 
 // Climbs from `starts`; true where they lead to a mode that was not known.

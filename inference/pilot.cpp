@@ -10,6 +10,7 @@
 #include "inference/moves/mixture_transport.hpp"
 #include "inference/moves/model_switch.hpp"
 #include "inference/moves/multiscale_walk.hpp"
+#include "inference/moves/regional_walk.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -18,6 +19,7 @@ namespace {
 
 constexpr double kHopeless = 1e-15;  // probability of a model that is fitted briefly
 constexpr Eigen::Index kFewSamples = 2000;
+constexpr int kMostComponents = 240;
 constexpr int kFewComponents = 4;
 
 template <typename M, typename... Arguments>
@@ -259,9 +261,14 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
     const Eigen::Index used = hopeless ? std::min(states.cols(), kFewSamples) : states.cols();
     Eigen::MatrixXd fitted(d, used);
     for (Eigen::Index i = 0; i < used; ++i) fitted.col(i) = states.col(i * states.cols() / used);
-    fit->density[at] = std::make_unique<NormalMixture>(NormalMixture::fit(
-        fitted.transpose(), {.max_components = hopeless ? kFewComponents : options.most_components},
-        random));
+    // As many components as the samples ask for: a ridge that turns takes hundreds.
+    int most = hopeless ? kFewComponents : options.most_components;
+    while (true) {
+      fit->density[at] = std::make_unique<NormalMixture>(
+          NormalMixture::fit(fitted.transpose(), {.max_components = most}, random));
+      if (hopeless || fit->density[at]->size() < most || 3 * most > kMostComponents) break;
+      most *= 3;
+    }
     if (at < options.modes.size()) cover(options.modes[at], *fit->density[at]);
     fit_scales(states, pilot.scales[at]);
   });
@@ -287,10 +294,12 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
   const ModelSpace& space = problem.space;
   auto kernels = std::make_unique<KernelMixture>();
   if (options.moves.random_walk) {
-    // What a mixture is fitted to must have been found first: steps of all lengths go where it has
-    // nothing to propose from. Later they take over from the random walk, a part of its steps.
-    add_move<RandomWalk>(*kernels, tuning ? 0.1 : 0.05, "random walk", pilot.scales);
+    // What a mixture is fitted to must have been found first: steps of all lengths, and steps along
+    // its components, go where it has nothing to propose from. Among the draws they take over most
+    // of the random walk's.
+    add_move<RandomWalk>(*kernels, tuning ? 0.1 : 0.02, "random walk", pilot.scales);
     add_move<MultiscaleWalk>(*kernels, tuning ? 0.3 : 0.05, "multiscale walk", pilot.scales);
+    add_move<RegionalWalk>(*kernels, tuning ? 0.2 : 0.03, "regional walk", pilot.fit);
     add_move<DifferentialEvolution>(*kernels, 0.05, "differential evolution", pilot.archive);
   }
   // Without an atlas only blind births and the pilots change the count: give them more of the

@@ -66,7 +66,8 @@ struct Position {
   int round = 0;  ///< of tuning
   int tuned = 0;  ///< steps of the rounds before
   Sample sample = Sample::begin;
-  int goal = 0;  ///< draws a chain at the end of this round
+  int goal = 0;    ///< draws a chain at the end of this round
+  int refits = 0;  ///< of the proposals, to draws
 };
 
 /// The modes of a model whose shares the draws are counted for.

@@ -7,6 +7,7 @@
 
 #include "inference/convergence.hpp"
 #include "inference/stages/temper.hpp"
+#include "inference/stages/tune.hpp"
 #include "inference/stages/weigh.hpp"
 
 namespace wheeltap::inference {
@@ -15,6 +16,10 @@ namespace {
 constexpr int kSettling = 500;     // iterations
 constexpr int kLadderScans = 620;  // where the proposals have been fitted before
 constexpr int kMaxDraws = 200000;
+// Where more of a model's draws than this lie where its mixture is not, it is fitted to them and
+// they are made again: more often where the run has not converged without it.
+constexpr double kWorthRefitting = 0.003;
+constexpr int kMostRefits = 4;
 constexpr int kTogether = 256;               // draws between two calls of the monitor
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
 
@@ -200,6 +205,45 @@ void forget_draws(RunState& state) {
   calls.tune = state.posterior.warmup_evaluations - calls.explore - calls.evidence;
 }
 
+// The largest share of a model's draws that lie where its mixture is not, of the models that
+// matter.
+double beyond_mixtures(const Posterior& posterior) {
+  double most = 0.0;
+  for (std::size_t m = 0; m < posterior.found.size(); ++m) {
+    const double share = posterior.found[m].beyond_mixture;
+    if (share > most && posterior.probability(static_cast<int>(m)).value >= kLimits.worth_knowing)
+      most = share;
+  }
+  return most;
+}
+
+// Draws beyond the mixtures become theirs: the mixtures are fitted to them, and they to warm-up.
+void refit_to_draws(RunContext& run, RunState& state) {
+  Posterior& posterior = state.posterior;
+  for (ChainState& chain : state.chains) {
+    chain.by_rung.assign(1, PilotSamples(run.space()));
+    PilotSamples& samples = chain.by_rung.front();
+    State at;
+    for (int m = 0; m < run.space().size(); ++m) {
+      const KeptDraws::OfModel& kept = chain.kept->of(m);
+      at.model = m;
+      for (std::size_t i = 0; i < kept.size(); ++i) {
+        at.z.assign(kept.row(i).begin(), kept.row(i).end());
+        samples.add(at);
+      }
+    }
+  }
+  ++state.at.refits;
+  fit_proposals(run, state, ++state.at.round);
+  state.at_mixture.assign(run.models(), {});
+  posterior.warmup += posterior.draws * posterior.thin;
+  posterior.draws = 0;
+  for (Chain& chain : posterior.chains) chain = Chain{};
+  forget_draws(state);
+  state.at.sample = Position::Sample::prepare;
+  state.at.goal = kDefaultDraws;
+}
+
 // Chains that disagree have not met the same modes: what they drew becomes warm-up, and a ladder is
 // in use from here on.
 void restart_tempered(const RunContext& run, RunState& state) {
@@ -301,9 +345,15 @@ void sample(RunContext& run, RunState& state) {
       run.safe_points.pass(state);
     }
     draw_and_weigh(run, state);
-    if (options.draws > 0 || run.monitor.stopped() || posterior.draws >= kMaxDraws ||
-        may_stop(posterior, options.balance))
-      return;
+    if (options.draws > 0 || run.monitor.stopped() || posterior.draws >= kMaxDraws) return;
+    const bool enough = may_stop(posterior, options.balance);
+    if (options.moves.independence && !posterior.tempered_draws && !options.prior_only &&
+        state.at.refits < (enough ? 1 : kMostRefits) &&
+        beyond_mixtures(posterior) > kWorthRefitting) {
+      refit_to_draws(run, state);
+      continue;
+    }
+    if (enough) return;
     if (!posterior.tempered_draws && options.moves.tempering && !options.prior_only &&
         !chains_agree(posterior)) {
       restart_tempered(run, state);

@@ -143,7 +143,7 @@ void fit_proposals(RunContext& run, RunState& state, int round) {
     }
     const auto weighty =
         std::ranges::count_if(found.shares, [](double share) { return share > 0.005; });
-    if (last && weighty > 10) how.most_components = kManyPeaks;
+    if (last && (weighty > 10 || state.at.refits > 0)) how.most_components = kManyPeaks;
   }
   std::vector<double> learnt;
   if (round > 0) learnt = efficiencies(run, state);

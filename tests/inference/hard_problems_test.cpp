@@ -123,10 +123,11 @@ TEST(HardProblems, CountsWithASpotByImportanceSampling) {
 
 // From wider bananas: x1 ~ N(0, 1.1²), x2 ~ N(x1², (1.1 width)²). The weights are bounded.
 TEST(HardProblems, BananasByImportanceSampling) {
-  for (const char* name : {"banana, 2-d", "bananas, 6-d"}) {
+  for (const auto& [name, width] : {std::pair{"banana, 2-d", 0.01}, std::pair{"bananas, 6-d", 0.01},
+                                    std::pair{"bananas, 2-d, 1e-3 wide", 1e-3}}) {
     const HardProblem& p = named(name);
     const auto likelihood = p.problem.likelihood();
-    constexpr double kWider = 1.1, kWidth = 0.01;
+    constexpr double kWider = 1.1;
     std::vector<double> x(static_cast<std::size_t>(p.dimension));
     constexpr int kDraws = 100000;
     double sum = 0.0, squares = 0.0;
@@ -137,8 +138,8 @@ TEST(HardProblems, BananasByImportanceSampling) {
       for (std::size_t j = 0; j < x.size(); j += 2) {
         const double a = random.normal(), b = random.normal();
         x[j] = kWider * a;
-        x[j + 1] = x[j] * x[j] + kWider * kWidth * b;
-        log_density -= 0.5 * (a * a + b * b) + std::log(2.0 * M_PI * kWider * kWider * kWidth);
+        x[j + 1] = x[j] * x[j] + kWider * width * b;
+        log_density -= 0.5 * (a * a + b * b) + std::log(2.0 * M_PI * kWider * kWider * width);
         log_prior -= std::log(8.0 * 11.0);
         inside = inside && std::fabs(x[j]) < 4.0 && x[j + 1] > -1.0 && x[j + 1] < 10.0;
       }

@@ -140,8 +140,9 @@ TEST(SamplingKernels, AreTheMovesThatAreAllowed) {
   EXPECT_GT(calls, 0);
   const Pilot pilot = fit_pilot(problem.space, {PilotSamples(problem.space)}, {});
   const auto all = names(*sampling_kernels(problem, options, atlases, pilot));
-  for (const char* name : {"random walk", "multiscale walk", "informed birth and death",
-                           "relocation", "mirror", "mixture jump", "pilot birth and death"})
+  for (const char* name :
+       {"random walk", "multiscale walk", "regional walk", "informed birth and death", "relocation",
+        "mirror", "mixture jump", "pilot birth and death"})
     EXPECT_TRUE(all.contains(name)) << name;
   options.moves = {.informed_birth = false,
                    .random_walk = false,
