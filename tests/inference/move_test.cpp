@@ -224,28 +224,8 @@ TEST(Invariance, MultiscaleWalk) {
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
 }
 
-// A narrow component and a wide one beside each other: steps out of one are not those back.
-std::shared_ptr<const PilotFit> unlike_components(const ModelSpace& space) {
-  auto fit = std::make_shared<PilotFit>();
-  for (int m = 0; m < space.size(); ++m) {
-    fit->weight.push_back(1.0 / space.size());
-    const int d = space[m].dimension;
-    if (d == 0) {
-      fit->density.push_back(nullptr);
-      continue;
-    }
-    const auto of = [&](double mean, double sd) {
-      return NormalMixture::Component{0.5, Eigen::VectorXd::Constant(d, mean),
-                                      sd * Eigen::MatrixXd::Identity(d, d)};
-    };
-    fit->density.push_back(std::make_unique<NormalMixture>(
-        std::vector<NormalMixture::Component>{of(0.0, 0.1), of(0.0, 1.5)}));
-  }
-  return fit;
-}
-
 TEST(Invariance, RegionalWalk) {
-  const auto fit = unlike_components(toy::bump_space({1, 2, 2, 1}));
+  const auto fit = rough_fit(toy::bump_space({1, 2, 2, 1}));
   const MoveFactory make = [&] { return std::make_unique<RegionalWalk>(fit); };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
   EXPECT_GT(invariance_p_value(make, {1, 2, 2, 1}, 0.3), kFalseAlarm);

@@ -65,7 +65,8 @@ def autocovariance(x):
 
 
 def ess(x):
-    """S / τ with Geyer's initial monotone sequence, section 3.2, of chains in rows."""
+    """S / τ with Geyer's initial monotone sequence, section 3.2, of chains in rows. The even term at which the positive
+    sequence ends counts once, as in R's posterior: it improves the estimate of antithetic chains."""
     m, n = x.shape
     cov = np.array([autocovariance(row) for row in x])
     within = cov[:, 0].mean() * n / (n - 1)
@@ -73,12 +74,13 @@ def ess(x):
     rho = 1.0 - (within - cov.mean(axis=0) * n / (n - 1)) / total
     rho[0] = 1.0
     pairs = [rho[2 * t] + rho[2 * t + 1] for t in range(n // 2)]
-    kept = []
+    kept, last_even = [], 0.0
     for t, pair in enumerate(pairs):
         if pair <= 0.0 and t > 0:
+            last_even = max(rho[2 * t], 0.0)
             break
         kept.append(min(pair, kept[-1]) if kept else pair)
-    tau = -1.0 + 2.0 * sum(kept)
+    tau = -1.0 + 2.0 * sum(kept) + last_even
     return m * n / max(tau, 1.0 / np.log10(m * n))
 
 
