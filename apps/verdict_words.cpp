@@ -90,6 +90,13 @@ struct Sentence {
            " effective visits (must exceed " + significant(r.limit, 3) +
            "): as much again may not have been found." + kRunLonger;
   }
+  std::string operator()(const AnnealingDrawsBeyond& r) const {
+    return "Of model " + quoted(r.model) + " annealing drew " + share_of(r.annealed) +
+           " where the chains have " + share_of(r.drawn) +
+           " of their draws, and chains started there stay: a part of its posterior is missing "
+           "from them." +
+           kRunLonger;
+  }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " is " + significant(r.rhat, 4) + " (must be below " +
            significant(r.limit, 4) + ")";
@@ -131,7 +138,9 @@ Topic topic_of(const Reason& reason) {
         if constexpr (std::is_same_v<R, ModelNotInEveryChain>) return Topic::partial;
         if constexpr (std::is_same_v<R, ModelUnknown>) return Topic::unknown;
         if constexpr (std::is_same_v<R, AnnealingFindsMore> ||
-                      std::is_same_v<R, EvidenceDisagrees> || std::is_same_v<R, DrawsBeyondMixture>)
+                      std::is_same_v<R, EvidenceDisagrees> ||
+                      std::is_same_v<R, DrawsBeyondMixture> ||
+                      std::is_same_v<R, AnnealingDrawsBeyond>)
           return Topic::evidence;
         if constexpr (std::is_same_v<R, ChainsDisagree> || std::is_same_v<R, TooFewEffectiveDraws>)
           return Topic::chains;

@@ -24,7 +24,8 @@ enum class Purpose : std::uint32_t {
   simulation,
   test,
   search,
-  settling
+  settling,
+  following
 };
 
 /// A stream of Philox 4x64-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").

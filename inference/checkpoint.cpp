@@ -173,6 +173,8 @@ struct CheckpointFields {
     a("climbs", m.climbs);
     a("glanced", m.glanced);
     a("population", m.population);
+    a("annealed_draws", m.annealed_draws);
+    a("annealed_log_posterior", m.annealed_log_posterior);
     a("annealed", m.annealed);
     a("sampled", m.sampled);
     a("effective_draws", m.effective_draws);

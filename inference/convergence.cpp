@@ -1,5 +1,7 @@
 #include "inference/convergence.hpp"
 
+#include <cmath>
+
 #include "inference/diagnostics.hpp"
 #include "inference/verdict.hpp"
 
@@ -25,6 +27,19 @@ bool may_stop(const Posterior& posterior, bool balanced) {
              posterior,
              [&](const ChainsOf& indicator) { return mcse_mean(indicator) <= enough; }) &&
          judge(posterior).converged;
+}
+
+double annealed_excess(const ModelFindings& found) {
+  const double excess = found.annealed_beyond - found.beyond_mixture;
+  const double visits = found.beyond_mixture * found.beyond_mixture_ess;
+  return excess > 0.0 && !(visits > kLimits.beyond_visits) ? excess : 0.0;
+}
+
+bool lacks_annealed(const ModelFindings& found, double share) {
+  if (!(annealed_excess(found) > share)) return false;
+  const double effective =
+      static_cast<double>(found.annealed_draws) / kLimits.annealed_draws_an_effective;
+  return 2.0 * std::sqrt(effective * found.annealed_beyond) > kLimits.sigmas;
 }
 
 bool chains_agree(const Posterior& posterior) {

@@ -30,6 +30,9 @@ struct ConvergenceLimits {
   /// share of such draws that is judged; and how many effective visits there they must be, so that
   /// the share is known to a tenth.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
+  /// By so much of the probability must more of annealing's draws than of the chains' be there to
+  /// be judged, and so many of its draws count as one independent one.
+  double annealed_share = 0.02, annealed_draws_an_effective = 2.0;
   std::size_t fewest_draws = 100;  ///< of a chain within a model, for R-hat to be judged
   std::size_t fewest_for_ess = 400;
   long round_trips = 10;  ///< of a ladder that the draws are made with
@@ -39,6 +42,15 @@ inline constexpr ConvergenceLimits kLimits{};
 /// Good enough to stop: nothing that the verdict misses, and the share of every model among the
 /// draws known to 0.004, to 0.001 where models are drawn `balanced`.
 [[nodiscard]] bool may_stop(const Posterior& posterior, bool balanced);
+
+/// By how much more of annealing's draws of a model than of the chains' lie beyond its mixture;
+/// 0 where they are fewer, unknown, or the chains were there often enough to know better.
+[[nodiscard]] double annealed_excess(const ModelFindings& found);
+
+/// Whether that exceeds `share`, and is no chance: of a count k that is Poisson's, 2√k is normal
+/// with variance 1 (Anscombe 1948, Biometrika 35:246).
+[[nodiscard]] bool lacks_annealed(const ModelFindings& found,
+                                  double share = kLimits.annealed_share);
 
 /// Whether longer chains would do: an R-hat far from 1, of the log posterior or of a model, says
 /// that they are in different places.

@@ -517,6 +517,8 @@ Matrix anneal(const Problem& problem, int model, const ExplorationOptions& optio
                             }});
     found.annealed = annealed.evidence;
     found.calls.anneal += annealed.evidence.likelihood_evaluations;
+    found.annealed_draws = annealed.z.transpose();
+    found.annealed_log_posterior = std::move(annealed.log_posterior);
     return std::move(annealed.z);
   } catch (const LikelihoodError&) {  // the climbs may do
     return Matrix(0, problem.space[model].dimension);

@@ -45,10 +45,12 @@ struct ModelExploration {
   long climbs = 0;
   bool glanced = false;        ///< ExplorationOptions::climbs_only: climbed in, not weighed
   Eigen::MatrixXd population;  ///< equally weighted draws, dimension × n; none: nothing was found
-  Evidence annealed = kNoEvidence;  ///< NaN where it was not run or failed
-  Evidence sampled = kNoEvidence;   ///< by importance sampling; NaN where nothing was found
-  double effective_draws = 0.0;     ///< of the importance sample
-  double efficiency = 0.0;          ///< the same, a draw
+  Eigen::MatrixXd annealed_draws;  ///< dimension × n; none where annealing was not run or failed
+  std::vector<double> annealed_log_posterior;  ///< ln π at each of these
+  Evidence annealed = kNoEvidence;             ///< NaN where it was not run or failed
+  Evidence sampled = kNoEvidence;  ///< by importance sampling; NaN where nothing was found
+  double effective_draws = 0.0;    ///< of the importance sample
+  double efficiency = 0.0;         ///< the same, a draw
   ExplorationCalls calls{};
 
   /// The best guess at ln Z so far; -∞ where nothing was found.

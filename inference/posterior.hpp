@@ -50,6 +50,10 @@ struct ModelFindings {
   /// `bridged`.
   double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
   double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
+  /// The same share of the draws of annealing, without those that walk home; NaN: none were looked
+  /// at.
+  double annealed_beyond = std::numeric_limits<double>::quiet_NaN();
+  long annealed_draws = 0;  ///< how many there are
 };
 
 /// Likelihood calls, by what they were spent on; of a stand-in where there is one.

@@ -52,6 +52,10 @@ struct Phrase {
     return name(r.model) + ": a share of draws beyond its mixture, " + short_number(r.share) +
            ", in effective visits " + short_number(r.visits) + " <= " + short_number(r.limit);
   }
+  std::string operator()(const AnnealingDrawsBeyond& r) const {
+    return name(r.model) + ": a share of annealing's draws beyond its mixture, " +
+           short_number(r.annealed) + ", of the chains' " + short_number(r.drawn);
+  }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " " + short_number(r.rhat) + " >= " + short_number(r.limit);
   }

@@ -57,6 +57,12 @@ struct DrawsBeyondMixture {
   double share = 0.0;                ///< of its draws
   double visits = 0.0, limit = 0.0;  ///< effective ones; must exceed it
 };
+/// Annealing's draws of a model are where neither its mixture is nor the chains were as often, and
+/// chains that are started there stay.
+struct AnnealingDrawsBeyond {
+  int model = 0;
+  double annealed = 0.0, drawn = 0.0;  ///< share of its draws there, by either
+};
 /// R-hat of something that means the same in every model.
 struct ChainsDisagree {
   std::string quantity;  ///< "log posterior", "number of damages", "P(line)", or one that was given
@@ -90,8 +96,8 @@ struct QuickLook {};
 using Reason =
     std::variant<ModelNotEntered, ModelNotInEveryChain, ModelUnknown, ModeNotInEveryChain,
                  ModeSharesDisagree, AnnealingFindsMore, EvidenceDisagrees, DrawsBeyondMixture,
-                 ChainsDisagree, TooFewEffectiveDraws, ParameterDisagrees, ParameterMovesSlowly,
-                 TooFewRoundTrips, StoppedEarly, QuickLook>;
+                 AnnealingDrawsBeyond, ChainsDisagree, TooFewEffectiveDraws, ParameterDisagrees,
+                 ParameterMovesSlowly, TooFewRoundTrips, StoppedEarly, QuickLook>;
 
 /// One short neutral phrase, for logs, examples and users of the library, who would otherwise write
 /// out fourteen cases to learn what is wrong. What to do about it is for those to say who know what

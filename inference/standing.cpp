@@ -58,6 +58,19 @@ class Weigher {
     }
   }
 
+  // What annealing drew and the draws have not: so much more of the model there may be, and of its
+  // evidence.
+  [[nodiscard]] double unseen(std::size_t m) const {
+    return m < posterior_.found.size() ? annealed_excess(posterior_.found[m]) : 0.0;
+  }
+  // The same of a model's share of the draws, by all of them.
+  [[nodiscard]] double unseen_share(std::size_t m) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < models_; ++k)
+      sum += std::pow(((k == m ? 1.0 : 0.0) - shares_.share[k]) * unseen(k), 2.0);
+    return shares_.share[m] * std::sqrt(sum);
+  }
+
   void choose_evidence() {
     for (std::size_t m = 0; m < models_; ++m) {
       Evidence best{.log_evidence = kNaN, .standard_error = kNaN};
@@ -78,6 +91,7 @@ class Weigher {
           best = found.annealed;
         }
       }
+      if (of_draws) best.standard_error = std::hypot(best.standard_error, unseen(m));
       out_.models[m].log_evidence = best.log_evidence;
       out_.models[m].log_evidence_se = best.standard_error;
       out_.evidence.push_back(std::move(best));
@@ -176,9 +190,9 @@ class Weigher {
       } else if (s.visited > 0) {
         const double share = shares_.share[m] / drawn;
         s.probability = share * (1.0 - by_evidence);
-        s.mcse =
-            std::hypot((1.0 - by_evidence) * std::max(shares_.error[m] / drawn, least_error(m)),
-                       share * std::sqrt(variance));
+        const double error =
+            std::hypot(std::max(shares_.error[m] / drawn, least_error(m)), unseen_share(m) / drawn);
+        s.mcse = std::hypot((1.0 - by_evidence) * error, share * std::sqrt(variance));
       }
     }
   }

@@ -22,7 +22,8 @@ enum class Basis { draws, evidence };
 struct ModelStanding {
   double probability = 0.0;  ///< 0 where nothing is known; `mcse` is then NaN
   /// Monte Carlo standard error of it. Of draws, never below 1 / (`ess_model` + 2), what one more
-  /// or less effective visit would change; of the evidence, that of the evidences.
+  /// or less effective visit would change, and with what annealing saw and the draws have not
+  /// (annealed_excess); of the evidence, that of the evidences.
   double mcse = std::numeric_limits<double>::quiet_NaN();
   Basis basis = Basis::draws;
   int visited = 0;    ///< chains that drew it

@@ -196,6 +196,10 @@ class Judge {
       if (standing(m).probability < kLimits.judged_model || standing(m).visited == 0) continue;
       const double share = found.beyond_mixture;
       const double visits = share * found.beyond_mixture_ess;
+      if (lacks_annealed(found)) {
+        add(AnnealingDrawsBeyond{
+            .model = static_cast<int>(m), .annealed = found.annealed_beyond, .drawn = share});
+      }
       if (!(share > kLimits.beyond_share) || visits > kLimits.beyond_visits) continue;
       add(DrawsBeyondMixture{.model = static_cast<int>(m),
                              .share = share,

@@ -400,6 +400,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   const bool growing =
       better_growing(problem, model, options, result.evidence.likelihood_evaluations);
   result.z.resize(static_cast<Eigen::Index>(r) * options.samples, posterior.dimension());
+  result.log_posterior.resize(static_cast<std::size_t>(result.z.rows()));
   base::parallel_for(
       options.replicates, options.threads,
       [&](int index) {
@@ -412,15 +413,18 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
         stalled[i] = replicate.stalled_at();
         if (std::isnan(log_evidence[i])) return;
         Eigen::Index row = static_cast<Eigen::Index>(index) * options.samples;
-        for (const Particle& p : replicate.particles())
+        for (const Particle& p : replicate.particles()) {
+          result.log_posterior[static_cast<std::size_t>(row)] = p.log_base + p.log_gain;
           result.z.row(row++) =
               Eigen::Map<const Eigen::RowVectorXd>(p.z.data(), posterior.dimension());
+        }
       },
       base::carriage([&](int index, auto& parcel) {
         const auto i = static_cast<std::size_t>(index);
         parcel(log_evidence[i], evaluations[i], stages[i], sluggish[i], stalled[i]);
         const Eigen::Index first = static_cast<Eigen::Index>(index) * options.samples;
         for (Eigen::Index row = first; row < first + options.samples; ++row) {
+          parcel(result.log_posterior[static_cast<std::size_t>(row)]);
           for (Eigen::Index j = 0; j < result.z.cols(); ++j) parcel(result.z(row, j));
         }
       }));
@@ -434,6 +438,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
     if (const auto first = std::ranges::find_if(stalled, is_number); first != stalled.end())
       evidence.warnings.push_back({.kind = EvidenceWarning::Kind::stalled, .value = *first});
     result.z.resize(0, posterior.dimension());
+    result.log_posterior.clear();
     return result;
   }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "base/eigen.hpp"
 #include "inference/evidence/model_posterior.hpp"
@@ -31,7 +32,8 @@ struct Tmcmc {
   Evidence evidence;
   /// Posterior draws of all replicates together, draws × dimension; no draws where ln Z is NaN.
   Eigen::MatrixXd z;
-  int stages = 0;  ///< the most of any replicate
+  std::vector<double> log_posterior;  ///< ln π at each of these
+  int stages = 0;                     ///< the most of any replicate
 };
 
 /// Ching & Chen (2007, J. Engineering Mechanics 133:816): samples pass through

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "inference/convergence.hpp"
+#include "inference/stages/follow.hpp"
 #include "inference/stages/temper.hpp"
 #include "inference/stages/tune.hpp"
 #include "inference/stages/weigh.hpp"
@@ -217,8 +218,9 @@ double beyond_mixtures(const Posterior& posterior) {
   return most;
 }
 
-// Draws beyond the mixtures become theirs: the mixtures are fitted to them, and they to warm-up.
-void refit_to_draws(RunContext& run, RunState& state) {
+// Draws beyond the mixtures become theirs, and so does what walks from annealing's draws met: the
+// mixtures are fitted to them, and they to warm-up.
+void refit_to_draws(RunContext& run, RunState& state, const std::vector<Eigen::MatrixXd>& met) {
   Posterior& posterior = state.posterior;
   for (ChainState& chain : state.chains) {
     chain.by_rung.assign(1, PilotSamples(run.space()));
@@ -231,6 +233,15 @@ void refit_to_draws(RunContext& run, RunState& state) {
         at.z.assign(kept.row(i).begin(), kept.row(i).end());
         samples.add(at);
       }
+    }
+  }
+  PilotSamples& samples = state.chains.front().by_rung.front();
+  State at;
+  for (int m = 0; m < run.space().size(); ++m) {
+    at.model = m;
+    for (const auto column : met[static_cast<std::size_t>(m)].colwise()) {
+      at.z.assign(column.begin(), column.end());
+      samples.add(at);
     }
   }
   ++state.at.refits;
@@ -345,12 +356,16 @@ void sample(RunContext& run, RunState& state) {
       run.safe_points.pass(state);
     }
     draw_and_weigh(run, state);
+    const std::vector<Eigen::MatrixXd> met = follow_annealed(run, state);
     if (options.draws > 0 || run.monitor.stopped() || posterior.draws >= kMaxDraws) return;
     const bool enough = may_stop(posterior, options.balance);
     if (options.moves.independence && !posterior.tempered_draws && !options.prior_only &&
         state.at.refits < (enough ? 1 : kMostRefits) &&
-        beyond_mixtures(posterior) > kWorthRefitting) {
-      refit_to_draws(run, state);
+        (beyond_mixtures(posterior) > kWorthRefitting ||
+         std::ranges::any_of(posterior.found, [](const ModelFindings& found) {
+           return lacks_annealed(found, kWorthFollowing);
+         }))) {
+      refit_to_draws(run, state, met);
       continue;
     }
     if (enough) return;

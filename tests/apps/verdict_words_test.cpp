@@ -67,6 +67,10 @@ TEST(VerdictWords, OfEachReason) {
             "Of the draws of model 'one' 7 % lie where no proposal but small steps leads, in 27 "
             "effective visits (must exceed 100): as much again may not have been found. Run longer "
             "(--warmup, --draws).");
+  EXPECT_EQ(sentence(AnnealingDrawsBeyond{.model = 0, .annealed = 0.061, .drawn = 0.003}),
+            "Of model 'one' annealing drew 6.1 % where the chains have 0.3 % of their draws, and "
+            "chains started there stay: a part of its posterior is missing from them. Run longer "
+            "(--warmup, --draws).");
   EXPECT_EQ(
       sentence(ParameterDisagrees{.model = 1, .parameter = "a", .rhat = 1.23456, .limit = 1.01}),
       "Within model 'two' the chains disagree about a (R-hat 1.235). Run longer (--warmup, "

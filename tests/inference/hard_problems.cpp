@@ -794,9 +794,11 @@ std::vector<HardProblem> all_problems() {
       1.0, false);
   // As thin as the ridge of a Duffing spring on 2000 samples: straight for a hundredth of its
   // length.
-  flagged(against_nothing("bananas", dimensions(2) + ", 1e-3 wide",
-                          bananas(1, 1e-3, 4.0, -1.0, 10.0), {-4.0, -1.0}, {4.0, 10.0}, 0.5),
-          1.0, false);
+  for (const auto& [width, said] : {std::pair{1e-3, "1e-3"}, std::pair{1e-4, "1e-4"}}) {
+    flagged(against_nothing("bananas", dimensions(2) + ", " + said + " wide",
+                            bananas(1, width, 4.0, -1.0, 10.0), {-4.0, -1.0}, {4.0, 10.0}, 0.5),
+            1.0, false);
+  }
   flagged(against_nothing("shells", dimensions(8), shells(8, 2.0, 0.1), -6.0, 6.0, 0.5), 1.0,
           false);
   flagged(

@@ -123,8 +123,9 @@ TEST(HardProblems, CountsWithASpotByImportanceSampling) {
 
 // From wider bananas: x1 ~ N(0, 1.1²), x2 ~ N(x1², (1.1 width)²). The weights are bounded.
 TEST(HardProblems, BananasByImportanceSampling) {
-  for (const auto& [name, width] : {std::pair{"banana, 2-d", 0.01}, std::pair{"bananas, 6-d", 0.01},
-                                    std::pair{"bananas, 2-d, 1e-3 wide", 1e-3}}) {
+  for (const auto& [name, width] :
+       {std::pair{"banana, 2-d", 0.01}, std::pair{"bananas, 6-d", 0.01},
+        std::pair{"bananas, 2-d, 1e-3 wide", 1e-3}, std::pair{"bananas, 2-d, 1e-4 wide", 1e-4}}) {
     const HardProblem& p = named(name);
     const auto likelihood = p.problem.likelihood();
     constexpr double kWider = 1.1;

@@ -68,6 +68,28 @@ TEST(Standing, ModelsThatChainsDoNotNeedToHaveAreNotMissed) {
   EXPECT_NEAR(all.models[2].probability / std::exp(-18.0), 1.0, 0.01);
 }
 
+// P = .6 beside .3 and .1: 3 % more of the first would make it 1.03 · .6 / (1 + .03 · .6).
+TEST(Standing, WhatAnnealingSawAndTheDrawsHaveNotIsInTheError) {
+  Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
+  const Standings before = stand(posterior);
+  ModelFindings& found = posterior.found[0];
+  found.annealed_beyond = 0.035;
+  found.annealed_draws = 1200;
+  found.beyond_mixture = 0.005;
+  found.beyond_mixture_ess = 200.0;
+  const Standings after = stand(posterior);
+  const auto more = [&](std::size_t m) {
+    return std::sqrt(std::pow(after.models[m].mcse, 2) - std::pow(before.models[m].mcse, 2));
+  };
+  EXPECT_EQ(after.models[0].probability, before.models[0].probability);
+  EXPECT_NEAR(more(0), 0.6 * 0.4 * 0.03, 1e-4);
+  EXPECT_NEAR(more(1), 0.3 * 0.6 * 0.03, 1e-4);
+  EXPECT_NEAR(after.models[0].log_evidence_se, std::hypot(before.models[0].log_evidence_se, 0.03),
+              1e-12);
+  found.beyond_mixture_ess = 40000.0;  // 200 visits: the chains know
+  EXPECT_EQ(stand(posterior).models[0].mcse, before.models[0].mcse);
+}
+
 TEST(Standing, EvidenceIsThatOfTheBestMethodThatCouldSay) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   posterior.found[0].sampled = {.log_evidence = -1.0, .standard_error = 0.1};  // beside a bridge

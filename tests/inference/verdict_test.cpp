@@ -192,6 +192,30 @@ TEST(Verdict, DrawsWhereTheMixtureIsNotMustBeVisitedOften) {
   EXPECT_THAT(beyond(0.9, 200.0), IsEmpty()) << "nearly all, often";
 }
 
+// Found by bananas of width 1e-4: annealing had 6 % of its draws at their ends, the chains none.
+TEST(Verdict, WhatAnnealingDrewBeyondTheMixtureMustBeDrawn) {
+  Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
+  const auto seen = [&](double annealed, long draws, double drawn, double ess) {
+    ModelFindings& found = posterior.found[0];
+    found.annealed_beyond = annealed;
+    found.annealed_draws = draws;
+    found.beyond_mixture = drawn;
+    found.beyond_mixture_ess = ess;
+    return complaints(posterior);
+  };
+  EXPECT_THAT(seen(0.06, 1200, 0.0, 12000.0), ElementsAre(of_model<AnnealingDrawsBeyond>(0)));
+  const auto said = seen(0.06, 1200, 0.003, 1000.0);
+  const auto& reason = std::get<AnnealingDrawsBeyond>(said.at(0));
+  EXPECT_EQ(reason.annealed, 0.06);
+  EXPECT_EQ(reason.drawn, 0.003);
+  EXPECT_THAT(seen(0.06, 1200, 0.045, 1000.0), IsEmpty()) << "as many of the chains'";
+  EXPECT_THAT(seen(0.06, 1200, 0.03, 4000.0), IsEmpty()) << "the chains know better";
+  EXPECT_THAT(seen(0.06, 100, 0.0, 12000.0), IsEmpty()) << "three independent draws";
+  EXPECT_THAT(seen(0.015, 1200, 0.0, 12000.0), IsEmpty()) << "too few to matter";
+  posterior.found[0].annealed_beyond = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+}
+
 TEST(Verdict, AModeThatWasFoundMustBeInEveryChain) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   auto& modes = posterior.found[0].modes;
