@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "base/parcel.hpp"
 #include "inference/convergence.hpp"
@@ -15,7 +16,38 @@ constexpr int kWalks = 64;
 constexpr int kSteps = 1000;
 constexpr int kApart = 10;  // steps between two looks
 
-// The states of a walk that are looked at: ln (π / q) and where.
+constexpr double kLowest = 0.01;  // share of the chains' draws that are less probable
+
+// Where a mixture is not: ln (π / q) above `ratio`, and ln π not below that of nearly all draws.
+// (In many dimensions annealing may be left with the offspring of a few draws of the tails.)
+struct Beyond {
+  const NormalMixture& mixture;
+  double ratio, log_posterior;
+  [[nodiscard]] bool operator()(double at, std::span<const double> z) const {
+    return at >= log_posterior && at - mixture.log_density(z) > ratio;
+  }
+};
+
+Beyond beyond_mixture(const RunState& state, int model) {
+  const auto m = static_cast<std::size_t>(model);
+  std::vector<double> drawn;
+  for (const ChainState& chain : state.chains) {
+    const std::vector<double>& of_chain = chain.kept->of(model).log_posterior;
+    drawn.insert(drawn.end(), of_chain.begin(), of_chain.end());
+  }
+  double lowest = -std::numeric_limits<double>::infinity();
+  if (!drawn.empty()) {
+    const auto at =
+        drawn.begin() + static_cast<std::ptrdiff_t>(kLowest * static_cast<double>(drawn.size()));
+    std::ranges::nth_element(drawn, at);
+    lowest = *at;
+  }
+  return {.mixture = *state.pilot.fit->density[m],
+          .ratio = state.posterior.found[m].bridged.log_evidence + std::log(kLimits.beyond_mixture),
+          .log_posterior = lowest};
+}
+
+// The states of a walk that are looked at.
 struct Walk {
   std::vector<double> z;  // of those beyond the mixture
   long beyond = 0, looks = 0;
@@ -23,9 +55,8 @@ struct Walk {
 };
 
 // From z, with the kernels that tuning has: most of their steps are small ones.
-Walk walk(const RunContext& run, const RunState& state, int model, double level, int number,
-          const Eigen::VectorXd& from) {
-  const NormalMixture& mixture = *state.pilot.fit->density[static_cast<std::size_t>(model)];
+Walk walk(const RunContext& run, const RunState& state, int model, const Beyond& is_beyond,
+          int number, const Eigen::VectorXd& from) {
   const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
   Target target(run.problem, false);
   target.set_model_bias(state.sampling_bias);
@@ -46,7 +77,7 @@ Walk walk(const RunContext& run, const RunState& state, int model, double level,
     out.looks += late ? 1 : 0;
     if (at.model != model) continue;
     const double log_posterior = target.log_prior(at) + at.log_likelihood;
-    if (!(log_posterior - mixture.log_density(at.z) > level)) continue;
+    if (!is_beyond(log_posterior, at.z)) continue;
     out.beyond += late ? 1 : 0;
     out.z.insert(out.z.end(), at.z.begin(), at.z.end());
   }
@@ -67,14 +98,12 @@ std::vector<Eigen::MatrixXd> follow_annealed(RunContext& run, RunState& state) {
         !std::isfinite(found.bridged.log_evidence) || run.monitor.stopped() ||
         state.posterior.probability(model).value < kLimits.judged_model)
       continue;
-    const NormalMixture& mixture = *state.pilot.fit->density[m];
-    const double level = found.bridged.log_evidence + std::log(kLimits.beyond_mixture);
+    const Beyond is_beyond = beyond_mixture(state, model);
     std::vector<Eigen::Index> beyond;
     for (Eigen::Index i = 0; i < drawn.cols(); ++i) {
       const auto column = drawn.col(i);
-      const std::span<const double> z(column.data(), static_cast<std::size_t>(column.size()));
-      if (explored.annealed_log_posterior[static_cast<std::size_t>(i)] - mixture.log_density(z) >
-          level)
+      if (is_beyond(explored.annealed_log_posterior[static_cast<std::size_t>(i)],
+                    {column.data(), static_cast<std::size_t>(column.size())}))
         beyond.push_back(i);
     }
     found.annealed_draws = static_cast<long>(drawn.cols());
@@ -88,7 +117,7 @@ std::vector<Eigen::MatrixXd> follow_annealed(RunContext& run, RunState& state) {
           const std::size_t from =
               static_cast<std::size_t>(w) * beyond.size() / static_cast<std::size_t>(walks);
           walked[static_cast<std::size_t>(w)] =
-              walk(run, state, model, level, w, drawn.col(beyond[from]));
+              walk(run, state, model, is_beyond, w, drawn.col(beyond[from]));
         },
         base::carriage([&](int w, auto& parcel) {
           Walk& one = walked[static_cast<std::size_t>(w)];

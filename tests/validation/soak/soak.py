@@ -314,6 +314,9 @@ def one(what, program, number, options):
     return row
 
 
+REFUSED = ["grows without bound", "frequencies must increase"]
+
+
 def misses(row):
     found = []
     if row["P"][row["truth"]] < IMPROBABLE:
@@ -328,14 +331,25 @@ def binomial_tail(held, n, p):
     return min(1.0, 2 * min(sum(pmf[:held + 1]), sum(pmf[held:])))
 
 
+def of_probabilities(cell):
+    """Two-sided, of how many of independent events, each (its probability, whether it was), came true."""
+    pmf = np.ones(1)
+    for p, _ in cell:
+        pmf = np.convolve(pmf, [1 - p, p])
+    true = sum(t for _, t in cell)
+    return min(1.0, 2 * min(pmf[:true + 1].sum(), pmf[true:].sum()))
+
+
 def report(rows):
     print(f"{len(rows)} cases: " + ", ".join(f"exit code {code}: {n}" for code, n in
                                              sorted(collections.Counter(r["exit"] for r in rows).items())))
-    # Their likelihood is zero, so what is left is calibrated as before.
-    unbound = [r for r in rows if r["exit"] == 65 and "grows without bound" in r["error"]]
-    if unbound:
-        print(f"{len(unbound)} of them refused since the truth that was drawn grows without bound")
-    rows = [r for r in rows if r not in unbound]
+    # What is left is calibrated as before, as good as: the likelihood of these is zero, and that of noise which swaps two
+    # close frequencies, which a case must not, is small.
+    refused = [r for r in rows if r["exit"] == 65 and any(words in r["error"] for words in REFUSED)]
+    for words in REFUSED:
+        if n := sum(words in r["error"] for r in refused):
+            print(f"{n} of them refused as they must be: {words}")
+    rows = [r for r in rows if r not in refused]
     failed = [r for r in rows if r["exit"] != 0]
     for r in failed:
         print(f"  case {r['case']} ({r['family']}): {r['exit']}: {r['error'].strip()}")
@@ -353,9 +367,7 @@ def report(rows):
         cell = [(p, i == r["truth"]) for r in rows for i, p in enumerate(r["P"]) if low <= p < high]
         if not cell:
             continue
-        total, variance = sum(p for p, _ in cell), sum(p * (1 - p) for p, _ in cell)
-        true = sum(t for _, t in cell)
-        p = math.erfc(max(0.0, abs(true - total) - 0.5) / math.sqrt(2 * variance)) if variance > 0 else 1.0
+        total, true, p = sum(p for p, _ in cell), sum(t for _, t in cell), of_probabilities(cell)
         wrong += p < 1e-4
         print(f"| {low:g} to {min(high, 1):g} | {len(cell)} | {total:.2f} | {true} | {p:.2f} |")
 
