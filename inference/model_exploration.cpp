@@ -241,8 +241,7 @@ Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, base
   const auto precisions = precisions_of(modes);
   std::vector<long> counts(modes.size(), 0);
   for (Eigen::Index i = 0; i < draws.rows(); ++i) {
-    const std::vector<double> z(draws.row(i).begin(), draws.row(i).end());
-    const int k = nearest_mode(modes, precisions, z);
+    const int k = nearest_mode(modes, precisions, row(draws, i));
     if (k >= 0) ++counts[static_cast<std::size_t>(k)];
   }
   const std::size_t n = std::min(modes.size(), kLaplace);
@@ -452,8 +451,7 @@ Matrix outlying(const Matrix& draws, const std::vector<Mode>& modes) {
   const auto d = static_cast<double>(draws.cols());
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < draws.rows(); ++i) {
-    const std::vector<double> z = row(draws, i);
-    const int k = nearest_mode(modes, precisions, z);
+    const int k = nearest_mode(modes, precisions, row(draws, i));
     if (k < 0) continue;
     const auto at = static_cast<std::size_t>(k);
     const Vector e =
