@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <functional>
 #include <iostream>
 #include <mutex>
 #include <type_traits>
@@ -15,8 +16,12 @@
 #include "apps/case_file.hpp"
 #include "apps/child_program.hpp"
 #include "apps/failure.hpp"
+#include "apps/failure_of.hpp"
+#include "apps/modal_command.hpp"
+#include "apps/run_cost.hpp"
 #include "apps/running.hpp"
 #include "apps/several_ranks.hpp"
+#include "apps/update_command.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
 #include "io/atomic_file.hpp"
@@ -78,6 +83,56 @@ std::vector<std::string> arguments(const std::string& command, const std::filesy
   if (!sampling.evidence.empty()) out.push_back("--evidence=" + sampling.evidence);
   if (common.resume) out.emplace_back("--resume");
   return out;
+}
+
+using Command = void (*)(const CommonOptions&, const SamplingOptions&);
+Command function_of(const std::string& command) {
+  if (command == "damage") return run_damage;
+  if (command == "sid") return run_sid;
+  if (command == "update") return run_update;
+  return [](const CommonOptions& common, const SamplingOptions&) { run_modal(common); };
+}
+
+/// What the cases would take, a line each, and what all would.
+void estimate_batch(const std::vector<BatchCase>& cases, const CommonOptions& common,
+                    const SamplingOptions& sampling) {
+  const int threads = base::thread_count(common.threads);
+  const int at_a_time = std::min<int>(threads, static_cast<int>(cases.size()));
+  std::vector<double> bytes;
+  RunCost all;
+  std::optional<Failure> first;
+  std::size_t refused = 0;
+  for (const BatchCase& one : cases) {
+    CommonOptions alone = common;
+    alone.case_path = one.path;
+    alone.quiet = true;
+    alone.threads = std::max(1, threads / at_a_time);
+    alone.dry_run = [&](const std::string& what, const RunCost& cost) {
+      std::cout << io::printable(one.name) << ": the " << what << " would take " << in_words(cost)
+                << "\n";
+      bytes.push_back(cost.bytes);
+      all.likelihoods += cost.likelihoods;
+      all.seconds += cost.seconds / at_a_time;
+    };
+    try {
+      const std::string command = command_of(read_case(one.path, common.overrides));
+      function_of(command)(alone, sampling);
+    } catch (...) {
+      const Failure failure = failure_of(std::current_exception(), one.path);
+      std::cout << io::printable(one.name) << ": refused (exit code "
+                << static_cast<int>(failure.exit()) << "): " << failure.what() << "\n";
+      if (!first) first.emplace(failure);
+      ++refused;
+    }
+  }
+  std::ranges::sort(bytes, std::greater{});
+  bytes.resize(std::min(bytes.size(), static_cast<std::size_t>(at_a_time)));
+  for (const double b : bytes) all.bytes += b;
+  std::cout << "All " << cases.size() << ", " << at_a_time << " at a time: " << in_words(all)
+            << "\n";
+  if (first)
+    throw Failure(first->exit(), std::to_string(refused) + " of " + std::to_string(cases.size()) +
+                                     " cases would be refused");
 }
 
 /// Runs each case by a program of its own, on some thread of some rank.
@@ -205,6 +260,7 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   std::vector<BatchCase> cases = read_batch_list(common.case_path);
   std::string names;
   for (const BatchCase& one : cases) names += one.name + '\n';
+  if (common.dry_run) return estimate_batch(cases, common, sampling);
   require_same_on_all_ranks("list", names);
   outlive_readers();
   on_first_rank([&] {

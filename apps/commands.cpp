@@ -215,7 +215,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   }
   const RunCost cost = cost_of_tables(damage_case);
   require_affordable(parsed.file, predictor, cost, common);
-  if (common.dry_run) return print_estimate("table", cost);
+  if (common.dry_run) return common.dry_run("table", cost);
   const auto part = options.part.empty() ? std::pair(0, 1) : parse_part(options.part);
   require_same_on_all_ranks("case", parsed.file.json.dump());
   std::optional<emulator::TableFile> made;
@@ -315,8 +315,8 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   const RunCost cost = explained_cost(*parsed, common, options);
   require_affordable(parsed->file, Pointer(), cost, common);
   if (common.dry_run) {
-    if (tables.likelihoods > 0.0) print_estimate("table", tables);
-    return print_estimate("run", cost);
+    if (tables.likelihoods > 0.0) common.dry_run("table", tables);
+    return common.dry_run("run", cost);
   }
   require_same_on_all_ranks("case", parsed->file.json.dump());
   if (common.resume) {

@@ -4,11 +4,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace wheeltap::apps {
+
+struct RunCost;  // run_cost.hpp
 
 /// Options that commands share.
 struct CommonOptions {
@@ -20,8 +23,9 @@ struct CommonOptions {
   bool quiet = false;
   bool resume = false;
   double checkpoint_seconds = 60.0;  ///< between two of a run; 0: none
-  bool dry_run = false;              ///< says what it would take, and ends
-  double max_memory_gb = 4.0;        ///< estimates beyond these are refused
+  /// Where it is set, a command tells it what it would take ("run", "table"), and ends.
+  std::function<void(const std::string& what, const RunCost& cost)> dry_run;
+  double max_memory_gb = 4.0;  ///< estimates beyond these are refused
   double max_hours = 100.0;
   bool allow_commands = false;  ///< cases may run programs
   std::string command_line;

@@ -9,6 +9,7 @@
 #include "apps/damage_data.hpp"
 #include "apps/damage_parts.hpp"
 #include "apps/modal_data_case.hpp"
+#include "apps/simulation.hpp"
 #include "apps/states_case.hpp"
 #include "apps/structure_case.hpp"
 #include "emulator/gaussian_process.hpp"
@@ -33,6 +34,10 @@ std::string number(double x) {
 
 Pointer at(const char* text) {
   return Pointer(text);
+}
+
+bool has_measured(const Json& data) {
+  return data.contains("frequencies") || data.contains("file") || data.contains("from");
 }
 
 }  // namespace
@@ -499,7 +504,18 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   } else if (json.contains("predictor") && json["predictor"].is_object()) {
     out.emulator = parse_emulator(f, out);
   }
-  const bool states = needs == Needs::data && has_states(f);
+  const bool of_low_rank = std::ranges::all_of(
+      out.kinds, [](const DefectKind& kind) { return kind.type->has_low_rank; });
+  const bool states = needs == Needs::data && (has_states(f) || !of_low_rank);
+  if (states && !has_states(f) && out.simulation && !has_measured(json["data"])) {
+    // Made first, as `wheeltap simulate` makes it, and read then.
+    SimulatedCase made = simulated_damage(f, {});
+    DamageCaseFile read = parse_damage_case({.path = f.path, .json = std::move(made.json)}, needs);
+    read.file = f;
+    read.damage.data.simulated = true;
+    read.damage.data.origin = std::move(made.origin);
+    return read;
+  }
   if (states) {
     take_states(f, model, uniform, out);
   } else if (json.contains("data")) {

@@ -257,6 +257,11 @@ Report structure_of(const DamageCase& damage_case) {
     for (const fem::LumpedChain::Link& link : chain->links)
       links.push_back({{"name", link.name}, {"between", link.between}});
     out.update({{"masses", chain->masses}, {"links", links}});
+  } else if (const auto* matrices =
+                 std::get_if<fem::MatrixStructure>(&damage_case.structure->nominal)) {
+    Report names = Report::array();
+    for (const auto& part : matrices->parts) names.push_back(part.name);
+    out.update({{"degrees_of_freedom", matrices->mass.rows()}, {"substructures", names}});
   }
   Report lines = Report::object();
   for (const DefectKind& kind : damage_case.kinds) {

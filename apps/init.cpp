@@ -245,12 +245,8 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
   const auto shown = [](const std::filesystem::path& path) { return io::printable(path.string()); };
   for (const File& file : files) std::cout << "  " << shown(file.path) << '\n';
   std::cout << "It runs as it is:\n  wheeltap ";
-  const Json written = Json::parse(text);
-  if (written.contains("data") || written.contains("record"))
-    std::cout << kind << ' ' << shown(files[0].path) << " -o "
-              << shown((folder / "results").lexically_normal());
-  else
-    std::cout << "modes " << shown(files[0].path);
+  std::cout << kind << ' ' << shown(files[0].path) << " -o "
+            << shown((folder / "results").lexically_normal());
   std::cout << "\nThen make it yours: " << shown(files[1].path) << " explains every key.\n";
 }
 

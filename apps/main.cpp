@@ -11,6 +11,7 @@
 
 #include "apps/batch_command.hpp"
 #include "apps/commands.hpp"
+#include "apps/compare_command.hpp"
 #include "apps/data_command.hpp"
 #include "apps/explain.hpp"
 #include "apps/failure_of.hpp"
@@ -20,6 +21,7 @@
 #include "apps/nearest.hpp"
 #include "apps/program_text.hpp"
 #include "apps/report/report.hpp"
+#include "apps/run_cost.hpp"
 #include "apps/section_command.hpp"
 #include "apps/serve_command.hpp"
 #include "apps/several_ranks.hpp"
@@ -175,8 +177,9 @@ int run(int argc, char** argv) {
         ->check(positive());
   };
   const auto add_dry_run = [&](CLI::App* command) {
-    command->add_flag("--dry-run", common.dry_run,
-                      "say what the run would take, and do nothing else");
+    command->add_flag_callback(
+        "--dry-run", [&] { common.dry_run = apps::print_estimate; },
+        "say what the run would take, and do nothing else");
     command->get_option("--output")->required(false);  // unless it runs
   };
   const auto add_allow_commands = [&](CLI::App* command) {
@@ -317,6 +320,7 @@ int run(int argc, char** argv) {
   add_sampling(batch_command);
   add_allow_commands(batch_command);
   add_limits(batch_command);
+  add_dry_run(batch_command);
   batch_command->add_flag("--resume", common.resume,
                           "keep finished runs, go on with interrupted ones, run the others");
 
@@ -360,6 +364,17 @@ int run(int argc, char** argv) {
   report_command->add_option("DIR", common.output, "the folder of the run")->required();
   report_command->add_flag("--figures", drawing.figures,
                            "write the figures as SVG files too (needs Node.js)");
+
+  apps::CompareOptions comparing;
+  CLI::App* compare_command = app.add_subcommand(
+      "compare", "which of several finished runs' cases explains the data that they share");
+  compare_command->add_option("DIR", comparing.folders, "the folders of the runs")->required();
+  compare_command
+      ->add_option("--prior", comparing.prior,
+                   "their prior weights, one a folder, after commas (default: all alike)")
+      ->delimiter(',')
+      ->check(positive());
+  compare_command->add_flag("--json", comparing.json, "as JSON");
 
   std::string starting;
   std::filesystem::path start_in = ".";
@@ -422,8 +437,8 @@ int run(int argc, char** argv) {
   }
   try {
     if (base::ranks() != nullptr) apps::require_equal_processors();
-    for (const CLI::App* runs :
-         {table_command, damage_command, sid_command, update_command, modal_command}) {
+    for (const CLI::App* runs : {table_command, damage_command, sid_command, update_command,
+                                 modal_command, batch_command}) {
       if (runs->parsed() && common.output.empty() && !common.dry_run) {
         throw apps::Failure(Exit::usage,
                             "--output is required (see wheeltap " + runs->get_name() + " --help)");
@@ -443,6 +458,7 @@ int run(int argc, char** argv) {
     if (report_command->parsed()) apps::run_report(common.output, drawing);
     if (init_command->parsed()) apps::run_init(starting, start_structure, start_in);
     if (laws_command->parsed()) apps::run_laws(laws);
+    if (compare_command->parsed()) apps::run_compare(comparing);
     if (schema_command->parsed()) apps::run_schema(schema);
     if (explain_command->parsed()) std::cout << apps::explanation(key);
     if (completion_command->parsed()) std::cout << apps::completion(text_of(app), shell);

@@ -10,6 +10,7 @@
 #include "apps/modal_case.hpp"
 #include "apps/modal_page.hpp"
 #include "apps/modal_words.hpp"
+#include "apps/run_cost.hpp"
 #include "apps/running.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/summary.hpp"
@@ -387,6 +388,8 @@ void run_modal(const CommonOptions& common) {
     const ModalCaseFile modal = parse_modal_case(std::move(file));
     double numbers = 0.0;
     for (const SetUp& set_up : modal.set_ups) {
+      numbers += static_cast<double>(set_up.records.size());
+      if (common.quiet) continue;
       std::cout << (modal.set_ups.size() > 1 ? io::printable(set_up.name) + ": " : "")
                 << set_up.sensors.size() << " responses of ";
       if (set_up.responses) {
@@ -396,10 +399,8 @@ void run_modal(const CommonOptions& common) {
         std::cout << base::grouped(set_up.records.cols()) << " samples at "
                   << significant(set_up.options.sample_rate_hz, 6) << " Hz\n";
       }
-      numbers += static_cast<double>(set_up.records.size());
     }
-    std::cout << "seconds each, and " << significant(4.0 * 8e-6 * numbers + 200.0, 2) << " MB\n";
-    return;
+    return common.dry_run("identification", cost_of_modes(numbers));
   }
   make_output_folder(common.output);
   const ModalRun run = identify_modal(std::move(file), common);

@@ -61,8 +61,8 @@ namespace {
 // Of a parameter that all models have: its name, unless something else is called so.
 std::string common_variable(const std::string& name) {
   static const std::set<std::string> taken = {
-      "model", "k",    "chain", "draw", "slot", "location",  "reduction", "member",
-      "node",  "link", "depth", "mass", "mode", "stiffness", "extent"};
+      "model", "k",    "chain",        "draw",  "slot", "location", "reduction", "member",
+      "node",  "link", "substructure", "depth", "mass", "mode",     "stiffness", "extent"};
   const bool free = !taken.contains(name) && !name.starts_with("k_");
   return variable_of(free ? name : "parameter_" + name);
 }

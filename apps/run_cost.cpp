@@ -120,6 +120,11 @@ RunCost cost_of_damages(const identification::DamageCase& damage_case, const Com
   return cost;
 }
 
+RunCost cost_of_modes(double numbers) {
+  // Measured: 2 s for eight channels of 61 440 samples, 90 s for twenty of a million.
+  return {.bytes = 2e8 + 4.0 * 8.0 * numbers, .seconds = 1.0 + 4e-6 * numbers};
+}
+
 RunCost cost_of_truth(const CaseFile& file) {
   if (!file.json.contains("truth")) return {};
   const Json& truth = file.json["truth"];

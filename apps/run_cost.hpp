@@ -20,7 +20,7 @@ struct RunCost {
 /// "about 0.02 GB and 120 000 likelihoods of 0.3 ms: 10 s on 4 threads".
 [[nodiscard]] std::string in_words(const RunCost& cost);
 
-/// Says so of a "run", a "table", on standard output.
+/// Says so of a "run", a "table", on standard output: CommonOptions::dry_run of one case.
 void print_estimate(const std::string& what, const RunCost& cost);
 
 /// Throws Failure (65) at `where` for what takes more than --max-memory or --max-hours allow, with
@@ -46,6 +46,9 @@ struct Sampled {
 /// spectrum are not built for that.
 [[nodiscard]] RunCost cost_of_damages(const identification::DamageCase& damage_case,
                                       const CommonOptions& common, const SamplingOptions& options);
+
+/// Of modes from so many measured numbers.
+[[nodiscard]] RunCost cost_of_modes(double numbers);
 
 /// Of a record that is simulated from the truth, from a case that its schema has passed; none
 /// without a truth.

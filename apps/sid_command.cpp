@@ -120,7 +120,7 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   const auto parsed = std::make_shared<const SidCaseFile>(parse_sid_case(std::move(file)));
   const RunCost cost = cost_of_sid(*parsed, common, options);
   require_affordable(parsed->file, Pointer(), cost, common);
-  if (common.dry_run) return print_estimate("run", cost);
+  if (common.dry_run) return common.dry_run("run", cost);
   const Report asked = options_report(options);
   require_same_on_all_ranks("case", parsed->file.json.dump());
   if (common.resume) {

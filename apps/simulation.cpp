@@ -44,6 +44,9 @@ Json with_simulated(const DamageCaseFile& parsed, const FrequencyData& data, std
   Json json = parsed.file.json;
   for (const char* key : {"file", "columns", "row", "modes", "seed"}) json["data"].erase(key);
   json["data"]["frequencies"] = data.frequencies_hz;
+  const auto says = [&](const char* key) { return json["data"].contains(key); };
+  if (!says("cov") && !says("sd") && !says("covariance"))
+    json["data"]["cov"] = damage_case.simulation->cv;
   if (damage_case.modal && !damage_case.modal->sensors.empty()) {
     json["data"]["shapes"] = rows_of(
         explained(parsed, [&] { return simulated_shapes(damage_case, data.modes(), seed); }));

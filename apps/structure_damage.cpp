@@ -105,6 +105,15 @@ class KindParser {
       for (const auto& link : chain->links) out.names.push_back(link.name);
       return out;
     }
+    const auto* matrices = std::get_if<fem::MatrixStructure>(&out_.structure->nominal);
+    if (type.sites == Sites::substructures) {
+      if (matrices == nullptr)
+        file_.refuse(where / "kind",
+                     "a substructure is a part of \"matrices\"; this structure has none");
+      out.what = "substructure";
+      for (const auto& part : matrices->parts) out.names.push_back(part.name);
+      return out;
+    }
     if (chain != nullptr && &type == &defects::kFloorMass) {
       out.what = "mass";
       for (std::size_t i = 0; i < chain->masses.size(); ++i)
@@ -112,9 +121,8 @@ class KindParser {
       return out;
     }
     if (!mesh_)
-      file_.refuse(where / "kind", chain
-                                       ? "needs members; a \"chain\" has \"storey\" and \"mass\""
-                                       : "needs members; this version knows no damage of matrices");
+      file_.refuse(where / "kind", chain ? "needs members; a \"chain\" has \"storey\" and \"mass\""
+                                         : "needs members; \"matrices\" have \"substructure\"");
     const fem::Structure& s = mesh_->structure();
     if (type.sites == Sites::nodes) {
       out.what = "node";

@@ -25,10 +25,10 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   if (parsed->outside && common.dry_run) {
     if (const auto& front = parsed->outside->emulator) {
       const auto d = static_cast<int>(parsed->outside->order.size());
-      print_estimate("emulator", {.likelihoods = static_cast<double>(front->runs_for(d) +
+      common.dry_run("emulator", {.likelihoods = static_cast<double>(front->runs_for(d) +
                                                                      front->holdout_for(d))});
     }
-    return print_estimate("run", cost_of_outside(*parsed, common, options));
+    return common.dry_run("run", cost_of_outside(*parsed, common, options));
   }
   if (parsed->outside && base::ranks() != nullptr)
     throw Failure(Exit::usage, "a predictor of one's own runs in one process, not under mpirun");
@@ -46,7 +46,7 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   const auto problem = prepare_update(*parsed, common, watch);
   const RunCost cost = cost_of_update(*problem, common, options);
   require_affordable(parsed->file, Pointer(), cost, common);
-  if (common.dry_run) return print_estimate("run", cost);
+  if (common.dry_run) return common.dry_run("run", cost);
   std::optional<RunFiles> files;
   on_first_rank([&] { files.emplace(common.output); });
   CheckpointFile checkpoint(common.output,

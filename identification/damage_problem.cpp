@@ -161,6 +161,7 @@ FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
       motions_.push_back(sensor.motion);
     shapes_.resize(all_.size() * motions_.size());
   }
+  if (problem.states) states_workspace_ = problem.states->make_workspace();
   if (problem.structure) {
     structure_workspace_ = problem.structure->make_workspace();
   } else if (problem.reanalysis) {
@@ -337,7 +338,7 @@ bool FrequencyPredictor::score(int model, std::span<const double> x, ModalLikeli
   for (const DamageProblem::Component& c : problem_.components(model, x))
     in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
   const auto theta = x.subspan(static_cast<std::size_t>(problem_.scatters));
-  if (!problem_.states->solve(theta, in_structure_, of_states_)) return false;
+  if (!problem_.states->solve(theta, in_structure_, states_workspace_, of_states_)) return false;
   out = problem_.states->score(of_states_, noise);
   return true;
 }

@@ -94,6 +94,7 @@ class FrequencyPredictor {
   std::vector<PlacedDefect> in_structure_;
   fem::ParametricModes::Modes modes_;
   std::vector<fem::ParametricModes::Modes> of_states_;
+  StatesLikelihood::Workspace states_workspace_ = {};
   std::size_t rigid_;
   std::vector<double> all_, shapes_;
   std::vector<fem::SparseRow> motions_;

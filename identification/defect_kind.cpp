@@ -5,14 +5,15 @@
 #include "identification/defects/mass.hpp"
 #include "identification/defects/reduction.hpp"
 #include "identification/defects/storey.hpp"
+#include "identification/defects/substructure.hpp"
 #include "identification/defects/support.hpp"
 
 namespace wheeltap::identification {
 
 const std::vector<const DefectType*>& defect_types() {
   static const std::vector<const DefectType*> list = {
-      &defects::kReduction, &defects::kSupport, &defects::kCrack,
-      &defects::kJoint,     &defects::kMass,    &defects::kStorey,
+      &defects::kReduction, &defects::kSupport, &defects::kCrack,        &defects::kJoint,
+      &defects::kMass,      &defects::kStorey,  &defects::kSubstructure,
   };
   return list;
 }

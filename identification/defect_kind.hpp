@@ -51,7 +51,7 @@ struct DefectType {
   void (*place_in_structure)(const DefectKind&, const SiteLine::Spot&, double severity,
                              StructureEffects& out) = nullptr;
   /// What it may be found on in a structure.
-  enum class Sites { members, nodes, links };
+  enum class Sites { members, nodes, links, substructures };
   Sites sites = Sites::members;
   /// A beam has no nodes or links that a case names.
   [[nodiscard]] std::string noun_plural() const {
@@ -61,6 +61,9 @@ struct DefectType {
   /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport: the
   /// solver's gradients are those of the defect.
   bool is_elementary = false;
+  /// What it does to a structure is of low rank: the reanalysis takes it. What it is not is solved
+  /// by StatesLikelihood.
+  bool has_low_rank = true;
   /// Two in one element compound, 1 - r = (1 - r₁)(1 - r₂): they can be split and merged.
   bool compounds = false;
 };
@@ -99,13 +102,15 @@ struct DefectKind {
   [[nodiscard]] const inference::Prior* severity_prior() const {
     return std::get_if<inference::Prior>(&severity);
   }
-  /// "member", "node" or "link": what its line consists of, in a structure.
+  /// "member", "node", "link" or "substructure": what its line consists of, in a structure.
   [[nodiscard]] std::string site_name() const {
     switch (type->sites) {
       case DefectType::Sites::nodes:
         return "node";
       case DefectType::Sites::links:
         return "link";
+      case DefectType::Sites::substructures:
+        return "substructure";
       default:
         return "member";
     }

@@ -21,6 +21,7 @@ using Modes = fem::ParametricModes::Modes;
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr int kTraining = 200;  // structures that a reduced basis is tried on
 
 bool same_masses(const ObservedState& a, const ObservedState& b) {
   return std::ranges::equal(a.masses, b.masses, [](const auto& x, const auto& y) {
@@ -46,12 +47,11 @@ double tolerance_of(const ObservedStates& states) {
 StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
                                    std::vector<DefectKind> kinds)
     : states_(std::move(states)), kinds_(std::move(kinds)), joined_(states_->joined()) {
-  std::vector<double> theta;
-  for (const auto& parameter : states_->parameters())
-    theta.push_back(parameter.prior.from_standard_normal(0.0));
+  const bool matrices = std::holds_alternative<fem::MatrixStructure>(states_->model->nominal);
+  if (matrices) scales_ = scales_of(*states_->model);
+  const std::vector<double> theta = draw(-1).x;
   int held = 0;
   for (const DefectKind& kind : kinds_) held += kind.type->may_be_known ? kind.max_count : 0;
-  const double tolerance = tolerance_of(*states_);
   for (std::size_t s = 0; s < states_->list.size(); ++s) {
     const ObservedState& state = states_->list[s];
     try {
@@ -68,7 +68,7 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
     if (group != groups_.end())
       group->states.push_back(static_cast<int>(s));
     else
-      groups_.push_back({.states = {static_cast<int>(s)}, .solver = nullptr});
+      groups_.push_back({.states = {static_cast<int>(s)}});
   }
   for (Group& group : groups_) {
     const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
@@ -82,9 +82,62 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
       throw std::invalid_argument(state.name + ": " + std::to_string(modes) +
                                   " modes: must be at most " + std::to_string(available) +
                                   ", the elastic modes that the structure has");
-    group.solver = std::make_shared<const fem::SubspaceModes>(
-        d, fem::SubspaceModes::Options{.modes = modes, .tolerance = tolerance});
+    if (matrices)
+      group.reduced = reduced_basis(group, modes);
+    else
+      group.solver = std::make_shared<const fem::SubspaceModes>(
+          d, fem::SubspaceModes::Options{.modes = modes, .tolerance = tolerance_of(*states_)});
   }
+}
+
+std::shared_ptr<const fem::ParametricModes> StatesLikelihood::reduced_basis(const Group& group,
+                                                                            int modes) const {
+  const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
+  const auto matrices = std::make_shared<const fem::MatrixStructure>(
+      std::get<fem::MatrixStructure>(states_->model->nominal));
+  fem::StructureFamily family;
+  const Draw median = draw(-1);
+  family.nominal = scales(median.x, {}, state);
+  for (const auto& part : matrices->parts) family.parts.push_back(part.stiffness);
+  family.scales = [](std::span<const double> q) { return std::vector<double>(q.begin(), q.end()); };
+  family.at = [matrices, masses = state.masses](std::span<const double> q) {
+    fem::MatrixStructure structure = *matrices;
+    for (std::size_t j = 0; j < q.size(); ++j) structure.parts[j].change = q[j] - 1.0;
+    const fem::Discretisation d = discretise(structure);
+    return masses.empty() ? d : fem::changed(d, {.masses = masses});
+  };
+  std::vector<std::vector<double>> training;
+  for (int i = 0; i < kTraining; ++i) {
+    const Draw one = draw(i);
+    training.push_back(
+        scales(one.x, state.damaged ? one.defects : std::vector<PlacedDefect>{}, state));
+  }
+  double sd = std::numeric_limits<double>::infinity();
+  std::vector<fem::SparseRow> motions;
+  for (const int s : group.states) {
+    const ModalLikelihood& one = of(s);
+    for (const Sensor& sensor : one.data().sensors) motions.push_back(sensor.motion);
+    for (int i = 0; i < one.data().modes(); ++i)
+      if (one.shape(i))
+        sd = std::min(sd, one.data().shape_sd_prior
+                              ? one.data().shape_sd_prior->from_standard_normal(-2.0)
+                              : one.shape(i)->sd());
+  }
+  return std::make_shared<const fem::ParametricModes>(
+      std::make_shared<const fem::ParametricStructure>(std::move(family), training), training,
+      fem::ParametricModesOptions{.modes = modes,
+                                  .motions = std::move(motions),
+                                  .tolerance = tolerance_of(*states_),
+                                  .shape_tolerance = std::clamp(0.2 * sd, 1e-4, 1e-2)});
+}
+
+std::vector<double> StatesLikelihood::scales(std::span<const double> x,
+                                             const std::vector<PlacedDefect>& defects,
+                                             const ObservedState& state) const {
+  std::vector<double> out = scales_(states_->values(x, state));
+  for (const auto& scaling : structure_change(kinds_, defects, nullptr).scalings)
+    out[static_cast<std::size_t>(scaling.part)] *= scaling.remaining;
+  return out;
 }
 
 int StatesLikelihood::measured() const {
@@ -216,32 +269,88 @@ fem::Discretisation StatesLikelihood::structure(std::span<const double> x,
   return change.empty() ? d : fem::changed(d, change);
 }
 
+StatesLikelihood::Workspace StatesLikelihood::make_workspace() const {
+  Workspace out;
+  for (const Group& group : groups_) {
+    out.groups.emplace_back();
+    if (group.reduced) out.groups.back().emplace(group.reduced->make_workspace());
+  }
+  return out;
+}
+
+bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
+                             const std::vector<PlacedDefect>& defects,
+                             std::optional<fem::ParametricModes::Workspace>& workspace,
+                             Modes& out) const {
+  const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
+  try {
+    if (group.reduced) {
+      group.reduced->solve(scales(x, state.damaged ? defects : std::vector<PlacedDefect>{}, state),
+                           *workspace, out);
+      return out.eigenvalues.allFinite() && out.eigenvalues.minCoeff() > 0.0;
+    }
+    fem::SubspaceModes::Found found;
+    if (!group.solver->solve(structure(x, defects, state), found)) return false;
+    out.eigenvalues = std::move(found.eigenvalues);
+    Index sensors = 0;
+    for (const int s : group.states) sensors += static_cast<Index>(of(s).data().sensors.size());
+    out.shapes.resize(sensors, found.shapes.cols());
+    Index row = 0;
+    for (const int s : group.states)
+      for (const Sensor& sensor : of(s).data().sensors) {
+        for (Index m = 0; m < out.shapes.cols(); ++m)
+          out.shapes(row, m) = sensor.motion.of(found.shapes.col(m));
+        ++row;
+      }
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;  // no such structure
+  } catch (const std::runtime_error&) {
+    return false;  // so near to a mechanism that the solver gives up
+  }
+}
+
 bool StatesLikelihood::solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
-                             std::vector<Modes>& out) const {
+                             Workspace& workspace, std::vector<Modes>& out) const {
   out.resize(likelihoods_.size());
   const double per_kelvin = states_->per_kelvin ? x[states_->unknown.size()] : 0.0;
-  fem::SubspaceModes::Found found;
-  for (const Group& group : groups_) {
-    try {
-      const auto& state = states_->list[static_cast<std::size_t>(group.states[0])];
-      if (!group.solver->solve(structure(x, defects, state), found)) return false;
-    } catch (const std::invalid_argument&) {
-      return false;  // no such structure
-    }
-    for (const int s : group.states) {
+  Modes found;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!solve(groups_[g], x, defects, workspace.groups[g], found)) return false;
+    Index row = 0;
+    for (const int s : groups_[g].states) {
       const ObservedState& state = states_->list[static_cast<std::size_t>(s)];
       const double stiffer = 1.0 + per_kelvin * state.temperature;
       if (!(stiffer > 0.0)) return false;
       Modes& modes = out[static_cast<std::size_t>(s)];
       modes.eigenvalues = stiffer * found.eigenvalues;
-      modes.shapes.resize(static_cast<Index>(state.data.sensors.size()), found.shapes.cols());
-      for (Index i = 0; i < modes.shapes.rows(); ++i)
-        for (Index m = 0; m < modes.shapes.cols(); ++m)
-          modes.shapes(i, m) =
-              state.data.sensors[static_cast<std::size_t>(i)].motion.of(found.shapes.col(m));
+      const auto sensors = static_cast<Index>(state.data.sensors.size());
+      modes.shapes = found.shapes.middleRows(row, sensors);
+      row += sensors;
     }
   }
   return true;
+}
+
+StatesLikelihood::Draw StatesLikelihood::draw(int i) const {
+  Draw out;
+  const bool median = i < 0;
+  base::Random random(1, 0, static_cast<std::uint64_t>(std::max(0, i)), base::Purpose::fit);
+  const auto of_prior = [&](const inference::Prior& p) {
+    return p.from_standard_normal(median ? 0.0 : random.normal());
+  };
+  for (const auto& parameter : states_->parameters()) out.x.push_back(of_prior(parameter.prior));
+  for (std::size_t k = 0; k < kinds_.size() && !median && i % 4 != 0; ++k) {
+    const DefectKind& kind = kinds_[k];
+    const int count = kind.max_count > 0 ? 1 + i / 4 % kind.max_count : 0;
+    for (int c = 0; c < count; ++c)
+      out.defects.push_back({.kind = static_cast<int>(k),
+                             .location = of_prior(kind.location),
+                             .severity = kind.severity_prior() ? of_prior(*kind.severity_prior())
+                                                               : kind.known_severity(),
+                             .extent = kind.extent_prior ? of_prior(*kind.extent_prior) : 0.0});
+  }
+  return out;
 }
 
 std::vector<double> StatesLikelihood::frequencies_anywhere(
@@ -251,7 +360,8 @@ std::vector<double> StatesLikelihood::frequencies_anywhere(
   for (const auto& parameter : states_->parameters())
     x.push_back(parameter.prior.from_standard_normal(0.5 * random.normal()));
   std::vector<Modes> found;
-  if (!solve(x, defects, found)) return out;
+  Workspace workspace = make_workspace();
+  if (!solve(x, defects, workspace, found)) return out;
   for (const Modes& modes : found)
     for (const double lambda : modes.eigenvalues) out.push_back(std::sqrt(lambda) / kTwoPi);
   return out;
@@ -259,28 +369,13 @@ std::vector<double> StatesLikelihood::frequencies_anywhere(
 
 StatesLikelihood::Check StatesLikelihood::check(int points) const {
   Check out;
-  const auto parameters = states_->parameters();
+  Workspace workspace = make_workspace();
   std::vector<Modes> found;
   std::chrono::duration<double> took{};
   for (int i = 0; i < points; ++i) {
-    base::Random random(1, 0, static_cast<std::uint64_t>(i), base::Purpose::fit);
-    std::vector<double> x;
-    for (const auto& parameter : parameters)
-      x.push_back(parameter.prior.from_standard_normal(random.normal()));
-    std::vector<PlacedDefect> defects;
-    for (std::size_t k = 0; k < kinds_.size() && i % 4 != 0; ++k) {
-      const DefectKind& kind = kinds_[k];
-      const auto draw = [&](const inference::Prior& p) {
-        return p.from_standard_normal(random.normal());
-      };
-      defects.push_back(
-          {.kind = static_cast<int>(k),
-           .location = draw(kind.location),
-           .severity = kind.severity_prior() ? draw(*kind.severity_prior()) : kind.known_severity(),
-           .extent = kind.extent_prior ? draw(*kind.extent_prior) : 0.0});
-    }
+    const auto [x, defects] = draw(i);
     const auto began = std::chrono::steady_clock::now();
-    const bool solved = solve(x, defects, found);
+    const bool solved = solve(x, defects, workspace, found);
     took += std::chrono::steady_clock::now() - began;
     if (!solved) continue;
     ++out.points;

@@ -7,10 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "fem/structures/parametric_modes.hpp"
 #include "fem/structures/subspace_modes.hpp"
 #include "identification/damage_case.hpp"
 #include "identification/modal_likelihood.hpp"
 #include "identification/observed_states.hpp"
+#include "identification/structure_family.hpp"
 
 namespace wheeltap::identification {
 
@@ -32,7 +34,9 @@ namespace wheeltap::identification {
 ///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, less as much at mode k.
 ///
 /// Each state's structure is assembled at θ, changed by its damages and masses, and solved by
-/// SubspaceModes. States that differ by temperature alone share a solution.
+/// SubspaceModes. States that differ by temperature alone share a solution. Matrices of another
+/// program, K = Σ q_j K_j, are solved by ParametricModes: what changes are the q_j, by θ and by the
+/// damages, whatever the rank of K_j.
 class StatesLikelihood {
  public:
   /// `kinds`: of the damages; none in an update. Throws std::invalid_argument for data that do not
@@ -59,10 +63,16 @@ class StatesLikelihood {
   [[nodiscard]] ModalLikelihood::Score score(const std::vector<fem::ParametricModes::Modes>& modes,
                                              const ModalNoise& noise) const;
 
+  /// Scratch memory of one thread.
+  struct Workspace {
+    std::vector<std::optional<fem::ParametricModes::Workspace>> groups;
+  };
+  [[nodiscard]] Workspace make_workspace() const;
+
   /// The modes of each state. False where there is no such structure. `x`: as
   /// `ObservedStates::parameters`.
   bool solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
-             std::vector<fem::ParametricModes::Modes>& out) const;
+             Workspace& workspace, std::vector<fem::ParametricModes::Modes>& out) const;
 
   /// All computed frequencies [Hz] at a draw of the priors that is no special place: what is alike
   /// there is alike. Empty where there is no such structure.
@@ -70,7 +80,7 @@ class StatesLikelihood {
       const std::vector<PlacedDefect>& defects) const;
 
   /// Largest relative error of a frequency against full solutions at `points` draws of the priors,
-  /// one defect of each kind among them, and how many modes Sturm's count misses.
+  /// defects of each kind among them, and how many modes Sturm's count misses.
   struct Check {
     double largest_error = 0.0;
     int points = 0, missed = 0;
@@ -85,8 +95,27 @@ class StatesLikelihood {
                   Eigen::MatrixXd& covariance) const;
   struct Group {
     std::vector<int> states;  // that differ by temperature alone
-    std::shared_ptr<const fem::SubspaceModes> solver;
+    std::shared_ptr<const fem::SubspaceModes> solver = {};
+    std::shared_ptr<const fem::ParametricModes> reduced = {};  // in its place, of matrices
   };
+  /// A draw of the priors, every fourth without damages, the others with 1, 2, … of each kind; the
+  /// medians at -1.
+  struct Draw {
+    std::vector<double> x;
+    std::vector<PlacedDefect> defects;
+  };
+  [[nodiscard]] Draw draw(int i) const;
+  [[nodiscard]] std::shared_ptr<const fem::ParametricModes> reduced_basis(const Group& group,
+                                                                          int modes) const;
+  /// Modes of the structure of a group, shapes at the sensors of its states one after the other.
+  bool solve(const Group& group, std::span<const double> x,
+             const std::vector<PlacedDefect>& defects,
+             std::optional<fem::ParametricModes::Workspace>& workspace,
+             fem::ParametricModes::Modes& out) const;
+  /// q_j of each matrix.
+  [[nodiscard]] std::vector<double> scales(std::span<const double> x,
+                                           const std::vector<PlacedDefect>& defects,
+                                           const ObservedState& state) const;
   /// The structure of a state, changed. Throws ImpossibleChange, std::invalid_argument.
   [[nodiscard]] fem::Discretisation structure(std::span<const double> x,
                                               const std::vector<PlacedDefect>& defects,
@@ -98,6 +127,7 @@ class StatesLikelihood {
   std::vector<ModalLikelihood> likelihoods_;
   std::vector<Place> places_;
   std::vector<Group> groups_;
+  MatrixScales scales_;  // of matrices
 };
 
 }  // namespace wheeltap::identification

@@ -209,12 +209,13 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
 
 ModePredictor::ModePredictor(const UpdateProblem& problem) : problem_(problem) {
   if (problem.modes) workspace_ = problem.modes->make_workspace();
+  if (problem.states) states_workspace_ = problem.states->make_workspace();
 }
 
 bool ModePredictor::solve(std::span<const double> x) {
   if (problem_.outside) return ask_outside(x);
   if (problem_.states) {
-    if (!problem_.states->solve(problem_.theta(x), {}, of_states_)) return false;
+    if (!problem_.states->solve(problem_.theta(x), {}, states_workspace_, of_states_)) return false;
     modes_ = of_states_.back();
     return true;
   }

@@ -90,6 +90,7 @@ class ModePredictor {
   std::vector<double> frequencies_hz_, variance_;
   std::optional<fem::ParametricModes::Workspace> workspace_;
   std::vector<fem::ParametricModes::Modes> of_states_;
+  StatesLikelihood::Workspace states_workspace_ = {};
   fem::ParametricModes::Modes modes_;
   fem::ParametricModes::Slopes slopes_;
 };

@@ -10,9 +10,9 @@
 #include <numeric>
 #include <utility>
 
-#include "base/parallel.hpp"
-#include "base/parcel.hpp"
+#include "base/random.hpp"
 #include "inference/convergence.hpp"
+#include "inference/evidence/multiple_importance_sampling.hpp"
 #include "inference/evidence/tmcmc.hpp"
 #include "inference/normal_mixture.hpp"
 #include "inference/standard_normal.hpp"
@@ -22,12 +22,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr int kReplicates = 4;        // of sequential Monte Carlo
-constexpr int kClimbsFromDraws = 8;   // from its draws
-constexpr std::size_t kLaplace = 40;  // modes whose normals enter the mixture
-constexpr double kDefensive = 0.05;   // the prior's weight in it
-constexpr double kWider = 1.5;        // of the variances of modes' normals in a proposal
-constexpr double kGoodShare = 0.5;    // of the draws effective: no further round is needed
+constexpr int kReplicates = 4;               // of sequential Monte Carlo
+constexpr int kClimbsFromDraws = 8;          // from its draws
+constexpr std::size_t kClimbsOnTheWay = 24;  // from those of an annealing that was cut short
+constexpr std::size_t kLaplace = 40;         // modes whose normals enter the mixture
+constexpr double kDefensive = 0.05;          // the prior's weight in it
+constexpr double kWider = 1.5;               // of the variances of modes' normals in a proposal
+constexpr double kGoodShare = 0.5;           // of the draws effective: no further round is needed
 constexpr Eigen::Index kPopulation = 4000;
 constexpr Eigen::Index kFitted = 2000;            // draws that a proposal is fitted to
 constexpr std::array<int, 2> kComponents{8, 20};  // of it, at first and where that does not do
@@ -36,9 +37,9 @@ constexpr std::array<int, 2> kComponents{8, 20};  // of it, at first and where t
 constexpr double kLacking = 0.003;
 constexpr int kOfRidges = 80;
 constexpr int kMoreRounds = 4;
-constexpr int kBlock = 250;           // draws a job
 constexpr double kOneMode = 0.99;     // share of a mode that holds everything
 constexpr int kBriefParticles = 200;  // where it does
+constexpr long kBriefCalls = 20'000;
 constexpr double kFar = 8.0;  // of the scatter of a χ² about its mean: a draw of no known mode
 
 using Matrix = Eigen::MatrixXd;
@@ -97,143 +98,6 @@ void add_fit(const Matrix& draws, int most, double share, base::Random& random,
   }
 }
 
-// Draws of all rounds, weighted against the mixture of all their proposals (balance heuristic).
-class ImportanceSampler {
- public:
-  ImportanceSampler(const Problem& problem, int model, const ExplorationOptions& options)
-      : problem_(problem), model_(model), options_(options) {}
-
-  void add(const NormalMixture& proposal, int n) {
-    const auto d = static_cast<std::size_t>(proposal.dimension());
-    const std::size_t before = log_posterior_.size();
-    const auto total = before + static_cast<std::size_t>(n);
-    z_.resize(total * d);
-    log_posterior_.resize(total);
-    const int blocks = (n + kBlock - 1) / kBlock;
-    std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
-    base::parallel_for(
-        blocks, options_.threads,
-        [&](int block) {
-          ModelPosterior posterior(problem_, model_);
-          base::Random random(options_.seed,
-                              static_cast<std::uint64_t>(block) | (std::uint64_t{1} << 61U),
-                              static_cast<std::uint64_t>(model_) |
-                                  static_cast<std::uint64_t>(proposals_.size()) << 32U,
-                              base::Purpose::evidence);
-          const auto begin = before + static_cast<std::size_t>(block) * kBlock;
-          const auto end = std::min(begin + kBlock, total);
-          for (std::size_t i = begin; i < end; ++i) proposal.sample(random, {z_.data() + i * d, d});
-          std::vector<ModelPosterior::Value> values(end - begin);
-          posterior.evaluate({z_.data() + begin * d, (end - begin) * d}, values);
-          for (std::size_t i = begin; i < end; ++i)
-            log_posterior_[i] = values[i - begin].log_posterior();
-          counted[static_cast<std::size_t>(block)] = posterior.evaluations();
-        },
-        base::carriage([&](int block, auto& parcel) {
-          const auto begin = before + static_cast<std::size_t>(block) * kBlock;
-          const auto size = std::min<std::size_t>(kBlock, total - begin);
-          parcel(std::span(z_).subspan(begin * d, size * d),
-                 std::span(log_posterior_).subspan(begin, size),
-                 counted[static_cast<std::size_t>(block)]);
-        }));
-    for (const long c : counted) evaluations_ += c;
-    // The mixture of all proposals, at old draws and new.
-    log_proposals_.resize(total, -kInfinity);
-    for (std::size_t i = 0; i < before; ++i)
-      accumulate(log_proposals_[i], std::log(n) + proposal.log_density({z_.data() + i * d, d}));
-    for (std::size_t i = before; i < total; ++i) {
-      for (std::size_t r = 0; r < proposals_.size(); ++r)
-        accumulate(log_proposals_[i],
-                   std::log(sizes_[r]) + proposals_[r].log_density({z_.data() + i * d, d}));
-      accumulate(log_proposals_[i], std::log(n) + proposal.log_density({z_.data() + i * d, d}));
-    }
-    proposals_.push_back(proposal);
-    sizes_.push_back(n);
-    weigh(total);
-  }
-
-  [[nodiscard]] double effective_draws() const { return effective_; }
-  [[nodiscard]] double efficiency() const {
-    return effective_ / static_cast<double>(std::max<std::size_t>(1, weights_.size()));
-  }
-  [[nodiscard]] long evaluations() const { return evaluations_; }
-  [[nodiscard]] const std::vector<double>& weights() const { return weights_; }  ///< sum 1
-  [[nodiscard]] std::span<const double> z(std::size_t i) const {
-    const std::size_t d = z_.size() / log_posterior_.size();
-    return {z_.data() + i * d, d};
-  }
-
-  [[nodiscard]] Evidence evidence() const {
-    Evidence e = kNoEvidence;
-    e.likelihood_evaluations = evaluations_;
-    if (!(effective_ > 1.0)) return e;
-    e.log_evidence = log_mean_;
-    const auto n = static_cast<double>(weights_.size());
-    e.standard_error = std::sqrt(std::max(0.0, (n / effective_ - 1.0) / (n - 1.0)));
-    return e;
-  }
-
-  /// ln of the mixture of all proposals, each counted as often as it was drawn from.
-  [[nodiscard]] double log_proposal(std::span<const double> z) const {
-    double sum = -kInfinity;
-    for (std::size_t r = 0; r < proposals_.size(); ++r)
-      accumulate(sum, std::log(sizes_[r]) + proposals_[r].log_density(z));
-    return sum - std::log(static_cast<double>(log_posterior_.size()));
-  }
-
-  // Systematic resampling, n × d.
-  [[nodiscard]] Matrix resampled(Eigen::Index n, base::Random& random) const {
-    const std::size_t d = z_.size() / log_posterior_.size();
-    Matrix out(n, static_cast<Eigen::Index>(d));
-    const double u = random.uniform();
-    double cumulative = weights_.front();
-    std::size_t from = 0;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double pointer = (static_cast<double>(i) + u) / static_cast<double>(n);
-      while (from + 1 < weights_.size() && cumulative <= pointer) cumulative += weights_[++from];
-      out.row(i) =
-          Eigen::Map<const Eigen::RowVectorXd>(z(from).data(), static_cast<Eigen::Index>(d));
-    }
-    return out;
-  }
-
- private:
-  static void accumulate(double& sum, double term) { sum = log_sum_exp(sum, term); }
-
-  void weigh(std::size_t total) {
-    weights_.assign(total, 0.0);
-    double top = -kInfinity;
-    for (std::size_t i = 0; i < total; ++i) {
-      // π / ((1/N) Σ n_r q_r), up to N
-      weights_[i] =
-          log_posterior_[i] == -kInfinity ? -kInfinity : log_posterior_[i] - log_proposals_[i];
-      top = std::max(top, weights_[i]);
-    }
-    effective_ = 0.0;
-    log_mean_ = -kInfinity;
-    if (top == -kInfinity) return;
-    double sum = 0.0, squares = 0.0;
-    for (double& w : weights_) {
-      w = std::exp(w - top);
-      sum += w;
-      squares += w * w;
-    }
-    for (double& w : weights_) w /= sum;
-    effective_ = sum * sum / squares;
-    // Σ π / Σ_r n_r q_r: the balance heuristic's estimate of Z
-    log_mean_ = top + std::log(sum);
-  }
-
-  const Problem& problem_;
-  int model_;
-  const ExplorationOptions& options_;
-  std::vector<double> z_, log_posterior_, log_proposals_, weights_;
-  std::vector<NormalMixture> proposals_;
-  std::vector<int> sizes_;
-  double effective_ = 0.0, log_mean_ = -kInfinity;
-  long evaluations_ = 0;
-};
-
 // What there is where importance sampling fails: the draws of the annealing, and of the normals
 // about modes that have none of them.
 Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, base::Random& random,
@@ -265,7 +129,7 @@ Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, base
 
 // Each mode's share of the probability: of the importance sample where that can be trusted, and
 // where more than a few draws of it speak for the mode; else as Laplace has it.
-std::vector<double> shares(const ModelExploration& found, const ImportanceSampler& sampler,
+std::vector<double> shares(const ModelExploration& found, const MultipleImportanceSampler& sampler,
                            bool trusted) {
   constexpr double kFew = 5.0;  // effective draws
   const std::size_t n = found.modes.size();
@@ -356,7 +220,7 @@ class OtherDraws {
   }
   [[nodiscard]] long evaluations() const { return evaluations_; }
   /// Those that lie beyond the mixture of a sample's proposals, as the verdict has it.
-  [[nodiscard]] Matrix beyond(const ImportanceSampler& sampler) const {
+  [[nodiscard]] Matrix beyond(const MultipleImportanceSampler& sampler) const {
     const double level = sampler.evidence().log_evidence + std::log(kLimits.beyond_mixture);
     std::vector<Eigen::Index> rows;
     for (Eigen::Index i = 0; i < draws_.rows(); ++i) {
@@ -378,7 +242,7 @@ void weigh(const Problem& problem, int model, const ExplorationOptions& options,
   const Eigen::Index d = problem.space[model].dimension;
   base::Random random(options.seed, static_cast<std::uint64_t>(model),
                       found.calls.weigh > 0 ? 2 : 0, base::Purpose::fit);
-  ImportanceSampler sampler(problem, model, options);
+  MultipleImportanceSampler sampler(problem, model, options.seed, options.threads);
   Components components;
   add_modes(found.modes, 0.5, components);
   add_fit(draws, kComponents[0], 0.5, random, components);
@@ -437,11 +301,30 @@ void take_laplace(int model, const ExplorationOptions& options, ModelExploration
   found.population = draws_and_modes(Matrix(0, d), found.modes, random, 100.0).transpose();
 }
 
-// Draws to climb from, evenly spread.
+// Draws to climb from, evenly spaced in their list.
 std::vector<std::vector<double>> some_of(const Matrix& draws) {
   std::vector<std::vector<double>> starts;
   for (Eigen::Index k = 0; draws.rows() > 0 && k < kClimbsFromDraws; ++k)
     starts.push_back(row(draws, k * draws.rows() / kClimbsFromDraws));
+  return starts;
+}
+
+// Each as far as can be from those before it, in standard deviations of the draws: a small group
+// apart from the others has one.
+std::vector<std::vector<double>> far_apart(Matrix draws) {
+  std::vector<std::vector<double>> starts;
+  if (draws.rows() == 0) return starts;
+  const Matrix given = draws;
+  draws.rowwise() -= draws.colwise().mean().eval();
+  for (Eigen::Index j = 0; j < draws.cols(); ++j)
+    if (const double size = draws.col(j).norm(); size > 0.0) draws.col(j) /= size;
+  Vector nearest = Vector::Constant(draws.rows(), kInfinity);
+  Eigen::Index next = 0;
+  while (starts.size() < kClimbsOnTheWay && nearest[next] > 0.0) {
+    starts.push_back(row(given, next));
+    nearest = nearest.cwiseMin((draws.rowwise() - draws.row(next).eval()).rowwise().squaredNorm());
+    nearest.maxCoeff(&next);
+  }
   return starts;
 }
 
@@ -495,9 +378,14 @@ void search_from_prior(const Problem& problem, int model, const ExplorationOptio
   out.calls.search += found.likelihood_evaluations;
 }
 
-// Draws by sequential Monte Carlo from the prior; none where it fails.
-Matrix anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
-              Reporter& report, ModelExploration& found) {
+struct Annealed {
+  Matrix draws;
+  bool cut = false;  // they are of the tempered posteriors on the way
+};
+
+// Sequential Monte Carlo from the prior; no draws where it fails.
+Annealed anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
+                Reporter& report, ModelExploration& found) {
   const int particles = brief ? std::min(kBriefParticles, options.particles) : options.particles;
   double done = 0.0;
   try {
@@ -508,6 +396,7 @@ Matrix anneal(const Problem& problem, int model, const ExplorationOptions& optio
                             .weight_cov = 1.0,  // for a start; an evidence on request asks for less
                             .acceptances = brief ? 1.0 : 4.0,
                             .path = brief ? TmcmcPath::growing : TmcmcPath::better,
+                            .most_evaluations = brief ? kBriefCalls : 0,
                             .threads = options.threads,
                             .progress = [&](double share) {
                               done += share;
@@ -515,16 +404,20 @@ Matrix anneal(const Problem& problem, int model, const ExplorationOptions& optio
                             }});
     found.annealed = annealed.evidence;
     found.calls.anneal += annealed.evidence.likelihood_evaluations;
-    found.annealed_draws = annealed.z.transpose();
-    found.annealed_log_posterior = std::move(annealed.log_posterior);
-    return std::move(annealed.z);
+    if (!annealed.cut) {
+      found.annealed_draws = annealed.z.transpose();
+      found.annealed_log_posterior = std::move(annealed.log_posterior);
+    }
+    return {.draws = std::move(annealed.z), .cut = annealed.cut};
   } catch (const LikelihoodError&) {  // the climbs may do
-    return Matrix(0, problem.space[model].dimension);
+    return {.draws = Matrix(0, problem.space[model].dimension)};
   }
 }
 
-// Whether annealing found no more than the mixture knows, by the verdict's own rule.
-bool confirmed(const ModelExploration& found) {
+// Whether annealing found no more than the mixture knows, by the verdict's own rule. One that was
+// cut short found what climbs from its draws lead to.
+bool confirmed(const Annealed& annealed, bool another, const ModelExploration& found) {
+  if (annealed.cut) return !another;
   if (!std::isfinite(found.annealed.log_evidence)) return false;
   const double error = std::hypot(found.annealed.standard_error, found.sampled.standard_error);
   return found.annealed.log_evidence <=
@@ -568,20 +461,22 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
   // Where likelihoods are cheap annealing is paid for in full: it may see what no climb did.
   const bool settled = problem.shortened && found.settled();
   if (settled || how == Annealing::brief) {
-    const Matrix brief = anneal(problem, model, options, true, report, found);
+    const Annealed brief = anneal(problem, model, options, true, report, found);
     if (report.stopped()) return;
+    const Matrix starts = outlying(brief.draws, found.modes);
     const bool another =
-        climb_from(problem, model, options, some_of(outlying(brief, found.modes)), found);
+        climb_from(problem, model, options, brief.cut ? far_apart(starts) : some_of(starts), found);
     if (another || !settled) {
-      append(brief, draws);
+      append(brief.draws, draws);
       weigh(problem, model, options, draws, found);
     }
-    if ((problem.shortened && found.settled() && confirmed(found)) || how == Annealing::brief) {
+    if ((problem.shortened && found.settled() && confirmed(brief, another, found)) ||
+        how == Annealing::brief) {
       report(1.0);
       return;
     }
   }
-  append(anneal(problem, model, options, false, report, found), draws);
+  append(anneal(problem, model, options, false, report, found).draws, draws);
   if (report.stopped()) return;
   climb_from(problem, model, options, some_of(draws), found);
   if (found.modes.empty() && draws.rows() == 0) return;

@@ -69,7 +69,9 @@ struct ModelExploration {
 /// The climbs come first, since they cost the least. Where they settle the matter, a brief
 /// annealing looks for what they may have missed: evidence above that of the mixture by more than
 /// its error, as the verdict has it, or draws far from every known mode from which a climb leads to
-/// another. Only where it finds either, or nothing was settled, is the full one paid for.
+/// another. On a record, where it may lose its way among the first samples, it is cut short after a
+/// fixed number of calls, and climbs from where its draws are by then must do. Only where it finds
+/// either, or nothing was settled, is the full one paid for.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 

@@ -43,12 +43,13 @@ struct DofName {
 struct Discretisation {
   using Sparse = Eigen::SparseMatrix<double>;
 
-  std::vector<DofName> names;     ///< n
-  std::vector<Strain> strains;    ///< the rows of B
-  Sparse rest;                    ///< K_rest, n × n: what is given as a matrix (or empty)
-  Sparse stiffness;               ///< K, n × n, both triangles
-  Sparse mass;                    ///< M, n × n, positive semidefinite
-  Eigen::MatrixXd rigid_motions;  ///< n × r: motions that strain nothing, any basis
+  std::vector<DofName> names;      ///< n
+  std::vector<Strain> strains;     ///< the rows of B
+  Sparse rest;                     ///< K_rest, n × n: what is given as a matrix (or empty)
+  std::vector<Sparse> parts = {};  ///< whose sum it is; empty where it is not told apart
+  Sparse stiffness;                ///< K, n × n, both triangles
+  Sparse mass;                     ///< M, n × n, positive semidefinite
+  Eigen::MatrixXd rigid_motions;   ///< n × r: motions that strain nothing, any basis
 
   [[nodiscard]] Eigen::Index size() const { return mass.rows(); }
   /// n marks: as many degrees of freedom as there are rigid motions, and they hold all of those.

@@ -62,9 +62,11 @@ Discretisation discretise(const MatrixStructure& s) {
   d.mass = 0.5 * (s.mass + Discretisation::Sparse(s.mass.transpose()));
   const Eigen::Index n = d.mass.rows();
   d.rest.resize(n, n);
-  for (const MatrixStructure::Part& part : s.parts)
-    d.rest += (1.0 + part.change) * 0.5 *
-              (part.stiffness + Discretisation::Sparse(part.stiffness.transpose()));
+  for (const MatrixStructure::Part& part : s.parts) {
+    d.parts.emplace_back((1.0 + part.change) * 0.5 *
+                         (part.stiffness + Discretisation::Sparse(part.stiffness.transpose())));
+    d.rest += d.parts.back();
+  }
   d.stiffness = d.rest;
   d.rigid_motions.resize(n, 0);
   d.names = s.names;

@@ -26,8 +26,9 @@ struct MatrixStructure {
 /// another size, not symmetric (to 1e-8 of its largest entry) or not finite, or α <= -1.
 void validate(const MatrixStructure& structure);
 
-/// K_rest is the whole of K. Rigid motions are not looked for: a structure that moves without
-/// resistance is refused as a mechanism by `structure_modes`. Throws as `validate`.
+/// K_rest is the whole of K, told apart into its parts. Rigid motions are not looked for: a
+/// structure that moves without resistance is refused as a mechanism by `structure_modes`. Throws
+/// as `validate`.
 [[nodiscard]] Discretisation discretise(const MatrixStructure& structure);
 
 }  // namespace wheeltap::fem

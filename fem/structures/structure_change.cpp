@@ -108,6 +108,7 @@ void hold(Discretisation& d, const std::vector<SparseRow>& held) {
     d.rest = left.of(d.rest);
   else
     d.rest.resize(static_cast<Index>(left.kept().size()), static_cast<Index>(left.kept().size()));
+  for (Discretisation::Sparse& part : d.parts) part = left.of(part);
   d.mass = left.of(d.mass);
 }
 
@@ -162,6 +163,11 @@ void validate(const Discretisation& d, const StructureChange& change) {
     for (const auto& [row, weight] : s.direction)
       require(row >= 0 && index(row) < d.strains.size(), "strain", row, "there is none such");
   }
+  for (const StructureChange::Scaling& s : change.scalings) {
+    require(s.remaining > 0.0 && s.remaining <= 1.0, "remaining stiffness", s.remaining,
+            "must be in (0, 1]");
+    require(s.part >= 0 && index(s.part) < d.parts.size(), "part", s.part, "there is none such");
+  }
   for (const StructureChange::Spring& s : change.springs)
     require(s.stiffness > 0.0, "spring stiffness", s.stiffness, "must be positive");
   for (const StructureChange::Mass& m : change.masses)
@@ -182,6 +188,16 @@ void compound(StructureChange& change) {
     }
   }
   change.softenings = std::move(merged);
+  std::vector<StructureChange::Scaling> scalings;
+  for (const StructureChange::Scaling& s : change.scalings) {
+    const auto same = std::ranges::find(scalings, s.part, &StructureChange::Scaling::part);
+    if (same == scalings.end()) {
+      scalings.push_back(s);
+    } else {
+      same->remaining *= s.remaining;
+    }
+  }
+  change.scalings = std::move(scalings);
 }
 
 Discretisation changed(const Discretisation& d, const StructureChange& change) {
@@ -214,6 +230,12 @@ Discretisation changed(const Discretisation& d, const StructureChange& change) {
       along = plus(along, weight, out.strains[index(row)].row);
     for (const auto& [row, weight] : s.direction)
       out.strains[index(row)].row = plus(out.strains[index(row)].row, -lost * weight, along);
+  }
+  if (!change.scalings.empty()) {
+    for (const StructureChange::Scaling& s : change.scalings)
+      out.parts[index(s.part)] *= s.remaining;
+    out.rest = out.parts[0];
+    for (std::size_t j = 1; j < out.parts.size(); ++j) out.rest += out.parts[j];
   }
   std::vector<SparseRow> held;
   for (const StructureChange::Spring& s : change.springs) {

@@ -1,4 +1,4 @@
-// What defects do to a discretised structure: terms of low rank in K and M.
+// What defects do to a discretised structure: terms of low rank in K and M, and scales of parts.
 #pragma once
 
 #include <stdexcept>
@@ -9,7 +9,7 @@
 
 namespace wheeltap::fem {
 
-/// What defects change, as terms of low rank.
+/// What defects change: terms of low rank, and scales of whole parts of K.
 struct StructureChange {
   /// Strains e = Bu of a few rows become stiffer or softer along one direction v, |v| = 1, of them:
   /// Bᵀ B turns into Bᵀ (I - (1 - q) v vᵀ) B, q > 0. Directions that share rows must be orthogonal.
@@ -28,12 +28,20 @@ struct StructureChange {
     double mass;  ///< μ [kg], [kg·m²]; negative where mass is lost
   };
 
+  /// A part of K_rest (`Discretisation::parts`) keeps q of itself, q > 0: a change of any rank,
+  /// which no reanalysis by columns takes.
+  struct Scaling {
+    int part;
+    double remaining = 1.0;  ///< q in (0, 1]
+  };
+
   std::vector<Softening> softenings = {};
   std::vector<Spring> springs = {};
   std::vector<Mass> masses = {};
+  std::vector<Scaling> scalings = {};
 
   [[nodiscard]] bool empty() const {
-    return softenings.empty() && springs.empty() && masses.empty();
+    return softenings.empty() && springs.empty() && masses.empty() && scalings.empty();
   }
 };
 
@@ -43,7 +51,8 @@ class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// Softenings of one and the same strain become one, whose remaining stiffness is their product.
+/// Softenings of one and the same strain become one, whose remaining stiffness is their product; so
+/// do scalings of one part.
 void compound(StructureChange& change);
 
 /// The discretisation with these changes made: the reference for the reanalysis. What rigid springs
@@ -56,7 +65,7 @@ void compound(StructureChange& change);
 void require_mass_left(const Discretisation& d, const StructureChange& change);
 
 /// Throws std::invalid_argument for q outside (0, 1], k <= 0, masses that are not finite, and
-/// strains that there are not.
+/// strains or parts that there are not.
 void validate(const Discretisation& d, const StructureChange& change);
 
 }  // namespace wheeltap::fem

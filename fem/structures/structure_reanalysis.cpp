@@ -72,6 +72,8 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
   const Impl& intact = *impl_;
   Workspace::Impl& work = *workspace.impl_;
   validate(*intact.discretisation, change);
+  if (!change.scalings.empty())
+    throw std::invalid_argument("a part of the stiffness that changes as a whole: no low rank");
   const std::size_t n = results.frequencies_hz.size();
   if (!results.bounds_hz.empty() && results.bounds_hz.size() != n)
     throw std::invalid_argument("bounds_hz has size " + std::to_string(results.bounds_hz.size()) +

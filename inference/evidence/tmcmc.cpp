@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <ranges>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -72,6 +73,7 @@ class Replicate {
     return before_ + to_->posterior.evaluations() + (from_ ? from_->posterior.evaluations() : 0);
   }
   [[nodiscard]] bool sluggish() const { return sluggish_; }
+  [[nodiscard]] bool cut() const { return cut_; }
   // Says at which exponent the stages ran out; empty where they did not.
   [[nodiscard]] double stalled_at() const { return stalled_at_; }
 
@@ -106,7 +108,11 @@ class Replicate {
     return std::make_unique<Record>(std::move(part), problem, model_);
   }
 
-  [[nodiscard]] bool ended() const { return stopped_ || !std::isnan(stalled_at_); }
+  [[nodiscard]] bool ended() const { return stopped_ || cut_ || !std::isnan(stalled_at_); }
+  [[nodiscard]] bool spent() const {
+    return options_.most_evaluations > 0 &&
+           evaluations() >= options_.most_evaluations / options_.replicates;
+  }
 
   // Possible particles, as many of `samples` draws from the prior as there are, and the log of the
   // share of possible draws. Where fewer than kLeastPossible of the first ones are possible, draws
@@ -163,6 +169,7 @@ class Replicate {
                     std::ranges::all_of(particles_, &Particle::possible);
     double log_ratio = 0.0;
     for (double beta = 0.0; beta < 1.0 && !ended();) {
+      if ((cut_ = spent())) break;
       if (++stages_ > kMostStages) {
         stalled_at_ = beta;
         break;
@@ -338,6 +345,7 @@ class Replicate {
   bool sluggish_ = false;
   double reported_ = 0.0;
   bool stopped_ = false;
+  bool cut_ = false;
   double stalled_at_ = std::numeric_limits<double>::quiet_NaN();  // an exponent; NaN: nowhere
 };
 
@@ -383,6 +391,8 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   require(options.samples >= 20, "samples", options.samples, ">= 20");
   require(options.weight_cov > 0.0, "weight_cov", options.weight_cov, "> 0");
   require(options.acceptances > 0.0, "acceptances", options.acceptances, "> 0");
+  require(options.most_evaluations >= 0, "most_evaluations",
+          static_cast<double>(options.most_evaluations), ">= 0");
 
   Tmcmc result;
   ModelPosterior posterior(problem, model);
@@ -395,7 +405,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
   std::vector<double> log_evidence(r);
   std::vector<long> evaluations(r);
   std::vector<int> stages(r);
-  std::vector<char> sluggish(r);
+  std::vector<char> sluggish(r), cut(r);
   std::vector<double> stalled(r);
   const bool growing =
       better_growing(problem, model, options, result.evidence.likelihood_evaluations);
@@ -411,7 +421,8 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
         stages[i] = replicate.stages();
         sluggish[i] = replicate.sluggish() ? 1 : 0;
         stalled[i] = replicate.stalled_at();
-        if (std::isnan(log_evidence[i])) return;
+        cut[i] = replicate.cut() ? 1 : 0;
+        if (std::isnan(log_evidence[i]) && !replicate.cut()) return;
         Eigen::Index row = static_cast<Eigen::Index>(index) * options.samples;
         for (const Particle& p : replicate.particles()) {
           result.log_posterior[static_cast<std::size_t>(row)] = p.log_base + p.log_gain;
@@ -421,7 +432,7 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
       },
       base::carriage([&](int index, auto& parcel) {
         const auto i = static_cast<std::size_t>(index);
-        parcel(log_evidence[i], evaluations[i], stages[i], sluggish[i], stalled[i]);
+        parcel(log_evidence[i], evaluations[i], stages[i], sluggish[i], stalled[i], cut[i]);
         const Eigen::Index first = static_cast<Eigen::Index>(index) * options.samples;
         for (Eigen::Index row = first; row < first + options.samples; ++row) {
           parcel(result.log_posterior[static_cast<std::size_t>(row)]);
@@ -437,7 +448,10 @@ Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
     const auto is_number = [](double x) { return !std::isnan(x); };
     if (const auto first = std::ranges::find_if(stalled, is_number); first != stalled.end())
       evidence.warnings.push_back({.kind = EvidenceWarning::Kind::stalled, .value = *first});
-    result.z.resize(0, posterior.dimension());
+    result.cut = std::ranges::all_of(std::views::iota(std::size_t{0}, r), [&](std::size_t i) {
+      return cut[i] != 0 || is_number(log_evidence[i]);
+    });
+    if (!result.cut) result.z.resize(0, posterior.dimension());
     result.log_posterior.clear();
     return result;
   }

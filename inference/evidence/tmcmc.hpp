@@ -22,6 +22,8 @@ struct TmcmcOptions {
   double acceptances = 6.0;  ///< moves accepted a sample and stage, on average, before going on
                              ///< (half of that as a record grows: there are many stages)
   TmcmcPath path = TmcmcPath::better;
+  /// Likelihood calls after which a run ends where it is (`Tmcmc::cut`); 0: as many as it takes.
+  long most_evaluations = 0;
   int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
   /// Called, from any thread, with the share of the whole that was done since the call before.
   /// Returning false ends the run: ln Z is then NaN.
@@ -34,6 +36,9 @@ struct Tmcmc {
   Eigen::MatrixXd z;
   std::vector<double> log_posterior;  ///< ln π at each of these
   int stages = 0;                     ///< the most of any replicate
+  /// The calls were spent on the way: ln Z is NaN, z are draws of the tempered posteriors that were
+  /// reached, log_posterior is empty.
+  bool cut = false;
 };
 
 /// Ching & Chen (2007, J. Engineering Mechanics 133:816): samples pass through

@@ -94,6 +94,24 @@ std::vector<std::vector<std::string>> cells(const std::string& csv) {
   return rows;
 }
 
+TEST_F(Batch, ADryRunSaysWhatEachWouldTakeAndRunsNothing) {
+  const std::string list = where.write("cases/list.txt", "beam.json\nchain.json\n").string();
+  const Outcome all = wheeltap(where, "batch " + list + " --dry-run");
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_THAT(all.out, AllOf(HasSubstr("beam: the run would take about "),
+                             HasSubstr("chain: the run would take about "), HasSubstr("All 2, "),
+                             HasSubstr(" at a time: about ")));
+  EXPECT_FALSE(std::filesystem::exists(where / "out"));
+
+  static_cast<void>(where.write("cases/bad.json", "{\"kind\": \"damage\"}"));
+  const std::string bad = where.write("cases/list.txt", "bad.json\nchain.json\n").string();
+  const Outcome some = wheeltap(where, "batch " + bad + " --dry-run");
+  EXPECT_EQ(some.exit_code, 65);
+  EXPECT_THAT(some.out, AllOf(HasSubstr("bad: refused (exit code 65): "),
+                              HasSubstr("chain: the run would take about ")));
+  EXPECT_THAT(some.err, HasSubstr("1 of 2 cases would be refused"));
+}
+
 TEST_F(Batch, EveryCaseIsRunAsByItself) {
   const Outcome all = run("beam.json\nchain.json\n", "--seed 3");
   ASSERT_EQ(all.exit_code, 0) << all.err;

@@ -86,7 +86,9 @@ TEST(StatesLikelihood, IsTheSumOfItsStates) {
   const StatesLikelihood likelihood(states, {soft_storey()});
   const std::vector<double> x = {900.0, 1100.0, 1050.0};
   std::vector<Modes> modes;
-  ASSERT_TRUE(likelihood.solve(x, {{.kind = 0, .location = 1.5, .severity = 0.3}}, modes));
+  StatesLikelihood::Workspace workspace = likelihood.make_workspace();
+  ASSERT_TRUE(
+      likelihood.solve(x, {{.kind = 0, .location = 1.5, .severity = 0.3}}, workspace, modes));
   const auto score = likelihood.score(modes, {});
   const std::vector<double> masses = {1.0, 1.2, 0.8};
   const double expected =
@@ -108,7 +110,8 @@ TEST(StatesLikelihood, MassesAndTemperatures) {
   const StatesLikelihood likelihood(states, {});
   const std::vector<double> x = {900.0, 1100.0, 1050.0, -1e-3};
   std::vector<Modes> modes;
-  ASSERT_TRUE(likelihood.solve(x, {}, modes));
+  StatesLikelihood::Workspace workspace = likelihood.make_workspace();
+  ASSERT_TRUE(likelihood.solve(x, {}, workspace, modes));
   const auto plain = full(chain_of(900.0, 1100.0, 1050.0, {1.0, 1.2, 0.8}));
   const auto heavy = full(chain_of(900.0, 1100.0, 1050.0, {1.0, 1.2, 1.3}));
   for (Index i = 0; i < 3; ++i) {
@@ -129,7 +132,8 @@ TEST(StatesLikelihood, KnownCoefficients) {
   EXPECT_EQ(states->parameters().size(), 2U);
   const StatesLikelihood likelihood(states, {soft_storey()});
   std::vector<Modes> modes;
-  ASSERT_TRUE(likelihood.solve(std::vector<double>{900.0, 1050.0}, {}, modes));
+  StatesLikelihood::Workspace workspace = likelihood.make_workspace();
+  ASSERT_TRUE(likelihood.solve(std::vector<double>{900.0, 1050.0}, {}, workspace, modes));
   const auto second = full(chain_of(900.0, 600.0, 1050.0, {1.0, 1.2, 0.8}));
   EXPECT_NEAR(std::sqrt(modes[1].eigenvalues[0]) / kTwoPi, second[0], 1e-9);
 }
@@ -144,7 +148,9 @@ TEST(StatesLikelihood, ADiscrepancyIsCommonToAllStates) {
     states->list[1].data = frequencies({f[0] * factor * only_damaged, f[1], f[2]}, 0.001);
     const StatesLikelihood likelihood(states, {soft_storey()});
     std::vector<Modes> modes;
-    EXPECT_TRUE(likelihood.solve(std::vector<double>{1000.0, 1000.0, 1000.0}, {}, modes));
+    StatesLikelihood::Workspace workspace = likelihood.make_workspace();
+    EXPECT_TRUE(
+        likelihood.solve(std::vector<double>{1000.0, 1000.0, 1000.0}, {}, workspace, modes));
     return likelihood.score(modes, {.discrepancy = discrepancy}).chi_square;
   };
   EXPECT_GT(at(1.05, 1.0, 0.0), 1000.0);
@@ -157,7 +163,8 @@ TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   const StatesLikelihood likelihood(states, {soft_storey()});
   std::vector<Modes> modes;
-  ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 1100.0, 900.0}, {}, modes));
+  StatesLikelihood::Workspace workspace = likelihood.make_workspace();
+  ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 1100.0, 900.0}, {}, workspace, modes));
   const double delta = 0.02;
   const auto score = likelihood.score(modes, {.discrepancy = delta});
   Eigen::VectorXd f(6), r(6);
@@ -181,8 +188,9 @@ TEST(StatesLikelihood, MixedModesErrInWhatDamageChanges) {
       {.name = "worse", .data = frequencies({1.9, 6.1, 8.3}, 0.01), .damaged = true});
   const StatesLikelihood likelihood(states, {soft_storey()});
   std::vector<Modes> modes;
+  StatesLikelihood::Workspace workspace = likelihood.make_workspace();
   ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 1100.0, 900.0},
-                               {{.kind = 0, .location = 1.5, .severity = 0.3}}, modes));
+                               {{.kind = 0, .location = 1.5, .severity = 0.3}}, workspace, modes));
   const auto before = full(chain_of(1000.0, 1100.0, 900.0, {1.0, 1.2, 0.8}));
   const auto after = full(chain_of(1000.0, 770.0, 900.0, {1.0, 1.2, 0.8}));
   const auto lambda = [](double f) { return kTwoPi * kTwoPi * f * f; };
@@ -308,7 +316,8 @@ TEST(StatesLikelihood, StatesOfOtherCoefficientsErrByThemselves) {
   states->list[1].known = {1001.0};
   const StatesLikelihood likelihood(states, {soft_storey()});
   std::vector<Modes> modes;
-  ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 900.0}, {}, modes));
+  StatesLikelihood::Workspace workspace = likelihood.make_workspace();
+  ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 900.0}, {}, workspace, modes));
   const ModalNoise noise{.discrepancy = 0.02};
   const double apart = likelihood.of(0).score(modes[0], noise).log_likelihood +
                        likelihood.of(1).score(modes[1], noise).log_likelihood;

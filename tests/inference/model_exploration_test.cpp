@@ -78,6 +78,49 @@ TEST(ModelExploration, ABriefAnnealingFindsAModeThatTheClimbsMissed) {
   EXPECT_NEAR(found.sampled.log_evidence, hard.log_evidence[1], 4.9 * found.sampled.standard_error);
 }
 
+// Two equal modes, each a millionth of the prior wide in six dimensions, the second with the
+// smaller basin: a record's annealing is cut short long before it is there.
+Problem two_needles() {
+  class Needles : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double> x) override {
+      double near = 0.0, far = 0.0;
+      for (const double v : x) {
+        near += 0.5 * std::pow((v - 0.45) / 1e-6, 2.0);
+        far += 0.5 * std::pow((v - 0.85) / 1e-6, 2.0);
+      }
+      const double least = std::min(near, far);
+      return -least + std::log(std::exp(least - near) + std::exp(least - far));
+    }
+  };
+  std::vector<Parameter> parameters;
+  std::vector<std::string> names;
+  for (int i = 0; i < 6; ++i) {
+    names.push_back("x" + std::to_string(i));
+    parameters.push_back({names.back(), Uniform{0.0, 1.0}});
+  }
+  return {.space = ModelSpace::of_models(parameters, {{"needles", 1, names}}),
+          .likelihood = [] { return std::make_unique<Needles>(); },
+          .samples = 100,
+          .shortened = [](long) { return std::make_shared<const Problem>(two_needles()); }};
+}
+
+TEST(ModelExploration, AnAnnealingThatIsCutShortFindsAModeThatTheClimbsMissed) {
+  const Problem problem = two_needles();
+  ExplorationOptions options{.climbs = 2};
+  for (options.seed = 1; options.seed < 20; ++options.seed) {
+    if (survey_model(problem, 0, options).settled()) break;
+  }
+  ASSERT_LT(options.seed, 20U) << "no seed whose climbs miss a mode";
+  ModelExploration found = survey_model(problem, 0, options);
+  anneal_model(problem, 0, options, Annealing::brief, found);
+  EXPECT_TRUE(std::isnan(found.annealed.log_evidence)) << "it was not cut short";
+  EXPECT_LT(found.calls.anneal, 30000);
+  ASSERT_EQ(found.modes.size(), 2U);
+  EXPECT_NEAR(found.shares[0], 0.5, 0.05);
+  EXPECT_EQ(found.annealed_draws.cols(), 0) << "these are no draws of the posterior";
+}
+
 TEST(ModelExploration, OfAModelWithoutParametersIsExact) {
   const HardProblem& hard = named("nested normal, 2-d");
   const ModelExploration found = explore_model(hard.problem, 0, {});

@@ -1,5 +1,4 @@
 #include "fem/structures/structure_modes.hpp"
-#include "fem/structures/mesh.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +10,8 @@
 #include "fem/modal_analysis.hpp"
 #include "fem/structures/lumped_chain.hpp"
 #include "fem/structures/matrix_structure.hpp"
+#include "fem/structures/mesh.hpp"
+#include "fem/structures/structure_change.hpp"
 
 namespace wheeltap::fem {
 namespace {
@@ -306,6 +307,31 @@ TEST(StructureModes, MatricesAreTheStructureTheyAreOf) {
     EXPECT_NEAR(given.frequencies_hz[i], own.frequencies_hz[i], 1e-8 * own.frequencies_hz[i]);
   s.parts[0].stiffness.coeffRef(0, 3) += 1e9;
   EXPECT_THROW((void)discretise(s), InvalidStructure);
+}
+
+/// A part that is scaled is the part assembled with another α; twice is once by the product.
+TEST(StructureModes, AScaledPartIsThatOfAnotherChange) {
+  const Mesh mesh(cross_of_arms(6, 5.0 / 6.0));
+  const Discretisation& d = mesh.discretisation();
+  MatrixStructure s{.mass = d.mass,
+                    .parts = {{"half", 0.5 * d.stiffness, 0.0}, {"rest", 0.25 * d.stiffness, 1.0}}};
+  StructureChange change{
+      .scalings = {{.part = 1, .remaining = 0.5}, {.part = 1, .remaining = 0.6}}};
+  compound(change);
+  ASSERT_EQ(change.scalings.size(), 1U);
+  EXPECT_FALSE(change.empty());
+  const StructureModes scaled = structure_modes(changed(discretise(s), change), 9);
+  s.parts[1].change = 2.0 * 0.3 - 1.0;
+  const StructureModes assembled = structure_modes(discretise(s), 9);
+  for (Eigen::Index i = 0; i < 9; ++i)
+    EXPECT_NEAR(scaled.frequencies_hz[i], assembled.frequencies_hz[i],
+                1e-9 * assembled.frequencies_hz[i]);
+  EXPECT_THROW((void)changed(discretise(s), {.scalings = {{.part = 2}}}), std::invalid_argument);
+  EXPECT_THROW((void)changed(discretise(s), {.scalings = {{.part = 0, .remaining = 0.0}}}),
+               std::invalid_argument);
+  // No part of a structure of members, and of no low rank.
+  EXPECT_THROW((void)changed(d, {.scalings = {{.part = 0, .remaining = 0.5}}}),
+               std::invalid_argument);
 }
 
 /// A beam with springs and inner supports is a plane structure with the same frequencies.

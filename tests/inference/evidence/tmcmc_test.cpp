@@ -136,6 +136,31 @@ TEST(Tmcmc, WithoutAnEndHasNoEvidenceButAWarning) {
   EXPECT_EQ(describe(warning).find("TMCMC is still at exponent "), 0U) << describe(warning);
 }
 
+// Where its calls are spent it has draws of what it had reached, and no evidence.
+TEST(Tmcmc, IsCutShortWhenItsCallsAreSpent) {
+  const Known known = linear_gaussian(2);
+  const TmcmcOptions all{.seed = 1, .replicates = 4, .samples = 100};
+  const Tmcmc whole = tmcmc(known.problem, 0, all);
+  const long calls = whole.evidence.likelihood_evaluations;
+  TmcmcOptions half = all;
+  half.most_evaluations = calls / 2;
+  const Tmcmc cut = tmcmc(known.problem, 0, half);
+  EXPECT_TRUE(cut.cut);
+  EXPECT_TRUE(std::isnan(cut.evidence.log_evidence));
+  EXPECT_TRUE(cut.evidence.warnings.empty());
+  EXPECT_LT(cut.evidence.likelihood_evaluations, 0.9 * static_cast<double>(calls));
+  EXPECT_GE(cut.evidence.likelihood_evaluations, calls / 2);
+  EXPECT_EQ(cut.z.rows(), 400);
+  EXPECT_TRUE(cut.log_posterior.empty());
+
+  TmcmcOptions enough = all;
+  enough.most_evaluations = 2 * calls;
+  const Tmcmc same = tmcmc(known.problem, 0, enough);
+  EXPECT_FALSE(same.cut);
+  EXPECT_EQ(same.evidence.log_evidence, whole.evidence.log_evidence);
+  EXPECT_FALSE(whole.cut);
+}
+
 TEST(Tmcmc, ThreadsDoNotMatterAndSeedsDo) {
   const Known known = linear_gaussian(2);
   const double one =
