@@ -103,6 +103,8 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
   ProgressBar bar(quiet);
   TimeLeft time_left;
   const auto began = std::chrono::steady_clock::now();
+  std::vector<std::string> names;
+  for (const auto& model : problem.space.models()) names.push_back(model.name);
   options.progress = [&](const inference::Options::Progress& progress) {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -111,10 +113,9 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
         seconds > 1.0
             ? rounded_count(static_cast<double>(progress.likelihood_evaluations) / seconds) + "/s"
             : std::string();
-    for (std::size_t m = 0; m < progress.model_probabilities.size(); ++m) {
-      if (m == 0) detail += (detail.empty() ? "P =" : "  P =");
-      if (m < 8) detail += " " + fixed(progress.model_probabilities[m], 2);
-    }
+    const std::string so_far = probabilities_so_far(progress.model_probabilities, names);
+    if (!detail.empty() && !so_far.empty()) detail += "  ";
+    detail += so_far;
     bar.show(progress.stage, progress.fraction, detail, time_left.estimate(progress, seconds));
     return !interrupted.load();
   };

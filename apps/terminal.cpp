@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <numeric>
 #include <ostream>
 
 #include "apps/verdict_words.hpp"
@@ -211,6 +213,25 @@ std::size_t terminal_width() {
 }
 
 }  // namespace
+
+std::string probabilities_so_far(const std::vector<double>& probabilities,
+                                 const std::vector<std::string>& names) {
+  std::string out;
+  if (probabilities.size() <= kMostListed) {
+    for (const double p : probabilities) out += (out.empty() ? "P = " : " ") + fixed(p, 2);
+    return out;
+  }
+  std::vector<std::size_t> order(probabilities.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::ranges::greater{},
+                           [&](std::size_t m) { return probabilities[m]; });
+  for (std::size_t rank = 0; rank < 2; ++rank) {
+    const std::size_t m = order[rank];
+    if (rank > 0 && probabilities[m] < 0.005) break;
+    out += (rank == 0 ? "P = " : ", ") + fixed(probabilities[m], 2) + " " + names[m];
+  }
+  return out;
+}
 
 std::optional<std::string> ProgressLines::next(const std::string& stage, double fraction,
                                                double seconds, double left,

@@ -58,6 +58,12 @@ void print_evidence(const Page& page, const identification::Findings& findings);
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
+/// What a run's draws say of its models so far: "P = 0.25 0.75"; of more than kMostListed models
+/// the two most probable by name, "P = 0.97 linear + cubic, 0.02 linear". Nothing before any draw.
+inline constexpr std::size_t kMostListed = 6;
+[[nodiscard]] std::string probabilities_so_far(const std::vector<double>& probabilities,
+                                               const std::vector<std::string>& names);
+
 /// Which lines a log gets of a run: one a stage, and further ones at least a tenth of the stage and
 /// five seconds apart, or half a minute.
 class ProgressLines {

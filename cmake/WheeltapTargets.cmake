@@ -80,6 +80,12 @@ function(wheeltap_library folder)
     POSITION_INDEPENDENT_CODE ON)
 endfunction()
 
+# wheeltap_light(<target>): for code that reads, writes and checks, whose running time is in the libraries it calls.
+# -O1 in place of a release's -O3 compiles it in three quarters of the time.
+function(wheeltap_light target)
+  target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1>")
+endfunction()
+
 # wheeltap_program(<name> SOURCES … LINK …): an executable with the shared flags.
 function(wheeltap_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})

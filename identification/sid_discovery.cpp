@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "dynamics/link_tension.hpp"
 #include "identification/invalid_input.hpp"
@@ -116,9 +117,12 @@ class Motions {
     const auto masses = static_cast<std::size_t>(chain_.size()) + 1;
     series_.resize(masses);
     motions_.resize(masses);
+    sensed_.resize(masses);
     for (std::size_t m = 1; m < masses; ++m) {
       series_[m] = series_of(static_cast<int>(m));
-      if (!series_[m].samples.empty()) motions_[m] = motion_of(series_[m], case_.sample_rate_hz);
+      if (series_[m].samples.empty()) continue;
+      sensed_[m] = motion_of(series_[m], case_.sample_rate_hz);
+      motions_[m] = beside_the_base(static_cast<int>(m), sensed_[m]);
       if (motions_[m].displacement > most_.displacement) most_ = motions_[m];
     }
     if (!most_.known()) {
@@ -137,14 +141,19 @@ class Motions {
   }
 
  private:
-  // Of the best sensor on a mass, relative to the base.
-  [[nodiscard]] Series series_of(int mass) const {
+  [[nodiscard]] const SidChannel* sensor_of(int mass) const {
     const SidChannel* best = nullptr;
     for (const SidChannel* channel : case_.responses()) {
       if (channel->mass == mass && (best == nullptr || channel->quantity < best->quantity)) {
         best = channel;
       }
     }
+    return best;
+  }
+
+  // Of the best sensor on a mass, relative to the base where it is measured alike.
+  [[nodiscard]] Series series_of(int mass) const {
+    const SidChannel* best = sensor_of(mass);
     if (best == nullptr) return {};
     Series out{.quantity = best->quantity, .samples = in_si(best->signal)};
     const bool acceleration = best->quantity == dynamics::Quantity::acceleration;
@@ -160,6 +169,27 @@ class Motions {
     return out;
   }
 
+  // A mass whose sensor knows nothing of a base that is displaced moves beside it as far as both
+  // together, in quadrature: how they go together is not known.
+  [[nodiscard]] Motion beside_the_base(int mass, Motion motion) const {
+    const SidChannel* base = case_.find(Role::base_displacement);
+    const SidChannel* sensor = sensor_of(mass);
+    if (base == nullptr || sensor->frame != dynamics::Frame::absolute ||
+        sensor->quantity == dynamics::Quantity::displacement) {
+      return motion;
+    }
+    std::vector<double> samples = in_si(base->signal, static_cast<std::size_t>(case_.stride));
+    signals::detrend(samples, 0);
+    const Motion moved = motion_of({.samples = std::move(samples)}, case_.sample_rate_hz);
+    motion.displacement = std::hypot(motion.displacement, moved.displacement);
+    motion.velocity = std::hypot(motion.velocity, moved.velocity);
+    motion.acceleration = std::hypot(motion.acceleration, moved.acceleration);
+    const double away = motion.highest;  // of a motion without displacements: as far either way
+    motion.highest = away - moved.lowest, motion.lowest = -away - moved.highest;
+    motion.band_hz = std::max(motion.band_hz, moved.band_hz);
+    return motion;
+  }
+
   [[nodiscard]] const Motion& of_mass(int mass) const {
     const Motion& own = motions_[static_cast<std::size_t>(mass)];
     return mass == 0 || own.known() ? own : most_;
@@ -173,12 +203,13 @@ class Motions {
         (link.a == 0 && !b.samples.empty()) || (link.b == 0 && !a.samples.empty());
     if (both || to_ground) {
       Series e = b.samples.empty() ? a : b;
-      if (b.samples.empty()) {
-        for (double& x : e.samples) x = -x;
-      } else if (both) {
-        for (std::size_t n = 0; n < e.samples.size(); ++n) e.samples[n] -= a.samples[n];
+      for (std::size_t n = 0; both && n < e.samples.size(); ++n) e.samples[n] -= a.samples[n];
+      Motion motion = motion_of(e, case_.sample_rate_hz);
+      if (motion.known() && !both) {
+        motion = beside_the_base(link.a == 0 ? link.b : link.a, motion);
+        if (link.b == 0) motion.highest = -std::exchange(motion.lowest, -motion.highest);
       }
-      if (const Motion motion = motion_of(e, case_.sample_rate_hz); motion.known()) return motion;
+      if (motion.known()) return motion;
     }
     const Motion &one = of_mass(link.a), &other = of_mass(link.b);
     Motion out = one.displacement > other.displacement ? one : other;
@@ -189,7 +220,8 @@ class Motions {
   // What must act on a mass, RMS [N].
   [[nodiscard]] double load(int mass) const {
     if (mass == 0) return 0.0;
-    const Motion& motion = of_mass(mass);
+    const Motion& sensed = sensed_[static_cast<std::size_t>(mass)];
+    const Motion& motion = sensed.known() ? sensed : of_mass(mass);
     std::vector<double> median;
     for (const auto& p : case_.parameters) median.push_back(p.prior.from_standard_normal(0.0));
     const double m = chain_.masses[static_cast<std::size_t>(mass - 1)].at(median);
@@ -218,8 +250,9 @@ class Motions {
 
   const SidCase& case_;
   const dynamics::Chain& chain_;
-  std::vector<Series> series_;  // one a mass, from the ground on
-  std::vector<Motion> motions_;
+  std::vector<Series> series_;   // one a mass, from the ground on
+  std::vector<Motion> motions_;  // beside the base
+  std::vector<Motion> sensed_;   // as the sensor has it
   Motion most_;
 };
 

@@ -31,5 +31,13 @@ TEST(ProgressLines, SpeakAfterHalfAMinuteAnyway) {
   EXPECT_TRUE(lines.next("sampling", 0.01, 31.0, 3000.0, ""));
 }
 
+TEST(ProgressLines, NameTheLikeliestOfManyModels) {
+  EXPECT_EQ(probabilities_so_far({}, {}), "");
+  EXPECT_EQ(probabilities_so_far({0.25, 0.75}, {"a", "b"}), "P = 0.25 0.75");
+  const std::vector<std::string> names = {"a", "b", "c", "d", "e", "f", "g"};
+  EXPECT_EQ(probabilities_so_far({0, 0, 0, 0.02, 0, 0.975, 0.005}, names), "P = 0.97 f, 0.02 d");
+  EXPECT_EQ(probabilities_so_far({0, 0, 0, 0, 0, 0.998, 0.002}, names), "P = 1.00 f");
+}
+
 }  // namespace
 }  // namespace wheeltap::apps

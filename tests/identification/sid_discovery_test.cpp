@@ -121,6 +121,25 @@ TEST(SidDiscovery, NoiseDoesNotSetTheScale) {
   EXPECT_NEAR(link_motions(c).front().tension, want, 0.05 * want);
 }
 
+// A mass so heavy that it stays where it is, on a base that is moved: the link is stretched as far
+// as the base goes, and carries what the mass's sensor says, not what would move it with the base.
+TEST(SidDiscovery, ALinkToAMovedBaseIsStretchedByIt) {
+  const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
+  const double rms = amplitude / std::numbers::sqrt2;
+  const double still = 1e-9 * amplitude;
+  SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::acceleration, still, omega);
+  SidCase base = moving(asked_about({"cubic"}), dynamics::Quantity::displacement, amplitude, omega);
+  base.channels[0].role = SidChannel::Role::base_displacement;
+  c.channels.push_back(base.channels[0]);
+  const LinkMotion m = link_motions(c).front();
+  EXPECT_NEAR(m.extension, rms, 0.03 * rms);
+  EXPECT_NEAR(m.rate, omega * rms, 0.03 * omega * rms);
+  EXPECT_NEAR(m.opening, amplitude, 0.03 * amplitude);
+  EXPECT_NEAR(m.closing, amplitude, 0.03 * amplitude);
+  const double force = 2.0 * omega * omega * still / std::numbers::sqrt2;
+  EXPECT_NEAR(m.tension, force, 0.03 * force);
+}
+
 TEST(SidDiscovery, ARecordThatStandsStillSetsNoScale) {
   const SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::displacement, 0.0, 1.0);
   EXPECT_THROW(static_cast<void>(link_motions(c)), InvalidInput);
