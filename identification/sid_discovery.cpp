@@ -135,7 +135,7 @@ class Motions {
     const Motion motion = between(link);
     return {.extension = motion.displacement,
             .rate = motion.velocity,
-            .tension = std::max(load(link.a), load(link.b)),
+            .tension = tension(link),
             .opening = motion.highest > 0.0 ? motion.highest : motion.displacement,
             .closing = motion.lowest < 0.0 ? -motion.lowest : motion.displacement};
   }
@@ -214,6 +214,37 @@ class Motions {
     const Motion &one = of_mass(link.a), &other = of_mass(link.b);
     Motion out = one.displacement > other.displacement ? one : other;
     out.highest = std::max(out.highest, -out.lowest), out.lowest = -out.highest;
+    return out;
+  }
+
+  // Of a link, RMS [N]: what must act on all that would come off the ground with it. A chain that
+  // floats has two such parts, of which the lighter loaded one knows more: on a heavy one force and
+  // inertia nearly cancel. A link in a loop carries no less than either of its ends asks for.
+  [[nodiscard]] double tension(const Link& link) const {
+    const auto load_of = [this](const std::vector<int>& part) {
+      double squares = 0.0;
+      for (const int mass : part) squares += std::pow(load(mass), 2.0);
+      return std::sqrt(squares);
+    };
+    const std::vector<int> a = held_without(link, link.a), b = held_without(link, link.b);
+    const bool a_stands = std::ranges::count(a, 0) > 0, b_stands = std::ranges::count(b, 0) > 0;
+    if (std::ranges::count(a, link.b) > 0) return std::max(load(link.a), load(link.b));
+    if (a_stands) return load_of(b);
+    if (b_stands) return load_of(a);
+    return std::min(load_of(a), load_of(b));
+  }
+
+  // The masses that are tied to one without this link, itself among them; 0 is the ground.
+  [[nodiscard]] std::vector<int> held_without(const Link& link, int mass) const {
+    std::vector<int> out = {mass};
+    for (std::size_t next = 0; next < out.size(); ++next) {
+      for (const Link& other : chain_.links) {
+        if (std::minmax(other.a, other.b) == std::minmax(link.a, link.b)) continue;
+        if (other.a != out[next] && other.b != out[next]) continue;
+        const int end = other.a == out[next] ? other.b : other.a;
+        if (std::ranges::count(out, end) == 0) out.push_back(end);
+      }
+    }
     return out;
   }
 

@@ -35,9 +35,10 @@ void add_subsets(SidCase& sid_case);
 /// How the links of the base model move in the record. Responses are taken to displacement,
 /// velocity and acceleration by their spectra, over the band that holds 99 % of the displacement's
 /// power; a mass without a sensor moves as the mass that moves most. The tension is what the
-/// acceleration of a mass at its end and the forces on it in that band ask for, the larger of the
-/// two ends. Largest extensions are those measured; three times the RMS where no displacement is.
-/// Throws InvalidInput (models) where the responses are constant.
+/// accelerations of the masses that the link holds to the ground, and the forces on them in that
+/// band, ask for, added in quadrature; in a loop, those of the larger of its two ends. Largest
+/// extensions are those measured; three times the RMS where no displacement is. Throws InvalidInput
+/// (models) where the responses are constant.
 [[nodiscard]] std::vector<LinkMotion> link_motions(const SidCase& sid_case);
 
 /// The prior of a coefficient where the case gives none. With e, ė and T the link's motion, a

@@ -140,6 +140,37 @@ TEST(SidDiscovery, ALinkToAMovedBaseIsStretchedByIt) {
   EXPECT_NEAR(m.tension, force, 0.03 * force);
 }
 
+// The upper of two storeys carries its mass, the lower one both.
+TEST(SidDiscovery, ALinkCarriesWhatItHoldsToTheGround) {
+  const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
+  SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::acceleration, amplitude, omega);
+  dynamics::Chain& chain = c.models[0].chain;
+  chain.masses = {2.0, 3.0};
+  chain.links.push_back({.a = 1, .b = 2, .stiffness = 1.0});
+  c.channels.push_back(c.channels[0]);
+  c.channels[1].mass = 2;
+  const double acceleration = omega * omega * amplitude / std::numbers::sqrt2;
+  const double both = std::hypot(2.0, 3.0) * acceleration, upper = 3.0 * acceleration;
+  EXPECT_NEAR(link_motions(c)[0].tension, both, 0.03 * both);
+  EXPECT_NEAR(link_motions(c)[1].tension, upper, 0.03 * upper);
+}
+
+// A shaker's table that stands for the base, 10⁶ times as heavy, and the force that moves it.
+TEST(SidDiscovery, ALinkThatFloatsCarriesWhatItsLighterEndAsksFor) {
+  const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
+  SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::velocity, amplitude, omega);
+  dynamics::Chain& chain = c.models[0].chain;
+  chain.masses = {2e6, 2.0};
+  chain.links[0].a = 1, chain.links[0].b = 2;
+  c.channels[0].mass = 2;
+  SidChannel force = c.channels[0];
+  force.role = SidChannel::Role::force, force.mass = 1;
+  force.signal.scale = 2e6;
+  c.channels.push_back(force);
+  const double want = 2.0 * omega * omega * amplitude / std::numbers::sqrt2;
+  EXPECT_NEAR(link_motions(c).front().tension, want, 0.03 * want);
+}
+
 TEST(SidDiscovery, ARecordThatStandsStillSetsNoScale) {
   const SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::displacement, 0.0, 1.0);
   EXPECT_THROW(static_cast<void>(link_motions(c)), InvalidInput);
