@@ -64,14 +64,29 @@ class Speaker {
   }
 
   std::string operator()(const remark::NearlyPrior& r) const {
-    constexpr std::size_t kNamed = 6;
-    std::vector<std::string> loose;
-    for (const auto& p : r.parameters) {
+    constexpr std::size_t kNamed = 6, kLongNames = 60;
+    // One of several models: by its name if it is the only one, else all that have it together.
+    std::vector<std::string> names, loose;
+    for (const auto& p : r.parameters)
+      if (std::ranges::find(names, p.name) == names.end()) names.push_back(p.name);
+    for (const std::string& name : names) {
       if (loose.size() == kNamed) {
-        loose.push_back(std::to_string(r.parameters.size() - kNamed) + " more");
+        loose.push_back(std::to_string(names.size() - kNamed) + " more");
         break;
       }
-      loose.push_back(p.name + " under \"" + p.model + "\" (overlap " + percent(p.overlap) + ")");
+      std::vector<std::string> models;
+      std::vector<double> overlaps;
+      for (const auto& p : r.parameters) {
+        if (p.name != name) continue;
+        models.push_back("\"" + p.model + "\"");
+        overlaps.push_back(p.overlap);
+      }
+      const auto [low, high] = std::ranges::minmax(overlaps);
+      std::string said = percent(low), of = in_words(models);
+      if (percent(high) != said) said += " to " + percent(high);
+      if (models.size() > 1 && of.size() > kLongNames)
+        of = std::to_string(models.size()) + " models";
+      loose.push_back(name + " under " + of + " (overlap " + said + ")");
     }
     return "Nearly the prior: the data say little about " + in_words(loose) +
            ". Such a posterior repeats what the case assumed; do not report it as a finding.";
@@ -288,7 +303,11 @@ class Speaker {
                 : "The likelihood takes them for independent, so its probabilities and intervals "
                   "are too sure; add \"residuals\": {\"ar\": \"auto\"} to the case, or a model "
                   "that "
-                  "explains more.");
+                  "explains more.") +
+           (r.others.empty()       ? ""
+            : r.others.size() == 1 ? " Under \"" + r.others[0] + "\" they are much the same."
+                                   : " Under " + std::to_string(r.others.size()) +
+                                         " other models they are much the same.");
   }
   std::string operator()(const remark::ParameterAtBound& r) const {
     return "Under \"" + r.model + "\" the parameter " + r.parameter + " leans on the " +

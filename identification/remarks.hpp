@@ -199,7 +199,7 @@ struct NoiseMisstated {
   std::string model;
   std::vector<Channel> channels;
 };
-/// Residuals are not white.
+/// Residuals are not white; those of `others`, less probable models, are much the same.
 struct ColouredResiduals {
   bool autoregressive = false;  ///< they are innovations of an autoregression already
 
@@ -212,6 +212,7 @@ struct ColouredResiduals {
   };
   std::string model;
   std::vector<Channel> channels;
+  std::vector<std::string> others = {};
 };
 /// Between the windows of a record, parameters scatter by more than each window's interval allows
 /// for, by these factors.

@@ -65,6 +65,27 @@ bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
          });
 }
 
+/// Residuals of two models that a reader need not be told of twice.
+bool much_the_same(const remark::ColouredResiduals& a, const remark::ColouredResiduals& b) {
+  return a.autoregressive == b.autoregressive &&
+         std::ranges::equal(a.channels, b.channels, [](const auto& x, const auto& y) {
+           return x.name == y.name && x.lag == y.lag &&
+                  std::abs(x.autocorrelation - y.autocorrelation) < 0.05 &&
+                  std::abs(x.share - y.share) < 0.05 * x.share;
+         });
+}
+
+void tell(remark::ColouredResiduals coloured, std::vector<Remark>& remarks) {
+  for (Remark& told : remarks) {
+    auto* before = std::get_if<remark::ColouredResiduals>(&told);
+    if (before != nullptr && much_the_same(*before, coloured)) {
+      before->others.push_back(std::move(coloured.model));
+      return;
+    }
+  }
+  remarks.emplace_back(std::move(coloured));
+}
+
 /// What the forward runs of the models that matter say about the data.
 void judge_fits(const SidProblem& problem, SidFindings& findings) {
   const double n = static_cast<double>(problem.misfits.front().samples());
@@ -90,7 +111,7 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
       }
     }
     if (!off.channels.empty()) findings.remarks.push_back(std::move(off));
-    if (!coloured.channels.empty()) findings.remarks.push_back(std::move(coloured));
+    if (!coloured.channels.empty()) tell(std::move(coloured), findings.remarks);
   }
 }
 

@@ -52,6 +52,10 @@ std::string interval(const Marginal& e) {
   return resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width());
 }
 
+std::string with_unit(const std::string& value, const Unknown& unknown) {
+  return unknown.unit.empty() || unknown.unit == "1" ? value : value + " " + unknown.unit;
+}
+
 std::string metres(const Marginal& x) {
   return fixed(x.q2_5, 3) + " to " + fixed(x.q97_5, 3) + " m";
 }
@@ -167,8 +171,8 @@ std::string values(const ModelFinding& model) {
       parts.emplace_back("others, tabulated below");
       break;
     }
-    parts.push_back(p.unknown.label + " = " + median(p.estimate) + " (" + interval(p.estimate) +
-                    (p.is_nearly_prior() ? ", nearly its prior)" : ")"));
+    parts.push_back(p.unknown.label + " = " + with_unit(median(p.estimate), p.unknown) + " (" +
+                    interval(p.estimate) + (p.is_nearly_prior() ? ", nearly its prior)" : ")"));
   }
   if (parts.empty()) return {};
   return "With 95 % intervals: " + in_words(parts) + ".";
@@ -292,8 +296,8 @@ Answer answer(const SidFindings& findings) {
   for (const TermFinding& term : terms) {
     if (!term.is_in() || values.size() == kMostValues) continue;
     for (const ParameterFinding& p : term.parameters) {
-      values.push_back(p.unknown.label + " = " + median(p.estimate) + " (" + interval(p.estimate) +
-                       ")");
+      values.push_back(p.unknown.label + " = " + with_unit(median(p.estimate), p.unknown) + " (" +
+                       interval(p.estimate) + ")");
     }
   }
   if (!values.empty()) out.detail = "With 95 % intervals: " + in_words(values) + ".";

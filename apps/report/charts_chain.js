@@ -43,10 +43,13 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
   const symbol = (law, x, low, top) => (symbols[law.key] ? symbols[law.key](x, low, top, law.side)
     : box(x, low, top, `M${x - 7},${(low + top) / 2 + 8}C${x},${(low + top) / 2 + 8} ${x},${(low + top) / 2 - 8} ${x + 7},${(low + top) / 2 - 8}`));
 
+  // The coefficient of a term that was found: its law names it.
+  class OfTerm { constructor(label) { this.label = label; } }
   // "k = 12.3 N/m": what was found stands with its median, what the case states as it is.
   const said = (value, unit, found) => {
     const withUnit = (x, u) => number(x) + (written(u) ? ' ' + written(u) : '');
     if (typeof value === 'number') return withUnit(value, unit);
+    if (value instanceof OfTerm) return `= ${withUnit(found[value.label]?.q50, found[value.label]?.unit)}`;
     const known = found[value];
     return typeof known?.q50 === 'number' ? `${value} = ${withUnit(known.q50, known.unit)}` : String(value);
   };
@@ -65,7 +68,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     return keys.flatMap((key) => [link[key]].flat().map((law) => {
       const name = key.replace(/_/g, ' ').replace('coulomb', 'Coulomb friction').replace('bouc wen', 'Bouc-Wen');
       const coefficients = units[key] || [];
-      if (law === null || typeof law !== 'object') return { key, words: `${name} ${said(law, inRun(coefficients[0]?.unit), found)}` };
+      if (law === null || typeof law !== 'object' || law instanceof OfTerm) return { key, words: `${name} ${said(law, inRun(coefficients[0]?.unit), found)}` };
       const values = Object.entries(law).filter(([k]) => k !== 'side').map(([k, v]) => `${k} ${said(v, inRun(coefficients.find((c) => c.name === k)?.unit), found)}`);
       return { key, side: law.side, words: `${name}${law.side ? `, ${law.side}` : ''}${values.length ? ': ' : ''}${values.join(', ')}` };
     }));
@@ -85,9 +88,24 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
   function withTerms(run, base, name) {
     if (!run.summary.terms || !base) return undefined;
     const labels = name.slice(base.name.length).split(' + ');
-    const added = (between) => run.summary.terms.filter((t) => labels.includes(t.label) && t.link.join() === between.join())
-      .map((t) => [t.name, Object.keys(t.parameters).length === 1 ? Object.keys(t.parameters)[0] : {}]);
-    return { ...base, links: base.links.map((l) => ({ ...l, ...Object.fromEntries(added(l.between)) })) };
+    // "contact gap closing 0-2" is the gap of the term "contact closing" of the link 0-2.
+    const law = (t) => {
+      const [, key, side] = t.name.match(/^(.*?)(?: (opening|closing))?$/);
+      const coefficients = Object.keys(t.parameters).map((label) =>
+        [label.slice(key.length).replace(/ \d+-\d+$/, '').replace(/ (opening|closing)$/, '').trim(), new OfTerm(label)]);
+      const one = coefficients.length === 1 && !side;
+      return [key, one ? coefficients[0][1] : { ...(side && { side }), ...Object.fromEntries(coefficients) }];
+    };
+    const withAdded = (link) => {
+      const out = { ...link };
+      for (const t of run.summary.terms) {
+        if (!labels.includes(t.label) || t.link.join() !== link.between.join()) continue;
+        const [key, added] = law(t);
+        out[key] = key in out ? [out[key], added].flat() : added;
+      }
+      return out;
+    };
+    return { ...base, links: base.links.map(withAdded) };
   }
   function chain(run) {
     const cased = run.summary.wheeltap.case.models || [];

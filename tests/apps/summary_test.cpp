@@ -15,7 +15,9 @@ namespace {
 
 using inference::ChainsOf;
 using inference::Posterior;
+using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 
 const inference::ModelSpace& coin_space() {
   static const auto space = inference::ModelSpace::of_components(
@@ -194,6 +196,24 @@ TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
       sentence(findings.remarks[0], {}),
       HasSubstr("Nearly the prior: the data say little about location[1] under \"1 damage\""));
   EXPECT_THAT(sentence(findings.remarks[1], {}), HasSubstr("at 12 of 34 567 places"));
+}
+
+// Of 64 subsets of terms it was the same warning four times.
+TEST(Summary, ModelsThatAreAlikeAreToldOfTogether) {
+  remark::NearlyPrior nearly{.parameters = {{"a", "gap", 0.97}, {"b", "c", 0.96}}};
+  EXPECT_THAT(sentence(nearly, {}),
+              HasSubstr("about gap under \"a\" (overlap 97 %) and c under \"b\" (overlap 96 %)."));
+  nearly.parameters.push_back({"b", "gap", 0.98});
+  EXPECT_THAT(sentence(nearly, {}), HasSubstr("gap under \"a\" and \"b\" (overlap 97 % to 98 %)"));
+  nearly.parameters.push_back({std::string(60, 'x'), "gap", 0.98});
+  EXPECT_THAT(sentence(nearly, {}), HasSubstr("gap under 3 models (overlap 97 % to 98 %)"));
+
+  remark::ColouredResiduals coloured{.model = "m", .channels = {{"a", 4, -0.58, 0.02, 0.0}}};
+  EXPECT_THAT(sentence(coloured, {}), Not(HasSubstr("much the same")));
+  coloured.others = {"n"};
+  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under \"n\" they are much the same."));
+  coloured.others = {"n", "o"};
+  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under 2 other models they are much the same."));
 }
 
 TEST(Summary, ParameterSummary) {

@@ -55,6 +55,25 @@ TEST(SidFindings, SayWhichModelAndHowWellItFits) {
   EXPECT_EQ(find<remark::NoiseMisstated>(f), nullptr);
 }
 
+TEST(SidFindings, ModelsThatLeaveTheSameResidualsAreToldOfTogether) {
+  SidCase c = simulated(small_sid_case());
+  c.truth.reset();
+  c.models[1] = c.models[0];
+  c.models[1].name = "twin";
+  c.models.push_back(c.models[0]);
+  c.models[2].name = "triplet";
+  for (SidModel& model : c.models) model.weight = 1.0 / 3.0;
+  const SidFindings f = found(c);
+  std::size_t told = 0, others = 0;
+  for (const Remark& remark : f.remarks)
+    if (const auto* coloured = std::get_if<remark::ColouredResiduals>(&remark)) {
+      ++told;
+      others += coloured->others.size();
+    }
+  EXPECT_EQ(told, 1U);
+  EXPECT_GE(others, 1U);
+}
+
 TEST(SidFindings, NoiseThatIsNotAsStatedIsRemarkedOn) {
   SidCase c = small_sid_case();
   c.truth->noise = {0.1};

@@ -230,9 +230,10 @@ TEST(Answer, EquationOfMotion) {
   found.models.push_back({.name = "linear", .standing = {.probability = 0.18}});
   found.models.push_back({.name = "duffing", .standing = {.probability = 0.82}});
   found.models[1].parameters = {{{"k", "k"}, row(47.6, 51.4, 55.2)}};
+  found.models[1].parameters[0].unknown.unit = "N/m";
   const Answer a = apps::answer(found);
   EXPECT_EQ(a.headline, "Most likely “duffing” (82 %).");
-  EXPECT_EQ(a.detail, "With 95 % intervals: k = 51.4 (47.6 to 55.2).");
+  EXPECT_EQ(a.detail, "With 95 % intervals: k = 51.4 N/m (47.6 to 55.2).");
 }
 
 TEST(Answer, SweepSaysWhereTheChoiceChanges) {
@@ -277,12 +278,13 @@ TEST(Answer, OfADiscoverySaysWhichTermsALinkHas) {
   run.discovery.terms = {term("quadratic", 0.98), term("cubic", 0.9999), term("coulomb", 0.03),
                          term("bouc_wen", 0.4)};
   run.discovery.terms[1].parameters = {
-      {.unknown = {.name = "cubic", .label = "cubic"}, .estimate = row(990.0, 1000.0, 1012.0)}};
+      {.unknown = {.name = "cubic", .label = "cubic", .unit = "N/m^3"},
+       .estimate = row(990.0, 1000.0, 1012.0)}};
   const Answer a = apps::answer(run);
   EXPECT_EQ(a.headline,
             "The link 0-1 has cubic (> 99.9 %) and quadratic (98 %) as terms; undecided: bouc wen "
             "(40 %); nothing speaks for coulomb (3 %).");
-  EXPECT_EQ(a.detail, "With 95 % intervals: cubic = 1000 (990 to 1012).");
+  EXPECT_EQ(a.detail, "With 95 % intervals: cubic = 1000 N/m^3 (990 to 1012).");
   run.discovery.terms = {term("cubic", 0.01), term("cubic", 0.95, 1, 2)};
   run.sampling.verdict.converged = false;
   EXPECT_EQ(

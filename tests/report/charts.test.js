@@ -93,6 +93,28 @@ test('each law has a symbol of its own, and a damper alone no law at rest', () =
   assert.equal(at_rest([-1, 1]).length, 1);
 });
 
+test('terms that were found stand in the chain with their coefficients', () => {
+  const term = (name, label, link, parameters) => ({ name, label, link, parameters: Object.fromEntries(parameters.map((p) => [p, {}])) });
+  const name = 'base + contact 0-2 + contact closing 0-2 + coulomb 2-1';
+  const made = run([9, 1], [{ between: [0, 2], damping: 3 }, { between: [2, 1] }]);
+  Object.assign(made.summary, {
+    models: [{ name, probability: 1 }],
+    unknowns: { [name]: [['contact stiffness 0-2', 'N/m'], ['contact gap 0-2', 'm'], ['coulomb force 2-1', 'N']].map(([label, unit]) => ({ label, unit })) },
+    parameters: { [name]: { 'contact stiffness 0-2': { q50: 5 }, 'contact gap 0-2': { q50: 0.1 }, 'contact stiffness closing 0-2': { q50: 6 },
+      'contact gap closing 0-2': { q50: 0.2 }, 'coulomb force 2-1': { q50: 10 } } },
+    terms: [term('contact', 'contact 0-2', [0, 2], ['contact stiffness 0-2', 'contact gap 0-2']),
+      term('contact closing', 'contact closing 0-2', [0, 2], ['contact stiffness closing 0-2', 'contact gap closing 0-2']),
+      term('coulomb', 'coulomb 2-1', [2, 1], ['coulomb force 2-1']), term('coulomb', 'coulomb 0-2', [0, 2], ['coulomb force 0-2'])],
+  });
+  made.summary.wheeltap.case.models[0].name = 'base';
+  const lines = named(drawing(made, 1000), 'l').map((l) => l.text);
+  assert.ok(lines.some((l) => l.includes('Coulomb friction = 10 N')), JSON.stringify(lines));
+  const all = lines.flat().join(' ').replace(/ +/g, ' ');
+  assert.match(all, /contact: stiffness = 5 N\/m, gap = 0.1 m/);
+  assert.match(all, /contact, closing: stiffness = 6, gap = 0.2/);
+  assert.ok(!all.includes('0-2'), all);
+});
+
 test('a chain that stands on nothing has no ground', () => {
   const texts = (links) => JSON.stringify(drawing(run([1, 1], links), 700).marks);
   assert.match(texts([{ between: [0, 1], stiffness: 1 }]), /"ground"/);
