@@ -112,7 +112,9 @@ const kit = (() => {
   // The same for powers of ten: "0.1", "1", "10", or "1e-6".
   const powerFormat = (values) => (Math.min(...values) >= 1e-3 && Math.max(...values) < 1e5 ? '~r' : '.0e');
   // "1e-06" of a sentence as `number` writes it.
-  const restyled = (text) => text.replace(/e([+-])0*(\d+)/g, (_, sign, power) => 'e' + (sign === '-' ? '-' : '') + power);
+  // Of more than eight digits five are enough to read: nobody stated those.
+  const restyled = (text) => text.replace(/\d+\.\d+/g, (x) => (x.replace(/^0\.0*|\./g, '').length > 8 ? String(Number(Number(x).toPrecision(5))) : x))
+    .replace(/e([+-])0*(\d+)/g, (_, sign, power) => 'e' + (sign === '-' ? '-' : '') + power);
   // Exponents as `number` writes them, and a zero as "0".
   const styled = (axis) => (/e$/.test(axis.format || '') ? { ...axis, encode: { labels: { update: { text: { signal: `datum.value === 0 ? '0' : replace(format(datum.value, '${axis.format}'), 'e+', 'e')` } } } } } : axis);
   const defined = (more) => Object.fromEntries(Object.entries(more || {}).filter(([, value]) => value !== undefined));

@@ -32,6 +32,21 @@ std::optional<inference::Prior> prior_of(const CaseFile& stated, const std::stri
   }
 }
 
+// A discovery makes the priors of its terms: the summary has them in words, "uniform [0, 2]", which
+// are those of a case, written otherwise.
+void add_priors_made(const Report& summary, Json& stated) {
+  if (!summary.contains("priors") || !summary["priors"].is_object()) return;
+  for (const auto& [label, words] : summary["priors"].items()) {
+    if (!words.is_string() || stated["parameters"].contains(label)) continue;
+    const auto text = words.get<std::string>();
+    const std::size_t space = text.find(' ');
+    if (space == std::string::npos) continue;
+    const Json numbers = Json::parse(text.substr(space), nullptr, false);
+    if (numbers.is_discarded()) continue;
+    stated["parameters"][label] = {{text.substr(0, space), numbers}};
+  }
+}
+
 Report one_parameter(const StoredDraws& posterior, const Series& series, std::size_t model,
                      std::vector<double>& all, const CaseFile& stated) {
   all.clear();
@@ -105,6 +120,7 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
 void digest_parameters(const StoredDraws& posterior, const Report& summary, Report& out) {
   CaseFile stated;
   stated.json = Json::parse(summary.at("wheeltap").at("case").dump());
+  if (summary.contains("discovery")) add_priors_made(summary, stated.json);
   out["parameters"] = Report::object();
   out["pairs"] = Report::object();
   for (std::size_t m = 0; m < summary.at("models").size(); ++m) {

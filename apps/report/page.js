@@ -219,7 +219,11 @@
     element('p', { class: 'lead' }, summary.baseline.check.statement)];
   }
   // Models that the draws cannot speak for.
-  const toldByEvidence = () => (told.length ? [element('ul', { class: 'warnings' }, ...told.map((t) => element('li', { dir: 'auto' }, t)))] : []);
+  function toldByEvidence() {
+    if (!told.length) return [];
+    const list = element('ul', { class: 'warnings' }, ...told.map((t) => element('li', { dir: 'auto' }, t)));
+    return [told.length > 6 ? element('details', {}, element('summary', {}, `${told.length} models that the chains did not enter, and what their evidences say of them`), list) : list];
+  }
   // How the tempered replicas fared, where the run has them.
   function ladder(d) {
     if (!d.ladder) return [];

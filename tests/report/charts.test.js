@@ -17,6 +17,7 @@ test('numbers are in one style', () => {
   for (const [x, words] of [[0.00000537427, '5.374e-6'], [1.65e-9, '1.65e-9'], [1e9, '1e9'], [123456, '123500'], [0.00012, '0.00012'], [0, '0'], [NaN, '–']])
     assert.equal(kit.number(x), words);
   assert.equal(kit.restyled('log_uniform [1e-06, 2e+07]'), 'log_uniform [1e-6, 2e7]');
+  assert.equal(kit.restyled('half_normal 8.3381394383476665e+06, uniform [0, 0.013331581068898441], 0.00012345678'), 'half_normal 8.3381e6, uniform [0, 0.013332], 0.00012345678');
 });
 
 test('R² is 1 only where nothing is left, and p never 0', () => {
