@@ -95,9 +95,36 @@ Report json(const FitFinding& fit) {
                     {"q2.5", m.q2_5},
                     {"q97.5", m.q97_5},
                     {"standardised_residual", finite(m.standardised_residual)}});
-    if (!m.state.empty()) rows.back().update({{"state", m.state}, {"mode_of_state", m.mode}});
+    Report& row = rows.back();
+    if (!m.state.empty()) row.update({{"state", m.state}, {"mode_of_state", m.mode}});
+    if (m.mac)
+      row["shape"] = {
+          {"mac", {{"q2.5", m.mac->q2_5}, {"q50", m.mac->q50}, {"q97.5", m.mac->q97_5}}}};
+    if (!std::isnan(m.information))
+      row["without_it"] = {{"information_nats", finite(m.information)},
+                           {"probability", m.probability_without},
+                           {"reliable", m.reliable}};
   }
   return {{"modes", rows}, {"posterior_predictive_p", fit.posterior_predictive_p}};
+}
+
+// Measured shapes beside the model's, a list of states.
+Report shapes_of(const DamageCase& damage_case, const FitFinding& fit) {
+  Report out = Report::array();
+  for (const ShapesBeside& beside : fit.shapes) {
+    const ObservedState* state =
+        damage_case.states ? &damage_case.states->list[static_cast<std::size_t>(beside.state)]
+                           : nullptr;
+    const ModalData& data = state != nullptr ? state->data : *damage_case.modal;
+    Report sensors = Report::array();
+    for (const Sensor& sensor : data.sensors) sensors.push_back(sensor.name);
+    out.push_back({{"state", state != nullptr ? Report(state->name) : Report()},
+                   {"sensors", sensors},
+                   {"shapes", rows_of(data.shapes)},
+                   {"computed_shapes", rows_of(beside.computed)},
+                   {"mac", rows_of(beside.mac)}});
+  }
+  return out;
 }
 
 Report json(const EmulatorCheck& check, const std::vector<ModelFinding>& of) {
@@ -368,7 +395,11 @@ Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings
   if (damage_case.data.discrepancy_cv > 0.0) {
     summary["data"]["discrepancy_cov"] = damage_case.data.discrepancy_cv;
   }
-  if (findings.fit) summary["data"].update(json(*findings.fit));
+  if (findings.fit) {
+    summary["data"].update(json(*findings.fit));
+    if (!findings.fit->shapes.empty())
+      summary["data"]["shapes_of"] = shapes_of(file.damage, *findings.fit);
+  }
   if (findings.emulator) {
     const EmulatorFinding& e = *findings.emulator;
     Report emulator = emulator_report(e);

@@ -9,16 +9,6 @@ namespace {
 
 using Eigen::Index;
 
-Report rows_of(const Eigen::MatrixXd& matrix) {
-  Report rows = Report::array();
-  for (Index i = 0; i < matrix.rows(); ++i) {
-    Report row = Report::array();
-    for (Index j = 0; j < matrix.cols(); ++j) row.push_back(finite(matrix(i, j)));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
 Report list_of(const Eigen::VectorXd& values) {
   Report list = Report::array();
   for (const double x : values) list.push_back(finite(x));

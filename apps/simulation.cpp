@@ -11,7 +11,7 @@ using namespace identification;
 
 namespace {
 
-Json rows_of(const Eigen::MatrixXd& matrix) {
+Json json_rows(const Eigen::MatrixXd& matrix) {
   Json rows = Json::array();
   for (const auto& row : matrix.rowwise())
     rows.push_back(std::vector<double>(row.begin(), row.end()));
@@ -30,7 +30,7 @@ SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed)
   const Json& truth = json["truth"];
   if (!out.contains("cov")) out["cov"] = truth.at("cov");
   if (data.has_shapes()) {
-    out["shapes"] = rows_of(data.shapes);
+    out["shapes"] = json_rows(data.shapes);
     if (!out.contains("shape_sd")) out["shape_sd"] = truth.at("shape_sd");
   } else {
     out.erase("shapes");
@@ -48,7 +48,7 @@ Json with_simulated(const DamageCaseFile& parsed, const FrequencyData& data, std
   if (!says("cov") && !says("sd") && !says("covariance"))
     json["data"]["cov"] = damage_case.simulation->cv;
   if (damage_case.modal && !damage_case.modal->sensors.empty()) {
-    json["data"]["shapes"] = rows_of(
+    json["data"]["shapes"] = json_rows(
         explained(parsed, [&] { return simulated_shapes(damage_case, data.modes(), seed); }));
     if (!json["data"].contains("shape_sd"))
       json["data"]["shape_sd"] = damage_case.simulation->shape_sd;

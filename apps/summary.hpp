@@ -7,6 +7,7 @@
 
 #include "apps/case_file.hpp"
 #include "apps/words.hpp"
+#include "base/eigen.hpp"
 #include "identification/findings.hpp"
 
 namespace wheeltap::apps {
@@ -22,6 +23,8 @@ struct RunInfo {
 
 /// A number, or null for what JSON cannot hold.
 [[nodiscard]] Report finite(double x);
+/// A list of rows of such numbers.
+[[nodiscard]] Report rows_of(const Eigen::MatrixXd& matrix);
 
 /// {"mean", "sd", "q2.5", "q50", "q97.5", "mode", "ess_bulk", "ess_tail", "rhat"}.
 [[nodiscard]] Report json(const identification::Marginal& estimate);

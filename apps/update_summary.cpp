@@ -12,16 +12,6 @@ using namespace identification;
 
 namespace {
 
-Report rows_of(const Eigen::MatrixXd& matrix) {
-  Report rows = Report::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    Report row = Report::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(finite(matrix(i, j)));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
 Report contractions_of(const UpdateFindings& findings) {
   Report out = Report::object();
   for (const Contraction& c : findings.contractions) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "identification/damage_modes.hpp"
 #include "identification/plausibility.hpp"
 #include "identification/symmetry_finding.hpp"
 
@@ -217,7 +218,8 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   ModalLikelihood::Score score;
   long visited = 0;
   double mean_p = 0.0, weight_seen = 0.0;
-  std::vector<double> mean_residual(modes), spurious(modes);
+  std::vector<double> mean_residual(modes), spurious(modes), densities(modes);
+  SingleModes single(problem);
   draws.for_each([&](std::size_t c, std::size_t i) {
     if (visited++ % stride != 0) return;
     const std::span<const double> x(posterior.chains[c].theta.data() + i * width, width);
@@ -226,8 +228,9 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
       const double variance = variances.empty() ? 0.0 : variances[c][i * modes + mode];
-      const double r = (data.frequencies_hz[mode] - prediction(c, i, mode)) /
-                       noise.sd(mode, noise.cv(x), variance);
+      const double sd = noise.sd(mode, noise.cv(x), variance);
+      const double r = (data.frequencies_hz[mode] - prediction(c, i, mode)) / sd;
+      densities[mode] = -0.5 * r * r - std::log(sd);
       squares += r * r;
       mean_residual[mode] += weight * r;
     }
@@ -237,7 +240,9 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
           weight * boost::math::gamma_q(0.5 * std::max(score.freedoms, 1), 0.5 * score.chi_square);
       for (std::size_t mode = 0; mode < modes; ++mode)
         spurious[mode] += weight * score.matches[mode].spurious;
+      single.pass(posterior.chains[c].model[i], weight, x, by_shapes, score);
     } else {
+      single.pass(posterior.chains[c].model[i], weight, densities);
       mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
     }
     weight_seen += weight;
@@ -273,6 +278,8 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     if (measured && std::abs(residual) > 3.0 && doubted < 0.5)
       off.push_back(static_cast<int>(mode) + 1);
   }
+  single.tell(verdict.model, out);
+  if (problem.by_modes()) out.shapes = best_shapes(problem, posterior);
   if (out.posterior_predictive_p < kMisfit) {
     verdict.why.emplace_back(
         misfit::BeyondNoise{out.posterior_predictive_p, off, problem.emulator != nullptr});

@@ -1,6 +1,7 @@
 // What a damage run found: how many, where on the beam and how bad, and what the data cannot say.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "identification/damage_problem.hpp"
 #include "identification/emulator_check.hpp"
 #include "identification/findings.hpp"
+#include "identification/mode_contributions.hpp"
 
 namespace wheeltap::identification {
 
@@ -49,8 +51,16 @@ struct FitFinding {
     double standardised_residual;  ///< posterior mean; NaN where not measured
     std::string state = {};        ///< where there are several
     int mode = 0;                  ///< as measured in its state, from 1
+    std::optional<Marginal> mac = {};  ///< of its shape and the model's, over the draws
+    /// What the posterior would lose without this mode: KL(posterior ‖ without) [nats], and the
+    /// probability that the most probable model would have. `reliable`: the draws can be reweighted
+    /// so. NaN where it was not measured.
+    double information = std::numeric_limits<double>::quiet_NaN();
+    double probability_without = std::numeric_limits<double>::quiet_NaN();
+    bool reliable = true;
   };
   std::vector<Mode> modes;
+  std::vector<ShapesBeside> shapes = {};  ///< of each state with shapes, at the best draw
   /// P(χ² of a replicate > χ² of the data), both about the model: small where nothing fits.
   double posterior_predictive_p = 0.0;
 };

@@ -343,6 +343,18 @@ bool FrequencyPredictor::score(int model, std::span<const double> x, ModalLikeli
   return true;
 }
 
+Eigen::MatrixXd FrequencyPredictor::covariance(std::span<const double> x,
+                                               const ModalLikelihood::Score& score,
+                                               std::vector<int>& with) const {
+  const ModalNoise noise = problem_.modal_noise(x);
+  if (problem_.states) return problem_.states->frequency_covariance(of_states_, noise, score, with);
+  with.clear();
+  const ModalData& data = problem_.modal->data();
+  for (int i = 0; i < data.modes(); ++i)
+    if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)])) with.push_back(i);
+  return problem_.modal->covariance(noise)(with, with);
+}
+
 void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span<double> out,
                                  std::span<double> variance) {
   place(model, x);

@@ -66,6 +66,14 @@ class FrequencyPredictor {
   bool solve_modes(int model, std::span<const double> x, fem::ParametricModes::Modes& out);
   /// What the data say of a state of a problem `by_modes`. False where there is no such structure.
   bool score(int model, std::span<const double> x, ModalLikelihood::Score& out);
+  /// Of the state that was scored last: the covariance [Hz²] of the measured frequencies, which
+  /// these are, and the modes of a state of the structure (0 where there is but one).
+  [[nodiscard]] Eigen::MatrixXd covariance(std::span<const double> x,
+                                           const ModalLikelihood::Score& score,
+                                           std::vector<int>& with) const;
+  [[nodiscard]] const fem::ParametricModes::Modes& scored_modes(int state) const {
+    return problem_.states ? of_states_[static_cast<std::size_t>(state)] : modes_;
+  }
   /// By the problem's emulator, with the variances [Hz²] of its error (0 where the case switches
   /// them off). Without damages, and where ANOVA's sum is no frequency, by the FE solution.
   void emulate(int model, std::span<const double> x, std::span<double> out,

@@ -170,11 +170,9 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   if (noise.discrepancy == 0.0 || likelihoods_.size() == 1) return out;
 
   // Frequencies of all states at once, with what they have in common.
-  std::vector<Index> with;
-  for (Index i = 0; i < this->modes(); ++i)
-    if (!std::isnan(joined_.frequencies_hz[static_cast<std::size_t>(i)])) with.push_back(i);
+  std::vector<int> with;
+  const MatrixXd c = frequency_covariance(modes, noise, out, with);
   const auto n = static_cast<Index>(with.size());
-  MatrixXd c = covariance(noise)(with, with);
   VectorXd r(n);
   const auto observed = [&](Index k) {
     return joined_.frequencies_hz[static_cast<std::size_t>(with[static_cast<std::size_t>(k)])];
@@ -183,7 +181,6 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
     return out.matches[static_cast<std::size_t>(with[static_cast<std::size_t>(k)])];
   };
   for (Index k = 0; k < n; ++k) r[k] = observed(k) - match(k).frequency_hz;
-  add_common(modes, noise, out, with, c);
   out.log_likelihood = out.chi_square = 0.0;
   for (const auto& m : out.matches)
     if (m.shape) {
@@ -202,9 +199,22 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   return out;
 }
 
+MatrixXd StatesLikelihood::frequency_covariance(const std::vector<Modes>& modes,
+                                                const ModalNoise& noise,
+                                                const ModalLikelihood::Score& score,
+                                                std::vector<int>& with) const {
+  with.clear();
+  for (int i = 0; i < this->modes(); ++i)
+    if (!std::isnan(joined_.frequencies_hz[static_cast<std::size_t>(i)])) with.push_back(i);
+  MatrixXd out = covariance(noise)(with, with);
+  if (noise.discrepancy > 0.0 && likelihoods_.size() > 1)
+    add_common(modes, noise, score, with, out);
+  return out;
+}
+
 void StatesLikelihood::add_common(const std::vector<Modes>& modes, const ModalNoise& noise,
-                                  const ModalLikelihood::Score& score,
-                                  const std::vector<Index>& with, MatrixXd& covariance) const {
+                                  const ModalLikelihood::Score& score, const std::vector<int>& with,
+                                  MatrixXd& covariance) const {
   const auto state_of = [&](Index mode) -> const ObservedState& {
     return states_->list[static_cast<std::size_t>(place(static_cast<int>(mode)).state)];
   };

@@ -63,6 +63,12 @@ class StatesLikelihood {
   [[nodiscard]] ModalLikelihood::Score score(const std::vector<fem::ParametricModes::Modes>& modes,
                                              const ModalNoise& noise) const;
 
+  /// C of the measured frequencies, with what the states have in common where it is counted; `with`
+  /// says which modes of the row they are.
+  [[nodiscard]] Eigen::MatrixXd frequency_covariance(
+      const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
+      const ModalLikelihood::Score& score, std::vector<int>& with) const;
+
   /// Scratch memory of one thread.
   struct Workspace {
     std::vector<std::optional<fem::ParametricModes::Workspace>> groups;
@@ -91,7 +97,7 @@ class StatesLikelihood {
  private:
   /// Where C has what states have in common: `with` are the modes that were measured.
   void add_common(const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
-                  const ModalLikelihood::Score& score, const std::vector<Eigen::Index>& with,
+                  const ModalLikelihood::Score& score, const std::vector<int>& with,
                   Eigen::MatrixXd& covariance) const;
   struct Group {
     std::vector<int> states;  // that differ by temperature alone

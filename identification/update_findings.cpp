@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/random.hpp"
+#include "identification/mode_contributions.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -21,8 +22,6 @@ using inference::Posterior;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Draws that are looked at again, with their shapes.
 constexpr std::size_t kExamined = 2000;
-/// Reweighted draws that are worth fewer than this say little.
-constexpr double kFewDraws = 50.0;
 
 double tail(double freedoms, double chi_square) {
   return freedoms > 0.0 ? boost::math::gamma_q(0.5 * freedoms, 0.5 * std::max(0.0, chi_square))
@@ -152,77 +151,29 @@ Marginal marginal_of(const UpdateFindings& out, const Value& value) {
   return marginal({draws});
 }
 
-/// ln p of one mode alone, at a draw: what leaving it out takes away. Frequencies' correlations are
-/// kept by conditioning on the others.
-std::vector<VectorXd> mode_likelihoods(const UpdateProblem& problem, const Examined& seen,
-                                       std::size_t draws) {
-  const ModalData& data = problem.update_case.data;
-  const auto n = static_cast<Index>(data.modes());
-  std::vector<VectorXd> out;
-  for (std::size_t s = 0; s < draws; ++s) {
-    const auto noise = problem.noise(seen.x[s]);
-    const MatrixXd covariance = problem.covariance(noise);
-    std::vector<int> with;
-    for (Index i = 0; i < n; ++i)
-      if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)]))
-        with.push_back(static_cast<int>(i));
-    VectorXd l = VectorXd::Zero(n);
-    if (data.doubt > 0.0) {
-      for (Index i = 0; i < n; ++i)
-        l[i] = seen.scores[s].matches[static_cast<std::size_t>(i)].log_likelihood;
-      out.push_back(std::move(l));
-      continue;
-    }
-    if (!with.empty()) {
-      const MatrixXd precision = covariance(with, with).inverse();
-      VectorXd r(static_cast<Index>(with.size()));
-      for (std::size_t k = 0; k < with.size(); ++k) {
-        const auto i = static_cast<std::size_t>(with[k]);
-        r[static_cast<Index>(k)] = data.frequencies_hz[i] - seen.scores[s].matches[i].frequency_hz;
-      }
-      const VectorXd pull = precision * r;
-      // r_i given the others ~ N(r_i - pull_i / P_ii, 1 / P_ii).
-      for (std::size_t k = 0; k < with.size(); ++k) {
-        const auto at = static_cast<Index>(k);
-        const double p = precision(at, at);
-        l[with[k]] = -0.5 * pull[at] * pull[at] / p + 0.5 * std::log(p / (2.0 * M_PI));
-      }
-    }
-    for (Index i = 0; i < n; ++i)
-      if (const auto& shape = seen.scores[s].matches[static_cast<std::size_t>(i)].shape)
-        l[i] += shape->log_density;
-    out.push_back(std::move(l));
-  }
-  return out;
-}
-
 void leave_one_out(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
   const auto draws = static_cast<std::size_t>(out.examined);
-  const std::vector<VectorXd> l = mode_likelihoods(problem, seen, draws);
+  const ModalData& data = problem.update_case.data;
+  std::vector<int> measured;
+  for (int i = 0; i < data.modes(); ++i)
+    if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)])) measured.push_back(i);
+  std::vector<std::vector<double>> l(out.modes.size());
+  for (std::size_t s = 0; s < draws; ++s) {
+    const MatrixXd c = problem.covariance(problem.noise(seen.x[s]))(measured, measured);
+    const VectorXd one = single_mode_densities(data, measured, c, seen.scores[s]);
+    for (std::size_t m = 0; m < l.size(); ++m) l[m].push_back(one[static_cast<Index>(m)]);
+  }
   for (std::size_t m = 0; m < out.modes.size(); ++m) {
-    const auto at = static_cast<Index>(m);
-    double least = std::numeric_limits<double>::infinity(), mean = 0.0;
-    for (std::size_t s = 0; s < draws; ++s) {
-      least = std::min(least, l[s][at]);
-      mean += l[s][at] / static_cast<double>(draws);
-    }
-    // Weights ∝ exp(-l).
-    double sum = 0.0, squares = 0.0;
-    std::vector<double> w(draws);
-    for (std::size_t s = 0; s < draws; ++s) {
-      w[s] = std::exp(least - l[s][at]);
-      sum += w[s];
-      squares += w[s] * w[s];
-    }
+    const WithoutMode left = without_mode(l[m]);
     ModeFinding& finding = out.modes[m];
-    finding.information = std::max(0.0, mean - least + std::log(sum / static_cast<double>(draws)));
-    finding.reliable = sum * sum / squares >= kFewDraws;
+    finding.information = left.information;
+    finding.reliable = left.reliable;
     for (int p = 0; p < problem.structural; ++p) {
       const auto place = static_cast<std::size_t>(p);
       double with = 0.0, without = 0.0, variance = 0.0;
       for (std::size_t s = 0; s < draws; ++s) {
         with += seen.x[s][place] / static_cast<double>(draws);
-        without += seen.x[s][place] * w[s] / sum;
+        without += seen.x[s][place] * left.weights[s];
       }
       for (std::size_t s = 0; s < draws; ++s)
         variance += std::pow(seen.x[s][place] - with, 2) / static_cast<double>(draws);
@@ -435,31 +386,14 @@ void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t s
 
 /// Shapes at the best draw beside the measured ones, and the MAC of all pairs.
 void show_shapes(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
-  const ModalData& data = problem.update_case.data;
   out.best_draw = seen.x[seen.best];
-  if (!data.has_shapes()) return;
+  if (!problem.update_case.data.has_shapes()) return;
   ModePredictor predictor(problem);
   if (!predictor.solve(seen.x[seen.best])) return;
-  const MatrixXd& shapes = predictor.modes().shapes;
-  out.mac = MatrixXd::Constant(data.modes(), shapes.cols(), kNaN);
-  out.best_shapes = MatrixXd::Constant(data.modes(), shapes.rows(), kNaN);
-  for (int i = 0; i < data.modes(); ++i) {
-    if (!problem.shape(i)) continue;
-    std::vector<int> entries;
-    for (Index s = 0; s < shapes.rows(); ++s)
-      if (!std::isnan(data.shapes(i, s))) entries.push_back(static_cast<int>(s));
-    const VectorXd measured = data.shapes.row(i).transpose()(entries);
-    for (Index j = 0; j < shapes.cols(); ++j) {
-      const VectorXd computed = shapes.col(j)(entries);
-      const double along = measured.dot(computed);
-      out.mac(i, j) = along * along / (measured.squaredNorm() * computed.squaredNorm());
-    }
-    const VectorXd matched =
-        shapes.col(seen.scores[seen.best].matches[static_cast<std::size_t>(i)].computed);
-    const double scale =
-        measured.dot(VectorXd(matched(entries))) / VectorXd(matched(entries)).squaredNorm();
-    for (Index s = 0; s < shapes.rows(); ++s) out.best_shapes(i, s) = scale * matched[s];
-  }
+  ShapesBeside beside =
+      shapes_beside(*problem.likelihood, predictor.modes(), seen.scores[seen.best].matches);
+  out.mac = std::move(beside.mac);
+  out.best_shapes = std::move(beside.computed);
 }
 
 }  // namespace

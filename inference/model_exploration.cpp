@@ -269,7 +269,8 @@ void weigh(const Problem& problem, int model, const ExplorationOptions& options,
     const double share =
         lacks() ? static_cast<double>(beyond.rows()) / static_cast<double>(draws.rows()) : 0.0;
     add_modes(found.modes, 0.1, components);
-    add_fit(sampler.resampled(kFitted, random), most, 0.9 * (1.0 - share), random, components);
+    if (share < 1.0)
+      add_fit(sampler.resampled(kFitted, random), most, 0.9 * (1.0 - share), random, components);
     if (share > 0.0) add_fit(beyond, most, 0.9 * share, random, components);
   }
   found.calls.weigh += sampler.evaluations() + others.evaluations();

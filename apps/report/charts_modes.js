@@ -1,13 +1,18 @@
 // Charts of measured mode shapes beside computed ones.
 const modeCharts = (({ frame, linear, axisY }) => {
+  // Shapes beside each other: of an update those of its data, of damage those of each state.
+  const sets = (run) => run.summary.data?.shapes_of || [run.summary.data || {}];
+  const named = (set) => (set.state ? `: ${set.state}` : '');
+  const slug = (set) => (set.state ? `${set.state}-` : '');
   // Rows are measured modes, columns computed ones; null where no shape was measured.
-  function mac(run) {
-    const rows = run.summary.data?.mac || [];
+  const mac = (run) => sets(run).flatMap((set) => macOf(set));
+  function macOf(set) {
+    const rows = set.mac || [];
     const cells = rows.flatMap((row, i) => row.map((value, j) => ({ measured: String(i + 1), computed: String(j + 1), value })).filter((c) => typeof c.value === 'number'));
     if (!cells.length) return [];
     const measured = [...new Set(cells.map((c) => c.measured))], computed = [...new Set(cells.map((c) => c.computed))];
     return [{
-      id: 'mac', section: 'fit', title: 'MAC of measured and computed shapes',
+      id: `${slug(set)}mac`, section: 'fit', title: `MAC of measured and computed shapes${named(set)}`,
       caption: 'At the best draw, over the sensors of each shape: 1 where two shapes are alike. Each measured mode is matched by its shape and its frequency together.',
       table: () => ({ head: ['measured mode', ...computed.map((c) => `computed ${c}`)], rows: measured.map((m) => [Number(m), ...computed.map((c) => cells.find((x) => x.measured === m && x.computed === c)?.value ?? null)]) }),
       spec: (width, theme) => frame(width, Math.max(120, 34 * measured.length), theme, {
@@ -25,8 +30,9 @@ const modeCharts = (({ frame, linear, axisY }) => {
   }
 
   // Measured entries and computed ones over the sensors, a figure a mode.
-  function shapes(run) {
-    const { shapes: measured, computed_shapes: computed, sensors } = run.summary.data || {};
+  const shapes = (run) => sets(run).flatMap((set) => shapesOf(set));
+  function shapesOf(set) {
+    const { shapes: measured, computed_shapes: computed, sensors } = set;
     if (!measured?.length || !computed?.length || !sensors?.length) return [];
     return measured.flatMap((row, i) => {
       const values = row.map((m, s) => ({ sensor: s + 1, name: sensors[s], measured: m, computed: computed[i]?.[s] })).filter((v) => typeof v.measured === 'number' && typeof v.computed === 'number');
@@ -34,7 +40,7 @@ const modeCharts = (({ frame, linear, axisY }) => {
       const all = values.flatMap((v) => [v.measured, v.computed, 0]);
       const low = Math.min(...all), high = Math.max(...all), pad = 0.08 * (high - low);
       return [{
-        id: `shape-${i + 1}`, section: 'fit', title: `Shape of mode ${i + 1}`, caption: 'Points: as measured. Strokes: computed at the best draw, scaled to them.',
+        id: `${slug(set)}shape-${i + 1}`, section: 'fit', title: `Shape of mode ${i + 1}${named(set)}`, caption: 'Points: as measured. Strokes: computed at the best draw, scaled to them.',
         table: () => ({ head: ['sensor', 'measured', 'computed'], rows: values.map((v) => [v.name, v.measured, v.computed]) }),
         spec: (width, theme) => frame(width, 150, theme, {
           data: [{ name: 'v', values }],

@@ -210,6 +210,19 @@
     return [element('h3', { class: 'apart' }, 'Each measured mode'), copyable({ head: ['state', 'mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]'],
       rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state' })];
   }
+  // Of a damage run: what the answer would be without each measured mode.
+  function contributionsTable() {
+    const rows = summary.damage ? (summary.data?.modes || []).filter((m) => m.without_it) : [];
+    if (rows.length < 2) return [];
+    const best = [...summary.models].sort((a, b) => b.probability - a.probability)[0];
+    const states = rows.some((m) => m.state), shaped = rows.some((m) => m.shape);
+    const said = ({ information_nats: x, reliable }) => (typeof x === 'number' ? { value: x, text: (reliable ? '' : '> ') + number(x, 2) } : null);
+    return [element('h3', { class: 'apart' }, 'What each mode says'), copyable({
+      head: [...(states ? ['state'] : []), 'mode', ...(shaped ? ['MAC'] : []), 'information [nats]', `P(${best.name}) without it`],
+      rows: rows.map((m) => [...(states ? [m.state ?? ''] : []), states ? m.mode_of_state : m.mode, ...(shaped ? [m.shape ? { value: m.shape.mac.q50, text: number(m.shape.mac.q50, 4) } : null] : []),
+        said(m.without_it), m.without_it.reliable ? worded(m.without_it.probability, percent) : '–']),
+      caption: `What the posterior would lose without the mode; ${best.name} has ${percent(best.probability)} with all. –: so much that the draws cannot tell` })];
+  }
   function baselineTable() {
     const rows = Object.entries(summary.baseline?.parameters || {});
     if (!rows.length) return [];
@@ -264,7 +277,7 @@
       of('fit').length ? grid(of('fit')) : null);
 
     const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length && rows.every((r) => r && typeof r === 'object'));
-    document.getElementById('fit')?.append(...updateTables(), ...statesTable());
+    document.getElementById('fit')?.append(...updateTables(), ...statesTable(), ...contributionsTable());
     if (fits.length) {
       document.getElementById('fit')?.append(element('h3', { class: 'apart' }, 'Fit of each model at its posterior mean'), copyable({
         head: ['model', 'channel', 'rmse', 'nrmse', 'R²', 'noise sd', 'residuals white? p'],

@@ -121,7 +121,7 @@ def check_any_number_of_ranks_makes_the_same_batch(bench):
     expect(len(rows) == 7, f'a row a case: {rows}')
     for n in (1, 2, 3):
         shutil.rmtree(out)
-        _, said, _ = bench.run(*words, ranks=n, code=65)
+        _, said, _ = bench.run(*words, '--threads', '1', ranks=n, code=65)
         found, theirs = everything()
         same(found, whole)
         expect(theirs == rows, f'{n} ranks: {theirs}')
