@@ -208,12 +208,12 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   const NoiseModel noise = problem.noise();
   const std::vector<std::vector<double>> variances = emulator_variances(problem, posterior);
   long stride = emulator_stride(problem);
-  if (problem.by_modes()) {  // each is solved again
-    constexpr long kSolved = 2000;
-    long all = 0;
-    for (const auto& chain : posterior.chains) all += static_cast<long>(chain.model.size());
-    stride = std::max(1L, all / kSolved);
-  }
+  constexpr long kSolved = 2000, kKept = 20'000;
+  long all = 0;
+  for (const auto& chain : posterior.chains) all += static_cast<long>(chain.model.size());
+  if (problem.by_modes()) stride = std::max(1L, all / kSolved);  // each is solved again
+  // Of those visited, so many are remembered mode by mode.
+  const long kept_every = stride * std::max(1L, all / (stride * kKept));
   FrequencyPredictor by_shapes(problem);
   ModalLikelihood::Score score;
   long visited = 0;
@@ -242,7 +242,8 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
         spurious[mode] += weight * score.matches[mode].spurious;
       single.pass(posterior.chains[c].model[i], weight, x, by_shapes, score);
     } else {
-      single.pass(posterior.chains[c].model[i], weight, densities);
+      if ((visited - 1) % kept_every == 0)
+        single.pass(posterior.chains[c].model[i], weight, densities);
       mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
     }
     weight_seen += weight;

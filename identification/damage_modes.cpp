@@ -39,11 +39,13 @@ void SingleModes::pass(int model, double weight, std::span<const double> x,
 }
 
 void SingleModes::tell(int winner, FitFinding& out) const {
+  // A winner by its evidence alone: what leaving a mode out would make of it, draws cannot say.
+  const bool drawn = std::ranges::find(models_, winner) != models_.end();
   for (std::size_t m = 0; m < out.modes.size(); ++m) {
     FitFinding::Mode& mode = out.modes[m];
     const bool shaped = !macs_[m].empty() && macs_[m].size() == weights_.size();
     if (shaped) mode.mac = marginal({macs_[m]}, {weights_});
-    if (!told_ || (std::isnan(mode.observed) && !shaped)) continue;
+    if (!told_ || !drawn || (std::isnan(mode.observed) && !shaped)) continue;
     const WithoutMode without = without_mode(densities_[m], weights_);
     mode.information = without.information;
     mode.reliable = without.reliable;

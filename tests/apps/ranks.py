@@ -7,6 +7,7 @@ Exit code 77, and a line, where there is no mpirun or no module beside the progr
 """
 import os
 import pathlib
+import select
 import shutil
 import signal
 import sys
@@ -97,8 +98,13 @@ def stopped_table(bench, ranks, words, out):
     process = bench.start(*(bench.words(ranks, words) if ranks else words))
     while process.poll() is None and not any(p.stat().st_size for p in out.glob('*.runs.*')):
         pass
+    left = handles(process)
     process.kill()
     process.communicate()
+    # Ranks learn that mpirun is gone when they next speak to it; until then they write.
+    for rank in left:
+        select.select([rank], [], [])
+        os.close(rank)
 
 
 def check_any_number_of_ranks_makes_the_same_batch(bench):
@@ -144,6 +150,19 @@ def children(process):
         command = pathlib.Path(f'/proc/{pid}/cmdline').read_bytes().split(b'\0')
         if command[0].endswith(b'wheeltap'):
             found.append(int(pid))
+    return found
+
+
+def handles(process):
+    """Of its ranks: readable once they have ended."""
+    if process.poll() is not None:
+        return []
+    found = []
+    for pid in children(process):
+        try:
+            found.append(os.pidfd_open(pid))
+        except ProcessLookupError:
+            pass
     return found
 
 
