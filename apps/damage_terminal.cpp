@@ -241,16 +241,19 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
     page.wrapped("Baseline: " + baseline_statement(*damage_case.baseline), "", "  ");
   print_answer(page, answer(damage_case, findings));
 
-  page.heading(damage_case.kinds.size() > 1 ? "What is there?"
-                                            : "How many " + damage_case.kinds[0].plural + "?");
-  print_models(page, findings.models);
+  const bool several = findings.models.size() > 1;
+  if (several) {
+    page.heading(damage_case.kinds.size() > 1 ? "What is there?"
+                                              : "How many " + damage_case.kinds[0].plural + "?");
+    print_models(page, findings.models);
+  }
 
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
     const ModelFinding& model = findings.models[m];
     const bool any = std::ranges::any_of(model.counts, [](int n) { return n > 0; });
     if (model.probability() < kWorthPrinting || !model.drawn() || !any) continue;
     if (damage_case.structure) continue;
-    out << '\n' << page.bold("If " + model.name) << " (" << percent(model.probability()) << ")\n";
+    print_condition(page, model, several);
     print_defects(page, damage_case, findings.shown(m), !findings.folded.empty());
   }
   if (damage_case.structure) {

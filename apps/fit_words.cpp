@@ -35,47 +35,73 @@ struct Brief {
   std::string operator()(const misfit::WithinNoise& r) const { return "predictive " + p_is(r.p); }
 };
 
+// Reasons of one kind, a response each, in one sentence.
 struct Sentence {
-  std::string operator()(const misfit::Unexplained& r) const {
-    return "The model misses most of " + quoted(r.channel) + " (R² " + fixed(r.r2, 2) +
-           ") and what is left is no noise. Check that channels, signs, units and the initial "
-           "state "
+  template <class Reason>
+  using All = std::vector<Reason>;
+
+  std::string operator()(const All<misfit::Unexplained>& all) const {
+    std::vector<std::string> parts;
+    for (const auto& r : all) parts.push_back(quoted(r.channel) + " (R² " + fixed(r.r2, 2) + ")");
+    return "The model misses most of " + in_words(parts) +
+           " and what is left is no noise. Check that channels, signs, units and the initial state "
            "are those of this record; then the models. Parameters and intervals mean nothing until "
            "then.";
   }
-  std::string operator()(const misfit::NotNoise& r) const {
-    std::string text = "What the model leaves of " + quoted(r.channel) + " is " +
-                       share_of_response(r.share) + ", and no noise";
-    if (r.lag > 0) {
-      text +=
-          " (correlation " + fixed(r.autocorrelation, 2) + " at lag " + std::to_string(r.lag) + ")";
+  std::string operator()(const All<misfit::NotNoise>& all) const {
+    std::vector<std::string> parts;
+    for (const auto& r : all) {
+      std::string text = parts.empty() ? "What the model leaves of " : "of ";
+      text += quoted(r.channel) + (parts.empty() ? " is " + share_of_response(r.share)
+                                                 : " " + significant(100.0 * r.share, 2) + " %");
+      std::vector<std::string> more;
+      if (r.lag > 0)
+        more.push_back("correlation " + fixed(r.autocorrelation, 2) + " at lag " +
+                       std::to_string(r.lag));
+      if (std::isfinite(r.share_of_free))
+        more.push_back("a chain with free cubic springs leaves " +
+                       significant(100.0 * r.share_of_free, 2) + " %");
+      for (std::size_t i = 0; i < more.size(); ++i) text += (i == 0 ? " (" : "; ") + more[i];
+      parts.push_back(text + (more.empty() ? "" : ")"));
     }
-    if (std::isfinite(r.share_of_free)) {
-      text += "; a chain with free cubic springs leaves " +
-              significant(100.0 * r.share_of_free, 2) + " %";
+    return in_words(parts) +
+           ", and no noise. Intervals here are those of a model that is wrong by so much: offer "
+           "one that explains more.";
+  }
+  std::string operator()(const All<misfit::WorseBeyond>& all) const {
+    std::vector<std::string> parts;
+    for (const auto& r : all) {
+      parts.push_back((parts.empty() ? "" : "of ") + quoted(r.channel) + " by " +
+                      significant(100.0 * r.beyond, 2) +
+                      (parts.empty() ? " % of the response, against " : " % against ") +
+                      significant(100.0 * r.inside, 2) + " % within");
     }
-    return text +
-           ". Intervals here are those of a model that is wrong by so much: offer one that "
-           "explains "
-           "more.";
+    return "Run on beyond its window, the model misses the next " +
+           std::to_string(all.front().samples) + " samples of " + in_words(parts) +
+           ", whichever draw is taken: it is fitted to the window, not to the rig.";
   }
-  std::string operator()(const misfit::WorseBeyond& r) const {
-    return "Run on beyond its window, the model misses the next " + std::to_string(r.samples) +
-           " samples of " + quoted(r.channel) + " by " + significant(100.0 * r.beyond, 2) +
-           " % of the response, against " + significant(100.0 * r.inside, 2) +
-           " % within, whichever draw is taken: it is fitted to the window, not to the rig.";
-  }
-  std::string operator()(const misfit::BeyondNoise& r) const {
+  std::string operator()(const All<misfit::BeyondNoise>& all) const {
+    const misfit::BeyondNoise& r = all.front();
     return "No number of damages explains the frequencies within the stated noise (predictive " +
            p_is(r.p) + what_to_check(r.modes, r.emulated).insert(0, ")");
   }
-  std::string operator()(const misfit::WithinNoise& r) const {
+  std::string operator()(const All<misfit::WithinNoise>& all) const {
+    const misfit::WithinNoise& r = all.front();
     return "The frequencies agree with the model far more closely than the stated noise" +
            stated(r.cv) + " would have them (predictive " + p_is(r.p) +
            "): it is too large, perhaps in per cent. With it the data decide less than they could; "
            "or infer it: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";
   }
 };
+
+template <class Reason>
+bool said_together(const Reason& /*first*/, const Reason& /*other*/) {
+  return true;
+}
+
+bool said_together(const misfit::WorseBeyond& first, const misfit::WorseBeyond& other) {
+  return first.samples == other.samples;  // of another record where they differ
+}
 
 }  // namespace
 
@@ -95,7 +121,22 @@ std::string what_to_check(const std::vector<int>& modes, bool emulated) {
 
 std::vector<std::string> in_words(const FitVerdict& verdict) {
   std::vector<std::string> out;
-  for (const misfit::Reason& reason : verdict.why) out.push_back(std::visit(Sentence{}, reason));
+  std::vector<bool> said(verdict.why.size(), false);
+  for (std::size_t i = 0; i < verdict.why.size(); ++i) {
+    if (said[i]) continue;
+    std::visit(
+        [&]<class Reason>(const Reason& first) {
+          std::vector<Reason> all;
+          for (std::size_t j = i; j < verdict.why.size(); ++j) {
+            const auto* one = std::get_if<Reason>(&verdict.why[j]);
+            if (one == nullptr || !said_together(first, *one)) continue;
+            all.push_back(*one);
+            said[j] = true;
+          }
+          out.push_back(Sentence{}(all));
+        },
+        verdict.why[i]);
+  }
   return out;
 }
 

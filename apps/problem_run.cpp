@@ -30,11 +30,14 @@ void print(std::ostream& out, bool colour, const ProblemFile& parsed, const Find
   const Page page{out, colour};
   page.heading(parsed.title);
   print_answer(page, answer(findings));
-  page.heading("Which model?");
-  print_models(page, findings.models);
+  const bool several = findings.models.size() > 1;
+  if (several) {
+    page.heading("Which model?");
+    print_models(page, findings.models);
+  }
   for (const ModelFinding& model : findings.models) {
     if (model.probability() < kWorthPrinting || model.parameters.empty()) continue;
-    out << '\n' << page.bold("If " + model.name) << " (" << percent(model.probability()) << ")\n";
+    print_condition(page, model, several);
     std::vector<std::vector<std::string>> rows = {{"parameter", "mean", "sd", "95 % interval"}};
     for (const ParameterFinding& p : model.parameters) {
       const Marginal& e = p.estimate;

@@ -174,6 +174,12 @@ class Parser {
         channel.signal.scale = coefficient(where / "scale");
         channel.scale_given = true;
       }
+      if (c.contains("unit")) {
+        if (channel.role == Role::time || channel.role == Role::ignore)
+          file_.refuse(where / "unit", "does not go with this role");
+        channel.unit = c["unit"];
+        channel.unit_given = true;
+      }
       channel.take_unit(io::column_of_header(channel.column).unit);
       if (c.contains("offset")) channel.signal.offset = coefficient(where / "offset");
       if (channel.role == Role::time && out_.find(Role::time) != nullptr) {

@@ -123,15 +123,18 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
   }
   print_answer(page, answer(findings));
   if (!findings.discovery.terms.empty()) print_terms(page, findings.discovery);
-  page.heading("Which model?");
-  print_models(page, findings.models);
+  const bool several = findings.models.size() > 1;
+  if (several) {
+    page.heading("Which model?");
+    print_models(page, findings.models);
+  }
   if (findings.discovery.terms.empty()) print_bayes_factors(out, findings);
   print_evidence(page, findings);
   const std::vector<bool> told = worth_printing(findings);
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
     const ModelFinding& model = findings.models[m];
     if (!told[m]) continue;
-    out << '\n' << page.bold("If " + model.name) << " (" << percent(model.probability()) << ")\n";
+    print_condition(page, model, several);
     if (sid_case.models[m].chooses_order) {
       const int order = findings.of_models[m]->order;
       out << (order == 0

@@ -145,6 +145,13 @@ void print_models(const Page& page, const std::vector<ModelFinding>& all) {
   page.out << ")\n";
 }
 
+void print_condition(const Page& page, const ModelFinding& model, bool several) {
+  page.out << '\n'
+           << (several ? page.bold("If " + model.name) + " (" + percent(model.probability()) + ")"
+                       : page.bold(model.name))
+           << '\n';
+}
+
 void print_evidence(const Page& page, const Findings& findings) {
   for (const EvidenceFinding& by : findings.evidence) {
     page.heading("Evidence by " + method_name(by.method));

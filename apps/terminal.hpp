@@ -53,6 +53,9 @@ void print_answer(const Page& page, const Answer& said);
 /// One bar a model; of more than kMostBars the kTopModels most probable.
 inline constexpr std::size_t kMostBars = 12, kTopModels = 5;
 void print_models(const Page& page, const std::vector<identification::ModelFinding>& models);
+/// What is said below holds under this model: "If cubic (56 %)", or its name where it is the only
+/// one.
+void print_condition(const Page& page, const identification::ModelFinding& model, bool several);
 void print_evidence(const Page& page, const identification::Findings& findings);
 /// Warnings, cost and convergence; `what` the models count.
 void print_closing(const Page& page, const identification::Findings& findings,

@@ -98,7 +98,7 @@ std::string told_by_evidence(const ModelFinding& model) {
   if (model.prior == 0.0) return "has no prior probability";
   if (!(s.probability > 1e-300)) return text + "its evidence puts it at P < 1e-300";
   text += "its evidence puts it at P ≈ " + significant(s.probability, 3);
-  if (std::isfinite(s.mcse)) text += " ± " + significant(s.mcse, 1);
+  if (std::isfinite(s.mcse) && s.mcse > 0.0) text += " ± " + significant(s.mcse, 1);
   return text;
 }
 

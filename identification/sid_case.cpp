@@ -30,7 +30,7 @@ signals::Dimension SidChannel::dimension() const {
 }
 
 void SidChannel::take_unit(const std::string& header_unit) {
-  unit = header_unit;
+  if (!unit_given) unit = header_unit;
   const bool untouched = signal.scale.is_constant() && signal.scale.value == 1.0;
   if (role == Role::ignore || scale_given || !untouched) return;
   const auto known = signals::find_unit(unit);

@@ -31,7 +31,8 @@ struct SidChannel {
   /// What follows the window in the record and is not used: SidCase::beyond samples, raw; an
   /// excitation's upsampled as in the window.
   std::vector<double> beyond = {};
-  std::string unit = {};     ///< as the file's header has it
+  std::string unit = {};     ///< as the case has it, else the file's header
+  bool unit_given = false;   ///< by the case
   bool scale_given = false;  ///< `signal.scale` was asked for, whatever the unit
   /// Where the window is a part of the record: how their spectra compare.
   std::optional<signals::SpectrumComparison> window = {};
@@ -42,10 +43,10 @@ struct SidChannel {
   }
   /// What its samples are; meaningless for what is ignored.
   [[nodiscard]] signals::Dimension dimension() const;
-  /// The scale becomes the header's unit where it is 1 and was not asked for, and the unit is
-  /// known.
+  /// The unit is the header's where the case gives none. The scale becomes the unit's where it is 1
+  /// and was not asked for, and the unit is known.
   void take_unit(const std::string& header_unit);
-  /// The header's unit where the samples are used in it though it is not known, or is of something
+  /// The unit where the samples are used in it though it is not known, or is of something
   /// else; empty where they are in SI units.
   [[nodiscard]] std::string foreign_unit() const;
   /// What its values are in once scaled: "m", or a foreign unit.

@@ -15,7 +15,8 @@ const charts = (() => {
     if (run.summary.sweep) return sweep(run);
     const { summary, draws } = run;
     const isShare = shares(run);
-    const out = [...discovery(run), modelProbabilities(run)];
+    const alone = summary.models.length === 1;
+    const out = [...discovery(run), ...(alone ? [] : [modelProbabilities(run)])];
     if (summary.damage) {
       const several = summary.kinds.length > 1;
       for (const kind of summary.kinds) {
@@ -37,7 +38,7 @@ const charts = (() => {
       for (const p of list) out.push(marginal(model, p, isShare(p.name)));
       for (const p of draws.pairs[model] || []) out.push(pair(model, p, isShare));
     }
-    if (draws.visits) out.push(visits(run), running(run));
+    if (draws.visits && !alone) out.push(visits(run), running(run));
     if (draws.log_posterior) out.push(Object.assign(history('log-posterior', 'sampling', null, 'log posterior', draws.log_posterior, draws.draws, true), { wide: true }));
     out.push(...acceptance(run));
     for (const [model, list] of Object.entries(drawn)) {

@@ -37,7 +37,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
   // What each way of computing the models' probabilities found, side by side.
   function evidence(run) {
     const methods = Object.entries(run.summary.evidence || {}).filter(([, rows]) => Array.isArray(rows) && rows.some((r) => typeof r.probability === 'number'));
-    if (!methods.length) return [];
+    if (!methods.length || run.summary.models.length === 1) return [];
     const models = run.summary.models;
     const values = [['chains', models.map((m) => ({ model: m.name, p: m.probability, se: m.mcse }))],
       ...methods.map(([method, rows]) => [method, rows.map((r) => ({ model: r.model, p: r.probability, se: r.probability_error }))])]

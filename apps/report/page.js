@@ -249,6 +249,7 @@
   function runSections() {
     const d = summary.diagnostics;
     const warnings = d.warnings || [];
+    const several = summary.models.length > 1; // one needs no comparison
     const p = summary.data?.posterior_predictive_p;
     section('warnings', 'What to keep in mind', null,
       element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
@@ -259,7 +260,8 @@
       warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'),
       ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, ...prose(n))), ...caseNotes());
 
-    section('models', summary.damage ? 'How many' : 'Which model', null, grid(of('models')), ...toldByEvidence(), ...bayesFactors(), ...evidenceTable());
+    const evidences = [...toldByEvidence(), ...bayesFactors(), ...evidenceTable()];
+    if (several || evidences.length) section('models', summary.damage ? 'How many' : several ? 'Which model' : 'Evidence', null, grid(of('models')), ...evidences);
 
     const mirrored = d.symmetry?.statement;
     // Charts of a link stand together.
@@ -285,7 +287,7 @@
     }
     const perModel = Object.keys(summary.parameters).flatMap((model) => {
       const probability = summary.models.find((m) => m.name === model)?.probability;
-      const out = [element('h3', { dir: 'auto' }, `${model} (${charts.probability(probability)})`)];
+      const out = [element('h3', { dir: 'auto' }, several ? `${model} (${charts.probability(probability)})` : model)];
       if (Object.keys(summary.parameters[model]).length) out.push(copyable({ ...parameterRows(summary.parameters[model], summary.unknowns?.[model]), caption: 'Posterior given this model' }));
       else out.push(element('p', { class: 'lead' }, 'No parameters.'));
       out.push(...modesTable(summary.modes?.[model]));

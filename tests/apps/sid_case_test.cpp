@@ -4,6 +4,7 @@
 
 #include "identification/sid_record.hpp"
 #include "identification/sid_simulation.hpp"
+#include "identification/sid_units.hpp"
 #include "sid_cases.hpp"
 #include "signals/excitation.hpp"
 
@@ -363,6 +364,30 @@ TEST(SidCase, KnownUnitsConvertWhereNoScaleIsGiven) {
     ASSERT_EQ(remarks.size(), 1U);
     EXPECT_EQ(std::get<remark::UnknownUnits>(remarks[0]).channels.at(0).unit, unit);
   }
+}
+
+TEST(SidCase, AChannelSaysItsUnitWhereTheHeaderDoesNot) {
+  const Workspace where;
+  json c = from_units(where, "time [s],force,displacement [m]", 0.01, 0.002, 3);
+  const auto channel = [&](std::size_t i) -> json& { return c["record"]["channels"][i]; };
+  channel(0)["unit"] = "kN";
+  channel(1)["unit"] = "mm";  // the case's wins over the header's
+  const SidCase converted = parse_sid(where, c).sid;
+  EXPECT_DOUBLE_EQ(converted.channels[0].signal.scale.value, 1e3);
+  EXPECT_DOUBLE_EQ(converted.channels[1].signal.scale.value, 1e-3);
+  EXPECT_TRUE(record_remarks(converted).empty());
+  // Volts that the case states are no oversight; newtons of a displacement are.
+  channel(0)["unit"] = channel(1)["unit"] = "V";
+  const SidCase volts = parse_sid(where, c).sid;
+  EXPECT_EQ(volts.channels[1].used_unit(), "V");
+  EXPECT_EQ(parameter_units(volts).at("k3"), "V/V^3");
+  EXPECT_TRUE(record_remarks(volts).empty());
+  channel(1)["unit"] = "N";
+  EXPECT_EQ(record_remarks(parse_sid(where, c).sid).size(), 1U);
+  channel(1)["role"] = "ignore";
+  channel(1).erase("mass");
+  channel(1).erase("quantity");
+  EXPECT_THAT(refusal(where, c), HasSubstr("/record/channels/1/unit"));
 }
 
 // A simulated record is written in the units of its headers.

@@ -42,6 +42,21 @@ TEST(SidCommand, WritesWhatTheContractPromises) {
   EXPECT_TRUE(std::filesystem::exists(out / "posterior.nc"));
 }
 
+// Fault: one model was said to hold "> 99.9 % ± 0.03 %", a priori > 99.9 %.
+TEST(SidCommand, OneModelIsComparedWithNothing) {
+  const Workspace where;
+  json c = small_sid_case();
+  c["models"].erase(0);
+  const auto out = where / "out";
+  const Outcome run =
+      wheeltap(where, "sid " + where.write_json("case.json", c).string() + " -o " + out.string() +
+                          " --quiet --chains 2 --warmup 1000 --draws 500");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, Not(HasSubstr("Which model?")));
+  EXPECT_THAT(run.out, Not(HasSubstr("> 99.9 %")));
+  EXPECT_THAT(run.out, HasSubstr("\nduffing\n"));
+}
+
 // At a noise of a hundred-thousandth of the response Runge-Kutta's own steps are too long.
 TEST(SidCommand, RepeatsARunWhoseStepsWereTooLong) {
   const Workspace where;

@@ -1,0 +1,45 @@
+// What is said of a model that does not explain the data.
+#include "apps/fit_words.hpp"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+namespace wheeltap::apps {
+namespace {
+
+using namespace identification;
+using testing::ElementsAre;
+using testing::StartsWith;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Fault: three floors gave three sentences of forty words that differed in two numbers.
+TEST(FitWords, ResponsesOfOneKindShareASentence) {
+  const FitVerdict verdict{
+      .why = {misfit::NotNoise{"a", 0.12, kNaN, 1, 0.99}, misfit::WorseBeyond{"a", 0.12, 0.28, 100},
+              misfit::NotNoise{"b", 0.11, 0.03, 4, -0.5}, misfit::WorseBeyond{"b", 0.11, 0.25, 100},
+              misfit::WorseBeyond{"c", 0.1, 0.3, 50}}};
+  EXPECT_THAT(
+      in_words(verdict),
+      ElementsAre(
+          "What the model leaves of \"a\" is 12 % of the response (correlation 0.99 at lag 1) and "
+          "of \"b\" 11 % (correlation -0.50 at lag 4; a chain with free cubic springs leaves 3 %), "
+          "and no noise. Intervals here are those of a model that is wrong by so much: offer one "
+          "that explains more.",
+          "Run on beyond its window, the model misses the next 100 samples of \"a\" by 28 % of the "
+          "response, against 12 % within and of \"b\" by 25 % against 11 % within, whichever draw "
+          "is taken: it is fitted to the window, not to the rig.",
+          StartsWith("Run on beyond its window, the model misses the next 50 samples of \"c\"")));
+}
+
+TEST(FitWords, TheHeadlineNamesTheFirst) {
+  const FitVerdict verdict{.why = {misfit::Unexplained{"a", -0.28}, misfit::Unexplained{"b", 0.2}}};
+  EXPECT_EQ(in_brief(verdict), "R² -0.28 for \"a\"");
+  EXPECT_THAT(in_words(verdict),
+              ElementsAre(StartsWith("The model misses most of \"a\" (R² -0.28) and \"b\" (R² "
+                                     "0.20) and what is left is no noise.")));
+}
+
+}  // namespace
+}  // namespace wheeltap::apps
