@@ -264,7 +264,7 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   require_same_on_all_ranks("list", names);
   outlive_readers();
   on_first_rank([&] {
-    make_output_folder(common.output);
+    claim_output_folder(common.output);
     const io::AtomicFile writable(common.output / kBatchTable);
   });
   const StopOnInterrupt stop;

@@ -119,7 +119,7 @@ std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all) {
   else if (!row.model.empty())
     text += io::printable(row.model) + "  ";
   if (row.converged) text += *row.converged ? "converged  " : "NOT CONVERGED  ";
-  return text + significant(row.seconds, 2) + " s";
+  return text + duration(row.seconds);
 }
 
 }  // namespace wheeltap::apps

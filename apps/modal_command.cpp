@@ -359,7 +359,7 @@ void ModalRun::print(std::ostream& out, bool colour) const {
 }
 
 void ModalRun::keep(const std::filesystem::path& folder, const CommonOptions& common) const {
-  make_output_folder(folder);
+  claim_output_folder(folder);
   Report kept = summary(common);
   const std::string text = modes_json(modes).dump(1) + "\n";
   write_text(folder / "modes.json", text);
@@ -402,7 +402,7 @@ void run_modal(const CommonOptions& common) {
     }
     return common.dry_run("identification", cost_of_modes(numbers));
   }
-  make_output_folder(common.output);
+  claim_output_folder(common.output);
   const ModalRun run = identify_modal(std::move(file), common);
   run.keep(common.output, common);
   run.print(std::cout, colour_wanted());

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "apps/failure.hpp"
+#include "apps/words.hpp"
 #include "base/number.hpp"
 #include "base/parallel.hpp"
 #include "fem/structures/structure_reanalysis.hpp"
@@ -34,8 +35,7 @@ std::string in_words(const RunCost& cost) {
   if (cost.seconds_a_likelihood > 0.0)
     text += " of " + base::significant(1e3 * cost.seconds_a_likelihood, 2) + " ms each";
   if (cost.seconds > 0.0) {
-    text += ", " + (cost.seconds < 3600.0 ? rounded(cost.seconds) + " s"
-                                          : rounded(cost.seconds / 3600.0) + " h");
+    text += ", " + duration(cost.seconds);
   }
   return text;
 }

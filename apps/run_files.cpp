@@ -21,7 +21,7 @@ constexpr std::size_t kRoom = 1 << 20;
 
 std::filesystem::path made(std::filesystem::path folder) {
   outlive_readers();
-  make_output_folder(folder);
+  claim_output_folder(folder);
   io::finish_commit(folder);
   return folder;
 }

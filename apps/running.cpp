@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -18,6 +19,7 @@
 #include "apps/time_left.hpp"
 #include "base/parallel.hpp"
 #include "io/atomic_file.hpp"
+#include "io/file_lock.hpp"
 #include "io/fingerprint.hpp"
 
 namespace wheeltap::apps {
@@ -204,6 +206,19 @@ void make_output_folder(const std::filesystem::path& directory) {
     throw io::FileError(io::FileError::Kind::unwritable, directory,
                         error ? error.message() : "is not a folder");
   }
+}
+
+void claim_output_folder(const std::filesystem::path& directory) {
+  static std::map<std::filesystem::path, io::FileLock> claimed;
+  make_output_folder(directory);
+  const std::filesystem::path whole = std::filesystem::canonical(directory);
+  if (claimed.contains(whole)) return;
+  constexpr std::chrono::seconds kToEnd{2};  // a run that was killed, with the ranks of it
+  std::optional<io::FileLock> lock = io::FileLock::take(whole, kToEnd);
+  if (!lock)
+    throw io::FileError(io::FileError::Kind::unwritable, directory,
+                        "another run is writing into it: wait for that, or choose another folder");
+  claimed.emplace(whole, std::move(*lock));
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {

@@ -96,6 +96,10 @@ class TerminalWatch : public RunWatch {
 /// Throws io::FileError where it cannot be made.
 void make_output_folder(const std::filesystem::path& directory);
 
+/// The same, and holds it for this process until that ends: two runs that wrote into one folder
+/// would mix their files. Throws io::FileError also where another run has it.
+void claim_output_folder(const std::filesystem::path& directory);
+
 /// The whole file at once. Throws io::FileError.
 void write_text(const std::filesystem::path& path, const std::string& text);
 

@@ -226,7 +226,7 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   const RunCost cost = cost_of_sweep(file, pointer, common, options);
   require_affordable(file, Pointer("/sweep"), cost, common);
   if (common.dry_run) return common.dry_run("sweep", cost);
-  on_first_rank([&] { make_output_folder(common.output); });
+  on_first_rank([&] { claim_output_folder(common.output); });
   // All of them first, so that a mistake in the last does not cost the runs before it.
   std::vector<SidCaseFile> cases;
   for (const Json& value : sweep["values"]) {

@@ -176,8 +176,8 @@ void print_closing(const Page& page, const Findings& findings,
   const inference::Verdict& verdict = sampling.verdict;
   page.out << '\n'
            << sampling.chains << (sampling.chains == 1 ? " chain of " : " chains of ")
-           << sampling.draws_a_chain << " draws in " << significant(sampling.wall_seconds, 2)
-           << " s; effective sample size of the " << what << ' '
+           << sampling.draws_a_chain << " draws in " << duration(sampling.wall_seconds)
+           << "; effective sample size of the " << what << ' '
            << (std::isfinite(verdict.ess_model) ? rounded_count(verdict.ess_model) : "-")
            << ", largest R-hat "
            << (std::isfinite(verdict.rhat_max) ? fixed(verdict.rhat_max, 4) : "-") << ".\n";
@@ -206,11 +206,6 @@ std::string cut(const std::string& text, std::size_t width) {
     if (starts && used++ == width) return text.substr(0, i);
   }
   return text;
-}
-
-std::string duration(double seconds) {
-  if (seconds < 100.0) return fixed(seconds, 0) + " s";
-  return seconds < 6000.0 ? fixed(seconds / 60.0, 0) + " min" : fixed(seconds / 3600.0, 1) + " h";
 }
 
 // Columns of the terminal on standard error; a line that is longer could not be overwritten.

@@ -42,7 +42,7 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
     if (text) return print_finished(common.output, *text, *log);
   }
   TerminalWatch watch(common, *log);
-  if (parsed->outside) make_output_folder(common.output);  // its answers are kept there
+  if (parsed->outside) on_first_rank([&] { claim_output_folder(common.output); });  // for answers
   const auto problem = prepare_update(*parsed, common, watch);
   const RunCost cost = cost_of_update(*problem, common, options);
   require_affordable(parsed->file, Pointer(), cost, common);

@@ -57,6 +57,15 @@ std::string p_value(double p) {
   return p < 1e-15 ? "p < 1e-15" : "p " + significant(p, 1);
 }
 
+std::string duration(double seconds) {
+  if (seconds < 9.95) return significant(seconds, 2) + " s";
+  if (seconds < 100.0) return fixed(seconds, 0) + " s";
+  if (seconds < 6000.0) return fixed(seconds / 60.0, 0) + " min";
+  if (seconds < 3.6e5) return fixed(seconds / 3600.0, seconds < 3.6e4 ? 1 : 0) + " h";
+  const double days = seconds / 86400.0;
+  return (days < 1e6 ? fixed(days, 0) : significant(days, 2)) + " days";
+}
+
 std::string share_of_response(double nrmse) {
   return (nrmse < 0.995 ? significant(100.0 * nrmse, 2) : fixed(100.0 * nrmse, 0)) +
          " % of the response";

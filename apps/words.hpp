@@ -29,6 +29,8 @@ using base::grouped;
 [[nodiscard]] std::string probability_is(double probability);
 /// "p 0.03", "p < 1e-15".
 [[nodiscard]] std::string p_value(double p);
+/// "3.1 s", "52 s", "12 min", "2.3 h", "5 days".
+[[nodiscard]] std::string duration(double seconds);
 /// "0.35 % of the response".
 [[nodiscard]] std::string share_of_response(double nrmse);
 /// "a, b and c".

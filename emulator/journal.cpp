@@ -27,9 +27,15 @@ T get(std::string_view bytes, std::size_t at) {
   return value;
 }
 
+io::FileLock held_alone(const fs::path& path) {
+  constexpr std::chrono::seconds kToEnd{2};
+  if (std::optional<io::FileLock> lock = io::FileLock::take(path, kToEnd)) return std::move(*lock);
+  throw io::FileError(Kind::unwritable, path, "is being written by another run");
+}
+
 }  // namespace
 
-Journal::Journal(fs::path path, std::string_view identity, std::size_t responses)
+Journal::Journal(fs::path path, std::string_view identity, std::size_t responses, Use use)
     : path_(std::move(path)) {
   const std::string header =
       std::string(kMagic) + io::fingerprint(identity) + " " + std::to_string(responses) + "\n";
@@ -41,6 +47,12 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   if (fs::is_directory(there)) throw io::FileError(Kind::unwritable, path_, "is a directory");
   if (fs::exists(there) && !fs::is_regular_file(there))
     throw io::FileError(Kind::unwritable, path_, "is no regular file");
+  if (use == Use::alone) {
+    // Made first where it is not there, so that of two runs that begin together one has it.
+    if (!std::ofstream(path_, std::ios::binary | std::ios::app))
+      throw io::FileError(Kind::unwritable, path_, "cannot be written");
+    lock_ = held_alone(path_);
+  }
   if (std::ifstream existing(path_, std::ios::binary); existing)
     bytes.assign(std::istreambuf_iterator<char>(existing), {});
 
@@ -80,6 +92,7 @@ void Journal::remove(const fs::path& path) {
   if (!ours)
     throw io::FileError(Kind::unwritable, path,
                         "is in the way: no journal of runs, and not to be removed");
+  const io::FileLock lock = held_alone(path);
   fs::remove(path, error);
 }
 

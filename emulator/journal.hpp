@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "io/file_error.hpp"
+#include "io/file_lock.hpp"
 
 namespace wheeltap::emulator {
 
@@ -21,12 +23,17 @@ class Journal {
     std::vector<double> response;
   };
 
+  /// One process at a time writes it, or as many as like: what they add stands record by record.
+  enum class Use { alone, shared };
+
   /// Opens or creates the journal of an experiment with this identity and number of responses.
-  /// Throws FileError: foreign (not a journal), mismatch (of another experiment), unwritable.
-  Journal(std::filesystem::path path, std::string_view identity, std::size_t responses);
+  /// Throws FileError: foreign (not a journal), mismatch (of another experiment), unwritable, also
+  /// where another process has it alone.
+  Journal(std::filesystem::path path, std::string_view identity, std::size_t responses,
+          Use use = Use::alone);
 
   /// Removes a journal, of whichever experiment, if there is one. Throws FileError (unwritable)
-  /// where something else has its name, which stays.
+  /// where something else has its name, or another process writes it; it stays then.
   static void remove(const std::filesystem::path& path);
 
   /// The runs found in the file when it was opened.
@@ -39,6 +46,7 @@ class Journal {
   std::filesystem::path path_;
   std::vector<Entry> entries_;
   std::ofstream stream_;
+  std::optional<io::FileLock> lock_;
 };
 
 }  // namespace wheeltap::emulator

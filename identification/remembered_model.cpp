@@ -20,7 +20,7 @@ RememberedModel::RememberedModel(std::shared_ptr<OutsideModel> model,
   if (path_.empty()) return;
   const auto in = static_cast<std::size_t>(inputs()), out = static_cast<std::size_t>(outputs());
   // A record is x and then y.
-  journal_.emplace(path_, identity, in + out);
+  journal_.emplace(path_, identity, in + out, emulator::Journal::Use::shared);
   for (const auto& entry : journal_->entries()) {
     const std::span<const double> both(entry.response);
     const auto y = both.subspan(in);

@@ -5,6 +5,8 @@
 
 #include <limits>
 
+#include "apps/words.hpp"
+
 namespace wheeltap::apps {
 namespace {
 
@@ -39,6 +41,17 @@ TEST(FitWords, TheHeadlineNamesTheFirst) {
   EXPECT_THAT(in_words(verdict),
               ElementsAre(StartsWith("The model misses most of \"a\" (R² -0.28) and \"b\" (R² "
                                      "0.20) and what is left is no noise.")));
+}
+
+// Fault: "6.1e+02 s".
+TEST(Words, DurationsAreReadAsOneWouldSayThem) {
+  EXPECT_EQ(duration(0.031), "0.031 s");
+  EXPECT_EQ(duration(9.94), "9.9 s");
+  EXPECT_EQ(duration(9.96), "10 s");
+  EXPECT_EQ(duration(610.0), "10 min");
+  EXPECT_EQ(duration(6000.0), "1.7 h");
+  EXPECT_EQ(duration(1e7), "116 days");
+  EXPECT_EQ(duration(1e13), "1.2e8 days");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <chrono>
 
+#include "io/file_lock.hpp"
 #include "io/text.hpp"
 #include "sid_cases.hpp"
 
@@ -288,6 +289,16 @@ TEST_F(HardInput, WhatNoMachineHoldsIsRefusedWithItsEstimate) {
   EXPECT_EQ(asked.exit_code, 0) << asked.err;
   EXPECT_THAT(asked.out, HasSubstr("The run would take about"));
   EXPECT_FALSE(std::filesystem::exists(where / "out"));
+}
+
+// Two runs into one folder took each other's checkpoints for their own.
+TEST_F(HardInput, AFolderIsWrittenByOneRunAtATime) {
+  std::filesystem::create_directory(where / "out");
+  const auto other = io::FileLock::take(where / "out");
+  ASSERT_TRUE(other);
+  expect_refusal(damage(small_case()), 73, "another run is writing into it");
+  expect_refusal(sid(small_sid_case()), 73, "another run is writing into it");
+  EXPECT_TRUE(std::filesystem::is_empty(where / "out"));
 }
 
 // Before: exit 70 and reads beyond arrays, for a summary that somebody had edited.

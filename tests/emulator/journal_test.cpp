@@ -62,6 +62,17 @@ TEST_F(JournalTest, RemembersWhatWasAppended) {
   EXPECT_EQ(again.entries()[1].run, 0);
 }
 
+// Two runs of one table at once would each have cut the other's last record, or removed its
+// journal.
+TEST_F(JournalTest, OneRunWritesItAtATime) {
+  Journal first(path, "beam", 2);
+  first.append(0, std::vector{1.0, 2.0});
+  EXPECT_EQ(open_error("beam", 2), Kind::unwritable);
+  EXPECT_THROW(Journal::remove(path), io::FileError);
+  const Journal beside(path, "beam", 2, Journal::Use::shared);
+  EXPECT_EQ(beside.entries().size(), 1u);
+}
+
 TEST_F(JournalTest, OfAnotherExperimentOrNoJournalAtAll) {
   { Journal(path, "beam", 2).append(0, std::vector{1.0, 2.0}); }
   EXPECT_EQ(open_error("plate", 2), Kind::mismatch);
