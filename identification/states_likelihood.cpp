@@ -65,10 +65,17 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
       return other.damaged == state.damaged && other.known == state.known &&
              same_masses(other, state);
     });
-    if (group != groups_.end())
+    if (group != groups_.end()) {
       group->states.push_back(static_cast<int>(s));
-    else
-      groups_.push_back({.states = {static_cast<int>(s)}});
+      continue;
+    }
+    const auto alike = std::ranges::find_if(groups_, [&](const Group& g) {
+      return states_->list[static_cast<std::size_t>(g.states[0])].known == state.known;
+    });
+    std::size_t intact = 0;
+    for (const Group& g : groups_) intact = std::max(intact, g.intact + 1);
+    groups_.push_back({.states = {static_cast<int>(s)},
+                       .intact = alike != groups_.end() ? alike->intact : intact});
   }
   for (Group& group : groups_) {
     const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
@@ -267,66 +274,93 @@ void StatesLikelihood::add_common(const std::vector<Modes>& modes, const ModalNo
 fem::Discretisation StatesLikelihood::structure(std::span<const double> x,
                                                 const std::vector<PlacedDefect>& defects,
                                                 const ObservedState& state) const {
-  const AnyStructure at = states_->model->at(states_->values(x, state));
-  const auto* members = std::get_if<fem::Structure>(&at);
-  std::optional<fem::Mesh> mesh;
-  if (members != nullptr) mesh.emplace(*members);
-  fem::Discretisation d = mesh ? mesh->discretisation() : discretise(at);
+  Workspace::Intact intact;
+  assemble(states_->values(x, state), intact);
+  return changed(intact, defects, state);
+}
+
+void StatesLikelihood::assemble(const std::vector<double>& values, Workspace::Intact& out) const {
+  if (!out.values.empty() && out.values == values) return;
+  out.values.clear();  // in case there is no such structure
+  out.mesh.reset();
+  const AnyStructure at = states_->model->at(values);
+  if (const auto* members = std::get_if<fem::Structure>(&at))
+    out.discretisation = out.mesh.emplace(*members).discretisation();
+  else
+    out.discretisation = discretise(at);
+  out.values = values;
+}
+
+fem::Discretisation StatesLikelihood::changed(const Workspace::Intact& intact,
+                                              const std::vector<PlacedDefect>& defects,
+                                              const ObservedState& state) const {
   fem::StructureChange change;
   if (state.damaged && !defects.empty())
-    change = structure_change(kinds_, defects, mesh ? &*mesh : nullptr);
+    change = structure_change(kinds_, defects, intact.mesh ? &*intact.mesh : nullptr);
   change.masses.insert(change.masses.end(), state.masses.begin(), state.masses.end());
-  return change.empty() ? d : fem::changed(d, change);
+  return change.empty() ? intact.discretisation : fem::changed(intact.discretisation, change);
 }
 
 StatesLikelihood::Workspace StatesLikelihood::make_workspace() const {
   Workspace out;
   for (const Group& group : groups_) {
+    out.intact.resize(std::max(out.intact.size(), group.intact + 1));
     out.groups.emplace_back();
-    if (group.reduced) out.groups.back().emplace(group.reduced->make_workspace());
+    if (group.reduced) out.groups.back().reduced.emplace(group.reduced->make_workspace());
   }
   return out;
 }
 
 bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
-                             const std::vector<PlacedDefect>& defects,
-                             std::optional<fem::ParametricModes::Workspace>& workspace,
-                             Modes& out) const {
+                             const std::vector<PlacedDefect>& defects, Workspace& workspace,
+                             Workspace::Group& own) const {
   const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
+  const bool damaged = state.damaged && !defects.empty();
+  const std::vector<double> values = states_->values(x, state);
+  if (!damaged && !own.values.empty() && own.values == values) return true;
+  own.values.clear();
+  Modes& out = own.found;
   try {
     if (group.reduced) {
-      group.reduced->solve(scales(x, state.damaged ? defects : std::vector<PlacedDefect>{}, state),
-                           *workspace, out);
-      return out.eigenvalues.allFinite() && out.eigenvalues.minCoeff() > 0.0;
+      group.reduced->solve(scales(x, damaged ? defects : std::vector<PlacedDefect>{}, state),
+                           *own.reduced, out);
+      if (!out.eigenvalues.allFinite() || !(out.eigenvalues.minCoeff() > 0.0)) return false;
+    } else {
+      Workspace::Intact& intact = workspace.intact[group.intact];
+      assemble(values, intact);
+      const bool same = !damaged && state.masses.empty();
+      fem::SubspaceModes::Found found;
+      if (!(same ? group.solver->solve(intact.discretisation, found)
+                 : group.solver->solve(changed(intact, defects, state), found)))
+        return false;
+      out.eigenvalues = std::move(found.eigenvalues);
+      Index sensors = 0;
+      for (const int s : group.states) sensors += static_cast<Index>(of(s).data().sensors.size());
+      out.shapes.resize(sensors, found.shapes.cols());
+      Index row = 0;
+      for (const int s : group.states)
+        for (const Sensor& sensor : of(s).data().sensors) {
+          for (Index m = 0; m < out.shapes.cols(); ++m)
+            out.shapes(row, m) = sensor.motion.of(found.shapes.col(m));
+          ++row;
+        }
     }
-    fem::SubspaceModes::Found found;
-    if (!group.solver->solve(structure(x, defects, state), found)) return false;
-    out.eigenvalues = std::move(found.eigenvalues);
-    Index sensors = 0;
-    for (const int s : group.states) sensors += static_cast<Index>(of(s).data().sensors.size());
-    out.shapes.resize(sensors, found.shapes.cols());
-    Index row = 0;
-    for (const int s : group.states)
-      for (const Sensor& sensor : of(s).data().sensors) {
-        for (Index m = 0; m < out.shapes.cols(); ++m)
-          out.shapes(row, m) = sensor.motion.of(found.shapes.col(m));
-        ++row;
-      }
-    return true;
   } catch (const std::invalid_argument&) {
     return false;  // no such structure
   } catch (const std::runtime_error&) {
     return false;  // so near to a mechanism that the solver gives up
   }
+  if (!damaged) own.values = values;
+  return true;
 }
 
 bool StatesLikelihood::solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
                              Workspace& workspace, std::vector<Modes>& out) const {
   out.resize(likelihoods_.size());
   const double per_kelvin = states_->per_kelvin ? x[states_->unknown.size()] : 0.0;
-  Modes found;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    if (!solve(groups_[g], x, defects, workspace.groups[g], found)) return false;
+    if (!solve(groups_[g], x, defects, workspace, workspace.groups[g])) return false;
+    const Modes& found = workspace.groups[g].found;
     Index row = 0;
     for (const int s : groups_[g].states) {
       const ObservedState& state = states_->list[static_cast<std::size_t>(s)];

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "fem/structures/mesh.hpp"
 #include "fem/structures/parametric_modes.hpp"
 #include "fem/structures/subspace_modes.hpp"
 #include "identification/damage_case.hpp"
@@ -69,9 +70,22 @@ class StatesLikelihood {
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
 
-  /// Scratch memory of one thread.
+  /// Scratch memory of one thread. What was assembled and solved last is kept: moves of damages
+  /// leave the intact structure as it was.
   struct Workspace {
-    std::vector<std::optional<fem::ParametricModes::Workspace>> groups;
+    /// An intact structure, of all groups with the same `known`.
+    struct Intact {
+      std::vector<double> values = {};  ///< its parameters; empty: none
+      std::optional<fem::Mesh> mesh = {};
+      fem::Discretisation discretisation = {};
+    };
+    struct Group {
+      std::optional<fem::ParametricModes::Workspace> reduced = {};
+      std::vector<double> values = {};  ///< for which `found` holds, without damages; empty: none
+      fem::ParametricModes::Modes found = {};
+    };
+    std::vector<Intact> intact;
+    std::vector<Group> groups;
   };
   [[nodiscard]] Workspace make_workspace() const;
 
@@ -101,6 +115,7 @@ class StatesLikelihood {
                   Eigen::MatrixXd& covariance) const;
   struct Group {
     std::vector<int> states;  // that differ by temperature alone
+    std::size_t intact = 0;   // of Workspace
     std::shared_ptr<const fem::SubspaceModes> solver = {};
     std::shared_ptr<const fem::ParametricModes> reduced = {};  // in its place, of matrices
   };
@@ -115,9 +130,10 @@ class StatesLikelihood {
                                                                           int modes) const;
   /// Modes of the structure of a group, shapes at the sensors of its states one after the other.
   bool solve(const Group& group, std::span<const double> x,
-             const std::vector<PlacedDefect>& defects,
-             std::optional<fem::ParametricModes::Workspace>& workspace,
-             fem::ParametricModes::Modes& out) const;
+             const std::vector<PlacedDefect>& defects, Workspace& workspace,
+             Workspace::Group& own) const;
+  /// Assembles it where `values` are others. Throws std::invalid_argument.
+  void assemble(const std::vector<double>& values, Workspace::Intact& out) const;
   /// q_j of each matrix.
   [[nodiscard]] std::vector<double> scales(std::span<const double> x,
                                            const std::vector<PlacedDefect>& defects,
@@ -126,6 +142,9 @@ class StatesLikelihood {
   [[nodiscard]] fem::Discretisation structure(std::span<const double> x,
                                               const std::vector<PlacedDefect>& defects,
                                               const ObservedState& state) const;
+  [[nodiscard]] fem::Discretisation changed(const Workspace::Intact& intact,
+                                            const std::vector<PlacedDefect>& defects,
+                                            const ObservedState& state) const;
 
   std::shared_ptr<const ObservedStates> states_;
   std::vector<DefectKind> kinds_;

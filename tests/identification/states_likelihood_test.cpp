@@ -100,6 +100,29 @@ TEST(StatesLikelihood, IsTheSumOfItsStates) {
   EXPECT_EQ(likelihood.place(4).mode, 1);
 }
 
+// A workspace keeps what was solved last; the answer is a fresh one's to the bit all the same.
+TEST(StatesLikelihood, AUsedWorkspaceChangesNothing) {
+  auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
+  const StatesLikelihood likelihood(states, {soft_storey()});
+  const std::vector<PlacedDefect> none, soft = {{.kind = 0, .location = 1.5, .severity = 0.3}},
+                                        softer = {{.kind = 0, .location = 0.5, .severity = 0.6}};
+  const std::vector<double> a = {900.0, 1100.0, 1050.0}, b = {905.0, 1100.0, 1050.0},
+                            impossible = {-900.0, 1100.0, 1050.0};
+  StatesLikelihood::Workspace used = likelihood.make_workspace();
+  const std::pair<const std::vector<double>*, const std::vector<PlacedDefect>*> path[] = {
+      {&a, &soft}, {&a, &none},   {&a, &softer},          {&b, &none}, {&b, &soft},
+      {&a, &soft}, {&a, &softer}, {&impossible, &softer}, {&a, &soft}, {&a, &none}};
+  for (const auto& [x, defects] : path) {
+    std::vector<Modes> modes, expected;
+    StatesLikelihood::Workspace fresh = likelihood.make_workspace();
+    const bool possible = likelihood.solve(*x, *defects, fresh, expected);
+    EXPECT_EQ(possible, x != &impossible);
+    ASSERT_EQ(likelihood.solve(*x, *defects, used, modes), possible);
+    for (std::size_t i = 0; possible && i < 2; ++i)
+      EXPECT_EQ(modes[i].eigenvalues, expected[i].eigenvalues);
+  }
+}
+
 // The masses that a state has count in it alone, and so does its temperature.
 TEST(StatesLikelihood, MassesAndTemperatures) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
