@@ -177,6 +177,8 @@ class Parser {
       if (c.contains("unit")) {
         if (channel.role == Role::time || channel.role == Role::ignore)
           file_.refuse(where / "unit", "does not go with this role");
+        if (c.contains("scale"))
+          file_.refuse(where / "unit", "goes without \"scale\", which says what its numbers are");
         channel.unit = c["unit"];
         channel.unit_given = true;
       }

@@ -212,9 +212,7 @@ void doubt_channel(const SidCase& record, const SidChannel& channel,
         {channel.name(), channel.window->difference_db, channel.window->expected_db});
   }
   if (!channel.is_excitation() && channel.role != Role::response) return;
-  // A unit of no dimension here that the case itself states, as volts, is no oversight.
-  const bool meant = channel.unit_given && !signals::find_unit(channel.unit);
-  if (!channel.foreign_unit().empty() && !meant) {
+  if (!channel.foreign_unit().empty()) {
     unknown.channels.push_back({channel.name(), channel.unit,
                                 std::string(name(channel.dimension())),
                                 known_units(channel.dimension())});

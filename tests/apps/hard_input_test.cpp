@@ -291,7 +291,8 @@ TEST_F(HardInput, WhatNoMachineHoldsIsRefusedWithItsEstimate) {
   EXPECT_FALSE(std::filesystem::exists(where / "out"));
 }
 
-// Two runs into one folder took each other's checkpoints for their own.
+// Of two runs into one folder the second's checkpoint took the place of the first's, which could
+// not be resumed.
 TEST_F(HardInput, AFolderIsWrittenByOneRunAtATime) {
   std::filesystem::create_directory(where / "out");
   const auto other = io::FileLock::take(where / "out");

@@ -376,14 +376,17 @@ TEST(SidCase, AChannelSaysItsUnitWhereTheHeaderDoesNot) {
   EXPECT_DOUBLE_EQ(converted.channels[0].signal.scale.value, 1e3);
   EXPECT_DOUBLE_EQ(converted.channels[1].signal.scale.value, 1e-3);
   EXPECT_TRUE(record_remarks(converted).empty());
-  // Volts that the case states are no oversight; newtons of a displacement are.
+  // What nobody can convert is kept and labelled, and said: "V" may be meant, "KN" is a slip.
   channel(0)["unit"] = channel(1)["unit"] = "V";
   const SidCase volts = parse_sid(where, c).sid;
   EXPECT_EQ(volts.channels[1].used_unit(), "V");
   EXPECT_EQ(parameter_units(volts).at("k3"), "V/V^3");
-  EXPECT_TRUE(record_remarks(volts).empty());
-  channel(1)["unit"] = "N";
-  EXPECT_EQ(record_remarks(parse_sid(where, c).sid).size(), 1U);
+  const auto remarks = record_remarks(volts);
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_EQ(std::get<remark::UnknownUnits>(remarks[0]).channels.size(), 2U);
+  channel(0)["scale"] = 2.0;  // of the raw number, or of kilonewtons?
+  EXPECT_THAT(refusal(where, c), HasSubstr("/record/channels/0/unit"));
+  channel(0).erase("scale");
   channel(1)["role"] = "ignore";
   channel(1).erase("mass");
   channel(1).erase("quantity");

@@ -62,8 +62,7 @@ TEST_F(JournalTest, RemembersWhatWasAppended) {
   EXPECT_EQ(again.entries()[1].run, 0);
 }
 
-// Two runs of one table at once would each have cut the other's last record, or removed its
-// journal.
+// A run that began anew removed the journal of one under way.
 TEST_F(JournalTest, OneRunWritesItAtATime) {
   Journal first(path, "beam", 2);
   first.append(0, std::vector{1.0, 2.0});
