@@ -88,6 +88,8 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
       file.refuse(where / "discrepancy" / "shape", "goes with \"shapes\" only");
     if (d["discrepancy"].contains("mixing"))
       file.refuse(where / "discrepancy" / "mixing", "goes with \"shapes\", or with a baseline");
+    if (!d["discrepancy"].contains("cov"))
+      file.refuse(where / "discrepancy" / "cov", "is missing: a coefficient of variation");
     data.discrepancy_cv = d["discrepancy"]["cov"];
   }
   if (d.contains("sd")) {

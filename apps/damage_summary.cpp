@@ -180,7 +180,9 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
                             : u.name == "discrepancy"       ? Pointer("/data/discrepancy/cov")
                             : u.name == "shape_discrepancy" ? Pointer("/data/discrepancy/shape")
                             : u.name == "mixing"            ? Pointer("/data/discrepancy/mixing")
-                                                            : Pointer("/data") / u.name;
+                            : u.name == "stiffness_discrepancy"
+                                ? Pointer("/data/discrepancy/stiffness")
+                                : Pointer("/data") / u.name;
       Report one = {{"label", u.label},
                     {"variable", damage_variable(file.damage, u)},
                     {"prior", prior.to_string()}};

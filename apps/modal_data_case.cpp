@@ -58,9 +58,13 @@ class ModalDataParser {
       out_.discrepancy = scatter("cov");
       out_.shape_discrepancy = scatter("shape");
       out_.mixing = scatter("mixing");
+      out_.stiffness_discrepancy = scatter("stiffness");
       if (!out_.mixing.none() && out_.discrepancy.none())
         file_.refuse(where_ / "discrepancy" / "mixing",
                      "goes with \"cov\", of which it is a share");
+      if (!out_.mixing.none() && !out_.stiffness_discrepancy.none())
+        file_.refuse(where_ / "discrepancy" / "mixing",
+                     "does not go with \"stiffness\", which mixes modes itself");
     }
     if (has("doubt")) out_.doubt = json_.at("doubt");
     if (has("predict")) {

@@ -319,8 +319,9 @@ class Speaker {
   std::string operator()(const remark::ChangesTakenForExact& r) const {
     return "The model's frequencies are off by some " + percent(r.discrepancy) +
            " in every state, and what it says of their changes is taken for exact all the same: "
-           "place and size of the damage look better known than they are. \"mixing\": 0.7 in "
-           "\"discrepancy\" takes it in.";
+           "place and size of the damage look better known than they are. \"stiffness\": "
+           "{\"log_uniform\": [0.01, 0.5]} in \"discrepancy\" (of matrices \"mixing\": 0.7) takes "
+           "it in.";
   }
   std::string operator()(const remark::SpuriousMode& r) const {
     const std::string mode = "Mode " + std::to_string(r.mode) +

@@ -166,6 +166,7 @@ void check_scatters(const CaseFile& file, const Pointer& where, const ModalData&
   one(first.discrepancy, data.discrepancy, "cov");
   one(first.shape_discrepancy, data.shape_discrepancy, "shape");
   one(first.mixing, data.mixing, "mixing");
+  one(first.stiffness_discrepancy, data.stiffness_discrepancy, "stiffness");
 }
 
 /// Temperatures above the reference, and how the stiffness follows them.
@@ -201,6 +202,9 @@ bool has_states(const CaseFile& file) {
   if (!file.json.value("parameters", Json::object()).empty()) return true;
   for (const Pointer& where : blocks(file)) {
     if (has_any(file.json.at(where), {"states", "masses", "temperature", "known"})) return true;
+    // So is what is integrated out of the modes of all pieces.
+    const Json discrepancy = file.json.at(where).value("discrepancy", Json());
+    if (discrepancy.is_object() && discrepancy.contains("stiffness")) return true;
     // Beside frequencies alone, a baseline is a state, too.
     if (where == kBaseline &&
         has_any(file.json.at(where), {"from", "sensors", "shapes", "covariance", "discrepancy"}))
@@ -267,6 +271,12 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
         .name = names[s],
         .damaged = damage && names.size() > 0 && where[s].to_string().starts_with("/data")};
     state.data = parse_modal_data(file, where[s], out.model->nominal);
+    if (!state.data.stiffness_discrepancy.none() &&
+        (!damage || std::holds_alternative<fem::MatrixStructure>(out.model->nominal)))
+      given.refuse(where[s] / "discrepancy" / "stiffness",
+                   std::string("goes with damage of members and chains: ") +
+                       (damage ? "matrices have no pieces" : "an update has no damage") +
+                       "; name the stiffnesses that may be wrong in /parameters");
     if (state.data.doubt > 0.0)
       file.refuse(where[s] / "doubt", "goes with one state: leave spurious modes out of \"modes\"");
     if (state.data.modes() == 0 && state.data.predict > 0 && !damage) {

@@ -225,7 +225,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     const std::span<const double> x(posterior.chains[c].theta.data() + i * width, width);
     const double weight = draws.weight(c, i);
     double squares = 0.0;
-    for (std::size_t mode = 0; mode < modes; ++mode) {
+    for (std::size_t mode = 0; mode < modes && !problem.by_modes(); ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
       const double variance = variances.empty() ? 0.0 : variances[c][i * modes + mode];
       const double sd = noise.sd(mode, noise.cv(x), variance);
@@ -240,6 +240,16 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
           weight * boost::math::gamma_q(0.5 * std::max(score.freedoms, 1), 0.5 * score.chi_square);
       for (std::size_t mode = 0; mode < modes; ++mode)
         spurious[mode] += weight * score.matches[mode].spurious;
+      // In units of all that they may be off by: what the model leaves out is a part of it.
+      std::vector<int> with;
+      const Eigen::MatrixXd covariance = by_shapes.covariance(x, score, with);
+      for (std::size_t k = 0; k < with.size(); ++k) {
+        const auto mode = static_cast<std::size_t>(with[k]);
+        const auto at = static_cast<Eigen::Index>(k);
+        mean_residual[mode] += weight *
+                               (data.frequencies_hz[mode] - score.matches[mode].frequency_hz) /
+                               std::sqrt(covariance(at, at));
+      }
       single.pass(posterior.chains[c].model[i], weight, x, by_shapes, score);
     } else {
       if ((visited - 1) % kept_every == 0)
@@ -301,6 +311,7 @@ void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>
   const DamageProblem& problem = draws.problem();
   const auto& states = problem.damage_case.states;
   if (!states || !states->joined().mixing.none() ||
+      !states->joined().stiffness_discrepancy.none() ||
       std::ranges::all_of(states->list, &ObservedState::damaged))
     return;
   double damaged = 0.0;

@@ -32,7 +32,8 @@ void SingleModes::pass(int model, double weight, std::span<const double> x,
   const Eigen::MatrixXd c = at.covariance(x, score, with);
   ModalData data = problem_.states ? problem_.states->data() : problem_.modal->data();
   if (doubted_) data.doubt = 0.5;  // any: the matching has counted the true one
-  const Eigen::VectorXd l = single_mode_densities(data, with, c, score);
+  const Eigen::VectorXd l = at.with_errors(x) ? at.single_mode_densities(x, score)
+                                              : single_mode_densities(data, with, c, score);
   pass(model, weight, {l.begin(), l.end()});
   for (std::size_t m = 0; m < macs_.size(); ++m)
     if (const auto& shape = score.matches[m].shape) macs_[m].push_back(shape->mac);

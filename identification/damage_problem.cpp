@@ -343,6 +343,15 @@ bool FrequencyPredictor::score(int model, std::span<const double> x, ModalLikeli
   return true;
 }
 
+bool FrequencyPredictor::with_errors(std::span<const double> x) const {
+  return problem_.states && problem_.states->with_errors(problem_.modal_noise(x));
+}
+
+Eigen::VectorXd FrequencyPredictor::single_mode_densities(
+    std::span<const double> x, const ModalLikelihood::Score& score) const {
+  return problem_.states->single_mode_densities(of_states_, problem_.modal_noise(x), score);
+}
+
 Eigen::MatrixXd FrequencyPredictor::covariance(std::span<const double> x,
                                                const ModalLikelihood::Score& score,
                                                std::vector<int>& with) const {
@@ -384,6 +393,8 @@ ModalNoise DamageProblem::modal_noise(std::span<const double> x) const {
   noise.discrepancy = at(!data.discrepancy.known(), data.discrepancy.value);
   noise.shape_discrepancy = at(!data.shape_discrepancy.known(), data.shape_discrepancy.value);
   noise.mixing = at(!data.mixing.known(), data.mixing.value);
+  noise.stiffness_discrepancy =
+      at(!data.stiffness_discrepancy.known(), data.stiffness_discrepancy.value);
   return noise;
 }
 
@@ -440,6 +451,8 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
     if (data.shape_discrepancy.prior)
       common.push_back({"shape_discrepancy", *data.shape_discrepancy.prior});
     if (data.mixing.prior) common.push_back({"mixing", *data.mixing.prior});
+    if (data.stiffness_discrepancy.prior)
+      common.push_back({"stiffness_discrepancy", *data.stiffness_discrepancy.prior});
   }
   const auto scatters = static_cast<int>(common.size());
   if (damage_case.states)

@@ -71,6 +71,11 @@ class FrequencyPredictor {
   [[nodiscard]] Eigen::MatrixXd covariance(std::span<const double> x,
                                            const ModalLikelihood::Score& score,
                                            std::vector<int>& with) const;
+  /// Whether pieces of the structure err (StiffnessErrors); and ln p(a mode | all others, x) of
+  /// what was scored last, where they do.
+  [[nodiscard]] bool with_errors(std::span<const double> x) const;
+  [[nodiscard]] Eigen::VectorXd single_mode_densities(std::span<const double> x,
+                                                      const ModalLikelihood::Score& score) const;
   [[nodiscard]] const fem::ParametricModes::Modes& scored_modes(int state) const {
     return problem_.states ? of_states_[static_cast<std::size_t>(state)] : modes_;
   }

@@ -47,6 +47,9 @@ struct ModalData {
   Scatter discrepancy = {}, shape_discrepancy = {};
   /// By how much the error that moves frequencies by `discrepancy` mixes modes: see ModalMixing.
   Scatter mixing = {};
+  /// Sd of what each piece of the structure is stiffer or softer than the model has it, relative:
+  /// see StiffnessErrors.
+  Scatter stiffness_discrepancy = {};
 
   /// P, before the data, that a measured mode is none of the structure's (a harmonic, a pole of the
   /// noise). Goes with shapes.

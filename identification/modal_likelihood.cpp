@@ -155,6 +155,36 @@ ShapeDensity::Comparison ModalLikelihood::compare(const Modes& modes, int mode, 
   return density.against(shape, entries(modes.shapes, mode, turn.mode), turn.tau, scale, more);
 }
 
+ModalLikelihood::ShapeErrors ModalLikelihood::shape_errors(const Modes& modes, int mode,
+                                                           Index computed,
+                                                           const ModalNoise& noise) const {
+  const VectorXd& lambda = modes.eigenvalues;
+  const Turn turn = closest(modes, computed);
+  ShapeDensity::Mixing mixing{.others = MatrixXd(0, 0), .tau = VectorXd(0)};
+  const VectorXd shape = entries(modes.shapes, mode, computed);
+  if (turn.tau > 0.0) {
+    mixing.others = entries(modes.shapes, mode, turn.mode);
+    mixing.tau = VectorXd::Constant(1, std::min(1.0, turn.tau));
+  } else {
+    mixing.others.resize(shape.size(), 0);
+  }
+  // ∂φ_j/∂a_p = Σ_k φ_k φ_kᵀ K_p φ_j / (λ_j - λ_k) of the modes that there are.
+  MatrixXd moved = MatrixXd::Zero(shape.size(), static_cast<Index>(modes.pieces.size()));
+  for (Index k = 0; k < lambda.size(); ++k) {
+    if (k == computed) continue;
+    const double gap = lambda[computed] - lambda[k], least = kClose * lambda[computed];
+    const double by = std::abs(gap) < least ? std::copysign(least, gap) : gap;
+    const VectorXd other = entries(modes.shapes, mode, k);
+    for (Index p = 0; p < moved.cols(); ++p)
+      moved.col(p) += modes.pieces[static_cast<std::size_t>(p)](k, computed) / by * other;
+  }
+  ShapeErrors out;
+  out.without = shapes_[static_cast<std::size_t>(mode)]->against(
+      shape, mixing, noise.shape_sd * noise.shape_sd,
+      noise.shape_discrepancy * noise.shape_discrepancy, moved, out.residual, out.sensitivities);
+  return out;
+}
+
 std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& covariance,
                                         const ModalNoise& noise) const {
   const int n = data_.modes();

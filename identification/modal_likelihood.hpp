@@ -18,7 +18,8 @@ struct ModalNoise {
   double cov = 0.0;       ///< of frequencies, where it is unknown
   double shape_sd = 1.0;  ///< multiplies the shapes' sd, where it is unknown
   double discrepancy = 0.0, shape_discrepancy = 0.0;
-  double mixing = 0.0;  ///< κ, of `mixing_sd`
+  double mixing = 0.0;                 ///< κ, of `mixing_sd`
+  double stiffness_discrepancy = 0.0;  ///< σ of `StiffnessErrors`
   /// Of what an emulator gets wrong [Hz²], one a measured mode; empty: it is exact.
   std::vector<double> emulator_variance = {};
 };
@@ -92,6 +93,16 @@ class ModalLikelihood {
   };
   [[nodiscard]] Score score(const fem::ParametricModes::Modes& modes,
                             const ModalNoise& noise) const;
+  /// What a measured shape has to say of errors of pieces: the comparison without these, the
+  /// residual in units of the noise, and how it moves with each piece's error, m × pieces. Close
+  /// modes are mixed as they may turn.
+  struct ShapeErrors {
+    ShapeDensity::Comparison without;
+    Eigen::VectorXd residual;
+    Eigen::MatrixXd sensitivities;
+  };
+  [[nodiscard]] ShapeErrors shape_errors(const fem::ParametricModes::Modes& modes, int mode,
+                                         Eigen::Index computed, const ModalNoise& noise) const;
   /// ∂ ln p/∂θ_j at a given matching. False where modes may have turned or mixed.
   [[nodiscard]] bool slope(const fem::ParametricModes::Modes& modes,
                            const fem::ParametricModes::Slopes& slopes, const ModalNoise& noise,

@@ -44,6 +44,8 @@ ModalData ObservedStates::joined() const {
     if (!s.data.discrepancy.none()) out.discrepancy = s.data.discrepancy;
     if (!s.data.shape_discrepancy.none()) out.shape_discrepancy = s.data.shape_discrepancy;
     if (!s.data.mixing.none()) out.mixing = s.data.mixing;
+    if (!s.data.stiffness_discrepancy.none())
+      out.stiffness_discrepancy = s.data.stiffness_discrepancy;
     out.simulated = out.simulated || s.data.simulated;
     out.origin += (out.origin.empty() ? "" : "; ") + s.name + " " + s.data.origin;
   }

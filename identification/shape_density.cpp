@@ -111,6 +111,14 @@ ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, double sca
 
 ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, const Mixing& mixing,
                                                double scale, double more) const {
+  VectorXd residual;
+  MatrixXd moves;
+  return against(shape, mixing, scale, more, MatrixXd(shape.size(), 0), residual, moves);
+}
+
+ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, const Mixing& mixing,
+                                               double scale, double more, const MatrixXd& moved,
+                                               VectorXd& residual, MatrixXd& moves) const {
   const double size = shape.squaredNorm();
   const double amplitude = size > 0.0 ? shape.dot(values_) / size : 0.0;
   const MatrixXd mixed = axes_.transpose() * mixing.others * (amplitude * mixing.tau).asDiagonal();
@@ -118,10 +126,18 @@ ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, const Mixi
   sigma.diagonal().array() += scale * spread_.array() + more;
   const Eigen::LLT<MatrixXd> llt(sigma);
   const VectorXd measured = llt.matrixL().solve(in_axes_);
+  const VectorXd computed = llt.matrixL().solve(axes_.transpose() * shape);
   const double log_normaliser = -llt.matrixLLT().diagonal().array().log().sum() -
                                 0.5 * std::log(measured.squaredNorm() / values_.squaredNorm()) -
                                 0.5 * static_cast<double>(freedoms()) * std::log(2.0 * kPi);
-  return fitted(shape, measured, llt.matrixL().solve(axes_.transpose() * shape), log_normaliser);
+  if (moved.cols() > 0) {
+    const double whitened = computed.squaredNorm();
+    const double a = whitened > 0.0 ? measured.dot(computed) / whitened : 0.0;
+    residual = measured - a * computed;
+    moves = a * llt.matrixL().solve(axes_.transpose() * moved);
+    if (whitened > 0.0) moves -= computed * (computed.transpose() * moves / whitened);
+  }
+  return fitted(shape, measured, computed, log_normaliser);
 }
 
 ShapeDensity::Comparison ShapeDensity::fitted(const VectorXd& shape, const VectorXd& measured,

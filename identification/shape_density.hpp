@@ -56,6 +56,11 @@ class ShapeDensity {
   };
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
                                    double more) const;
+  /// The same, with the residual Σ^{-1/2} (ψ - a φ) and how it moves when φ does by each column of
+  /// `moved`, less what a follows: a Σ^{-1/2} moved, across Σ^{-1/2} φ.
+  [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
+                                   double more, const Eigen::MatrixXd& moved,
+                                   Eigen::VectorXd& residual, Eigen::MatrixXd& moves) const;
   /// ∂ log_density/∂φ of the first.
   [[nodiscard]] Eigen::VectorXd slope(const Eigen::VectorXd& shape, double scale,
                                       double more) const;

@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr int kTraining = 200;  // structures that a reduced basis is tried on
+constexpr int kOfPieces = 8;  // modes beyond those that are compared, for what pieces do to shapes
 
 bool same_masses(const ObservedState& a, const ObservedState& b) {
   return std::ranges::equal(a.masses, b.masses, [](const auto& x, const auto& y) {
@@ -52,8 +53,14 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
   const std::vector<double> theta = draw(-1).x;
   int held = 0;
   for (const DefectKind& kind : kinds_) held += kind.type->may_be_known ? kind.max_count : 0;
+  const bool pieces = !joined_.stiffness_discrepancy.none();
+  if (pieces && matrices)
+    throw std::invalid_argument(
+        "a discrepancy of stiffness goes with members and chains: matrices have no pieces");
   for (std::size_t s = 0; s < states_->list.size(); ++s) {
     const ObservedState& state = states_->list[s];
+    const auto kin = std::ranges::find(states_->list, state.known, &ObservedState::known);
+    family_.push_back(static_cast<int>(kin - states_->list.begin()));
     try {
       likelihoods_.emplace_back(state.data);
     } catch (const std::invalid_argument& error) {
@@ -79,7 +86,11 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
   }
   for (Group& group : groups_) {
     const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
-    const fem::Discretisation d = structure(theta, {}, state);
+    Workspace::Intact intact;
+    assemble(states_->values(theta, state), intact);
+    const fem::Discretisation d = changed(intact, {}, state);
+    if (pieces && pieces_.count() == 0)
+      pieces_ = StiffnessPieces(intact.discretisation, intact.mesh ? &*intact.mesh : nullptr);
     const auto available =
         static_cast<int>(fem::mode_count(d) - d.rigid_motions.cols()) - (state.damaged ? held : 0);
     int modes = 1;
@@ -89,6 +100,8 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
       throw std::invalid_argument(state.name + ": " + std::to_string(modes) +
                                   " modes: must be at most " + std::to_string(available) +
                                   ", the elastic modes that the structure has");
+    // What pieces do to shapes is a sum over modes.
+    if (pieces) modes = std::min(available, modes + kOfPieces);
     if (matrices)
       group.reduced = reduced_basis(group, modes);
     else
@@ -167,18 +180,35 @@ MatrixXd StatesLikelihood::covariance(const ModalNoise& noise) const {
 ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
                                                const ModalNoise& noise) const {
   ModalLikelihood::Score out;
+  // To be matched, modes may be as far off as pieces move them, about.
+  ModalNoise wide = noise;
+  if (pieces_.count() > 0) {
+    constexpr double kOfMode = 0.25;  // of an error of pieces, four of which matter to a mode
+    wide.discrepancy = std::hypot(noise.discrepancy, kOfMode * noise.stiffness_discrepancy);
+    wide.shape_discrepancy =
+        std::hypot(noise.shape_discrepancy, kOfMode * noise.stiffness_discrepancy);
+  }
   for (std::size_t s = 0; s < likelihoods_.size(); ++s) {
-    ModalLikelihood::Score one = likelihoods_[s].score(modes[s], noise);
+    ModalLikelihood::Score one = likelihoods_[s].score(modes[s], wide);
     out.log_likelihood += one.log_likelihood;
     out.chi_square += one.chi_square;
     out.freedoms += one.freedoms;
     std::ranges::move(one.matches, std::back_inserter(out.matches));
   }
+  if (with_errors(noise)) {
+    Parts all = parts(modes, noise, out);
+    const Joint together = joint(all, noise, -1);
+    out.log_likelihood = together.log_density;
+    out.chi_square = together.chi_square;
+    for (std::size_t i = 0; i < out.matches.size(); ++i)
+      if (all.shapes[i]) out.matches[i].shape = all.shapes[i]->without;
+    return out;
+  }
   if (noise.discrepancy == 0.0 || likelihoods_.size() == 1) return out;
 
   // Frequencies of all states at once, with what they have in common.
   std::vector<int> with;
-  const MatrixXd c = frequency_covariance(modes, noise, out, with);
+  const MatrixXd c = covariance_of_noise(modes, noise, out, with);
   const auto n = static_cast<Index>(with.size());
   VectorXd r(n);
   const auto observed = [&](Index k) {
@@ -206,10 +236,109 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   return out;
 }
 
+MatrixXd StatesLikelihood::frequency_sensitivities(const std::vector<Modes>& modes,
+                                                   const ModalLikelihood::Score& score,
+                                                   const std::vector<int>& with) const {
+  const auto n = static_cast<Index>(with.size());
+  MatrixXd out = MatrixXd::Zero(n, static_cast<Index>(states_->list.size()) * errors());
+  for (Index i = 0; i < n; ++i) {
+    const int mode = with[static_cast<std::size_t>(i)];
+    const auto state = static_cast<std::size_t>(place(mode).state);
+    const ModalLikelihood::Match& match = score.matches[static_cast<std::size_t>(mode)];
+    for (int p = 0; p < errors(); ++p) {
+      const MatrixXd& energy = modes[state].pieces[static_cast<std::size_t>(p)];
+      out(i, family_[state] * errors() + p) =
+          energy(match.computed, match.computed) / (2.0 * kTwoPi * kTwoPi * match.frequency_hz);
+    }
+  }
+  return out;
+}
+
+// Everything measured with what the parts say of errors of pieces; shapes are compared anew, with
+// close modes mixed, not turned.
+StatesLikelihood::Parts StatesLikelihood::parts(const std::vector<Modes>& modes,
+                                                const ModalNoise& noise,
+                                                const ModalLikelihood::Score& score) const {
+  Parts out;
+  out.covariance = covariance_of_noise(modes, noise, score, out.with);
+  out.sensitivities = frequency_sensitivities(modes, score, out.with);
+  out.residual.resize(out.covariance.rows());
+  for (Index k = 0; k < out.residual.size(); ++k) {
+    const auto mode = static_cast<std::size_t>(out.with[static_cast<std::size_t>(k)]);
+    out.residual[k] = joined_.frequencies_hz[mode] - score.matches[mode].frequency_hz;
+  }
+  for (std::size_t i = 0; i < score.matches.size(); ++i) {
+    const auto [state, mode] = place(static_cast<int>(i));
+    out.shapes.emplace_back();
+    if (score.matches[i].shape)
+      out.shapes.back() = of(state).shape_errors(modes[static_cast<std::size_t>(state)], mode,
+                                                 score.matches[i].computed, noise);
+  }
+  return out;
+}
+
+StatesLikelihood::Joint StatesLikelihood::joint(const Parts& parts, const ModalNoise& noise,
+                                                int without) const {
+  std::vector<Index> rows;
+  for (std::size_t k = 0; k < parts.with.size(); ++k)
+    if (parts.with[k] != without) rows.push_back(static_cast<Index>(k));
+  Joint out;
+  const Eigen::LLT<MatrixXd> llt(parts.covariance(rows, rows));
+  if (llt.info() != Eigen::Success) {
+    out.log_density = -std::numeric_limits<double>::infinity();
+    return out;
+  }
+  const VectorXd residual = llt.matrixL().solve(parts.residual(rows));
+  out.chi_square = residual.squaredNorm();
+  out.log_density = -0.5 * out.chi_square -
+                    0.5 * static_cast<double>(rows.size()) * std::log(kTwoPi) -
+                    llt.matrixLLT().diagonal().array().log().sum();
+  for (std::size_t i = 0; i < parts.shapes.size(); ++i) {
+    if (!parts.shapes[i] || static_cast<int>(i) == without) continue;
+    out.log_density += parts.shapes[i]->without.log_density;
+    out.chi_square += parts.shapes[i]->without.chi_square;
+  }
+  for (int kin = 0; kin < static_cast<int>(family_.size()); ++kin) {
+    if (std::ranges::find(family_, kin) == family_.end()) continue;
+    StiffnessErrors gathered(errors());
+    gathered.add(llt.matrixL().solve(
+                     parts.sensitivities(rows, Eigen::indexing::seqN(kin * errors(), errors()))),
+                 residual);
+    for (std::size_t i = 0; i < parts.shapes.size(); ++i)
+      if (parts.shapes[i] && static_cast<int>(i) != without &&
+          family_[static_cast<std::size_t>(place(static_cast<int>(i)).state)] == kin)
+        gathered.add(parts.shapes[i]->sensitivities, parts.shapes[i]->residual);
+    const StiffnessErrors::Gain gain = gathered.integrated(noise.stiffness_discrepancy);
+    out.log_density += gain.log_density;
+    out.chi_square -= gain.chi_square;
+  }
+  return out;
+}
+
+VectorXd StatesLikelihood::single_mode_densities(const std::vector<Modes>& modes,
+                                                 const ModalNoise& noise,
+                                                 const ModalLikelihood::Score& score) const {
+  const Parts all = parts(modes, noise, score);
+  const double density = joint(all, noise, -1).log_density;
+  VectorXd out(this->modes());
+  for (int m = 0; m < this->modes(); ++m) out[m] = density - joint(all, noise, m).log_density;
+  return out;
+}
+
 MatrixXd StatesLikelihood::frequency_covariance(const std::vector<Modes>& modes,
                                                 const ModalNoise& noise,
                                                 const ModalLikelihood::Score& score,
                                                 std::vector<int>& with) const {
+  MatrixXd out = covariance_of_noise(modes, noise, score, with);
+  if (!with_errors(noise)) return out;
+  const MatrixXd moved = noise.stiffness_discrepancy * frequency_sensitivities(modes, score, with);
+  return out + moved * moved.transpose();
+}
+
+MatrixXd StatesLikelihood::covariance_of_noise(const std::vector<Modes>& modes,
+                                               const ModalNoise& noise,
+                                               const ModalLikelihood::Score& score,
+                                               std::vector<int>& with) const {
   with.clear();
   for (int i = 0; i < this->modes(); ++i)
     if (!std::isnan(joined_.frequencies_hz[static_cast<std::size_t>(i)])) with.push_back(i);
@@ -291,13 +420,20 @@ void StatesLikelihood::assemble(const std::vector<double>& values, Workspace::In
   out.values = values;
 }
 
-fem::Discretisation StatesLikelihood::changed(const Workspace::Intact& intact,
-                                              const std::vector<PlacedDefect>& defects,
-                                              const ObservedState& state) const {
+fem::StructureChange StatesLikelihood::change_of(const Workspace::Intact& intact,
+                                                 const std::vector<PlacedDefect>& defects,
+                                                 const ObservedState& state) const {
   fem::StructureChange change;
   if (state.damaged && !defects.empty())
     change = structure_change(kinds_, defects, intact.mesh ? &*intact.mesh : nullptr);
   change.masses.insert(change.masses.end(), state.masses.begin(), state.masses.end());
+  return change;
+}
+
+fem::Discretisation StatesLikelihood::changed(const Workspace::Intact& intact,
+                                              const std::vector<PlacedDefect>& defects,
+                                              const ObservedState& state) const {
+  const fem::StructureChange change = change_of(intact, defects, state);
   return change.empty() ? intact.discretisation : fem::changed(intact.discretisation, change);
 }
 
@@ -328,11 +464,20 @@ bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
     } else {
       Workspace::Intact& intact = workspace.intact[group.intact];
       assemble(values, intact);
-      const bool same = !damaged && state.masses.empty();
+      const fem::StructureChange change = change_of(intact, defects, state);
+      std::optional<fem::Discretisation> other;
+      if (!change.empty()) other = fem::changed(intact.discretisation, change);
+      const fem::Discretisation& d = other ? *other : intact.discretisation;
       fem::SubspaceModes::Found found;
-      if (!(same ? group.solver->solve(intact.discretisation, found)
-                 : group.solver->solve(changed(intact, defects, state), found)))
-        return false;
+      if (!group.solver->solve(d, found)) return false;
+      if (pieces_.count() > 0) {
+        out.pieces = pieces_.energies(d, found.shapes);
+        // A rigid support takes degrees of freedom away, and with them what the rows are of.
+        const bool same = d.size() == intact.discretisation.size();
+        std::ranges::move(pieces_.losses(intact.discretisation,
+                                         same ? change : fem::StructureChange{}, found.shapes),
+                          std::back_inserter(out.pieces));
+      }
       out.eigenvalues = std::move(found.eigenvalues);
       Index sensors = 0;
       for (const int s : group.states) sensors += static_cast<Index>(of(s).data().sensors.size());
@@ -368,6 +513,8 @@ bool StatesLikelihood::solve(std::span<const double> x, const std::vector<Placed
       if (!(stiffer > 0.0)) return false;
       Modes& modes = out[static_cast<std::size_t>(s)];
       modes.eigenvalues = stiffer * found.eigenvalues;
+      modes.pieces = found.pieces;
+      for (MatrixXd& piece : modes.pieces) piece *= stiffer;
       const auto sensors = static_cast<Index>(state.data.sensors.size());
       modes.shapes = found.shapes.middleRows(row, sensors);
       row += sensors;

@@ -13,6 +13,7 @@
 #include "identification/damage_case.hpp"
 #include "identification/modal_likelihood.hpp"
 #include "identification/observed_states.hpp"
+#include "identification/stiffness_errors.hpp"
 #include "identification/structure_family.hpp"
 
 namespace wheeltap::identification {
@@ -33,6 +34,10 @@ namespace wheeltap::identification {
 /// So, with Δλ from the first healthy state with the same `known` to a damaged one,
 ///
 ///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, less as much at mode k.
+///
+/// Where pieces of the structure may be stiffer or softer than the model has them
+/// (`ModalData::stiffness_discrepancy`), that is integrated out of frequencies and shapes of all
+/// states with the same `known` together: see StiffnessErrors.
 ///
 /// Each state's structure is assembled at θ, changed by its damages and masses, and solved by
 /// SubspaceModes. States that differ by temperature alone share a solution. Matrices of another
@@ -69,6 +74,15 @@ class StatesLikelihood {
   [[nodiscard]] Eigen::MatrixXd frequency_covariance(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
+
+  /// Whether pieces err.
+  [[nodiscard]] bool with_errors(const ModalNoise& noise) const {
+    return pieces_.count() > 0 && noise.stiffness_discrepancy > 0.0;
+  }
+  /// ln p(a mode | all others, θ) of each mode of the row, where pieces err.
+  [[nodiscard]] Eigen::VectorXd single_mode_densities(
+      const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
+      const ModalLikelihood::Score& score) const;
 
   /// Scratch memory of one thread. What was assembled and solved last is kept: moves of damages
   /// leave the intact structure as it was.
@@ -109,6 +123,31 @@ class StatesLikelihood {
   [[nodiscard]] Check check(int points) const;
 
  private:
+  /// Unknown errors: of each piece, and of what damage takes from it.
+  [[nodiscard]] int errors() const { return 2 * pieces_.count(); }
+  /// What the density of all states is made of where pieces err: frequencies with their covariance
+  /// and sensitivities, and shapes, one a mode of the row.
+  struct Parts {
+    std::vector<int> with;
+    Eigen::MatrixXd covariance, sensitivities;
+    Eigen::VectorXd residual;
+    std::vector<std::optional<ModalLikelihood::ShapeErrors>> shapes;
+  };
+  [[nodiscard]] Parts parts(const std::vector<fem::ParametricModes::Modes>& modes,
+                            const ModalNoise& noise, const ModalLikelihood::Score& score) const;
+  struct Joint {
+    double log_density = 0.0, chi_square = 0.0;
+  };
+  /// Errors of pieces integrated out of all modes, or of all but one.
+  [[nodiscard]] Joint joint(const Parts& parts, const ModalNoise& noise, int without) const;
+  /// ∂f/∂a_p of the frequencies `with`, by the pieces of states with one `known` after the other.
+  [[nodiscard]] Eigen::MatrixXd frequency_sensitivities(
+      const std::vector<fem::ParametricModes::Modes>& modes, const ModalLikelihood::Score& score,
+      const std::vector<int>& with) const;
+  /// C, without errors of pieces.
+  [[nodiscard]] Eigen::MatrixXd covariance_of_noise(
+      const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
+      const ModalLikelihood::Score& score, std::vector<int>& with) const;
   /// Where C has what states have in common: `with` are the modes that were measured.
   void add_common(const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
                   const ModalLikelihood::Score& score, const std::vector<int>& with,
@@ -142,6 +181,9 @@ class StatesLikelihood {
   [[nodiscard]] fem::Discretisation structure(std::span<const double> x,
                                               const std::vector<PlacedDefect>& defects,
                                               const ObservedState& state) const;
+  [[nodiscard]] fem::StructureChange change_of(const Workspace::Intact& intact,
+                                               const std::vector<PlacedDefect>& defects,
+                                               const ObservedState& state) const;
   [[nodiscard]] fem::Discretisation changed(const Workspace::Intact& intact,
                                             const std::vector<PlacedDefect>& defects,
                                             const ObservedState& state) const;
@@ -153,6 +195,8 @@ class StatesLikelihood {
   std::vector<Place> places_;
   std::vector<Group> groups_;
   MatrixScales scales_;  // of matrices
+  StiffnessPieces pieces_;
+  std::vector<int> family_;  // of each state: those with the same `known` err alike
 };
 
 }  // namespace wheeltap::identification

@@ -25,9 +25,10 @@ constexpr int kScreenedClimbs = 4;    // from the likeliest of them
 constexpr double kValley = 2.0;       // ln: between two modes
 constexpr double kNegligible = 25.0;  // ln: below the weightiest mode
 constexpr std::size_t kMostModes = 60;
-constexpr long kFirstSamples = 50;     // of a growing record
-constexpr int kDrawsAMode = 4;         // to go on from, as a record grows
-constexpr std::size_t kFollowed = 30;  // modes, as a record grows
+constexpr long kFirstSamples = 50;   // of a growing record
+constexpr double kDrawsAMode = 4.0;  // to go on from, as a record grows
+constexpr double kFollowed = 30.0;   // modes, as a record grows
+constexpr double kFewestFollowed = 6.0;
 constexpr std::uint64_t kScreenStream = std::uint64_t{1} << 62U;
 
 using Vector = Eigen::VectorXd;
@@ -72,8 +73,8 @@ class Search {
         surface.draw_prior(random, z);
       }));
       begun += n;
-      const double spent =
-          static_cast<double>(evaluations()) / static_cast<double>(std::max(options_.budget, 1L));
+      const double spent = static_cast<double>(evaluations()) /
+                           (options_.effort * static_cast<double>(std::max(options_.budget, 1L)));
       const double share = options_.climbs > 0
                                ? static_cast<double>(begun) / static_cast<double>(most)
                                : std::min(1.0, spent);
@@ -124,8 +125,9 @@ class Search {
     }));
     std::vector<Matrix> factors;
     for (const Mode& m : modes) factors.push_back(Eigen::LLT<Matrix>(m.covariance).matrixL());
-    merge(climb(static_cast<long>(modes.size()) * kDrawsAMode, [&](long i, Surface&, Vector& z) {
-      const auto m = static_cast<std::size_t>(i / kDrawsAMode);
+    const long draws = std::max(1L, std::lround(kDrawsAMode * options_.effort));
+    merge(climb(static_cast<long>(modes.size()) * draws, [&](long i, Surface&, Vector& z) {
+      const auto m = static_cast<std::size_t>(i / draws);
       base::Random random(options_.seed, static_cast<std::uint64_t>(model_) | level << 32U,
                           static_cast<std::uint64_t>(i), base::Purpose::search);
       Vector u(z.size());
@@ -282,9 +284,11 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
   const long climbs = found.climbs;
   long evaluations = found.likelihood_evaluations;
   std::uint64_t level = 1;
+  const auto followed =
+      static_cast<std::size_t>(std::max(kFewestFollowed, kFollowed * options.effort));
   for (long n = kFirstSamples; n < problem.samples && !found.modes.empty(); ++level) {
     n = std::min(2 * n, problem.samples);
-    if (found.modes.size() > kFollowed) found.modes.resize(kFollowed);
+    if (found.modes.size() > followed) found.modes.resize(followed);
     if (n < problem.samples) part = problem.shortened(n);
     Search next(n < problem.samples ? *part : problem, model, options);
     next.follow(found.modes, level);

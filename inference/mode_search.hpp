@@ -23,6 +23,9 @@ struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;       ///< 0: as many as `budget` pays for, between kFewestClimbs and kMostClimbs
   long budget = 100000;  ///< likelihood calls; what has been begun is finished
+  /// In (0, 1]: how much of what is done as a record grows is done, of climbs from the prior, modes
+  /// followed, and draws about each.
+  double effort = 1.0;
   /// Also climbed from, e.g. draws of another method; not counted.
   std::vector<std::vector<double>> starts{};
   bool fine = false;  ///< these are near modes: the first differences there are fine (climb.hpp)

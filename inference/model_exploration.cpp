@@ -370,6 +370,7 @@ void search_from_prior(const Problem& problem, int model, const ExplorationOptio
                                   {.seed = options.seed,
                                    .climbs = options.climbs,
                                    .budget = options.budget,
+                                   .effort = options.effort,
                                    .starts = std::move(starts),
                                    .fine = !options.starts.empty(),
                                    .threads = options.threads,

@@ -17,7 +17,8 @@ struct ExplorationOptions {
   std::vector<std::vector<double>> starts{};  ///< climbed from besides draws of the prior
   long climbs = 0;                            ///< ModeSearchOptions::climbs
   long budget = 100000;                       ///< likelihood calls for climbs
-  bool anneal = true;  ///< run sequential Monte Carlo from the prior, as briefly as will do
+  double effort = 1.0;  ///< of the climbs as a record grows (ModeSearchOptions)
+  bool anneal = true;   ///< run sequential Monte Carlo from the prior, as briefly as will do
   /// Climbs alone, for one of very many models: its evidence is Laplace's, taken to be good to a
   /// nat, and its population draws of the normals about its modes.
   bool climbs_only = false;

@@ -61,6 +61,9 @@ class ParametricModes {
     Eigen::VectorXd bounds;        ///< of the eigenvalues' errors, relative
     Eigen::VectorXd shape_bounds;  ///< of the sines of the shapes' angles
     bool in_full = false;          ///< solved without the basis
+    /// φ_jᵀ K_p φ_k of pieces of the structure, modes × modes each, then how it moves with errors
+    /// of what damages took from each; empty where nobody asked.
+    std::vector<Eigen::MatrixXd> pieces = {};
   };
   /// ∂λ/∂θ: modes × parameters; ∂shapes/∂θ_j: motions × modes each.
   struct Slopes {

@@ -69,6 +69,14 @@ void count(RunContext& run, RunState& state, const ModelExploration& found,
   run.monitor.evaluated(more);
 }
 
+// Of a nested list: an improbable model whose mode was missed is begun from its relations' modes,
+// and needs not all the climbs that one deserves which may hold the probability.
+double effort_for(const RunState& state, int m) {
+  constexpr double kLeast = 0.2;
+  const double p = state.probability[static_cast<std::size_t>(m)];
+  return std::clamp(p / kLimits.probable_model, kLeast, 1.0);
+}
+
 // The models that explore_each explores next.
 void search_next(RunState& state, std::vector<int> models) {
   state.at.explore = Position::Explore::search;
@@ -100,6 +108,7 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
         .seed = run.options.seed,
         .climbs = run.options.searches,
         .budget = problem.space.size() > kFewModels && !nested ? kLeastBudget : budget,
+        .effort = nested ? effort_for(state, m) : 1.0,
         .anneal = anneal,
         .particles = static_cast<int>(
             std::clamp(brief * 12000.0 / static_cast<double>(with_parameters + 1), 400.0, 1200.0)),

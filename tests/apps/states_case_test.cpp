@@ -271,6 +271,14 @@ TEST(StatesCase, Refusals) {
   c["data"]["discrepancy"].erase("cov");
   refused(c, "/data/discrepancy/mixing");
   c = two_storeys();
+  c["data"]["discrepancy"] = {{"cov", 0.01}, {"mixing", 0.5}, {"stiffness", 0.05}};
+  refused(c, "/data/discrepancy/mixing: does not go with \"stiffness\"");
+  c["data"]["discrepancy"] = {{"stiffness", 0.05}};
+  c["baseline"]["data"]["discrepancy"] = {{"stiffness", 0.06}};
+  refused(c, "/data/discrepancy/stiffness");
+  c["data"]["discrepancy"] = {{"stiffness", 2}};
+  refused(c, "/data/discrepancy/stiffness");
+  c = two_storeys();
   c["structure"]["chain"]["links"][0]["stiffness"] = 1400;
   c.erase("parameters");
   c["baseline"]["data"]["covariance"] = {{1e-4, 0}, {0, 1e-4}};

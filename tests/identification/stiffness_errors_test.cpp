@@ -1,0 +1,209 @@
+#include "identification/stiffness_errors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "fem/structures/structure_modes.hpp"
+#include "identification/defects/storey.hpp"
+#include "identification/states_likelihood.hpp"
+#include "tests/identification/modal_cases.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Modes = fem::ParametricModes::Modes;
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+double log_normal(const VectorXd& r, const MatrixXd& c) {
+  const Eigen::LLT<MatrixXd> llt(c);
+  return -0.5 * llt.matrixL().solve(r).squaredNorm() -
+         MatrixXd(llt.matrixL()).diagonal().array().log().sum() -
+         0.5 * static_cast<double>(r.size()) * std::log(kTwoPi);
+}
+
+TEST(StiffnessErrors, IntegratedIsTheNormalOfAllTogether) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  const auto matrix = [&](Index rows, Index columns) {
+    return MatrixXd(MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); }));
+  };
+  const MatrixXd x = matrix(9, 4);
+  const VectorXd r = matrix(9, 1);
+  StiffnessErrors errors(4);
+  errors.add(x.topRows(5), r.head(5));
+  errors.add(x.bottomRows(4), r.tail(4));
+  const double sigma = 0.3;
+  const MatrixXd c = MatrixXd::Identity(9, 9) + sigma * sigma * x * x.transpose();
+  const auto gain = errors.integrated(sigma);
+  EXPECT_NEAR(gain.log_density, log_normal(r, c) - log_normal(r, MatrixXd::Identity(9, 9)), 1e-12);
+  EXPECT_NEAR(gain.chi_square, r.squaredNorm() - r.dot(c.inverse() * r), 1e-12);
+}
+
+fem::Structure portal(int elements) {
+  const fem::Material steel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
+  const fem::MemberSection section{
+      .area = 5e-3, .second_moment_y = 1.7e-5, .shear_coefficient_z = 0.85, .depth = 0.2};
+  fem::Structure s{
+      .dimension = 2,
+      .nodes = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {4, 3, 0}}, {"D", {4, 0, 0}}},
+      .members = {}};
+  const auto add = [&](std::string name, int a, int b, double length) {
+    s.members.push_back({.name = std::move(name),
+                         .nodes = {a, b},
+                         .elements = elements,
+                         .pieces = {{.to = length, .material = steel, .section = section}}});
+  };
+  add("left", 0, 1, 3.0);
+  add("beam", 1, 2, 4.0);
+  add("right", 2, 3, 3.0);
+  s.supports.push_back({.node = 0, .fix = {true, true, false, false, false, true}});
+  s.supports.push_back({.node = 3, .fix = {true, true}, .stiffness = {0, 0, 0, 0, 0, 1e6}});
+  return s;
+}
+
+// Quarters of members and the foot's spring hold all of the energy, each its share.
+TEST(StiffnessPieces, HoldTheEnergyWhateverTheMesh) {
+  std::vector<double> coarse;
+  for (const int elements : {8, 16}) {
+    const fem::Mesh mesh(portal(elements));
+    const fem::Discretisation& d = mesh.discretisation();
+    const StiffnessPieces pieces(d, &mesh);
+    ASSERT_EQ(pieces.count(), 13);
+    const auto modes = fem::structure_modes(d, 4);
+    const auto energies = pieces.energies(d, modes.shapes);
+    MatrixXd sum = MatrixXd::Zero(4, 4);
+    for (const MatrixXd& energy : energies) sum += energy;
+    EXPECT_LT((sum - MatrixXd(modes.eigenvalues.asDiagonal())).norm(), 1e-8 * modes.eigenvalues[3]);
+    for (std::size_t p = 0; p < energies.size(); ++p) {
+      const double share = energies[p](1, 1) / modes.eigenvalues[1];
+      if (elements == 8)
+        coarse.push_back(share);
+      else
+        EXPECT_NEAR(share, coarse[p], 1e-3) << p;
+    }
+  }
+}
+
+std::shared_ptr<const StructureModel> three_storeys() {
+  const inference::Prior k = inference::LogNormal{std::log(1000.0), 0.2};
+  return modal::chain({1.0, 1.2, 0.8}, {k, k, k});
+}
+
+DefectKind soft_storey() {
+  SiteLine line = SiteLine::of_points({0, 1, 2}, {"storey 1", "storey 2", "storey 3"});
+  DefectKind kind{.type = &defects::kStorey,
+                  .name = "storey",
+                  .plural = "storeys",
+                  .max_count = 1,
+                  .location = inference::Uniform{0.0, line.length()},
+                  .severity = inference::Prior(inference::Uniform{0.0, 0.9})};
+  kind.line = std::move(line);
+  return kind;
+}
+
+// Healthy and damaged, with shapes at all floors: of a chain not quite the model's at `kModel`.
+const std::vector<double> kModel = {1000.0, 1100.0, 900.0};
+
+ObservedStates two_states(double sigma) {
+  ObservedStates out{.model = three_storeys(), .unknown = {0, 1, 2}};
+  for (const bool damaged : {false, true}) {
+    const fem::LumpedChain chain{
+        .masses = {1.0, 1.2, 0.8},
+        .links = {
+            {"1", {0, 1}, 1004.0}, {"2", {1, 2}, damaged ? 980.0 : 1094.0}, {"3", {2, 3}, 903.0}}};
+    const auto modes = fem::structure_modes(fem::discretise(chain), 3);
+    ModalData data{.frequencies_hz = {modes.frequencies_hz.begin(), modes.frequencies_hz.end()}};
+    std::vector<double> sd;
+    for (const double f : data.frequencies_hz) sd.push_back(0.002 * f);
+    data.covariance = modal::diagonal(sd);
+    data.sensors = modal::at_masses({1, 2, 3});
+    data.shapes = modes.shapes.transpose();
+    for (Index m = 0; m < 3; ++m) data.shapes.row(m) /= data.shapes.row(m).cwiseAbs().maxCoeff();
+    data.shapes(0, 0) += 0.002;
+    data.shapes(2, 1) -= 0.003;
+    data.shape_covariances.assign(3, modal::diagonal({0.01, 0.01, 0.01}));
+    data.discrepancy.value = 0.001;
+    data.stiffness_discrepancy.value = sigma;
+    out.list.push_back(
+        {.name = damaged ? "damaged" : "healthy", .data = std::move(data), .damaged = damaged});
+  }
+  return out;
+}
+
+// The whole density with errors of links integrated out by quadrature over structures that have
+// them: to second order in these.
+TEST(StatesLikelihood, ErrorsOfPiecesAreIntegratedOut) {
+  const double sigma = 0.004;
+  const std::vector<double>& x = kModel;
+  const std::vector<PlacedDefect> soft = {{.kind = 0, .location = 1.5, .severity = 0.1}};
+  const auto with = std::make_shared<ObservedStates>(two_states(sigma));
+  const auto without = std::make_shared<ObservedStates>(two_states(0.0));
+  const StatesLikelihood likelihood(with, {soft_storey()}), exact(without, {soft_storey()});
+  std::vector<Modes> modes;
+  auto workspace = likelihood.make_workspace();
+  ASSERT_TRUE(likelihood.solve(x, soft, workspace, modes));
+  const ModalNoise noise{.discrepancy = 0.001, .stiffness_discrepancy = sigma};
+  const double integrated = likelihood.score(modes, noise).log_likelihood;
+  // Gauss and Hermite's five points: exact to the ninth degree.
+  const std::array<double, 5> at = {-2.85697001387280, -1.35562617997427, 0.0, 1.35562617997427,
+                                    2.85697001387280};
+  const std::array<double, 5> weight = {0.0112574113277207, 0.222075922005613, 0.533333333333333,
+                                        0.222075922005613, 0.0112574113277207};
+  auto other = exact.make_workspace();
+  double sum = 0.0, nominal = 0.0;
+  for (std::size_t n = 0; n < 625; ++n) {
+    const std::array<std::size_t, 4> i = {n % 5, n / 5 % 5, n / 25 % 5, n / 125};
+    std::vector<double> wrong = x;
+    for (std::size_t p = 0; p < 3; ++p) wrong[p] *= 1.0 + sigma * at[i[p]];
+    // What is left errs by the product of what is lost and what is left.
+    std::vector<PlacedDefect> lost = soft;
+    lost[0].severity -= sigma * at[i[3]] * lost[0].severity * (1.0 - lost[0].severity);
+    ASSERT_TRUE(exact.solve(wrong, lost, other, modes));
+    const double ln = exact.score(modes, {.discrepancy = 0.001}).log_likelihood;
+    double w = 1.0;
+    for (const std::size_t k : i) w *= weight[k];
+    sum += w * std::exp(ln - integrated);
+    if (n == 312) nominal = ln;
+  }
+  EXPECT_NEAR(std::log(sum), 0.0, 0.02);
+  EXPECT_GT(std::abs(nominal - integrated), 0.2);  // or it would be no test
+}
+
+// A mode given the others is what all say less what the others say.
+TEST(StatesLikelihood, AModeGivenTheOthersWherePiecesErr) {
+  const double sigma = 0.05;
+  const std::vector<double>& x = kModel;
+  const std::vector<PlacedDefect> soft = {{.kind = 0, .location = 1.5, .severity = 0.3}};
+  const auto all = std::make_shared<ObservedStates>(two_states(sigma));
+  const auto fewer = std::make_shared<ObservedStates>(two_states(sigma));
+  ModalData& damaged = fewer->list[1].data;
+  damaged.frequencies_hz[1] = std::numeric_limits<double>::quiet_NaN();
+  damaged.shapes.row(1).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const ModalNoise noise{.discrepancy = 0.001, .stiffness_discrepancy = sigma};
+  const auto scored = [&](const std::shared_ptr<ObservedStates>& states, Eigen::VectorXd* single) {
+    const StatesLikelihood likelihood(states, {soft_storey()});
+    auto workspace = likelihood.make_workspace();
+    std::vector<Modes> modes;
+    EXPECT_TRUE(likelihood.solve(x, soft, workspace, modes));
+    const auto score = likelihood.score(modes, noise);
+    if (single) *single = likelihood.single_mode_densities(modes, noise, score);
+    return score.log_likelihood;
+  };
+  VectorXd single;
+  const double whole = scored(all, &single);
+  ASSERT_EQ(single.size(), 6);
+  EXPECT_NEAR(single[4], whole - scored(fewer, nullptr), 1e-9);
+}
+
+}  // namespace
+}  // namespace wheeltap::identification
