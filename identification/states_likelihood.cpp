@@ -409,8 +409,8 @@ fem::Discretisation StatesLikelihood::structure(std::span<const double> x,
 }
 
 void StatesLikelihood::assemble(const std::vector<double>& values, Workspace::Intact& out) const {
-  if (!out.values.empty() && out.values == values) return;
-  out.values.clear();  // in case there is no such structure
+  if (out.values == values) return;
+  out.values.reset();  // in case there is no such structure
   out.mesh.reset();
   const AnyStructure at = states_->model->at(values);
   if (const auto* members = std::get_if<fem::Structure>(&at))
@@ -453,8 +453,8 @@ bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
   const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
   const bool damaged = state.damaged && !defects.empty();
   const std::vector<double> values = states_->values(x, state);
-  if (!damaged && !own.values.empty() && own.values == values) return true;
-  own.values.clear();
+  if (!damaged && own.values == values) return true;
+  own.values.reset();
   Modes& out = own.found;
   try {
     if (group.reduced) {

@@ -89,13 +89,13 @@ class StatesLikelihood {
   struct Workspace {
     /// An intact structure, of all groups with the same `known`.
     struct Intact {
-      std::vector<double> values = {};  ///< its parameters; empty: none
+      std::optional<std::vector<double>> values = {};  ///< its parameters
       std::optional<fem::Mesh> mesh = {};
       fem::Discretisation discretisation = {};
     };
     struct Group {
       std::optional<fem::ParametricModes::Workspace> reduced = {};
-      std::vector<double> values = {};  ///< for which `found` holds, without damages; empty: none
+      std::optional<std::vector<double>> values = {};  ///< `found` is theirs, without damages
       fem::ParametricModes::Modes found = {};
     };
     std::vector<Intact> intact;
