@@ -1,5 +1,6 @@
 #include "apps/baseline_words.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -24,6 +25,26 @@ std::string check_in_words(const StatesLikelihood::Check& check) {
          " of themselves at the most" +
          (check.missed > 0 ? ", and " + std::to_string(check.missed) + " modes were missed" : "") +
          ".";
+}
+
+/// The discrepancies that were inferred, under the most probable model; empty where none was.
+std::string model_error_in_words(const DamageFindings& findings) {
+  const auto model = std::ranges::max_element(
+      findings.models, {}, [](const ModelFinding& m) { return m.probability(); });
+  if (model == findings.models.end()) return {};
+  std::vector<std::string> list;
+  const auto share = [](double x) { return significant(100.0 * x, 2); };
+  for (const auto& [name, words] : {std::pair{"discrepancy", "frequencies by "},
+                                    {"shape_discrepancy", "entries of shapes by "},
+                                    {"stiffness_discrepancy", "stiffnesses of pieces by "}}) {
+    const auto p = std::ranges::find(model->parameters, name,
+                                     [](const ParameterFinding& f) { return f.unknown.name; });
+    if (p == model->parameters.end()) continue;
+    const Marginal& e = p->estimate;
+    list.push_back(words + share(e.q50) + " % (" + share(e.q2_5) + " to " + share(e.q97_5) + ")");
+  }
+  if (list.empty()) return {};
+  return "How far the model is off was inferred: " + in_words(list) + ".";
 }
 
 }  // namespace
@@ -98,17 +119,20 @@ Report baseline_report(const DamageCase& damage_case, const DamageFindings& find
                       {"parameter", h.parameter},
                       {"severity", h.severity},
                       {"correlation", h.correlation}});
-  return {{"parameters", parameters},
-          {"states", states},
-          {"entangled", entangled},
-          {"hides_damage", hidden},
-          {"sentences", baseline_sentences(findings)},
-          {"check",
-           {{"statement", check_in_words(b.check)},
-            {"points", b.check.points},
-            {"largest_error", b.check.largest_error},
-            {"missed", b.check.missed},
-            {"seconds_a_solution", b.check.seconds_a_solution}}}};
+  Report out = {{"parameters", parameters},
+                {"states", states},
+                {"entangled", entangled},
+                {"hides_damage", hidden},
+                {"sentences", baseline_sentences(findings)},
+                {"check",
+                 {{"statement", check_in_words(b.check)},
+                  {"points", b.check.points},
+                  {"largest_error", b.check.largest_error},
+                  {"missed", b.check.missed},
+                  {"seconds_a_solution", b.check.seconds_a_solution}}}};
+  if (const std::string error = model_error_in_words(findings); !error.empty())
+    out["model_error"] = error;
+  return out;
 }
 
 void print_baseline(const Page& page, const DamageFindings& findings) {
@@ -126,6 +150,8 @@ void print_baseline(const Page& page, const DamageFindings& findings) {
     page.table(rows);
   }
   page.wrapped(check_in_words(b.check), "", "  ");
+  if (const std::string error = model_error_in_words(findings); !error.empty())
+    page.wrapped(error, "", "  ");
 }
 
 }  // namespace wheeltap::apps

@@ -320,7 +320,8 @@ void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> mod
   states.uniform = uniform;
   const bool healthy = std::ranges::any_of(states.list, [](const auto& s) { return !s.damaged; });
   const ModalData all = states.joined();
-  if (healthy && states.parameters().empty() && all.discrepancy.none())
+  if (healthy && states.parameters().empty() && all.discrepancy.none() &&
+      all.stiffness_discrepancy.none())
     file.refuse(kBaseline,
                 "tells nothing here: name the coefficients that may be wrong, in \"parameters\", "
                 "or give a \"discrepancy\", by which the model is wrong in every state");

@@ -64,6 +64,24 @@ TEST(StatesCase, UnknownStiffnessBesideDamage) {
   EXPECT_THAT(read_all(where / "out/report.html"), HasSubstr("baselineTable"));
 }
 
+// Links that may err by themselves: by how much is inferred, and said.
+TEST(StatesCase, HowFarTheModelIsOffIsInferred) {
+  const Workspace where;
+  json c = two_storeys();
+  c["structure"]["chain"]["links"][0]["stiffness"] = 1300;
+  c.erase("parameters");
+  for (json* data : {&c["data"], &c["baseline"]["data"]})
+    (*data)["discrepancy"] = {{"stiffness", {{"log_uniform", {0.01, 0.5}}}}};
+  std::string out;
+  const json summary = run(where, c, "damage", out);
+  EXPECT_THAT(out, HasSubstr("How far the model is off was inferred: stiffnesses of pieces by"));
+  EXPECT_THAT(summary["baseline"]["model_error"].get<std::string>(), HasSubstr("pieces"));
+  EXPECT_EQ(summary["unknowns"]["1 soft storey"][0]["prior"], "/data/discrepancy/stiffness");
+  // The first link is 8 % stiffer than the model has it.
+  const json& sd = summary["parameters"]["1 soft storey"]["stiffness_discrepancy"];
+  EXPECT_GT(sd["q97.5"].get<double>(), 0.08);
+}
+
 // Without a healthy measurement a soft storey and a soft stiffness are one and the same.
 TEST(StatesCase, WhatCannotBeToldApartIsSaid) {
   const Workspace where;
@@ -272,7 +290,7 @@ TEST(StatesCase, Refusals) {
   refused(c, "/data/discrepancy/mixing");
   c = two_storeys();
   c["data"]["discrepancy"] = {{"cov", 0.01}, {"mixing", 0.5}, {"stiffness", 0.05}};
-  refused(c, "/data/discrepancy/mixing: does not go with \"stiffness\"");
+  refused(c, "/data/discrepancy/mixing: 0.5: does not go with \"stiffness\"");
   c["data"]["discrepancy"] = {{"stiffness", 0.05}};
   c["baseline"]["data"]["discrepancy"] = {{"stiffness", 0.06}};
   refused(c, "/data/discrepancy/stiffness");
