@@ -205,12 +205,33 @@
   // Of a damage run with states: every mode of each, and the intact structure's parameters.
   function statesTable() {
     const rows = (summary.data?.modes || []).filter((m) => m.state);
+    if (!rows.length) return [];
+    const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
+    return [element('h3', { class: 'apart' }, 'Each measured mode'), copyable({ head: ['state', 'mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]'],
+      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state' })];
+  }
+  // Of a damage run: what the answer would be without each measured mode.
+  function contributionsTable() {
+    const rows = summary.damage ? (summary.data?.modes || []).filter((m) => m.without_it) : [];
+    if (rows.length < 2) return [];
+    const best = [...summary.models].sort((a, b) => b.probability - a.probability)[0];
+    const states = rows.some((m) => m.state), shaped = rows.some((m) => m.shape);
+    const said = ({ information_nats: x, reliable }) => (typeof x === 'number' ? { value: x, text: (reliable ? '' : '> ') + number(x, 2) } : null);
+    return [element('h3', { class: 'apart' }, 'What each mode says'), copyable({
+      head: [...(states ? ['state'] : []), 'mode', ...(shaped ? ['MAC'] : []), 'information [nats]', `P(${best.name}) without it`],
+      rows: rows.map((m) => [...(states ? [m.state ?? ''] : []), states ? m.mode_of_state : m.mode, ...(shaped ? [m.shape ? { value: m.shape.mac.q50, text: number(m.shape.mac.q50, 4) } : null] : []),
+        said(m.without_it), m.without_it.reliable ? worded(m.without_it.probability, percent) : '–']),
+      caption: `What the posterior would lose without the mode; ${best.name} has ${percent(best.probability)} with all. –: so much that the draws cannot tell` })];
+  }
+  function baselineTable() {
+    const rows = Object.entries(summary.baseline?.parameters || {});
     const error = summary.baseline?.model_error;
     if (!rows.length && !error) return [];
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
-    return [element('h3', { class: 'apart' }, 'The intact structure'), ...(rows.length ? [copyable({ head: ['parameter', 'prior', '2.5 %', '50 %', '97.5 %', 'contracted by'],
-      rows: rows.map(([name, p]) => [name, p.prior, of(p.posterior['q2.5'], 6), of(p.posterior.q50, 6), of(p.posterior['q97.5'], 6), { value: p.contraction, text: `${Math.round(100 * Math.max(0, p.contraction))} %` }]), caption: '0 %: assumed, not measured; 100 %: measured, not assumed' })] : []),
-    element('p', { class: 'lead' }, [summary.baseline.check.statement, error].filter(Boolean).join(' '))];
+    const table = copyable({ head: ['parameter', 'prior', '2.5 %', '50 %', '97.5 %', 'contracted by'],
+      rows: rows.map(([name, p]) => [name, p.prior, of(p.posterior['q2.5'], 6), of(p.posterior.q50, 6), of(p.posterior['q97.5'], 6), { value: p.contraction, text: `${Math.round(100 * Math.max(0, p.contraction))} %` }]), caption: '0 %: assumed, not measured; 100 %: measured, not assumed' });
+    return [element('h3', { class: 'apart' }, 'The intact structure'), ...(rows.length ? [table] : []),
+      element('p', { class: 'lead' }, [summary.baseline.check.statement, error].filter(Boolean).join(' '))];
   }
   // Models that the draws cannot speak for.
   function toldByEvidence() {
