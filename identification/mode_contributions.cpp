@@ -76,7 +76,9 @@ ShapesBeside shapes_beside(const ModalLikelihood& likelihood,
                            const fem::ParametricModes::Modes& modes,
                            std::span<const ModalLikelihood::Match> matches) {
   const ModalData& data = likelihood.data();
-  const MatrixXd& shapes = modes.shapes;
+  // More modes may have been computed than those that the measured ones may be.
+  const Index compared = likelihood.candidates(static_cast<int>(modes.shapes.cols()));
+  const MatrixXd shapes = modes.shapes.leftCols(compared);
   ShapesBeside out{.mac = MatrixXd::Constant(data.modes(), shapes.cols(), kNaN),
                    .computed = MatrixXd::Constant(data.modes(), shapes.rows(), kNaN)};
   for (int i = 0; i < data.modes(); ++i) {

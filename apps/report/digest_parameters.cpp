@@ -137,7 +137,9 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
       Report one = one_parameter(posterior, series, m, all, stated);
       if (one.is_null()) continue;
       list.push_back(std::move(one));
-      if (labels.size() < kMostPairs) {
+      // What never varies, the member of a damage say, is a pair of nothing.
+      const auto [low, high] = std::ranges::minmax(all);
+      if (labels.size() < kMostPairs && low < high) {
         labels.push_back(series.label);
         units.push_back(series.unit);
         draws.push_back(std::move(all));

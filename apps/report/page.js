@@ -208,7 +208,7 @@
     if (!rows.length) return [];
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
     return [element('h3', { class: 'apart' }, 'Each measured mode'), copyable({ head: ['state', 'mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]'],
-      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state' })];
+      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state. Off by: in standard deviations of the measurement and of what the model leaves out, together' })];
   }
   // Of a damage run: what the answer would be without each measured mode.
   function contributionsTable() {
