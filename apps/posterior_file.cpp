@@ -1,7 +1,9 @@
 #include "apps/posterior_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "base/random.hpp"
 #include "identification/damage_findings.hpp"
@@ -65,6 +67,39 @@ std::string common_variable(const std::string& name) {
       "node",  "link", "substructure", "depth", "mass", "mode",     "stiffness", "extent"};
   const bool free = !taken.contains(name) && !name.starts_with("k_");
   return variable_of(free ? name : "parameter_" + name);
+}
+
+/// Sd [Hz] of each measured frequency about the model's, where what the model leaves out is
+/// inferred: the mean over a few hundred draws, since each is solved again. 0 elsewhere.
+std::vector<double> inferred_scatter(const DamageProblem& problem,
+                                     const inference::Posterior& posterior) {
+  std::vector<double> out(static_cast<std::size_t>(problem.damage_case.data.modes()));
+  const auto& modal = problem.damage_case.modal;
+  if (!problem.by_modes() || !modal ||
+      (modal->discrepancy.known() && modal->stiffness_discrepancy.none()))
+    return out;
+  constexpr std::size_t kSolved = 300;
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  const std::size_t chains = posterior.chains.size();
+  const std::size_t draws = posterior.chains[0].model.size();
+  const std::size_t stride = std::max<std::size_t>(1, chains * draws / kSolved);
+  FrequencyPredictor predictor(problem);
+  ModalLikelihood::Score score;
+  std::vector<int> with;
+  double solved = 0.0;
+  for (std::size_t n = 0; n < chains * draws; n += stride) {
+    const inference::Chain& chain = posterior.chains[n / draws];
+    const std::size_t i = n % draws;
+    const std::span<const double> x(chain.theta.data() + i * width, width);
+    if (!predictor.score(chain.model[i], x, score)) continue;
+    const Eigen::MatrixXd covariance = predictor.covariance(x, score, with);
+    for (std::size_t k = 0; k < with.size(); ++k)
+      out[static_cast<std::size_t>(with[k])] +=
+          covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k));
+    ++solved;
+  }
+  for (double& variance : out) variance = solved > 0.0 ? std::sqrt(variance / solved) : 0.0;
+  return out;
 }
 
 }  // namespace
@@ -170,6 +205,7 @@ std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
     const int mode = file.dimension(group, "mode", modes, 1);
     const NoiseModel noise = problem.noise();
     const auto variances = emulator_variances(problem, posterior);
+    const std::vector<double> off = inferred_scatter(problem, posterior);
     std::vector<float> values;
     values.reserve(chains * draws * modes);
     for (std::size_t c = 0; c < chains; ++c) {
@@ -179,8 +215,10 @@ std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
         for (std::size_t m = 0; m < modes; ++m) {
           const double f = from.prediction[i * modes + m];
           const double sd =
-              noise.replicate_sd(m, f, noise.cv({from.theta.data() + i * width, width}),
-                                 variances.empty() ? 0.0 : variances[c][i * modes + m]);
+              off[m] > 0.0
+                  ? off[m]
+                  : noise.replicate_sd(m, f, noise.cv({from.theta.data() + i * width, width}),
+                                       variances.empty() ? 0.0 : variances[c][i * modes + m]);
           values.push_back(static_cast<float>(f + (std::isnan(sd) ? 0.0 : sd) * random.normal()));
         }
       }

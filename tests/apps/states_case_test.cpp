@@ -8,6 +8,7 @@
 #include "apps/damage_case.hpp"
 #include "apps/update_case.hpp"
 #include "identification/damage_problem.hpp"
+#include "io/netcdf_reader.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {
@@ -77,6 +78,16 @@ TEST(StatesCase, HowFarTheModelIsOffIsInferred) {
   EXPECT_THAT(out, HasSubstr("How far the model is off was inferred: stiffnesses of pieces by"));
   EXPECT_THAT(summary["baseline"]["model_error"].get<std::string>(), HasSubstr("pieces"));
   EXPECT_EQ(summary["unknowns"]["1 soft storey"][0]["prior"], "/data/discrepancy/stiffness");
+  // Replicates scatter by it, too: by more than the 1 % that the frequencies were measured to.
+  const io::NetcdfReader file =
+      io::NetcdfReader(read_all(where / "out/posterior.nc"), "posterior.nc", "a posterior");
+  const auto replicates = file.read(*file.group("posterior_predictive"), "frequency");
+  double sum = 0.0, squares = 0.0, n = 0.0;
+  for (std::size_t i = 1; i < replicates.values.size(); i += 4) {
+    const double f = replicates.values[i];
+    sum += f, squares += f * f, ++n;
+  }
+  EXPECT_GT(std::sqrt(squares / n - sum * sum / n / n), 0.02 * sum / n);
   // The first link is 8 % stiffer than the model has it.
   const json& sd = summary["parameters"]["1 soft storey"]["stiffness_discrepancy"];
   EXPECT_GT(sd["q97.5"].get<double>(), 0.08);
