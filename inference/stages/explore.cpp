@@ -189,15 +189,26 @@ void glance(RunContext& run, RunState& state, int m, bool nested) {
   count(run, state, found, {});
 }
 
+// ln π at the highest mode of each model: evidences also change where an integral is known better.
+std::vector<double> heights(const RunState& state) {
+  std::vector<double> out;
+  for (const ModelExploration& found : state.explorations) {
+    out.push_back(-kInfinity);
+    for (const Mode& mode : found.modes) out.back() = std::max(out.back(), mode.log_posterior);
+  }
+  return out;
+}
+
 // A better mode of a model may be one of those around it as well, which had a glance before it was
 // known.
 void glance_again(RunContext& run, RunState& state, const std::vector<double>& before) {
   constexpr double kBetter = 3.0;  // ln
   const ModelSpace& space = run.space();
+  const std::vector<double> now = heights(state);
   std::vector<int> better;
   for (int m = 0; m < space.size(); ++m) {
     const auto at = static_cast<std::size_t>(m);
-    if (state.explorations[at].log_evidence() > before[at] + kBetter) better.push_back(m);
+    if (now[at] > before[at] + kBetter) better.push_back(m);
   }
   for (const int m : by_dimension(space)) {
     if (!state.explorations[static_cast<std::size_t>(m)].glanced ||
@@ -206,12 +217,6 @@ void glance_again(RunContext& run, RunState& state, const std::vector<double>& b
     glance(run, state, m, true);
     if (run.monitor.stopped()) return;
   }
-}
-
-std::vector<double> log_evidences(const RunState& state) {
-  std::vector<double> out;
-  for (const ModelExploration& found : state.explorations) out.push_back(found.log_evidence());
-  return out;
 }
 
 // Models that had a glance and hold more than `least`, the most probable first.
@@ -269,7 +274,7 @@ void explore_many(RunContext& run, RunState& state) {
         list.resize(static_cast<std::size_t>(at.looks_left));
       at.looks_left -= static_cast<int>(list.size());
       std::ranges::stable_sort(list, {}, [&](int m) { return problem.space[m].dimension; });
-      at.before = log_evidences(state);
+      at.before = heights(state);
       search_next(state, std::move(list));
     }
     explore_each(run, state, false, true);

@@ -61,7 +61,7 @@ struct Position {
   double best = -std::numeric_limits<double>::infinity();  ///< ln P Z of the models searched so far
   int look = 0;                                            ///< at many models: round
   int looks_left = 0;                                      ///< models
-  std::vector<double> before{};                            ///< ln Z of all models before this look
+  std::vector<double> before{};  ///< ln π at the highest mode of each model before this look
 
   int round = 0;  ///< of tuning
   int tuned = 0;  ///< steps of the rounds before
