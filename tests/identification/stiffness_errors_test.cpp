@@ -94,6 +94,29 @@ TEST(StiffnessPieces, HoldTheEnergyWhateverTheMesh) {
   }
 }
 
+// A loss that errs by u leaves q + u q (1 - q) of a strain, q before.
+TEST(StiffnessPieces, LossesAreWhatTheirErrorsDo) {
+  const fem::Mesh mesh(portal(8));
+  const fem::Discretisation& d = mesh.discretisation();
+  const StiffnessPieces pieces(d, &mesh);
+  const auto modes = fem::structure_modes(d, 3);
+  const int strain = mesh.elements()[5].strains[static_cast<int>(fem::ElementStrain::bending_z)];
+  ASSERT_GE(strain, 0);
+  const double q = 0.6, u = 1e-5;
+  const auto left = [&](double remaining) {
+    return fem::StructureChange{
+        .softenings = {{.direction = {{strain, 1.0}}, .remaining = remaining}}};
+  };
+  const auto energies = [&](double remaining) {
+    return pieces.energies(fem::changed(d, left(remaining)), modes.shapes);
+  };
+  const auto losses = pieces.losses(d, left(q), modes.shapes);
+  const auto before = energies(q), after = energies(q + u * q * (1.0 - q));
+  for (std::size_t p = 0; p < losses.size(); ++p)
+    EXPECT_LT(((after[p] - before[p]) / u - losses[p]).norm(), 1e-6 * modes.eigenvalues[2]) << p;
+  EXPECT_GT(losses[2].norm(), 1e-3 * modes.eigenvalues[0]);  // of the sixth of eight elements
+}
+
 std::shared_ptr<const StructureModel> three_storeys() {
   const inference::Prior k = inference::LogNormal{std::log(1000.0), 0.2};
   return modal::chain({1.0, 1.2, 0.8}, {k, k, k});
