@@ -1,10 +1,14 @@
 // Structures with measured modes that the tests of updating share.
 #pragma once
 
+#include <cmath>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "fem/structures/lumped_chain.hpp"
+#include "identification/damage_case.hpp"
+#include "identification/defects/storey.hpp"
 #include "identification/update_problem.hpp"
 
 namespace wheeltap::identification::modal {
@@ -54,6 +58,48 @@ inline UpdateCase two_storeys(double cov, double shape_sd) {
       .parameters = {1400.0, 900.0}, .modes = 2, .cov = cov, .shape_sd = shape_sd, .seed = 4};
   simulate(out, 4);
   return out;
+}
+
+/// Posts clamped and sprung at their feet, and a beam.
+inline fem::Structure portal(int elements) {
+  const fem::Material steel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
+  const fem::MemberSection section{
+      .area = 5e-3, .second_moment_y = 1.7e-5, .shear_coefficient_z = 0.85, .depth = 0.2};
+  fem::Structure s{
+      .dimension = 2,
+      .nodes = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {4, 3, 0}}, {"D", {4, 0, 0}}},
+      .members = {}};
+  const auto add = [&](std::string name, int a, int b, double length) {
+    s.members.push_back({.name = std::move(name),
+                         .nodes = {a, b},
+                         .elements = elements,
+                         .pieces = {{.to = length, .material = steel, .section = section}}});
+  };
+  add("left", 0, 1, 3.0);
+  add("beam", 1, 2, 4.0);
+  add("right", 2, 3, 3.0);
+  s.supports.push_back({.node = 0, .fix = {true, true, false, false, false, true}});
+  s.supports.push_back({.node = 3, .fix = {true, true}, .stiffness = {0, 0, 0, 0, 0, 1e6}});
+  return s;
+}
+
+/// From the ground, each stiffness unknown by 20 %.
+inline std::shared_ptr<const StructureModel> three_storeys() {
+  const inference::Prior k = inference::LogNormal{std::log(1000.0), 0.2};
+  return chain({1.0, 1.2, 0.8}, {k, k, k});
+}
+
+/// At most one, anywhere.
+inline DefectKind soft_storey() {
+  SiteLine line = SiteLine::of_points({0, 1, 2}, {"storey 1", "storey 2", "storey 3"});
+  DefectKind kind{.type = &defects::kStorey,
+                  .name = "storey",
+                  .plural = "storeys",
+                  .max_count = 1,
+                  .location = inference::Uniform{0.0, line.length()},
+                  .severity = inference::Prior(inference::Uniform{0.0, 0.9})};
+  kind.line = std::move(line);
+  return kind;
 }
 
 }  // namespace wheeltap::identification::modal

@@ -13,7 +13,6 @@
 #include "identification/damage_problem.hpp"
 #include "identification/defects/floor_mass.hpp"
 #include "identification/defects/reduction.hpp"
-#include "identification/defects/storey.hpp"
 #include "inference/reversible_jump.hpp"
 #include "tests/identification/modal_cases.hpp"
 
@@ -26,11 +25,6 @@ using Modes = fem::ParametricModes::Modes;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-std::shared_ptr<const StructureModel> three_storeys() {
-  const inference::Prior k = inference::LogNormal{std::log(1000.0), 0.2};
-  return modal::chain({1.0, 1.2, 0.8}, {k, k, k});
-}
-
 ModalData frequencies(std::vector<double> f, double cov) {
   ModalData out{.frequencies_hz = std::move(f)};
   std::vector<double> sd;
@@ -39,20 +33,8 @@ ModalData frequencies(std::vector<double> f, double cov) {
   return out;
 }
 
-DefectKind soft_storey() {
-  SiteLine line = SiteLine::of_points({0, 1, 2}, {"storey 1", "storey 2", "storey 3"});
-  DefectKind kind{.type = &defects::kStorey,
-                  .name = "storey",
-                  .plural = "storeys",
-                  .max_count = 1,
-                  .location = inference::Uniform{0.0, line.length()},
-                  .severity = inference::Prior(inference::Uniform{0.0, 0.9})};
-  kind.line = std::move(line);
-  return kind;
-}
-
 ObservedStates healthy_and_damaged() {
-  ObservedStates out{.model = three_storeys(), .unknown = {0, 1, 2}};
+  ObservedStates out{.model = modal::three_storeys(), .unknown = {0, 1, 2}};
   out.list.push_back({.name = "healthy", .data = frequencies({2.2, 6.3, 8.6}, 0.01)});
   out.list.push_back(
       {.name = "damaged", .data = frequencies({2.0, 6.2, 8.5}, 0.01), .damaged = true});
@@ -83,7 +65,7 @@ double log_normal_of(const std::vector<double>& observed, const std::vector<doub
 
 TEST(StatesLikelihood, IsTheSumOfItsStates) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
-  const StatesLikelihood likelihood(states, {soft_storey()});
+  const StatesLikelihood likelihood(states, {modal::soft_storey()});
   const std::vector<double> x = {900.0, 1100.0, 1050.0};
   std::vector<Modes> modes;
   StatesLikelihood::Workspace workspace = likelihood.make_workspace();
@@ -103,7 +85,7 @@ TEST(StatesLikelihood, IsTheSumOfItsStates) {
 // A workspace keeps what was solved last; the answer is a fresh one's to the bit all the same.
 TEST(StatesLikelihood, AUsedWorkspaceChangesNothing) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
-  const StatesLikelihood likelihood(states, {soft_storey()});
+  const StatesLikelihood likelihood(states, {modal::soft_storey()});
   const std::vector<PlacedDefect> none, soft = {{.kind = 0, .location = 1.5, .severity = 0.3}},
                                         softer = {{.kind = 0, .location = 0.5, .severity = 0.6}};
   const std::vector<double> a = {900.0, 1100.0, 1050.0}, b = {905.0, 1100.0, 1050.0},
@@ -153,7 +135,7 @@ TEST(StatesLikelihood, KnownCoefficients) {
   states->list[0].known = {1200.0};
   states->list[1].known = {600.0};
   EXPECT_EQ(states->parameters().size(), 2U);
-  const StatesLikelihood likelihood(states, {soft_storey()});
+  const StatesLikelihood likelihood(states, {modal::soft_storey()});
   std::vector<Modes> modes;
   StatesLikelihood::Workspace workspace = likelihood.make_workspace();
   ASSERT_TRUE(likelihood.solve(std::vector<double>{900.0, 1050.0}, {}, workspace, modes));
@@ -169,7 +151,7 @@ TEST(StatesLikelihood, ADiscrepancyIsCommonToAllStates) {
     auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
     states->list[0].data = frequencies({f[0] * factor, f[1], f[2]}, 0.001);
     states->list[1].data = frequencies({f[0] * factor * only_damaged, f[1], f[2]}, 0.001);
-    const StatesLikelihood likelihood(states, {soft_storey()});
+    const StatesLikelihood likelihood(states, {modal::soft_storey()});
     std::vector<Modes> modes;
     StatesLikelihood::Workspace workspace = likelihood.make_workspace();
     EXPECT_TRUE(
@@ -184,7 +166,7 @@ TEST(StatesLikelihood, ADiscrepancyIsCommonToAllStates) {
 // The joint density by its covariance, written out.
 TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
-  const StatesLikelihood likelihood(states, {soft_storey()});
+  const StatesLikelihood likelihood(states, {modal::soft_storey()});
   std::vector<Modes> modes;
   StatesLikelihood::Workspace workspace = likelihood.make_workspace();
   ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 1100.0, 900.0}, {}, workspace, modes));
@@ -209,7 +191,7 @@ TEST(StatesLikelihood, MixedModesErrInWhatDamageChanges) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->list.push_back(
       {.name = "worse", .data = frequencies({1.9, 6.1, 8.3}, 0.01), .damaged = true});
-  const StatesLikelihood likelihood(states, {soft_storey()});
+  const StatesLikelihood likelihood(states, {modal::soft_storey()});
   std::vector<Modes> modes;
   StatesLikelihood::Workspace workspace = likelihood.make_workspace();
   ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 1100.0, 900.0},
@@ -313,7 +295,7 @@ TEST(StatesLikelihood, ChangesThatAreTakenForExactAreToldOf) {
     DamageCase damage_case;
     damage_case.structure = states->model;
     damage_case.modal = std::make_shared<const ModalData>(states->joined());
-    damage_case.kinds = {soft_storey()};
+    damage_case.kinds = {modal::soft_storey()};
     damage_case.data.frequencies_hz = damage_case.modal->frequencies_hz;
     for (Index i = 0; i < 6; ++i)
       damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal->covariance(i, i)));
@@ -337,7 +319,7 @@ TEST(StatesLikelihood, StatesOfOtherCoefficientsErrByThemselves) {
   states->known = {1};
   states->list[0].known = {1000.0};
   states->list[1].known = {1001.0};
-  const StatesLikelihood likelihood(states, {soft_storey()});
+  const StatesLikelihood likelihood(states, {modal::soft_storey()});
   std::vector<Modes> modes;
   StatesLikelihood::Workspace workspace = likelihood.make_workspace();
   ASSERT_TRUE(likelihood.solve(std::vector<double>{1000.0, 900.0}, {}, workspace, modes));
@@ -350,24 +332,7 @@ TEST(StatesLikelihood, StatesOfOtherCoefficientsErrByThemselves) {
 // A frame too large for dense solutions, with E and a spring unknown, cracked: against full
 // solutions.
 TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
-  const fem::Material steel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
-  const fem::MemberSection section{
-      .area = 5e-3, .second_moment_y = 1.7e-5, .shear_coefficient_z = 0.85, .depth = 0.2};
-  fem::Structure s{
-      .dimension = 2,
-      .nodes = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {4, 3, 0}}, {"D", {4, 0, 0}}},
-      .members = {}};
-  const auto add = [&](std::string name, int a, int b, double length) {
-    s.members.push_back({.name = std::move(name),
-                         .nodes = {a, b},
-                         .elements = 10,
-                         .pieces = {{.to = length, .material = steel, .section = section}}});
-  };
-  add("left", 0, 1, 3.0);
-  add("beam", 1, 2, 4.0);
-  add("right", 2, 3, 3.0);
-  s.supports.push_back({.node = 0, .fix = {true, true, false, false, false, true}});
-  s.supports.push_back({.node = 3, .fix = {true, true}, .stiffness = {0, 0, 0, 0, 0, 1e6}});
+  const fem::Structure s = modal::portal(10);
   auto model = std::make_shared<StructureModel>();
   model->nominal = s;
   model->parameters = {{"E", inference::LogNormal{std::log(210e9), 0.1}},
@@ -406,7 +371,7 @@ TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
 TEST(StatesLikelihood, RefusesMoreModesThanThereAre) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->list[0].data = frequencies({1.0, 2.0, 3.0, 4.0}, 0.01);
-  EXPECT_THROW(StatesLikelihood(states, {soft_storey()}), std::invalid_argument);
+  EXPECT_THROW(StatesLikelihood(states, {modal::soft_storey()}), std::invalid_argument);
 }
 
 }  // namespace

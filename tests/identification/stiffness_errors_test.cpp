@@ -10,7 +10,6 @@
 #include <random>
 
 #include "fem/structures/structure_modes.hpp"
-#include "identification/defects/storey.hpp"
 #include "identification/states_likelihood.hpp"
 #include "tests/identification/modal_cases.hpp"
 
@@ -49,33 +48,11 @@ TEST(StiffnessErrors, IntegratedIsTheNormalOfAllTogether) {
   EXPECT_NEAR(gain.chi_square, r.squaredNorm() - r.dot(c.inverse() * r), 1e-12);
 }
 
-fem::Structure portal(int elements) {
-  const fem::Material steel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
-  const fem::MemberSection section{
-      .area = 5e-3, .second_moment_y = 1.7e-5, .shear_coefficient_z = 0.85, .depth = 0.2};
-  fem::Structure s{
-      .dimension = 2,
-      .nodes = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {4, 3, 0}}, {"D", {4, 0, 0}}},
-      .members = {}};
-  const auto add = [&](std::string name, int a, int b, double length) {
-    s.members.push_back({.name = std::move(name),
-                         .nodes = {a, b},
-                         .elements = elements,
-                         .pieces = {{.to = length, .material = steel, .section = section}}});
-  };
-  add("left", 0, 1, 3.0);
-  add("beam", 1, 2, 4.0);
-  add("right", 2, 3, 3.0);
-  s.supports.push_back({.node = 0, .fix = {true, true, false, false, false, true}});
-  s.supports.push_back({.node = 3, .fix = {true, true}, .stiffness = {0, 0, 0, 0, 0, 1e6}});
-  return s;
-}
-
 // Quarters of members and the foot's spring hold all of the energy, each its share.
 TEST(StiffnessPieces, HoldTheEnergyWhateverTheMesh) {
   std::vector<double> coarse;
   for (const int elements : {8, 16}) {
-    const fem::Mesh mesh(portal(elements));
+    const fem::Mesh mesh(modal::portal(elements));
     const fem::Discretisation& d = mesh.discretisation();
     const StiffnessPieces pieces(d, &mesh);
     ASSERT_EQ(pieces.count(), 13);
@@ -96,7 +73,7 @@ TEST(StiffnessPieces, HoldTheEnergyWhateverTheMesh) {
 
 // A loss that errs by u leaves q + u q (1 - q) of a strain, q before.
 TEST(StiffnessPieces, LossesAreWhatTheirErrorsDo) {
-  const fem::Mesh mesh(portal(8));
+  const fem::Mesh mesh(modal::portal(8));
   const fem::Discretisation& d = mesh.discretisation();
   const StiffnessPieces pieces(d, &mesh);
   const auto modes = fem::structure_modes(d, 3);
@@ -117,28 +94,11 @@ TEST(StiffnessPieces, LossesAreWhatTheirErrorsDo) {
   EXPECT_GT(losses[2].norm(), 1e-3 * modes.eigenvalues[0]);  // of the sixth of eight elements
 }
 
-std::shared_ptr<const StructureModel> three_storeys() {
-  const inference::Prior k = inference::LogNormal{std::log(1000.0), 0.2};
-  return modal::chain({1.0, 1.2, 0.8}, {k, k, k});
-}
-
-DefectKind soft_storey() {
-  SiteLine line = SiteLine::of_points({0, 1, 2}, {"storey 1", "storey 2", "storey 3"});
-  DefectKind kind{.type = &defects::kStorey,
-                  .name = "storey",
-                  .plural = "storeys",
-                  .max_count = 1,
-                  .location = inference::Uniform{0.0, line.length()},
-                  .severity = inference::Prior(inference::Uniform{0.0, 0.9})};
-  kind.line = std::move(line);
-  return kind;
-}
-
 // Healthy and damaged, with shapes at all floors: of a chain not quite the model's at `kModel`.
 const std::vector<double> kModel = {1000.0, 1100.0, 900.0};
 
 ObservedStates two_states(double sigma) {
-  ObservedStates out{.model = three_storeys(), .unknown = {0, 1, 2}};
+  ObservedStates out{.model = modal::three_storeys(), .unknown = {0, 1, 2}};
   for (const bool damaged : {false, true}) {
     const fem::LumpedChain chain{
         .masses = {1.0, 1.2, 0.8},
@@ -171,7 +131,8 @@ TEST(StatesLikelihood, ErrorsOfPiecesAreIntegratedOut) {
   const std::vector<PlacedDefect> soft = {{.kind = 0, .location = 1.5, .severity = 0.1}};
   const auto with = std::make_shared<ObservedStates>(two_states(sigma));
   const auto without = std::make_shared<ObservedStates>(two_states(0.0));
-  const StatesLikelihood likelihood(with, {soft_storey()}), exact(without, {soft_storey()});
+  const StatesLikelihood likelihood(with, {modal::soft_storey()}),
+      exact(without, {modal::soft_storey()});
   std::vector<Modes> modes;
   auto workspace = likelihood.make_workspace();
   ASSERT_TRUE(likelihood.solve(x, soft, workspace, modes));
@@ -214,7 +175,7 @@ TEST(StatesLikelihood, AModeGivenTheOthersWherePiecesErr) {
   damaged.shapes.row(1).setConstant(std::numeric_limits<double>::quiet_NaN());
   const ModalNoise noise{.discrepancy = 0.001, .stiffness_discrepancy = sigma};
   const auto scored = [&](const std::shared_ptr<ObservedStates>& states, Eigen::VectorXd* single) {
-    const StatesLikelihood likelihood(states, {soft_storey()});
+    const StatesLikelihood likelihood(states, {modal::soft_storey()});
     auto workspace = likelihood.make_workspace();
     std::vector<Modes> modes;
     EXPECT_TRUE(likelihood.solve(x, soft, workspace, modes));
