@@ -277,6 +277,13 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
                    std::string("goes with damage of members and chains: ") +
                        (damage ? "matrices have no pieces" : "an update has no damage") +
                        "; name the stiffnesses that may be wrong in /parameters");
+    if (const auto* members = std::get_if<fem::Structure>(&out.model->nominal);
+        members && !state.data.stiffness_discrepancy.none() &&
+        std::ranges::any_of(members->members, [](const fem::Member& m) {
+          return m.axial_force != 0.0 || m.foundation > 0.0;
+        }))
+      given.refuse(where[s] / "discrepancy" / "stiffness",
+                   "does not go with axial forces and foundations");
     if (state.data.doubt > 0.0)
       file.refuse(where[s] / "doubt", "goes with one state: leave spurious modes out of \"modes\"");
     if (state.data.modes() == 0 && state.data.predict > 0 && !damage) {

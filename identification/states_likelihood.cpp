@@ -21,7 +21,8 @@ using Modes = fem::ParametricModes::Modes;
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr int kTraining = 200;  // structures that a reduced basis is tried on
+constexpr int kTraining = 200;      // structures that a reduced basis is tried on
+constexpr int kTriedForPieces = 8;  // draws of the priors that must have the medians' strains
 constexpr int kOfPieces = 8;  // modes beyond those that are compared, for what pieces do to shapes
 
 bool same_masses(const ObservedState& a, const ObservedState& b) {
@@ -100,6 +101,19 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
       throw std::invalid_argument(state.name + ": " + std::to_string(modes) +
                                   " modes: must be at most " + std::to_string(available) +
                                   ", the elastic modes that the structure has");
+    for (int i = 0; pieces && i < kTriedForPieces; ++i) {
+      const Draw one = draw(i);
+      Workspace::Intact other;
+      try {
+        assemble(states_->values(one.x, state), other);
+      } catch (const std::invalid_argument&) {
+        continue;  // no such structure
+      }
+      if (other.discretisation.strains.size() != intact.discretisation.strains.size())
+        throw std::invalid_argument(
+            "a discrepancy of stiffness goes with springs and forces that are there at all values "
+            "of the parameters: one of them may be zero");
+    }
     // What pieces do to shapes is a sum over modes.
     if (pieces) modes = std::min(available, modes + kOfPieces);
     if (matrices)

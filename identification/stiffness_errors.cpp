@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace wheeltap::identification {
 
@@ -91,6 +93,9 @@ StiffnessErrors::Gain StiffnessErrors::integrated(double sigma) const {
   m.diagonal().array() += 1.0;
   const Eigen::LLT<MatrixXd> llt(m);
   const double explained = (llt.matrixL().solve(VectorXd(sigma * b_))).squaredNorm();
+  // So large an error that its square overflows.
+  if (llt.info() != Eigen::Success || !std::isfinite(explained))
+    return {.log_density = -std::numeric_limits<double>::infinity(), .chi_square = 0.0};
   return {.log_density = 0.5 * explained - llt.matrixLLT().diagonal().array().log().sum(),
           .chi_square = explained};
 }

@@ -307,6 +307,15 @@ TEST(StatesCase, Refusals) {
   refused(c, "/data/discrepancy/stiffness");
   c["data"]["discrepancy"] = {{"stiffness", 2}};
   refused(c, "/data/discrepancy/stiffness");
+  c = json::parse(R"({"kind": "damage",
+    "structure": {"materials": {"m": {"young": 2e11, "poisson": 0.3, "density": 7800}},
+      "sections": {"s": {"shape": "rectangle", "width": 0.05, "height": 0.006}},
+      "nodes": {"a": [0, 0], "b": [1, 0]},
+      "members": [{"nodes": ["a", "b"], "elements": 8, "material": "m", "section": "s", "axial_force": 50}],
+      "supports": [{"node": "a", "fix": ["x", "y", "rotation"]}]},
+    "data": {"frequencies": [5, 31], "cov": 0.01, "discrepancy": {"stiffness": 0.05}},
+    "damage": {"count": {"min": 0, "max": 1, "prior": "uniform"}, "reduction": {"uniform": [0, 0.9]}}})");
+  refused(c, "/data/discrepancy/stiffness: does not go with axial forces");
   c = two_storeys();
   c["structure"]["chain"]["links"][0]["stiffness"] = 1400;
   c.erase("parameters");

@@ -48,6 +48,14 @@ TEST(StiffnessErrors, IntegratedIsTheNormalOfAllTogether) {
   EXPECT_NEAR(gain.chi_square, r.squaredNorm() - r.dot(c.inverse() * r), 1e-12);
 }
 
+// A sampler may ask for any: an error beyond numbers is impossible, not a fault.
+TEST(StiffnessErrors, OneBeyondNumbersIsImpossible) {
+  StiffnessErrors errors(2);
+  errors.add(MatrixXd::Constant(3, 2, 1.0), VectorXd::Constant(3, 1.0));
+  for (const double sigma : {1e155, 1e300})
+    EXPECT_EQ(errors.integrated(sigma).log_density, -std::numeric_limits<double>::infinity());
+}
+
 // Quarters of members and the foot's spring hold all of the energy, each its share.
 TEST(StiffnessPieces, HoldTheEnergyWhateverTheMesh) {
   std::vector<double> coarse;
