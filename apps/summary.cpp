@@ -88,6 +88,7 @@ Report model_table(const Findings& findings) {
                   {"log_evidence", finite(s.log_evidence)},
                   {"log_evidence_se", finite(s.log_evidence_se)},
                   {"basis", s.basis == inference::Basis::draws ? "draws" : "evidence"}};
+    if (s.passed_over) row["passed_over"] = true;
     const std::string told = told_in_full(findings, model) ? told_by_evidence(model) : "";
     if (!told.empty()) row["told"] = told;
     table.push_back(std::move(row));

@@ -98,6 +98,8 @@ std::string name_modes(const std::vector<int>& modes) {
 std::string told_by_evidence(const ModelFinding& model) {
   const inference::ModelStanding& s = model.standing;
   const bool known = s.basis == inference::Basis::evidence;
+  if (s.passed_over)
+    return "never entered, nor looked at: what has one term less or more is improbable";
   if (s.visited != 0 && !known) return {};
   std::string text = s.visited != 0
                          ? "drawn by " + std::to_string(s.visited) + " of the chains only; "
@@ -120,6 +122,12 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
             significant(100.0 * inference::kLimits.searched_model, 1) + " % or more, while " +
             (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
             " had a glance: climbs from the modes of models within them";
+  }
+  if (verdict.passed_over > 0) {
+    text += "; " +
+            (verdict.passed_over == 1 ? "1 model was"
+                                      : std::to_string(verdict.passed_over) + " models were") +
+            " not looked at, since those that were with one term less or more are improbable";
   }
   return text;
 }

@@ -172,6 +172,7 @@ struct CheckpointFields {
     a("shares", m.shares);
     a("climbs", m.climbs);
     a("glanced", m.glanced);
+    a("passed_over", m.passed_over);
     a("population", m.population);
     a("annealed_draws", m.annealed_draws);
     a("annealed_log_posterior", m.annealed_log_posterior);

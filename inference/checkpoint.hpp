@@ -20,7 +20,7 @@ namespace wheeltap::inference {
 /// however many chains, models or draws.
 struct Checkpoint {
   /// Changes whenever a member does.
-  static constexpr int kFormat = 4;
+  static constexpr int kFormat = 5;
 
   using Column =
       std::variant<std::vector<double>, std::vector<float>, std::vector<std::int64_t>,

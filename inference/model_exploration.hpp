@@ -45,6 +45,7 @@ struct ModelExploration {
   std::vector<double> shares;  ///< of the posterior's probability, one a mode
   long climbs = 0;
   bool glanced = false;        ///< ExplorationOptions::climbs_only: climbed in, not weighed
+  bool passed_over = false;    ///< one of very many, outside Occam's window: never looked at
   Eigen::MatrixXd population;  ///< equally weighted draws, dimension × n; none: nothing was found
   Eigen::MatrixXd annealed_draws;  ///< dimension × n; none where annealing was not run or failed
   std::vector<double> annealed_log_posterior;  ///< ln π at each of these
@@ -54,6 +55,7 @@ struct ModelExploration {
   double efficiency = 0.0;         ///< the same, a draw
   ExplorationCalls calls{};
 
+  [[nodiscard]] bool looked_at() const { return calls.sum() > 0; }
   /// The best guess at ln Z so far; -∞ where nothing was found.
   [[nodiscard]] double log_evidence() const;
   /// One mode has 99 % of the probability as far as the climbs know, and a mixture about it weighs

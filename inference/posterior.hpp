@@ -37,8 +37,11 @@ struct FoundMode {
 
 /// What is known of one model beside the draws: searches and evidence.
 struct ModelFindings {
-  long climbs = 0;               ///< to modes, each from a draw of the prior
-  bool glanced = false;          ///< one of many models, of which this alone is known
+  long climbs = 0;       ///< to modes, each from a draw of the prior
+  bool glanced = false;  ///< one of many models, of which this alone is known
+  /// One of very many nested models, never looked at: all that were looked at of those one step
+  /// from it are below Occam's window (stages/occams_window.hpp).
+  bool passed_over = false;
   std::vector<FoundMode> modes;  ///< separate ones that matter, the weightiest first
   Evidence annealed =
       kNoEvidence;  ///< by sequential Monte Carlo or the ladder, from the prior; NaN: not run

@@ -46,7 +46,10 @@ class Weigher {
     }
     prior_only_ = without_likelihood && posterior_.found.empty();
     for (std::size_t m = 0; m < models_; ++m) {
-      for (const auto& counts : shares_.counts) out_.models[m].visited += counts[m] > 0 ? 1 : 0;
+      ModelStanding& s = out_.models[m];
+      for (const auto& counts : shares_.counts) s.visited += counts[m] > 0 ? 1 : 0;
+      s.passed_over =
+          s.visited == 0 && m < posterior_.found.size() && posterior_.found[m].passed_over;
     }
     for (std::size_t a = 0; a < std::min(models_, posterior_.jumps_proposed.size()); ++a) {
       for (std::size_t b = 0; b < models_; ++b) {

@@ -26,10 +26,11 @@ struct ModelStanding {
   /// (annealed_excess); of the evidence, that of the evidences.
   double mcse = std::numeric_limits<double>::quiet_NaN();
   Basis basis = Basis::draws;
-  int visited = 0;    ///< chains that drew it
-  long proposed = 0;  ///< jumps into it that were proposed, after warm-up
-  long entered = 0;   ///< and accepted
-  long left = 0;      ///< accepted jumps out of it
+  int visited = 0;           ///< chains that drew it
+  long proposed = 0;         ///< jumps into it that were proposed, after warm-up
+  long entered = 0;          ///< and accepted
+  long left = 0;             ///< accepted jumps out of it
+  bool passed_over = false;  ///< never looked at nor drawn (ModelFindings::passed_over)
   /// ln Z and its standard error by the best method that could say (bridge sampling between its
   /// draws and its mixture; importance sampling from the mixture where it has no draws); NaN where
   /// none could.

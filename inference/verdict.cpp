@@ -81,7 +81,10 @@ class Judge {
     for (const std::size_t at : order) {
       const ModelStanding& s = standing(at);
       const int m = static_cast<int>(at);
-      if (s.visited == 0 && prior(at) > 0.0 && std::isnan(s.mcse) && s.basis == Basis::draws) {
+      if (s.passed_over) {
+        ++out_.passed_over;
+      } else if (s.visited == 0 && prior(at) > 0.0 && std::isnan(s.mcse) &&
+                 s.basis == Basis::draws) {
         unknown.emplace_back(ModelUnknown{.model = m, .proposed = s.proposed});
       } else if (standings_.missed[at] && s.visited == 0) {
         absent.emplace_back(

@@ -24,7 +24,8 @@ struct Verdict {
   /// where nothing was searched. Of many models those below kLimits.searched_model do not count
   /// where they had a glance only.
   double resolution = 1.0;
-  int glanced = 0;  ///< models that do not count towards it
+  int glanced = 0;      ///< models that do not count towards it
+  int passed_over = 0;  ///< nor these, which were not even glanced at (ModelFindings::passed_over)
   double rhat_max = std::numeric_limits<double>::quiet_NaN();
   std::string rhat_worst;  ///< the quantity that has it
   /// Of all that was judged: the log posterior, counts (or models), `watched`, and parameters as
@@ -43,7 +44,8 @@ struct Verdict {
 ///
 /// - Every model whose probability by evidence times the effective draws a chain exceeds 10 was
 ///   visited at β = 1 by every chain (e⁻¹⁰ = 5e-5 a chain); of every other model something is
-///   known: draws, or evidence, or that its prior weight is 0.
+///   known: draws, or evidence, or that its prior weight is 0, or that it lies outside Occam's
+///   window.
 /// - Visits and evidence agree within 4.5 combined errors (7e-6) and 0.005, and no evidence by
 ///   annealing is above that of the draws by 4.5 errors and half a nat. (Below it may be: annealing
 ///   that missed a mode is no fault of draws that have it.)

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "inference/convergence.hpp"
 #include "inference/model_exploration.hpp"
 #include "inference/stages/model_probabilities.hpp"
 #include "inference/stages/nested_starts.hpp"
+#include "inference/stages/occams_window.hpp"
 #include "inference/stages/temper.hpp"
 #include "inference/stages/tune.hpp"
 #include "inference/starting_points.hpp"
@@ -168,10 +170,11 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
   each_left(anneal_one);
 }
 
-// One of many models: climbs alone; of a nested list from the best mode of the models within it,
-// and from what an earlier glance found.
-void glance(RunContext& run, RunState& state, int m, bool nested) {
+// One of many models: climbs alone; of a nested list (`lattice`) from the best mode of the models
+// within it, from that of the likeliest one step around it, and from what an earlier glance found.
+void glance(RunContext& run, RunState& state, int m, const ModelLattice* lattice) {
   const Problem& problem = run.problem;
+  const bool nested = lattice != nullptr;
   ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
   ExplorationOptions how{
       .seed = run.options.seed,
@@ -183,6 +186,10 @@ void glance(RunContext& run, RunState& state, int m, bool nested) {
       .threads = run.options.threads};
   // The least of a nested list is where the others begin.
   if (nested && how.starts.empty() && run.options.searches == 0) how.climbs = 0;
+  if (nested) {
+    std::vector<double> around = start_from_around(problem.space, *lattice, m, state.explorations);
+    if (!around.empty()) how.starts.push_back(std::move(around));
+  }
   how.from_starts = nested && !how.starts.empty() && run.options.searches == 0;
   for (const Mode& mode : found.modes) how.starts.push_back(mode.z);
   found = explore_model(problem, m, how);
@@ -199,9 +206,26 @@ std::vector<double> heights(const RunState& state) {
   return out;
 }
 
+// Glances at what the window opens on, until it opens on nothing more. They go into at.models, so
+// that a run which is taken up again goes on where it was. False: stopped.
+bool glance_in_window(RunContext& run, RunState& state, const ModelLattice& lattice) {
+  Position& at = state.at;
+  for (;;) {
+    for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
+      run.safe_points.pass(state);
+      glance(run, state, at.models[static_cast<std::size_t>(at.model)], &lattice);
+      if (!run.monitor.advance(1.0)) return false;
+    }
+    const std::vector<int> next = next_in_window(run.space(), lattice, state.explorations);
+    if (next.empty()) return true;
+    at.models.insert(at.models.end(), next.begin(), next.end());
+  }
+}
+
 // A better mode of a model may be one of those around it as well, which had a glance before it was
 // known.
-void glance_again(RunContext& run, RunState& state, const std::vector<double>& before) {
+void glance_again(RunContext& run, RunState& state, const ModelLattice& lattice,
+                  const std::vector<double>& before) {
   constexpr double kBetter = 3.0;  // ln
   const ModelSpace& space = run.space();
   const std::vector<double> now = heights(state);
@@ -214,8 +238,16 @@ void glance_again(RunContext& run, RunState& state, const std::vector<double>& b
     if (!state.explorations[static_cast<std::size_t>(m)].glanced ||
         std::ranges::none_of(better, [&](int b) { return is_within(space[b], space[m]); }))
       continue;
-    glance(run, state, m, true);
+    glance(run, state, m, &lattice);
     if (run.monitor.stopped()) return;
+  }
+  for (;;) {
+    const std::vector<int> next = next_in_window(space, lattice, state.explorations);
+    if (next.empty()) return;
+    for (const int m : next) {
+      glance(run, state, m, &lattice);
+      if (run.monitor.stopped()) return;
+    }
   }
 }
 
@@ -230,26 +262,33 @@ std::vector<int> probable(const RunContext& run, const RunState& state, double l
   return list;
 }
 
-// A glance at each of very many models, the smaller first, and a look at those that this makes
-// probable.
+// A glance at each of very many models, the smaller first, or, of a nested list, at those in
+// Occam's window; and a look at those that this makes probable.
 void explore_many(RunContext& run, RunState& state) {
   using Part = Position::Explore;
   const Problem& problem = run.problem;
-  const bool nested = problem.shortened && is_nested(problem.space);
+  std::optional<ModelLattice> lattice;
+  if (problem.shortened && is_nested(problem.space)) lattice.emplace(problem.space);
+  const bool nested = lattice.has_value();
   Position& at = state.at;
   if (at.explore == Part::begin) {
     at.explore = Part::glance;
-    at.models = by_dimension(problem.space);
+    at.models = nested ? next_in_window(problem.space, *lattice, state.explorations)
+                       : by_dimension(problem.space);
   }
   if (at.explore == Part::glance) {
     run.monitor.begin("searching", static_cast<double>(run.models()));
     run.monitor.advance(at.model);
-    for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
-      run.safe_points.pass(state);
-      const int m = at.models[static_cast<std::size_t>(at.model)];
-      if (!std::isfinite(problem.space[m].log_prior)) continue;
-      glance(run, state, m, nested);
-      if (!run.monitor.advance(1.0)) return;
+    if (nested) {
+      if (!glance_in_window(run, state, *lattice)) return;
+    } else {
+      for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
+        run.safe_points.pass(state);
+        const int m = at.models[static_cast<std::size_t>(at.model)];
+        if (!std::isfinite(problem.space[m].log_prior)) continue;
+        glance(run, state, m, nullptr);
+        if (!run.monitor.advance(1.0)) return;
+      }
     }
     estimate_probabilities(run, state);
     at.explore = Part::look;
@@ -269,7 +308,7 @@ void explore_many(RunContext& run, RunState& state) {
   for (; at.look < kSearchRounds; ++at.look) {
     if (at.explore == Part::look) {
       std::vector<int> list = probable(run, state, kLimits.searched_model);
-      if (list.empty() || at.looks_left == 0) return;
+      if (list.empty() || at.looks_left == 0) break;
       if (list.size() > static_cast<std::size_t>(at.looks_left))
         list.resize(static_cast<std::size_t>(at.looks_left));
       at.looks_left -= static_cast<int>(list.size());
@@ -279,11 +318,12 @@ void explore_many(RunContext& run, RunState& state) {
     }
     explore_each(run, state, false, true);
     if (run.monitor.stopped()) return;
-    glance_again(run, state, at.before);
+    glance_again(run, state, *lattice, at.before);
     if (run.monitor.stopped()) return;
     estimate_probabilities(run, state);
     at.explore = Part::look;
   }
+  for (ModelExploration& found : state.explorations) found.passed_over = !found.looked_at();
 }
 
 // Where a long record makes exploring from the prior cost more than it finds.

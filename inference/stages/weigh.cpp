@@ -111,6 +111,7 @@ void weigh(RunContext& run, RunState& state) {
     found.annealed = explored.annealed;
     found.climbs = explored.climbs;
     found.glanced = explored.glanced;
+    found.passed_over = explored.passed_over;
     describe_modes(run, state, m, found);
     if (run.space()[m].dimension == 0) {
       found.sampled = explored.sampled;
