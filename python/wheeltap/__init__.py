@@ -13,11 +13,12 @@ from ._engine import Model, Quantiles, from_quantiles, sample
 from ._modal import Modal, modal
 from ._modes import Modes, modes
 from ._records import Record, data, read_record, simulate
+from ._rig import Link, Response, Rig
 from ._runs import Draws, Result, damage, load, sid, update
 
 __all__ = [
-    "CaseError", "Chain", "Draws", "FileError", "Modal", "Model", "Modes", "Progress", "Quantiles", "Record", "Result",
-    "__version__", "beam", "beta", "damage", "data", "from_quantiles", "gamma", "half_normal", "load", "log_normal", "log_uniform",
+    "CaseError", "Chain", "Draws", "FileError", "Link", "Modal", "Model", "Modes", "Progress", "Quantiles", "Record",
+    "Response", "Result", "Rig", "__version__", "beam", "beta", "damage", "data", "from_quantiles", "gamma", "half_normal", "load", "log_normal", "log_uniform",
     "modal", "modes", "normal", "plot", "read_record", "rectangle", "sample", "schema", "sid", "simulate",
     "truncated_normal", "uniform", "update",
 ]
