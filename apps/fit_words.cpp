@@ -44,8 +44,10 @@ struct Sentence {
     std::vector<std::string> parts;
     for (const auto& r : all) parts.push_back(quoted(r.channel) + " (R² " + fixed(r.r2, 2) + ")");
     return "The model misses most of " + in_words(parts) +
-           " and what is left is no noise. Check that channels, signs, units and the initial state "
-           "are those of this record; then the models. Parameters and intervals mean nothing until "
+           " and what is left is no noise. Check that channels, signs, units, the initial state "
+           "and the "
+           "sides of one-sided laws are those of this record; then the models. Parameters and "
+           "intervals mean nothing until "
            "then.";
   }
   std::string operator()(const All<misfit::NotNoise>& all) const {

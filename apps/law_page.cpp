@@ -122,8 +122,9 @@ keys with units, picture, and a case that runs for each. `wheeltap laws` prints 
   `parameters`), in SI units. Where a law has one coefficient that is needed, the bare value may stand for the object;
   a list has the law several times.
 - **Sides.** A law that acts on one side takes `"side": "opening"` (it acts for e > 0) or `"closing"` (e < 0: the same
-  law seen in a mirror, T(e) = -T_open(-e)). Which side of a rig is which follows from the order in `between` and from
-  the sign of the response.
+  law seen in a mirror, T(e) = -T_open(-e)). The words are about the link, not about a gap: a mass on the ground, link
+  `[0, 1]`, that meets its stop where its displacement is positive has `"opening"`, and one that meets it where that is
+  negative `"closing"`. A stop on the wrong side explains nothing: compare both where you are not sure.
 - **Rest.** A spring, a gap and a stop count from e = 0, where the links of the chain are without tension. A channel's
   `offset` moves the zero of a sensor there; it may be a parameter.
 
@@ -219,7 +220,10 @@ void run_laws(const LawsOptions& options) {
       names.emplace_back(info.name);
       list += (list.empty() ? "" : ", ") + names.back();
     }
-    const std::string meant = nearest(options.name, names);
+    std::string meant = nearest(options.name, names);
+    for (const LawInfo& info : infos)  // a stop is a contact
+      if (meant.empty() && info.description.find(options.name) != std::string_view::npos)
+        meant = info.name;
     throw Failure(Exit::usage, "no force law is called \"" + options.name + "\"" +
                                    (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
                                    " (there are: " + list + ")");

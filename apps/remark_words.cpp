@@ -189,6 +189,13 @@ class Speaker {
            std::to_string(check.draws) + " draws checked). " + ending;
   }
 
+  std::string operator()(const remark::TruthOutsidePriors& r) const {
+    std::vector<std::string> list;
+    for (const auto& p : r.parameters)
+      list.push_back("\"" + p.name + "\" = " + significant(p.value, 6) + " (" + p.prior + ")");
+    return "The true model has parameters that their priors exclude, so that no run can find it: " +
+           in_words(list) + ". Are they in SI units?";
+  }
   std::string operator()(const remark::ResponsesOutOfReach& r) const {
     std::vector<std::string> list;
     for (const auto& channel : r.channels) {
@@ -354,6 +361,7 @@ struct Rank {
   int operator()(const remark::FrequenciesOutOfReach&) const { return 0; }
   int operator()(const remark::NoiseHidesDamage&) const { return 0; }
   int operator()(const remark::ResponsesOutOfReach&) const { return 0; }
+  int operator()(const remark::TruthOutsidePriors&) const { return 0; }
   int operator()(const remark::NoiseAboveResponse&) const { return 0; }
   int operator()(const remark::ImpossibleLikelihoods&) const { return 1; }
   int operator()(const remark::StepsTooLong&) const { return 1; }

@@ -580,8 +580,12 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
   SidCaseFile out = several ? parse_several(file, needs, used) : parse_one(file, needs, used);
   for (std::size_t p = 0; p < used.size(); ++p) {
     if (used[p]) continue;
-    out.file.refuse(Pointer("/parameters") / out.sid.parameters[p].name,
-                    "this parameter is used nowhere");
+    std::vector<std::string> names;
+    for (std::size_t other = 0; other < used.size(); ++other)
+      if (used[other]) names.push_back(out.sid.parameters[other].name);
+    const std::string& name = out.sid.parameters[p].name;
+    out.file.refuse(Pointer("/parameters") / name,
+                    "this parameter is used nowhere; used are " + listed(names));
   }
   if (needs == SidNeeds::record) check_windows(out);
   return out;

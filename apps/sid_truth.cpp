@@ -15,6 +15,7 @@ namespace {
 using dynamics::Coefficient;
 using Role = SidChannel::Role;
 
+constexpr int kPointsASample = 8;  // of a band-limited excitation
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Role role_of(const Json& excitation) {
@@ -118,7 +119,11 @@ void parse_truth(SidCaseFile& parsed) {
   for (const auto& [name, value] : given.items()) {
     const auto p = std::ranges::find(out.parameters, name, &inference::Parameter::name);
     if (p == out.parameters.end()) {
-      file.refuse(where / "parameters" / name, "no parameter has this name");
+      std::vector<std::string> names;
+      for (const int p : out.parameters_of(*found))
+        names.push_back(out.parameters[static_cast<std::size_t>(p)].name);
+      file.refuse(where / "parameters" / name,
+                  "no parameter has this name; the true model has " + listed(names));
     }
     truth.theta[static_cast<std::size_t>(p - out.parameters.begin())] = value;
   }
@@ -150,7 +155,10 @@ void parse_truth(SidCaseFile& parsed) {
     if (std::isnan(x)) x = 0.0;  // initial states and autocorrelations of the runs
   }
   out.truth = std::move(truth);
-  if (!file.json["record"].contains("file")) add_true_excitations(parsed);
+  const Json& record = file.json["record"];
+  if (record.value("between_samples", "linear") == "band-limited")
+    out.truth->points_a_sample = std::max(kPointsASample, record.value("upsample", 1));
+  if (!record.contains("file")) add_true_excitations(parsed);
 }
 
 void parse_excitations(SidCaseFile& parsed) {

@@ -99,6 +99,25 @@ void judge_sizes(const SidProblem& problem, std::vector<Remark>& remarks) {
   if (!noisy.channels.empty()) remarks.push_back(std::move(noisy));
 }
 
+void judge_truth(const SidCase& sid_case, std::vector<Remark>& remarks) {
+  if (!sid_case.simulated || !sid_case.truth) return;
+  const SidTruth& truth = *sid_case.truth;
+  const SidModel& model = sid_case.models[static_cast<std::size_t>(truth.model)];
+  remark::TruthOutsidePriors outside;
+  for (const int p : sid_case.parameters_of(model)) {
+    const auto at = static_cast<std::size_t>(p);
+    const inference::Parameter& parameter = sid_case.parameters[at];
+    // The noise that was added rules, whatever the parameter is said to be.
+    const auto noise = std::ranges::find(model.noise, p, &dynamics::Coefficient::parameter);
+    const double value = noise == model.noise.end()
+                             ? truth.theta[at]
+                             : truth.noise[static_cast<std::size_t>(noise - model.noise.begin())];
+    if (std::isinf(parameter.prior.log_density(value)))
+      outside.parameters.push_back({parameter.name, value, parameter.prior.describe()});
+  }
+  if (!outside.parameters.empty()) remarks.emplace_back(std::move(outside));
+}
+
 }  // namespace
 
 std::vector<Remark> implausible(const DamageProblem& problem) {
@@ -157,6 +176,7 @@ std::vector<Remark> implausible(const SidProblem& problem) {
     return implausible(*make_sid_problem(shortened(problem.sid_case, kSamples)));
   }
   std::vector<Remark> remarks;
+  judge_truth(problem.sid_case, remarks);
   judge_sizes(problem, remarks);
   for (const auto& record : problem.further) judge_sizes(*record, remarks);
   return remarks;

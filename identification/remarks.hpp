@@ -121,6 +121,15 @@ struct EmulatorMoved {};
 
 // ---- of equations of motion ------------------------------------------------------------------
 
+/// The record is simulated, with parameters that their priors exclude: no run can find them.
+struct TruthOutsidePriors {
+  struct Parameter {
+    std::string name;
+    double value;
+    std::string prior;  ///< Prior::describe
+  };
+  std::vector<Parameter> parameters;
+};
 /// Responses measured at a size that no draw of the prior comes near, in any model.
 struct ResponsesOutOfReach {
   struct Channel {
@@ -259,11 +268,12 @@ using Remark =
                  remark::MirrorImages, remark::StructureImages, remark::FittedNotTested,
                  remark::CannotExclude, remark::NoModelFits, remark::LargestCount,
                  remark::SeverityAtBound, remark::EmulatorBlind, remark::EmulatorMoved,
-                 remark::ResponsesOutOfReach, remark::NoiseAboveResponse, remark::PeculiarWindow,
-                 remark::LinearExcitation, remark::UnknownUnits, remark::BaseIntegrated,
-                 remark::MostlyNoise, remark::InitialStateInferred, remark::StepsTooLong,
-                 remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::MostProbableFails,
-                 remark::ColouredResiduals, remark::ParameterAtBound, remark::ScatterBetweenWindows,
-                 remark::WindowsUnsound, remark::ChangesTakenForExact, remark::SpuriousMode>;
+                 remark::TruthOutsidePriors, remark::ResponsesOutOfReach,
+                 remark::NoiseAboveResponse, remark::PeculiarWindow, remark::LinearExcitation,
+                 remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
+                 remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
+                 remark::NoiseMisstated, remark::MostProbableFails, remark::ColouredResiduals,
+                 remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound,
+                 remark::ChangesTakenForExact, remark::SpuriousMode>;
 
 }  // namespace wheeltap::identification

@@ -140,6 +140,9 @@ struct SidTruth {
   double sample_rate_hz = 0.0;
   std::uint64_t seed = 1;
   std::vector<TrueExcitation> excitations = {};
+  /// Points at which an excitation is followed, a sample: 1 where it is linear between its samples;
+  /// more where it is band-limited there (signals::upsample), as the record says of itself.
+  int points_a_sample = 1;
 };
 
 struct SidCase {

@@ -6,6 +6,7 @@
 #include "dynamics/step_check.hpp"
 #include "identification/invalid_input.hpp"
 #include "signals/excitation.hpp"
+#include "signals/spectra.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -75,18 +76,21 @@ std::vector<Acting> make_excitations(const SidTruth& truth, std::uint64_t seed) 
 }
 
 dynamics::Excitation excitation_of(const std::vector<Acting>& acting, const SidTruth& truth) {
-  dynamics::Excitation out{.sample_rate_hz = truth.sample_rate_hz};
+  const int points = truth.points_a_sample;
+  dynamics::Excitation out{.sample_rate_hz = truth.sample_rate_hz * points};
   for (const Acting& a : acting) {
+    std::vector<double> samples =
+        points > 1 ? signals::upsample(a.samples, 0, truth.samples, points) : a.samples;
     if (a.role == Role::force) {
-      out.forces.push_back({a.mass, {.samples = a.samples}});
+      out.forces.push_back({a.mass, {.samples = std::move(samples)}});
       continue;
     }
     if (!out.base) out.base.emplace();
     (a.role == Role::base_acceleration ? out.base->acceleration : out.base->displacement).samples =
-        a.samples;
+        std::move(samples);
   }
   if (out.forces.empty() && !out.base) {
-    const auto samples = static_cast<std::size_t>(truth.samples);
+    const auto samples = static_cast<std::size_t>((truth.samples - 1) * points + 1);
     out.forces.push_back({1, {.samples = std::vector<double>(samples)}});
   }
   return out;
@@ -97,7 +101,7 @@ dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excita
   const SidTruth& truth = *sid_case.truth;
   const SidModel& model = sid_case.models[static_cast<std::size_t>(truth.model)];
   dynamics::SimulatorOptions options = sid_case.integration;
-  options.stride = 1;
+  options.stride = truth.points_a_sample;
   options.step_limit = std::min(options.step_limit, kTruthStepLimit);
   const auto refuse = [](const std::string& message) {
     throw InvalidInput(InvalidInput::Part::truth, message);

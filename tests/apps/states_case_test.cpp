@@ -314,8 +314,9 @@ TEST(StatesCase, Refusals) {
       "members": [{"nodes": ["a", "b"], "elements": 8, "material": "m", "section": "s", "axial_force": 50}],
       "supports": [{"node": "a", "fix": ["x", "y", "rotation"]}]},
     "data": {"frequencies": [5, 31], "cov": 0.01, "discrepancy": {"stiffness": 0.05}},
-    "damage": {"count": {"min": 0, "max": 1, "prior": "uniform"}, "reduction": {"uniform": [0, 0.9]}}})");
-  refused(c, "/data/discrepancy/stiffness: does not go with axial forces");
+    "damage": {"kind": "reduction", "count": {"min": 0, "max": 1, "prior": "uniform"},
+               "reduction": {"uniform": [0, 0.9]}}})");
+  refused(c, "does not go with axial forces");
   c = two_storeys();
   c["structure"]["chain"]["links"][0]["stiffness"] = 1400;
   c.erase("parameters");

@@ -239,6 +239,21 @@ TEST(Plausibility, AResponseInMillimetresIsSaidBeforeAnythingIsSampled) {
   EXPECT_EQ(doubt->channels.at(0).name, "displacement [m]");
 }
 
+TEST(Plausibility, ATruthThatItsPriorsExcludeIsSaidBeforeAnythingIsSampled) {
+  SidCase c = small_sid_case();
+  c.parameters.push_back({"sigma", inference::LogUniform{1e-3, 1.0}});
+  for (SidModel& model : c.models) model.noise = {dynamics::Coefficient::of_parameter(2)};
+  c.truth->theta.push_back(0.0);  // not given: the noise is
+  EXPECT_TRUE(implausible(*make_sid_problem(simulated(c))).empty());
+  c.truth->theta[1] = 2e4;
+  const std::vector<Remark> doubts = implausible(*make_sid_problem(simulated(c)));
+  const auto* doubt = find<remark::TruthOutsidePriors>(doubts);
+  ASSERT_NE(doubt, nullptr);
+  ASSERT_EQ(doubt->parameters.size(), 1U);
+  EXPECT_EQ(doubt->parameters[0].name, "k3");
+  EXPECT_EQ(doubt->parameters[0].value, 2e4);
+}
+
 TEST(InitialState, IsInferredWhereTheWindowDoesNotStartAtRest) {
   SidCase c = small_sid_case();
   c.truth->noise = {1e-3};

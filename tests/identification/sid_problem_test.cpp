@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <optional>
 
 #include "identification/invalid_input.hpp"
 #include "sid_cases.hpp"
@@ -218,6 +220,31 @@ TEST(SidProblem, BandLimitedExcitationIsUpsampled) {
   EXPECT_EQ(c.channels[0].signal.samples.size(), 199U * 4 + 1);
   EXPECT_EQ(c.channels[1].signal.samples.size(), 200U);
   EXPECT_TRUE(std::isfinite(log_likelihood(*make_sid_problem(c), 0, {50.0})));
+}
+
+// What is simulated between samples is what is fitted there.
+TEST(SidSimulation, AnExcitationGoesBetweenSamplesAsTheRecordSays) {
+  SidCase c = small_sid_case();
+  c.truth->noise = {1e-12};
+  c.truth->excitations = {{.mass = 1, .signal = TrueExcitation::BandLimited{1.0, 35.0, 100.0}}};
+  const auto off = [&](int points, bool band_limited) {
+    c.truth->points_a_sample = points;
+    const auto problem = make_sid_problem(
+        simulated(c, {.band_limited = band_limited,
+                      .upsample = band_limited ? std::optional<int>(8) : std::nullopt}));
+    std::vector<double> residuals(200);
+    EXPECT_TRUE(
+        problem->misfits[1].residuals(problem->theta(1, std::vector{50.0, 1000.0}), residuals));
+    const auto size = [](const std::vector<double>& x) {
+      return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0));
+    };
+    return size(residuals) / size(problem->sid_case.channels[1].signal.samples);
+  };
+  EXPECT_LT(off(8, true), 1e-5);
+  EXPECT_LT(off(1, false), 1e-4);
+  // At the 3 Hz that move it a straight line keeps sinc²(3 / 100) = 0.997 of the force.
+  EXPECT_GT(off(1, true), 0.002);
+  EXPECT_GT(off(8, false), 0.002);
 }
 
 TEST(SidProblem, NamesThePartThatCannotBe) {
