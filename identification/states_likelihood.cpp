@@ -37,10 +37,8 @@ double tolerance_of(const ObservedStates& states) {
   double cov = 1e-3;
   for (const ObservedState& s : states.list)
     for (std::size_t i = 0; i < s.data.frequencies_hz.size() && !s.data.cov_prior; ++i)
-      if (const double f = s.data.frequencies_hz[i]; !std::isnan(f)) {
-        const auto at = static_cast<Index>(i);
-        cov = std::min(cov, std::sqrt(s.data.covariance(at, at)) / f);
-      }
+      if (const double f = s.data.frequencies_hz[i]; !std::isnan(f))
+        cov = std::min(cov, std::sqrt(s.data.covariance.diagonal()[static_cast<Index>(i)]) / f);
   return std::clamp(2e-3 * cov, 1e-8, 1e-5);
 }
 
@@ -102,19 +100,16 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
                                   " modes: must be at most " + std::to_string(available) +
                                   ", the elastic modes that the structure has");
     for (int i = 0; pieces && i < kTriedForPieces; ++i) {
-      const Draw one = draw(i);
       Workspace::Intact other;
       try {
-        assemble(states_->values(one.x, state), other);
+        assemble(states_->values(draw(i).x, state), other);
       } catch (const std::invalid_argument&) {
         continue;  // no such structure
       }
       if (other.discretisation.strains.size() != intact.discretisation.strains.size())
         throw std::invalid_argument(
-            "a discrepancy of stiffness goes with springs and forces that are there at all values "
-            "of the parameters: one of them may be zero");
+            "a discrepancy of stiffness: no parameter of a spring or an axial force may be zero");
     }
-    // What pieces do to shapes is a sum over modes.
     if (pieces) modes = std::min(available, modes + kOfPieces);
     if (matrices)
       group.reduced = reduced_basis(group, modes);
