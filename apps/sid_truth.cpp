@@ -120,8 +120,8 @@ void parse_truth(SidCaseFile& parsed) {
     const auto p = std::ranges::find(out.parameters, name, &inference::Parameter::name);
     if (p == out.parameters.end()) {
       std::vector<std::string> names;
-      for (const int p : out.parameters_of(*found))
-        names.push_back(out.parameters[static_cast<std::size_t>(p)].name);
+      for (const int used : out.parameters_of(*found))
+        names.push_back(out.parameters[static_cast<std::size_t>(used)].name);
       file.refuse(where / "parameters" / name,
                   "no parameter has this name; the true model has " + listed(names));
     }
