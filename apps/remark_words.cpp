@@ -117,6 +117,25 @@ class Speaker {
     return images_statement(r.alike, r.turned) +
            " To tell them apart, measure mode shapes or add a small mass that breaks the symmetry.";
   }
+  std::string operator()(const remark::RivalPlaces& r) const {
+    static constexpr std::size_t kNamed = 8;
+    const bool one_kind = std::ranges::all_of(
+        r.places, [&](const auto& place) { return place.kind == r.places.front().kind; });
+    std::vector<std::string> list;
+    double sum = 0.0;
+    for (const auto& place : r.places) {
+      sum += place.probability;
+      if (list.size() == kNamed) continue;
+      const std::string kind = one_kind && !list.empty() ? "" : kind_of(place.kind).name + " ";
+      list.push_back(kind + "at " + place.name + " (" + percent(place.probability) + ")");
+    }
+    if (r.places.size() > kNamed)
+      list.push_back("at one of " + std::to_string(r.places.size() - kNamed) + " more");
+    return "The data do not say which: a " + in_words(list, "or") + ". It is one of these (" +
+           percent(std::min(sum, 1.0)) +
+           " together), hardly ever two at once. To tell them apart, measure mode shapes or more "
+           "modes, or look there.";
+  }
   std::string operator()(const remark::FittedNotTested& r) const {
     return "The " + unknowns_of(r.unknowns) + " of " + r.model + " are fitted to " +
            frequencies_of(r.frequencies) +
@@ -379,6 +398,7 @@ struct Rank {
   int operator()(const remark::CannotExclude&) const { return 3; }
   int operator()(const remark::MirrorImages&) const { return 3; }
   int operator()(const remark::StructureImages&) const { return 3; }
+  int operator()(const remark::RivalPlaces&) const { return 2; }
   int operator()(const remark::WindowsUnsound&) const { return 3; }
   int operator()(const remark::NearlyPrior&) const { return 4; }
   int operator()(const remark::LargestCount&) const { return 4; }

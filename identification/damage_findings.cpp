@@ -8,6 +8,7 @@
 
 #include "identification/damage_modes.hpp"
 #include "identification/plausibility.hpp"
+#include "identification/rival_places.hpp"
 #include "identification/symmetry_finding.hpp"
 
 namespace wheeltap::identification {
@@ -501,6 +502,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.kinds.back().places = places(draws, static_cast<int>(k), out.kinds.back().expected);
   }
   if (problem.symmetric) out.folded = folded(draws);
+  tell_rivals(draws, symmetric, remarks);
 
   unidentified(draws, out.models, remarks);
   out.fit_verdict.model = static_cast<int>(out.by_probability()[0]);

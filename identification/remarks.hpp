@@ -71,6 +71,16 @@ struct StructureImages {
   std::vector<std::vector<std::string>> alike;
   std::vector<std::string> turned;
 };
+/// Places that exclude each other, the likeliest first: one of them is damaged, and the data do not
+/// say which.
+struct RivalPlaces {
+  struct Place {
+    int kind;  ///< its place in the case's list
+    std::string name;
+    double probability;
+  };
+  std::vector<Place> places = {};
+};
 /// A model with at least as many unknowns as data, and no simpler one that counts.
 struct FittedNotTested {
   std::string model;
@@ -265,7 +275,8 @@ inline constexpr double kSpurious = 0.05;
 using Remark =
     std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
                  remark::NearlyPrior, remark::FrequenciesOutOfReach, remark::NoiseHidesDamage,
-                 remark::MirrorImages, remark::StructureImages, remark::FittedNotTested,
+                 remark::MirrorImages, remark::StructureImages, remark::RivalPlaces,
+                 remark::FittedNotTested,
                  remark::CannotExclude, remark::NoModelFits, remark::LargestCount,
                  remark::SeverityAtBound, remark::EmulatorBlind, remark::EmulatorMoved,
                  remark::TruthOutsidePriors, remark::ResponsesOutOfReach,

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "identification/damage_findings.hpp"
@@ -176,6 +177,13 @@ TEST(MeasuredStates, SoftStoreysOfTheFourMasses) {
     EXPECT_LT(run.storeys[1], 0.1) << state;
     EXPECT_LE(reduction_of(run).q2_5, truth) << state;
     EXPECT_GE(reduction_of(run).q97_5, truth) << state;
+    const auto told = std::ranges::find_if(run.found.remarks, [](const Remark& r) {
+      return std::holds_alternative<remark::RivalPlaces>(r);
+    });
+    ASSERT_NE(told, run.found.remarks.end()) << state;
+    std::set<std::string> rivals;
+    for (const auto& place : std::get<remark::RivalPlaces>(*told).places) rivals.insert(place.name);
+    EXPECT_EQ(rivals, (std::set<std::string>{"storey 1", "storey 3"})) << state;
   }
 }
 

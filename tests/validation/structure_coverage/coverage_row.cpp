@@ -132,6 +132,7 @@ std::string name_of(const identification::Remark& remark) {
         if constexpr (std::is_same_v<T, r::NoiseHidesDamage>) return "noise hides damage";
         if constexpr (std::is_same_v<T, r::MirrorImages>) return "";  // of places alone
         if constexpr (std::is_same_v<T, r::StructureImages>) return "";
+        if constexpr (std::is_same_v<T, r::RivalPlaces>) return "";
         if constexpr (std::is_same_v<T, r::FittedNotTested>) return "fitted, not tested";
         if constexpr (std::is_same_v<T, r::CannotExclude>) return "cannot exclude";
         if constexpr (std::is_same_v<T, r::NoModelFits>) return "no model fits";
