@@ -297,6 +297,8 @@ Report structure_of(const DamageCase& damage_case) {
     Report stretches = Report::array();
     for (const SiteLine::Stretch& s : kind.line.stretches())
       stretches.push_back({{"site", s.site}, {"name", s.name}, {"first_cell", s.first_cell}});
+    for (Report& s : stretches)
+      if (!kind.groups.empty()) s["members"] = kind.groups[s["site"].get<std::size_t>()];
     lines[kind.name] = {{"of", kind.site_name()}, {"stretches", stretches}};
   }
   out["lines"] = lines;

@@ -6,6 +6,7 @@
 #include "apps/damage_run.hpp"
 #include "apps/running.hpp"
 #include "apps/served_case.hpp"
+#include "apps/sid_case.hpp"
 #include "apps/update_run.hpp"
 #include "base/parallel.hpp"
 #include "io/text.hpp"
@@ -37,8 +38,15 @@ std::vector<ServedModel> models_of(CaseFile file, const CommonOptions& common) {
   const Json kind = file.json.value("kind", Json());
   if (kind == "update")
     return served(prepare_update(parse_update_case(std::move(file)), common, watch));
+  if (kind == "sid") {
+    const SidCaseFile parsed = parse_sid_case(std::move(file));
+    return explained(parsed, [&] {
+      return served(std::shared_ptr<const identification::SidProblem>(
+          identification::make_sid_problem(parsed.sid)));
+    });
+  }
   if (kind != "damage")
-    file.refuse(Pointer("/kind"), "must be \"damage\" or \"update\" to be served");
+    file.refuse(Pointer("/kind"), "must be \"damage\", \"update\" or \"sid\" to be served");
   const DamageCaseFile parsed = parse_damage_case(std::move(file));
   return explained(parsed, [&] { return served(prepare_damage(parsed, common, watch)); });
 }

@@ -6,6 +6,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "identification/sid_predictive.hpp"
+
 namespace wheeltap::apps {
 
 using namespace identification;
@@ -131,6 +133,33 @@ class DamageForward final : public OutsideModel {
   int inputs_ = 0;
 };
 
+/// The motion of a chain by its parameters, where it was measured.
+class ChainForward final : public OutsideModel {
+ public:
+  ChainForward(std::shared_ptr<const SidProblem> problem, int model)
+      : problem_(std::move(problem)), model_(model) {}
+  [[nodiscard]] int inputs() const override { return problem_->problem.space[model_].dimension; }
+  [[nodiscard]] int outputs() const override { return misfit().channels() * misfit().samples(); }
+  // Misfits are y - x(θ): what is measured less these is the motion, whatever was measured.
+  void evaluate(std::span<const double> x, std::span<double> y) override {
+    const std::vector<double> theta = problem_->theta(model_, x);
+    if (!misfit().residuals(theta, y))
+      throw std::invalid_argument("the chain has no such motion: it runs away, or makes no sense");
+    for (std::size_t c = 0, at = 0; at < y.size(); ++c)
+      for (const double measured : observed(*problem_, c, theta)) {
+        y[at] = measured - y[at];
+        ++at;
+      }
+  }
+
+ private:
+  [[nodiscard]] const dynamics::Misfit& misfit() const {
+    return problem_->misfits[static_cast<std::size_t>(model_)];
+  }
+  std::shared_ptr<const SidProblem> problem_;
+  int model_;
+};
+
 /// ln p(data | x), and ln p(x) with it where it is the posterior's.
 class Density final : public OutsideModel {
  public:
@@ -203,6 +232,18 @@ std::vector<ServedModel> served(std::shared_ptr<const UpdateProblem> problem) {
 std::vector<ServedModel> served(std::shared_ptr<const DamageProblem> problem) {
   std::vector<ServedModel> out = {
       {.name = "forward", .make = [problem] { return std::make_unique<DamageForward>(problem); }}};
+  add_densities(problem, out);
+  return out;
+}
+
+std::vector<ServedModel> served(std::shared_ptr<const SidProblem> problem) {
+  const inference::ModelSpace& space = problem->problem.space;
+  std::vector<ServedModel> out;
+  for (int m = 0; m < space.size(); ++m) {
+    if (space[m].dimension == 0) continue;  // as below
+    out.push_back({.name = space.size() > 1 ? "forward " + space[m].name : "forward",
+                   .make = [problem, m] { return std::make_unique<ChainForward>(problem, m); }});
+  }
   add_densities(problem, out);
   return out;
 }

@@ -6,6 +6,7 @@
 
 #include "apps/umbridge_server.hpp"
 #include "identification/damage_problem.hpp"
+#include "identification/sid_problem.hpp"
 #include "identification/update_problem.hpp"
 
 namespace wheeltap::apps {
@@ -22,5 +23,11 @@ namespace wheeltap::apps {
 /// no severity to be 0.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::DamageProblem> problem);
+
+/// For each model (with its name, where there are several), all of them from its parameters:
+/// "forward" to the response of every channel at the scored samples [SI], channel by channel,
+/// without noise; "log_likelihood" and "posterior".
+[[nodiscard]] std::vector<ServedModel> served(
+    std::shared_ptr<const identification::SidProblem> problem);
 
 }  // namespace wheeltap::apps

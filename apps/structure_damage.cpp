@@ -9,6 +9,8 @@
 #include "apps/whole_number.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "identification/defects/floor_mass.hpp"
+#include "identification/defects/member_group.hpp"
+#include "identification/defects/substructure.hpp"
 
 namespace wheeltap::apps {
 
@@ -39,6 +41,7 @@ class KindParser {
     if (type == &defects::kMass &&
         std::holds_alternative<fem::LumpedChain>(out_.structure->nominal))
       type = &defects::kFloorMass;
+    if (type == &defects::kSubstructure && mesh_) type = &defects::kMemberGroup;
     if (type == nullptr || type->place_in_structure == nullptr)
       file_.refuse(where / "kind", "this version does not know it; there are " + known());
     const Places places = places_of(*type, where);
@@ -51,6 +54,9 @@ class KindParser {
     refuse_unless(where, "extent", type_name, "reduction");
     refuse_unless(where, "law", type_name, "crack");
     refuse_unless(where, "fix", type_name, "support");
+    refuse_unless(where, "groups", type_name, "substructure");
+    if (type == &defects::kSubstructure && b.contains("groups"))
+      file_.refuse(where / "groups", "goes with members; the parts of \"matrices\" have names");
     const int min = b["count"].value("min", 0), max = b["count"].at("max");
     if (min > max)
       file_.refuse(where / "count" / "min", "must not exceed max, which is " + std::to_string(max));
@@ -64,6 +70,7 @@ class KindParser {
                     .severity = DefectKind::Rigid{}};
     kind.plural = b.value("plural", b.contains("name") ? kind.name + "s" : type->noun_plural());
     kind.line = line(where, *type, places);
+    if (type == &defects::kMemberGroup) kind.groups = groups(where);
     kind.location = inference::Uniform{0.0, kind.line.length()};
     if (!type->may_be_known && !b.contains(severity))
       file_.refuse(where / severity, "is missing: must be a prior");
@@ -106,10 +113,21 @@ class KindParser {
       return out;
     }
     const auto* matrices = std::get_if<fem::MatrixStructure>(&out_.structure->nominal);
+    if (&type == &defects::kMemberGroup) {
+      out.what = "substructure";
+      if (!file_.json.at(where).contains("groups"))
+        file_.refuse(where / "groups",
+                     "is missing: must be an object with a list of members for each substructure, "
+                     "{\"columns\": [\"left\", \"right\"]}");
+      for (const auto& [name, members] : file_.json.at(where)["groups"].items())
+        out.names.push_back(name);
+      return out;
+    }
     if (type.sites == Sites::substructures) {
       if (matrices == nullptr)
         file_.refuse(where / "kind",
-                     "a substructure is a part of \"matrices\"; this structure has none");
+                     "a substructure is a part of \"matrices\" or a group of members; a \"chain\" "
+                     "has \"storey\"");
       out.what = "substructure";
       for (const auto& part : matrices->parts) out.names.push_back(part.name);
       return out;
@@ -152,6 +170,24 @@ class KindParser {
       file_.refuse(where, "must be the name of a " + places.what + ", or its number from 0 to " +
                               std::to_string(last));
     return static_cast<int>(*number);
+  }
+
+  /// Members of each group, in the order of their names.
+  std::vector<std::vector<int>> groups(const Pointer& where) const {
+    Places members{.what = "member", .names = {}};
+    for (const auto& member : mesh_->structure().members) members.names.push_back(member.name);
+    std::vector<std::vector<int>> out;
+    for (const auto& [name, list] : file_.json.at(where)["groups"].items()) {
+      const Pointer at = where / "groups" / name;
+      out.emplace_back();
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        const int member = find(at / i, members, list[i].get<std::string>());
+        if (std::ranges::find(out.back(), member) != out.back().end())
+          file_.refuse(at / i, "is in this substructure already");
+        out.back().push_back(member);
+      }
+    }
+    return out;
   }
 
   SiteLine line(const Pointer& where, const DefectType& type, const Places& places) const {

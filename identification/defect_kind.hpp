@@ -97,6 +97,8 @@ struct DefectKind {
   std::optional<double> extent = {};  ///< of a reduction [m]; an element where there is none
   std::optional<inference::Prior> extent_prior = {};  ///< in place of it, where it is unknown
   fem::Direction direction = fem::Direction::y;       ///< of a support in a structure
+  /// Members of each substructure, where its parts are members.
+  std::vector<std::vector<int>> groups = {};
   std::vector<True> truth = {};  ///< what simulations use, by increasing location
 
   [[nodiscard]] const inference::Prior* severity_prior() const {

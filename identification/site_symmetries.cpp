@@ -28,19 +28,33 @@ struct LineMap {
   std::vector<bool> turned;
 };
 
+/// The group whose members are the images of this one's; -1 where there is none.
+int image_of_group(const fem::SelfMap& map, const std::vector<std::vector<int>>& groups,
+                   const std::vector<int>& group) {
+  std::vector<int> image;
+  for (const int member : group) image.push_back(map.member[index(member)]);
+  const auto found = std::ranges::find_if(groups, [&](const std::vector<int>& other) {
+    return std::ranges::is_permutation(other, image);
+  });
+  return found == groups.end() ? -1 : static_cast<int>(found - groups.begin());
+}
+
 /// None where the line is not taken to itself.
 LineMap line_map(const fem::SelfMap& map, const DefectKind& kind) {
   const auto& stretches = kind.line.stretches();
   LineMap out;
   for (const SiteLine::Stretch& s : stretches) {
     const bool node = kind.type->sites == Sites::nodes;
-    const int image = node ? map.node[index(s.site)] : map.member[index(s.site)];
+    const bool group = kind.type->sites == Sites::substructures;
+    const int image = node    ? map.node[index(s.site)]
+                      : group ? image_of_group(map, kind.groups, kind.groups[index(s.site)])
+                              : map.member[index(s.site)];
     const auto to = std::ranges::find(stretches, image, &SiteLine::Stretch::site);
     if (to == stretches.end()) return {};
     const double extent = s.end - s.start;
     if (std::abs(to->end - to->start - extent) > kSameExtent * extent) return {};
     out.stretch.push_back(static_cast<int>(to - stretches.begin()));
-    out.turned.push_back(!node && map.reversed[index(s.site)]);
+    out.turned.push_back(!node && !group && map.reversed[index(s.site)]);
   }
   return out;
 }

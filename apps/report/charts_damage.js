@@ -50,6 +50,13 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
       for (let c = s.first_cell; c < end; c += 1) {
         const what = { p: inclusion[c], name: s.name };
         if (line.of === 'node') { points.push({ ...what, x: nodes[s.site][0], y: nodes[s.site][1] }); continue; }
+        if (s.members) { // a group of them, each all along
+          s.members.forEach((m) => {
+            const [a, b] = bars[m].map((k) => nodes[k]);
+            cells.push({ ...what, x: a[0], y: a[1], x2: b[0], y2: b[1] });
+          });
+          continue;
+        }
         const [a, b] = bars[s.site].map((k) => nodes[k]);
         const on = (share) => [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
         const from = on((c - s.first_cell) / n), to = on((c + 1 - s.first_cell) / n);

@@ -206,6 +206,48 @@ def ours_passes_a_client(runs, case_a):
         assert all(f < g for f, g in zip(one, intact)), (one, intact)
 
 
+def chains_are_served(runs, _):
+    """A mass on a spring under a force that stays: its motion has a closed form, and with it its likelihood."""
+    mass, damping, force, sd = 2.0, 1.5, 3.0, 0.001
+    times = [0.02 * i for i in range(150)]
+
+    def motion(k):
+        omega, zeta = math.sqrt(k / mass), damping / (2 * math.sqrt(k * mass))
+        damped = omega * math.sqrt(1 - zeta**2)
+        return [force / k * (1 - math.exp(-zeta * omega * t) * (
+            math.cos(damped * t) + zeta * omega / damped * math.sin(damped * t))) for t in times]
+
+    measured = [x + 0.001 * math.sin(7 * i) for i, x in enumerate(motion(100.0))]
+    lines = [f"{t!r},{force!r},{x!r}" for t, x in zip(times, measured)]
+    (runs.folder / "record.csv").write_text("\n".join(["t [s],force [N],x [m]", *lines]) + "\n")
+    link = {"between": [0, 1], "stiffness": "k", "damping": damping}
+    case = {"kind": "sid", "parameters": {"k": {"uniform": [50, 200]}, "k3": {"uniform": [0, 100]}},
+            "record": {"file": "record.csv", "initial": "rest", "channels": [
+                {"column": "t", "role": "time"}, {"column": "force", "role": "force", "mass": 1},
+                {"column": "x", "role": "response", "mass": 1, "quantity": "displacement"}]},
+            "models": [{"name": "linear", "masses": [mass], "noise": sd, "links": [link]},
+                       {"name": "duffing", "masses": [mass], "noise": sd, "links": [{**link, "cubic": "k3"}]}]}
+    with Serving(runs.program, runs.case(case)) as server:
+        client = Client(server.url)
+        for k in (100.0, 77.7):
+            told = client.evaluate("forward linear", [k])
+            wanted = motion(k)
+            assert len(told) == len(times)
+            assert max(abs(a - b) for a, b in zip(told, wanted)) < 1e-9 * force / k, k
+            likelihood, = client.evaluate("log_likelihood linear", [k])
+            density = sum(-0.5 * ((y - x) / sd)**2 - math.log(sd * math.sqrt(2 * math.pi))
+                          for x, y in zip(wanted, measured))
+            assert abs(likelihood / density - 1) < 1e-6, (likelihood, density)
+            posterior, = client.evaluate("posterior linear", [k])
+            assert abs(posterior - likelihood + math.log(150)) < 1e-8, (posterior, likelihood)
+        stiffer = client.evaluate("forward duffing", [100.0, 90.0])
+        assert stiffer != client.evaluate("forward linear", [100.0])
+        limp = client.evaluate("forward duffing", [100.0, 0.0])
+        assert max(abs(a - b) for a, b in zip(limp, motion(100.0))) < 1e-5
+        status, answer = client.post("/Evaluate", name="forward linear", input=[[-4.0e9]])
+        assert status in (400, 500) and "no such motion" in answer["error"]["message"], (status, answer)
+
+
 def a_damage_is_found_by_a_served_beam(runs, case_a):
     options = ["--quiet", "--chains", "2", "--threads", "2", "--warmup", "2000", "--draws", "2000"]
     native = json.loads(pathlib.Path(case_a).read_text())
@@ -403,7 +445,7 @@ def a_killed_server_costs_nothing(runs, _):
         assert first == server.calls == 38, (first, server.calls)
 
 
-CHECKS = [a_python_server_predicts_the_beam, ours_served_gives_the_same_bits, ours_passes_a_client,
+CHECKS = [a_python_server_predicts_the_beam, ours_served_gives_the_same_bits, ours_passes_a_client, chains_are_served,
           a_damage_is_found_by_a_served_beam, programs_predict, an_emulator_in_front, failing_programs_are_named,
           failing_servers_are_named, a_killed_server_costs_nothing]
 
