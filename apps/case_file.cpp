@@ -365,8 +365,10 @@ Json schema(std::string_view name) {
     throw Failure(Exit::usage,
                   "no schema of the name \"" + std::string(name) + "\"; there are: " + list);
   }
+  const Json own = found->at("definitions");  // in place of others' of the same name
   for (const std::string& other : definitions_of(name))
     (*found)["definitions"].update(find(other)->at("definitions"));
+  (*found)["definitions"].update(own);
   fill_lists(*found);
   add_laws(*found);
   add_defects(*found);

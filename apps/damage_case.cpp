@@ -32,6 +32,8 @@ std::string number(double x) {
   return Json(x).dump();
 }
 
+constexpr int kFreshRunsOfOthers = 50;  // that measure an emulator's error, unless a case says
+
 Pointer at(const char* text) {
   return Pointer(text);
 }
@@ -199,8 +201,8 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   return kind;
 }
 
-std::vector<std::vector<int>> parse_sites(const CaseFile& file, int elements) {
-  const Pointer where = at("/predictor/sites");
+std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& where,
+                                          int elements) {
   const auto parse_list = [&](const Pointer& list_at) {
     std::vector<int> sites;
     const Json& list = file.json.at(list_at);
@@ -232,8 +234,7 @@ std::vector<std::vector<int>> parse_sites(const CaseFile& file, int elements) {
 }
 
 // A scattered design, or the user's own runs.
-void parse_runs(const CaseFile& file, EmulatorSpec& spec) {
-  const Pointer where = at("/predictor");
+void parse_runs(const CaseFile& file, const Pointer& where, EmulatorSpec& spec) {
   const Json& p = file.json.at(where);
   if (p.contains("design")) {
     const Json& d = p["design"];
@@ -252,9 +253,9 @@ void parse_runs(const CaseFile& file, EmulatorSpec& spec) {
   }
 }
 
-EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
-  const Pointer where = at("/predictor");
-  const Json& p = file.json.at("predictor");
+// `where`: the predictor, or what stands in front of one that is not ours.
+EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const DamageCase& out) {
+  const Json& p = file.json.at(where);
   if (out.kinds.size() != 1 || out.kinds[0].type != &defects::kReduction) {
     file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
   }
@@ -285,7 +286,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
                 "an emulator has one of \"table\", \"sites\" (with \"multipliers\"), "
                 "\"design\" and \"runs_csv\"");
   }
-  parse_runs(file, spec);
+  parse_runs(file, where, spec);
   const bool grid = p.contains("sites");
   const bool own = p.contains("runs_csv");
   if (grid && !p.contains("multipliers")) {
@@ -309,7 +310,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const DamageCase& out) {
     file.refuse(where / "interpolation",
                 "is for grids; a scattered design has " + interpolant_names(Joined::scattered));
   }
-  if (grid) spec.sites = parse_sites(file, out.beam.elements);
+  if (grid) spec.sites = parse_sites(file, where / "sites", out.beam.elements);
   if (p.contains("accuracy")) {
     if (!grid) file.refuse(where / "accuracy", "goes with \"sites\" and \"multipliers\" only");
     spec.accuracy = p["accuracy"].get<double>();
@@ -492,17 +493,23 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     }
   }
   if (has_outside_model(f)) {
-    if (json["predictor"].contains("emulator"))
-      f.refuse(at("/predictor/emulator"),
-               "goes with update cases; here, run a design of your own and name it as "
-               "{\"runs_csv\": ...}");
     for (const DefectKind& kind : out.kinds)
       if (kind.severity_prior() == nullptr)
         f.refuse(at("/predictor"),
                  "a " + kind.name + " of known severity cannot be told from none: give it a prior");
     parsed.outside = parse_outside(f, outside_inputs(out));
+    const Pointer front("/predictor/emulator");
+    if (json["predictor"].contains("emulator")) {
+      if (f.json.at(front).contains("table"))
+        f.refuse(front / "table", "holds runs of our own beam, not of this model");
+      out.emulator = parse_emulator(f, front, out);
+      if (f.json.at(front).value("symmetrise", false))
+        f.refuse(front / "symmetrise", "whether this model is its own mirror image is not known");
+      out.emulator->symmetrise = false;
+      if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kFreshRunsOfOthers;
+    }
   } else if (json.contains("predictor") && json["predictor"].is_object()) {
-    out.emulator = parse_emulator(f, out);
+    out.emulator = parse_emulator(f, at("/predictor"), out);
   }
   const bool of_low_rank = std::ranges::all_of(
       out.kinds, [](const DefectKind& kind) { return kind.type->has_low_rank; });

@@ -147,8 +147,10 @@ Report ordered_schema(const std::string& kind) {
     return found;
   };
   Report found = find(kind);
+  const Report own = found["definitions"];
   for (const std::string& other : definitions_of(kind))
     found["definitions"].update(find(other)["definitions"]);
+  found["definitions"].update(own);
   fill_lists(found);
   add_laws(found);
   add_defects(found);

@@ -139,7 +139,8 @@ OutsideSpec parse_outside(const CaseFile& file, const std::vector<std::string>& 
   patience.timeout_seconds = p.value("timeout", patience.timeout_seconds);
   patience.retries = p.value("retries", patience.retries);
   take_order(file, unknowns, out);
-  if (p.contains("emulator")) out.emulator = parse_front(p.at("emulator"));
+  if (p.contains("emulator") && file.json.value("kind", "") == "update")
+    out.emulator = parse_front(p.at("emulator"));
   if (p.contains("memory")) out.memory = file.resolve(p.at("memory").get<std::string>());
   return out;
 }

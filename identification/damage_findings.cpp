@@ -513,7 +513,10 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.emulator = emulator_finding(*problem.emulator, damage_case.data.sd_hz);
     out.emulator->exact = problem.exact();
     out.emulator->error_in_likelihood = damage_case.emulator->emulator_error;
-    out.emulator->check = check_emulator(problem, posterior);
+    // Some dozens of runs of a model that may cost minutes; of ours what a second buys.
+    constexpr int kOfOutside = 50;
+    out.emulator->check = problem.outside ? check_emulator(problem, posterior, kOfOutside)
+                                          : check_emulator(problem, posterior);
     if (out.emulator->check && out.emulator->check->answer_moved()) {
       remarks.push_back(remark::EmulatorMoved{});
     }

@@ -379,7 +379,10 @@ void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span
     if (std::ranges::none_of(out, [](double f) { return std::isnan(f); })) return;
   }
   // No damage needs no emulator; nor does a sum of ANOVA that is no frequency have one.
-  solve_placed(out);
+  if (problem_.outside)
+    ask_outside(model, x, out);
+  else
+    solve_placed(out);
   std::ranges::fill(variance, 0.0);
 }
 
@@ -549,7 +552,13 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
                                                damage_case.modes())
                      : FrequencyEmulator::train(
                            *out->reanalysis, spec, kind, damage_case.modes(),
-                           {.threads = options.threads, .progress = options.table_progress}));
+                           {.threads = options.threads,
+                            .progress = options.table_progress,
+                            .model = out->outside ? outside_model(*out->outside, kind.max_count)
+                                                  : emulator::ModelFactory()}));
+    } catch (const emulator::RunError& error) {
+      std::rethrow_if_nested(error);  // of a model of someone else's
+      throw;
     } catch (const std::invalid_argument& error) {
       throw InvalidInput(InvalidInput::Part::emulator, error.what());
     }

@@ -230,7 +230,7 @@ Table refined(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, const
     refinement.candidates.push_back(midpoints);
     refinement.candidates.emplace_back();
   }
-  auto grid = emulator::refine_grid(start, modes, fe_model(reanalysis), refinement);
+  auto grid = emulator::refine_grid(start, modes, model_of(reanalysis, options), refinement);
   made += grid.model_runs;
   if (!grid.reached) {
     throw std::invalid_argument("an accuracy of " + number(*spec.accuracy) + " with " +
@@ -265,6 +265,25 @@ emulator::ModelFactory fe_model(const fem::Reanalysis& reanalysis) {
       std::copy(all.begin() + static_cast<std::ptrdiff_t>(rigid), all.end(), out.begin());
     };
   };
+}
+
+emulator::ModelFactory outside_model(OutsideModel& model, int max_count) {
+  const auto width = 2 * static_cast<std::size_t>(max_count);
+  return [&model, width] {
+    return [&model, width](std::span<const double> point, std::span<double> out) {
+      std::vector<double> sent;
+      for (const fem::Damage& d : sorted_damages(point)) {
+        sent.push_back(d.location);
+        sent.push_back(d.reduction);
+      }
+      sent.resize(width, 0.0);
+      model.evaluate(sent, out);
+    };
+  };
+}
+
+emulator::ModelFactory model_of(const fem::Reanalysis& reanalysis, const RunOptions& options) {
+  return options.model ? options.model : fe_model(reanalysis);
 }
 
 // An end within rounding of a node gives room to nothing.
@@ -327,7 +346,7 @@ Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, con
     table.values = values_from(found->second, design, modes, count);
   } else {
     made += design.runs();
-    table.values = emulator::run_experiment(design, modes, fe_model(reanalysis),
+    table.values = emulator::run_experiment(design, modes, model_of(reanalysis, options),
                                             experiment_options(beam, count, options));
   }
   return table;
@@ -343,7 +362,7 @@ emulator::TableFile run_part(const fem::Reanalysis& reanalysis, const EmulatorSp
   for (int count = 1; count <= spec.tables(kind.max_count); ++count) {
     const Design whole = damage_design(beam, spec, kind, count);
     const Design mine = emulator::shard(whole, part, parts);
-    const RowMatrix values = emulator::run_experiment(mine, modes, fe_model(reanalysis),
+    const RowMatrix values = emulator::run_experiment(mine, modes, model_of(reanalysis, options),
                                                       experiment_options(beam, count, options));
     Table table = frequency_table(whole.factors, {}, values);
     if (spec.runs == EmulatorSpec::Runs::grid) {

@@ -9,6 +9,7 @@
 #include "fem/reanalysis.hpp"
 #include "identification/defect_kind.hpp"
 #include "identification/emulator_spec.hpp"
+#include "identification/outside_model.hpp"
 
 namespace wheeltap::identification {
 
@@ -17,6 +18,9 @@ struct RunOptions {
   std::uint64_t seed = 1;                   ///< of the held-out runs
   std::filesystem::path journal_stem = {};  ///< runs are remembered in STEM.count_K; empty: nowhere
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
+  /// In place of the FE solution: frequencies at a run's point, or, at one without numbers, of the
+  /// intact beam.
+  emulator::ModelFactory model = {};
   /// Runs made before, by `run_part`: nothing of the design is run again.
   const emulator::TableFile* runs = nullptr;
 };
@@ -29,6 +33,14 @@ struct RunOptions {
 
 /// The elastic frequencies [Hz] at such a point.
 [[nodiscard]] emulator::ModelFactory fe_model(const fem::Reanalysis& reanalysis);
+
+/// Those of a model of someone else's, which takes as many damages as there may be at the most
+/// (DamageProblemOptions::outside). Whatever it throws, passes.
+[[nodiscard]] emulator::ModelFactory outside_model(OutsideModel& model, int max_count);
+
+/// `options.model`, or the FE solution where there is none.
+[[nodiscard]] emulator::ModelFactory model_of(const fem::Reanalysis& reanalysis,
+                                              const RunOptions& options);
 
 /// The first and the last element that a prior gives room to.
 [[nodiscard]] std::pair<int, int> elements_of(const inference::Prior& location,

@@ -79,9 +79,9 @@ FrequencyEmulator FrequencyEmulator::train(const fem::Reanalysis& reanalysis,
     table.attributes["symmetrised"] = trained.symmetrised_ ? "true" : "false";
     if (count == 2 && spec.anova) {
       table.attributes["anova"] = emulator::name(*spec.anova);
-      keep_intact_frequencies(table, reanalysis.intact_frequencies_hz().subspan(
-                                         static_cast<std::size_t>(reanalysis.rigid_body_modes()),
-                                         static_cast<std::size_t>(modes)));
+      std::vector<double> intact(static_cast<std::size_t>(modes));
+      model_of(reanalysis, options)()({}, intact);
+      keep_intact_frequencies(table, intact);
     }
     trained.add(*spec.interpolant, std::move(table), options.threads);
   }
@@ -114,7 +114,8 @@ void FrequencyEmulator::measure(const fem::Reanalysis& reanalysis, int count, In
   }
   fresh.points.conservativeResize(kept, Eigen::NoChange);
   const RowMatrix truth =
-      emulator::run_experiment(fresh, modes_, fe_model(reanalysis), {.threads = options.threads});
+      emulator::run_experiment(fresh, modes_, model_of(reanalysis, options),
+                                                   {.threads = options.threads});
   fresh_runs_ += kept;
   const auto modes = static_cast<std::size_t>(modes_);
   EmulatorError unscaled;

@@ -126,10 +126,15 @@ std::vector<Remark> implausible(const DamageProblem& problem) {
   const auto modes = static_cast<std::size_t>(data.modes());
   FrequencyPredictor predictor(problem);
   std::vector<Range> predicted(modes);
-  std::vector<double> f(modes);
+  std::vector<double> f(modes), ignored(modes);
+  // A model of someone else's is asked no more than it must be.
+  const bool emulated = problem.outside && problem.emulator && !problem.exact();
   for (int i = 0; i < kDraws; ++i) {
     const int m = i % space.size();
-    predictor.solve(m, prior_draw(space, m, i), f);
+    if (emulated)
+      predictor.emulate(m, prior_draw(space, m, i), f, ignored);
+    else
+      predictor.solve(m, prior_draw(space, m, i), f);
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isfinite(f[mode])) predicted[mode].take(f[mode]);
     }

@@ -266,6 +266,35 @@ def a_damage_is_found_by_a_served_beam(runs, case_a):
     assert abs(a["mean"] - b["mean"]) < 4.5 * error
 
 
+def an_emulator_in_front_of_a_beam(runs, case_a):
+    """Trained on a served beam it is the one trained on our own, bit for bit; the model is asked for its runs alone."""
+    native = json.loads(pathlib.Path(case_a).with_name("case-a-table.json").read_text())
+    native["damage"]["count"]["max"] = 1
+    front = {**native["predictor"], "sites": native["predictor"]["sites"][0], "holdout": 60}
+    done, mine = runs.run({**native, "predictor": {**front, "symmetrise": False}}, command="damage")
+    assert done.returncode == 0, done.stderr
+    with Serving(runs.program, runs.case({**native, "predictor": "fe"})) as server:
+        case = {**native, "predictor": {"umbridge": server.url, "emulator": front}}
+        done, other = runs.run(case, command="damage")
+        assert done.returncode == 0, done.stderr
+        told = json.loads((other / "summary.json").read_text())
+        assert draws(mine) == draws(other)
+        a, b = (json.loads((out / "summary.json").read_text())["emulator"] for out in (mine, other))
+        assert a["counts"] == b["counts"], (a, b)
+        # 10 sites x 4 levels, 60 fresh runs, the intact beam, and 50 draws looked at again.
+        assert 100 < told["predictor"]["asked"] <= 40 + 60 + 1 + 60, told["predictor"]
+        for wrong, words in (({"table": "x.nc"}, "our own beam"), ({**front, "symmetrise": True}, "mirror image"),
+                             ({"runs": 40}, "runs")):
+            runs.fails({**case, "predictor": {"umbridge": server.url, "emulator": wrong}}, 65, "/predictor/emulator", words,
+                       command="damage")
+        table = subprocess.run([runs.program, "table", runs.case(case), "-o", runs.folder / "t.nc"], capture_output=True,
+                               text=True)
+        assert table.returncode == 65 and "our own beam" in table.stderr, table.stderr
+    # A server that is gone ends it with one line.
+    runs.fails({**case, "predictor": {**case["predictor"], "retries": 0}}, 66, "/predictor", "no server listens",
+               command="damage")
+
+
 PROGRAM = """#!/usr/bin/env python3
 import json, math, sys
 asked = json.load(open(sys.argv[1]))
@@ -446,7 +475,7 @@ def a_killed_server_costs_nothing(runs, _):
 
 
 CHECKS = [a_python_server_predicts_the_beam, ours_served_gives_the_same_bits, ours_passes_a_client, chains_are_served,
-          a_damage_is_found_by_a_served_beam, programs_predict, an_emulator_in_front, failing_programs_are_named,
+          a_damage_is_found_by_a_served_beam, an_emulator_in_front_of_a_beam, programs_predict, an_emulator_in_front, failing_programs_are_named,
           failing_servers_are_named, a_killed_server_costs_nothing]
 
 if __name__ == "__main__":
