@@ -192,8 +192,9 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
                        "an emulator is trained on a beam, not on a structure");
   }
   if (parsed.outside)
-    parsed.file.refuse(predictor, "a table holds runs of our own beam; a damage case keeps the "
-                                  "answers of this model in a \"memory\"");
+    parsed.file.refuse(predictor,
+                       "a table holds runs of our own beam; a damage case keeps the "
+                       "answers of this model in a \"memory\"");
   if (!damage_case.emulator || damage_case.emulator->table) {
     parsed.file.refuse(
         predictor, "must describe a table to compute: {\"sites\": [...], \"multipliers\": [...]}");

@@ -16,8 +16,8 @@ std::shared_ptr<const DamageProblem> prepare_damage(const DamageCaseFile& parsed
                                                     const CommonOptions& common, RunWatch& watch) {
   const auto show = [&](int count, Eigen::Index done, Eigen::Index total) {
     watch.show("table", static_cast<double>(done) / static_cast<double>(total),
-               std::to_string(total) + (parsed.outside ? " runs, " : " FE runs, ") + std::to_string(count) +
-                   (count == 1 ? " damage" : " damages"));
+               std::to_string(total) + (parsed.outside ? " runs, " : " FE runs, ") +
+                   std::to_string(count) + (count == 1 ? " damage" : " damages"));
   };
   DamageProblemOptions options = {.threads = base::thread_count(common.threads),
                                   .table_progress = show};

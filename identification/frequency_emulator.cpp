@@ -113,8 +113,7 @@ void FrequencyEmulator::measure(const fem::Reanalysis& reanalysis, int count, In
     throw std::invalid_argument("the runs leave no room for fresh ones between them");
   }
   fresh.points.conservativeResize(kept, Eigen::NoChange);
-  const RowMatrix truth =
-      emulator::run_experiment(fresh, modes_, model_of(reanalysis, options),
+  const RowMatrix truth = emulator::run_experiment(fresh, modes_, model_of(reanalysis, options),
                                                    {.threads = options.threads});
   fresh_runs_ += kept;
   const auto modes = static_cast<std::size_t>(modes_);

@@ -39,8 +39,7 @@ PlaceProbabilities probabilities(const UnpackedDraws& draws, const std::vector<S
       const auto kind = static_cast<std::size_t>(component.kind);
       const SiteLine& line = kinds[kind].line;
       if (line.is_beam()) continue;
-      held.push_back(first[kind] +
-                     static_cast<std::size_t>(line.spot(component.location).stretch));
+      held.push_back(first[kind] + static_cast<std::size_t>(line.spot(component.location).stretch));
     }
     std::ranges::sort(held);
     held.erase(std::ranges::unique(held).begin(), held.end());
@@ -108,8 +107,8 @@ void tell_rivals(const UnpackedDraws& draws, const std::optional<SymmetryFinding
     remark::RivalPlaces rivals;
     for (const int place : group) {
       const auto at = static_cast<std::size_t>(place);
-      rivals.places.push_back({.kind = sites[at].kind, .name = names[at],
-                               .probability = found.each[at]});
+      rivals.places.push_back(
+          {.kind = sites[at].kind, .name = names[at], .probability = found.each[at]});
     }
     remarks.push_back(std::move(rivals));
   }
