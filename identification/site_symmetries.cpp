@@ -59,6 +59,15 @@ LineMap line_map(const fem::SelfMap& map, const DefectKind& kind) {
   return out;
 }
 
+/// No place has an image but itself: groups of members that lie on both sides.
+bool moves_nothing(const std::vector<LineMap>& of_kinds) {
+  return std::ranges::all_of(of_kinds, [](const LineMap& map) {
+    for (std::size_t s = 0; s < map.stretch.size(); ++s)
+      if (map.stretch[s] != static_cast<int>(s) || map.turned[s]) return false;
+    return true;
+  });
+}
+
 std::function<double(double)> image_on(const SiteLine& line, const LineMap& map) {
   return [line, map](double x) {
     if (!(x >= 0.0 && x <= line.length())) return std::numeric_limits<double>::quiet_NaN();
@@ -147,7 +156,7 @@ SiteSymmetries find_symmetries(const AnyStructure& structure, const std::vector<
       if (of_kinds.back().stretch.empty()) break;
       symmetry.parts.push_back({static_cast<int>(k), 0, image_on(kinds[k].line, of_kinds.back())});
     }
-    if (symmetry.parts.size() != kinds.size()) continue;
+    if (symmetry.parts.size() != kinds.size() || moves_nothing(of_kinds)) continue;
     if (frequencies.empty())
       for (const auto& trial : trials) frequencies.push_back(solve(trial));
     bool same = true;

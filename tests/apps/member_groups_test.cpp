@@ -132,6 +132,8 @@ TEST_F(MemberGroups, OfATruthIsSimulatedAndFound) {
   const json& found = s["parameters"]["1 soft substructure"];
   EXPECT_NEAR(found["reduction[1]"]["mean"].get<double>(), 0.3, 0.02);
   EXPECT_EQ(found["substructure[1]"]["q50"], 2.0);
+  // The frame is its own image, and so is every group.
+  EXPECT_FALSE(s["diagnostics"].contains("symmetry"));
   EXPECT_EQ(s["structure"]["lines"]["soft substructure"]["stretches"][2]["members"], json({2, 3}));
 }
 
