@@ -58,9 +58,11 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
   const DamageProblem& problem = draws.problem();
   const SiteLine& line = problem.damage_case.kinds[static_cast<std::size_t>(kind)].line;
   constexpr double kTenth = 0.1;
-  // What a uniform spread of the expected number would put on an element is background.
+  // What a uniform spread of the expected number would put on an element is background; joints and
+  // storeys are few, and each is told.
+  const bool points = !line.is_beam() && line.stretches().front().size == 0.0;
   const double total = std::accumulate(overall.begin(), overall.end(), 0.0);
-  const double background = 2.0 * total / static_cast<double>(overall.size());
+  const double background = points ? 0.0 : 2.0 * total / static_cast<double>(overall.size());
   std::vector<Place> list;
   for (std::size_t e = 0; e < overall.size();) {
     if (overall[e] <= background) {

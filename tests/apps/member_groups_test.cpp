@@ -145,6 +145,10 @@ TEST_F(MemberGroups, ImagesOfGroupsAreFound) {
   const json s = run("--warmup 1000 --draws 2000");
   EXPECT_EQ(s["diagnostics"]["symmetry"]["alike"], json::parse(R"([["left", "right"]])"));
   EXPECT_NEAR(s["damage"]["inclusion_by_member"]["left"].get<double>(), 0.5, 0.1);
+  // Both are told, few as there are.
+  ASSERT_EQ(s["damage"]["places"]["soft substructure"].size(), 2U);
+  for (const json& place : s["damage"]["places"]["soft substructure"])
+    EXPECT_NEAR(place["reduction"]["q50"].get<double>(), 0.3, 0.05) << place;
 }
 
 TEST_F(MemberGroups, Refusals) {
