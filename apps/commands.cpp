@@ -351,6 +351,10 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
 }
 
 void run_simulate(const CommonOptions& common) {
+  std::error_code missing;
+  if (std::filesystem::equivalent(common.output, common.case_path, missing))
+    throw Failure(Exit::usage,
+                  "--output: " + common.output.string() + " is the case itself: name another file");
   CaseFile file = read_case(common.case_path, common.overrides);
   if (file.json.value("kind", Json()) == "sid") return simulate_sid(common, std::move(file));
   if (file.json.value("kind", Json()) == "update") return simulate_update(common, std::move(file));
@@ -372,8 +376,9 @@ void run_simulate(const CommonOptions& common) {
   }
   write_text(common.output, text);
   if (!common.quiet) {
-    std::cout << data.modes() << " frequencies (" << data.origin
-              << "): " << io::printable(common.output.string()) << '\n';
+    const bool shapes = damage_case.modal && !damage_case.modal->sensors.empty();
+    std::cout << data.modes() << (shapes ? " frequencies and shapes (" : " frequencies (")
+              << data.origin << "): " << io::printable(common.output.string()) << '\n';
   }
 }
 

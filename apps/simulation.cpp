@@ -25,6 +25,7 @@ SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed)
   const ModalData& data = parsed.update.data;
   Json json = parsed.file.json;
   Json& out = json["data"];
+  if (!out.is_object()) out = Json::object();
   for (const char* key : {"file", "columns", "row"}) out.erase(key);
   out["frequencies"] = data.frequencies_hz;
   const Json& truth = json["truth"];
@@ -42,6 +43,7 @@ SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed)
 Json with_simulated(const DamageCaseFile& parsed, const FrequencyData& data, std::uint64_t seed) {
   const DamageCase& damage_case = parsed.damage;
   Json json = parsed.file.json;
+  if (!json["data"].is_object()) json["data"] = Json::object();  // its truth says all
   for (const char* key : {"file", "columns", "row", "modes", "seed"}) json["data"].erase(key);
   json["data"]["frequencies"] = data.frequencies_hz;
   const auto says = [&](const char* key) { return json["data"].contains(key); };

@@ -55,18 +55,35 @@ class PythonLikelihood : public inference::Likelihood {
     }
     for (std::size_t i = 0; i < out.size(); ++i) {
       const py::array_t<double> x(d, xs.data() + static_cast<py::ssize_t>(i) * d);
-      out[i] = of.function(x).cast<double>();
+      out[i] = number(of, of.function(x));
     }
   }
 
  private:
+  static double number(const Function& of, const py::object& returned) {
+    try {
+      return returned.cast<double>();
+    } catch (const py::cast_error&) {
+      PyErr_Clear();
+      throw py::type_error("log_likelihood of \"" + of.model +
+                           "\": must return one number, returned " + described(returned));
+    }
+  }
+
   static Array converted(const Function& of, const py::object& returned) {
     Array values = Array::ensure(returned);
     if (values) return values;
     PyErr_Clear();
     throw py::type_error("log_likelihood of \"" + of.model +
-                         "\": must return an array of numbers, returned " +
-                         py::str(py::type::of(returned).attr("__name__")).cast<std::string>());
+                         "\": must return an array of numbers, returned " + described(returned));
+  }
+
+  /// "str", "ndarray of shape (50,)".
+  static std::string described(const py::object& returned) {
+    auto text = py::str(py::type::of(returned).attr("__name__")).cast<std::string>();
+    if (py::hasattr(returned, "shape"))
+      text += " of shape " + py::str(returned.attr("shape")).cast<std::string>();
+    return text;
   }
 
   const inference::ModelSpace& space_;

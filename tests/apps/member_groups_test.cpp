@@ -151,6 +151,25 @@ TEST_F(MemberGroups, ImagesOfGroupsAreFound) {
     EXPECT_NEAR(place["reduction"]["q50"].get<double>(), 0.3, 0.05) << place;
 }
 
+// The truth says how many modes, and how exact: a case may be without data until they are made.
+TEST_F(MemberGroups, DataAreSimulatedWhereThereAreNone) {
+  given.erase("data");
+  given["damage"]["truth"] = {
+      {"defects", json::array({{{"substructure", "beams"}, {"reduction", 0.2}}})},
+      {"modes", 4},
+      {"cov", 0.001}};
+  const std::string path = where.write_json("case.json", given).string();
+  const std::string made = (where / "made.json").string();
+  const Outcome ran = wheeltap(where, "simulate " + path + " -o " + made);
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_EQ(json::parse(read_all(made))["data"]["frequencies"].size(), 4U);
+  const std::string before = read_all(path);
+  const Outcome onto_itself = wheeltap(where, "simulate " + path + " -o " + path);
+  EXPECT_EQ(onto_itself.exit_code, 64);
+  EXPECT_THAT(onto_itself.err, HasSubstr("is the case itself"));
+  EXPECT_EQ(read_all(path), before);
+}
+
 TEST_F(MemberGroups, Refusals) {
   given["data"]["frequencies"] = {10.0, 20.0};
   json bad = given;

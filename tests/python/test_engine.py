@@ -93,6 +93,8 @@ class Engine(unittest.TestCase):
             wt.sample(models(log_likelihood=lambda x: np.zeros((len(x), 2))), **QUICK)
         with self.assertRaisesRegex(TypeError, "must return an array of numbers, returned str"):
             wt.sample(models(log_likelihood=lambda x: "much"), **QUICK)
+        with self.assertRaisesRegex(TypeError, r"must return one number, returned ndarray of shape \(5,\)"):
+            wt.sample(models(log_likelihood=lambda x: np.zeros(5), batch=False), **QUICK)
         with self.assertRaisesRegex(wt.CaseError, "^sample: .*something"):
             wt.sample(models(log_likelihood=lambda x: np.full(len(x), np.nan)), **QUICK)
 
