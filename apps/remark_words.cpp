@@ -131,9 +131,9 @@ class Speaker {
     }
     if (r.places.size() > kNamed)
       list.push_back("at one of " + std::to_string(r.places.size() - kNamed) + " more");
-    return "The data do not say which: " + in_words(list, "or") + ". It is one of these (" +
-           percent(std::min(sum, 1.0)) +
-           " together), hardly ever two at once. To tell them apart, measure mode shapes or more "
+    return "The data do not say which: " + in_words(list, "or") + ". It is one of these with " +
+           probability_is(std::min(sum, 1.0)) +
+           ", hardly ever two at once. To tell them apart, measure mode shapes or more "
            "modes, or look there.";
   }
   std::string operator()(const remark::FittedNotTested& r) const {

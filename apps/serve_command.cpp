@@ -9,6 +9,7 @@
 #include "apps/sid_case.hpp"
 #include "apps/update_run.hpp"
 #include "base/parallel.hpp"
+#include "identification/sid_residuals.hpp"
 #include "io/text.hpp"
 
 namespace wheeltap::apps {
@@ -39,7 +40,9 @@ std::vector<ServedModel> models_of(CaseFile file, const CommonOptions& common) {
   if (kind == "update")
     return served(prepare_update(parse_update_case(std::move(file)), common, watch));
   if (kind == "sid") {
-    const SidCaseFile parsed = parse_sid_case(std::move(file));
+    SidCaseFile parsed = parse_sid_case(std::move(file));
+    // As a run does before anything else, where a case leaves the orders to it.
+    identification::choose_orders(parsed.sid, common.seed.value_or(1), common.threads);
     return explained(parsed, [&] {
       return served(std::shared_ptr<const identification::SidProblem>(
           identification::make_sid_problem(parsed.sid)));

@@ -133,31 +133,46 @@ class DamageForward final : public OutsideModel {
   int inputs_ = 0;
 };
 
-/// The motion of a chain by its parameters, where it was measured.
+/// The motion of a chain by its parameters, where it was measured: record after record.
 class ChainForward final : public OutsideModel {
  public:
   ChainForward(std::shared_ptr<const SidProblem> problem, int model)
-      : problem_(std::move(problem)), model_(model) {}
+      : problem_(std::move(problem)), model_(model), records_{problem_.get()} {
+    for (const auto& record : problem_->further) records_.push_back(record.get());
+  }
   [[nodiscard]] int inputs() const override { return problem_->problem.space[model_].dimension; }
-  [[nodiscard]] int outputs() const override { return misfit().channels() * misfit().samples(); }
+  [[nodiscard]] int outputs() const override {
+    int sum = 0;
+    for (const SidProblem* record : records_) sum += samples_of(*record);
+    return sum;
+  }
   // Misfits are y - x(θ): what is measured less these is the motion, whatever was measured.
   void evaluate(std::span<const double> x, std::span<double> y) override {
-    const std::vector<double> theta = problem_->theta(model_, x);
-    if (!misfit().residuals(theta, y))
-      throw std::invalid_argument("the chain has no such motion: it runs away, or makes no sense");
-    for (std::size_t c = 0, at = 0; at < y.size(); ++c)
-      for (const double measured : observed(*problem_, c, theta)) {
-        y[at] = measured - y[at];
-        ++at;
-      }
+    for (const SidProblem* record : records_) {
+      const std::vector<double> theta = record->theta(model_, x);
+      const auto own = y.first(static_cast<std::size_t>(samples_of(*record)));
+      y = y.subspan(own.size());
+      if (!misfit(*record).residuals(theta, own))
+        throw std::invalid_argument(
+            "the chain has no such motion: it runs away, or makes no sense");
+      for (std::size_t c = 0, at = 0; at < own.size(); ++c)
+        for (const double measured : observed(*record, c, theta)) {
+          own[at] = measured - own[at];
+          ++at;
+        }
+    }
   }
 
  private:
-  [[nodiscard]] const dynamics::Misfit& misfit() const {
-    return problem_->misfits[static_cast<std::size_t>(model_)];
+  [[nodiscard]] const dynamics::Misfit& misfit(const SidProblem& record) const {
+    return record.misfits[static_cast<std::size_t>(model_)];
+  }
+  [[nodiscard]] int samples_of(const SidProblem& record) const {
+    return misfit(record).channels() * misfit(record).samples();
   }
   std::shared_ptr<const SidProblem> problem_;
   int model_;
+  std::vector<const SidProblem*> records_;
 };
 
 /// ln p(data | x), and ln p(x) with it where it is the posterior's.

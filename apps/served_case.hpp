@@ -26,7 +26,7 @@ namespace wheeltap::apps {
 
 /// For each model (with its name, where there are several), all of them from its parameters:
 /// "forward" to the response of every channel at the scored samples [SI], channel by channel,
-/// without noise; "log_likelihood" and "posterior".
+/// record by record, without noise; "log_likelihood" and "posterior".
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::SidProblem> problem);
 

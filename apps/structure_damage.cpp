@@ -186,6 +186,12 @@ class KindParser {
           file_.refuse(at / i, "is in this substructure already");
         out.back().push_back(member);
       }
+      // Maps of the structure onto itself would not know which of the two is meant.
+      const auto same = std::ranges::find_if(out, [&](const std::vector<int>& other) {
+        return std::ranges::is_permutation(other, out.back());
+      });
+      if (same != std::prev(out.end()))
+        file_.refuse(at, "has the same members as another substructure");
     }
     return out;
   }

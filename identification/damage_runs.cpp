@@ -218,12 +218,9 @@ Table refined(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, const
                                          .most_runs = 1'000'000,
                                          .seed = options.seed,
                                          .experiment = {.threads = options.threads}};
-  const auto rigid = static_cast<std::size_t>(reanalysis.rigid_body_modes());
-  for (int mode = 0; mode < modes; ++mode) {
-    refinement.tolerance.push_back(
-        *spec.accuracy *
-        reanalysis.intact_frequencies_hz()[rigid + static_cast<std::size_t>(mode)]);
-  }
+  std::vector<double> intact(static_cast<std::size_t>(modes));
+  model_of(reanalysis, options)()({}, intact);
+  for (const double frequency : intact) refinement.tolerance.push_back(*spec.accuracy * frequency);
   std::vector<double> midpoints;
   for (int e = 0; e < beam.elements; ++e) midpoints.push_back(beam.element_midpoint(e));
   for (int i = 0; i < count; ++i) {

@@ -1,11 +1,12 @@
 #include "identification/rival_places.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <string>
 
 namespace wheeltap::identification {
 namespace {
+
+constexpr double kWorthNaming = 0.05;
 
 struct Site {
   int kind, stretch;
@@ -23,17 +24,14 @@ std::vector<Site> sites_of(const DamageCase& damage_case) {
   return out;
 }
 
-PlaceProbabilities probabilities(const UnpackedDraws& draws, const std::vector<Site>& sites) {
+/// visit(weight, sites) for every draw, `sites` those that hold a defect, in order and each once.
+template <class Visit>
+void for_each_draw(const UnpackedDraws& draws, const std::vector<Site>& sites, const Visit& visit) {
   const std::vector<DefectKind>& kinds = draws.problem().damage_case.kinds;
   std::vector<std::size_t> first(kinds.size(), 0);  // place of each kind's first stretch
   for (std::size_t i = sites.size(); i-- > 0;) first[static_cast<std::size_t>(sites[i].kind)] = i;
-  PlaceProbabilities out{std::vector<double>(sites.size()),
-                         std::vector(sites.size(), std::vector<double>(sites.size()))};
-  double all = 0.0;
   std::vector<std::size_t> held;
   draws.for_each([&](std::size_t c, std::size_t i) {
-    const double weight = draws.weight(c, i);
-    all += weight;
     held.clear();
     for (const DamageProblem::Component& component : draws.at(c, i)) {
       const auto kind = static_cast<std::size_t>(component.kind);
@@ -43,14 +41,37 @@ PlaceProbabilities probabilities(const UnpackedDraws& draws, const std::vector<S
     }
     std::ranges::sort(held);
     held.erase(std::ranges::unique(held).begin(), held.end());
-    for (const std::size_t a : held) {
-      out.each[a] += weight;
-      for (const std::size_t b : held) out.both[a][b] += weight;
-    }
+    visit(draws.weight(c, i), held);
   });
-  for (double& p : out.each) p /= all;
-  for (auto& row : out.both)
-    for (double& p : row) p /= all;
+}
+
+/// Of the sites that are worth naming, to which `sites` shrinks: a large frame has thousands, and
+/// pairs of them are many.
+PlaceProbabilities probabilities(const UnpackedDraws& draws, std::vector<Site>& sites) {
+  double all = 0.0;
+  std::vector<double> each(sites.size());
+  for_each_draw(draws, sites, [&](double weight, const std::vector<std::size_t>& held) {
+    all += weight;
+    for (const std::size_t a : held) each[a] += weight;
+  });
+  std::vector<int> among(sites.size(), -1);
+  std::vector<Site> named;
+  PlaceProbabilities out;
+  for (std::size_t a = 0; a < sites.size(); ++a) {
+    if (each[a] < kWorthNaming * all) continue;
+    among[a] = static_cast<int>(named.size());
+    named.push_back(sites[a]);
+    out.each.push_back(each[a] / all);
+  }
+  out.both.assign(named.size(), std::vector<double>(named.size()));
+  for_each_draw(draws, sites, [&](double weight, const std::vector<std::size_t>& held) {
+    for (const std::size_t a : held)
+      for (const std::size_t b : held)
+        if (among[a] >= 0 && among[b] >= 0)
+          out.both[static_cast<std::size_t>(among[a])][static_cast<std::size_t>(among[b])] +=
+              weight / all;
+  });
+  sites = std::move(named);
   return out;
 }
 
@@ -67,7 +88,7 @@ bool are_images(const std::vector<int>& group, const std::vector<std::string>& n
 }  // namespace
 
 std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places) {
-  constexpr double kWorthNaming = 0.05, kTogether = 0.1, kTogetherInAll = 0.5;
+  constexpr double kTogether = 0.1, kTogetherInAll = 0.5;
   const auto p = [&](int i) { return places.each[static_cast<std::size_t>(i)]; };
   std::vector<int> left;
   for (int i = 0; i < static_cast<int>(places.each.size()); ++i)
@@ -94,14 +115,14 @@ std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places)
 void tell_rivals(const UnpackedDraws& draws, const std::optional<SymmetryFinding>& symmetry,
                  std::vector<Remark>& remarks) {
   const std::vector<DefectKind>& kinds = draws.problem().damage_case.kinds;
-  const std::vector<Site> sites = sites_of(draws.problem().damage_case);
+  std::vector<Site> sites = sites_of(draws.problem().damage_case);
   if (sites.empty()) return;
+  const PlaceProbabilities found = probabilities(draws, sites);
   std::vector<std::string> names;
   for (const Site& site : sites)
     names.push_back(kinds[static_cast<std::size_t>(site.kind)]
                         .line.stretches()[static_cast<std::size_t>(site.stretch)]
                         .name);
-  const PlaceProbabilities found = probabilities(draws, sites);
   for (const std::vector<int>& group : exclusive_groups(found)) {
     if (are_images(group, names, symmetry)) continue;
     remark::RivalPlaces rivals;

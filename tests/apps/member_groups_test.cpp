@@ -182,6 +182,9 @@ TEST_F(MemberGroups, Refusals) {
   bad["damage"]["groups"]["beams"] = {"floor", "floor"};
   refused(bad, "/damage/groups/beams/1: \"floor\": is in this substructure already");
   bad = given;
+  bad["damage"]["groups"]["again"] = {"roof", "floor"};
+  refused(bad, "/damage/groups/beams: [\"floor\",\"roof\"]: has the same members as another");
+  bad = given;
   bad["damage"]["kind"] = "crack";
   bad["damage"]["depth"] = {{"uniform", {0.0, 0.5}}};
   bad["damage"].erase("reduction");

@@ -245,6 +245,17 @@ def chains_are_served(runs, _):
         assert stiffer != client.evaluate("forward linear", [100.0])
         limp = client.evaluate("forward duffing", [100.0, 0.0])
         assert max(abs(a - b) for a, b in zip(limp, motion(100.0))) < 1e-5
+        # Two records give their responses one after the other, and their likelihoods add up.
+        alone = client.evaluate("forward linear", [90.0]), client.evaluate("log_likelihood linear", [90.0])[0]
+        twice = {**case, "records": [case["record"], case["record"]]}
+        del twice["record"]
+        with Serving(runs.program, runs.case(twice)) as both:
+            assert Client(both.url).evaluate("forward linear", [90.0]) == alone[0] * 2
+            assert abs(Client(both.url).evaluate("log_likelihood linear", [90.0])[0] / (2 * alone[1]) - 1) < 1e-12
+        # An order that is left to the program is chosen as a run chooses it: these residuals are a sine.
+        with Serving(runs.program, runs.case({**case, "residuals": {"ar": "auto"}})) as coloured:
+            inputs, = Client(coloured.url).post("/InputSizes", name="log_likelihood linear", config={})[1]["inputSizes"]
+            assert inputs > 1, inputs
         status, answer = client.post("/Evaluate", name="forward linear", input=[[-4.0e9]])
         assert status in (400, 500) and "no such motion" in answer["error"]["message"], (status, answer)
 
