@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -17,6 +18,7 @@
 #include "apps/schema_lists.hpp"
 #include "apps/schema_texts.hpp"
 #include "apps/whole_number.hpp"
+#include "inference/tabulated_prior.hpp"
 #include "io/bytes.hpp"
 #include "io/file_error.hpp"
 #include "io/text.hpp"
@@ -427,12 +429,23 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
       const auto a = arguments(4);
       return Prior(TruncatedNormal{a[0], a[1], a[2], a[3]});
     }
+    if (family == "student_t") {
+      const auto a = arguments(3);
+      return Prior(StudentT{a[0], a[1], a[2]});
+    }
+    if (family == "table") {
+      const Json& table = prior.at(family);
+      return Prior(OwnPrior{
+          std::make_shared<TabulatedPrior>(table.at("x").get<std::vector<double>>(),
+                                           table.at("density").get<std::vector<double>>())});
+    }
     const auto a = arguments(2);
     if (family == "uniform") return Prior(Uniform{a[0], a[1]});
     if (family == "log_uniform") return Prior(LogUniform{a[0], a[1]});
     if (family == "normal") return Prior(Normal{a[0], a[1]});
     if (family == "log_normal") return Prior(LogNormal{a[0], a[1]});
     if (family == "gamma") return Prior(Gamma{a[0], a[1]});
+    if (family == "inverse_gamma") return Prior(InverseGamma{a[0], a[1]});
     const auto on = prior.value("on", std::vector<double>{0.0, 1.0});
     return Prior(Beta{a[0], a[1], on[0], on[1]});
   } catch (const std::invalid_argument& error) {

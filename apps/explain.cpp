@@ -77,18 +77,32 @@ class Places {
     }
   }
 
+  // Of this kind of case.
   Place* find(const Path& path) {
-    const auto found = std::ranges::find(out_, path, &Place::path);
+    const auto found = std::ranges::find_if(out_, [&](const Place& place) {
+      return place.path == path && std::ranges::find(place.kinds, kind_) != place.kinds.end();
+    });
+    return found == out_.end() ? nullptr : &*found;
+  }
+
+  // Of another kind of case, if it means the same there.
+  Place* find_like(const Path& path, const std::string& meaning) {
+    const auto found = std::ranges::find_if(out_, [&](const Place& place) {
+      return place.path == path &&
+             (meaning.empty() || place.meaning.empty() || place.meaning == meaning);
+    });
     return found == out_.end() ? nullptr : &*found;
   }
 
   void note(const Json& rule, const Path& path) {
+    const std::string meaning = rule.value("description", "");
     Place* here = find(path);
+    if (here == nullptr) here = find_like(path, meaning);
     if (here == nullptr) {
       out_.push_back({.path = path, .meaning = {}, .form = {}});
       here = &out_.back();
     }
-    if (here->meaning.empty()) here->meaning = rule.value("description", "");
+    if (here->meaning.empty()) here->meaning = meaning;
     if (here->form.empty()) here->form = form_of(rule);
     if (std::ranges::find(here->kinds, kind_) == here->kinds.end()) here->kinds.push_back(kind_);
   }
@@ -133,11 +147,19 @@ std::string explanation(const std::string& key) {
       text += "    keys: " + listed({place.keys.begin(), place.keys.end()}) + "\n";
   }
   if (!text.empty()) return text;
+  const std::string word = asked.empty() ? key : asked.back();
   std::vector<std::string> names;
-  for (const Place& place : places) names.push_back(place.path.back());
-  const std::string meant = nearest(asked.empty() ? key : asked.back(), names);
-  throw Failure(Exit::usage, "there is no key \"" + key + "\"" +
-                                 (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+  std::set<std::string> speaking;  // keys whose texts have the word
+  for (const Place& place : places) {
+    names.push_back(place.path.back());
+    if (word.size() > 2 && place.meaning.find(word) != std::string::npos)
+      speaking.insert(place.path.back());
+  }
+  const std::string meant = nearest(word, names);
+  std::string instead = meant.empty() ? "" : "; did you mean \"" + meant + "\"?";
+  if (meant.empty() && !speaking.empty())
+    instead = "; the texts of these speak of it: " + listed({speaking.begin(), speaking.end()});
+  throw Failure(Exit::usage, "there is no key \"" + key + "\"" + instead);
 }
 
 }  // namespace wheeltap::apps

@@ -57,15 +57,17 @@ void require_affordable(const CaseFile& file, const Pointer& where, const RunCos
 
 RunCost cost_of_sampling(const Sampled& sampled, const CommonOptions& common,
                          const SamplingOptions& options) {
+  const double share = sampled.records ? 0.5 : 1.0;
   const double draws = options.draws > 0 ? options.draws : (options.quick ? 1000.0 : kDraws);
-  const double warmup = options.warmup > 0 ? options.warmup : (options.quick ? 1000.0 : kWarmup);
+  const double warmup =
+      options.warmup > 0 ? options.warmup : (options.quick ? 1000.0 : kWarmup * share);
   // As inference::Chain has it; and judged, written from memory and read again for the report.
   constexpr double kCopies = 6.0;
   const double draw = 23.0 + 8.0 * sampled.largest + 4.0 * sampled.predictions;
   const double explored =
       sampled.explored * (options.quick ? 0.2 : 1.0) * (sampled.models + sampled.dimensions);
   RunCost cost{.bytes = kCopies * options.chains * draws * draw,
-               .likelihoods = options.chains * (warmup + draws * kThin) + explored};
+               .likelihoods = options.chains * (warmup + draws * kThin * share) + explored};
   const int threads = std::min(base::thread_count(common.threads), options.chains);
   cost.seconds = cost.likelihoods * sampled.seconds_a_likelihood / threads;
   return cost;

@@ -36,6 +36,7 @@ struct Sampled {
   double predictions = 0.0;  ///< numbers that a draw keeps besides its parameters
   double explored = 0.0;     ///< likelihoods a dimension before the first draw
   double seconds_a_likelihood = 0.0;
+  bool records = false;  ///< the engine tunes half as long and thins half as much
 };
 
 /// Of draws. Engines that stop when they have converged are taken to do so in their first round.

@@ -50,7 +50,8 @@ RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
       .largest = static_cast<double>(space.max_dimension()),
       // 10 000 to 150 000 on the shipped cases, the repetition with finer steps included
       .explored = 40'000.0,
-      .seconds_a_likelihood = problem->seconds_a_likelihood};
+      .seconds_a_likelihood = problem->seconds_a_likelihood,
+      .records = true};
   for (int m = 0; m < space.size(); ++m) sampled.dimensions += space[m].dimension;
   RunCost cost = cost_of_sampling(sampled, common, chosen);
   const RunCost truth = cost_of_truth(parsed.file);

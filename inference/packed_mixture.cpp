@@ -171,7 +171,8 @@ WHEELTAP_INLINE double em_pass_body(const double* packed, const double* means, s
   return log_likelihood;
 }
 
-// One copy of each routine for each instruction set.
+// One copy of each routine for each instruction set. None contracts to fused multiply-add, so that
+// all give the same bits and a chain does not depend on where it ran.
 #define WHEELTAP_ROUTINES(NAME, ATTRIBUTE)                                                       \
   ATTRIBUTE double log_density_##NAME(const double* packed, std::size_t groups,                  \
                                       std::size_t stride, const double* z, std::size_t d) {      \
@@ -190,21 +191,22 @@ WHEELTAP_INLINE double em_pass_body(const double* packed, const double* means, s
 
 WHEELTAP_ROUTINES(baseline, )
 #if defined(__GNUC__) && defined(__x86_64__)
-WHEELTAP_ROUTINES(avx2, [[gnu::target("avx2,fma")]])
-WHEELTAP_ROUTINES(avx512, [[gnu::target("avx512f,avx512dq,fma")]])
+WHEELTAP_ROUTINES(avx2, [[gnu::target("avx2")]])
+WHEELTAP_ROUTINES(avx512, [[gnu::target("avx512f,avx512dq,avx512vl")]])
+constexpr base::Compiled<Routines> kCompiled{&kRoutines_baseline, &kRoutines_avx2,
+                                             &kRoutines_avx512};
+#else
+constexpr base::Compiled<Routines> kCompiled{&kRoutines_baseline};
 #endif
 
 }  // namespace
 
+std::vector<const Routines*> runnable_routines(base::Instructions instructions) {
+  return base::runnable(kCompiled, instructions);
+}
+
 const Routines& routines() {
-  static const Routines chosen = [] {
-#if defined(__GNUC__) && defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
-      return kRoutines_avx512;
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return kRoutines_avx2;
-#endif
-    return kRoutines_baseline;
-  }();
+  static const Routines chosen = *runnable_routines(base::Instructions::automatic).back();
   return chosen;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/simd.hpp"
 #include "inference/normal_mixture.hpp"
 
 namespace wheeltap::inference::packed {
@@ -35,7 +36,7 @@ struct Samples {
   const double* weight;  ///< n
 };
 
-/// Compiled for several instruction sets; chosen once, at run time.
+/// Compiled for several instruction sets, which give the same bits; chosen once, at run time.
 struct Routines {
   /// ln Σ_k exp(c_k - ½ |A_k z - b_k|²)
   double (*log_density)(const double* packed, std::size_t groups, std::size_t stride,
@@ -51,6 +52,8 @@ struct Routines {
                     std::size_t stride, const Samples& samples, double* moments);
 };
 [[nodiscard]] const Routines& routines();
+/// Those that this processor can run, the narrowest first.
+[[nodiscard]] std::vector<const Routines*> runnable_routines(base::Instructions instructions);
 
 /// ln |L|
 [[nodiscard]] double log_sum_diagonal(const Eigen::MatrixXd& factor);

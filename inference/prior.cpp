@@ -1,13 +1,17 @@
 #include "inference/prior.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "base/number.hpp"
 #include "inference/standard_normal.hpp"
@@ -155,6 +159,39 @@ struct StandardTruncated {
   }
 };
 
+// Student's t: P(|T| > t) = I_y(ν/2, ½) with y = ν / (ν + t²).
+double student_upper_tail(double nu, double t) {
+  const double u = t / std::sqrt(nu);
+  const double y = 1.0 / (1.0 + u * u);
+  if (y < 0.5) return 0.5 * boost::math::ibeta(0.5 * nu, 0.5, y, Policy{});
+  return 0.5 * boost::math::ibetac(0.5, 0.5 * nu, u * u * y, Policy{});
+}
+
+// t > 0 of Φ(-z), z > 0. Near the centre 1 - 2Φ(-z) = erf(z/√2) is what is exact.
+double student_quantile(double nu, double z) {
+  double rest = 0.0;
+  const double y =
+      z < 1.0 ? boost::math::ibetac_inv(0.5 * nu, 0.5, std::erf(z / std::numbers::sqrt2), &rest,
+                                        Policy{})
+              : boost::math::ibeta_inv(0.5 * nu, 0.5, 2.0 * normal_cdf(-z), &rest, Policy{});
+  return std::sqrt(nu) * std::sqrt(rest) / std::sqrt(y);
+}
+
+// ln(1 + u²), also where u² overflows.
+double log1p_square(double u) {
+  return std::fabs(u) < 1e8 ? std::log1p(u * u) : 2.0 * std::log(std::fabs(u));
+}
+
+// The doubles in their order, as whole numbers: neighbours differ by one.
+std::int64_t rank(double x) {
+  const auto bits = std::bit_cast<std::int64_t>(x);
+  return bits < 0 ? std::numeric_limits<std::int64_t>::min() - bits : bits;
+}
+
+double of_rank(std::int64_t rank) {
+  return std::bit_cast<double>(rank < 0 ? std::numeric_limits<std::int64_t>::min() - rank : rank);
+}
+
 struct Moments {
   double mean, sd;
 };
@@ -179,7 +216,19 @@ Moments moments_by_quadrature(const Prior& prior) {
 
 }  // namespace
 
-Prior::Prior(Family family) : family_(family) {
+// Bisection over the doubles between the ends, so that it ends at the nearest one wherever that is.
+double Distribution::quantile(Tails t) const {
+  std::int64_t low = rank(lower()), high = rank(upper());
+  while (std::midpoint(low, high) != low) {
+    const std::int64_t middle = std::midpoint(low, high);
+    const Tails here = tails(of_rank(middle));
+    const bool too_low = t.below < t.above ? here.below < t.below : here.above > t.above;
+    (too_low ? low : high) = middle;
+  }
+  return of_rank(high);
+}
+
+Prior::Prior(Family family) : family_(std::move(family)) {
   log_normaliser_ = std::visit(
       Overloaded{
           [](const Uniform& f) {
@@ -234,6 +283,27 @@ Prior::Prior(Family family) : family_(family) {
               refuse(kName, "sd", f.sd,
                      "1e-100 times the mean's distance from the interval, or more");
             return -kLogSqrt2Pi - std::log(f.sd) - StandardTruncated(f).log_mass();
+          },
+          [](const InverseGamma& f) {
+            require_positive("inverse_gamma", "shape", f.shape);
+            require_positive("inverse_gamma", "scale", f.scale);
+            return -boost::math::lgamma(f.shape, Policy{}) - std::log(f.scale);
+          },
+          [](const StudentT& f) {
+            require_positive("student_t", "nu", f.nu);
+            require_finite("student_t", "location", f.location);
+            require_positive("student_t", "scale", f.scale);
+            return -std::log(boost::math::tgamma_delta_ratio(0.5 * f.nu, 0.5, Policy{})) -
+                   0.5 * std::log(f.nu * std::numbers::pi) - std::log(f.scale);
+          },
+          [](const OwnPrior& f) {
+            if (f.distribution == nullptr)
+              throw std::invalid_argument("own prior: no distribution is given");
+            const double from = f.distribution->lower(), to = f.distribution->upper();
+            if (!(from < to))
+              refuse(f.distribution->describe().c_str(), "lower", from,
+                     ("< upper = " + base::number(to)).c_str());
+            return 0.0;
           }},
       family_);
 }
@@ -273,43 +343,68 @@ double Prior::log_density(double x) const {
                                [&](const TruncatedNormal& f) {
                                  const double u = (x - f.mean) / f.sd;
                                  return log_normaliser_ - 0.5 * u * u;
+                               },
+                               [&](const InverseGamma& f) {
+                                 const double u = f.scale / x;
+                                 if (u == 0.0 || std::isinf(u)) return -kInfinity;
+                                 return log_normaliser_ + (f.shape + 1.0) * std::log(u) - u;
+                               },
+                               [&](const StudentT& f) {
+                                 const double u = (x - f.location) / f.scale / std::sqrt(f.nu);
+                                 return log_normaliser_ - 0.5 * (f.nu + 1.0) * log1p_square(u);
+                               },
+                               [&](const OwnPrior& f) {
+                                 return x > lower() && x < upper() ? f.distribution->log_density(x)
+                                                                   : -kInfinity;
                                }},
                     family_);
 }
 
 double Prior::from_standard_normal(double z) const {
   return std::visit(
-      Overloaded{[z](const Uniform& f) { return interpolate(f.lower, f.upper, z); },
-                 [z](const LogUniform& f) {
-                   const double span = log_span(f);
-                   const double x = z < 0.0 ? f.lower * std::exp(span * normal_cdf(z))
-                                            : f.upper * std::exp(-span * normal_cdf(-z));
-                   return clamp(x, f.lower, f.upper);
-                 },
-                 [z](const Normal& f) { return f.mean + f.sd * z; },
-                 [z](const LogNormal& f) { return std::exp(f.mu + f.sigma * z); },
-                 [z](const HalfNormal& f) {
-                   // F(x) = 2Φ(x/sd) - 1
-                   return f.sd * (z < 0.0 ? normal_quantile_from_centre(0.5 * normal_cdf(z))
-                                          : -normal_quantile(0.5 * normal_cdf(-z)));
-                 },
-                 [z](const Gamma& f) {
-                   return f.scale *
-                          (z < 0.0 ? boost::math::gamma_p_inv(f.shape, normal_cdf(z), Policy{})
-                                   : boost::math::gamma_q_inv(f.shape, normal_cdf(-z), Policy{}));
-                 },
-                 [z](const Beta& f) {
-                   const auto [t, rest] = beta_quantile(f, z);
-                   const double width = f.upper - f.lower;
-                   return clamp(t < 0.5 ? f.lower + width * t : f.upper - width * rest, f.lower,
-                                f.upper);
-                 },
-                 [z](const TruncatedNormal& f) {
-                   const StandardTruncated cut(f);
-                   const double u = cut.reflected ? -cut.quantile(normal_cdf(-z), normal_cdf(z))
-                                                  : cut.quantile(normal_cdf(z), normal_cdf(-z));
-                   return clamp(f.mean + f.sd * u, f.lower, f.upper);
-                 }},
+      Overloaded{
+          [z](const Uniform& f) { return interpolate(f.lower, f.upper, z); },
+          [z](const LogUniform& f) {
+            const double span = log_span(f);
+            const double x = z < 0.0 ? f.lower * std::exp(span * normal_cdf(z))
+                                     : f.upper * std::exp(-span * normal_cdf(-z));
+            return clamp(x, f.lower, f.upper);
+          },
+          [z](const Normal& f) { return f.mean + f.sd * z; },
+          [z](const LogNormal& f) { return std::exp(f.mu + f.sigma * z); },
+          [z](const HalfNormal& f) {
+            // F(x) = 2Φ(x/sd) - 1
+            return f.sd * (z < 0.0 ? normal_quantile_from_centre(0.5 * normal_cdf(z))
+                                   : -normal_quantile(0.5 * normal_cdf(-z)));
+          },
+          [z](const Gamma& f) {
+            return f.scale * (z < 0.0
+                                  ? boost::math::gamma_p_inv(f.shape, normal_cdf(z), Policy{})
+                                  : boost::math::gamma_q_inv(f.shape, normal_cdf(-z), Policy{}));
+          },
+          [z](const Beta& f) {
+            const auto [t, rest] = beta_quantile(f, z);
+            const double width = f.upper - f.lower;
+            return clamp(t < 0.5 ? f.lower + width * t : f.upper - width * rest, f.lower, f.upper);
+          },
+          [z](const TruncatedNormal& f) {
+            const StandardTruncated cut(f);
+            const double u = cut.reflected ? -cut.quantile(normal_cdf(-z), normal_cdf(z))
+                                           : cut.quantile(normal_cdf(z), normal_cdf(-z));
+            return clamp(f.mean + f.sd * u, f.lower, f.upper);
+          },
+          [z](const InverseGamma& f) {
+            return f.scale / (z < 0.0
+                                  ? boost::math::gamma_q_inv(f.shape, normal_cdf(z), Policy{})
+                                  : boost::math::gamma_p_inv(f.shape, normal_cdf(-z), Policy{}));
+          },
+          [z](const StudentT& f) {
+            return f.location + f.scale * std::copysign(student_quantile(f.nu, std::fabs(z)), z);
+          },
+          [z, this](const OwnPrior& f) {
+            return clamp(f.distribution->quantile({normal_cdf(z), normal_cdf(-z)}), lower(),
+                         upper());
+          }},
       family_);
 }
 
@@ -374,6 +469,20 @@ double Prior::to_standard_normal(double x) const {
                    const StandardTruncated cut(f);
                    const double u = (x - f.mean) / f.sd;
                    return cut.reflected ? -cut.to_standard(-u) : cut.to_standard(u);
+                 },
+                 [x](const InverseGamma& f) {
+                   const double u = f.scale / x;
+                   return from_tails(boost::math::gamma_q(f.shape, u, Policy{}),
+                                     boost::math::gamma_p(f.shape, u, Policy{}));
+                 },
+                 [x](const StudentT& f) {
+                   const double t = (x - f.location) / f.scale;
+                   return std::copysign(-normal_quantile(student_upper_tail(f.nu, std::fabs(t))),
+                                        t);
+                 },
+                 [x](const OwnPrior& f) {
+                   const auto [below, above] = f.distribution->tails(x);
+                   return from_tails(below, above);
                  }},
       family_);
 }
@@ -382,16 +491,21 @@ double Prior::lower() const {
   return std::visit(
       Overloaded{[](const Normal&) { return -kInfinity; }, [](const LogNormal&) { return 0.0; },
                  [](const HalfNormal&) { return 0.0; }, [](const Gamma&) { return 0.0; },
+                 [](const InverseGamma&) { return 0.0; },
+                 [](const StudentT&) { return -kInfinity; },
+                 [](const OwnPrior& f) { return f.distribution->lower(); },
                  [](const auto& f) { return f.lower; }},
       family_);
 }
 
 double Prior::upper() const {
   return std::visit(
-      Overloaded{[](const Normal&) { return kInfinity; },
-                 [](const LogNormal&) { return kInfinity; },
-                 [](const HalfNormal&) { return kInfinity; },
-                 [](const Gamma&) { return kInfinity; }, [](const auto& f) { return f.upper; }},
+      Overloaded{
+          [](const Normal&) { return kInfinity; }, [](const LogNormal&) { return kInfinity; },
+          [](const HalfNormal&) { return kInfinity; }, [](const Gamma&) { return kInfinity; },
+          [](const InverseGamma&) { return kInfinity; }, [](const StudentT&) { return kInfinity; },
+          [](const OwnPrior& f) { return f.distribution->upper(); },
+          [](const auto& f) { return f.upper; }},
       family_);
 }
 
@@ -404,7 +518,12 @@ double Prior::mean() const {
                  [](const HalfNormal& f) { return f.sd * std::sqrt(2.0 * std::numbers::inv_pi); },
                  [](const Gamma& f) { return f.shape * f.scale; },
                  [](const Beta& f) { return f.lower + (f.upper - f.lower) * f.a / (f.a + f.b); },
-                 [this](const TruncatedNormal&) { return moments_by_quadrature(*this).mean; }},
+                 [this](const TruncatedNormal&) { return moments_by_quadrature(*this).mean; },
+                 [](const InverseGamma& f) {
+                   return f.shape > 1.0 ? f.scale / (f.shape - 1.0) : kInfinity;
+                 },
+                 [](const StudentT& f) { return f.location; },
+                 [this](const OwnPrior&) { return moments_by_quadrature(*this).mean; }},
       family_);
 }
 
@@ -421,7 +540,14 @@ double Prior::sd() const {
             const double n = f.a + f.b;
             return (f.upper - f.lower) * std::sqrt(f.a / n * (f.b / n) / (n + 1.0));
           },
-          [this](const TruncatedNormal&) { return moments_by_quadrature(*this).sd; }},
+          [this](const TruncatedNormal&) { return moments_by_quadrature(*this).sd; },
+          [](const InverseGamma& f) {
+            return f.shape > 2.0 ? f.scale / (f.shape - 1.0) / std::sqrt(f.shape - 2.0) : kInfinity;
+          },
+          [](const StudentT& f) {
+            return f.nu > 2.0 ? f.scale * std::sqrt(f.nu / (f.nu - 2.0)) : kInfinity;
+          },
+          [this](const OwnPrior&) { return moments_by_quadrature(*this).sd; }},
       family_);
 }
 
@@ -451,7 +577,14 @@ std::string Prior::describe() const {
                  },
                  [](const TruncatedNormal& f) {
                    return "truncated_normal " + list({f.mean, f.sd, f.lower, f.upper});
-                 }},
+                 },
+                 [](const InverseGamma& f) {
+                   return "inverse_gamma " + list({f.shape, f.scale});
+                 },
+                 [](const StudentT& f) {
+                   return "student_t " + list({f.nu, f.location, f.scale});
+                 },
+                 [](const OwnPrior& f) { return f.distribution->describe(); }},
       family_);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <memory>
 #include <string>
 #include <variant>
 
@@ -37,6 +38,44 @@ struct Beta {
 struct TruncatedNormal {
   double mean, sd, lower, upper;
 };
+/// 1/x ~ Gamma(shape, 1/scale): p(x) ∝ x^(-shape-1) exp(-scale/x). Its mean is infinite for
+/// shape <= 1, its standard deviation for shape <= 2.
+struct InverseGamma {
+  double shape, scale;
+};
+/// (x - location)/scale is Student's t of `nu` degrees of freedom, which need not be whole.
+/// Cauchy's for nu = 1. The mean does not exist for nu <= 1 (the location is given in its place);
+/// the standard deviation is infinite for nu <= 2.
+struct StudentT {
+  double nu, location, scale;
+};
+
+/// A prior of your own: a continuous density on an interval, positive inside. `check_prior` of
+/// self_tests.hpp tries whether its functions belong together. It is shared between threads and
+/// says the same at every call.
+class Distribution {
+ public:
+  virtual ~Distribution() = default;
+
+  /// ln p(x), normalised, for lower() < x < upper().
+  [[nodiscard]] virtual double log_density(double x) const = 0;
+  /// F(x) and 1 - F(x), each with a small *relative* error: where one is near 1 the other is not
+  /// 1 less it.
+  struct Tails {
+    double below, above;
+  };
+  [[nodiscard]] virtual Tails tails(double x) const = 0;
+  /// x of F(x) = t.below. The default searches `tails` for it, which costs some sixty calls.
+  [[nodiscard]] virtual double quantile(Tails t) const;
+  /// The ends of the support, possibly ±∞.
+  [[nodiscard]] virtual double lower() const = 0;
+  [[nodiscard]] virtual double upper() const = 0;
+  /// As findings and files name it, with its numbers.
+  [[nodiscard]] virtual std::string describe() const = 0;
+};
+struct OwnPrior {
+  std::shared_ptr<const Distribution> distribution;
+};
 
 /// One prior. All inference runs in the *standard normal coordinate* z of each parameter,
 ///
@@ -49,10 +88,10 @@ struct TruncatedNormal {
 class Prior {
  public:
   using Family = std::variant<Uniform, LogUniform, Normal, LogNormal, HalfNormal, Gamma, Beta,
-                              TruncatedNormal>;
+                              TruncatedNormal, InverseGamma, StudentT, OwnPrior>;
 
   /// Throws std::invalid_argument, naming family, value and bound, where the density would be
-  /// improper (inverted or infinite bounds, scale <= 0, NaN).
+  /// improper (inverted or infinite bounds, scale <= 0, NaN), or no distribution is given.
   Prior(Family family);  // NOLINT(google-explicit-constructor): a family *is* a prior
   template <class F>
   requires(std::constructible_from<Family, F> && !std::same_as<F, Family> &&

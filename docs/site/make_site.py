@@ -41,6 +41,7 @@ TUTORIALS = [
     ("docs/tutorials/question.py", "A question of your own for the engine"),
     ("examples/damaged_beam.cpp", "The libraries: a damaged beam in C++"),
     ("examples/polynomial_degree.cpp", "The libraries: models of your own in C++"),
+    ("examples/mixture_components.cpp", "The libraries: how many groups? A mixture in C++"),
 ]
 # (case, what to look at, what shortens it)
 GALLERY = [
@@ -223,7 +224,7 @@ class Site:
         if self.arguments.package:
             groups = {"Runs": "damage update sid modal load Result Draws Modal", "Structures and records":
                       "modes Modes simulate read_record data Record", "Cases, piece by piece":
-                      "beam rectangle uniform log_uniform normal log_normal half_normal gamma beta truncated_normal schema",
+                      "beam rectangle uniform log_uniform normal log_normal half_normal gamma inverse_gamma beta truncated_normal student_t table schema",
                       "The engine": "sample Model from_quantiles Quantiles Chain Progress", "Errors": "CaseError FileError"}
             for group, names in groups.items():
                 lines += [f"## {group}", "", "```{eval-rst}"]

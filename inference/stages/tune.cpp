@@ -91,12 +91,16 @@ void tune_once(RunContext& run, RunState& state, int steps) {
 }
 
 // Effective draws of the least certain model's indicator in the last round of tuning; infinite
-// where one model has all the probability.
-double tuned_model_draws(const RunState& state) {
+// where one model has all the probability. Tuning visits models more evenly than the draws will
+// (`evenly`: as they will): how often it went to and fro between what holds all and what holds
+// nothing does not matter to these.
+double tuned_model_draws(const RunState& state, bool evenly) {
+  constexpr double kMatters = 1e-3;
   double least = kInfinity;
   for (std::size_t m = 0; m < state.pilot.fit->weight.size(); ++m) {
-    const double p = state.pilot.fit->weight[m];
+    const double p = state.pilot.fit->weight[m], drawn = state.probability[m];
     if (p < 0.02 || p > 0.98) continue;
+    if (!evenly && std::min(drawn, 1.0 - drawn) < kMatters) continue;
     ChainsOf indicator;
     for (const ChainState& chain : state.chains) {
       std::vector<double>& values = indicator.emplace_back();
@@ -162,15 +166,14 @@ void tune(RunContext& run, RunState& state) {
       run.monitor.advance(static_cast<double>(chain.lesson.steps));
   };
   if (at.round < kRounds) {
-    begin_monitor("tuning", kTuningSteps);
+    begin_monitor("tuning", tuning_steps(run.problem));
     run.monitor.advance(static_cast<double>(at.tuned) * options.chains);
   }
   while (at.round < kRounds && !run.monitor.stopped()) {
-    const int steps = kTuning[static_cast<std::size_t>(at.round)];
-    tune_once(run, state,
-              options.warmup > 0
-                  ? static_cast<int>(static_cast<double>(options.warmup) / 2 * steps / kTuningSteps)
-                  : steps);
+    const double share =
+        static_cast<double>(kTuning[static_cast<std::size_t>(at.round)]) / kTuningSteps;
+    const double all = options.warmup > 0 ? 0.5 * options.warmup : tuning_steps(run.problem);
+    tune_once(run, state, static_cast<int>(all * share));
   }
   if (at.round == kRounds && !run.monitor.stopped() && options.warmup == 0) {
     const int thin = state.posterior.thin;
@@ -178,7 +181,8 @@ void tune(RunContext& run, RunState& state) {
         options.draws > 0 ? std::min(kLongTuning / thin, options.draws) * thin : kLongTuning;
     const bool begun = std::ranges::any_of(
         state.chains, [](const ChainState& chain) { return chain.lesson.steps > 0; });
-    if (begun || (longest > kTuning.back() && tuned_model_draws(state) < kEnoughModelDraws)) {
+    if (begun || (longest > kTuning.back() &&
+                  tuned_model_draws(state, options.balance) < kEnoughModelDraws)) {
       begin_monitor("tuning on", longest);
       tune_once(run, state, longest);
     }

@@ -6,8 +6,8 @@
 
 Cases are files or dictionaries of the same content. The page docs/python.md shows every function at work.
 """
-from ._cases import (beam, beta, gamma, half_normal, log_normal, log_uniform, normal, rectangle, schema,
-                     truncated_normal, uniform)
+from ._cases import (beam, beta, gamma, half_normal, inverse_gamma, log_normal, log_uniform, normal, rectangle, schema,
+                     student_t, table, truncated_normal, uniform)
 from ._core import CaseError, Chain, FileError, Progress, __version__
 from ._engine import Model, Quantiles, from_quantiles, sample
 from ._modal import Modal, modal
@@ -18,9 +18,10 @@ from ._runs import Draws, Result, damage, load, sid, update
 
 __all__ = [
     "CaseError", "Chain", "Draws", "FileError", "Link", "Modal", "Model", "Modes", "Progress", "Quantiles", "Record",
-    "Response", "Result", "Rig", "__version__", "beam", "beta", "damage", "data", "from_quantiles", "gamma", "half_normal", "load", "log_normal", "log_uniform",
-    "modal", "modes", "normal", "plot", "read_record", "rectangle", "sample", "schema", "sid", "simulate",
-    "truncated_normal", "uniform", "update",
+    "Response", "Result", "Rig", "__version__", "beam", "beta", "damage", "data", "from_quantiles", "gamma",
+    "half_normal", "inverse_gamma", "load", "log_normal", "log_uniform", "modal", "modes", "normal", "plot",
+    "read_record", "rectangle", "sample", "schema", "sid", "simulate", "student_t", "table", "truncated_normal",
+    "uniform", "update",
 ]
 
 

@@ -95,6 +95,22 @@ def truncated_normal(mean: float, sd: float, lower: float, upper: float) -> dict
     return {"truncated_normal": [mean, sd, lower, upper]}
 
 
+def inverse_gamma(shape: float, scale: float) -> dict:
+    """1/x has a gamma prior of mean shape / scale; the mean of x is scale / (shape - 1), shape > 1."""
+    return {"inverse_gamma": [shape, scale]}
+
+
+def student_t(nu: float, location: float, scale: float) -> dict:
+    """Student's t of `nu` degrees of freedom: as a normal prior, with tails that forgive. nu = 1 is Cauchy's."""
+    return {"student_t": [nu, location, scale]}
+
+
+def table(x: Sequence[float], density: Sequence[float]) -> dict:
+    """A density of straight lines through (x, density), in any unit: an expert's sketch, or an earlier study's
+    histogram. `x` increases; `density` is positive, or 0 at an end."""
+    return {"table": {"x": [float(v) for v in x], "density": [float(v) for v in density]}}
+
+
 def schema(kind: str = "damage") -> dict:
     """The JSON Schema of a kind of case: "damage", "update", "sid", "modal", …"""
     return json.loads(_core.schema(kind))

@@ -57,7 +57,7 @@ def _in_place(quantiles: Mapping[int, Callable[..., Any]], log_likelihood: Calla
     return of_probabilities
 
 
-def sample(models: Sequence[Model], *, title: str = "Which model?", seed: Optional[int] = None,
+def sample(models: Union[Model, Sequence[Model]], *, title: str = "Which model?", seed: Optional[int] = None,
            chains: Optional[int] = None, warmup: Optional[int] = None, draws: Optional[int] = None, threads: int = 1,
            progress: Watcher = True, **options: Any) -> Result:
     """Which model, with what parameters: each model is searched, its evidence computed, and all are sampled.
@@ -66,7 +66,10 @@ def sample(models: Sequence[Model], *, title: str = "Which model?", seed: Option
     chains are drawn, since a chain's next state rests on this one. They are called under the GIL: more `threads`
     pay only for functions that release it. An exception in one ends the run and is raised here.
     """
-    models = list(models)
+    models = [models] if isinstance(models, Model) else list(models)
+    for model in models:
+        if not isinstance(model, Model):
+            raise TypeError(f"sample: models must be of wt.Model, and one is {type(model).__name__}")
     laws: Dict[str, Any] = {}
     functions, listed = [], []
     for model in models:

@@ -9,7 +9,7 @@ from typing import Any, List, Optional, Sequence
 import matplotlib.pyplot as plt
 import numpy as np
 
-__all__ = ["frequencies", "inclusion", "models", "pairs", "record", "stabilisation", "traces"]
+__all__ = ["frequencies", "inclusion", "models", "pairs", "record", "stabilisation", "traces", "where"]
 
 BLUE, GREY, RED = "#2f6f9f", "#9a9a9a", "#b5482f"
 
@@ -64,6 +64,39 @@ def inclusion(result: Any, ax: Any = None) -> Any:
     ax.set_ylabel("expected number in an element")
     if len(kinds) > 1:
         ax.legend(frameon=False)
+    return ax
+
+
+def where(result: Any, ax: Any = None) -> Any:
+    """Where the defects are. In a beam as `inclusion` has it; in any other structure a bar a place that has a name (a
+    member, joint, storey, spring, group): the posterior expected number of defects there, the 30 largest. Dots are the
+    truth of simulated data."""
+    summary = result.summary
+    if "beam" in summary:
+        return inclusion(result, ax)
+    found = summary.get("damage", {}).get("inclusion_by_element")
+    if found is None or "structure" not in summary:
+        raise ValueError("where: this run is not one of a structure's damage")
+    kinds = summary["kinds"]
+    by_kind = {kinds[0]["name"]: found} if "overall" in found else found
+    bars = []
+    for color, kind in zip((BLUE, RED, GREY), kinds):
+        cells = by_kind[kind["name"]]["overall"]
+        line = summary["structure"]["lines"][kind["name"]]
+        starts = [stretch["first_cell"] for stretch in line["stretches"]] + [len(cells)]
+        true = [one.get(line["of"], one.get("member")) for one in kind.get("truth") or []]
+        bars += [(sum(cells[first:last]), stretch["name"], kind["name"], color, stretch["name"] in true)
+                 for stretch, first, last in zip(line["stretches"], starts, starts[1:])]
+    bars = sorted(bars, key=lambda bar: -bar[0])[:30]
+    ax = _plain(_axes(ax, 0.8 + 0.3 * len(bars)))
+    rows = np.arange(len(bars))
+    ax.barh(rows, [bar[0] for bar in bars], color=[bar[3] for bar in bars], height=0.6)
+    ax.plot([0.0] * sum(bar[4] for bar in bars), [row for row, bar in zip(rows, bars) if bar[4]], "o", color="black",
+            markersize=4, clip_on=False)
+    ax.set_yticks(rows, [bar[1] if len(kinds) == 1 else f"{bar[2]}: {bar[1]}" for bar in bars])
+    ax.invert_yaxis()
+    ax.set_xlim(left=0.0)
+    ax.set_xlabel(f"expected number of {kinds[0]['plural'] if len(kinds) == 1 else 'defects'}")
     return ax
 
 

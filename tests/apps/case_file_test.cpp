@@ -199,10 +199,15 @@ TEST(CaseFile, ReadsEveryFormOfPrior) {
   EXPECT_NEAR(prior(R"({"beta": [2, 2]})").mean(), 0.5, 1e-12);
   EXPECT_NEAR(prior(R"({"beta": [2, 2], "on": [1, 5]})").mean(), 3.0, 1e-12);
   EXPECT_EQ(prior(R"({"truncated_normal": [0, 1, -1, 2]})").upper(), 2.0);
+  EXPECT_NEAR(prior(R"({"inverse_gamma": [3, 2]})").mean(), 1.0, 1e-12);
+  EXPECT_NEAR(prior(R"({"student_t": [4, 1, 2]})").sd(), 2.0 * std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(prior(R"({"table": {"x": [0, 1, 2], "density": [0, 5, 0]}})").mean(), 1.0, 1e-9);
   EXPECT_THROW((void)prior(R"({"uniform": [3, 1]})"), Failure);
   EXPECT_THROW((void)prior(R"({"normal": [0, -1]})"), Failure);
   EXPECT_THROW((void)prior(R"({"uniform": [0, 1], "normal": [0, 1]})"), Failure);
   EXPECT_THROW((void)prior(R"({"uniform": [0, 1], "on": [0, 1]})"), Failure);
+  EXPECT_THROW((void)prior(R"({"student_t": [0, 1, 2]})"), Failure);
+  EXPECT_THROW((void)prior(R"({"table": {"x": [0, 1, 1], "density": [0, 5, 0]}})"), Failure);
 }
 
 TEST(CaseFile, SchemaIsCompleteByItself) {

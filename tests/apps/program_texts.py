@@ -69,6 +69,11 @@ def main(program):
     assert "/damage/count/max" in said and "the largest number of defects" in said and "<= 20" in said, said
     assert output(program, "explain", "/damage/count/max") in said
     assert "keys: " in output(program, "explain", "data")
+    # What a beam and a structure mean otherwise is said of each.
+    kinds = output(program, "explain", "damage.kind")
+    assert "(damage)" in kinds and "(structure)" in kinds and "storey" in kinds, kinds
+    told = subprocess.run([program, "explain", "decay"], capture_output=True, text=True).stderr
+    assert "the texts of these speak of it: " in told, told
     wrong = subprocess.run([program, "explain", "poison"], capture_output=True, text=True)
     assert wrong.returncode == 64 and 'did you mean "poisson"' in wrong.stderr, wrong
     print(f"{len(wanted)} commands")

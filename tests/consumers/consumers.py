@@ -77,7 +77,7 @@ def inference_alone(folder):
 def the_page(folder):
     """The first project and the program of docs/libraries.md, as they stand there; the program checks itself."""
     page = (SOURCE / "docs/libraries.md").read_text()
-    [program] = re.findall(r"^```cpp\n(.*?)^```", page, re.M | re.S)
+    program, move, prior, components = re.findall(r"^```cpp\n(.*?)^```", page, re.M | re.S)
     cmake = re.findall(r"^```cmake\n(.*?)^```", page, re.M | re.S)[0]
     (folder / "main.cpp").write_text(program)
     prefix = installed(folder, "dev")
@@ -85,6 +85,20 @@ def the_page(folder):
     turns = re.search(r"(\d+) turns", said)
     assert turns and int(turns[1]) > 0, f"the move of its own was not used: {said}"
     print(said)
+    # The page's other pieces about that program: its move and a prior of its own pass their self-tests.
+    before, main = program.split("int main() {\n")
+    problem = main[:main.index("  const Posterior")]
+    (folder / "main.cpp").write_text(
+        '#include <string>\n#include "inference/self_tests.hpp"\n' + before + prior +
+        "struct Mixture : Radar {};\nint models() {\n" + components + "return problem.space.size();\n}\n"
+        "int main() {\n" + problem + move +
+        "const PriorCheck own = check_prior(error.prior);\n"
+        "for (const auto& fault : own.faults) std::puts(fault.c_str());\n"
+        "return own.passed() && check.passed && models() == 4 ? 0 : 1;\n}\n")
+    inside = folder / "pieces"
+    inside.mkdir()
+    said = built(configured(inside, cmake, folder / "main.cpp", f"-DCMAKE_PREFIX_PATH={prefix}", *HIDE.values()))
+    assert "no fault seen" in said, said
 
 
 def native(folder):

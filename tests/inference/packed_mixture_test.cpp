@@ -66,6 +66,37 @@ void for_each_size(const Check& check) {
   }
 }
 
+// Fault: they contracted to fused multiply-add where the processor has it, and a chain's draws were
+// others on another processor.
+TEST(PackedMixture, EveryInstructionSetGivesTheSameBits) {
+  const auto all = runnable_routines(base::Instructions::automatic);
+  for_each_size([&](int d, const std::vector<Component>& parts, base::Random& random) {
+    const auto packed = pack(parts, kInfinity);
+    const std::size_t groups = groups_of(parts.size()),
+                      stride = group_stride(static_cast<std::size_t>(d));
+    const auto bits = [&](const Routines& routines, const Eigen::VectorXd& z) {
+      std::vector<double> out(groups * kLanes);
+      routines.quadratic_forms(packed.data(), groups, stride, z.data(), static_cast<std::size_t>(d),
+                               out.data());
+      out.push_back(routines.log_density(packed.data(), groups, stride, z.data(),
+                                         static_cast<std::size_t>(d)));
+      const std::vector<double> means(groups * kLanes * static_cast<std::size_t>(d), 0.25);
+      std::vector<double> moments(groups * (stride + kLanes), 0.0);
+      const double weight = 0.7;
+      out.push_back(routines.em_pass(packed.data(), means.data(), groups, stride,
+                                     {1, static_cast<std::size_t>(d), z.data(), &weight},
+                                     moments.data()));
+      out.insert(out.end(), moments.begin(), moments.end());
+      return out;
+    };
+    for (int i = 0; i < 20; ++i) {
+      const Eigen::VectorXd z = place(d, random);
+      const auto expected = bits(*all.front(), z);
+      for (const Routines* routines : all) EXPECT_EQ(bits(*routines, z), expected);
+    }
+  });
+}
+
 TEST(PackedMixture, LogDensityIsThatOfTheSum) {
   for_each_size([](int d, const std::vector<Component>& parts, base::Random& random) {
     const auto packed = pack(parts, kInfinity);

@@ -4,17 +4,39 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "inference/standard_normal.hpp"
+#include "inference/tabulated_prior.hpp"
 
 namespace wheeltap::inference {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// F = 1/(1 + e^-x): quantiles by the search that all have who give none.
+class Logistic : public Distribution {
+ public:
+  [[nodiscard]] double log_density(double x) const override {
+    return -std::fabs(x) - 2.0 * std::log1p(std::exp(-std::fabs(x)));
+  }
+  [[nodiscard]] Tails tails(double x) const override {
+    return {1.0 / (1.0 + std::exp(-x)), 1.0 / (1.0 + std::exp(x))};
+  }
+  [[nodiscard]] double lower() const override { return -kInfinity; }
+  [[nodiscard]] double upper() const override { return kInfinity; }
+  [[nodiscard]] std::string describe() const override { return "logistic"; }
+};
+
+// Straight up to 1, and down to a step.
+OwnPrior table() {
+  return {std::make_shared<TabulatedPrior>(std::vector<double>{0.0, 1.0, 1.5, 3.0},
+                                           std::vector<double>{0.0, 4.0, 2.0, 1.0})};
+}
 
 std::vector<Prior> every_family() {
   return {Uniform{-3.0, 5.0},
@@ -35,7 +57,14 @@ std::vector<Prior> every_family() {
           TruncatedNormal{0.0, 1.0, 40.0, 41.0},
           TruncatedNormal{0.0, 1.0, -41.0, -40.0},
           TruncatedNormal{0.0, 1.0, 2e4, kInfinity},
-          TruncatedNormal{0.0, 1.0, 0.5, 0.5 + 1e-6}};
+          TruncatedNormal{0.0, 1.0, 0.5, 0.5 + 1e-6},
+          InverseGamma{6.0, 2.0},
+          InverseGamma{30.0, 1e-6},
+          StudentT{8.0, 1.0, 2.0},
+          StudentT{5.5, -1e3, 0.1},
+          StudentT{1e6, 0.0, 1.0},
+          table(),
+          OwnPrior{std::make_shared<Logistic>()}};
 }
 
 // Φ⁻¹ against Φ = erfc from the C library, over the whole range of doubles.
@@ -145,6 +174,75 @@ TEST(Prior, ClosedFormValues) {
   }
   EXPECT_NEAR(half.mean(), cut.mean(), 1e-9);
   EXPECT_NEAR(half.sd(), cut.sd(), 1e-9);
+  // Inverse gamma of shape 1: F = e^{-s/x}. Its mean is infinite, and no NaN.
+  const Prior inverse = InverseGamma{1.0, 3.0};
+  EXPECT_NEAR(inverse.from_standard_normal(0.0), 3.0 / std::log(2.0), 1e-13);
+  EXPECT_NEAR(inverse.log_density(2.0), std::log(3.0 / 4.0) - 1.5, 1e-14);
+  EXPECT_EQ(inverse.mean(), kInfinity);
+  EXPECT_EQ(Prior(InverseGamma{2.0, 1.0}).sd(), kInfinity);
+  // Cauchy's quartiles, and t of 2 degrees: F = ½ + t / (2 √(2 + t²)).
+  const Prior cauchy = StudentT{1.0, 2.0, 3.0};
+  EXPECT_NEAR(cauchy.from_standard_normal(normal_quantile(0.75)), 5.0, 1e-13);
+  EXPECT_NEAR(cauchy.log_density(5.0), -std::log(M_PI * 3.0 * 2.0), 1e-14);
+  EXPECT_EQ(cauchy.sd(), kInfinity);
+  EXPECT_NEAR(Prior(StudentT{2.0, 0.0, 1.0}).to_standard_normal(1.0),
+              normal_quantile(0.5 + 0.5 / std::sqrt(3.0)), 1e-14);
+  // ν → ∞ is normal.
+  EXPECT_NEAR(Prior(StudentT{1e9, 0.0, 1.0}).log_density(1.0),
+              Prior(Normal{0.0, 1.0}).log_density(1.0), 1e-8);
+  // Far out in both tails of Cauchy's: 1 / (π |x|).
+  EXPECT_NEAR(cauchy.to_standard_normal(2.0 - 3e12) / normal_quantile(1e-12 / M_PI), 1.0, 1e-12);
+  EXPECT_NEAR(cauchy.to_standard_normal(2.0 + 3e12) / -normal_quantile(1e-12 / M_PI), 1.0, 1e-12);
+}
+
+// The areas of trapezia: 2, 1.5 and 2.25 of 5.75.
+TEST(Prior, OfATableIsTheLinesBetweenItsPoints) {
+  const Prior prior = table();
+  EXPECT_NEAR(prior.log_density(0.25), std::log(1.0 / 5.75), 1e-14);
+  EXPECT_NEAR(prior.log_density(2.25), std::log(1.5 / 5.75), 1e-14);
+  EXPECT_NEAR(prior.to_standard_normal(1.0), normal_quantile(2.0 / 5.75), 1e-14);
+  EXPECT_NEAR(prior.from_standard_normal(normal_quantile(3.5 / 5.75)), 1.5, 1e-14);
+  // ∫ x p: cell by cell h (p_0 (2 x_0 + x_1) + p_1 (x_0 + 2 x_1)) / 6.
+  const double first =
+      4.0 * 2.0 / 6.0 + 0.5 * (4.0 * 3.5 + 2.0 * 4.0) / 6.0 + 1.5 * (2.0 * 6.0 + 1.0 * 7.5) / 6.0;
+  EXPECT_NEAR(prior.mean(), first / 5.75, 1e-4);
+  EXPECT_EQ(prior.log_density(-0.1), -kInfinity);
+  EXPECT_EQ(prior.log_density(3.1), -kInfinity);
+  EXPECT_EQ(prior.describe(), "table of 4 on [0, 3]");
+  // A table in any unit is the same one, and so is a uniform density.
+  const Prior huge = OwnPrior{std::make_shared<TabulatedPrior>(
+      std::vector<double>{0.0, 1.0, 1.5, 3.0}, std::vector<double>{0.0, 4e300, 2e300, 1e300})};
+  EXPECT_NEAR(huge.log_density(1.2), prior.log_density(1.2), 1e-14);
+  const Prior flat = OwnPrior{std::make_shared<TabulatedPrior>(
+      std::vector<double>{-1e-3, 0.0, 5e-3}, std::vector<double>{7.0, 7.0, 7.0})};
+  const Prior uniform = Uniform{-1e-3, 5e-3};
+  for (double z = -30.0; z <= 30.0; z += 1.7) {
+    EXPECT_NEAR(flat.from_standard_normal(z), uniform.from_standard_normal(z), 1e-17);
+    EXPECT_NEAR(flat.to_standard_normal(flat.from_standard_normal(z)),
+                uniform.to_standard_normal(flat.from_standard_normal(z)), 1e-9);
+  }
+}
+
+TEST(Prior, OfATableRefusesWhatIsNone) {
+  const auto message = [](std::vector<double> x, std::vector<double> density) -> std::string {
+    try {
+      (void)TabulatedPrior(std::move(x), std::move(density));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(message({0, 1, 1}, {1, 1, 1}),
+            "table prior: x[2] = 1, must be more than the one before it");
+  EXPECT_EQ(message({0, 1, 2}, {1, -1, 1}),
+            "table prior: density[1] = -1, must be >= 0 and finite");
+  EXPECT_NE(message({0, 1, 2}, {1, 0, 1}).find("density[1] = 0"), std::string::npos);
+  EXPECT_NE(message({0, 1}, {1}), "");
+  EXPECT_NE(message({0}, {1}), "");
+  EXPECT_NE(message({0, kNaN}, {1, 1}), "");
+  EXPECT_NE(message({0, 1}, {0, 0}), "");
+  EXPECT_NE(message({-1e308, 1e308}, {1, 1}), "");
+  EXPECT_EQ(message({0, 1, 2}, {0, 1, 0}), "");
 }
 
 TEST(Prior, MomentsMatchQuadratureOverTheTransform) {
@@ -204,6 +302,12 @@ TEST(Prior, RefusesWhatIsNotADensityAndSaysWhy) {
                                               Beta{0.0, 1.0},
                                               Beta{1.0, kInfinity},
                                               Beta{1.0, 1.0, 1.0, 0.0},
+                                              InverseGamma{0.0, 1.0},
+                                              InverseGamma{1.0, kInfinity},
+                                              StudentT{0.0, 0.0, 1.0},
+                                              StudentT{1.0, kNaN, 1.0},
+                                              StudentT{1.0, 0.0, 0.0},
+                                              OwnPrior{},
                                               TruncatedNormal{0.0, 0.0, 0.0, 1.0},
                                               TruncatedNormal{0.0, 1.0, 1.0, 1.0},
                                               TruncatedNormal{0.0, 1.0, kNaN, 1.0},
@@ -216,6 +320,8 @@ TEST(Prior, DescribesItselfAsTheCaseFileWould) {
   EXPECT_EQ(Prior(Uniform{0.0, 100.0}).describe(), "uniform [0, 100]");
   EXPECT_EQ(Prior(LogUniform{1e-4, 0.01}).describe(), "log_uniform [0.0001, 0.01]");
   EXPECT_EQ(Prior(Beta{2.0, 3.0, 0.0, 0.6}).describe(), "beta [2, 3] on [0, 0.6]");
+  EXPECT_EQ(Prior(InverseGamma{3.0, 0.5}).describe(), "inverse_gamma [3, 0.5]");
+  EXPECT_EQ(Prior(StudentT{4.0, 0.0, 2.0}).describe(), "student_t [4, 0, 2]");
 }
 
 TEST(Prior, SlopeIsTheDerivativeOfTheTransform) {

@@ -50,6 +50,19 @@ class Engine(unittest.TestCase):
         exact = 3 * BAYES_FACTOR / (1 + 3 * BAYES_FACTOR)
         self.assertLess(abs(told["probability"] - exact), 4.5 * told["mcse"])
 
+    def test_a_likelihood_of_nothing_returns_the_prior(self):
+        for prior, mean, sd in ((wt.table([0, 1, 2], [0, 5, 0]), 1.0, 6 ** -0.5), (wt.inverse_gamma(5, 2), 0.5, 12 ** -0.5),
+                                (wt.student_t(8, 3, 1), 3.0, (8 / 6) ** 0.5)):
+            told = wt.sample(wt.Model("it", {"x": prior}, lambda x: np.zeros(len(x))), **QUICK).draws_of("x", "it")
+            self.assertAlmostEqual(told.mean(), mean, delta=5 * sd / np.sqrt(len(told) / 4), msg=str(prior))
+            self.assertAlmostEqual(told.std() / sd, 1.0, delta=0.25, msg=str(prior))
+
+    def test_one_model_needs_no_list(self):
+        alone = wt.sample(models()[0], **QUICK)
+        self.assertEqual(list(alone.probabilities), [models()[0].name])
+        with self.assertRaisesRegex(TypeError, "must be of wt.Model, and one is str"):
+            wt.sample(["nothing"], **QUICK)
+
     def test_one_row_at_a_time_gives_the_same_draws(self):
         batch = wt.sample(models(), **QUICK)
         single = wt.sample([wt.Model("nothing", {}, lambda x: float(nothing(x[None])[0]), batch=False),

@@ -40,6 +40,24 @@ class Plot(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "not one of a beam's damage"):
             wt.plot.inclusion(self.sid)
 
+    def test_where(self):
+        self.assertEqual(len(wt.plot.where(self.damage).patches), 1)  # a beam's own figure
+        frame = wt.damage(f"{DATA}/structures/cracked-portal.json", **SHORT)
+        ax = wt.plot.where(frame)
+        widths = [bar.get_width() for bar in ax.patches]
+        self.assertEqual(widths, sorted(widths, reverse=True))
+        told = frame.summary["damage"]["inclusion_by_member"]
+        self.assertEqual(len(widths), sum(map(len, told.values())))
+        for label, width in zip(ax.get_yticklabels(), widths):
+            kind, place = label.get_text().split(": ")
+            self.assertAlmostEqual(told[kind][place], width, delta=1e-9)
+        truth = [(kind["name"], one.get("member", one.get("node"))) for kind in frame.summary["kinds"]
+                 for one in kind["truth"]]
+        dots = {ax.get_yticklabels()[int(row)].get_text() for row in ax.lines[0].get_ydata()}
+        self.assertEqual(dots, {f"{kind}: {place}" for kind, place in truth})
+        with self.assertRaisesRegex(ValueError, "not one of a structure's damage"):
+            wt.plot.where(self.sid)
+
     def test_pairs(self):
         axes = wt.plot.pairs(self.damage, "2 damages")
         self.assertEqual(axes.shape, (4, 4))
