@@ -196,14 +196,15 @@ struct Moments {
   double mean, sd;
 };
 
+constexpr double kFine = 0.004;  // a density of one's own may have kinks
+
 // ∫ x(z) φ(z) dz by the trapezoid rule, which converges exponentially for so smooth an integrand.
-Moments moments_by_quadrature(const Prior& prior) {
-  constexpr int kHalf = 80;
-  constexpr double kStep = 0.1;
+Moments moments_by_quadrature(const Prior& prior, double step = 0.1) {
+  const int half = static_cast<int>(std::lround(8.0 / step));
   const double centre = prior.from_standard_normal(0.0);
   double w = 0.0, first = 0.0, second = 0.0;
-  for (int i = -kHalf; i <= kHalf; ++i) {
-    const double z = kStep * i;
+  for (int i = -half; i <= half; ++i) {
+    const double z = step * i;
     const double weight = std::exp(-0.5 * z * z);
     const double d = prior.from_standard_normal(z) - centre;
     w += weight;
@@ -218,6 +219,8 @@ Moments moments_by_quadrature(const Prior& prior) {
 
 // Bisection over the doubles between the ends, so that it ends at the nearest one wherever that is.
 double Distribution::quantile(Tails t) const {
+  if (t.below == 0.0) return lower();
+  if (t.above == 0.0) return upper();
   std::int64_t low = rank(lower()), high = rank(upper());
   while (std::midpoint(low, high) != low) {
     const std::int64_t middle = std::midpoint(low, high);
@@ -413,7 +416,8 @@ double Prior::slope(double z) const {
   const double x = from_standard_normal(z);
   // In logs: φ and p are both small in the tails. A density of 0 or ∞ is met at an end only.
   const auto by_density = [&](double log_p) {
-    return std::isfinite(log_p) ? std::exp(log_phi - log_p) : 0.0;
+    const double slope = std::exp(log_phi - log_p);
+    return std::isfinite(log_p) && std::isfinite(slope) ? slope : 0.0;
   };
   return std::visit(
       Overloaded{
@@ -523,7 +527,7 @@ double Prior::mean() const {
                    return f.shape > 1.0 ? f.scale / (f.shape - 1.0) : kInfinity;
                  },
                  [](const StudentT& f) { return f.location; },
-                 [this](const OwnPrior&) { return moments_by_quadrature(*this).mean; }},
+                 [this](const OwnPrior&) { return moments_by_quadrature(*this, kFine).mean; }},
       family_);
 }
 
@@ -547,7 +551,7 @@ double Prior::sd() const {
           [](const StudentT& f) {
             return f.nu > 2.0 ? f.scale * std::sqrt(f.nu / (f.nu - 2.0)) : kInfinity;
           },
-          [this](const OwnPrior&) { return moments_by_quadrature(*this).sd; }},
+          [this](const OwnPrior&) { return moments_by_quadrature(*this, kFine).sd; }},
       family_);
 }
 

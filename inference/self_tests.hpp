@@ -28,12 +28,13 @@ struct PriorCheck {
 ///
 ///   p(x(z)) dx/dz = φ(z)
 ///
-/// to 1e-5, by differences. Where the density alone is wrong by a constant, its mass is said.
+/// to 1e-5 by differences, wherever x resolves them, kinks of the density apart. Where the density
+/// alone is wrong by a constant, its mass is said.
 [[nodiscard]] PriorCheck check_prior(const Prior& prior);
 
 struct MoveCheckOptions {
   std::uint64_t seed = 1;
-  int draws = 20000;          ///< from the prior; two likelihood calls each
+  int draws = 20000;          ///< from the prior; three likelihood calls each
   double false_alarm = 1e-6;  ///< how often a correct move may fail
 };
 
@@ -42,22 +43,23 @@ struct MoveCheck {
   bool passed = true;
   long proposed = 0, accepted = 0;
   long jumps_proposed = 0, jumps_accepted = 0;  ///< those that change the model
-  double beta = 0.0;  ///< the share of the log likelihood that the draws could carry
+  double beta = 0.0;  ///< the largest power of the likelihood that the draws could carry
   std::string words;  ///< all this in a sentence
 };
 
-/// Whether a move, accepted or rejected by MetropolisHastings, balances in detail. With states x
-/// from the prior, weights w(x) = exp(factor + β log likelihood) and y one step from x,
+/// Whether a move balances in detail. With states x from the prior, weights w(x) = exp(factor + β
+/// log likelihood), y proposed from x, and α(x, y) the probability of accepting it
+/// (MetropolisHastings),
 ///
-///   E[w(x) (g(x) h(y) - h(x) g(y))] = 0
+///   E[w(x) α(x, y) (g(x) h(y) - h(x) g(y))] = 0
 ///
 /// for any g and h if, and over all of them only if, the step is reversible with respect to
 /// prior × likelihood^β. It is estimated for 64 pairs of bounded functions of model and z, some
 /// with h = 1 (invariance), by normal tests with Bonferroni's correction (cf. Gandy & Scott 2020,
-/// section 2, whose test is of invariance). β is halved from 1 until a twentieth of the draws
-/// carries the weight. A wrong ratio, a wrong Jacobian, a forgotten multiplicity of choices, a
-/// reverse move that does not lead back: all break it. A move that never is accepted passes, and
-/// `words` says so.
+/// section 2, whose test is of invariance): half of them at β = 0, half at β halved from 1 until a
+/// twentieth of the draws carries the weight. A wrong ratio, a wrong Jacobian, a forgotten
+/// multiplicity of choices, a reverse move that does not lead back: all break it. A move that never
+/// is accepted passes, and `words` says so. A stand-in of the problem is left out.
 ///
 /// Throws std::invalid_argument where fewer than 100 draws are asked for, or the problem's prior
 /// factor or likelihood is nowhere finite among the draws.
