@@ -47,7 +47,8 @@ TEST(PublishedPosteriors, CoalMiningDisasters) {
   ASSERT_EQ(days.size(), exact["n"].get<std::size_t>());
   const Problem problem = coal_problem(days, exact["length_days"], 1, 6);
 
-  const int seeds = long_tests() ? 10 : 1;
+  const int seeds = long_tests() ? 10 : 3;
+  double sum = 0.0;
   for (int seed = 1; seed <= seeds; ++seed) {
     Options options{.seed = static_cast<std::uint64_t>(seed)};
     if (long_tests()) {
@@ -68,12 +69,14 @@ TEST(PublishedPosteriors, CoalMiningDisasters) {
     const double calls =
         static_cast<double>(posterior.likelihood_evaluations - posterior.warmup_evaluations) /
         (static_cast<double>(posterior.draws) * options.chains);
-    EXPECT_LT(k.iact * calls, 76.0) << "AutoMix: 38 sweeps of two calls";
+    sum += k.iact * calls;
     std::printf(
         "coal, seed %d: largest error %.4f, IACT of k %.1f calls, pilot %ld of %ld calls, %.1f s\n",
         seed, worst, k.iact * calls, posterior.warmup_evaluations, posterior.likelihood_evaluations,
         posterior.wall_seconds);
   }
+  // Of one short run it is known to a factor of two: 33 to 91 over six seeds.
+  EXPECT_LT(sum / seeds, 76.0) << "AutoMix: 38 sweeps of two calls";
 }
 
 TEST(PublishedPosteriors, HaldRegressions) {
