@@ -157,8 +157,9 @@ std::string explanation(const std::string& key) {
   }
   const std::string meant = nearest(word, names);
   std::string instead = meant.empty() ? "" : "; did you mean \"" + meant + "\"?";
-  if (meant.empty() && !speaking.empty())
-    instead = "; the texts of these speak of it: " + listed({speaking.begin(), speaking.end()});
+  if (!speaking.empty())
+    instead += (meant.empty() ? ". " : " ") + std::string("The texts of these speak of it: ") +
+               listed({speaking.begin(), speaking.end()});
   throw Failure(Exit::usage, "there is no key \"" + key + "\"" + instead);
 }
 

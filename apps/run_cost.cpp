@@ -57,7 +57,7 @@ void require_affordable(const CaseFile& file, const Pointer& where, const RunCos
 
 RunCost cost_of_sampling(const Sampled& sampled, const CommonOptions& common,
                          const SamplingOptions& options) {
-  const double share = sampled.records ? 0.5 : 1.0;
+  const double share = sampled.records && options.draws == 0 ? 0.5 : 1.0;
   const double draws = options.draws > 0 ? options.draws : (options.quick ? 1000.0 : kDraws);
   const double warmup =
       options.warmup > 0 ? options.warmup : (options.quick ? 1000.0 : kWarmup * share);

@@ -6,13 +6,14 @@ namespace wheeltap::inference {
 
 double planned_tuning(const RunContext& run) {
   const Options& o = run.options;
-  return static_cast<double>(o.warmup > 0 ? o.warmup / 2 : tuning_steps(run.problem)) * o.chains;
+  return static_cast<double>(o.warmup > 0 ? o.warmup / 2 : tuning_steps(run.problem, run.options)) *
+         o.chains;
 }
 
 double planned_draws(const RunContext& run) {
   const Options& o = run.options;
   const double draws = o.draws > 0 ? o.draws : kDefaultDraws;
-  return draws * (o.thin > 0 ? o.thin : default_thin(run.problem)) * o.chains;
+  return draws * (o.thin > 0 ? o.thin : default_thin(run.problem, run.options)) * o.chains;
 }
 
 double planned_evidence(const RunContext& run) {
@@ -42,7 +43,8 @@ RunState begin(RunContext& run) {
   state.explorations.resize(run.models());
   state.posterior.space = std::make_shared<const ModelSpace>(run.space());
   state.posterior.chains.resize(chains);
-  state.posterior.thin = run.options.thin > 0 ? run.options.thin : default_thin(run.problem);
+  state.posterior.thin =
+      run.options.thin > 0 ? run.options.thin : default_thin(run.problem, run.options);
   state.posterior.quick = run.options.quick;
   state.posterior.dimension = run.space().max_dimension();
   return state;

@@ -22,14 +22,18 @@ inline constexpr int kFewModels = 40;       ///< so many are explored and weighe
 inline constexpr int kTuningSteps = 32000;  ///< a chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
-/// Steps of tuning and iterations a draw are half as many where the data are a long record: what
-/// they buy, draws closer to independent ones, costs a hundred times what a formula's do, and a run
-/// goes on drawing wherever they are too few.
-[[nodiscard]] inline int default_thin(const Problem& problem) {
-  return problem.samples > 0 ? kDefaultThin / 2 : kDefaultThin;
+/// Steps of tuning and iterations a draw are half as many where the data are a long record and the
+/// number of draws is the engine's to choose: what they buy, draws closer to independent ones,
+/// costs a hundred times what a formula's do, and such a run goes on drawing wherever they are too
+/// few.
+[[nodiscard]] inline bool is_dear(const Problem& problem, const Options& options) {
+  return problem.samples > 0 && options.draws == 0;
 }
-[[nodiscard]] inline int tuning_steps(const Problem& problem) {
-  return problem.samples > 0 ? kTuningSteps / 2 : kTuningSteps;
+[[nodiscard]] inline int default_thin(const Problem& problem, const Options& options) {
+  return is_dear(problem, options) ? kDefaultThin / 2 : kDefaultThin;
+}
+[[nodiscard]] inline int tuning_steps(const Problem& problem, const Options& options) {
+  return is_dear(problem, options) ? kTuningSteps / 2 : kTuningSteps;
 }
 inline constexpr int kEvidenceDraws = 4000;  ///< of each model's mixture
 inline constexpr int kLookDraws = 500;       ///< the same, for a quick look

@@ -166,13 +166,14 @@ void tune(RunContext& run, RunState& state) {
       run.monitor.advance(static_cast<double>(chain.lesson.steps));
   };
   if (at.round < kRounds) {
-    begin_monitor("tuning", tuning_steps(run.problem));
+    begin_monitor("tuning", tuning_steps(run.problem, run.options));
     run.monitor.advance(static_cast<double>(at.tuned) * options.chains);
   }
   while (at.round < kRounds && !run.monitor.stopped()) {
     const double share =
         static_cast<double>(kTuning[static_cast<std::size_t>(at.round)]) / kTuningSteps;
-    const double all = options.warmup > 0 ? 0.5 * options.warmup : tuning_steps(run.problem);
+    const double all =
+        options.warmup > 0 ? 0.5 * options.warmup : tuning_steps(run.problem, run.options);
     tune_once(run, state, static_cast<int>(all * share));
   }
   if (at.round == kRounds && !run.monitor.stopped() && options.warmup == 0) {
