@@ -29,6 +29,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string number(double x) {
+  if (std::isinf(x)) return x < 0.0 ? "minus infinity" : "infinity";
   return Json(x).dump();
 }
 

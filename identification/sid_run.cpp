@@ -45,7 +45,8 @@ std::vector<double> shares(const inference::Posterior& posterior) {
 inference::Options affordable(inference::Options engine, double seconds_a_likelihood) {
   // Likelihoods that each chain can have on two cores, whatever this machine has.
   const double likelihoods = kAffordableSeconds * 2.0 / engine.chains / seconds_a_likelihood;
-  if (engine.prior_only || kDefaultWarmup + 2.0 * kDefaultDraws <= likelihoods) return engine;
+  const double thin = engine.draws == 0 ? 2.0 : 4.0;  // the engine's own, of a record
+  if (engine.prior_only || kDefaultWarmup + thin * kDefaultDraws <= likelihoods) return engine;
   engine.thin = 1;
   if (engine.warmup == 0) {
     engine.warmup = static_cast<int>(std::clamp(0.5 * likelihoods, kFewestWarmup, kDefaultWarmup));

@@ -32,13 +32,16 @@ struct Ratio {
   double value, error;  // by rounding
 };
 std::optional<Ratio> density_over_slope(const Prior& prior, double z, double x) {
-  constexpr double kStep = 5e-3;
+  constexpr double kStep = 5e-3, kSmallest = 5e-6, kMost = 0.04;
   const auto beside = [&](double d) { return prior.from_standard_normal(z + d); };
+  // Short steps where x runs over magnitudes, which no polynomial follows.
+  const double spread = beside(2 * kStep) - beside(-2 * kStep);
+  const double step = std::clamp(kStep * kMost * std::fabs(x) / spread, kSmallest, kStep);
   const double slope =
-      (8.0 * (beside(kStep) - beside(-kStep)) - (beside(2 * kStep) - beside(-2 * kStep))) /
-      (12.0 * kStep);
-  const double rounding = 4e-15 * std::fabs(x) / kStep;
-  if (!(slope > 0.0) || rounding > 0.1 * slope) return std::nullopt;
+      (8.0 * (beside(step) - beside(-step)) - (beside(2 * step) - beside(-2 * step))) /
+      (12.0 * step);
+  const double rounding = 4e-15 * std::fabs(x) / step;
+  if (!(slope > 0.0 && std::isfinite(slope)) || rounding > 0.1 * slope) return std::nullopt;
   return Ratio{std::exp(prior.log_density(x) + std::log(slope) + 0.5 * z * z + kLogSqrt2Pi),
                4.0 * rounding / slope};
 }
@@ -173,7 +176,7 @@ PriorCheck check_prior(const Prior& prior) {
   check.mass = weight > 0.0 ? check.mass / weight : 1.0;
   if (most <= kKink) return check;
   if (largest / smallest < 1.0 + 1e-4)
-    check.faults.push_back("the density integrates to " + base::significant(check.mass, 6) +
+    check.faults.push_back("the density integrates to " + base::significant(check.mass, 9) +
                            ": it must be normalised");
   else
     check.faults.push_back(worst + "the density is " + base::significant(smallest, 4) + " to " +

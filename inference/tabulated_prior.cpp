@@ -15,10 +15,11 @@ namespace {
                               "] = " + base::number(value) + ", must be " + bound);
 }
 
-// s >= 0 with start s + ½ slope s² = mass: the root that stays small with the mass.
-double distance(double start, double slope, double mass) {
-  const double root = std::sqrt(std::fmax(0.0, start * start + 2.0 * slope * mass));
-  return mass > 0.0 ? 2.0 * mass / (start + root) : 0.0;
+// u in [0, 1] with first u + ½ (last - first) u² = mass: the root that stays small with the mass.
+// The densities at both ends of a cell are in units of mass a cell, so that nothing underflows.
+double share_of_cell(double first, double last, double mass) {
+  const double root = std::sqrt(std::fmax(0.0, first * first + 2.0 * (last - first) * mass));
+  return mass > 0.0 ? std::fmin(1.0, 2.0 * mass / (first + root)) : 0.0;
 }
 
 }  // namespace
@@ -57,13 +58,13 @@ TabulatedPrior::TabulatedPrior(std::vector<double> x, std::vector<double> densit
 }
 
 double TabulatedPrior::from_left(std::size_t i, double s) const {
-  const double slope = (p_[i + 1] - p_[i]) / (x_[i + 1] - x_[i]);
-  return s * (p_[i] + 0.5 * slope * s);
+  const double u = s / (x_[i + 1] - x_[i]);
+  return s * p_[i] + 0.5 * u * s * (p_[i + 1] - p_[i]);
 }
 
 double TabulatedPrior::from_right(std::size_t i, double s) const {
-  const double slope = (p_[i] - p_[i + 1]) / (x_[i + 1] - x_[i]);
-  return s * (p_[i + 1] + 0.5 * slope * s);
+  const double u = s / (x_[i + 1] - x_[i]);
+  return s * p_[i + 1] + 0.5 * u * s * (p_[i] - p_[i + 1]);
 }
 
 double TabulatedPrior::log_density(double x) const {
@@ -86,16 +87,17 @@ double TabulatedPrior::quantile(Tails t) const {
     const auto right = std::ranges::upper_bound(below_, t.below);
     const std::size_t i =
         std::min(static_cast<std::size_t>(right - below_.begin()), x_.size() - 1) - 1;
-    const double slope = (p_[i + 1] - p_[i]) / (x_[i + 1] - x_[i]);
-    return std::min(x_[i + 1], x_[i] + distance(p_[i], slope, t.below - below_[i]));
+    const double width = x_[i + 1] - x_[i];
+    return x_[i] + width * share_of_cell(p_[i] * width, p_[i + 1] * width, t.below - below_[i]);
   }
   // Decreasing: the last whose mass above exceeds the one asked for.
   const auto left = std::ranges::partition_point(above_, [&](double a) { return a > t.above; });
   const std::size_t i =
       static_cast<std::size_t>(std::max<std::ptrdiff_t>(left - above_.begin(), 1)) - 1;
   if (i + 1 == x_.size()) return x_.back();
-  const double slope = (p_[i] - p_[i + 1]) / (x_[i + 1] - x_[i]);
-  return std::max(x_[i], x_[i + 1] - distance(p_[i + 1], slope, t.above - above_[i + 1]));
+  const double width = x_[i + 1] - x_[i];
+  return x_[i + 1] -
+         width * share_of_cell(p_[i + 1] * width, p_[i] * width, t.above - above_[i + 1]);
 }
 
 std::string TabulatedPrior::describe() const {

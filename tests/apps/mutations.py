@@ -35,7 +35,9 @@ TEXTS = ["", " ", "x", "..", "a/b", "k" * 257, "\x1b[31m", "two\nlines", "\u202e
          "/", "no such file", "-1", "\ud800".encode("utf-8", "replace").decode()]
 OTHERS = [None, True, False, [], {}, [[]], [0], [1, 2, 3], {"uniform": [0, 1]}, {"normal": [0, 1e300]},
           {"log_uniform": [1e-320, 1]}, {"truncated_normal": [0, 1, 40, 50]}, {"truncated_normal": [-1e10, 1, 0, 1]},
-          {"beta": [1e-5, 1e5]}, {"gamma": [1e-300, 1]}, {"half_normal": 1e-320}, {"log_normal": [0, 1000]}]
+          {"beta": [1e-5, 1e5]}, {"gamma": [1e-300, 1]}, {"half_normal": 1e-320}, {"log_normal": [0, 1000]},
+          {"student_t": [1e-300, 0, 1]}, {"inverse_gamma": [1e-3, 1]}, {"table": {"x": [0, 1e-320, 1], "density": [0, 1e300, 1]}},
+          {"table": {"x": [-1e307, 0, 1e307], "density": [0, 1, 0]}}]
 
 
 def places(value, start=()):

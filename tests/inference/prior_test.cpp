@@ -223,6 +223,18 @@ TEST(Prior, OfATableIsTheLinesBetweenItsPoints) {
   }
 }
 
+// Fault: slopes of the density underflowed, and quantiles decreased.
+TEST(Prior, OfATableMaySpanAllNumbers) {
+  const Prior prior = OwnPrior{std::make_shared<TabulatedPrior>(
+      std::vector<double>{-1e307, 0.0, 1e307}, std::vector<double>{0.0, 1.0, 0.0})};
+  for (const double z : {-3.0, -1.0, 0.0, 0.5, 3.0}) {
+    const double p = normal_cdf(z), q = normal_cdf(-z);
+    const double expected = p < q ? std::sqrt(2.0 * p) - 1.0 : 1.0 - std::sqrt(2.0 * q);
+    EXPECT_NEAR(prior.from_standard_normal(z) / 1e307, expected, 1e-14) << z;
+    EXPECT_NEAR(prior.to_standard_normal(prior.from_standard_normal(z)), z, 1e-9) << z;
+  }
+}
+
 TEST(Prior, OfATableRefusesWhatIsNone) {
   const auto message = [](std::vector<double> x, std::vector<double> density) -> std::string {
     try {

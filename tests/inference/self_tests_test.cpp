@@ -57,7 +57,8 @@ TEST(CheckPrior, PassesWhatIsRight) {
   EXPECT_NEAR(own.mass, 1.0, 1e-6);
   for (const Prior& prior :
        {Prior(Uniform{1e9, 1e9 + 1.0}), Prior(StudentT{1.0, 0.0, 1.0}),
-        Prior(InverseGamma{0.5, 2.0}), Prior(Gamma{0.4, 2.0}),
+        Prior(InverseGamma{0.5, 2.0}), Prior(InverseGamma{1e-3, 1e-3}),
+        Prior(StudentT{0.05, 0.5, 1.0}), Prior(Gamma{0.4, 2.0}),
         Prior(TruncatedNormal{0.0, 1.0, 40.0, 41.0}),
         Prior(OwnPrior{std::make_shared<TabulatedPrior>(std::vector<double>{0.0, 1.0, 3.0},
                                                         std::vector<double>{0.0, 2.0, 1.0})})}) {
