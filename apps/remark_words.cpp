@@ -340,6 +340,17 @@ class Speaker {
            (r.upper ? "upper" : "lower") + " end of its prior, " + r.prior +
            ": widen it unless that end is certain.";
   }
+  std::string operator()(const remark::StopNotReached& r) const {
+    const auto end = [](int mass) {
+      return mass == 0 ? std::string("the ground") : "mass " + std::to_string(mass);
+    };
+    return "Under \"" + r.model + "\" the motion does not reach the stop (" + r.law + ", " +
+           (r.opening ? "opening" : "closing") + ") between " + end(r.a) + " and " + end(r.b) +
+           ": it goes to " + significant(r.reach, 3) + " m, and in " + percent(r.share) +
+           " of the draws the gap is wider. That it is wider is all that this record says of it; "
+           "its "
+           "stiffness is the prior's.";
+  }
   std::string operator()(const remark::ScatterBetweenWindows& r) const { return sentence(r); }
   std::string operator()(const remark::WindowsUnsound& r) const { return sentence(r); }
   std::string operator()(const remark::ChangesTakenForExact& r) const {
@@ -406,6 +417,7 @@ struct Rank {
   int operator()(const remark::SpuriousMode&) const { return 2; }
   int operator()(const remark::ChangesTakenForExact&) const { return 2; }
   int operator()(const remark::ParameterAtBound&) const { return 4; }
+  int operator()(const remark::StopNotReached&) const { return 4; }
   int operator()(const remark::InitialStateInferred&) const { return 5; }
   int operator()(const remark::BaseIntegrated&) const { return 5; }
   int operator()(const remark::UnknownUnits&) const { return 5; }

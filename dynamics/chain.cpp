@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -85,6 +87,44 @@ void validate(const Chain& chain) {
              std::string(law_infos()[static_cast<std::size_t>(law.kind)].name));
     }
   }
+}
+
+std::string impossibility(const Chain& chain, std::span<const double> theta) {
+  const auto shown = [](double x) {
+    std::ostringstream out;
+    out << std::setprecision(6) << x;
+    return out.str();
+  };
+  for (std::size_t i = 0; i < chain.masses.size(); ++i) {
+    const double mass = chain.masses[i].at(theta);
+    if (!(mass > 0.0))
+      return "mass " + std::to_string(i + 1) + " = " + shown(mass) + ", must be > 0";
+  }
+  for (const Link& link : chain.links) {
+    for (const Law& law : link.laws) {
+      const LawInfo& info = law_infos()[static_cast<std::size_t>(law.kind)];
+      const std::string name = std::string(info.name) + " of the link between " +
+                               std::to_string(link.a) + " and " + std::to_string(link.b);
+      const auto c = values(law, theta);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(info.size()); ++i) {
+        const LawCoefficient& known = info.coefficients[i];
+        if (known.allows(c[i])) continue;
+        const std::string bound =
+            !std::isfinite(c[i]) ? "must be finite"
+            : c[i] <= known.lower
+                ? "must be " + std::string(known.above_lower ? "> " : ">= ") + shown(known.lower)
+                : "must be <= " + shown(known.upper);
+        return name + ": " + std::string(known.name) + " = " + shown(c[i]) + ", " + bound;
+      }
+      if (!is_feasible(law.kind, c.data()))
+        return name + ": its coefficients contradict each other";
+      if (is_dry_by_chance(law, c.data()))
+        return name +
+               ": velocity = 0 as a parameter's value, must be > 0 (exact friction is asked for "
+               "by leaving it out)";
+    }
+  }
+  return "";
 }
 
 LinearMatrices linear_matrices(const Chain& chain, std::span<const double> theta) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/eigen.hpp"
@@ -41,6 +42,10 @@ struct Chain {
 /// masses that exist, constant masses are positive and constant coefficients make sense for their
 /// law.
 void validate(const Chain& chain);
+
+/// What of the chain makes no sense at these parameters, in words ("mass 1 = 0, must be > 0");
+/// empty where all does. Simulator::simulate refuses as Outcome::impossible what this names.
+[[nodiscard]] std::string impossibility(const Chain& chain, std::span<const double> theta);
 
 /// The matrices of the linear part, n × n each.
 struct LinearMatrices {

@@ -31,6 +31,14 @@ bool is_dry(const Law& law) {
   return dry;
 }
 
+bool is_dry_by_chance(const Law& law, const double* c) {
+  bool zero = false;
+  LawList::visit(law.kind, [&]<class L>(L) {
+    if constexpr (kFriction<L>) zero = c[L::kCreep] == 0.0;
+  });
+  return zero && !is_dry(law);
+}
+
 bool is_feasible(int kind, const double* c) {
   bool feasible = false;
   LawList::visit(kind, [&](auto law) { feasible = is_feasible<decltype(law)>(c); });

@@ -32,6 +32,9 @@ inline constexpr bool kFriction = requires(const double* c) {
 
 /// Whether a law is exact dry friction: its creep speed is known to be 0.
 [[nodiscard]] bool is_dry(const Law& law);
+/// Whether a creep speed that is a parameter is 0 among the coefficients: such friction is not
+/// located, and no steps would be short enough for it.
+[[nodiscard]] bool is_dry_by_chance(const Law& law, const double* c);
 
 /// Whether coefficients [N, m, s …] make sense for a law: each is finite and within its bounds, and
 /// together they are what `feasible`, where the law has one, asks for.

@@ -67,16 +67,6 @@ int ladder(double steps) {
   return -1;
 }
 
-/// Whether a creep speed that is a parameter is 0: such friction is not located, and no steps would
-/// be short enough for it.
-bool is_dry_by_chance(const Law& law, const double* c) {
-  bool zero = false;
-  LawList::visit(law.kind, [&]<class L>(L) {
-    if constexpr (kFriction<L>) zero = c[L::kCreep] == 0.0;
-  });
-  return zero && !is_dry(law);
-}
-
 Outcome outcome_of(double failed) {
   return failed == 0.0                     ? Outcome::complete
          : failed == kernel::kStepsTooLong ? Outcome::steps_too_long

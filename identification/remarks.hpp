@@ -257,6 +257,15 @@ struct ParameterAtBound {
   bool upper;
 };
 
+/// The motion of the window ends before a stop: in `share` of the model's draws its gap is wider.
+struct StopNotReached {
+  std::string model, law;
+  int a, b;      ///< the masses that its link joins
+  bool opening;  ///< its side
+  double reach;  ///< the largest extension to that side, of the model's motion at its means [m]
+  double share;
+};
+
 /// The model errs in every state alike, and what it says of changes is trusted all the same.
 struct ChangesTakenForExact {
   double discrepancy;  ///< of frequencies, relative
@@ -284,6 +293,6 @@ using Remark =
                  remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
                  remark::NoiseMisstated, remark::MostProbableFails, remark::ColouredResiduals,
                  remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound,
-                 remark::ChangesTakenForExact, remark::SpuriousMode>;
+                 remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
 
 }  // namespace wheeltap::identification

@@ -1,6 +1,7 @@
 #include "identification/sid_findings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -15,6 +16,7 @@ namespace {
 using inference::Posterior;
 
 constexpr double kWorthTelling = 0.05;  // models with less probability are not judged
+constexpr double kNotReached = 0.9;     // of draws, whose stop lies beyond the motion
 
 /// The models that remarks are about.
 std::vector<int> told(const SidFindings& findings) {
@@ -115,6 +117,30 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
   }
 }
 
+/// Of the model's draws, the share in which the law acts beyond `reach` only; 0 for laws without a
+/// threshold.
+double share_beyond(const SidProblem& problem, const Posterior& posterior, int m,
+                    const dynamics::Law& law, double reach) {
+  double share = 0.0;
+  dynamics::LawList::visit(law.kind, [&]<class L>(L) {
+    if constexpr (dynamics::kPiecewiseLinear<L>) {
+      const auto width = static_cast<std::size_t>(posterior.dimension);
+      long beyond = 0, all = 0;
+      for (const auto& chain : posterior.chains) {
+        for (std::size_t i = 0; i < chain.model.size(); ++i) {
+          if (chain.model[i] != m) continue;
+          const auto theta = problem.theta(m, {chain.theta.data() + i * width, width});
+          std::array<double, dynamics::kMaxLawCoefficients> c{};
+          for (std::size_t j = 0; j < c.size(); ++j) c[j] = law.coefficients[j].at(theta);
+          ++all, beyond += L::threshold(c.data()) > reach ? 1 : 0;
+        }
+      }
+      share = all > 0 ? static_cast<double>(beyond) / static_cast<double>(all) : 0.0;
+    }
+  });
+  return share;
+}
+
 /// Posteriors that lean on an end of their prior.
 void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
   const auto& space = problem.problem.space;
@@ -139,6 +165,34 @@ void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFind
                                                             .parameter = space.parameter_name(m, p),
                                                             .prior = prior.describe(),
                                                             .upper = leans_up});
+      }
+    }
+  }
+}
+
+/// Stops beyond all motion: of them a record says how wide the gap must be and nothing else.
+void judge_stops(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
+  for (const int m : told(findings)) {
+    const auto& curves = finding(findings, m).links;
+    if (!curves) continue;
+    const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
+    for (const dynamics::Link& link : model.chain.links) {
+      const auto curve = std::ranges::find_if(
+          *curves, [&](const LinkCurve& c) { return c.a == link.a && c.b == link.b; });
+      if (curve == curves->end()) continue;
+      for (const dynamics::Law& law : link.laws) {
+        const bool opening = law.side == dynamics::Side::opening;
+        const double reach = opening ? curve->extension.back() : -curve->extension.front();
+        const double share = share_beyond(problem, posterior, m, law, reach);
+        if (share < kNotReached) continue;
+        findings.remarks.push_back(remark::StopNotReached{
+            .model = model.name,
+            .law = std::string(dynamics::law_infos()[static_cast<std::size_t>(law.kind)].name),
+            .a = link.a,
+            .b = link.b,
+            .opening = opening,
+            .reach = reach,
+            .share = share});
       }
     }
   }
@@ -284,6 +338,7 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   judge_means(problem, posterior, out);
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);
+  judge_stops(problem, posterior, out);
   judge_integration(out);
   judge_windows(run, out);
   conclude(out, space, evidence);

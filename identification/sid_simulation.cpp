@@ -118,7 +118,8 @@ dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excita
     case dynamics::Outcome::complete:
       break;
     case dynamics::Outcome::impossible:
-      refuse("the true model's parameters are impossible (a mass <= 0, a gap < 0)");
+      refuse("the true model's parameters are impossible: " +
+             dynamics::impossibility(model.chain, truth.theta));
       break;
     case dynamics::Outcome::diverged:
       refuse("the true model's response grows without bound, also with steps a quarter as long");

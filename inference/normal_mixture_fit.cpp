@@ -31,6 +31,9 @@ struct Cluster {
 
 class Fitter {
   static constexpr Eigen::Index kOnTheWay = 3000;
+  // Of more components a tenth is merged between two maximisations: their number need not be known
+  // to one.
+  static constexpr std::size_t kOneByOne = 40;
 
  public:
   Fitter(const Eigen::MatrixXd& samples, const NormalMixture::FitOptions& options,
@@ -72,7 +75,8 @@ class Fitter {
         best = clusters;
       }
       if (clusters.size() == 1) break;
-      merge_closest(clusters);
+      const std::size_t fewer = clusters.size() <= kOneByOne ? 1 : clusters.size() / 10;
+      for (std::size_t i = 0; i < fewer; ++i) merge_closest(clusters);
     }
     expectation_maximisation(best, options_.max_iterations, options_.tolerance, z_, weight_);
     widen(best);

@@ -73,6 +73,7 @@ struct PilotOptions {
   int threads = 0;
   Eigen::Index most_samples = 8000;  ///< that a mixture is fitted to
   int most_components = 20;          ///< of a mixture
+  double tolerance = 1e-7;           ///< of its last fit, in the mean log density of a sample
   /// Samples of each model's posterior that the chains may not have met since; {}: none.
   std::vector<Eigen::MatrixXd> besides{};
   /// P of each model as far as it is known, one a model; {}: the share of the coldest visits.

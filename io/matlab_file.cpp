@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <string>
+
+#include "io/netcdf_library.hpp"
 #endif
 
 namespace wheeltap::io {
@@ -72,10 +75,65 @@ bool is_numeric(const matvar_t& variable) {
 /// Deflate makes nothing smaller than this many times: what is announced beyond it is not there,
 /// and libmatio would fill it with zeros.
 constexpr double kMostInflated = 1032.0;
+constexpr int kDeepest = 8;  // structures in structures
+
+std::string class_name(const matvar_t& variable) {
+  switch (variable.class_type) {
+    case MAT_C_CELL:
+      return "cell array";
+    case MAT_C_STRUCT:
+      return "structure array";
+    case MAT_C_OBJECT:
+    case MAT_C_OPAQUE:
+      return "object";
+    case MAT_C_CHAR:
+      return "text";
+    case MAT_C_SPARSE:
+      return "sparse matrix";
+    default:
+      return variable.isComplex != 0 ? "complex" : std::to_string(variable.rank) + "-d array";
+  }
+}
+
+bool is_structure(const matvar_t& variable) {
+  return variable.class_type == MAT_C_STRUCT && variable.rank == 2 && variable.dims[0] == 1 &&
+         variable.dims[1] == 1;
+}
+
+/// visit(name, variable) of a variable, or of the fields of a structure: "s.field".
+template <class Visitor>
+void for_each_array(const std::string& name, matvar_t& variable, int depth, const Visitor& visit) {
+  if (!is_structure(variable) || depth == kDeepest) return visit(name, variable);
+  const unsigned fields = Mat_VarGetNumberOfFields(&variable);
+  char* const* names = Mat_VarGetStructFieldnames(&variable);
+  for (unsigned i = 0; names != nullptr && i < fields; ++i)
+    if (matvar_t* field = Mat_VarGetStructFieldByIndex(&variable, i, 0); field && names[i])
+      for_each_array(name + "." + names[i], *field, depth + 1, visit);
+}
+
+void take(const std::string& name, const matvar_t& variable, Columns& table) {
+  const std::vector<double> values = real_values(variable);
+  const std::size_t rows = variable.dims[0], columns = variable.dims[1];
+  if (values.empty() || rows * columns != values.size()) return;
+  if (values.size() == 1) {
+    table.scalars[name] = values[0];
+    return;
+  }
+  const bool is_vector = rows == 1 || columns == 1;
+  const std::size_t length = is_vector ? values.size() : rows;
+  for (std::size_t j = 0; j < (is_vector ? 1 : columns); ++j) {
+    const std::string header = is_vector ? name : name + "(:," + std::to_string(j + 1) + ")";
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(j * length);
+    table.columns.push_back({.header = header,
+                             .name = header,
+                             .values = {begin, begin + static_cast<std::ptrdiff_t>(length)}});
+  }
+}
 
 }  // namespace
 
 Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted) {
+  const NetcdfLock lock;  // a v7.3 file is an HDF5 one
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   if (!file) throw FileError(FileError::Kind::missing, path, "no such file, or no MATLAB file");
@@ -83,42 +141,49 @@ Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted
   std::error_code ignored;
   const double most =
       kMostInflated * static_cast<double>(std::filesystem::file_size(path, ignored));
+  constexpr std::size_t kMostNamed = 6;
+  std::vector<std::string> others;  // what is there and cannot be taken
+  bool any = false;
   for (;;) {
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNextInfo(file.get()),
                                                                   Mat_VarFree);
     if (!variable) break;
-    if (!is_numeric(*variable)) continue;
-    if (static_cast<double>(variable->dims[0]) * static_cast<double>(variable->dims[1]) > most)
-      throw FileError(FileError::Kind::corrupt, path,
-                      "announces " + std::to_string(variable->dims[0]) + " x " +
-                          std::to_string(variable->dims[1]) +
-                          " numbers, more than a file of its size can hold");
-    if (Mat_VarReadDataAll(file.get(), variable.get()) != 0) continue;
-    const std::vector<double> values = real_values(*variable);
-    if (values.empty() || variable->name == nullptr) continue;
+    if (variable->name == nullptr) continue;
+    any = true;
     const std::string name = variable->name;
-    const std::size_t rows = variable->dims[0], columns = variable->dims[1];
-    if (rows * columns != values.size()) continue;
-    if (values.size() == 1) {
-      table.scalars[name] = values[0];
-      continue;
-    }
-    const bool is_vector = rows == 1 || columns == 1;
-    const std::size_t length = is_vector ? values.size() : rows;
-    for (std::size_t j = 0; j < (is_vector ? 1 : columns); ++j) {
-      const std::string header = is_vector ? name : name + "(:," + std::to_string(j + 1) + ")";
-      const auto begin = values.begin() + static_cast<std::ptrdiff_t>(j * length);
-      table.columns.push_back({.header = header,
-                               .name = header,
-                               .values = {begin, begin + static_cast<std::ptrdiff_t>(length)}});
-    }
+    bool numbers = false;
+    double announced = 0.0;
+    for_each_array(name, *variable, 0, [&](const std::string& of, const matvar_t& array) {
+      if (is_numeric(array)) {
+        numbers = true;
+        announced += static_cast<double>(array.dims[0]) * static_cast<double>(array.dims[1]);
+      } else {
+        others.push_back(of + " (" + class_name(array) + ")");
+      }
+    });
+    if (announced > most)
+      throw FileError(FileError::Kind::corrupt, path,
+                      name + " announces " + std::to_string(static_cast<long long>(announced)) +
+                          " numbers, more than a file of its size can hold");
+    if (!numbers || Mat_VarReadDataAll(file.get(), variable.get()) != 0) continue;
+    for_each_array(name, *variable, 0, [&](const std::string& of, const matvar_t& array) {
+      if (is_numeric(array)) take(of, array, table);
+    });
   }
   const int longest = table.rows();
   std::erase_if(table.columns, [&](const Column& c) {
     return c.values.size() != static_cast<std::size_t>(longest);
   });
-  if (table.columns.empty())
-    throw FileError(FileError::Kind::corrupt, path, "no real numeric arrays");
+  if (table.columns.empty()) {
+    std::string there;
+    for (std::size_t i = 0; i < std::min(others.size(), kMostNamed); ++i)
+      there += (i == 0 ? ": there are " : ", ") + others[i];
+    if (others.size() > kMostNamed)
+      there += " and " + std::to_string(others.size() - kMostNamed) + " more";
+    throw FileError(FileError::Kind::corrupt, path,
+                    any ? "no real numeric arrays" + there
+                        : "no variables: it is empty, cut off, or not written by MATLAB");
+  }
   for (std::size_t c = 0; wanted && c < table.columns.size(); ++c)
     if (!wanted(table, c)) table.columns[c].values = {};
   return table;

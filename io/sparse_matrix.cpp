@@ -13,6 +13,8 @@
 #include "io/delimited_text.hpp"
 #ifdef WHEELTAP_MATIO
 #include <matio.h>
+
+#include "io/netcdf_library.hpp"
 #endif
 
 namespace wheeltap::io {
@@ -205,12 +207,26 @@ class MatlabMatrix {
 };
 
 SparseMatrix read_matlab_matrix(const std::filesystem::path& path, const std::string& name) {
+  const NetcdfLock lock;  // a v7.3 file is an HDF5 one
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   if (!file) throw FileError(Kind::foreign, path, "is neither a MATLAB file nor a folder");
   using Variable = std::unique_ptr<matvar_t, void (*)(matvar_t*)>;
-  if (const Variable variable(Mat_VarRead(file.get(), name.c_str()), Mat_VarFree); variable)
-    return MatlabMatrix(path, *variable, name).read();
+  // "s.K" is the field K of the structure s.
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find('.', begin), name.size());
+    parts.push_back(name.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  if (const Variable variable(Mat_VarRead(file.get(), parts[0].c_str()), Mat_VarFree); variable) {
+    matvar_t* found = variable.get();
+    for (std::size_t i = 1; found != nullptr && i < parts.size(); ++i)
+      found = found->class_type == MAT_C_STRUCT
+                  ? Mat_VarGetStructFieldByName(found, parts[i].c_str(), 0)
+                  : nullptr;
+    if (found != nullptr) return MatlabMatrix(path, *found, name).read();
+  }
   std::string names;
   Mat_Rewind(file.get());
   for (;;) {

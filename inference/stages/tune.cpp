@@ -24,6 +24,10 @@ constexpr double kEnoughModelDraws = 4000.0;
 constexpr Eigen::Index kFirstPopulation = 1000;  // draws of an exploration that a fit takes in
 constexpr Eigen::Index kLastPopulation = 4000;   // the last one
 constexpr int kManyPeaks = 80;  // components of the mixtures of posteriors with many modes
+// Of a long record's fits, components before the last one and how far the expectation is maximised:
+// fits as close as other problems have took a quarter of such a run.
+constexpr int kFewPeaks = 7;
+constexpr double kRoughly = 1e-5;
 // Models below this probability are visited less than the others while tuning: none of their visits
 // is to be expected among the draws.
 constexpr double kLeastTuned = 1e-4;
@@ -124,11 +128,12 @@ void fit_proposals(RunContext& run, RunState& state, int round) {
   if (round > 0) learn_probabilities(state, pooled.back());
   // The last fit is the one that is used; the first two only have to lead there.
   const bool last = round >= static_cast<int>(kTuning.size());
+  const bool dear = is_dear(run.problem, run.options);
   PilotOptions how{.seed = run.options.seed,
                    .round = round,
                    .threads = run.options.threads,
                    .most_samples = last ? 12000 : 3000,
-                   .most_components = 20,
+                   .most_components = dear && !last ? kFewPeaks : 20,
                    .besides = {},
                    .probability = state.probability,
                    .modes = {}};
@@ -149,6 +154,7 @@ void fit_proposals(RunContext& run, RunState& state, int round) {
         std::ranges::count_if(found.shares, [](double share) { return share > 0.005; });
     if (last && (weighty > 10 || state.at.refits > 0)) how.most_components = kManyPeaks;
   }
+  if (dear) how.tolerance = kRoughly;
   std::vector<double> learnt;
   if (round > 0) learnt = efficiencies(run, state);
   state.pilot = fit_pilot(run.space(), pooled, how);

@@ -156,6 +156,33 @@ TEST(Laws, CoefficientsAreHeldToTheBoundsOfTheLaw) {
   EXPECT_THROW(validate(chain(make_law<laws::Coulomb>({-1.0}))), std::invalid_argument);
 }
 
+TEST(Laws, WhatIsImpossibleIsNamed) {
+  const auto named = [](const Law& law, double mass, double x) {
+    const Chain chain{.masses = {mass}, .links = {{.laws = {law}}}};
+    const std::string why = impossibility(chain, {&x, 1});
+    const Excitation still{.sample_rate_hz = 1.0, .forces = {{.mass = 1, .signal = {{0.0, 0.0}}}}};
+    if (mass > 0.0) {  // else the simulator is not made
+      const Simulator simulator(chain, still, {{.mass = 1}});
+      EXPECT_EQ(simulator.simulate({&x, 1}).outcome == Outcome::impossible, !why.empty()) << why;
+    }
+    return why;
+  };
+  const Coefficient unknown = Coefficient::of_parameter(0);
+  const Law stop = make_law<laws::Contact>({1.0, unknown});
+  EXPECT_EQ(named(stop, 1.0, 0.1), "");
+  EXPECT_EQ(named(stop, 0.0, 0.1), "mass 1 = 0, must be > 0");
+  EXPECT_EQ(named(stop, 1.0, -0.1),
+            "contact of the link between 0 and 1: gap = -0.1, must be >= 0");
+  EXPECT_EQ(named(make_law<laws::BoucWen>({1.0, unknown}), 1.0, 0.0),
+            "bouc_wen of the link between 0 and 1: yield = 0, must be > 0");
+  EXPECT_EQ(named(make_law<laws::Cubic>({unknown}), 1.0, HUGE_VAL),
+            "cubic of the link between 0 and 1: stiffness = inf, must be finite");
+  EXPECT_EQ(named(make_law<laws::BoucWen>({1.0, 1.0, 1.0, 0.5, unknown}), 1.0, -0.5),
+            "bouc_wen of the link between 0 and 1: its coefficients contradict each other");
+  EXPECT_NE(named(make_law<laws::Coulomb>({1.0, unknown}), 1.0, 0.0).find("velocity = 0"),
+            std::string::npos);
+}
+
 // The step choice relies on them: |∂T/∂e|, |∂T/∂ė| and |∂ζ̇/∂ζ| by differences are within the
 // slopes.
 TEST(Laws, SlopesBoundTheDerivatives) {

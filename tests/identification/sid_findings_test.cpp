@@ -97,6 +97,29 @@ TEST(SidFindings, AParameterAtTheEndOfItsPriorIsRemarkedOn) {
   EXPECT_TRUE(remark->upper);
 }
 
+// Of a gap wider than the motion a record says that it is wider; of one within it, what it is.
+TEST(SidFindings, AStopBeyondTheMotionIsRemarkedOn) {
+  using dynamics::Coefficient;
+  SidCase c = small_sid_case();
+  c.models.pop_back();
+  c.models[0].chain.links[0].laws = {dynamics::make_law<dynamics::laws::Contact>(
+      {500.0, Coefficient::of_parameter(1)}, dynamics::Side::closing)};
+  c.models[0].parameters = {0, 1};
+  c.parameters[1] = {"gap", inference::Uniform{0.0, 20.0}};
+  c.truth->model = 0;
+  c.truth->theta = {50.0, 15.0};
+  SidFindings f = found(simulated(c));
+  const auto* remark = find<remark::StopNotReached>(f);
+  ASSERT_NE(remark, nullptr);
+  EXPECT_EQ(remark->law, "contact");
+  EXPECT_FALSE(remark->opening);
+  EXPECT_DOUBLE_EQ(remark->reach, -f.of_models[0]->links->front().extension.front());
+  EXPECT_GE(remark->share, 0.9);
+  c.truth->theta = {50.0, 0.5 * remark->reach};
+  f = found(simulated(c));
+  EXPECT_EQ(find<remark::StopNotReached>(f), nullptr);
+}
+
 // At a noise of a hundred-thousandth of the response Runge-Kutta's own steps are too long.
 TEST(SidRun, RepeatsWithBetterStepsWhereTheyWereTooLong) {
   SidCase c = small_sid_case();

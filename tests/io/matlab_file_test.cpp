@@ -51,6 +51,72 @@ TEST(MatlabFile, VectorsMatricesAndScalars) {
   EXPECT_EQ(read_columns(directory / "r.csv").rows(), 3);
 }
 
+matvar_t* array(const char* name, std::vector<double> values) {
+  std::size_t dims[] = {values.size(), 1};
+  return Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0);
+}
+
+// data.acc, data.rig.fs: what MATLAB's users save more often than plain arrays.
+TEST(MatlabFile, FieldsOfStructures) {
+  for (const mat_ft version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
+    const test::TemporaryDirectory directory;
+    const auto path = directory / "s.mat";
+    mat_t* file = Mat_CreateVer(path.c_str(), nullptr, version);
+    if (file == nullptr && version == MAT_FT_MAT73) continue;  // a libmatio without HDF5
+    ASSERT_NE(file, nullptr);
+    const char* fields[] = {"acc", "rig"};
+    const char* inner[] = {"fs"};
+    std::size_t one[] = {1, 1};
+    matvar_t* rig = Mat_VarCreateStruct("rig", 2, one, inner, 1);
+    Mat_VarSetStructFieldByName(rig, "fs", 0, array("fs", {200.0}));
+    matvar_t* data = Mat_VarCreateStruct("data", 2, one, fields, 2);
+    Mat_VarSetStructFieldByName(data, "acc", 0, array("acc", {1, 2, 3}));
+    Mat_VarSetStructFieldByName(data, "rig", 0, rig);
+    ASSERT_EQ(Mat_VarWrite(file, data, MAT_COMPRESSION_NONE), 0);
+    Mat_VarFree(data);
+    Mat_Close(file);
+    const Columns t = read_columns(path);
+    ASSERT_EQ(t.columns.size(), 1U);
+    EXPECT_EQ(t.columns[0].name, "data.acc");
+    EXPECT_EQ(t.columns[0].values, (std::vector<double>{1, 2, 3}));
+    EXPECT_EQ(t.scalars.at("data.rig.fs"), 200.0);
+  }
+}
+
+TEST(MatlabFile, WhatIsThereInsteadOfArraysIsSaid) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "text.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  std::string words = "words";
+  std::size_t dims[] = {1, words.size()};
+  matvar_t* text = Mat_VarCreate("note", MAT_C_CHAR, MAT_T_UTF8, 2, dims, words.data(), 0);
+  ASSERT_EQ(Mat_VarWrite(file, text, MAT_COMPRESSION_NONE), 0);
+  Mat_VarFree(text);
+  Mat_Close(file);
+  try {
+    (void)read_columns(path);
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("no real numeric arrays: there are note (text)"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+// One that is cut off, an HDF5 file: its library has words of its own, which nobody is to see.
+TEST(MatlabFile, ACutOffFileIsRefusedInOneLine) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "cut.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT73);
+  if (file == nullptr) GTEST_SKIP() << "this libmatio was built without HDF5";
+  put(file, "u", std::vector<double>(1000, 1.0), 1000, 1);
+  Mat_Close(file);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  testing::internal::CaptureStderr();
+  EXPECT_THROW((void)read_columns(path), FileError);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
 TEST(MatlabFile, WhatIsNoneIsRefused) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "text.mat", "x\n1\n");

@@ -138,7 +138,19 @@ TEST_P(MatlabMatrices, SparseAndFullByName) {
   put_full<double>(file, "M", {4, 0, 0, 6}, 2, MAT_C_DOUBLE, MAT_T_DOUBLE);
   put_full<std::int32_t>(file, "whole", {1, 2, 3, 4, 5, 6}, 2, MAT_C_INT32, MAT_T_INT32);
   put_full<double>(file, "bad", {1, NAN}, 1, MAT_C_DOUBLE, MAT_T_DOUBLE);
+  std::size_t dims[] = {1, 1};
+  double seven = 7.0;
+  const char* fields[] = {"K"};
+  matvar_t* model = Mat_VarCreateStruct("model", 2, dims, fields, 1);
+  Mat_VarSetStructFieldByName(model, "K", 0,
+                              Mat_VarCreate("K", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &seven, 0));
+  ASSERT_EQ(Mat_VarWrite(file, model, MAT_COMPRESSION_NONE), 0);
+  Mat_VarFree(model);
   Mat_Close(file);
+  EXPECT_EQ(Eigen::MatrixXd(read_sparse_matrix(path, "model.K")), rows({{7}}));
+  expect_refused([&] { (void)read_sparse_matrix(path, "model.M"); },
+                 "has no matrix \"model.M\"; there are: ");
+  expect_refused([&] { (void)read_sparse_matrix(path, "K.K"); }, "has no matrix \"K.K\"");
   const SparseMatrix k = read_sparse_matrix(path, "K");
   EXPECT_EQ(Eigen::MatrixXd(k), rows({{1, 0, 0}, {0, 0, 5}, {-2, 0, 0}}));
   EXPECT_EQ(k.nonZeros(), 3);
