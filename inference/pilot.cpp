@@ -264,9 +264,8 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
     // As many components as the samples ask for: a ridge that turns takes hundreds.
     int most = hopeless ? kFewComponents : options.most_components;
     while (true) {
-      fit->density[at] = std::make_unique<NormalMixture>(
-          NormalMixture::fit(fitted.transpose(),
-                             {.max_components = most, .tolerance = options.tolerance}, random));
+      fit->density[at] = std::make_unique<NormalMixture>(NormalMixture::fit(
+          fitted.transpose(), {.max_components = most, .tolerance = options.tolerance}, random));
       if (hopeless || fit->density[at]->size() < most || 3 * most > kMostComponents) break;
       most *= 3;
     }
