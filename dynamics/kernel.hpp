@@ -67,10 +67,10 @@ struct Task {
   const double* coefficients = nullptr;
   double* scratch = nullptr;  ///< scratch_size(…) · W doubles
   double* sums = nullptr;     ///< [sensor][lane]; or null: then the trajectory is stored
-  /// Of each sensor, or null. A group whose weighted sums all exceed the limit is given up: its
-  /// lanes fail.
+  /// [sensor][lane], or null. A lane whose weighted sum exceeds its limit, [lane], is given up: it
+  /// fails.
   const double* weights = nullptr;
-  double limit = 0.0;
+  const double* limit = nullptr;
   double* trajectory = nullptr;  ///< [sample of the response][sensor][lane]
   double* failed = nullptr;      ///< [lane]: 0, or why
 };

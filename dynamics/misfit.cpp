@@ -70,21 +70,38 @@ int Misfit::parameters() const {
 
 void Misfit::sums_of_squares(std::span<const double> thetas, int sets,
                              std::span<double> out) const {
+  sums_of_squares_within(thetas, sets, {}, {}, out);
+}
+
+void Misfit::sums_of_squares_within(std::span<const double> thetas, int sets,
+                                    std::span<const double> weights, std::span<const double> limits,
+                                    std::span<double> out) const {
   require_parameters(thetas, sets, impl_->parameters);
   const std::size_t channels = impl_->observed.size();
   if (out.size() != static_cast<std::size_t>(sets) * channels)
     fail("room for " + std::to_string(out.size()) + " sums, must be " +
          std::to_string(static_cast<std::size_t>(sets) * channels));
+  if (!limits.empty() &&
+      (limits.size() != static_cast<std::size_t>(sets) || weights.size() != out.size()))
+    fail(std::to_string(limits.size()) + " limits and " + std::to_string(weights.size()) +
+         " weights, must be " + std::to_string(sets) + " and " + std::to_string(out.size()));
   const auto receive = [&](const Lane& lane, const kernel::Task& task) {
-    const bool complete = lane.outcome == Outcome::complete;
+    const std::size_t first = lane.set * channels;
+    bool complete = lane.outcome == Outcome::complete;
+    double total = 0.0;
     for (std::size_t c = 0; c < channels; ++c) {
       const double sum = complete ? task.sums[c * lane.lanes + lane.lane] : 0.0;
-      out[lane.set * channels + c] =
+      out[first + c] =
           complete && std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+      if (!limits.empty()) total += weights[first + c] * out[first + c];
     }
+    complete = complete && (limits.empty() || total <= limits[lane.set]);
+    if (!complete)
+      std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(first), channels,
+                  std::numeric_limits<double>::infinity());
   };
   impl_->simulator.impl_->run(thetas, sets, impl_->terms, impl_->slots, impl_->lead_in, true,
-                              receive);
+                              receive, weights, limits);
 }
 
 bool Misfit::sums_of_squares_within(std::span<const double> theta, std::span<const double> weights,
@@ -105,7 +122,7 @@ bool Misfit::sums_of_squares_within(std::span<const double> theta, std::span<con
     within = total <= limit;
   };
   impl_->simulator.impl_->run(theta, 1, impl_->terms, impl_->slots, impl_->lead_in, true, receive,
-                              weights, limit);
+                              weights, {&limit, 1});
   return within;
 }
 

@@ -127,7 +127,7 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
                           const std::vector<kernel::SensorTerm>& sensor_terms,
                           std::span<const Coefficient> all_slots, int lead_in, bool sums,
                           detail::Receiver receive, std::span<const double> weights,
-                          double limit) const {
+                          std::span<const double> limits) const {
   ThreadMemory& memory = thread_memory();
   const auto count = static_cast<std::size_t>(sets);
   const std::size_t dimension = count == 0 ? 0 : thetas.size() / count;
@@ -156,13 +156,15 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
   work.sensors = static_cast<int>(sensor_terms.size());
   work.lead_in = lead_in;
   work.failed = failed.data();
-  if (!weights.empty()) {
-    work.weights = weights.data();
-    work.limit = limit;
-  }
   const std::size_t channels = sensor_terms.size();
-  double* table = memory.coefficients.take((width + channels) * most);
+  double* table = memory.coefficients.take((width + 2 * channels + 1) * most);
   double* totals = table + width * most;
+  double* weight_table = totals + channels * most;
+  double* limit_table = weight_table + channels * most;
+  if (!limits.empty()) {
+    work.weights = weight_table;
+    work.limit = limit_table;
+  }
   work.coefficients = table;
   const auto scratch = static_cast<std::size_t>(
       integrator == Integrator::piecewise
@@ -192,6 +194,10 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
             static_cast<std::size_t>(memory.order[std::min(begin + lane, end - 1)].second);
         for (std::size_t slot = 0; slot < width; ++slot)
           table[slot * lanes + lane] = memory.values[set * width + slot];
+        if (limits.empty()) continue;
+        for (std::size_t c = 0; c < channels; ++c)
+          weight_table[c * lanes + lane] = weights[set * channels + c];
+        limit_table[lane] = limits[set];
       }
       work.substeps = group.substeps;
       work.degree = group.degree;

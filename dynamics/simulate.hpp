@@ -190,9 +190,14 @@ class Misfit {
   /// after the first call of a thread.
   void sums_of_squares(std::span<const double> thetas, int sets, std::span<double> out) const;
 
+  /// The same, but +∞ also for a vector whose Σ_c weights[set · channels() + c] S_c exceeds
+  /// limits[set]: its integration ends where that is known, so that hopeless vectors cost little.
+  void sums_of_squares_within(std::span<const double> thetas, int sets,
+                              std::span<const double> weights, std::span<const double> limits,
+                              std::span<double> out) const;
+
   /// The sums of one vector, or false, and `out` undefined, if the trajectory fails or
-  /// Σ_c weights[c] S_c exceeds `limit`: then the integration ends where that is known, so that
-  /// hopeless vectors cost little. `weights` (>= 0) and `out` have one entry a channel.
+  /// Σ_c weights[c] S_c exceeds `limit`. `weights` (>= 0) and `out` have one entry a channel.
   [[nodiscard]] bool sums_of_squares_within(std::span<const double> theta,
                                             std::span<const double> weights, double limit,
                                             std::span<double> out) const;

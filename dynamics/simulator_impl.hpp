@@ -100,11 +100,12 @@ struct Simulator::Impl {
   [[nodiscard]] int response_samples() const { return (samples - 1) / options.stride + 1; }
 
   /// Runs the sets in groups of equal key; receive(lane, task) for each of them after its group.
-  /// With `sums` false the trajectory is left in task.trajectory.
+  /// With `sums` false the trajectory is left in task.trajectory. `weights`, of each set's sensors,
+  /// and `limits`, of each set: kernel::Task::weights; or empty.
   void run(std::span<const double> thetas, int sets,
            const std::vector<kernel::SensorTerm>& sensor_terms,
            std::span<const Coefficient> all_slots, int lead_in, bool sums, detail::Receiver receive,
-           std::span<const double> weights = {}, double limit = 0.0) const;
+           std::span<const double> weights = {}, std::span<const double> limits = {}) const;
 };
 
 }  // namespace wheeltap::dynamics

@@ -80,6 +80,11 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
   void log_likelihoods(int m, std::span<const double> xs, std::span<double> out) override {
+    log_likelihoods_above({}, m, xs, out);
+  }
+
+  void log_likelihoods_above(std::span<const double> floors, int m, std::span<const double> xs,
+                             std::span<double> out) override {
     const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
     if (!model.autocorrelations.empty()) {
       Likelihood::log_likelihoods(m, xs, out);
@@ -90,12 +95,22 @@ class RecordLikelihood final : public inference::Likelihood {
     const auto channels = static_cast<std::size_t>(misfit.channels());
     const std::size_t d = xs.size() / out.size();
     thetas_.clear();
+    weights_.clear();
+    limits_.clear();
     for (std::size_t i = 0; i < out.size(); ++i) {
       scatter(problem_.sid_case, m, xs.subspan(i * d, d), theta_);
       thetas_.insert(thetas_.end(), theta_.begin(), theta_.end());
+      if (floors.empty()) continue;
+      double best = log_scales(misfit);  // of a perfect fit
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double sigma = model.noise[c].at(theta_);
+        weights_.push_back(0.5 / (sigma * sigma));
+        best += signals::gaussian_log_likelihood(0.0, misfit.samples(), sigma);
+      }
+      limits_.push_back(std::isfinite(best) ? best - floors[i] : -1.0);
     }
     sums_.resize(out.size() * channels);
-    misfit.sums_of_squares(thetas_, static_cast<int>(out.size()), sums_);
+    misfit.sums_of_squares_within(thetas_, static_cast<int>(out.size()), weights_, limits_, sums_);
     for (std::size_t i = 0; i < out.size(); ++i) {
       scatter(problem_.sid_case, m, xs.subspan(i * d, d), theta_);
       out[i] = log_scales(misfit);
@@ -236,7 +251,7 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
   const SidProblem& problem_;
-  std::vector<double> theta_, thetas_, weights_, sums_, residuals_, pacf_, innovations_;
+  std::vector<double> theta_, thetas_, weights_, limits_, sums_, residuals_, pacf_, innovations_;
   std::vector<char> done_;
 };
 

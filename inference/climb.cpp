@@ -157,7 +157,7 @@ class Climber {
         dampings[k] = next;
         next = next > 0.0 ? kStrongerDamping * next : kLeastDamping;
       }
-      const Vector values = n == 1 ? Vector::Constant(1, f_(to.col(0))) : f_.values(to);
+      const Vector values = f_.values(to, end.value);  // what gains nothing is not looked at
       for (Eigen::Index k = 0; k < n; ++k) {
         const double gain = values[k] - end.value;
         if (!(gain > 0.1 * expected[k] && gain > 0.0 && gain <= 10.0 * linear[k])) continue;
@@ -291,7 +291,7 @@ double Surface::operator()(const Vector& z) {
   return posterior_(ordered_).log_posterior();
 }
 
-Vector Surface::values(const Matrix& zs) {
+Vector Surface::values(const Matrix& zs, double level) {
   Vector out = Vector::Constant(zs.cols(), -kInfinity);
   batch_.clear();
   places_.clear();
@@ -304,7 +304,7 @@ Vector Surface::values(const Matrix& zs) {
   }
   if (places_.empty()) return out;
   values_.resize(places_.size());
-  posterior_.evaluate(batch_, values_);
+  posterior_.evaluate(batch_, values_, level);
   for (std::size_t i = 0; i < places_.size(); ++i) out[places_[i]] = values_[i].log_posterior();
   return out;
 }

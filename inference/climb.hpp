@@ -16,8 +16,10 @@ class Surface {
   Surface(const Problem& problem, int model) : posterior_(problem, model) {}
 
   double operator()(const Eigen::VectorXd& z);
-  /// One value a column: likelihoods that advance together are cheaper than one by one.
-  Eigen::VectorXd values(const Eigen::MatrixXd& zs);
+  /// One value a column: likelihoods that advance together are cheaper than one by one. Of values
+  /// below `level` that alone needs to be known: they may be -∞.
+  Eigen::VectorXd values(const Eigen::MatrixXd& zs,
+                         double level = -std::numeric_limits<double>::infinity());
   /// ∇ ln π(z); false where the likelihood has none.
   bool gradient(const Eigen::VectorXd& z, Eigen::VectorXd& g);
   /// ∇ ln π(z) and a positive definite stand-in for -∇² ln π(z), by differences over dz; false

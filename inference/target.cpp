@@ -140,23 +140,30 @@ void Target::evaluate(State& state) {
   complete(state);
 }
 
-void Target::evaluate(std::span<State> states) {
+void Target::evaluate(std::span<State> states, std::span<const double> floors) {
   if (screen_ || !likelihood_) {
     for (State& state : states) evaluate(state);
     return;
   }
   batch_x_.clear();
+  batch_floors_.clear();
   std::size_t possible = 0;
-  for (State& state : states) {
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    State& state = states[i];
     state.evaluated = true;
     if (!locate(state)) continue;
     batch_x_.insert(batch_x_.end(), state.x.begin(), state.x.end());
+    if (!floors.empty()) batch_floors_.push_back(floors[i]);
     state.log_likelihood = 0.0;
     ++possible;
   }
   if (possible == 0) return;
   batch_values_.resize(possible);
-  likelihood_->log_likelihoods(states.front().model, batch_x_, batch_values_);
+  if (floors.empty())
+    likelihood_->log_likelihoods(states.front().model, batch_x_, batch_values_);
+  else
+    likelihood_->log_likelihoods_above(batch_floors_, states.front().model, batch_x_,
+                                       batch_values_);
   memory_.evaluations += static_cast<long>(possible);
   std::size_t next = 0;
   for (State& state : states) {

@@ -38,6 +38,12 @@ class Likelihood {
       out[i] = log_likelihood(model, xs.subspan(i * d, d));
   }
 
+  /// The same where of each only a value of at least floors[i] matters.
+  virtual void log_likelihoods_above(std::span<const double> /*floors*/, int model,
+                                     std::span<const double> xs, std::span<double> out) {
+    log_likelihoods(model, xs, out);
+  }
+
   /// Optional: ∂ ln p(data | model, x)/∂x_i into out[i], in the units of 1/x_i, of any possible x,
   /// asked for before or not. False, whatever `out` then holds, where there is none. Prediction and
   /// residuals may follow x or stay. Searches and proposals use it and no ratio depends on it:
@@ -184,8 +190,9 @@ class Target {
   /// The residuals are those of the stand-in where the problem has one.
   void evaluate(State& state);
 
-  /// Several states of one model, without predictions and residuals.
-  void evaluate(std::span<State> states);
+  /// Several states of one model, without predictions and residuals. Where `floors` are given, one
+  /// a state, a log likelihood below them may come out as -∞.
+  void evaluate(std::span<State> states, std::span<const double> floors = {});
 
   /// Fills in what a move may look at: everything but the likelihood proper and its prediction
   /// where the problem has a stand-in, everything where it has none.
@@ -250,7 +257,7 @@ class Target {
   std::unique_ptr<Likelihood> likelihood_;
   std::unique_ptr<Likelihood> screen_;
   Memory memory_;
-  std::vector<double> batch_x_, batch_values_;
+  std::vector<double> batch_x_, batch_values_, batch_floors_;
 };
 
 }  // namespace wheeltap::inference

@@ -63,7 +63,7 @@ class PacedRungeKutta {
         drive_now[i] = drive_next[i];
         watch.saw(x.y[i]);
       }
-      if (watch.over(sample, output)) break;
+      if (watch.over(sample, output, kPacedSamplesBetweenChecks)) break;
     }
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) {

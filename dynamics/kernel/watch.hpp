@@ -9,6 +9,8 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 constexpr std::int64_t kSamplesBetweenChecks = 64;
+/// Of trajectories that take many steps a sample, each lane as many as it needs.
+constexpr std::int64_t kPacedSamplesBetweenChecks = 4;
 
 /// What the integrators do with a sample: score it or store it.
 class Output {
@@ -38,12 +40,13 @@ class Output {
     }
   }
 
-  /// Whether there is no use in going on: sums of squares only grow.
-  WHEELTAP_INLINE bool hopeless() const {
-    if (task_.weights == nullptr) return false;
+  [[nodiscard]] WHEELTAP_INLINE bool limited() const { return task_.weights != nullptr; }
+  /// 1 where there is no use in going on: sums of squares only grow.
+  WHEELTAP_INLINE V hopeless() const {
     V total{};
-    for (int i = 0; i < task_.sensors; ++i) total += task_.weights[i] * vectors(task_.sums)[i];
-    return all(outside(total, task_.limit));
+    for (int i = 0; i < task_.sensors; ++i)
+      total += vectors(task_.weights)[i] * vectors(task_.sums)[i];
+    return lanes::abs(total) <= vectors(task_.limit)[0] ? V{} : V{} + 1.0;
   }
 
  private:
@@ -83,12 +86,11 @@ class Watch {
   [[nodiscard]] WHEELTAP_INLINE V failed() const { return outside_; }
 
   /// Now and then: whether every lane has failed, or is not worth going on with.
-  WHEELTAP_INLINE bool over(std::int64_t sample, const Output& output) {
-    if (sample % kSamplesBetweenChecks != 0) return false;
-    if (all(outside_)) return true;
-    if (!output.hopeless()) return false;
-    outside_ = V{} + 1.0;
-    return true;
+  WHEELTAP_INLINE bool over(std::int64_t sample, const Output& output,
+                            std::int64_t between = kSamplesBetweenChecks) {
+    if (sample % between != 0) return false;
+    if (output.limited()) outside_ = lanes::max(outside_, output.hopeless());
+    return all(outside_);
   }
 
   WHEELTAP_INLINE void finish() const {

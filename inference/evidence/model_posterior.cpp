@@ -47,8 +47,14 @@ ModelPosterior::Value ModelPosterior::above(double level, double beta, std::span
           state_.log_prior_factor + state_.log_likelihood};
 }
 
-void ModelPosterior::evaluate(std::span<const double> zs, std::span<Value> out) {
+void ModelPosterior::evaluate(std::span<const double> zs, std::span<Value> out, double level) {
   constexpr double kNever = -std::numeric_limits<double>::infinity();
+  constexpr double kRounding = 1e-6;  // far above that of a log likelihood
+  const auto base_of = [&](const State& state) {
+    double base = constant_;
+    for (const double v : state.z) base -= 0.5 * v * v;
+    return base;
+  };
   const std::size_t d = state_.z.size();
   states_.clear();
   std::vector<std::size_t> places;
@@ -60,11 +66,14 @@ void ModelPosterior::evaluate(std::span<const double> zs, std::span<Value> out) 
     states_.push_back(state_);
     places.push_back(i);
   }
-  target_.evaluate(states_);
+  // As in above(): with a factor of the prior nothing is cut short.
+  std::vector<double> floors;
+  if (level > kNever && !target_.problem().log_prior_factor)
+    for (const State& state : states_) floors.push_back(level - base_of(state) - kRounding);
+  target_.evaluate(states_, floors);
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const State& state = states_[i];
-    double base = constant_;
-    for (const double v : state.z) base -= 0.5 * v * v;
+    const double base = base_of(state);
     out[places[i]] = {base + state.log_prior_factor, base, state.log_likelihood,
                       state.log_prior_factor + state.log_likelihood};
   }

@@ -54,8 +54,10 @@ class ModelPosterior {
   /// The same where only values with log_base + beta · log_gain of at least `level` matter: others
   /// may be impossible.
   Value above(double level, double beta, std::span<const double> z);
-  /// Several z, one after the other: one value each.
-  void evaluate(std::span<const double> zs, std::span<Value> out);
+  /// Several z, one after the other: one value each. Where only those whose log_posterior() is at
+  /// least `level` matter, the others may be impossible.
+  void evaluate(std::span<const double> zs, std::span<Value> out,
+                double level = -std::numeric_limits<double>::infinity());
   /// The physical parameters of the last single z in order.
   [[nodiscard]] std::span<const double> x() const { return state_.x; }
 

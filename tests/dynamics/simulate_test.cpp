@@ -257,6 +257,30 @@ TEST(Misfit, GivesUpWhereTheSumsExceedTheLimit) {
   }
 }
 
+// Each of several vectors by its own limit, whatever its company: with fixed steps and with steps
+// of each lane's own.
+TEST(Misfit, GivesUpEachVectorByItsOwnLimit) {
+  const std::vector<double> force = noise(3000, 41, 20.0);
+  const Excitation drive{.sample_rate_hz = 50.0, .forces = {{.mass = 1, .signal = {force}}}};
+  const Coefficient unknown = Coefficient::of_parameter(0);
+  for (const Law& law :
+       {make_law<laws::Cubic>({unknown}), make_law<laws::QuadraticDamping>({unknown}),
+        make_law<laws::Contact>({20.0, unknown})}) {
+    const Chain chain{.masses = {2.0},
+                      .links = {{.stiffness = 50.0, .damping = 1.0, .laws = {law}}}};
+    const Misfit misfit(Simulator(chain, drive, {{.mass = 1}}), {{noise(3000, 43)}});
+    std::vector<double> x(11), sums(11), within(11), limits(11);
+    const std::vector<double> weights(11, 0.5);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = 0.05 * static_cast<double>(i + 1);
+    misfit.sums_of_squares(x, 11, sums);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      limits[i] = 0.5 * sums[i] * (i % 3 == 0 ? 1e-3 : i % 3 == 1 ? 1.0 - 1e-14 : 1.0 + 1e-14);
+    misfit.sums_of_squares_within(x, 11, weights, limits, within);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      EXPECT_EQ(within[i], i % 3 == 2 ? sums[i] : HUGE_VAL) << i;
+  }
+}
+
 TEST(Simulator, ATrajectoryThatBlowsUpFails) {
   const Coefficient k3 = Coefficient::of_parameter(0);
   const Chain chain{.masses = {1.0},
