@@ -151,23 +151,18 @@ Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted
     if (variable->name == nullptr) continue;
     any = true;
     const std::string name = variable->name;
-    bool numbers = false;
-    double announced = 0.0;
-    for_each_array(name, *variable, 0, [&](const std::string& of, const matvar_t& array) {
-      if (is_numeric(array)) {
-        numbers = true;
-        announced += static_cast<double>(array.dims[0]) * static_cast<double>(array.dims[1]);
-      } else {
+    // Array by array: what else a structure holds is not read.
+    for_each_array(name, *variable, 0, [&](const std::string& of, matvar_t& array) {
+      if (!is_numeric(array)) {
         others.push_back(of + " (" + class_name(array) + ")");
+        return;
       }
-    });
-    if (announced > most)
-      throw FileError(FileError::Kind::corrupt, path,
-                      name + " announces " + std::to_string(static_cast<long long>(announced)) +
-                          " numbers, more than a file of its size can hold");
-    if (!numbers || Mat_VarReadDataAll(file.get(), variable.get()) != 0) continue;
-    for_each_array(name, *variable, 0, [&](const std::string& of, const matvar_t& array) {
-      if (is_numeric(array)) take(of, array, table);
+      if (static_cast<double>(array.dims[0]) * static_cast<double>(array.dims[1]) > most)
+        throw FileError(FileError::Kind::corrupt, path,
+                        of + " announces " + std::to_string(array.dims[0]) + " x " +
+                            std::to_string(array.dims[1]) +
+                            " numbers, more than a file of its size can hold");
+      if (Mat_VarReadDataAll(file.get(), &array) == 0) take(of, array, table);
     });
   }
   const int longest = table.rows();
