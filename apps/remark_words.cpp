@@ -344,12 +344,11 @@ class Speaker {
     const auto end = [](int mass) {
       return mass == 0 ? std::string("the ground") : "mass " + std::to_string(mass);
     };
-    return "Under \"" + r.model + "\" the motion does not reach the stop (" + r.law + ", " +
+    return "Under \"" + r.model + "\" the motion does not come to where " + r.law + " (" +
            (r.opening ? "opening" : "closing") + ") between " + end(r.a) + " and " + end(r.b) +
-           ": it goes to " + significant(r.reach, 3) + " m, and in " + percent(r.share) +
-           " of the draws the gap is wider. That it is wider is all that this record says of it; "
-           "its "
-           "stiffness is the prior's.";
+           " begins to act: it goes to " + significant(r.reach, 3) + " m to that side, and in " +
+           percent(r.share) + " of the draws that is too little. Nothing else do the data say of " +
+           r.law + "; its stiffness is nearly the prior's.";
   }
   std::string operator()(const remark::ScatterBetweenWindows& r) const { return sentence(r); }
   std::string operator()(const remark::WindowsUnsound& r) const { return sentence(r); }

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace wheeltap::dynamics {
 
@@ -101,10 +102,15 @@ std::string impossibility(const Chain& chain, std::span<const double> theta) {
       return "mass " + std::to_string(i + 1) + " = " + shown(mass) + ", must be > 0";
   }
   for (const Link& link : chain.links) {
+    const std::string where =
+        " of the link between " + std::to_string(link.a) + " and " + std::to_string(link.b);
+    for (const auto& [what, coefficient] :
+         {std::pair{"stiffness", link.stiffness}, std::pair{"damping", link.damping}})
+      if (const double value = coefficient.at(theta); !std::isfinite(value))
+        return what + where + " = " + shown(value) + ", must be finite";
     for (const Law& law : link.laws) {
       const LawInfo& info = law_infos()[static_cast<std::size_t>(law.kind)];
-      const std::string name = std::string(info.name) + " of the link between " +
-                               std::to_string(link.a) + " and " + std::to_string(link.b);
+      const std::string name = std::string(info.name) + where;
       const auto c = values(law, theta);
       for (std::size_t i = 0; i < static_cast<std::size_t>(info.size()); ++i) {
         const LawCoefficient& known = info.coefficients[i];

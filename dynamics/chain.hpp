@@ -44,7 +44,8 @@ struct Chain {
 void validate(const Chain& chain);
 
 /// What of the chain makes no sense at these parameters, in words ("mass 1 = 0, must be > 0");
-/// empty where all does. Simulator::simulate refuses as Outcome::impossible what this names.
+/// empty where all does. Simulator::simulate ends as Outcome::impossible where this names
+/// something, and where frequencies overflow.
 [[nodiscard]] std::string impossibility(const Chain& chain, std::span<const double> theta);
 
 /// The matrices of the linear part, n × n each.

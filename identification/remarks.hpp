@@ -257,7 +257,8 @@ struct ParameterAtBound {
   bool upper;
 };
 
-/// The motion of the window ends before a stop: in `share` of the model's draws its gap is wider.
+/// The motion of all records ends before a law of one side begins to act, a stop for example: in
+/// `share` of the model's draws it begins beyond.
 struct StopNotReached {
   std::string model, law;
   int a, b;      ///< the masses that its link joins

@@ -170,11 +170,31 @@ void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFind
   }
 }
 
-/// Stops beyond all motion: of them a record says how wide the gap must be and nothing else.
-void judge_stops(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
+/// Widens the curves' first and last extensions to those of the further records; false where a
+/// response fails.
+bool widen(const SidProblem& problem, const Posterior& posterior, int m,
+           std::vector<LinkCurve>& curves) {
+  for (const auto& record : problem.further) {
+    const auto more = link_laws(*record, posterior, m);
+    if (!more || more->size() != curves.size()) return false;
+    for (std::size_t l = 0; l < curves.size(); ++l) {
+      std::vector<double>& e = curves[l].extension;
+      const std::vector<double>& other = (*more)[l].extension;
+      e.front() = std::min(e.front(), other.front());
+      e.back() = std::max(e.back(), other.back());
+    }
+  }
+  return true;
+}
+
+/// Stops beyond all motion: of them the data say how wide the gap must be and nothing else.
+void judge_stops(const SidRun& run, SidFindings& findings) {
+  const SidProblem& problem = *run.problem;
+  const Posterior& posterior = run.posterior;
+  if (run.engine.prior_only) return;
   for (const int m : told(findings)) {
-    const auto& curves = finding(findings, m).links;
-    if (!curves) continue;
+    auto curves = finding(findings, m).links;
+    if (!curves || !widen(problem, posterior, m, *curves)) continue;
     const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
     for (const dynamics::Link& link : model.chain.links) {
       const auto curve = std::ranges::find_if(
@@ -338,7 +358,7 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   judge_means(problem, posterior, out);
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);
-  judge_stops(problem, posterior, out);
+  judge_stops(run, out);
   judge_integration(out);
   judge_windows(run, out);
   conclude(out, space, evidence);

@@ -118,8 +118,9 @@ dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excita
     case dynamics::Outcome::complete:
       break;
     case dynamics::Outcome::impossible:
-      refuse("the true model's parameters are impossible: " +
-             dynamics::impossibility(model.chain, truth.theta));
+      if (const std::string why = dynamics::impossibility(model.chain, truth.theta); !why.empty())
+        refuse("the true model's parameters are impossible: " + why);
+      refuse("the true model's parameters are impossible: its frequencies are beyond all numbers");
       break;
     case dynamics::Outcome::diverged:
       refuse("the true model's response grows without bound, also with steps a quarter as long");

@@ -96,9 +96,10 @@ def coverage(records, order):
         for method in ("cov", "dat") if ssi else ():
             f, xi, f_sd, xi_sd = (t[:, order] for t in theirs(y, rate, method, 20))
             found.setdefault(f"pyOMA2 {method}", []).append(nearest(chain.hz, f, xi, f_sd, xi_sd))
-    print(f"{records} records; of each 95 % interval the share that holds, and the median predicted over the empirical standard deviation")
+    print(f"{records} records; of each 95 % interval the share that holds; median and root mean square of the"
+          " predicted over the empirical standard deviation")
     names = [f"{q}{m}" for m in (1, 2, 3) for q in ("f", "ζ")]
-    print(f"{'':12}" + "".join(f"{n:>14}" for n in names) + f"{'all held':>10}{'found':>8}")
+    print(f"{'':12}" + "".join(f"{n:>19}" for n in names) + f"{'all held':>10}{'found':>8}")
     for tool, rows in found.items():
         rows, line, held = np.array(rows), "", []
         for m in range(3):
@@ -107,7 +108,8 @@ def coverage(records, order):
                 there = np.isfinite(x) & np.isfinite(sd)
                 hold = np.abs(x[there] - truth) <= 1.96 * sd[there]
                 held.extend(hold)
-                line += f"{hold.mean():7.3f}{np.median(sd[there]) / x[there].std(ddof=1):7.2f}"
+                line += f"{hold.mean():7.3f}{np.median(sd[there]) / x[there].std(ddof=1):6.2f}"
+                line += f"{math.sqrt(np.mean(sd[there]**2)) / x[there].std(ddof=1):6.2f}"
         print(f"{tool:12}{line}{np.mean(held):10.3f}{len(held):8}")
 
 

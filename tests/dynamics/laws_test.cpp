@@ -168,6 +168,9 @@ TEST(Laws, WhatIsImpossibleIsNamed) {
     return why;
   };
   const Coefficient unknown = Coefficient::of_parameter(0);
+  const double endless = HUGE_VAL;
+  EXPECT_EQ(impossibility({.masses = {1.0}, .links = {{.damping = unknown}}}, {&endless, 1}),
+            "damping of the link between 0 and 1 = inf, must be finite");
   const Law stop = make_law<laws::Contact>({1.0, unknown});
   EXPECT_EQ(named(stop, 1.0, 0.1), "");
   EXPECT_EQ(named(stop, 0.0, 0.1), "mass 1 = 0, must be > 0");
