@@ -347,8 +347,8 @@ class Speaker {
     return "Under \"" + r.model + "\" the motion does not come to where " + r.law + " (" +
            (r.opening ? "opening" : "closing") + ") between " + end(r.a) + " and " + end(r.b) +
            " begins to act: it goes to " + significant(r.reach, 3) + " m to that side, and in " +
-           percent(r.share) + " of the draws that is too little. Nothing else do the data say of " +
-           r.law + "; its stiffness is nearly the prior's.";
+           percent(r.share) + " of the draws that is too little. The data say nothing else of " +
+           r.law + ".";
   }
   std::string operator()(const remark::ScatterBetweenWindows& r) const { return sentence(r); }
   std::string operator()(const remark::WindowsUnsound& r) const { return sentence(r); }
