@@ -115,9 +115,19 @@ TEST(SidFindings, AStopBeyondTheMotionIsRemarkedOn) {
   EXPECT_FALSE(remark->opening);
   EXPECT_DOUBLE_EQ(remark->reach, -f.of_models[0]->links->front().extension.front());
   EXPECT_GE(remark->share, 0.9);
-  c.truth->theta = {50.0, 0.5 * remark->reach};
-  f = found(simulated(c));
+  const double reach = remark->reach;
+  SidCase touched = c;
+  touched.truth->theta = {50.0, 0.5 * reach};
+  EXPECT_EQ(find<remark::StopNotReached>(found(simulated(touched))), nullptr);
+  // A further record, driven harder, tells as well.
+  c.truth->theta = {50.0, 2.0 * reach};
+  SidCase both = simulated(c);
+  SidCase harder = c;
+  harder.truth->excitations[0].signal = TrueExcitation::White{2500.0};
+  both.further = {simulated(harder)};
+  f = found(both);
   EXPECT_EQ(find<remark::StopNotReached>(f), nullptr);
+  EXPECT_NEAR(f.models[0].find("gap")->q50, 2.0 * reach, 0.1 * reach);
 }
 
 // At a noise of a hundred-thousandth of the response Runge-Kutta's own steps are too long.
