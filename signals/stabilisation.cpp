@@ -78,6 +78,13 @@ int representative(const std::vector<Pole>& poles, const std::vector<int>& membe
     best.push_back(members[i]);
     frequencies.push_back(poles[static_cast<std::size_t>(members[i])].frequency_hz);
   }
+  // What bends a shape while it is not resolved need not be a mode that the diagram shows: lower
+  // orders are passed by, where scatter says that higher ones are as good.
+  if (!std::isnan(poles[static_cast<std::size_t>(members.front())].frequency_sd)) {
+    const auto half = static_cast<std::ptrdiff_t>(best.size() / 2);
+    best.erase(best.begin(), best.begin() + half);
+    frequencies.erase(frequencies.begin(), frequencies.begin() + half);
+  }
   const double middle = median(frequencies);
   return best[static_cast<std::size_t>(std::ranges::find(frequencies, middle) -
                                        frequencies.begin())];
