@@ -15,7 +15,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // The threshold stays within these, whatever the distances say.
 constexpr double kLeastThreshold = 0.005, kLargestThreshold = 0.08;
 constexpr std::size_t kLeastMembers = 3;
-constexpr double kGoodScatter = 1.25;
+constexpr double kGoodScatter = 1.1, kLucky = 1.25;
 constexpr double kWorse = 2.0, kSameShape = 0.9;
 constexpr double kSteady = 0.5;  // share of orders of a mode that every other one must wait for
 constexpr double kOverlap =
@@ -50,6 +50,12 @@ double threshold_of(const std::vector<Pole>& poles) {
   return std::clamp(mean + 2.0 * std::sqrt(square), kLeastThreshold, kLargestThreshold);
 }
 
+/// Up to which scatter orders count: about the best tenth's, unless one order is much better than
+/// all others.
+double good_scatter(const std::vector<double>& sorted) {
+  return kGoodScatter * std::min(sorted[sorted.size() / 10], kLucky * sorted.front());
+}
+
 /// Among members of orders from `from` on, where some of these scatter little enough, or else there
 /// are enough of them.
 int representative(const std::vector<Pole>& poles, const std::vector<int>& members, int from = 0) {
@@ -65,11 +71,12 @@ int representative(const std::vector<Pole>& poles, const std::vector<int>& membe
   for (std::size_t i = 0; i < all.size(); ++i)
     if (late(i)) later.push_back(all[i]);
   std::ranges::sort(sorted);
-  double good = kGoodScatter * sorted[sorted.size() / 10];
+  double good = good_scatter(sorted);
   if (later.empty() || *std::ranges::min_element(later) > good) {
-    if (later.size() < kLeastMembers) return representative(poles, members);
     std::ranges::sort(later);
-    good = kGoodScatter * later[later.size() / 10];
+    if (later.size() < kLeastMembers || later.front() > kWorse * sorted.front())
+      return representative(poles, members);
+    good = good_scatter(later);
   }
   std::vector<int> best;
   std::vector<double> frequencies;
@@ -81,7 +88,7 @@ int representative(const std::vector<Pole>& poles, const std::vector<int>& membe
   // What bends a shape while it is not resolved need not be a mode that the diagram shows: lower
   // orders are passed by, where scatter says that higher ones are as good.
   if (!std::isnan(poles[static_cast<std::size_t>(members.front())].frequency_sd)) {
-    const auto half = static_cast<std::ptrdiff_t>(best.size() / 2);
+    const auto half = static_cast<std::ptrdiff_t>((best.size() - 1) / 2);
     best.erase(best.begin(), best.begin() + half);
     frequencies.erase(frequencies.begin(), frequencies.begin() + half);
   }

@@ -59,15 +59,16 @@ struct Stabilisation {
 /// that another holds within three standard deviations, with the same shape, in more orders and
 /// twice as well known, is a splinter of that. It
 /// is represented by one of its poles: of those whose scatter (geometric mean of both relative
-/// standard deviations) is within a quarter of the cluster's best tenth, the one with the median
-/// frequency in the upper half of their orders. That passes by the orders that are too large, whose
-/// poles scatter more, and those that may be too low to have resolved whatever bends the shape, and
-/// selects among the others by nothing that has to do with their uncertainty. Only orders count
-/// from where on all steady modes are there, those beyond the band as well, and all within the
-/// mode's skirts: one that is not resolved bends the shapes of others. Where no such order scatters
-/// as little as the best, the best of them do; where there are fewer than three, all orders count.
-/// Of poles without standard deviations (NaN), which take largest_relative_sd = ∞, the median of
-/// all stands for the cluster.
+/// standard deviations) is within a tenth of the cluster's best tenth (of 1.25 times the best
+/// where that is less), the one with the median frequency in the upper half of their orders. That
+/// passes by the orders that are too large, whose poles scatter more, and those that may be too low
+/// to have resolved whatever bends the shape, and selects among the others by nothing that has to
+/// do with their uncertainty. Only orders count from where on all steady modes are there, those
+/// beyond the band as well, and all within the mode's skirts: one that is not resolved bends the
+/// shapes of others. Where no such order scatters as little as the best, the best of them do; where
+/// there are fewer than three, or all are twice as uncertain, every order counts. Of poles without
+/// standard deviations (NaN), which take largest_relative_sd = ∞, the median of all stands for the
+/// cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "random_vibration.hpp"
@@ -53,31 +54,64 @@ TEST(Stabilisation, SplitsInTwoClasses) {
   EXPECT_EQ(two_classes({-9.0, 0.0, 0.1, 0.3}), 1U);
 }
 
+Pole pole_of(int order, double f, double bend, double frequency_sd = 1e-3) {
+  Pole out;
+  out.order = order;
+  out.frequency_hz = f;
+  out.damping = 0.01;
+  out.frequency_sd = frequency_sd * f;
+  out.damping_sd = 1e-3;
+  out.shape = Eigen::Vector2cd(1.0, bend);
+  return out;
+}
+
+const Pole& only_mode(const Stabilisation& found) {
+  EXPECT_EQ(found.modes.size(), 1U);
+  return found.poles.at(static_cast<std::size_t>(found.modes.at(0).chosen));
+}
+
 // A mode beyond the band is not resolved below order 20; till then it bends the shape of the one
 // within, whose pole is known as well there as later.
 TEST(Stabilisation, ChoosesWhereModesThatBendAShapeAreResolved) {
   std::vector<std::vector<Pole>> by_order;
   for (int order = 2; order <= 40; order += 2) {
-    const auto pole = [order](double f, double bend) {
-      Pole out;
-      out.order = order;
-      out.frequency_hz = f * (1.0 + 1e-5 * order);
-      out.damping = 0.01;
-      out.frequency_sd = 1e-3 * f;
-      out.damping_sd = 1e-3;
-      out.shape = Eigen::Vector2cd(1.0, bend);
-      return out;
-    };
-    by_order.push_back({pole(1.0, order < 20 ? 0.55 : 0.5)});
-    if (order >= 20) by_order.back().push_back(pole(3.0, -2.0));
+    const double moves = 1.0 + 1e-5 * order;
+    by_order.push_back({pole_of(order, moves, order < 20 ? 0.55 : 0.5)});
+    if (order >= 20) by_order.back().push_back(pole_of(order, 3.0 * moves, -2.0));
   }
   const Stabilisation found = stabilise(std::move(by_order), {.lowest_hz = 0.5, .highest_hz = 2.0});
-  ASSERT_EQ(found.modes.size(), 1U);
+  const Pole& chosen = only_mode(found);
   EXPECT_EQ(found.modes[0].members.size(), 20U);
-  const Pole& chosen = found.poles[static_cast<std::size_t>(found.modes[0].chosen)];
   EXPECT_GE(chosen.order, 20);
   EXPECT_EQ(chosen.shape[1].real(), 0.5);
   for (const Pole& p : found.poles) EXPECT_LT(p.frequency_hz, 2.0);
+}
+
+// What bends it below order 8 is no mode of the diagram, and higher orders are known as well up to
+// order 30: frequencies fall, so that among all of these their median would be a bent one's.
+TEST(Stabilisation, PassesByTheLowerOrdersThatAreKnownNoBetter) {
+  std::vector<std::vector<Pole>> by_order;
+  for (int order = 2; order <= 40; order += 2) {
+    const double moves = 1.0 + 1e-5 * std::abs(order - 16);
+    by_order.push_back({pole_of(order, moves, order < 8 ? 0.55 : 0.5, order > 30 ? 4e-3 : 1e-3)});
+  }
+  const Pole& chosen = only_mode(stabilise(std::move(by_order), {}));
+  EXPECT_GT(chosen.order, 14);
+  EXPECT_LE(chosen.order, 30);
+}
+
+// One order that is far better than all others stands for the mode, not the best of the others; and
+// so it does where a cluster that begins late would leave worse ones only.
+TEST(Stabilisation, OneGoodOrderIsEnough) {
+  for (const bool with_late : {false, true}) {
+    std::vector<std::vector<Pole>> by_order;
+    for (int order = 2; order <= 40; order += 2) {
+      const double moves = 1.0 + 1e-5 * order;
+      by_order.push_back({pole_of(order, moves, 0.5, order == 6 ? 1e-3 : 2e-2)});
+      if (with_late && order >= 34) by_order.back().push_back(pole_of(order, 3.0 * moves, -2.0));
+    }
+    EXPECT_EQ(only_mode(stabilise(std::move(by_order), {.highest_hz = 2.0})).order, 6);
+  }
 }
 
 }  // namespace
