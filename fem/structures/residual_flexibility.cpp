@@ -3,11 +3,13 @@
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <list>
 #include <mutex>
+#include <optional>
 #include <unordered_map>
 
 namespace wheeltap::fem {
@@ -16,104 +18,220 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Wide = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
 /// Of the scaled energies of the forms: less is rounding.
 constexpr double kDependent = 1e-11;
 /// Pairs of forms whose moments are remembered.
 constexpr std::size_t kPairs = 1 << 20;
+/// Dofs of the boundary that are solved for together, always the same ones, so that answers do not
+/// depend on what was asked.
+constexpr int kBatch = 8;
+/// As many batches are computed at once.
+constexpr std::size_t kFewBatches = 256;
+constexpr double kStiffer = 1.0;
+constexpr int kTerms = StaticCondensation::kTerms;
+
+template <class Real>
+using Rows = Eigen::Matrix<Real, Eigen::Dynamic, kBatch, Eigen::RowMajor>;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+std::size_t index(Index i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// What was computed last, by number; the longest unasked forgotten.
+template <class Value>
+class Recent {
+ public:
+  using Pointer = std::shared_ptr<const Value>;
+
+  void set_most(std::size_t most) { most_ = most; }
+  [[nodiscard]] std::size_t most() const { return most_; }
+
+  /// Two threads may compute one value, of which one is kept: they are alike.
+  template <class Compute>
+  [[nodiscard]] Pointer get(int number, const Compute& compute) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto at = known_.find(number); at != known_.end()) {
+        values_.splice(values_.begin(), values_, at->second);
+        return at->second->second;
+      }
+    }
+    auto computed = std::make_shared<const Value>(compute(number));
+    const std::lock_guard lock(mutex_);
+    if (const auto at = known_.find(number); at != known_.end()) return at->second->second;
+    values_.emplace_front(number, computed);
+    known_[number] = values_.begin();
+    if (values_.size() > most_) {
+      known_.erase(values_.back().first);
+      values_.pop_back();
+    }
+    return computed;
+  }
+
+ private:
+  using Values = std::list<std::pair<int, Pointer>>;
+  std::size_t most_ = 2;
+  std::mutex mutex_;
+  Values values_;  // last asked for first
+  std::unordered_map<int, typename Values::iterator> known_;
+};
 
 }  // namespace
 
 struct ResidualFlexibility::Impl {
   struct Column {
-    VectorXd u, mass_u, w, mass_w;
+    StaticCondensation::Local local;
+    std::array<VectorXd, kTerms> kept;  // α_n
   };
-  using Columns = std::list<std::pair<int, std::shared_ptr<const Column>>>;
+  /// Q_n of kBatch dofs of the boundary, boundary × kBatch.
+  using Batch = std::array<Rows<double>, kTerms>;
 
   std::shared_ptr<const Discretisation> d;
+  std::optional<StaticCondensation> parts;
   MatrixXd shapes, mass_shapes;
+  RowMajor shape_rows, mass_rows;  // the same, a row a degree of freedom
   VectorXd eigenvalues;
-  int rigid = 0;
   std::vector<char> held;  // degrees of freedom, as many as there are rigid motions
   Eigen::SimplicialLDLT<Discretisation::Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt;
-  std::size_t most_columns = 2;
 
+  mutable Recent<Column> columns;
+  mutable Recent<Batch> batches;
   mutable std::mutex mutex;
-  mutable Columns columns;  // last asked for first
-  mutable std::unordered_map<int, Columns::iterator> known;
   mutable std::unordered_map<std::uint64_t, Moments> pairs;
 
   [[nodiscard]] SparseRow row_of(int basic) const {
     const auto strains = static_cast<int>(d->strains.size());
-    if (basic < strains) return d->strains[static_cast<std::size_t>(basic)].row;
+    if (basic < strains) return d->strains[index(basic)].row;
     return {.dofs = {basic - strains}, .coefficients = {1.0}};
   }
 
-  // K⁻¹ load of a load that moves nothing rigidly; refined so often by what the strains leave of
-  // it.
-  [[nodiscard]] VectorXd solve(const VectorXd& load, int refinements) const {
-    VectorXd left = load;
-    for (Index i = 0; i < left.size(); ++i)
-      if (held[static_cast<std::size_t>(i)]) left[i] = 0.0;
-    Wide u = Wide::Zero(load.size());
-    for (int pass = 0;; ++pass) {
-      u += ldlt.solve(left).cast<long double>();
-      if (pass == refinements) break;
-      Wide rest = load.cast<long double>();
-      for (const Strain& strain : d->strains) {
-        long double e = 0;
-        for (std::size_t i = 0; i < strain.row.dofs.size(); ++i)
-          e += strain.row.coefficients[i] * u[strain.row.dofs[i]];
-        e *= strain.factor;
-        for (std::size_t i = 0; i < strain.row.dofs.size(); ++i)
-          rest[strain.row.dofs[i]] -= e * strain.row.coefficients[i];
-      }
-      for (int k = 0; k < d->rest.outerSize(); ++k)
-        for (Discretisation::Sparse::InnerIterator it(d->rest, k); it; ++it)
-          rest[it.row()] -= it.value() * u[it.col()];
-      left = rest.cast<double>();
-      for (Index i = 0; i < left.size(); ++i)
-        if (held[static_cast<std::size_t>(i)]) left[i] = 0.0;
-    }
-    return u.cast<double>();
+  void release_held(Rows<double>& x) const {
+    for (Index i = 0; i < x.rows(); ++i)
+      if (held[index(i)]) x.row(i).setZero();
   }
 
-  void remove_kept(VectorXd& u) const { u -= shapes * (mass_shapes.transpose() * u); }
-
-  [[nodiscard]] std::shared_ptr<const Column> compute(int basic) const {
-    auto column = std::make_shared<Column>();
-    VectorXd load = VectorXd::Zero(d->size());
-    const SparseRow row = row_of(basic);
-    for (std::size_t i = 0; i < row.dofs.size(); ++i) load[row.dofs[i]] = row.coefficients[i];
-    load -= mass_shapes.leftCols(rigid) * (shapes.leftCols(rigid).transpose() * load);
-    column->u = solve(load, 1);
-    remove_kept(column->u);
-    column->mass_u = d->mass * column->u;
-    column->w = solve(column->mass_u, 0);
-    remove_kept(column->w);
-    column->mass_w = d->mass * column->w;
-    return column;
+  /// L D Lᵀ x = b, all columns in one pass over L.
+  [[nodiscard]] Rows<double> back_substituted(const Rows<double>& b) const {
+    Rows<double> x = ldlt.permutationP() * b;
+    const auto& l = ldlt.matrixL().nestedExpression();
+    for (Index k = 0; k < l.outerSize(); ++k)
+      for (typename std::decay_t<decltype(l)>::InnerIterator it(l, k); it; ++it)
+        if (it.row() > k) x.row(it.row()) -= it.value() * x.row(k);
+    const VectorXd pivots = ldlt.vectorD();
+    for (Index k = 0; k < x.rows(); ++k) x.row(k) /= pivots[k];
+    for (Index k = l.outerSize(); k-- > 0;)
+      for (typename std::decay_t<decltype(l)>::InnerIterator it(l, k); it; ++it)
+        if (it.row() > k) x.row(k) -= it.value() * x.row(it.row());
+    return ldlt.permutationPinv() * x;
   }
 
-  [[nodiscard]] std::shared_ptr<const Column> column(int basic) const {
-    {
-      const std::lock_guard lock(mutex);
-      if (const auto at = known.find(basic); at != known.end()) {
-        columns.splice(columns.begin(), columns, at->second);
-        return at->second->second;
-      }
+  /// load - K u, u in extended precision, by the strains.
+  [[nodiscard]] Rows<double> left_of(const Rows<double>& load, const Rows<long double>& u) const {
+    Rows<long double> rest = load.cast<long double>();
+    Eigen::Matrix<long double, 1, kBatch> stress;
+    for (const Strain& strain : d->strains) {
+      stress.setZero();
+      for (std::size_t i = 0; i < strain.row.dofs.size(); ++i)
+        stress += static_cast<long double>(strain.row.coefficients[i]) * u.row(strain.row.dofs[i]);
+      stress *= static_cast<long double>(strain.factor);
+      for (std::size_t i = 0; i < strain.row.dofs.size(); ++i)
+        rest.row(strain.row.dofs[i]) -=
+            static_cast<long double>(strain.row.coefficients[i]) * stress;
     }
-    std::shared_ptr<const Column> computed = compute(basic);
-    const std::lock_guard lock(mutex);
-    if (const auto at = known.find(basic); at != known.end()) return at->second->second;
-    columns.emplace_front(basic, computed);
-    known[basic] = columns.begin();
-    if (columns.size() > most_columns) {
-      known.erase(columns.back().first);
-      columns.pop_back();
+    for (int k = 0; k < d->rest.outerSize(); ++k)
+      for (Discretisation::Sparse::InnerIterator it(d->rest, k); it; ++it)
+        rest.row(it.row()) -= static_cast<long double>(it.value()) * u.row(it.col());
+    return rest.cast<double>();
+  }
+
+  /// K⁻¹ of loads that move nothing rigidly.
+  [[nodiscard]] Rows<double> solve(Rows<double> load) const {
+    release_held(load);
+    return back_substituted(load);
+  }
+
+  void remove_kept(Rows<double>& u) const { u -= shapes * (mass_shapes.transpose() * u); }
+
+  [[nodiscard]] Batch batch(int number) const {
+    const std::vector<int>& boundary = parts->boundary();
+    const auto size = static_cast<Index>(boundary.size());
+    Batch out;
+    const auto keep = [&](Rows<double>& q, const Rows<double>& u) {
+      q.resize(size, kBatch);
+      for (Index i = 0; i < size; ++i) q.row(i) = u.row(boundary[index(i)]);
+    };
+    Rows<double> load = Rows<double>::Zero(d->size(), kBatch);
+    MatrixXd kept = MatrixXd::Zero(shapes.cols(), kBatch);
+    for (Index k = 0; k < kBatch && number * kBatch + k < size; ++k) {
+      const int dof = boundary[index(number * kBatch + k)];
+      load(dof, k) = 1.0;
+      kept.col(k) = shape_rows.row(dof);
     }
-    return computed;
+    load -= mass_shapes * kept;
+    // Refined once by what the strains leave of the loads.
+    Rows<double> u = solve(load);
+    u += solve(left_of(load, u.cast<long double>()));
+    remove_kept(u);
+    keep(out[0], u);
+    for (std::size_t n = 1; n < kTerms; ++n) {
+      u = solve(d->mass * u);
+      remove_kept(u);
+      keep(out[n], u);
+    }
+    return out;
+  }
+
+  [[nodiscard]] Column column(int basic) const {
+    Column out{.local = parts->local(row_of(basic)), .kept = {}};
+    for (std::size_t n = 0; n < kTerms; ++n) {
+      out.kept[n] = VectorXd::Zero(shapes.cols());
+      for (std::size_t i = 0; i < out.local.inside.size(); ++i)
+        out.kept[n] +=
+            out.local.motion[n][static_cast<Index>(i)] * mass_rows.row(out.local.inside[i]);
+    }
+    return out;
+  }
+
+  /// (Φ_E α) at the other form's edge.
+  [[nodiscard]] double at_boundary(int place, const VectorXd& kept) const {
+    return shape_rows.row(parts->boundary()[index(place)]).dot(kept);
+  }
+
+  /// Forces at `to` of the motions (D M)ⁱ D of `of`: row i at each place.
+  [[nodiscard]] Eigen::MatrixXd responses_at(const std::vector<int>& to, const Column& of) const {
+    const auto places = static_cast<Index>(to.size());
+    MatrixXd out = MatrixXd::Zero(kTerms, places);
+    for (Index n = 0; of.local.part >= 0 && n < kTerms; ++n)
+      for (Index e = 0; e < places; ++e) out(n, e) = -at_boundary(to[index(e)], of.kept[index(n)]);
+    for (std::size_t f = 0; f < of.local.edge.size(); ++f) {
+      const int dof = of.local.edge[f];
+      const auto q = batches.get(dof / kBatch, [this](int number) { return batch(number); });
+      for (Index e = 0; e < places; ++e)
+        for (Index n = 0; n < kTerms; ++n)
+          for (Index k = 0; k <= n; ++k)
+            out(n, e) += (*q)[index(k)](to[index(e)], dof % kBatch) *
+                         of.local.forces[index(n - k)][static_cast<Index>(f)];
+    }
+    return out;
+  }
+
+  [[nodiscard]] Moments compute(const Column& a, const Column& b) const {
+    Moments out;
+    const MatrixXd at = responses_at(b.local.edge, a);
+    for (std::size_t n = 0; n < kTerms; ++n) {
+      double& r = out.r[n];
+      for (std::size_t i = 0; i <= n; ++i)
+        r += at.row(static_cast<Index>(i)).dot(b.local.forces[n - i]);
+      if (b.local.part < 0) continue;
+      for (std::size_t e = 0; e < a.local.edge.size(); ++e)
+        r -= a.local.forces[0][static_cast<Index>(e)] * at_boundary(a.local.edge[e], b.kept[n]);
+      if (a.local.part < 0) continue;
+      r -= (eigenvalues.array() * a.kept[0].array() * b.kept[n].array()).sum();
+      if (a.local.part == b.local.part) r += a.local.load.dot(b.local.motion[n]);
+    }
+    return out;
   }
 
   [[nodiscard]] Moments basic_moments(int a, int b) const {
@@ -123,9 +241,9 @@ struct ResidualFlexibility::Impl {
       const std::lock_guard lock(mutex);
       if (const auto at = pairs.find(key); at != pairs.end()) return at->second;
     }
-    const auto first = column(a), second = column(b);
-    const Moments out{{row_of(a).of(second->u), first->u.dot(second->mass_u),
-                       first->w.dot(second->mass_u), first->w.dot(second->mass_w)}};
+    const auto compute_column = [this](int basic) { return column(basic); };
+    const auto first = columns.get(a, compute_column), second = columns.get(b, compute_column);
+    const Moments out = compute(*first, *second);
     const std::lock_guard lock(mutex);
     if (pairs.size() >= kPairs) pairs.clear();
     pairs.emplace(key, out);
@@ -140,23 +258,33 @@ ResidualFlexibility::ResidualFlexibility(std::shared_ptr<const Discretisation> d
   Impl& impl = *impl_;
   impl.d = std::move(d);
   const Index n = impl.d->size();
+  // Parts whose own modes lie above the kept ones.
+  impl.parts.emplace(*impl.d, kStiffer * eigenvalues.maxCoeff());
   impl.shapes = shapes;
   impl.mass_shapes = impl.d->mass * shapes;
+  impl.shape_rows = impl.shapes;
+  impl.mass_rows = impl.mass_shapes;
   impl.eigenvalues = eigenvalues;
-  impl.rigid = static_cast<int>(impl.d->rigid_motions.cols());
   impl.held = impl.d->holding_dofs();
   Discretisation::Sparse k = impl.d->stiffness;
-  k.prune([&](Index i, Index j, double) {
-    return !impl.held[static_cast<std::size_t>(i)] && !impl.held[static_cast<std::size_t>(j)];
-  });
+  k.prune([&](Index i, Index j, double) { return !impl.held[index(i)] && !impl.held[index(j)]; });
   for (Index i = 0; i < n; ++i)
-    if (impl.held[static_cast<std::size_t>(i)]) k.coeffRef(i, i) = 1.0;
+    if (impl.held[index(i)]) k.coeffRef(i, i) = 1.0;
   impl.ldlt.compute(k);
   if (impl.ldlt.info() != Eigen::Success)
     throw InvalidStructure(InvalidStructure::Part::whole, 0,
                            "is a mechanism: its stiffness cannot be factored");
-  const std::size_t bytes = 4 * sizeof(double) * static_cast<std::size_t>(n);
-  impl.most_columns = std::max<std::size_t>(memory / bytes, 64);
+  const std::size_t boundary = impl.parts->boundary().size();
+  const std::size_t column_bytes =
+      sizeof(double) * kTerms * (index(shapes.cols()) + 3 * index(StaticCondensation::kLargest));
+  const std::size_t batch_bytes =
+      sizeof(double) * kTerms * kBatch * std::max<std::size_t>(boundary, 1);
+  impl.columns.set_most(std::max<std::size_t>(memory / 4 / column_bytes, 64));
+  impl.batches.set_most(std::max<std::size_t>(memory / 2 / batch_bytes, 64));
+  const std::size_t batches = (boundary + kBatch - 1) / kBatch;
+  if (batches > std::min(kFewBatches, impl.batches.most())) return;
+  for (std::size_t b = 0; b < batches; ++b)
+    static_cast<void>(impl.batches.get(static_cast<int>(b), [&](int i) { return impl.batch(i); }));
 }
 
 ResidualFlexibility::~ResidualFlexibility() = default;
@@ -184,13 +312,8 @@ ResidualFlexibility::Moments ResidualFlexibility::moments(const Form& a, const F
 
 std::pair<double, double> ResidualFlexibility::responses(const SparseRow& row,
                                                          const Form& form) const {
-  double u = 0.0, w = 0.0;
-  for (const auto& [basic, weight] : form) {
-    const auto column = impl_->column(basic);
-    u += weight * row.of(column->u);
-    w += weight * row.of(column->w);
-  }
-  return {u, w};
+  const Moments of = moments(motion(row), form);
+  return {of.r[0], of.r[1]};
 }
 
 ResidualModes residual_modes(const MatrixXd (&moments)[4]) {

@@ -8,6 +8,7 @@
 
 #include "base/eigen.hpp"
 #include "fem/structures/discretisation.hpp"
+#include "fem/structures/static_condensation.hpp"
 
 namespace wheeltap::fem {
 
@@ -17,14 +18,24 @@ namespace wheeltap::fem {
 ///   Cᵀ (K - λ M)⁻¹ C - Σ_{j <= p} c_j c_jᵀ / (λ_j - λ) = R₀ + λ R₁ + λ² R₂ + λ³ R₃ + …,
 ///   R_n = Σ_{j > p} c_j c_jᵀ / λ_j^(n+1).
 ///
-/// Forms are sums of *basic* ones, the strains and the degrees of freedom. Of each that is asked
-/// for, u = K⁻¹ c and w = K⁻¹ M u are computed once, less what the kept modes have of them, so that
-/// nothing cancels in
+/// Forms are sums of *basic* ones, the strains and the degrees of freedom. With P = I - Φ Φᵀ M
+/// taking out the kept modes and D = P K⁻¹ Pᵀ, R_n = aᵀ (D M)ⁿ D b. A basic form is met by motions
+/// l_n of its part and forces r_n on that part's edge (`StaticCondensation`), and D K = P, so that
 ///
-///   R₀ = cᵀ u,   R₁ = uᵀ M u,   R₂ = wᵀ M u,   R₃ = wᵀ M w.
+///   (D M)ⁿ D a = P l_n + Σ_{i <= n} (D M)ⁱ D E r_{n-i},
 ///
-/// Any number of threads may ask; answers do not depend on the order of questions. Vectors are
-/// forgotten, the longest unasked first, beyond `memory` bytes.
+/// E the boundary's dofs. With Q_n = Eᵀ (D M)ⁿ D E and α_n = Φᵀ M l_n,
+///
+///   R_n = f_Iᵀ l_n' - Σ_{j <= p} λ_j α_0j α_nj' - r_0ᵀ Φ_E α_n'
+///         + Σ_{i <= n} (Σ_{k <= i} Q_k r_{i-k} - Φ_E α_i)ᵀ r_{n-i}',
+///
+/// the first term where both are on one part; primes are the second form's. Only Q_n needs
+/// solutions of the whole structure, and what is large in it has been taken out before, so that
+/// nothing cancels. Q_n is computed for kBatch degrees of freedom at a time: all of them at once
+/// where they are few, else when they are asked for.
+///
+/// Any number of threads may ask; answers do not depend on the order of questions. What was
+/// computed is forgotten, the longest unasked first, beyond `memory` bytes.
 class ResidualFlexibility {
  public:
   /// R₀ … R₃ of two forms [N⁻¹ of what they measure, s² more each].
@@ -47,7 +58,7 @@ class ResidualFlexibility {
   [[nodiscard]] Form motion(const SparseRow& row) const;
 
   [[nodiscard]] Moments moments(const Form& a, const Form& b) const;
-  /// row · u and row · w of a form.
+  /// row · u and row · w of a form, u = D a and w = D M u.
   [[nodiscard]] std::pair<double, double> responses(const SparseRow& row, const Form& form) const;
 
  private:
