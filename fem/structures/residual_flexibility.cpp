@@ -26,9 +26,8 @@ constexpr std::size_t kPairs = 1 << 20;
 /// Dofs of the boundary that are solved for together, always the same ones, so that answers do not
 /// depend on what was asked.
 constexpr int kBatch = 8;
-/// As many batches are computed at once.
+/// So many are computed before any is asked for; of more, those that are.
 constexpr std::size_t kFewBatches = 256;
-constexpr double kStiffer = 1.0;
 constexpr int kTerms = StaticCondensation::kTerms;
 
 template <class Real>
@@ -194,12 +193,13 @@ struct ResidualFlexibility::Impl {
     return out;
   }
 
-  /// (Φ_E α) at the other form's edge.
+  /// Φ_E α at one place of the boundary.
   [[nodiscard]] double at_boundary(int place, const VectorXd& kept) const {
     return shape_rows.row(parts->boundary()[index(place)]).dot(kept);
   }
 
-  /// Forces at `to` of the motions (D M)ⁱ D of `of`: row i at each place.
+  /// Motions (D M)ⁱ D f of a form at `to`, places of the boundary, less what moves a part alone: a
+  /// row for each i.
   [[nodiscard]] Eigen::MatrixXd responses_at(const std::vector<int>& to, const Column& of) const {
     const auto places = static_cast<Index>(to.size());
     MatrixXd out = MatrixXd::Zero(kTerms, places);
@@ -259,7 +259,7 @@ ResidualFlexibility::ResidualFlexibility(std::shared_ptr<const Discretisation> d
   impl.d = std::move(d);
   const Index n = impl.d->size();
   // Parts whose own modes lie above the kept ones.
-  impl.parts.emplace(*impl.d, kStiffer * eigenvalues.maxCoeff());
+  impl.parts.emplace(*impl.d, eigenvalues.maxCoeff());
   impl.shapes = shapes;
   impl.mass_shapes = impl.d->mass * shapes;
   impl.shape_rows = impl.shapes;

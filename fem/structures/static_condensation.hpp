@@ -32,7 +32,7 @@ class StaticCondensation {
   /// n of l_n and r_n: 0 … 3.
   static constexpr int kTerms = 4;
 
-  /// `stiffer_than` [rad²/s²]; infinity leaves all on the boundary.
+  /// `stiffer_than` [rad²/s²], finite.
   StaticCondensation(const Discretisation& d, double stiffer_than);
 
   /// Dofs of the boundary, ascending.

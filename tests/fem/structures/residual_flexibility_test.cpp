@@ -5,43 +5,17 @@
 #include <cmath>
 #include <iostream>
 #include <random>
-#include <string>
 
+#include "braced_portal.hpp"
 #include "fem/structures/mesh.hpp"
 #include "fem/structures/structure_spectrum.hpp"
 
 namespace wheeltap::fem {
 namespace {
 
-/// A plane or space frame of two storeys, a brace, one joint that turns.
-Structure frame(int elements, int dimension, bool free) {
-  const Material material{.young = 210e9, .poisson = 0.3, .density = 7850.0};
-  const MemberSection section{.area = 6e-3,
-                              .second_moment_y = 2e-5,
-                              .second_moment_z = 8e-6,
-                              .torsion_constant = 3e-6,
-                              .shear_coefficient_z = 0.5,
-                              .shear_coefficient_y = 0.6};
-  Structure s{.dimension = dimension,
-              .nodes = {{"A", {0, 0, 0}},
-                        {"B", {5, 0, 0}},
-                        {"C", {0, 3, 0}},
-                        {"D", {5, 3.5, 0}},
-                        {"E", {0.3, 6, 0}},
-                        {"F", {5, 6.5, 0}}},
-              .members = {}};
-  if (dimension == 3) s.nodes[3].at[2] = 1.0;
-  for (const auto& [a, b] : {std::pair{0, 2}, {1, 3}, {2, 3}, {2, 4}, {3, 5}, {4, 5}, {0, 3}}) {
-    Member m{.name = "m" + std::to_string(s.members.size()), .nodes = {a, b}, .elements = elements};
-    const Vector3 line = difference(s.nodes[static_cast<std::size_t>(b)].at,
-                                    s.nodes[static_cast<std::size_t>(a)].at);
-    m.pieces = {{.to = norm(line), .material = material, .section = section}};
-    s.members.push_back(m);
-  }
-  s.members[2].ends[0].rotation.fill(3e6);
-  if (!free)
-    s.supports = {{.node = 0, .fix = {true, true, true, true, true, true}},
-                  {.node = 1, .fix = {true, true, true}}};
+Structure portal_of(int dimension, bool free) {
+  Structure s = braced_portal(dimension == 2 ? 12 : 6, dimension);
+  if (free) s.supports.clear();
   return s;
 }
 
@@ -106,7 +80,7 @@ double worst_error(const Mesh& mesh, const StructureSpectrum& all, int kept) {
 TEST(ResidualFlexibility, IsTheSumOverTheModesThatAreNotKept) {
   for (const int dimension : {2, 3})
     for (const bool free : {false, true}) {
-      const Mesh mesh(frame(dimension == 2 ? 9 : 4, dimension, free));
+      const Mesh mesh(portal_of(dimension, free));
       const StructureSpectrum all = structure_spectrum(mesh.discretisation(), 0);
       for (const int kept : {10, 20, 40}) {
         const double worst = worst_error(mesh, all, kept);
@@ -118,7 +92,7 @@ TEST(ResidualFlexibility, IsTheSumOverTheModesThatAreNotKept) {
 }
 
 TEST(StaticCondensation, LoadsAreMetByAPartAndItsEdge) {
-  const Mesh mesh(frame(9, 2, true));
+  const Mesh mesh(portal_of(2, true));
   const Discretisation& d = mesh.discretisation();
   const StaticCondensation parts(d, 1e6);
   EXPECT_GT(parts.parts(), 3);

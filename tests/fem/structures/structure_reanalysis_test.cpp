@@ -9,38 +9,12 @@
 #include <numbers>
 #include <random>
 
+#include "braced_portal.hpp"
 #include "fem/structures/structure_defects.hpp"
 #include "fem/structures/structure_modes.hpp"
 
 namespace wheeltap::fem {
 namespace {
-
-/// A portal of three members on a clamped and a pinned foot, with a brace.
-Structure portal(int elements, int dimension) {
-  const Material material{.young = 210e9, .poisson = 0.3, .density = 7850.0};
-  const MemberSection section{.area = 6e-3,
-                              .second_moment_y = 2e-5,
-                              .second_moment_z = 8e-6,
-                              .torsion_constant = 3e-6,
-                              .shear_coefficient_z = 0.5,
-                              .shear_coefficient_y = 0.6,
-                              .depth = 0.2};
-  Structure s{.dimension = dimension,
-              .nodes = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {5, 3.5, 0}}, {"D", {5, 0, 0}}},
-              .members = {}};
-  if (dimension == 3) s.nodes[2].at[2] = 1.0;
-  for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {2, 3}, {0, 2}}) {
-    Member m{.name = "m" + std::to_string(s.members.size()), .nodes = {a, b}, .elements = elements};
-    const Vector3 line = difference(s.nodes[static_cast<std::size_t>(b)].at,
-                                    s.nodes[static_cast<std::size_t>(a)].at);
-    m.pieces = {{.to = norm(line), .material = material, .section = section}};
-    s.members.push_back(m);
-  }
-  s.members[1].ends[0].rotation.fill(3e6);
-  s.supports = {{.node = 0, .fix = {true, true, true, true, true, true}},
-                {.node = 3, .fix = {true, true, true}}};
-  return s;
-}
 
 StructureChange random_change(const Mesh& mesh, std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -145,7 +119,7 @@ Compared compare(const Structure& s, int sets, int wide_sets, std::uint64_t seed
 TEST(StructureReanalysis, AgreesWithFullSolutions) {
   for (const int dimension : {2, 3})
     for (const bool free : {false, true}) {
-      Structure s = portal(dimension == 2 ? 6 : 3, dimension);
+      Structure s = braced_portal(dimension == 2 ? 6 : 3, dimension);
       if (free) s.supports.clear();
       const Compared worst = compare(s, 500, 75, 11);
       const std::string which = std::to_string(dimension) + (free ? " free" : " held");
@@ -198,20 +172,20 @@ void expect_bounds(const std::string& which, const Structure& s, int kept, int s
 TEST(StructureReanalysis, FewModesBoundTheFrequencies) {
   for (const int dimension : {2, 3})
     for (const bool free : {false, true}) {
-      Structure s = portal(dimension == 2 ? 12 : 6, dimension);
+      Structure s = braced_portal(dimension == 2 ? 12 : 6, dimension);
       if (free) s.supports.clear();
       expect_bounds(std::to_string(dimension) + (free ? " free" : " held"), s, 40, 200);
     }
-  Structure compressed = portal(12, 2);
+  Structure compressed = braced_portal(12, 2);
   compressed.members[0].axial_force = -1e6;
   expect_bounds("compressed", compressed, 40, 100);
   // So few that many a bound is too wide, and the full solution takes its place.
-  expect_bounds("hardly any", portal(12, 2), 14, 60);
+  expect_bounds("hardly any", braced_portal(12, 2), 14, 60);
 }
 
 /// What is taken away is compared with the mass that is there, not with what few modes see of it.
 TEST(StructureReanalysis, FewModesDoNotTakeMoreMassThanThereIs) {
-  const Mesh mesh(portal(12, 2));
+  const Mesh mesh(braced_portal(12, 2));
   const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
   const StructureReanalysis few(d, 6, 20), all(d, 6);
   auto few_workspace = few.make_workspace(), all_workspace = all.make_workspace();
@@ -235,7 +209,7 @@ TEST(StructureReanalysis, FewModesDoNotTakeMoreMassThanThereIs) {
 }
 
 TEST(StructureReanalysis, FewModesOfAnUnchangedStructureAreItsOwn) {
-  const Mesh mesh(portal(12, 2));
+  const Mesh mesh(braced_portal(12, 2));
   const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
   const StructureReanalysis few(d, 6, 20);
   auto workspace = few.make_workspace();
@@ -253,7 +227,7 @@ TEST(StructureReanalysis, FewModesOfAnUnchangedStructureAreItsOwn) {
 /// Near buckling, what is lost of the stiffness may leave less than its share of a frequency, and
 /// beyond it nothing stands.
 TEST(StructureReanalysis, CompressedMembersMayBuckle) {
-  Structure s = portal(6, 2);
+  Structure s = braced_portal(6, 2);
   double critical = 0.0;
   for (double low = 0.0, high = 1e9; high - low > 1e-3 * high;) {
     const double force = 0.5 * (low + high);
@@ -301,7 +275,7 @@ TEST(StructureReanalysis, CompressedMembersMayBuckle) {
 /// Shapes of a changed portal beside those of its full solution, within `tolerance` of the largest
 /// motion.
 void expect_shapes(int elements, int kept, double tolerance) {
-  const Mesh mesh(portal(elements, 2));
+  const Mesh mesh(braced_portal(elements, 2));
   const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
   const StructureReanalysis reanalysis(d, 8, kept);
   auto workspace = reanalysis.make_workspace();
@@ -334,7 +308,7 @@ TEST(StructureReanalysis, FewModesGiveShapes) {
 }
 
 TEST(StructureReanalysis, RefusesWhatIsNoChange) {
-  const Mesh mesh(portal(2, 2));
+  const Mesh mesh(braced_portal(2, 2));
   const StructureReanalysis reanalysis(
       std::make_shared<const Discretisation>(mesh.discretisation()), 4);
   auto workspace = reanalysis.make_workspace();
