@@ -37,7 +37,8 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
         out.emplace_back("a steady tone, as of a machine, rather than a mode");
         break;
       case ModeDoubt::twin:
-        out.emplace_back("another one is as near as both are uncertain, with the same shape");
+        out.emplace_back(
+            "another one is as near as both are uncertain or wide, with the same shape");
         break;
       case ModeDoubt::at_the_edge:
         out.emplace_back("at an end of the band, where a filter may bend it");

@@ -102,6 +102,17 @@ int blocks_of(int asked, long samples, int lags) {
       std::clamp<long>((samples - lags) / (kLagsPerBlock * lags), kFewestBlocks, kBlocks));
 }
 
+/// Whether a mode could be the other one: as near as both are uncertain, or within both's
+/// half-power widths and known less well; with the same shape.
+bool is_twin(const Pole& p, const Pole& other) {
+  const double apart = std::abs(other.frequency_hz - p.frequency_hz);
+  const double width =
+      std::abs(p.damping) * p.frequency_hz + std::abs(other.damping) * other.frequency_hz;
+  const bool alike = apart < 3.0 * std::hypot(p.frequency_sd, other.frequency_sd) ||
+                     (apart < width && p.frequency_sd > other.frequency_sd);
+  return alike && modal_assurance(p.shape, other.shape) > 0.9;
+}
+
 bool near(double a, double b) {
   return std::abs(a - b) <= 0.05 * b;
 }
@@ -181,11 +192,7 @@ void doubt_modes(ModalResult& out) {
     if (p.damping_sd > 0.5 * std::abs(p.damping)) say(ModeDoubt::damping_unknown);
     if (mode.collinearity < kCollinear) say(ModeDoubt::complex_shape);
     for (const Mode& other : out.modes)
-      if (&other != &mode &&
-          std::abs(other.pole.frequency_hz - p.frequency_hz) <
-              3.0 * std::hypot(p.frequency_sd, other.pole.frequency_sd) &&
-          modal_assurance(p.shape, other.pole.shape) > 0.9)
-        say(ModeDoubt::twin);
+      if (&other != &mode && is_twin(p, other.pole)) say(ModeDoubt::twin);
     if (near(p.frequency_hz, out.lowest_hz) || near(p.frequency_hz, out.highest_hz))
       say(ModeDoubt::at_the_edge);
     if (out.block_seconds > 0.0 && p.damping > 0.0 &&

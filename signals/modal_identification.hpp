@@ -25,8 +25,10 @@ enum class ModeDoubt {
   damping_unknown,  ///< its standard deviation is more than half of it
   complex_shape,    ///< phase collinearity below 0.8
   tone,             ///< hardly damped, and its amplitude does not fluctuate: a machine's
-  twin,             ///< another mode is as near as both are uncertain, with the same shape
-  at_the_edge       ///< within a twentieth of an end of the band
+  /// Another mode is as near as both are uncertain, or within their half-power widths and known
+  /// better, with the same shape.
+  twin,
+  at_the_edge  ///< within a twentieth of an end of the band
 };
 
 struct Mode {

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "random_vibration.hpp"
 
@@ -85,6 +88,31 @@ TEST(ModalIdentification, TellsSinesFromNoise) {
   const double hz = 0.3 / (2.0 * std::numbers::pi);
   EXPECT_NEAR(amplitude_kurtosis(sine, hz, 1.0), 1.0, 1e-6);
   EXPECT_NEAR(amplitude_kurtosis(noise, hz, 1.0), 2.0, 0.5);
+}
+
+// A splinter of a mode, 4.4 of its standard deviations away but within its width and of the same
+// shape, is doubted and the mode is not; of another shape, or further away, it is a mode.
+TEST(ModalIdentification, DoubtsWhatIsAsWideAsItIsNear) {
+  const auto doubts = [](double frequency_hz, double second_entry) {
+    ModalResult found{.lowest_hz = 0.5, .highest_hz = 16.0};
+    for (const auto& [f, sd, damping, entry] :
+         {std::array{6.680, 0.0011, 0.002, 0.5}, {frequency_hz, 0.008, 0.01, second_entry}}) {
+      Mode mode{.collinearity = 1.0, .present = 10, .orders = 10, .amplitude_kurtosis = 2.0};
+      mode.pole.frequency_hz = f;
+      mode.pole.frequency_sd = sd;
+      mode.pole.damping = damping;
+      mode.pole.damping_sd = 0.1 * damping;
+      mode.pole.shape = Eigen::Vector2cd(1.0, entry);
+      found.modes.push_back(mode);
+    }
+    doubt_modes(found);
+    return std::pair{found.modes[0].doubts, found.modes[1].doubts};
+  };
+  const std::vector<ModeDoubt> none, twin = {ModeDoubt::twin};
+  EXPECT_EQ(doubts(6.716, 0.5), std::pair(none, twin));
+  EXPECT_EQ(doubts(6.716, -2.0), std::pair(none, none));
+  EXPECT_EQ(doubts(6.90, 0.5), std::pair(none, none));
+  EXPECT_EQ(doubts(6.69, 0.5), std::pair(twin, twin));  // who is who cannot be told
 }
 
 TEST(ModalIdentification, RefusesRecordsThatCannotTell) {
