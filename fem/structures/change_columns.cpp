@@ -118,10 +118,11 @@ void ChangeColumns::set(const IntactStructure& intact, const StructureChange& ch
     compliances.push_back(1.0 / residual_.eigenvalues[k]);
   }
   scales.clear();
-  // A gained mass's pole has the lowest elastic eigenvalue for its s, so that its column is scaled
-  // by the mass where that is light; a lost one's adds nothing to static parts, whatever its sign.
+  // A floating mass's pole has the lowest elastic eigenvalue for its |s|, so that its column is
+  // scaled by the mass where that is light; s is negative where the mass counts with the other
+  // sign, so that each static part c²/|s| adds to the others'.
   for (std::size_t m = 0; m < p; ++m)
-    scales.push_back(index(negative_poles) > m ? kFloating * lowest : lowest);
+    scales.push_back(index(negative_poles) > m ? -lowest : lowest);
   scales.insert(scales.end(), intact.scales.begin(), intact.scales.end());
   scales.insert(scales.end(), eigenvalues.end() - extra, eigenvalues.end());
   columns.clear();
@@ -159,7 +160,7 @@ void ChangeColumns::set(const IntactStructure& intact, const StructureChange& ch
     const bool is_rigid = pole >= 0 || stiffness * own > kRigidSpring;
     double left = own;
     if (!is_rigid) left += 1.0 / stiffness;
-    if (pole >= 0) left += c[pole] * c[pole] / scales[index(pole)];
+    if (pole >= 0) left += c[pole] * c[pole] / std::abs(scales[index(pole)]);
     const double before = left;
     const Index a = supports;
     for (Index b = 0; b < a; ++b) {

@@ -103,17 +103,18 @@ IntactStructure::IntactStructure(std::shared_ptr<const Discretisation> given, in
   const StructureSpectrum spectrum =
       kept < available ? kept_spectrum(kept)
                        : structure_spectrum(d, std::min(available, 3 * wanted + 20));
-  modes = static_cast<int>(spectrum.eigenvalues.size());
-  if (modes < wanted)
+  massive = static_cast<int>(spectrum.eigenvalues.size());
+  modes = massive + static_cast<int>(spectrum.massless.cols());
+  if (massive < wanted)
     throw std::invalid_argument(
-        "modes = " + std::to_string(wanted) + ": only " + std::to_string(modes) +
+        "modes = " + std::to_string(wanted) + ": only " + std::to_string(massive) +
         " of its eigenvalues can be told apart in double precision; its masses or stiffnesses "
         "differ by too many powers of ten");
   rigid = spectrum.rigid_body_modes;
   stride = index(std::max(modes, 2));
-  eigenvalues.assign(stride, 0.0);
-  for (int j = 0; j < modes; ++j) eigenvalues[index(j)] = spectrum.eigenvalues[j];
-  if (modes < 2) eigenvalues[1] = kFloating * std::max(eigenvalues[0], 1.0);
+  const double first_elastic = spectrum.eigenvalues[std::min(rigid, massive - 1)];
+  eigenvalues.assign(stride, kStaticOnly * (first_elastic > 0.0 ? first_elastic : 1.0));
+  for (int j = 0; j < massive; ++j) eigenvalues[index(j)] = spectrum.eigenvalues[j];
   const int elastic = std::min(rigid, modes - 1);
   for (std::size_t j = 0; j < stride; ++j) {
     scales.push_back(eigenvalues[std::max(j, index(elastic))]);
@@ -124,14 +125,20 @@ IntactStructure::IntactStructure(std::shared_ptr<const Discretisation> given, in
   dof_rows.assign(index(d.size()) * stride, 0.0);
   strain_rows.assign(d.strains.size() * stride, 0.0);
   for (int j = 0; j < modes; ++j) {
+    Eigen::Matrix<long double, Eigen::Dynamic, 1> shape;
+    if (j < massive)
+      shape = spectrum.shapes.col(j);
+    else  // so that its static part is ψ ψᵀ
+      shape = std::sqrt(static_cast<long double>(eigenvalues[index(j)])) *
+              spectrum.massless.col(j - massive);
     for (Index i = 0; i < d.size(); ++i)
-      dof_rows[index(i) * stride + index(j)] = static_cast<double>(spectrum.shapes(i, j));
+      dof_rows[index(i) * stride + index(j)] = static_cast<double>(shape[i]);
     if (j < rigid) continue;  // rigid motions strain nothing
     for (std::size_t r = 0; r < d.strains.size(); ++r) {
       const SparseRow& row = d.strains[r].row;
       long double sum = 0;
       for (std::size_t i = 0; i < row.dofs.size(); ++i)
-        sum += row.coefficients[i] * spectrum.shapes(row.dofs[i], j);
+        sum += row.coefficients[i] * shape[row.dofs[i]];
       strain_rows[r * stride + index(j)] = static_cast<double>(sum);
     }
   }

@@ -16,13 +16,14 @@ namespace wheeltap::fem::detail {
 /// Added springs may raise root i as far as intact eigenvalue i + their number; this many are
 /// served by a short sum over the near modes, more by the sum over all.
 inline constexpr int kFewSupports = 8;
-/// s of a mode that adds nothing to static parts, over the lowest elastic eigenvalue.
-inline constexpr double kFloating = 1e30;
+/// λ of a motion without mass, over the lowest elastic eigenvalue: it has its static part alone.
+inline constexpr double kStaticOnly = 1e30;
 
 struct IntactStructure {
   std::shared_ptr<const Discretisation> discretisation;
   int wanted;                                            // lowest modes that may be asked for
-  int modes;                                             // kept, all with mass where they are few
+  int modes;                                             // kept, all where they are few
+  int massive;                                           // of them with mass
   int rigid;                                             // of them at λ = 0
   std::size_t stride;                                    // modes, and at least two
   std::vector<double> eigenvalues, scales, compliances;  // stride

@@ -15,9 +15,8 @@
 namespace wheeltap::fem {
 namespace {
 
-/// What rounding leaves of a frequency where all modes are kept, relative (with lost masses).
+/// What rounding leaves of a frequency where all modes are kept, relative.
 constexpr double kRoundingBound = 1e-9;
-constexpr double kLostMassBound = 2e-7;
 /// A wider bound, relative, is not offered: the changed structure is solved in full.
 constexpr double kTooWide = 1e-6;
 
@@ -169,19 +168,18 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
   const auto hz = [](double value) { return std::sqrt(value) / (2.0 * std::numbers::pi); };
   std::ranges::transform(work.lambda, results.frequencies_hz.begin(), hz);
   // Where all modes are kept, rounding is all there is.
-  const double rounding = change.masses.empty() ? kRoundingBound : kLostMassBound;
-  work.bounds.assign(n, rounding);
+  work.bounds.assign(n, kRoundingBound);
   if (intact.residual && !unchanged) {
     for (int root = first; root < count; ++root)
       work.bounds[index(root)] =
-          std::max(rounding, work.bound(work.lambda[index(root)], root, intact.next));
+          std::max(kRoundingBound, work.bound(work.lambda[index(root)], root, intact.next));
     if (std::ranges::any_of(work.bounds, [](double bound) { return bound > kTooWide; })) {
       const StructureModes full = structure_modes(changed(*intact.discretisation, change), count);
       if (!full.certified)
         throw std::runtime_error("the changed structure: whether its first " +
                                  std::to_string(count) + " modes are all found was not shown");
       std::ranges::copy(full.frequencies_hz, results.frequencies_hz.begin());
-      std::ranges::fill(work.bounds, rounding);
+      std::ranges::fill(work.bounds, kRoundingBound);
     }
   }
   for (std::size_t i = 0; i < results.bounds_hz.size(); ++i)

@@ -17,8 +17,8 @@ namespace wheeltap::fem {
 /// lost mass is a floating one that counts with the other sign.
 ///
 /// All modes of the mesh are kept up to `kAllModes` of them. Frequencies are right to 1e-9
-/// relative; with lost masses to 2e-7, since their columns are scaled by what the place itself
-/// yields (of 2000 random sets, tests/fem/structures/structure_reanalysis_test.cpp).
+/// relative (2000 random sets a structure,
+/// tests/fem/structures/structure_reanalysis_sets_test.cpp).
 ///
 /// Beyond, the lowest p modes are kept, and what the others yield along the changes is matched up
 /// to λ³ by two further modes a column (`ResidualModes`). Frequencies are then those of a

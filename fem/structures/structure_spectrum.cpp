@@ -59,6 +59,40 @@ All all_modes(const Discretisation& d, double unit) {
   return all;
 }
 
+/// A basis of the motions without mass: what M's empty rows move, and where it is singular besides
+/// (a mass that hangs off its node), the null space of D⁻½ M D⁻½, D its diagonal.
+Eigen::MatrixXd without_mass(const Discretisation& d, Index count) {
+  constexpr double kNoMass = 1e-12;
+  std::vector<Index> massive;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(d.size(), count);
+  Index next = 0;
+  for (Index i = 0; i < d.size(); ++i) {
+    if (d.mass.coeff(i, i) > 0.0)
+      massive.push_back(i);
+    else if (next < count)
+      out(i, next++) = 1.0;
+  }
+  if (next == count) return out;
+  const auto n = static_cast<Index>(massive.size());
+  const Eigen::VectorXd root = d.mass.diagonal()(massive).cwiseSqrt();
+  const Eigen::MatrixXd scaled =
+      Eigen::MatrixXd(d.mass)(massive, massive).cwiseQuotient(root * root.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
+  for (Index k = 0; k < n && next < count; ++k)
+    if (solver.eigenvalues()[k] < kNoMass)
+      out(massive, next++) = solver.eigenvectors().col(k).cwiseQuotient(root);
+  return out.leftCols(next);
+}
+
+/// Of them, combinations with ψᵀ K ψ = 1, K-orthogonal.
+StructureSpectrum::Matrix massless_shapes(const Discretisation& d, Index count) {
+  using Matrix = StructureSpectrum::Matrix;
+  if (count == 0) return Matrix(d.size(), 0);
+  const Matrix basis = without_mass(d, count).cast<long double>();
+  const Matrix k = basis.transpose() * dense_stiffness<long double>(d) * basis;
+  return k.llt().matrixL().solve(basis.transpose()).transpose();
+}
+
 }  // namespace
 
 StructureSpectrum structure_spectrum(const Discretisation& d, int refined) {
@@ -75,7 +109,8 @@ StructureSpectrum structure_spectrum(const Discretisation& d, int refined) {
   }
   return {.eigenvalues = std::move(all.eigenvalues),
           .shapes = std::move(all.shapes),
-          .rigid_body_modes = rigid};
+          .rigid_body_modes = rigid,
+          .massless = massless_shapes(d, d.size() - available)};
 }
 
 }  // namespace wheeltap::fem

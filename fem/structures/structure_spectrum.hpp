@@ -12,11 +12,12 @@ struct StructureSpectrum {
   Eigen::VectorXd eigenvalues;  ///< ascending; exactly 0 for rigid-body modes
   Matrix shapes;                ///< n × modes
   int rigid_body_modes = 0;
+  Matrix massless = {};  ///< n × the motions without mass, M ψ = 0, ψᵀ K ψ = 1: they only yield
 };
 
 /// M φ = μ (K + u M) φ, whose largest μ are the lowest modes, in long double up to
 /// `kWideSpectrum` degrees of freedom; beyond in double, and the `refined` lowest modes finished as
-/// `structure_modes` does. Massless degrees of freedom are condensed by that, exactly. O(n³).
+/// `structure_modes` does. Motions without mass are condensed by that, exactly. O(n³).
 /// Throws as `structure_modes`.
 inline constexpr int kWideSpectrum = 700;
 [[nodiscard]] StructureSpectrum structure_spectrum(const Discretisation& d, int refined);

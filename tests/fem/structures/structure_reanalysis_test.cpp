@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <iostream>
 #include <numbers>
 #include <random>
@@ -12,126 +13,15 @@
 #include "braced_portal.hpp"
 #include "fem/structures/structure_defects.hpp"
 #include "fem/structures/structure_modes.hpp"
+#include "random_changes.hpp"
 
 namespace wheeltap::fem {
 namespace {
 
-StructureChange random_change(const Mesh& mesh, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  StructureChange change;
-  std::vector<int> elements;
-  for (int n = 1 + static_cast<int>(3.0 * uniform(random)); n > 0; --n) {
-    const auto e = static_cast<int>(uniform(random) * static_cast<double>(mesh.elements().size()));
-    if (std::ranges::find(elements, e) != elements.end()) continue;
-    elements.push_back(e);
-    const double left = std::pow(10.0, -3.0 * uniform(random));
-    const auto& strains = mesh.elements()[static_cast<std::size_t>(e)].strains;
-    if (uniform(random) < 0.5) {
-      for (const int row : strains)
-        if (row >= 0) change.softenings.push_back({{{row, 1.0}}, left});
-    } else {  // as a crack: one combination of a moment and a shear force
-      const double angle = uniform(random);
-      change.softenings.push_back(
-          {{{strains[static_cast<std::size_t>(ElementStrain::bending_z)], std::cos(angle)},
-            {strains[static_cast<std::size_t>(ElementStrain::shear_z)], std::sin(angle)}},
-           left});
-    }
-  }
-  const auto place = [&] {
-    const auto member = static_cast<int>(uniform(random) * 4.0);
-    const auto direction = uniform(random) < 0.5 ? Direction::x : Direction::y;
-    return mesh.motion(member, uniform(random) * mesh.member_length(member), direction);
-  };
-  if (uniform(random) < 0.4) {
-    const int member = static_cast<int>(uniform(random) * 4.0);
-    const double s = uniform(random) * mesh.member_length(member);
-    // Gained, or a part of an element's own lost.
-    const double mass = uniform(random) < 0.5 ? std::pow(10.0, -2.0 + 4.0 * uniform(random))
-                                              : -2.0 * uniform(random);
-    change.masses = change_of(mesh, {.masses = {{member, s, mass}}}).masses;
-  }
-  if (uniform(random) < 0.4)
-    change.springs.push_back({place(), std::pow(10.0, 3.0 + 6.0 * uniform(random))});
-  if (uniform(random) < 0.1)
-    change.springs.push_back({place(), std::numeric_limits<double>::infinity()});
-  return change;
-}
-
-/// Elastic frequencies [Hz] in long double, the strains' products unrounded.
-std::vector<double> long_double_frequencies(const Discretisation& d, std::size_t count) {
-  using Real = long double;
-  using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
-  Matrix k = Matrix::Zero(d.size(), d.size());
-  for (const Strain& s : d.strains)
-    for (std::size_t i = 0; i < s.row.dofs.size(); ++i)
-      for (std::size_t j = 0; j < s.row.dofs.size(); ++j)
-        k(s.row.dofs[i], s.row.dofs[j]) +=
-            static_cast<Real>(s.factor) * s.row.coefficients[i] * s.row.coefficients[j];
-  const Matrix m = Eigen::MatrixXd(d.mass).cast<Real>();
-  // The lowest are the largest μ of M φ = μ (K + u M) φ.
-  const Real unit = 1e3L;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(m, k + unit * m,
-                                                                Eigen::EigenvaluesOnly);
-  std::vector<double> out;
-  const Eigen::Index n = d.size(), rigid = d.rigid_motions.cols();
-  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(count); ++i) {
-    const Real lambda = 1 / solver.eigenvalues()[n - 1 - i] - unit;
-    out.push_back(
-        i < rigid ? 0.0 : static_cast<double>(std::sqrt(lambda) / (2 * std::numbers::pi_v<Real>)));
-  }
-  return out;
-}
-
-/// The changes of `random_change` leave down to a thousandth of an element, add a hundredth to a
-/// hundred kilograms or take some away, and hold by soft and stiff springs.
-struct Compared {
-  double full = 0.0, with_mass = 0.0, wide = 0.0;  // worst relative errors
-};
-Compared compare(const Structure& s, int sets, int wide_sets, std::uint64_t seed) {
-  const Mesh mesh(s);
-  const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
-  const StructureReanalysis reanalysis(d, 16);
-  auto workspace = reanalysis.make_workspace();
-  std::mt19937_64 random(seed);
-  Compared worst;
-  for (int trial = 0; trial < sets; ++trial) {
-    const StructureChange change = random_change(mesh, random);
-    std::vector<double> f(12);
-    reanalysis.solve(change, workspace, {.frequencies_hz = f});
-    const Discretisation after = changed(*d, change);
-    const StructureModes full = structure_modes(after, 12);
-    const std::vector<double> wide =
-        trial < wide_sets ? long_double_frequencies(after, f.size()) : std::vector<double>();
-    for (std::size_t i = 0; i < f.size(); ++i) {
-      const double exact = full.frequencies_hz[static_cast<Eigen::Index>(i)];
-      const double error = exact == 0.0 ? f[i] : std::abs(f[i] / exact - 1.0);
-      if (!wide.empty() && wide[i] > 0.0 && change.masses.empty())
-        worst.wide = std::max(worst.wide, std::abs(f[i] / wide[i] - 1.0));
-      double& kind = change.masses.empty() ? worst.full : worst.with_mass;
-      kind = std::max(kind, error);
-      if (error > (change.masses.empty() ? 1e-9 : 2e-7))
-        ADD_FAILURE() << "set " << trial << ", mode " << i << ": " << f[i] << " for " << exact;
-    }
-  }
-  return worst;
-}
-
-TEST(StructureReanalysis, AgreesWithFullSolutions) {
-  for (const int dimension : {2, 3})
-    for (const bool free : {false, true}) {
-      Structure s = braced_portal(dimension == 2 ? 6 : 3, dimension);
-      if (free) s.supports.clear();
-      const Compared worst = compare(s, 500, 75, 11);
-      const std::string which = std::to_string(dimension) + (free ? " free" : " held");
-      std::cout << which << ": worst " << worst.full << ", with masses " << worst.with_mass
-                << "; of 75 in long double " << worst.wide << "\n";
-      EXPECT_LT(worst.full, 1e-9) << which;
-      EXPECT_LT(worst.wide, 1e-9) << which;
-    }
-}
-
-/// Of `sets` random changes, frequencies by `kept` modes against full solutions.
+/// Of `sets` random changes (ten times as many with WHEELTAP_LONG_TESTS=1), frequencies by `kept`
+/// modes against full solutions.
 void expect_bounds(const std::string& which, const Structure& s, int kept, int sets) {
+  if (std::getenv("WHEELTAP_LONG_TESTS") != nullptr) sets *= 10;
   const Mesh mesh(s);
   const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
   const StructureReanalysis few(d, 12, kept);
@@ -179,6 +69,9 @@ TEST(StructureReanalysis, FewModesBoundTheFrequencies) {
   Structure compressed = braced_portal(12, 2);
   compressed.members[0].axial_force = -1e6;
   expect_bounds("compressed", compressed, 40, 100);
+  Structure lumped = braced_portal(12, 2);
+  lumped.mass = Structure::Mass::lumped;
+  expect_bounds("lumped masses", lumped, 40, 100);
   // So few that many a bound is too wide, and the full solution takes its place.
   expect_bounds("hardly any", braced_portal(12, 2), 14, 60);
 }
