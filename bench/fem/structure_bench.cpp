@@ -14,45 +14,20 @@
 #include "fem/structures/mesh.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "fem/structures/structure_reanalysis.hpp"
+#include "frames.hpp"
 
 namespace {
 
 using namespace wheeltap::fem;
-
-/// Members of 11 and 12 elements: three storeys of one bay have 300 degrees of freedom.
-Structure frame(int storeys = 3, int bays = 1) {
-  const Material material{.young = 210e9, .poisson = 0.3, .density = 7850.0};
-  const MemberSection section{.area = 6e-3, .second_moment_y = 2e-5, .shear_coefficient_z = 0.5};
-  Structure s{.dimension = 2, .nodes = {}, .members = {}};
-  for (int storey = 0; storey <= storeys; ++storey)
-    for (int side = 0; side <= bays; ++side)
-      s.nodes.push_back({"n", {5.0 * side + 0.1 * storey, 3.0 * storey, 0.0}});
-  const auto add = [&](int a, int b, int elements) {
-    const auto line = difference(s.nodes[static_cast<std::size_t>(b)].at,
-                                 s.nodes[static_cast<std::size_t>(a)].at);
-    s.members.push_back({.name = "m",
-                         .nodes = {a, b},
-                         .elements = elements,
-                         .pieces = {{.to = norm(line), .material = material, .section = section}}});
-  };
-  for (int storey = 0; storey < storeys; ++storey)
-    for (int side = 0; side <= bays; ++side) {
-      const int foot = storey * (bays + 1) + side, head = foot + bays + 1;
-      add(foot, head, 11);
-      if (side > 0) add(head - 1, head, 12);
-    }
-  for (int foot = 0; foot <= bays; ++foot)
-    s.supports.push_back({.node = foot, .fix = {true, true, true, true, true, true}});
-  return s;
-}
+namespace bench = wheeltap::bench;
 
 const Mesh& mesh() {
-  static const Mesh kMesh(frame());
+  static const Mesh kMesh(bench::frame(3, 1, 11, 12));  // 300 degrees of freedom
   return kMesh;
 }
 
 const Mesh& large_mesh() {
-  static const Mesh kMesh(frame(27, 10));
+  static const Mesh kMesh(bench::frame(27, 10, 11, 12));
   return kMesh;
 }
 

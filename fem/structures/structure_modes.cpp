@@ -1,6 +1,5 @@
 #include "fem/structures/structure_modes.hpp"
 
-#include <Spectra/MatOp/SparseSymMatProd.h>
 #include <Spectra/SymGEigsShiftSolver.h>
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
@@ -156,15 +155,23 @@ MatrixXd lanczos(const Search& s, const MatrixXd& known, Index count, int start)
         for (int pass = 0; pass < 2; ++pass) out -= known * (known.transpose() * (s.mass * out));
     }
   };
+  /// M u, for Spectra: both triangles are there.
+  struct Product {
+    const Sparse& matrix;
+    [[nodiscard]] Index rows() const { return matrix.rows(); }
+    [[nodiscard]] Index cols() const { return matrix.cols(); }
+    void perform_op(const double* x, double* y) const {
+      Eigen::Map<VectorXd>(y, rows()).noalias() = matrix * Eigen::Map<const VectorXd>(x, cols());
+    }
+  };
   const Index n = s.d.size();
   count = std::min(count, n - 1 - known.cols());
   if (count < 1) return MatrixXd(n, 0);
   Deflated inverse{s, known};
-  Spectra::SparseSymMatProd<double> mass(s.mass);
+  const Product mass{s.mass};
   const Index krylov = std::min(n, std::max<Index>(2 * count + 1, count + 20));
-  Spectra::SymGEigsShiftSolver<Deflated, Spectra::SparseSymMatProd<double>,
-                               Spectra::GEigsMode::ShiftInvert>
-      solver(inverse, mass, count, krylov, -1.0);
+  Spectra::SymGEigsShiftSolver<Deflated, const Product, Spectra::GEigsMode::ShiftInvert> solver(
+      inverse, mass, count, krylov, -1.0);
   VectorXd residual(n);
   for (Index i = 0; i < n; ++i)
     residual[i] = std::sin((1.0 + 0.37 * start) * static_cast<double>(i + 1)) + 0.1;
@@ -184,12 +191,15 @@ MatrixXd dense(const Search& s, Index count) {
   return solver.eigenvectors().rowwise().reverse().leftCols(std::min(count, available));
 }
 
-/// One step with the residuals as further directions: the strains' residuals are right where the
-/// factored matrix was rounded. Returns the `count` lowest.
-Ritz refined(const Search& s, const MatrixXd& vectors, Index count) {
+/// Steps with the residuals as further directions: the strains' residuals are right where the
+/// factored matrix was rounded. Returns the `count` lowest; of them `wanted` are right to rounding.
+Ritz refined(const Search& s, const MatrixXd& vectors, Index count, Index wanted) {
+  // Squared residual in the norm of (K + u M)⁻¹ over λ: by Temple's bound the relative error of λ
+  // but for λ / gap. Below it, nothing is left to gain.
+  constexpr double kRounding = 1e-18;
+  constexpr double kLost = 1e-12;  // of a Ritz value
   const Discretisation& d = s.d;
-  MatrixXd basis = orthonormal(d.mass, s.rigid, vectors);
-  Ritz ritz = rayleigh_ritz(d, basis);
+  Ritz ritz = rayleigh_ritz(d, orthonormal(d.mass, s.rigid, vectors));
   for (int step = 0; step < 2; ++step) {
     const Index m = std::min<Index>(ritz.shapes.cols(), count);
     MatrixXd residuals(d.size(), m);
@@ -197,16 +207,28 @@ Ritz refined(const Search& s, const MatrixXd& vectors, Index count) {
       residuals.col(i) =
           d.stiffness_times(ritz.shapes.col(i)) - ritz.values[i] * (d.mass * ritz.shapes.col(i));
     MatrixXd corrections = s.shifted.solve(residuals);
-    // Far below rounding, a correction is only noise.
-    for (Index i = 0; i < m; ++i)
+    double worst = 0.0;
+    for (Index i = 0; i < m; ++i) {
+      if (i < wanted)
+        worst = std::max(worst, residuals.col(i).dot(corrections.col(i)) / ritz.values[i]);
+      // Far below rounding, a correction is only noise.
       if (corrections.col(i).dot(d.mass * corrections.col(i)) < 1e-30) corrections.col(i).setZero();
+    }
+    if (worst < kRounding) break;
     // Ritz vectors are M-orthonormal, to each other and to rigid motions.
     MatrixXd known(d.size(), s.rigid.cols() + ritz.shapes.cols());
     known << s.rigid, ritz.shapes;
     const MatrixXd more = orthonormal(d.mass, known, corrections);
-    basis.resize(d.size(), ritz.shapes.cols() + more.cols());
+    MatrixXd basis(d.size(), ritz.shapes.cols() + more.cols());
     basis << ritz.shapes, more;
-    ritz = rayleigh_ritz(d, basis);
+    Ritz next = rayleigh_ritz(d, basis);
+    // A larger space has no higher Ritz values, but for rounding: what a correction has of motions
+    // without mass outweighs all else where little but these is left of it.
+    if (((next.values.head(m) - ritz.values.head(m)).array() >
+         kLost * ritz.values.head(m).array().abs())
+            .any())
+      break;
+    ritz = std::move(next);
   }
   const Index kept = std::min(count, ritz.shapes.cols());
   return {.values = ritz.values.head(kept), .shapes = ritz.shapes.leftCols(kept)};
@@ -334,7 +356,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
       MatrixXd more = lanczos(search, known, wanted, attempt);
       MatrixXd all(n, ritz.shapes.cols() + more.cols());
       all << ritz.shapes, more;
-      ritz = refined(search, all, elastic);
+      ritz = refined(search, all, elastic, modes - rigid.cols());
       refuse_mechanisms(d, ritz);
       out.certified = certified(d, ritz, modes - rigid.cols());
       if (!out.certified) {
@@ -349,7 +371,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
     }
   }
   if (elastic > 0 && densely) {
-    ritz = refined(search, dense(search, available), elastic);
+    ritz = refined(search, dense(search, available), elastic, modes - rigid.cols());
     refuse_mechanisms(d, ritz);
     const bool all = ritz.values.size() == available - rigid.cols();
     out.certified = all || certified(d, ritz, modes - rigid.cols());

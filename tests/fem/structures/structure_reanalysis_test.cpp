@@ -71,7 +71,7 @@ TEST(StructureReanalysis, FewModesBoundTheFrequencies) {
   expect_bounds("compressed", compressed, 40, 100);
   Structure lumped = braced_portal(12, 2);
   lumped.mass = Structure::Mass::lumped;
-  expect_bounds("lumped masses", lumped, 40, 100);
+  expect_bounds("lumped masses", lumped, 40, 500);  // its set 475 had the full solution wrong
   // So few that many a bound is too wide, and the full solution takes its place.
   expect_bounds("hardly any", braced_portal(12, 2), 14, 60);
 }
