@@ -12,7 +12,7 @@ namespace {
 constexpr double kRootError = 2e-13;
 /// Rounding of a Rayleigh quotient, relative to where it was evaluated.
 constexpr double kRounding = 1e-15;
-/// Evaluations after which a root is left to bisection by the inertia count.
+/// Evaluations after which every second one bisects by the inertia count.
 constexpr int kPatience = 20;
 /// Evaluations after which even that has met nothing but singular blocks: the bracket is the
 /// answer.
@@ -123,6 +123,40 @@ void RootSearch::evaluate(const Pack& z, const int (&poles)[kLanes]) {
   kernel_->evaluate(secular_, z, poles, scratch_, steps_);
 }
 
+/// Of the damaged eigenvalues, how many lie below the two that H follows.
+int RootSearch::first_followed(int pole, int lane) const {
+  return pole + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports -
+         secular_.negative;
+}
+
+/// ... and below where the lane was evaluated.
+int RootSearch::count_below(int pole, int lane) const {
+  return first_followed(pole, lane) + (steps_.low.lane[lane] < 0.0) +
+         (steps_.high.lane[lane] < 0.0);
+}
+
+/// Whether the lane's inertia may be trusted.
+bool RootSearch::counts(int lane) const {
+  return std::isfinite(steps_.low.lane[lane]) && std::isfinite(steps_.high.lane[lane]) &&
+         !(steps_.smallest_pivot.lane[lane] < kSmallestPivot);
+}
+
+void RootSearch::narrow(Search& search, double z, int below) {
+  if (search.root < below)
+    search.high = std::min(search.high, z);
+  else
+    search.low = std::max(search.low, z);
+}
+
+/// Places that cut the bracket of `search` into parts, equal ones of its logarithm where it is
+/// wide: from where 64 times as much would be its end, since most have no lower bound at first.
+double RootSearch::cut(const Search& search, int part, int parts) {
+  const double share = static_cast<double>(part) / parts;
+  const double low = std::max(search.low, search.high / 64.0);
+  return search.high > 4.0 * low ? low * std::pow(search.high / low, share)
+                                 : low + share * (search.high - low);
+}
+
 /// Digests one evaluation; true once the root is found.
 bool RootSearch::advance(Search& search, int pole, int lane) {
   const double low_sign = steps_.low.lane[lane], high_sign = steps_.high.lane[lane];
@@ -149,11 +183,8 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
                 (search.confirming && !up ? -1.0 : 1.0);
     return false;
   }
-  // Damaged eigenvalues below the two that H follows, and below z.
-  const int first =
-      pole + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports - secular_.negative;
-  const int below = first + (low_sign < 0.0) + (high_sign < 0.0);
-  (search.root < below ? search.high : search.low) = search.z;
+  const int first = first_followed(pole, lane), below = count_below(pole, lane);
+  narrow(search, search.z, below);
 
   const bool is_low = search.root == first, followed = is_low || search.root == first + 1;
   const double step = (is_low ? steps_.low_step : steps_.high_step).lane[lane];
@@ -176,7 +207,7 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
     found(search.root).radius += std::abs(found(search.root).lambda - next);
     return true;
   }
-  if (followed && search.evaluations < kPatience && next >= search.low && next <= search.high) {
+  if (followed && next >= search.low && next <= search.high) {
     // Other eigenvalues are hardly nearer than the other one here and the modes next to the poles.
     double gap = std::abs(other - step);
     if (pole > 0) gap = std::min(gap, std::abs(next - value[pole - 1]));
@@ -186,8 +217,10 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
       found(search.root) = here;
       return true;
     }
-    search.z = next;
-    return false;
+    if (search.evaluations < kPatience || search.evaluations % 2 == 0) {
+      search.z = next;
+      return false;
+    }
   }
   return bisect();
 }
@@ -233,14 +266,18 @@ void RootSearch::run(bool confirming) {
   int poles[kLanes] = {};
   Pack z;
   while (active > 0) {
-    const Search* some =
-        std::find_if(lanes, lanes + kLanes, [](const Search& s) { return s.root >= 0; });
-    for (int l = 0; l < kLanes; ++l) {
-      const Search& lane = lanes[l].root < 0 ? *some : lanes[l];
-      poles[l] = lower_pole(lane.z, lane.root);
-      z.lane[l] = lane.z;
+    // Lanes without a root of their own cut the bracket of the one that takes longest.
+    const auto longest = std::ranges::max_element(
+        lanes, {}, [](const Search& s) { return s.root < 0 ? -1 : s.evaluations; });
+    const bool helped = std::isfinite(longest->high);
+    for (int l = 0, part = 0; l < kLanes; ++l) {
+      const Search& lane = lanes[l].root < 0 ? *longest : lanes[l];
+      z.lane[l] = lanes[l].root < 0 && helped ? cut(lane, ++part, kLanes - active + 1) : lane.z;
+      poles[l] = lower_pole(z.lane[l], lane.root);
     }
     evaluate(z, poles);
+    for (int l = 0; l < kLanes && helped; ++l)
+      if (lanes[l].root < 0 && counts(l)) narrow(*longest, z.lane[l], count_below(poles[l], l));
     for (int l = 0; l < kLanes; ++l) {
       Search& lane = lanes[l];
       if (lane.root < 0 || !advance(lane, poles[l], l)) continue;
@@ -296,8 +333,7 @@ void RootSearch::find(int first, std::span<double> lambda) {
 
 RootSearch::Mode RootSearch::mode_at(int root, double lambda, int pole, int lane) {
   const auto at = [lane](const Pack& pack) { return pack.lane[lane]; };
-  const int first =
-      pole + static_cast<int>(at(steps_.negative)) - secular_.supports - secular_.negative;
+  const int first = first_followed(pole, lane);
   const bool is_low =
       root == first || (root != first + 1 && std::abs(at(steps_.low)) < std::abs(at(steps_.high)));
   const double v1 = at(is_low ? steps_.low_v1 : steps_.high_v1);

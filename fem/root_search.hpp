@@ -92,6 +92,11 @@ class RootSearch {
   void run(bool confirming);
   [[nodiscard]] int lower_pole(double z, int guess) const;
   void evaluate(const Pack& z, const int (&poles)[kLanes]);
+  [[nodiscard]] int first_followed(int pole, int lane) const;
+  [[nodiscard]] int count_below(int pole, int lane) const;
+  [[nodiscard]] bool counts(int lane) const;
+  static void narrow(Search& search, double z, int below);
+  [[nodiscard]] static double cut(const Search& search, int part, int parts);
   [[nodiscard]] bool advance(Search& search, int pole, int lane);
   [[nodiscard]] bool advance_confirmation(Search& search, bool followed, double next) const;
   [[nodiscard]] Found& found(int root) { return found_[static_cast<std::size_t>(root)]; }

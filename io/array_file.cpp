@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "io/netcdf_reader.hpp"
+#include "io/read_apart.hpp"
 
 namespace wheeltap::io {
 namespace {
@@ -116,10 +117,7 @@ int along(const Found& of, std::size_t rows) {
   return of.shape.size() == 2 && of.shape[1] == rows ? 1 : -1;
 }
 
-}  // namespace
-
-Columns read_array_file(const std::filesystem::path& path, const Wanted& wanted) {
-  const NetcdfLock lock;
+Columns read_here(const std::filesystem::path& path, const Wanted& wanted) {
   const NetcdfReader file(path, "a record");
   std::vector<Found> all;
   look(file.root(), "", kDeepest, all);
@@ -187,6 +185,13 @@ Columns read_array_file(const std::filesystem::path& path, const Wanted& wanted)
       out.columns[c].values[i] = values[sources[c].first + i * sources[c].step];
   }
   return out;
+}
+
+}  // namespace
+
+Columns read_array_file(const std::filesystem::path& path, const Wanted& wanted) {
+  const NetcdfLock lock;
+  return read_apart_as<Columns>(path, [&] { return read_here(path, wanted); });
 }
 
 }  // namespace wheeltap::io

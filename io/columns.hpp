@@ -1,10 +1,12 @@
 // A table as measured files hold it: named columns of numbers with their units, and single numbers.
 #pragma once
 
+#include <concepts>
 #include <functional>
 #include <map>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "io/file_error.hpp"
@@ -40,6 +42,26 @@ struct Columns {
   /// Where a row stands in the file, and a column of it; for messages.
   [[nodiscard]] Place place(std::size_t row, int column = -1) const;
 };
+
+/// For other processes (base/parcel.hpp), both ways.
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, Column>
+void carry(Parcel& parcel, Of& column) {
+  parcel(column.header, column.name, column.unit, column.values, column.decimals, column.digits);
+}
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, Columns>
+void carry(Parcel& parcel, Of& table) {
+  std::vector<std::string> names;
+  std::vector<double> values;
+  for (const auto& [name, value] : table.scalars) {
+    names.push_back(name);
+    values.push_back(value);
+  }
+  parcel(table.file, table.columns, table.first_line, table.skipped, names, values);
+  if constexpr (!std::is_const_v<Of>)
+    for (std::size_t i = 0; i < names.size(); ++i) table.scalars[names[i]] = values[i];
+}
 
 /// Which columns are to be read: called once a column with the table's headers. The others keep
 /// their headers and have no values. Empty: all.

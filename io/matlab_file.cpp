@@ -9,6 +9,7 @@
 #include <string>
 
 #include "io/netcdf_library.hpp"
+#include "io/read_apart.hpp"
 #endif
 
 namespace wheeltap::io {
@@ -130,10 +131,7 @@ void take(const std::string& name, const matvar_t& variable, Columns& table) {
   }
 }
 
-}  // namespace
-
-Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted) {
-  const NetcdfLock lock;  // a v7.3 file is an HDF5 one
+Columns read_here(const std::filesystem::path& path) {
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   if (!file) throw FileError(FileError::Kind::missing, path, "no such file, or no MATLAB file");
@@ -179,6 +177,14 @@ Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted
                     any ? "no real numeric arrays" + there
                         : "no variables: it is empty, cut off, or not written by MATLAB");
   }
+  return table;
+}
+
+}  // namespace
+
+Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted) {
+  const NetcdfLock lock;  // a v7.3 file is an HDF5 one
+  auto table = read_apart_as<Columns>(path, [&] { return read_here(path); });
   for (std::size_t c = 0; wanted && c < table.columns.size(); ++c)
     if (!wanted(table, c)) table.columns[c].values = {};
   return table;

@@ -15,6 +15,7 @@
 #include <matio.h>
 
 #include "io/netcdf_library.hpp"
+#include "io/read_apart.hpp"
 #endif
 
 namespace wheeltap::io {
@@ -206,8 +207,7 @@ class MatlabMatrix {
   const std::string& name_;
 };
 
-SparseMatrix read_matlab_matrix(const std::filesystem::path& path, const std::string& name) {
-  const NetcdfLock lock;  // a v7.3 file is an HDF5 one
+SparseMatrix read_here(const std::filesystem::path& path, const std::string& name) {
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   if (!file) throw FileError(Kind::foreign, path, "is neither a MATLAB file nor a folder");
@@ -237,6 +237,36 @@ SparseMatrix read_matlab_matrix(const std::filesystem::path& path, const std::st
   }
   throw FileError(Kind::corrupt, path,
                   "has no matrix \"" + name + "\"; there are: " + (names.empty() ? "none" : names));
+}
+
+/// A compressed matrix, for read_apart.
+struct Carried {
+  Eigen::Index rows = 0, columns = 0;
+  std::vector<int> starts, inner;
+  std::vector<double> values;
+};
+
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, Carried>
+void carry(Parcel& parcel, Of& matrix) {
+  parcel(matrix.rows, matrix.columns, matrix.starts, matrix.inner, matrix.values);
+}
+
+SparseMatrix read_matlab_matrix(const std::filesystem::path& path, const std::string& name) {
+  const NetcdfLock lock;  // a v7.3 file is an HDF5 one
+  const auto carried = read_apart_as<Carried>(path, [&] {
+    SparseMatrix m = read_here(path, name);
+    m.makeCompressed();
+    const auto n = m.nonZeros();
+    return Carried{.rows = m.rows(),
+                   .columns = m.cols(),
+                   .starts = {m.outerIndexPtr(), m.outerIndexPtr() + m.outerSize() + 1},
+                   .inner = {m.innerIndexPtr(), m.innerIndexPtr() + n},
+                   .values = {m.valuePtr(), m.valuePtr() + n}};
+  });
+  return Eigen::Map<const SparseMatrix>(
+      carried.rows, carried.columns, static_cast<Eigen::Index>(carried.values.size()),
+      carried.starts.data(), carried.inner.data(), carried.values.data());
 }
 
 #else

@@ -144,8 +144,9 @@ IntactStructure::IntactStructure(std::shared_ptr<const Discretisation> given, in
   }
   if (!residual) self_stresses = self_stress_projector(d);
   compressed = std::ranges::any_of(d.strains, [](const Strain& s) { return s.factor < 0.0; });
-  for (const int supports : {0, kFewSupports, modes})
-    windows.emplace_back(eigenvalues, modes, residual ? modes : std::min(wanted + supports, modes));
+  for (const int lifting : kLifting)
+    windows.emplace_back(eigenvalues, modes, residual ? modes : std::min(wanted + lifting, modes));
+  windows.emplace_back(eigenvalues, modes, modes);
 }
 
 }  // namespace wheeltap::fem::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -13,9 +14,9 @@
 
 namespace wheeltap::fem::detail {
 
-/// Added springs may raise root i as far as intact eigenvalue i + their number; this many are
-/// served by a short sum over the near modes, more by the sum over all.
-inline constexpr int kFewSupports = 8;
+/// Added springs and lost masses may raise root i as far as intact eigenvalue i + their number; up
+/// to these numbers are served by a short sum over the near modes, more by the sum over all.
+inline constexpr std::array kLifting = {0, 8, 16, 32, 64};
 /// λ of a motion without mass, over the lowest elastic eigenvalue: it has its static part alone.
 inline constexpr double kStaticOnly = 1e30;
 
@@ -32,13 +33,18 @@ struct IntactStructure {
   std::vector<double> strain_rows;                       // strains × stride
   Eigen::MatrixXd self_stresses;                         // strains × strains; where all are kept
   bool compressed = false;      // geometric stiffness takes from that of the strains
-  std::vector<Window> windows;  // for no, few, and any number of springs
+  std::vector<Window> windows;  // for each of kLifting, and any number
   std::unique_ptr<const ResidualFlexibility> residual;  // of the modes that are not kept
   double next = 0.0;                                    // the lowest eigenvalue of those
 
   /// As the constructor of StructureReanalysis.
   IntactStructure(std::shared_ptr<const Discretisation> given, int wanted_modes, int kept_modes);
 
+  /// For changes that raise root i as far as intact eigenvalue i + `lifting`.
+  [[nodiscard]] const Window& window_for(int lifting) const {
+    const auto at = std::ranges::lower_bound(kLifting, lifting);
+    return windows[static_cast<std::size_t>(at - kLifting.begin())];
+  }
   /// A motion in each mode: `stride` numbers.
   void motion(const SparseRow& row, double* out) const;
 

@@ -139,9 +139,7 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
     }
     std::ranges::sort(work.starts);
     const int lifting = work.supports - work.poles + work.negative_poles;
-    const detail::Window& window = intact.windows[lifting == 0                      ? 0
-                                                  : lifting <= detail::kFewSupports ? 1
-                                                                                    : 2];
+    const detail::Window& window = intact.window_for(lifting);
     work.search.set({.eigenvalues = work.eigenvalues.data(),
                      .scales = work.scales.data(),
                      .stride = work.stride,

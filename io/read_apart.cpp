@@ -1,0 +1,139 @@
+#include "io/read_apart.hpp"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <concepts>
+#include <csignal>
+#include <stdexcept>
+#include <type_traits>
+
+namespace wheeltap::io {
+namespace {
+
+enum class Outcome : char { bytes, refused, failed };
+
+struct Refusal {
+  FileError::Kind kind = FileError::Kind::corrupt;
+  std::string path, reason;
+  Place place;
+};
+
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, Refusal>
+void carry(Parcel& parcel, Of& refusal) {
+  parcel(refusal.kind, refusal.path, refusal.reason, refusal.place.line, refusal.place.sample,
+         refusal.place.column, refusal.place.header);
+}
+
+void write_all(int to, const std::string& bytes) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t n = ::write(to, bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno != EINTR) _exit(1);
+    if (n > 0) done += static_cast<std::size_t>(n);
+  }
+}
+
+/// What the child does; no destructor and no buffer of the parent's runs in it.
+[[noreturn]] void in_child(int to, double seconds, const std::function<std::string()>& read) {
+#ifdef __linux__
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_DFL);
+  const auto most = static_cast<rlim_t>(std::ceil(seconds));
+  const rlimit time{most, most + 1}, no_core{0, 0};
+  setrlimit(RLIMIT_CPU, &time);
+  setrlimit(RLIMIT_CORE, &no_core);
+  if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) {
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+  }
+  Outcome outcome = Outcome::bytes;
+  std::string bytes;
+  try {
+    bytes = read();
+  } catch (const FileError& error) {
+    outcome = Outcome::refused;
+    base::Packer parcel;
+    parcel(Refusal{error.kind(), error.path().string(), error.reason(), error.place()});
+    bytes = std::move(parcel).bytes();
+  } catch (const std::exception& error) {
+    outcome = Outcome::failed;
+    bytes = error.what();
+  }
+  write_all(to, std::string(1, static_cast<char>(outcome)));
+  write_all(to, bytes);
+  _exit(0);
+}
+
+std::string read_all(int from) {
+  std::string out;
+  std::array<char, 1 << 16> buffer;
+  for (;;) {
+    const ssize_t n = ::read(from, buffer.data(), buffer.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return out;
+    out.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+}
+
+}  // namespace
+
+double most_seconds(std::uintmax_t bytes) {
+  constexpr double kLeast = 8.0, kBytesASecond = 2e6;
+  return kLeast + static_cast<double>(bytes) / kBytesASecond;
+}
+
+std::string read_apart(const std::filesystem::path& path, const std::function<std::string()>& read,
+                       double seconds) {
+  std::error_code no_size;
+  const std::uintmax_t size = std::filesystem::file_size(path, no_size);
+  if (!(seconds > 0.0)) seconds = most_seconds(no_size ? 0 : size);
+  int ends[2];
+  if (pipe(ends) != 0) return read();
+  for (const int end : ends) fcntl(end, F_SETFD, FD_CLOEXEC);
+  const pid_t child = fork();
+  if (child == 0) {
+    close(ends[0]);
+    in_child(ends[1], seconds, read);
+  }
+  close(ends[1]);
+  if (child < 0) {
+    close(ends[0]);
+    return read();
+  }
+  std::string bytes = read_all(ends[0]);
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  const bool late =
+      WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
+  if (late)
+    throw FileError(FileError::Kind::corrupt, path,
+                    "damaged, it seems: " + std::to_string(static_cast<int>(seconds)) +
+                        " s of processor time did not get to its end");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || bytes.empty())
+    throw FileError(FileError::Kind::corrupt, path,
+                    "damaged, it seems: the library that reads such files crashed on it");
+  const auto outcome = static_cast<Outcome>(bytes[0]);
+  bytes.erase(0, 1);
+  if (outcome == Outcome::failed) throw std::runtime_error(bytes);
+  if (outcome == Outcome::refused) {
+    Refusal refusal;
+    base::Unpacker parcel(bytes);
+    parcel(refusal);
+    throw FileError(refusal.kind, refusal.path, refusal.place, refusal.reason);
+  }
+  return bytes;
+}
+
+}  // namespace wheeltap::io

@@ -1,0 +1,43 @@
+// Reads a file in a process of its own.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "base/parcel.hpp"
+#include "io/file_error.hpp"
+
+namespace wheeltap::io {
+
+/// The bytes that `read` returns in a child of this process, so that a library that a damaged file
+/// crashes, or keeps busy for ever, ends that child alone. What it prints is lost. FileError that
+/// it throws is thrown here; other exceptions as std::runtime_error. Throws FileError (corrupt)
+/// where the child dies, or takes more processor time than `seconds`; 0: `most_seconds` of the
+/// file's size.
+///
+/// A child has this one thread: a lock that `read` needs must be held by the caller. Where no child
+/// can be started, reads here.
+[[nodiscard]] std::string read_apart(const std::filesystem::path& path,
+                                     const std::function<std::string()>& read,
+                                     double seconds = 0.0);
+
+/// Ten times and more what reading a sound file of that size takes.
+[[nodiscard]] double most_seconds(std::uintmax_t bytes);
+
+/// The same of anything that a parcel carries.
+template <class T>
+[[nodiscard]] T read_apart_as(const std::filesystem::path& path, const std::function<T()>& read) {
+  const std::string bytes = read_apart(path, [&] {
+    base::Packer parcel;
+    parcel(read());
+    return std::move(parcel).bytes();
+  });
+  T out;
+  base::Unpacker parcel(bytes);
+  parcel(out);
+  return out;
+}
+
+}  // namespace wheeltap::io

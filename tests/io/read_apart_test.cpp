@@ -1,0 +1,107 @@
+#include "io/read_apart.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <vector>
+
+#include "io/columns.hpp"
+
+namespace wheeltap::io {
+namespace {
+
+using Kind = FileError::Kind;
+
+std::string refusal(const std::function<std::string()>& read, double seconds = 0.0) {
+  try {
+    (void)read_apart("a.mat", read, seconds);
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.kind(), Kind::corrupt);
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(ReadApart, GivesWhatWasRead) {
+  const std::string long_one(3'000'000, 'x');
+  EXPECT_EQ(read_apart("a.mat", [&] { return long_one; }), long_one);
+  EXPECT_EQ(read_apart("a.mat", [] { return std::string(); }), "");
+}
+
+TEST(ReadApart, CarriesATable) {
+  const Columns table{.file = "a.mat",
+                      .columns = {{.header = "force [N]",
+                                   .name = "force",
+                                   .unit = "N",
+                                   .values = {1.0, 2.5},
+                                   .decimals = 1,
+                                   .digits = 2}},
+                      .scalars = {{"dt", 0.01}, {"fs", 100.0}},
+                      .first_line = 3,
+                      .skipped = {1}};
+  const auto got = read_apart_as<Columns>("a.mat", [&] { return table; });
+  EXPECT_EQ(got.file, table.file);
+  ASSERT_EQ(got.columns.size(), 1U);
+  EXPECT_EQ(got.columns[0].header, "force [N]");
+  EXPECT_EQ(got.columns[0].unit, "N");
+  EXPECT_EQ(got.columns[0].values, table.columns[0].values);
+  EXPECT_EQ(got.columns[0].digits, 2);
+  EXPECT_EQ(got.scalars, table.scalars);
+  EXPECT_EQ(got.first_line, 3);
+  EXPECT_EQ(got.skipped, table.skipped);
+}
+
+TEST(ReadApart, ThrowsWhatTheReaderThrew) {
+  try {
+    (void)read_apart("a.mat", []() -> std::string {
+      throw FileError(Kind::foreign, "b.mat", {.line = 3, .column = 2, .header = "u"}, "no number");
+    });
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.kind(), Kind::foreign);
+    EXPECT_STREQ(error.what(), "b.mat, line 3, column 2 ('u'): no number");
+    EXPECT_EQ(error.place().header, "u");
+  }
+  EXPECT_THROW((void)read_apart("a.mat", []() -> std::string { throw std::bad_alloc(); }),
+               std::runtime_error);
+}
+
+TEST(ReadApart, ACrashIsTheFilesFault) {
+  for (const int signal : {SIGSEGV, SIGABRT, SIGFPE})
+    EXPECT_THAT(refusal([signal]() -> std::string {
+                  std::signal(signal, SIG_DFL);  // sanitizers have handlers of their own
+                  std::raise(signal);
+                  return "";
+                }),
+                testing::AllOf(testing::StartsWith("a.mat: "), testing::HasSubstr("crashed")));
+  EXPECT_THAT(refusal([]() -> std::string { _exit(3); }), testing::HasSubstr("crashed"));
+}
+
+TEST(ReadApart, AReaderThatDoesNotEndIsEnded) {
+  EXPECT_THAT(refusal(
+                  []() -> std::string {
+                    for (volatile unsigned i = 0;; i = i + 1) {
+                    }
+                  },
+                  1.0),
+              testing::HasSubstr("1 s of processor time"));
+}
+
+TEST(ReadApart, WhatTheReaderPrintsIsLost) {
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  (void)read_apart("a.mat", [] {
+    std::fputs("HDF5-DIAG: much", stderr);
+    std::fputs("more", stdout);
+    std::fflush(nullptr);
+    return std::string();
+  });
+  EXPECT_EQ(testing::internal::GetCapturedStderr() + testing::internal::GetCapturedStdout(), "");
+}
+
+}  // namespace
+}  // namespace wheeltap::io
