@@ -9,6 +9,7 @@
 #include "io/bytes.hpp"
 #include "io/fingerprint.hpp"
 #include "io/netcdf_reader.hpp"
+#include "io/read_apart.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -16,10 +17,10 @@ namespace {
 using io::FileError;
 namespace fs = std::filesystem;
 
-/// The run that a posterior.nc says it is of; empty where it says nothing.
+/// The run that a posterior.nc, damaged perhaps, says it is of; empty where it says nothing.
 std::string run_of(const std::string& bytes, const fs::path& path) {
   try {
-    return io::NetcdfReader(bytes, path).text("run_id");
+    return io::read_apart(path, [&] { return io::NetcdfReader(bytes, path).text("run_id"); });
   } catch (const FileError&) {
     return {};
   }

@@ -6,6 +6,7 @@
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
 #include "io/netcdf_library.hpp"
+#include "io/read_apart.hpp"
 
 namespace wheeltap::emulator {
 namespace {
@@ -358,6 +359,14 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
   return file;
 }
 
+/// First in a child: some damaged files crash HDF5.
+template <class Read>
+TableFile twice(const fs::path& path, const Read& read_it) {
+  const io::NetcdfLock lock;
+  io::check_apart(path, [&] { (void)read_it(); });
+  return read_it();
+}
+
 }  // namespace
 
 void write_table_file(const fs::path& path, const TableFile& file) {
@@ -385,22 +394,24 @@ void write_table_file(const fs::path& path, const TableFile& file) {
 TableFile parse_table_file(std::string bytes, const fs::path& name,
                            const TableReadOptions& options) {
   check_beginning(name, bytes);
-  const io::NetcdfLock lock;
-  io::NetcdfHandle handle;
-  check_open(name, nc_open_mem(name.c_str(), NC_NOWRITE, bytes.size(), bytes.data(), &handle.id));
-  handle.opened();
-  return read(name, handle.id, options);
+  return twice(name, [&] {
+    io::NetcdfHandle handle;
+    check_open(name, nc_open_mem(name.c_str(), NC_NOWRITE, bytes.size(), bytes.data(), &handle.id));
+    handle.opened();
+    return read(name, handle.id, options);
+  });
 }
 
 TableFile read_table_file(const fs::path& path, const TableReadOptions& options) {
   std::error_code error;
   if (!fs::exists(path, error)) throw io::FileError(Kind::missing, path, "no such file");
   check_beginning(path, io::first_bytes(path, sizeof io::kNetcdfMagic));
-  const io::NetcdfLock lock;
-  io::NetcdfHandle handle;
-  check_open(path, nc_open(path.c_str(), NC_NOWRITE, &handle.id));
-  handle.opened();
-  return read(path, handle.id, options);
+  return twice(path, [&] {
+    io::NetcdfHandle handle;
+    check_open(path, nc_open(path.c_str(), NC_NOWRITE, &handle.id));
+    handle.opened();
+    return read(path, handle.id, options);
+  });
 }
 
 }  // namespace wheeltap::emulator

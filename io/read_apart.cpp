@@ -88,7 +88,7 @@ std::string read_all(int from) {
 }  // namespace
 
 double most_seconds(std::uintmax_t bytes) {
-  constexpr double kLeast = 8.0, kBytesASecond = 2e6;
+  constexpr double kLeast = 3.0, kBytesASecond = 2e6;
   return kLeast + static_cast<double>(bytes) / kBytesASecond;
 }
 

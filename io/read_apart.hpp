@@ -23,6 +23,14 @@ namespace wheeltap::io {
                                      const std::function<std::string()>& read,
                                      double seconds = 0.0);
 
+/// Reads there and drops what was read: what passes can be read here.
+inline void check_apart(const std::filesystem::path& path, const std::function<void()>& read) {
+  (void)read_apart(path, [&] {
+    read();
+    return std::string();
+  });
+}
+
 /// Ten times and more what reading a sound file of that size takes.
 [[nodiscard]] double most_seconds(std::uintmax_t bytes);
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <optional>
+#include <random>
 #include <thread>
 
 #include "tests/emulator/temporary_directory.hpp"
@@ -65,6 +66,26 @@ TableFile example() {
   }
   file.tables["count_1"].holdout.clear();
   return file;
+}
+
+// HDF5 crashes on some, which a child of the reader's own bears.
+TEST_F(TableFileTest, NoDamageEndsTheProgram) {
+  write_table_file(path(), example());
+  const std::string whole = bytes();
+  std::mt19937_64 random(6);
+  const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  for (int i = 0; i < 600; ++i) {
+    std::string damaged = whole;
+    for (std::size_t n = 1 + below(4); n > 0; --n) {
+      const std::size_t at = below(std::min<std::size_t>(damaged.size() - 4, 12000));
+      if (below(2) == 0)
+        damaged[at] = static_cast<char>(below(256));
+      else
+        damaged.replace(at, 4, below(2) == 0 ? std::string(4, '\xff') : std::string(4, '\0'));
+    }
+    put(damaged);
+    (void)read_error();
+  }
 }
 
 TEST_F(TableFileTest, ReadsBackWhatItWrote) {

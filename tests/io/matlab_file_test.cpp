@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "io/formats.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
@@ -115,6 +117,37 @@ TEST(MatlabFile, ACutOffFileIsRefusedInOneLine) {
   testing::internal::CaptureStderr();
   EXPECT_THROW((void)read_columns(path), FileError);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+// HDF5 and libmatio crash on some, which a child of the reader's own bears.
+TEST(MatlabFile, NoDamageEndsTheProgram) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "r.mat";
+  for (const mat_ft version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
+    mat_t* file = Mat_CreateVer(path.c_str(), nullptr, version);
+    if (file == nullptr && version == MAT_FT_MAT73) continue;  // a libmatio without HDF5
+    put(file, "fs", {100.0}, 1, 1);
+    put(file, "X1", {4, 5, 6, 7, 8, 9}, 3, 2);
+    Mat_Close(file);
+    const std::string whole = test::bytes_of(path);
+    std::mt19937_64 random(2);
+    const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+    for (int i = 0; i < 300; ++i) {
+      std::string damaged = whole;
+      for (std::size_t n = 1 + below(4); n > 0; --n) {
+        const std::size_t at = below(damaged.size() - 4);
+        if (below(2) == 0)
+          damaged[at] = static_cast<char>(below(256));
+        else
+          damaged.replace(at, 4, below(2) == 0 ? std::string(4, '\xff') : std::string(4, '\0'));
+      }
+      test::put_bytes(path, damaged);
+      try {
+        (void)read_matlab_file(path);
+      } catch (const FileError&) {
+      }
+    }
+  }
 }
 
 TEST(MatlabFile, WhatIsNoneIsRefused) {
