@@ -56,8 +56,8 @@ std::string as_argument(const std::filesystem::path& path) {
 }
 
 std::vector<std::string> arguments(const std::string& command, const std::filesystem::path& path,
-                                   const std::filesystem::path& folder, int threads,
-                                   const CommonOptions& common, const SamplingOptions& sampling) {
+                                   const std::filesystem::path& folder, const CommonOptions& common,
+                                   const SamplingOptions& sampling) {
   std::vector<std::string> out{command, as_argument(path), "--output=" + folder.string(),
                                "--quiet"};
   const auto add = [&](const char* option, auto value) {
@@ -67,7 +67,6 @@ std::vector<std::string> arguments(const std::string& command, const std::filesy
     out.insert(out.end(), {option, Json(value).dump()});
   };
   for (const std::string& override : common.overrides) out.push_back("--set=" + override);
-  add("--threads", threads);
   if (command == "modal") return out;  // nothing is sampled, and nothing goes on
   add("--chains", sampling.chains);
   if (common.seed) add("--seed", *common.seed);
@@ -191,7 +190,7 @@ class Batch {
       const CaseFile file = read_case(one.path, common_.overrides);
       const std::string command = command_of(file);
       row.kind = file.json["kind"].get<std::string>();
-      ended = run_program(arguments(command, one.path, folder(at), threads, common_, sampling_), at,
+      ended = run_program(arguments(command, one.path, folder(at), common_, sampling_), threads, at,
                           row);
     } catch (const Failure& failure) {
       row.exit = static_cast<int>(failure.exit());
@@ -205,10 +204,12 @@ class Batch {
   }
 
   /// Until it ends; false where it has been stopped with the batch.
-  bool run_program(const std::vector<std::string>& words, int at, BatchRow& row) const {
+  bool run_program(const std::vector<std::string>& words, int threads, int at,
+                   BatchRow& row) const {
     constexpr int kMilliseconds = 200;
     const auto began = Clock::now();
-    ChildProgram program(words);
+    // How many threads were free is no part of the command that its files tell.
+    ChildProgram program(words, {std::string(kThreadsVariable) + "=" + std::to_string(threads)});
     std::optional<int> exit;
     for (bool told = false; !exit; exit = program.ended()) {
       pollfd descriptor{.fd = program.descriptor(), .events = POLLIN, .revents = 0};

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -31,16 +32,22 @@ bool is_of_mpirun(std::string_view variable) {
 
 }  // namespace
 
-ChildProgram::ChildProgram(const std::vector<std::string>& arguments) {
+ChildProgram::ChildProgram(const std::vector<std::string>& arguments,
+                           std::vector<std::string> variables) {
   // All memory is taken before the fork: between it and exec there is no more than system calls.
   std::vector<std::string> words{"wheeltap"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv, environment;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  const auto is_replaced = [&](std::string_view variable) {
+    const std::string_view name = variable.substr(0, variable.find('=') + 1);
+    return std::ranges::any_of(variables, [&](const auto& mine) { return mine.starts_with(name); });
+  };
   for (char** variable = environ; *variable != nullptr; ++variable) {
-    if (!is_of_mpirun(*variable)) environment.push_back(*variable);
+    if (!is_of_mpirun(*variable) && !is_replaced(*variable)) environment.push_back(*variable);
   }
+  for (std::string& mine : variables) environment.push_back(mine.data());
   environment.push_back(nullptr);
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) fail("a pipe");

@@ -12,11 +12,13 @@ namespace wheeltap::apps {
 
 /// wheeltap ARGUMENTS in a process group of its own, so that a terminal's Ctrl-C does not reach it,
 /// and killed where this process is. Standard input and output are /dev/null; what it says on
-/// standard error is kept. It begins without what mpirun tells its ranks.
+/// standard error is kept. It begins without what mpirun tells its ranks, and with `variables`,
+/// "NAME=VALUE", in its environment.
 class ChildProgram {
  public:
   /// Throws std::system_error where no process can be made.
-  explicit ChildProgram(const std::vector<std::string>& arguments);
+  explicit ChildProgram(const std::vector<std::string>& arguments,
+                        std::vector<std::string> variables = {});
   ChildProgram(ChildProgram&& other) noexcept;
   ChildProgram(const ChildProgram&) = delete;
   ChildProgram& operator=(const ChildProgram&) = delete;

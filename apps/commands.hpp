@@ -13,6 +13,9 @@ namespace wheeltap::apps {
 
 struct RunCost;  // run_cost.hpp
 
+/// An environment variable that stands for --threads where that is not given.
+inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
+
 /// Options that commands share.
 struct CommonOptions {
   std::filesystem::path case_path;

@@ -195,6 +195,7 @@ int run(int argc, char** argv) {
         ->check(CLI::IsMember({"baseline", "avx2", "avx512"}));
     command
         ->add_option("--threads", common.threads, "threads (default: all); never changes a result")
+        ->envname(apps::kThreadsVariable)
         ->transform(whole(1, 4096));
   };
 
