@@ -114,8 +114,12 @@ void Reanalysis::solve(std::span<const Damage> damages, std::span<const SpringSu
                kernel);
     search.find(first, lambda);
     if (readings.wanted())
-      search.modes(first, lambda,
-                   [&](const detail::RootSearch::Mode& mode) { readings.read(search, mode); });
+      search.modes(first, lambda, [&](const detail::RootSearch::Mode& mode) {
+        if (!mode.found)
+          throw std::runtime_error("mode " + std::to_string(mode.root + 1) +
+                                   ": its shape cannot be told from others'");
+        readings.read(search, mode);
+      });
   }
   std::transform(lambda.begin(), lambda.end(), results.frequencies_hz.begin(),
                  [](double value) { return std::sqrt(value) / (2.0 * std::numbers::pi); });

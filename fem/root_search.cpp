@@ -19,6 +19,8 @@ constexpr int kPatience = 20;
 constexpr int kGiveUp = 500;
 /// Smaller pivots of A, relative, have drowned what comes after them in rounding.
 constexpr double kSmallestPivot = 1e-10;
+/// Of λ: what a shape's own Rayleigh quotient and residual may be off by.
+constexpr double kShapeResidual = 1e-5;
 /// Rounding of the intact eigenvalues that bound the damaged ones.
 constexpr double kMargin = 1e-12;
 
@@ -139,6 +141,29 @@ int RootSearch::count_below(int pole, int lane) const {
 bool RootSearch::counts(int lane) const {
   return std::isfinite(steps_.low.lane[lane]) && std::isfinite(steps_.high.lane[lane]) &&
          !(steps_.smallest_pivot.lane[lane] < kSmallestPivot);
+}
+
+/// Whether the two modes of H have the root's among them. Where they have not, as rigid motions
+/// that the change does not see, it is A that is singular at the root, and H says nothing of it.
+bool RootSearch::tells_shape(int root, double lambda, int pole, int lane) const {
+  const int first = first_followed(pole, lane);
+  if (root != first && root != first + 1) return false;
+  const bool low = root == first;
+  const double step = (low ? steps_.low_step : steps_.high_step).lane[lane];
+  const double squared = (low ? steps_.low_residual : steps_.high_residual).lane[lane];
+  return std::abs(step) <= kShapeResidual * lambda &&
+         squared <= kShapeResidual * lambda * kShapeResidual * lambda;
+}
+
+/// The modes on either side of z, then ever further ones.
+int RootSearch::other_pole(double z, int nearest, int attempt) const {
+  const double* value = secular_.eigenvalues;
+  const int first = secular_.negative, last = secular_.near - 2;
+  const int around =
+      static_cast<int>(std::upper_bound(value + first, value + secular_.near, z) - value) - 1;
+  const int away = attempt / 2;
+  const int p = attempt == 1 ? around : attempt % 2 == 0 ? nearest + away : nearest - away;
+  return std::clamp(p, first, std::max(first, last));
 }
 
 void RootSearch::narrow(Search& search, double z, int below) {
@@ -346,7 +371,8 @@ RootSearch::Mode RootSearch::mode_at(int root, double lambda, int pole, int lane
           .pole = pole,
           .a1 = at(is_low ? steps_.low_a1 : steps_.high_a1),
           .a2 = at(is_low ? steps_.low_a2 : steps_.high_a2),
-          .eta = eta_};
+          .eta = eta_,
+          .found = tells_shape(root, lambda, pole, lane)};
 }
 
 void RootSearch::coordinates(const Mode& mode, double* coordinates) const {

@@ -13,6 +13,9 @@ namespace wheeltap::fem::detail {
 /// How far a root may lie from where it is said to be, relative: proven, but for rounding.
 inline constexpr double kConfirmed = 1e-12;
 
+/// Pairs of modes that are tried for a shape beside the nearest.
+inline constexpr int kOtherPoles = 9;
+
 /// What one evaluation says of the root it follows.
 struct Found {
   double lambda = 0.0;  ///< the Rayleigh quotient
@@ -68,6 +71,7 @@ class RootSearch {
     int pole;
     double a1, a2;
     std::span<double> eta;
+    bool found;  ///< false where no two modes were found that tell its shape
   };
   /// Calls visit(mode) for each root from `first` on, in order.
   template <class Visit>
@@ -95,6 +99,8 @@ class RootSearch {
   [[nodiscard]] int first_followed(int pole, int lane) const;
   [[nodiscard]] int count_below(int pole, int lane) const;
   [[nodiscard]] bool counts(int lane) const;
+  [[nodiscard]] bool tells_shape(int root, double lambda, int pole, int lane) const;
+  [[nodiscard]] int other_pole(double z, int nearest, int attempt) const;
   static void narrow(Search& search, double z, int below);
   [[nodiscard]] static double cut(const Search& search, int part, int parts);
   [[nodiscard]] bool advance(Search& search, int pole, int lane);
@@ -124,13 +130,22 @@ void RootSearch::modes(int first, std::span<const double> lambda, Visit&& visit)
   const int count = static_cast<int>(lambda.size());
   for (int root = first; root < count; root += kLanes) {
     Pack z;
-    int poles[kLanes];
+    int poles[kLanes], nearest[kLanes];
+    const auto at = [&](int l) { return root + l < count ? root + l : root; };
     for (int l = 0; l < kLanes; ++l) {
-      const int mine = root + l < count ? root + l : root;
-      z.lane[l] = lambda[static_cast<std::size_t>(mine)];
-      poles[l] = lower_pole(z.lane[l], mine);
+      z.lane[l] = lambda[static_cast<std::size_t>(at(l))];
+      poles[l] = nearest[l] = lower_pole(z.lane[l], at(l));
     }
-    evaluate(z, poles);
+    for (int attempt = 1;; ++attempt) {
+      evaluate(z, poles);
+      bool all = true;
+      for (int l = 0; l < kLanes && attempt <= kOtherPoles; ++l) {
+        if (tells_shape(at(l), z.lane[l], poles[l], l)) continue;
+        all = false;
+        poles[l] = other_pole(z.lane[l], nearest[l], attempt);
+      }
+      if (all) break;
+    }
     for (int l = 0; l < kLanes && root + l < count; ++l)
       visit(mode_at(root + l, z.lane[l], poles[l], l));
   }

@@ -106,6 +106,7 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
   };
   work.coordinates.assign(work.stride, 0.0);
   const bool unchanged = work.count() == 0;
+  bool shapes_told = true;
   const int first = unchanged ? count : std::min(count, work.rigid);
   for (int root = 0; root < first; ++root) {
     if (root >= work.rigid) work.lambda[index(root)] = intact.eigenvalues[index(root)];
@@ -159,9 +160,20 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
     work.search.find(first, work.lambda);
     if (!results.shapes.empty())
       work.search.modes(first, work.lambda, [&](const detail::RootSearch::Mode& mode) {
+        shapes_told &= mode.found;
         work.search.coordinates(mode, work.coordinates.data());
         write_shape(mode.root);
       });
+  }
+  if (!shapes_told) {  // as where three modes or more are one: the full solution's
+    const Discretisation after = changed(*intact.discretisation, change);
+    if (after.size() != intact.discretisation->size())
+      throw std::runtime_error("the changed structure: a mode's shape cannot be told from others'");
+    const StructureModes full = structure_modes(after, count);
+    for (int root = first; root < count; ++root)
+      for (std::size_t m = 0; m < results.motions.size(); ++m)
+        results.shapes[index(root) * results.motions.size() + m] =
+            results.motions[m].of(full.shapes.col(root));
   }
   const auto hz = [](double value) { return std::sqrt(value) / (2.0 * std::numbers::pi); };
   std::ranges::transform(work.lambda, results.frequencies_hz.begin(), hz);

@@ -484,6 +484,29 @@ TEST(Reanalysis, ShapesEqualThoseOfTheFullSolution) {
   std::printf("largest relative error of a shape: %.2e\n", worst);
 }
 
+// The lowest frequency is nearer to both rigid motions than to the intact one, and these see none
+// of the damage: they told its shape.
+TEST(Reanalysis, ShapesOfAFreeBeamNextToSevered) {
+  const Beam beam = slender_beam("free-free");
+  const Reanalysis reanalysis(beam, 6);
+  std::vector<Reanalysis::Point> points;
+  for (int node = 0; node <= 100; node += 4) points.push_back({.at = node / 100.0});
+  for (const double reduction : {0.9, 0.99, 0.9999}) {
+    const Defects defects{.damages = {{0.4, reduction}}, .supports = {}};
+    const Solution s = solve(reanalysis, defects, 6, points);
+    const Modes full = modal_analysis(beam, defects, {.modes = 6});
+    for (Eigen::Index mode = 2; mode < 6; ++mode) {
+      Eigen::VectorXd expected(static_cast<Eigen::Index>(points.size()));
+      for (Eigen::Index p = 0; p < expected.size(); ++p) expected[p] = full.shapes(8 * p, mode);
+      const Eigen::Map<const Eigen::VectorXd> shape(s.shapes.data() + mode * expected.size(),
+                                                    expected.size());
+      EXPECT_LT(std::min((shape - expected).norm(), (shape + expected).norm()),
+                1e-7 * expected.norm())
+          << reduction << ", mode " << mode;
+    }
+  }
+}
+
 TEST(Reanalysis, ShapesOfRigidBodiesAreRigid) {
   const Beam beam = slender_beam("free-free");
   const Reanalysis reanalysis(beam, 4);
