@@ -207,14 +207,14 @@ Ritz refined(const Search& s, const MatrixXd& vectors, Index count, Index wanted
       residuals.col(i) =
           d.stiffness_times(ritz.shapes.col(i)) - ritz.values[i] * (d.mass * ritz.shapes.col(i));
     MatrixXd corrections = s.shifted.solve(residuals);
-    double worst = 0.0;
+    bool settled = true;
     for (Index i = 0; i < m; ++i) {
-      if (i < wanted)
-        worst = std::max(worst, residuals.col(i).dot(corrections.col(i)) / ritz.values[i]);
+      const double squared = residuals.col(i).dot(corrections.col(i)) / std::abs(ritz.values[i]);
+      settled &= i >= wanted || squared < kRounding;
       // Far below rounding, a correction is only noise.
       if (corrections.col(i).dot(d.mass * corrections.col(i)) < 1e-30) corrections.col(i).setZero();
     }
-    if (worst < kRounding) break;
+    if (settled) break;
     // Ritz vectors are M-orthonormal, to each other and to rigid motions.
     MatrixXd known(d.size(), s.rigid.cols() + ritz.shapes.cols());
     known << s.rigid, ritz.shapes;

@@ -88,9 +88,14 @@ Eigen::MatrixXd without_mass(const Discretisation& d, Index count) {
 StructureSpectrum::Matrix massless_shapes(const Discretisation& d, Index count) {
   using Matrix = StructureSpectrum::Matrix;
   if (count == 0) return Matrix(d.size(), 0);
-  const Matrix basis = without_mass(d, count).cast<long double>();
-  const Matrix k = basis.transpose() * dense_stiffness<long double>(d) * basis;
-  return k.llt().matrixL().solve(basis.transpose()).transpose();
+  const Eigen::SparseMatrix<long double> basis =
+      without_mass(d, count).cast<long double>().sparseView();
+  const Matrix held = basis.transpose() * dense_stiffness<long double>(d);
+  const Eigen::LLT<Matrix> llt(held * basis);
+  if (llt.info() != Eigen::Success)
+    throw InvalidStructure(InvalidStructure::Part::whole, 0,
+                           "is a mechanism: nothing resists a motion that has no mass");
+  return llt.matrixL().solve(Matrix(basis.transpose())).transpose();
 }
 
 }  // namespace
