@@ -125,9 +125,10 @@ void RootSearch::evaluate(const Pack& z, const int (&poles)[kLanes]) {
   kernel_->evaluate(secular_, z, poles, scratch_, steps_);
 }
 
-/// Of the damaged eigenvalues, how many lie below the two that H follows.
-int RootSearch::first_followed(int pole, int lane) const {
-  return pole + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports -
+/// Of the damaged eigenvalues, how many lie below the two that H follows. `below`: of the intact
+/// modes that H leaves out, how many lie below z; of those nearest to z, as many as come before.
+int RootSearch::first_followed(int below, int lane) const {
+  return below + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports -
          secular_.negative;
 }
 
@@ -143,10 +144,16 @@ bool RootSearch::counts(int lane) const {
          !(steps_.smallest_pivot.lane[lane] < kSmallestPivot);
 }
 
+int RootSearch::left_out_below(double z, int pole) const {
+  const double* value = secular_.eigenvalues;
+  const auto below = std::lower_bound(value, value + secular_.near, z) - value;
+  return static_cast<int>(below) - (value[pole] < z) - (value[pole + 1] < z);
+}
+
 /// Whether the two modes of H have the root's among them. Where they have not, as rigid motions
 /// that the change does not see, it is A that is singular at the root, and H says nothing of it.
 bool RootSearch::tells_shape(int root, double lambda, int pole, int lane) const {
-  const int first = first_followed(pole, lane);
+  const int first = first_followed(left_out_below(lambda, pole), lane);
   if (root != first && root != first + 1) return false;
   const bool low = root == first;
   const double step = (low ? steps_.low_step : steps_.high_step).lane[lane];
@@ -358,7 +365,7 @@ void RootSearch::find(int first, std::span<double> lambda) {
 
 RootSearch::Mode RootSearch::mode_at(int root, double lambda, int pole, int lane) {
   const auto at = [lane](const Pack& pack) { return pack.lane[lane]; };
-  const int first = first_followed(pole, lane);
+  const int first = first_followed(left_out_below(lambda, pole), lane);
   const bool is_low =
       root == first || (root != first + 1 && std::abs(at(steps_.low)) < std::abs(at(steps_.high)));
   const double v1 = at(is_low ? steps_.low_v1 : steps_.high_v1);

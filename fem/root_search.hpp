@@ -96,7 +96,8 @@ class RootSearch {
   void run(bool confirming);
   [[nodiscard]] int lower_pole(double z, int guess) const;
   void evaluate(const Pack& z, const int (&poles)[kLanes]);
-  [[nodiscard]] int first_followed(int pole, int lane) const;
+  [[nodiscard]] int first_followed(int below, int lane) const;
+  [[nodiscard]] int left_out_below(double z, int pole) const;
   [[nodiscard]] int count_below(int pole, int lane) const;
   [[nodiscard]] bool counts(int lane) const;
   [[nodiscard]] bool tells_shape(int root, double lambda, int pole, int lane) const;

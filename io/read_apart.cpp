@@ -13,13 +13,14 @@
 #include <cmath>
 #include <concepts>
 #include <csignal>
+#include <new>
 #include <stdexcept>
 #include <type_traits>
 
 namespace wheeltap::io {
 namespace {
 
-enum class Outcome : char { bytes, refused, failed };
+enum class Outcome : char { bytes, refused, no_memory, failed };
 
 struct Refusal {
   FileError::Kind kind = FileError::Kind::corrupt;
@@ -47,7 +48,9 @@ void write_all(int to, const std::string& bytes) {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_DFL);
+  // What stops the parent is for it to hear: the child ends with it.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
+  for (const int signal : {SIGPIPE, SIGXCPU}) std::signal(signal, SIG_DFL);
   const auto most = static_cast<rlim_t>(std::ceil(seconds));
   const rlimit time{most, most + 1}, no_core{0, 0};
   setrlimit(RLIMIT_CPU, &time);
@@ -65,6 +68,8 @@ void write_all(int to, const std::string& bytes) {
     base::Packer parcel;
     parcel(Refusal{error.kind(), error.path().string(), error.reason(), error.place()});
     bytes = std::move(parcel).bytes();
+  } catch (const std::bad_alloc&) {
+    outcome = Outcome::no_memory;
   } catch (const std::exception& error) {
     outcome = Outcome::failed;
     bytes = error.what();
@@ -115,17 +120,18 @@ std::string read_apart(const std::filesystem::path& path, const std::function<st
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  const bool late =
-      WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
-  if (late)
+  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  if (signal == SIGKILL) throw std::bad_alloc();  // by the system, which has no memory left
+  if (signal == SIGXCPU)
     throw FileError(FileError::Kind::corrupt, path,
                     "damaged, it seems: " + std::to_string(static_cast<int>(seconds)) +
                         " s of processor time did not get to its end");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || bytes.empty())
+  if (signal != 0 || WEXITSTATUS(status) != 0 || bytes.empty())
     throw FileError(FileError::Kind::corrupt, path,
                     "damaged, it seems: the library that reads such files crashed on it");
   const auto outcome = static_cast<Outcome>(bytes[0]);
   bytes.erase(0, 1);
+  if (outcome == Outcome::no_memory) throw std::bad_alloc();
   if (outcome == Outcome::failed) throw std::runtime_error(bytes);
   if (outcome == Outcome::refused) {
     Refusal refusal;

@@ -13,9 +13,10 @@ namespace wheeltap::io {
 
 /// The bytes that `read` returns in a child of this process, so that a library that a damaged file
 /// crashes, or keeps busy for ever, ends that child alone. What it prints is lost. FileError that
-/// it throws is thrown here; other exceptions as std::runtime_error. Throws FileError (corrupt)
-/// where the child dies, or takes more processor time than `seconds`; 0: `most_seconds` of the
-/// file's size.
+/// it throws is thrown here, and std::bad_alloc, also where the system killed the child; other
+/// exceptions as std::runtime_error. Throws FileError (corrupt) where the child crashes, or takes
+/// more processor time than `seconds`; 0: `most_seconds` of the file's size. Signals that ask the
+/// parent to stop do not stop the child.
 ///
 /// A child has this one thread: a lock that `read` needs must be held by the caller. Where no child
 /// can be started, reads here.

@@ -68,6 +68,8 @@ TEST(ReadApart, ThrowsWhatTheReaderThrew) {
     EXPECT_EQ(error.place().header, "u");
   }
   EXPECT_THROW((void)read_apart("a.mat", []() -> std::string { throw std::bad_alloc(); }),
+               std::bad_alloc);
+  EXPECT_THROW((void)read_apart("a.mat", []() -> std::string { throw std::range_error("x"); }),
                std::runtime_error);
 }
 
@@ -80,6 +82,23 @@ TEST(ReadApart, ACrashIsTheFilesFault) {
                 }),
                 testing::AllOf(testing::StartsWith("a.mat: "), testing::HasSubstr("crashed")));
   EXPECT_THAT(refusal([]() -> std::string { _exit(3); }), testing::HasSubstr("crashed"));
+}
+
+// Ctrl-C reaches the whole group: the file is not damaged for that.
+TEST(ReadApart, WhatStopsTheProgramIsNotTheFilesFault) {
+  EXPECT_EQ(read_apart("a.mat",
+                       [] {
+                         for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::raise(signal);
+                         return std::string("read");
+                       }),
+            "read");
+  // As where memory is out.
+  EXPECT_THROW((void)read_apart("a.mat",
+                                []() -> std::string {
+                                  std::raise(SIGKILL);
+                                  return "";
+                                }),
+               std::bad_alloc);
 }
 
 TEST(ReadApart, AReaderThatDoesNotEndIsEnded) {

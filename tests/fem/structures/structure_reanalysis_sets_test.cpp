@@ -194,10 +194,34 @@ TEST(ReanalysisSets, DefectsOfACompressedFrame) {
 
 /// Rotations without mass.
 TEST(ReanalysisSets, DefectsOfAFrameOfLumpedMasses) {
-  Structure s = portal(2, false);
-  s.mass = Structure::Mass::lumped;
-  s.rotary_inertia = false;
-  expect_defects("a frame of lumped masses", s);
+  for (const bool free : {false, true}) {
+    Structure s = portal(2, free);
+    s.mass = Structure::Mass::lumped;
+    s.rotary_inertia = false;
+    expect_defects(std::string("a frame of lumped masses, ") + (free ? "free" : "held"), s);
+  }
+}
+
+/// Nothing but its nodes has a mass.
+TEST(ReanalysisSets, DefectsOfAStickOfPointMasses) {
+  for (const bool free : {false, true}) {
+    Structure s{.dimension = 2, .nodes = {}, .members = {}};
+    const Material weightless{.young = 30e9, .poisson = 0.2, .density = 0.0};
+    const MemberSection section{
+        .area = 0.4, .second_moment_y = 0.02, .shear_coefficient_z = 0.8, .depth = 0.8};
+    for (int storey = 0; storey <= 9; ++storey) {
+      s.nodes.push_back({"n" + std::to_string(storey), {0.0, 3.0 * storey, 0.0}});
+      if (storey == 0 && !free) continue;
+      s.masses.push_back({.node = storey, .mass = 300.0 + 20.0 * storey});
+    }
+    for (int storey = 0; storey < 9; ++storey)
+      s.members.push_back({.name = "m" + std::to_string(storey),
+                           .nodes = {storey, storey + 1},
+                           .elements = 3,
+                           .pieces = {{.to = 3.0, .material = weightless, .section = section}}});
+    if (!free) s.supports = {{.node = 0, .fix = {true, true, true, true, true, true}}};
+    expect_defects(std::string("a stick of point masses, ") + (free ? "free" : "held"), s);
+  }
 }
 
 /// Storeys left with down to a thousandth, masses more or less, springs to the ground.

@@ -299,7 +299,7 @@ def one(what, program, number, options):
                              capture_output=True, text=True)
         row = {"case": number, **about, "exit": run.returncode, "seconds": round(time.time() - begin, 1)}
         if run.returncode != 0:
-            return {**row, "error": run.stderr[-400:]}
+            return {**row, "error": run.stderr[-400:].replace(folder + os.sep, "")}
         with open(os.path.join(out, "summary.json")) as f:
             s = json.load(f)
         index = find(s["models"], which)
