@@ -101,7 +101,7 @@ class Reanalysis {
   /// φᵀ (∂K/∂γ) φ of a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426, equation 5),
   /// γ being -k for a spring; nearly free once the root is known. Those of a multiple eigenvalue
   /// are of one basis of its modes. Throws std::invalid_argument as `frequencies_hz`, and where a
-  /// span's size does not fit.
+  /// span's size does not fit; std::runtime_error where a shape cannot be told from others.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
              Workspace& workspace, const Results& results) const;
 

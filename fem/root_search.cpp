@@ -1,9 +1,12 @@
 #include "fem/root_search.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "base/eigen.hpp"
 
 namespace wheeltap::fem::detail {
 namespace {
@@ -162,15 +165,31 @@ bool RootSearch::tells_shape(int root, double lambda, int pole, int lane) const 
          squared <= kShapeResidual * lambda * kShapeResidual * lambda;
 }
 
-/// The modes on either side of z, then ever further ones.
-int RootSearch::other_pole(double z, int nearest, int attempt) const {
-  const double* value = secular_.eigenvalues;
-  const int first = secular_.negative, last = secular_.near - 2;
-  const int around =
-      static_cast<int>(std::upper_bound(value + first, value + secular_.near, z) - value) - 1;
-  const int away = attempt / 2;
-  const int p = attempt == 1 ? around : attempt % 2 == 0 ? nearest + away : nearest - away;
-  return std::clamp(p, first, std::max(first, last));
+/// The pair of modes of which the root's own has most. With η of S(λ) η = 0 it has
+/// a_j = c_jᵀ η / (λ_j - λ) of mode j.
+int RootSearch::pole_of_shape(double lambda) const {
+  const Eigen::Index m = secular_.columns;
+  const auto modes = static_cast<Eigen::Index>(problem_.stride);
+  const Eigen::Map<const Eigen::MatrixXd> c(secular_.c, modes, m);
+  Eigen::VectorXd gaps(modes), weights(modes);
+  for (Eigen::Index j = 0; j < modes; ++j) {
+    const double value = secular_.eigenvalues[j], scale = secular_.scales[j];
+    gaps[j] = value == lambda ? kMargin * lambda : value - lambda;
+    weights[j] = (scale / gaps[j] - 1.0) / (j < secular_.negative ? -scale : scale);
+  }
+  Eigen::MatrixXd s = -c.transpose() * weights.asDiagonal() * c;
+  for (Eigen::Index a = 0; a < m; ++a) s(a, a) += a < secular_.supports ? -1.0 : 1.0;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(s);
+  Eigen::Index at = 0;
+  solver.eigenvalues().cwiseAbs().minCoeff(&at);
+  const Eigen::VectorXd has =
+      (c * solver.eigenvectors().col(at)).cwiseQuotient(gaps).cwiseAbs().head(secular_.near);
+  Eigen::Index most = secular_.negative;
+  has.tail(secular_.near - secular_.negative).maxCoeff(&most);
+  most += secular_.negative;
+  const bool below =
+      most + 1 >= secular_.near || (most > secular_.negative && has[most - 1] > has[most + 1]);
+  return static_cast<int>(below ? most - 1 : most);
 }
 
 void RootSearch::narrow(Search& search, double z, int below) {

@@ -13,9 +13,6 @@ namespace wheeltap::fem::detail {
 /// How far a root may lie from where it is said to be, relative: proven, but for rounding.
 inline constexpr double kConfirmed = 1e-12;
 
-/// Pairs of modes that are tried for a shape beside the nearest.
-inline constexpr int kOtherPoles = 9;
-
 /// What one evaluation says of the root it follows.
 struct Found {
   double lambda = 0.0;  ///< the Rayleigh quotient
@@ -101,7 +98,7 @@ class RootSearch {
   [[nodiscard]] int count_below(int pole, int lane) const;
   [[nodiscard]] bool counts(int lane) const;
   [[nodiscard]] bool tells_shape(int root, double lambda, int pole, int lane) const;
-  [[nodiscard]] int other_pole(double z, int nearest, int attempt) const;
+  [[nodiscard]] int pole_of_shape(double lambda) const;
   static void narrow(Search& search, double z, int below);
   [[nodiscard]] static double cut(const Search& search, int part, int parts);
   [[nodiscard]] bool advance(Search& search, int pole, int lane);
@@ -131,22 +128,20 @@ void RootSearch::modes(int first, std::span<const double> lambda, Visit&& visit)
   const int count = static_cast<int>(lambda.size());
   for (int root = first; root < count; root += kLanes) {
     Pack z;
-    int poles[kLanes], nearest[kLanes];
+    int poles[kLanes];
     const auto at = [&](int l) { return root + l < count ? root + l : root; };
     for (int l = 0; l < kLanes; ++l) {
       z.lane[l] = lambda[static_cast<std::size_t>(at(l))];
-      poles[l] = nearest[l] = lower_pole(z.lane[l], at(l));
+      poles[l] = lower_pole(z.lane[l], at(l));
     }
-    for (int attempt = 1;; ++attempt) {
-      evaluate(z, poles);
-      bool all = true;
-      for (int l = 0; l < kLanes && attempt <= kOtherPoles; ++l) {
-        if (tells_shape(at(l), z.lane[l], poles[l], l)) continue;
-        all = false;
-        poles[l] = other_pole(z.lane[l], nearest[l], attempt);
-      }
-      if (all) break;
+    evaluate(z, poles);
+    bool all = true;
+    for (int l = 0; l < kLanes; ++l) {
+      if (tells_shape(at(l), z.lane[l], poles[l], l)) continue;
+      all = false;
+      poles[l] = pole_of_shape(z.lane[l]);
     }
+    if (!all) evaluate(z, poles);
     for (int l = 0; l < kLanes && root + l < count; ++l)
       visit(mode_at(root + l, z.lane[l], poles[l], l));
   }

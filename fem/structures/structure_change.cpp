@@ -93,7 +93,7 @@ class Elimination {
 };
 
 /// Holds what rigid springs hold; the degrees of freedom that are left keep their names.
-void hold(Discretisation& d, const std::vector<SparseRow>& held) {
+void hold(Discretisation& d, const std::vector<SparseRow>& held, std::span<SparseRow> motions) {
   const Elimination left(d.size(), held);
   std::vector<DofName> names;
   Eigen::MatrixXd rigid(static_cast<Index>(left.kept().size()), d.rigid_motions.cols());
@@ -104,6 +104,7 @@ void hold(Discretisation& d, const std::vector<SparseRow>& held) {
   d.names = std::move(names);
   d.rigid_motions = std::move(rigid);
   for (Strain& s : d.strains) s.row = left.of(s.row);
+  for (SparseRow& motion : motions) motion = left.of(motion);
   if (d.rest.nonZeros() > 0)
     d.rest = left.of(d.rest);
   else
@@ -200,7 +201,8 @@ void compound(StructureChange& change) {
   change.scalings = std::move(scalings);
 }
 
-Discretisation changed(const Discretisation& d, const StructureChange& change) {
+Discretisation changed(const Discretisation& d, const StructureChange& change,
+                       std::span<SparseRow> motions) {
   validate(d, change);
   Discretisation out = d;
   // row + weight · other
@@ -260,7 +262,7 @@ Discretisation changed(const Discretisation& d, const StructureChange& change) {
     out.rigid_motions = lu.dimensionOfKernel() > 0 ? Eigen::MatrixXd(out.rigid_motions * kernel)
                                                    : Eigen::MatrixXd(d.size(), 0);
   }
-  if (!held.empty()) hold(out, held);
+  if (!held.empty()) hold(out, held, motions);
   const Index n = out.size();
   out.stiffness = out.rest.nonZeros() > 0 ? out.rest : Discretisation::Sparse(n, n);
   for (const Strain& s : out.strains) add_square(k, s.row, s.factor);

@@ -1,6 +1,7 @@
 // What defects do to a discretised structure: terms of low rank in K and M, and scales of parts.
 #pragma once
 
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -56,9 +57,11 @@ class ImpossibleChange : public std::invalid_argument {
 void compound(StructureChange& change);
 
 /// The discretisation with these changes made: the reference for the reanalysis. What rigid springs
-/// hold is eliminated. Throws std::invalid_argument as `StructureReanalysis::solve`,
-/// ImpossibleChange for more mass taken than there is.
-[[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change);
+/// hold is eliminated, from `motions` of d, too, which become those of what is left. Throws
+/// std::invalid_argument as `StructureReanalysis::solve`, ImpossibleChange for more mass taken than
+/// there is.
+[[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change,
+                                     std::span<SparseRow> motions = {});
 
 /// Throws ImpossibleChange where masses take away more than M has: where M with them, L D Lᵀ, has a
 /// negative D. Costs nothing where none is taken.

@@ -166,14 +166,12 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
       });
   }
   if (!shapes_told) {  // as where three modes or more are one: the full solution's
-    const Discretisation after = changed(*intact.discretisation, change);
-    if (after.size() != intact.discretisation->size())
-      throw std::runtime_error("the changed structure: a mode's shape cannot be told from others'");
-    const StructureModes full = structure_modes(after, count);
+    std::vector<SparseRow> motions(results.motions.begin(), results.motions.end());
+    const StructureModes full =
+        structure_modes(changed(*intact.discretisation, change, motions), count);
     for (int root = first; root < count; ++root)
-      for (std::size_t m = 0; m < results.motions.size(); ++m)
-        results.shapes[index(root) * results.motions.size() + m] =
-            results.motions[m].of(full.shapes.col(root));
+      for (std::size_t m = 0; m < motions.size(); ++m)
+        results.shapes[index(root) * motions.size() + m] = motions[m].of(full.shapes.col(root));
   }
   const auto hz = [](double value) { return std::sqrt(value) / (2.0 * std::numbers::pi); };
   std::ranges::transform(work.lambda, results.frequencies_hz.begin(), hz);
