@@ -24,6 +24,8 @@ constexpr int kGiveUp = 500;
 constexpr double kSmallestPivot = 1e-10;
 /// Of λ: what a shape's own Rayleigh quotient and residual may be off by.
 constexpr double kShapeResidual = 1e-5;
+/// What the two modes must have of a shape's |a|² = 1, lest rounding has it.
+constexpr double kShapeShare = 1e-6;
 /// Rounding of the intact eigenvalues that bound the damaged ones.
 constexpr double kMargin = 1e-12;
 
@@ -153,7 +155,7 @@ int RootSearch::left_out_below(double z, int pole) const {
   return static_cast<int>(below) - (value[pole] < z) - (value[pole + 1] < z);
 }
 
-/// Whether the two modes of H have the root's among them. Where they have not, as rigid motions
+/// Whether the two modes of H have a part of the root's. Where they have none, as rigid motions
 /// that the change does not see, it is A that is singular at the root, and H says nothing of it.
 bool RootSearch::tells_shape(int root, double lambda, int pole, int lane) const {
   const int first = first_followed(left_out_below(lambda, pole), lane);
@@ -161,8 +163,11 @@ bool RootSearch::tells_shape(int root, double lambda, int pole, int lane) const 
   const bool low = root == first;
   const double step = (low ? steps_.low_step : steps_.high_step).lane[lane];
   const double squared = (low ? steps_.low_residual : steps_.high_residual).lane[lane];
+  const double a1 = (low ? steps_.low_a1 : steps_.high_a1).lane[lane];
+  const double a2 = (low ? steps_.low_a2 : steps_.high_a2).lane[lane];
   return std::abs(step) <= kShapeResidual * lambda &&
-         squared <= kShapeResidual * lambda * kShapeResidual * lambda;
+         squared <= kShapeResidual * lambda * kShapeResidual * lambda &&
+         a1 * a1 + a2 * a2 >= kShapeShare;
 }
 
 /// The pair of modes of which the root's own has most. With η of S(λ) η = 0 it has

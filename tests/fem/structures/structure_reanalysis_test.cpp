@@ -53,8 +53,9 @@ void expect_bounds(const std::string& which, const Structure& s, int kept, int s
     }
   }
   EXPECT_GT(solved, sets / 2) << which;
-  std::cout << which << ", " << kept << " of " << d->size() << ": above by at most " << above
-            << ", below by " << below << "; widest bound " << widest << "\n";
+  std::cout << which << ", " << kept << " of " << d->size() << ": " << solved
+            << " sets, above by at most " << above << ", below by " << below << "; widest bound "
+            << widest << "\n";
 }
 
 /// With few of its modes kept, a structure's frequencies are within their bounds of the whole
