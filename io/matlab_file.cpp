@@ -134,7 +134,9 @@ void take(const std::string& name, const matvar_t& variable, Columns& table) {
 Columns read_here(const std::filesystem::path& path) {
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
-  if (!file) throw FileError(FileError::Kind::missing, path, "no such file, or no MATLAB file");
+  if (!file)
+    throw FileError(FileError::Kind::missing, path,
+                    "cannot be read as a MATLAB file: there is none, or it is damaged");
   Columns table{.file = path.string()};
   std::error_code ignored;
   const double most =

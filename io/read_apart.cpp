@@ -13,6 +13,7 @@
 #include <cmath>
 #include <concepts>
 #include <csignal>
+#include <fstream>
 #include <new>
 #include <stdexcept>
 #include <type_traits>
@@ -20,7 +21,7 @@
 namespace wheeltap::io {
 namespace {
 
-enum class Outcome : char { bytes, refused, no_memory, failed };
+enum class Outcome : char { bytes, refused, no_memory, beyond_bound, failed };
 
 struct Refusal {
   FileError::Kind kind = FileError::Kind::corrupt;
@@ -43,8 +44,22 @@ void write_all(int to, const std::string& bytes) {
   }
 }
 
+/// Lets this process take `bytes` beyond what it has; false where it cannot be told to, or may
+/// not take that much anyway.
+bool bound_memory(double bytes) {
+  double pages = 0.0;
+  rlimit now{};
+  if (!(std::ifstream("/proc/self/statm") >> pages) || getrlimit(RLIMIT_AS, &now) != 0)
+    return false;
+  const double most = pages * static_cast<double>(sysconf(_SC_PAGESIZE)) + bytes;
+  if (now.rlim_cur != RLIM_INFINITY && static_cast<double>(now.rlim_cur) <= most) return false;
+  now.rlim_cur = static_cast<rlim_t>(most);
+  return setrlimit(RLIMIT_AS, &now) == 0;
+}
+
 /// What the child does; no destructor and no buffer of the parent's runs in it.
-[[noreturn]] void in_child(int to, double seconds, const std::function<std::string()>& read) {
+[[noreturn]] void in_child(int to, double seconds, double most_bytes,
+                           const std::function<std::string()>& read) {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
@@ -59,6 +74,7 @@ void write_all(int to, const std::string& bytes) {
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
   }
+  const bool bounded = bound_memory(most_bytes);
   Outcome outcome = Outcome::bytes;
   std::string bytes;
   try {
@@ -69,7 +85,7 @@ void write_all(int to, const std::string& bytes) {
     parcel(Refusal{error.kind(), error.path().string(), error.reason(), error.place()});
     bytes = std::move(parcel).bytes();
   } catch (const std::bad_alloc&) {
-    outcome = Outcome::no_memory;
+    outcome = bounded ? Outcome::beyond_bound : Outcome::no_memory;
   } catch (const std::exception& error) {
     outcome = Outcome::failed;
     bytes = error.what();
@@ -97,6 +113,11 @@ double most_seconds(std::uintmax_t bytes) {
   return kLeast + static_cast<double>(bytes) / kBytesASecond;
 }
 
+double most_bytes(std::uintmax_t bytes) {
+  constexpr double kLeast = 1073741824.0, kOfOne = 100.0;
+  return kLeast + kOfOne * static_cast<double>(bytes);
+}
+
 std::string read_apart(const std::filesystem::path& path, const std::function<std::string()>& read,
                        double seconds) {
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
@@ -105,13 +126,14 @@ std::string read_apart(const std::filesystem::path& path, const std::function<st
   std::error_code no_size;
   const std::uintmax_t size = std::filesystem::file_size(path, no_size);
   if (!(seconds > 0.0)) seconds = most_seconds(no_size ? 0 : size);
+  const double memory = most_bytes(no_size ? 0 : size);
   int ends[2];
   if (pipe(ends) != 0) return read();
   for (const int end : ends) fcntl(end, F_SETFD, FD_CLOEXEC);
   const pid_t child = fork();
   if (child == 0) {
     close(ends[0]);
-    in_child(ends[1], seconds, read);
+    in_child(ends[1], seconds, memory, read);
   }
   close(ends[1]);
   if (child < 0) {
@@ -135,6 +157,10 @@ std::string read_apart(const std::filesystem::path& path, const std::function<st
   const auto outcome = static_cast<Outcome>(bytes[0]);
   bytes.erase(0, 1);
   if (outcome == Outcome::no_memory) throw std::bad_alloc();
+  if (outcome == Outcome::beyond_bound)
+    throw FileError(FileError::Kind::corrupt, path,
+                    "damaged, it seems: " + std::to_string(std::llround(memory / 1048576.0)) +
+                        " MB of memory did not suffice to read it");
   if (outcome == Outcome::failed) throw std::runtime_error(bytes);
   if (outcome == Outcome::refused) {
     Refusal refusal;

@@ -13,10 +13,11 @@ namespace wheeltap::io {
 
 /// The bytes that `read` returns in a child of this process, so that a library that a damaged file
 /// crashes, or keeps busy for ever, ends that child alone. What it prints is lost. FileError that
-/// it throws is thrown here, and std::bad_alloc, also where the system killed the child; other
-/// exceptions as std::runtime_error. Throws FileError (corrupt) where the child crashes, or takes
-/// more processor time than `seconds`; 0: `most_seconds` of the file's size. Signals that ask the
-/// parent to stop do not stop the child.
+/// it throws is thrown here, other exceptions as std::runtime_error. Throws FileError (corrupt)
+/// where the child crashes, takes more processor time than `seconds` (0: `most_seconds` of the
+/// file's size), or more memory than `most_bytes` beyond this process's; std::bad_alloc where this
+/// process may not take as much, or the system killed the child. Signals that ask the parent to
+/// stop do not stop the child.
 ///
 /// A child has this one thread: a lock that `read` needs must be held by the caller. Where no child
 /// can be started, reads here.
@@ -35,7 +36,11 @@ inline void check_apart(const std::filesystem::path& path, const std::function<v
 /// Ten times and more what reading a sound file of that size takes.
 [[nodiscard]] double most_seconds(std::uintmax_t bytes);
 
-/// The same of anything that a parcel carries.
+/// Several times what reading a sound file of that size takes, of compressed samples of 16 bits
+/// 24 bytes for each of its bytes; bytes.
+[[nodiscard]] double most_bytes(std::uintmax_t bytes);
+
+/// As read_apart, of anything that a parcel carries.
 template <class T>
 [[nodiscard]] T read_apart_as(const std::filesystem::path& path, const std::function<T()>& read) {
   const std::string bytes = read_apart(path, [&] {

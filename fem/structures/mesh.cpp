@@ -37,7 +37,7 @@ OwnMotions own_motions(const MemberFrame& frame, const Motions& first, const Mot
 std::array<SparseRow, 4> plane_motions(const OwnMotions& own, bool along_z) {
   if (!along_z) return {own[0][1], own[0][5], own[1][1], own[1][5]};
   std::array<SparseRow, 4> out = {own[0][2], own[0][4], own[1][2], own[1][4]};
-  for (const std::size_t turn : {1, 3})
+  for (const std::size_t turn : {std::size_t{1}, std::size_t{3}})
     for (double& c : out[turn].coefficients) c = -c;
   return out;
 }

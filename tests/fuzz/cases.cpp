@@ -18,6 +18,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try_as([](apps::CaseFile file) {
     (void)apps::parse_damage_case(std::move(file), apps::Needs::structure);
   });
+  try_as([](apps::CaseFile file) {
+    (void)apps::parse_sid_case(std::move(file), apps::SidNeeds::truth);
+  });
   try_as([](apps::CaseFile file) { (void)apps::parse_update_case(std::move(file)); });
   try_as([](apps::CaseFile file) { (void)apps::parse_modal_case(std::move(file)); });
   return 0;

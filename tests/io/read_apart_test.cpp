@@ -67,8 +67,8 @@ TEST(ReadApart, ThrowsWhatTheReaderThrew) {
     EXPECT_STREQ(error.what(), "b.mat, line 3, column 2 ('u'): no number");
     EXPECT_EQ(error.place().header, "u");
   }
-  EXPECT_THROW((void)read_apart("a.mat", []() -> std::string { throw std::bad_alloc(); }),
-               std::bad_alloc);
+  EXPECT_THAT(refusal([]() -> std::string { throw std::bad_alloc(); }),
+              testing::HasSubstr("memory"));
   EXPECT_THROW((void)read_apart("a.mat", []() -> std::string { throw std::range_error("x"); }),
                std::runtime_error);
 }
@@ -108,6 +108,16 @@ TEST(ReadApart, AReaderThatDoesNotEndIsEnded) {
                   },
                   1.0),
               testing::HasSubstr("1 s of processor time"));
+}
+
+// 288 bytes made libmatio take 1.9 GB.
+TEST(ReadApart, ASmallFileDoesNotTakeTheMachinesMemory) {
+  EXPECT_THAT(refusal([]() -> std::string {
+                const std::string much(3'000'000'000, 'x');
+                return much.substr(0, 1);
+              }),
+              testing::HasSubstr("1024 MB of memory did not suffice"));
+  EXPECT_EQ(read_apart("a.mat", [] { return std::string(500'000'000, 'x').substr(0, 1); }), "x");
 }
 
 TEST(ReadApart, WhatTheReaderPrintsIsLost) {
