@@ -337,7 +337,7 @@ CaseFile parse_case(const std::filesystem::path& path, const std::string& text,
                     const std::vector<std::string>& overrides) {
   CaseFile file{.path = path, .json = parse_json<Json>(path, text)};
   if (!file.json.is_object()) {
-    throw Failure(Exit::bad_input, path.string() + ": /: must be an object, is a " +
+    throw Failure(Exit::bad_input, path.string() + ": /: must be an object, not of the type " +
                                        std::string(file.json.type_name()));
   }
   for (const std::string& override : overrides) apply_override(path, file.json, override);
@@ -378,8 +378,29 @@ Json schema(std::string_view name) {
   return *found;
 }
 
+namespace {
+
+/// Another kind's case lacks what this one must have, which would be a riddle of an answer.
+void require_kind(const CaseFile& file, const Json& rules) {
+  const Json::json_pointer allowed("/properties/kind/enum");
+  if (!rules.contains(allowed) || !file.json.contains("kind")) return;
+  const Json& kind = file.json["kind"];
+  if (!kind.is_string() || std::ranges::find(rules.at(allowed), kind) != rules.at(allowed).end())
+    return;
+  std::string text;
+  for (const Json& one : rules.at(allowed))
+    text += (text.empty() ? "must be " : " or ") + one.dump();
+  for (const char* command : {"damage", "update", "sid", "modal"})
+    if (kind == command)
+      text += ": the command for this case is `wheeltap " + kind.get<std::string>() + "`";
+  file.refuse(Pointer("/kind"), text);
+}
+
+}  // namespace
+
 void validate_against_schema(CaseFile& file, std::string_view schema_name) {
   const Json rules = schema(schema_name);
+  require_kind(file, rules);
   make_whole(rules, rules, file.json);
   valijson::Schema compiled;
   valijson::SchemaParser parser;

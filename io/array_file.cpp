@@ -1,11 +1,14 @@
 #include "io/array_file.hpp"
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "io/netcdf_classic.hpp"
 #include "io/netcdf_reader.hpp"
 #include "io/read_apart.hpp"
 
@@ -117,7 +120,19 @@ int along(const Found& of, std::size_t rows) {
   return of.shape.size() == 2 && of.shape[1] == rows ? 1 : -1;
 }
 
+void require_whole(const std::filesystem::path& path) {
+  std::ifstream bytes(path, std::ios::binary);
+  const std::uintmax_t must = netcdf_classic_size(bytes);
+  std::error_code none;
+  const std::uintmax_t is = std::filesystem::file_size(path, none);
+  if (!none && is < must)
+    throw FileError(FileError::Kind::corrupt, path,
+                    "is cut off: " + std::to_string(must) + " bytes were written, " +
+                        std::to_string(is) + " are there");
+}
+
 Columns read_here(const std::filesystem::path& path, const Wanted& wanted) {
+  require_whole(path);
   const NetcdfReader file(path, "a record");
   std::vector<Found> all;
   look(file.root(), "", kDeepest, all);

@@ -4,7 +4,9 @@
 #include <matio.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <fstream>
 #include <memory>
 #include <string>
 
@@ -112,13 +114,14 @@ void for_each_array(const std::string& name, matvar_t& variable, int depth, cons
       for_each_array(name + "." + names[i], *field, depth + 1, visit);
 }
 
-void take(const std::string& name, const matvar_t& variable, Columns& table) {
+/// False where the values are not there.
+bool take(const std::string& name, const matvar_t& variable, Columns& table) {
   const std::vector<double> values = real_values(variable);
   const std::size_t rows = variable.dims[0], columns = variable.dims[1];
-  if (values.empty() || rows * columns != values.size()) return;
+  if (values.empty() || rows * columns != values.size()) return false;
   if (values.size() == 1) {
     table.scalars[name] = values[0];
-    return;
+    return true;
   }
   const bool is_vector = rows == 1 || columns == 1;
   const std::size_t length = is_vector ? values.size() : rows;
@@ -129,6 +132,39 @@ void take(const std::string& name, const matvar_t& variable, Columns& table) {
                              .name = header,
                              .values = {begin, begin + static_cast<std::ptrdiff_t>(length)}});
   }
+  return true;
+}
+
+/// How many variables a file of version 5 holds: elements of a type and a number of bytes, 4 bytes
+/// each, follow its header of 128 bytes (MathWorks, MAT-File Format, chapter 1). 0 of another
+/// version. Throws FileError where the last is cut off.
+std::size_t stored_elements(const std::filesystem::path& path) {
+  constexpr std::size_t kHeader = 128, kTag = 8;
+  std::ifstream file(path, std::ios::binary);
+  std::array<unsigned char, kHeader> header{};
+  if (!file.read(reinterpret_cast<char*>(header.data()), kHeader)) return 0;
+  const bool little = header[126] == 'I' && header[127] == 'M';
+  if (!little && (header[126] != 'M' || header[127] != 'I')) return 0;
+  if (header[little ? 125 : 124] != 1) return 0;
+  const std::uintmax_t size = std::filesystem::file_size(path);
+  std::size_t count = 0;
+  for (std::uintmax_t at = kHeader; at + kTag <= size; ++count) {
+    std::array<unsigned char, kTag> tag{};
+    file.seekg(static_cast<std::streamoff>(at));
+    if (!file.read(reinterpret_cast<char*>(tag.data()), kTag)) break;
+    const auto number = [&](std::size_t from) {
+      std::uintmax_t n = 0;
+      for (std::size_t i = 0; i < 4; ++i) n = 256 * n + tag[from + (little ? 3 - i : i)];
+      return n;
+    };
+    if (number(0) == 0) break;  // padding
+    at += kTag + number(4);
+    if (at > size)
+      throw FileError(FileError::Kind::corrupt, path,
+                      "is cut off: its variable " + std::to_string(count + 1) + " ends " +
+                          std::to_string(at - size) + " bytes beyond the file");
+  }
+  return count;
 }
 
 Columns read_here(const std::filesystem::path& path) {
@@ -143,13 +179,14 @@ Columns read_here(const std::filesystem::path& path) {
       kMostInflated * static_cast<double>(std::filesystem::file_size(path, ignored));
   constexpr std::size_t kMostNamed = 6;
   std::vector<std::string> others;  // what is there and cannot be taken
-  bool any = false;
+  const std::size_t stored = stored_elements(path);
+  std::size_t seen = 0;
   for (;;) {
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNextInfo(file.get()),
                                                                   Mat_VarFree);
     if (!variable) break;
+    ++seen;
     if (variable->name == nullptr) continue;
-    any = true;
     const std::string name = variable->name;
     // Array by array: what else a structure holds is not read.
     for_each_array(name, *variable, 0, [&](const std::string& of, matvar_t& array) {
@@ -162,9 +199,16 @@ Columns read_here(const std::filesystem::path& path) {
                         of + " announces " + std::to_string(array.dims[0]) + " x " +
                             std::to_string(array.dims[1]) +
                             " numbers, more than a file of its size can hold");
-      if (Mat_VarReadDataAll(file.get(), &array) == 0) take(of, array, table);
+      if (array.dims[0] == 0 || array.dims[1] == 0) return;
+      if (Mat_VarReadDataAll(file.get(), &array) != 0 || !take(of, array, table))
+        throw FileError(FileError::Kind::corrupt, path, of + " cannot be read: it is damaged");
     });
   }
+  // After what it cannot read libmatio reads no more, and does not say so.
+  if (seen < stored)
+    throw FileError(FileError::Kind::corrupt, path,
+                    "is damaged: of its " + std::to_string(stored) + " variables only the first " +
+                        std::to_string(seen) + " can be read");
   const int longest = table.rows();
   std::erase_if(table.columns, [&](const Column& c) {
     return c.values.size() != static_cast<std::size_t>(longest);
@@ -176,8 +220,8 @@ Columns read_here(const std::filesystem::path& path) {
     if (others.size() > kMostNamed)
       there += " and " + std::to_string(others.size() - kMostNamed) + " more";
     throw FileError(FileError::Kind::corrupt, path,
-                    any ? "no real numeric arrays" + there
-                        : "no variables: it is empty, cut off, or not written by MATLAB");
+                    seen > 0 ? "no real numeric arrays" + there
+                             : "no variables: it is empty, cut off, or not written by MATLAB");
   }
   return table;
 }

@@ -160,7 +160,8 @@ std::string read_apart(const std::filesystem::path& path, const std::function<st
   if (outcome == Outcome::beyond_bound)
     throw FileError(FileError::Kind::corrupt, path,
                     "damaged, it seems: " + std::to_string(std::llround(memory / 1048576.0)) +
-                        " MB of memory did not suffice to read it");
+                        " MB of memory did not suffice to read it (if it is sound and merely "
+                        "compressed beyond measure, store it without)");
   if (outcome == Outcome::failed) throw std::runtime_error(bytes);
   if (outcome == Outcome::refused) {
     Refusal refusal;

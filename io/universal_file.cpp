@@ -395,7 +395,13 @@ void traces(Reader& in, std::vector<UniversalTrace>& out) {
       if (in.done() || in.at_separator())
         in.fail("only " + std::to_string(trace.nodes.size()) + " of " + std::to_string(count) +
                 " nodes are there");
-      for (const int node : in.integers(in.next("nodes"), 10, "node")) trace.nodes.push_back(node);
+      for (const int node : in.integers(in.next("nodes"), 10, "node")) {
+        if (node < 0) in.fail("node " + std::to_string(node) + ": must not be negative");
+        if (trace.nodes.size() < static_cast<std::size_t>(count))
+          trace.nodes.push_back(node);
+        else if (node != 0)  // zeros fill a line
+          in.fail("more nodes than the " + std::to_string(count) + " of the trace line");
+      }
     }
     out.push_back(std::move(trace));
   }
@@ -432,6 +438,7 @@ void finish(Reader& in, bool may_hold_more) {
       in.fail("'" + std::string(trimmed(line)).substr(0, 40) +
               "' where a dataset must end with -1");
   }
+  in.fail("the file ends within a dataset, which -1 must end: it is cut off");
 }
 
 }  // namespace

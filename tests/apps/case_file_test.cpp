@@ -182,6 +182,8 @@ TEST(CaseFile, NamesPlaceValueAndBound) {
   json = small_case();
   json["kind"] = "sid";
   EXPECT_THAT(complaint(json), HasSubstr("/kind: \"sid\": must be \"damage\""));
+  json.erase("beam");
+  EXPECT_THAT(complaint(json), HasSubstr("the command for this case is `wheeltap sid`"));
 }
 
 TEST(CaseFile, ReadsEveryFormOfPrior) {

@@ -51,6 +51,22 @@ class ArrayFile : public testing::Test {
     }
     nc_close(file);
   }
+  /// One that grew sample by sample, of two variables.
+  static void write_records(const std::filesystem::path& path, int format) {
+    int file = 0, rows = 0, time = 0, a = 0;
+    ASSERT_EQ(nc_create(path.c_str(), format, &file), NC_NOERR);
+    nc_def_dim(file, "sample", NC_UNLIMITED, &rows);
+    nc_def_var(file, "time", NC_DOUBLE, 1, &rows, &time);
+    nc_def_var(file, "a", NC_SHORT, 1, &rows, &a);
+    nc_enddef(file);
+    for (std::size_t i = 0; i < 5; ++i) {
+      const double t = 0.1 * static_cast<double>(i);
+      const short x = static_cast<short>(i * i);
+      ASSERT_EQ(nc_put_var1_double(file, time, &i, &t), NC_NOERR);
+      ASSERT_EQ(nc_put_var1_short(file, a, &i, &x), NC_NOERR);
+    }
+    nc_close(file);
+  }
   test::TemporaryDirectory directory;
 };
 
@@ -102,6 +118,27 @@ TEST_F(ArrayFile, WhatIsNoRecordIsRefused) {
   nc_create((directory / "empty.nc").c_str(), NC_CLOBBER, &file);
   nc_close(file);
   EXPECT_EQ(kind(directory / "empty.nc"), FileError::Kind::foreign);
+}
+
+// The library reads zeros where a classic file ends too soon.
+TEST_F(ArrayFile, CutOffAnywhereItIsRefused) {
+  for (const int format : {NC_CLOBBER, NC_64BIT_OFFSET, NC_64BIT_DATA, NC_NETCDF4}) {
+    for (const bool records : {false, true}) {
+      const auto path = directory / "whole.nc";
+      if (records)
+        write_records(path, format);
+      else
+        write(path, format);
+      ASSERT_FALSE(read_array_file(path, {}).columns.empty()) << format;
+      const std::string whole = test::bytes_of(path);
+      // Up to three bytes fill the last value of 2 bytes to four.
+      for (std::size_t kept = whole.size() - 4; kept > 8; kept -= 7) {
+        test::put_bytes(directory / "cut.nc", whole.substr(0, kept));
+        EXPECT_THROW((void)read_array_file(directory / "cut.nc", {}), FileError)
+            << format << ", " << kept << " of " << whole.size();
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "io/matlab_file.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -117,6 +118,38 @@ TEST(MatlabFile, ACutOffFileIsRefusedInOneLine) {
   testing::internal::CaptureStderr();
   EXPECT_THROW((void)read_columns(path), FileError);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+// libmatio ends at the first variable that it cannot read, as at the end of the file.
+TEST(MatlabFile, VariablesAreNotLostSilently) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "r.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  put(file, "u", {1, 2, 3}, 3, 1);
+  put(file, "w", {4, 5, 6}, 3, 1);
+  put(file, "fs", {100.0}, 1, 1);
+  Mat_Close(file);
+  const std::string whole = test::bytes_of(path);
+  ASSERT_EQ(read_columns(path).columns.size(), 2U);
+  const auto refusal = [&](const std::string& bytes) -> std::string {
+    test::put_bytes(path, bytes);
+    try {
+      (void)read_columns(path);
+      return "";
+    } catch (const FileError& error) {
+      return error.reason();
+    }
+  };
+  EXPECT_THAT(refusal(whole.substr(0, whole.size() - 8)), testing::HasSubstr("is cut off"));
+  int hit = 0;
+  for (std::size_t first = 136; first < whole.size() - 16; first += 8) {
+    if (whole.compare(first, 4, std::string("\x0e\0\0\0", 4)) != 0) continue;
+    std::string damaged = whole;
+    damaged[first] = '\x7f';  // no type that there is
+    EXPECT_THAT(refusal(damaged), testing::HasSubstr("of its 3 variables")) << first;
+    ++hit;
+  }
+  EXPECT_EQ(hit, 2);
 }
 
 // HDF5 and libmatio crash on some, which a child of the reader's own bears.

@@ -217,6 +217,12 @@ TEST(UniversalFile, Refusals) {
   expect_refused("    -1\n   x\n    -1\n", "must be a whole number");
   expect_refused("    -1\n    58b     3     2          11           0\n", "byte order 3");
   expect_refused("    -1\n    58b     1     3          11           0\n", "only IEEE 754");
+  const std::string line = "    -1\n    82\n         1         2         8\noutline\n";
+  EXPECT_EQ(parsed(line + "         1         2         0\n    -1\n").traces[0].nodes.size(), 2U);
+  expect_refused(line + "         1         2         3\n    -1\n", "more nodes than the 2");
+  expect_refused(line + "         1        -2\n    -1\n", "node -2: must not be negative");
+  // Nodes and trace lines do not say how many there are.
+  expect_refused(line + "         1         2\n", "the file ends within a dataset");
   // 2^31 points announced take no memory before they are there.
   expect_refused(dataset_58("         2 999999999         1", "1 2 3 4\n"), "only 4 of");
   UniversalFile file;

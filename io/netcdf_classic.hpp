@@ -1,0 +1,19 @@
+// How long a NetCDF file of the classic formats must be.
+#pragma once
+
+#include <cstdint>
+#include <istream>
+
+namespace wheeltap::io {
+
+/// The bytes up to the last value of a classic NetCDF file (CDF-1, CDF-2 with offsets of 64 bits,
+/// CDF-5), from its header; 0 of other formats, and where the header is cut off or no header. The
+/// NetCDF library reads zeros where such a file ends too soon, and does not say so.
+///
+/// A variable of fixed size ends at begin + its values; one of numrecs records at
+/// begin + (numrecs - 1) Σ vsize + its values of one record, with the vsize of all record variables
+/// (NetCDF Classic and 64-bit Offset File Formats, Unidata, "Computing File Offsets"). Records that
+/// were being streamed (numrecs = -1) are not counted.
+[[nodiscard]] std::uintmax_t netcdf_classic_size(std::istream& file);
+
+}  // namespace wheeltap::io
