@@ -94,6 +94,7 @@ class Reader {
   Reader(const std::string& bytes, const std::filesystem::path& name) : name_(name) {
     std::string section;
     bool names_section = false, header_units = false;
+    int last = 0;
     for (const Pair& pair : pairs_of(bytes, name)) {
       if (pair.code == 0) {
         names_section = pair.value == "SECTION";
@@ -110,7 +111,10 @@ class Reader {
       } else if (section == "ENTITIES" && !entities_.empty()) {
         entities_.back().pairs.push_back(pair);
       }
+      last = pair.line;
     }
+    if (section == "ENTITIES")
+      fail(name, last, "the file ends within its ENTITIES, which ENDSEC must end: it is cut off");
   }
 
   Drawing run() {

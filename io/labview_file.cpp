@@ -1,5 +1,6 @@
 #include "io/labview_file.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -60,6 +61,7 @@ struct Header {
 struct Segment {
   std::size_t channels = 0;
   std::vector<double> first, step;  ///< X0 and Delta_X
+  double samples = 0.0;             ///< announced; more may follow, of a file with one header only
   std::vector<std::string> names, units;
   bool comment = false;
 };
@@ -146,6 +148,8 @@ class Parser {
           corrupt("Channels \"" + printable(f[1]) + "\": must be a whole number from 1 to 10000");
         out.channels = static_cast<std::size_t>(count);
       }
+      if (f[0] == "Samples")
+        for (const double n : numbers()) out.samples = std::max(out.samples, n);
       if (f[0] == "X0") out.first = numbers();
       if (f[0] == "Delta_X") out.step = numbers();
       if (f[0] == "Y_Unit_Label")
@@ -207,7 +211,7 @@ class Parser {
       if (trimmed(lines_.line).empty()) continue;
       if (lines_.line.starts_with("Channels")) {
         pending_ = true;
-        return;
+        break;
       }
       const Fields f = split(lines_.line, header_.separator);
       if (f.size() < width)
@@ -226,6 +230,9 @@ class Parser {
       }
       ++row;
     }
+    if (static_cast<double>(row) < segment.samples)
+      corrupt("only " + std::to_string(row) + " of " +
+              std::to_string(std::llround(segment.samples)) + " samples are there: it is cut off");
   }
 
   std::string bytes_;

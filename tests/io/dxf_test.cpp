@@ -115,6 +115,10 @@ TEST(Dxf, Refuses) {
   expect_failure(drawing("0\nCIRCLE\n10\n1\n20\n0\n40\n-1\n"), {"radius", "positive"});
   expect_failure("0\nSECTION\nabc\n", {"line 3", "group code"});
   expect_failure("0\nSECTION\n2\n", {"ends within a pair"});
+  // A hole that is not there would make the section larger.
+  std::string cut = drawing("0\nCIRCLE\n10\n1\n20\n0\n40\n1\n0\nCIRCLE\n10\n1\n20\n0\n40\n0.5\n");
+  cut.erase(cut.rfind("0\nCIRCLE"));
+  expect_failure(cut, {"ENDSEC", "cut off"});
 }
 
 TEST(Dxf, Units) {

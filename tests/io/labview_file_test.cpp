@@ -22,6 +22,13 @@ const std::string kSegment =
     "Y_Unit_Label\tm/s^2\tN\t\r\nX0\t5.0E-1\t5.0E-1\t\r\nDelta_X\t0.25\t0.25\t\r\n"
     "***End_of_Header***\t\t\t\r\nX_Value\tacceleration\tforce\tComment\r\n";
 
+/// A segment that announces another number of samples.
+std::string segment_of(int samples) {
+  std::string text = kSegment;
+  const std::string n = std::to_string(samples);
+  return text.replace(text.find("Samples\t3\t3"), 11, "Samples\t" + n + "\t" + n);
+}
+
 Columns parsed(const std::string& text) {
   return parse_labview(text, "run.lvm", {});
 }
@@ -53,7 +60,7 @@ TEST(LabviewFile, WithoutATimeColumnItIsMade) {
 }
 
 TEST(LabviewFile, ATimeForEachChannel) {
-  std::string segment = kSegment;
+  std::string segment = segment_of(2);
   segment.replace(segment.find("X_Value"), std::string::npos,
                   "X_Value\tacceleration\tX_Value\tforce\tComment\r\n");
   const Columns c = parsed(header("Multi") + segment + "0.5\t1\t0.5\t2\r\n0.75\t3\t0.75\t4\r\n");
@@ -63,12 +70,13 @@ TEST(LabviewFile, ATimeForEachChannel) {
 }
 
 TEST(LabviewFile, SegmentsFollowEachOther) {
-  const Columns c = parsed(header("No") + kSegment + "\t1\t2\r\n\r\n" + kSegment + "\t3\t4\r\n");
+  const Columns c =
+      parsed(header("No") + segment_of(1) + "\t1\t2\r\n\r\n" + segment_of(1) + "\t3\t4\r\n");
   EXPECT_THAT(c.columns[1].values, ElementsAre(1.0, 3.0));
 }
 
 TEST(LabviewFile, DecimalCommas) {
-  std::string text = header("One") + kSegment + "0,50\t1,5\t-2\r\n";
+  std::string text = header("One") + segment_of(1) + "0,50\t1,5\t-2\r\n";
   text.replace(text.find("Decimal_Separator\t."), 19, "Decimal_Separator\t,");
   text.replace(text.find("0.25\t0.25"), 9, "0,25\t0,25");
   text.replace(text.find("5.0E-1\t5.0E-1"), 13, "5,0E-1\t5,0E-1");
@@ -82,6 +90,8 @@ TEST(LabviewFile, FaultsAreNamedWithTheirLines) {
   EXPECT_THAT(fault(header("One") + kSegment + "0.5\t1\tx\r\n"),
               HasSubstr("line 19: \"x\" is not a number"));
   EXPECT_THAT(fault(header("One") + kSegment + "0.5\t1\r\n"), HasSubstr("must have 3"));
+  EXPECT_THAT(fault(header("One") + kSegment + "0.5\t1\t2\r\n0.75\t1\t2\r\n"),
+              HasSubstr("only 2 of 3 samples are there"));
   std::string segment = kSegment;
   segment.replace(segment.find("Channels\t2"), 10, "Channels\t2e9");
   EXPECT_THAT(fault(header("One") + segment), HasSubstr("must be a whole number"));
