@@ -122,12 +122,15 @@ int along(const Found& of, std::size_t rows) {
 
 void require_whole(const std::filesystem::path& path) {
   std::ifstream bytes(path, std::ios::binary);
-  const std::uintmax_t must = netcdf_classic_size(bytes);
+  const std::optional<std::uintmax_t> must = netcdf_classic_size(bytes);
+  if (!must)
+    throw FileError(FileError::Kind::corrupt, path,
+                    "is truncated or damaged: its header makes no sense");
   std::error_code none;
   const std::uintmax_t is = std::filesystem::file_size(path, none);
-  if (!none && is < must)
+  if (!none && is < *must)
     throw FileError(FileError::Kind::corrupt, path,
-                    "is cut off: " + std::to_string(must) + " bytes were written, " +
+                    "is cut off: " + std::to_string(*must) + " bytes were written, " +
                         std::to_string(is) + " are there");
 }
 

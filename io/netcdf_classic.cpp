@@ -115,14 +115,14 @@ class Header {
 
 }  // namespace
 
-std::uintmax_t netcdf_classic_size(std::istream& file) {
+std::optional<std::uintmax_t> netcdf_classic_size(std::istream& file) {
   Header header(file);
-  if (!header.good()) return 0;
+  if (!header.good()) return 0;  // of another format
   const std::uint64_t records = header.count();
   const std::vector<std::uint64_t> dimensions = header.dimensions();
   header.attributes();
   const std::vector<Variable> variables = header.variables(dimensions);
-  if (!header.good()) return 0;
+  if (!header.good()) return std::nullopt;
   const auto of_records =
       std::ranges::count_if(variables, [](const Variable& v) { return v.of_records; });
   std::uint64_t record = 0;  // a single record variable is not filled to fours

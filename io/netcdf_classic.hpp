@@ -3,17 +3,19 @@
 
 #include <cstdint>
 #include <istream>
+#include <optional>
 
 namespace wheeltap::io {
 
 /// The bytes up to the last value of a classic NetCDF file (CDF-1, CDF-2 with offsets of 64 bits,
-/// CDF-5), from its header; 0 of other formats, and where the header is cut off or no header. The
-/// NetCDF library reads zeros where such a file ends too soon, and does not say so.
+/// CDF-5), from its header; 0 of other formats, none where the header is cut off or makes no sense.
+/// The NetCDF library reads zeros where such a file ends too soon, and does not say so, and crashes
+/// on some damaged headers.
 ///
 /// A variable of fixed size ends at begin + its values; one of numrecs records at
 /// begin + (numrecs - 1) Σ vsize + its values of one record, with the vsize of all record variables
 /// (NetCDF Classic and 64-bit Offset File Formats, Unidata, "Computing File Offsets"). Records that
 /// were being streamed (numrecs = -1) are not counted.
-[[nodiscard]] std::uintmax_t netcdf_classic_size(std::istream& file);
+[[nodiscard]] std::optional<std::uintmax_t> netcdf_classic_size(std::istream& file);
 
 }  // namespace wheeltap::io
