@@ -422,6 +422,12 @@ int run(int argc, char** argv) {
       what = std::string("there is no command \"") + argv[1] + "\"" +
              (meant.empty() ? "" : "; did you mean \"" + meant + "\"?");
     }
+    // The number may be the environment's, which nobody typed.
+    const bool typed = std::any_of(argv + 1, argv + argc, [](const char* word) {
+      return std::string_view(word).starts_with("--threads");
+    });
+    if (const std::string option = "--threads: "; what.starts_with(option) && !typed)
+      what.replace(0, option.size(), std::string(apps::kThreadsVariable) + ": ");
     std::ranges::replace(what, '\n', ' ');
     return report(Exit::usage, what + " (see wheeltap " +
                                    (chosen.empty() ? "" : chosen[0]->get_name() + " ") + "--help)");

@@ -63,6 +63,15 @@ TEST_F(HardInput, WholeNumbersOfTheCommandLineNeverWrap) {
   EXPECT_EQ(pointed.exit_code, 0) << pointed.err;
 }
 
+// Nobody typed --threads.
+TEST_F(HardInput, ANumberOfTheEnvironmentIsNamed) {
+  const std::string command = "damage " + where.write_json("c.json", small_case()).string() +
+                              " -o " + (where / "out").string();
+  setenv("WHEELTAP_THREADS", "4294967297", 1);
+  expect_refusal(command, 64, "wheeltap: WHEELTAP_THREADS: 4294967297: must be a whole number");
+  unsetenv("WHEELTAP_THREADS");
+}
+
 // Before: 100 samples, mass 1, ...
 TEST_F(HardInput, WholeNumbersOfASidCaseNeverWrap) {
   for (const char* set :
