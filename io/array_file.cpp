@@ -25,8 +25,9 @@ struct Found {
   std::vector<std::size_t> shape;
 
   [[nodiscard]] std::size_t size() const {
+    constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
     std::size_t n = 1;
-    for (const std::size_t d : shape) n *= d;
+    for (const std::size_t d : shape) n = d != 0 && n > kMost / d ? kMost : n * d;
     return n;
   }
 };
@@ -96,6 +97,12 @@ std::string unit_of(const Found& of) {
 }
 
 std::vector<double> values_of(const std::filesystem::path& path, const Found& of) {
+  std::error_code none;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, none);
+  if (!none && static_cast<double>(of.size()) * sizeof(double) > most_bytes(bytes))
+    throw FileError(FileError::Kind::corrupt, path,
+                    "\"" + of.name + "\" announces " + std::to_string(of.size()) +
+                        " numbers, more than a file of its size can hold");
   std::vector<double> x(of.size());
   if (const int status = nc_get_var_double(of.group, of.id, x.data());
       status != NC_NOERR && status != NC_ERANGE)
@@ -125,7 +132,8 @@ void require_whole(const std::filesystem::path& path) {
   const std::optional<std::uintmax_t> must = netcdf_classic_size(bytes);
   if (!must)
     throw FileError(FileError::Kind::corrupt, path,
-                    "is truncated or damaged: its header makes no sense");
+                    "is truncated, damaged or was not closed by its writer: its header makes no "
+                    "sense");
   std::error_code none;
   const std::uintmax_t is = std::filesystem::file_size(path, none);
   if (!none && is < *must)

@@ -122,7 +122,7 @@ std::optional<std::uintmax_t> netcdf_classic_size(std::istream& file) {
   const std::vector<std::uint64_t> dimensions = header.dimensions();
   header.attributes();
   const std::vector<Variable> variables = header.variables(dimensions);
-  if (!header.good()) return std::nullopt;
+  if (!header.good() || records == header.streaming()) return std::nullopt;
   const auto of_records =
       std::ranges::count_if(variables, [](const Variable& v) { return v.of_records; });
   std::uint64_t record = 0;  // a single record variable is not filled to fours
@@ -134,7 +134,7 @@ std::optional<std::uintmax_t> netcdf_classic_size(std::istream& file) {
     if (v.bytes == 0) continue;
     if (!v.of_records)
       size = std::max(size, sum(v.begin, v.bytes));
-    else if (records > 0 && records != header.streaming())
+    else if (records > 0)
       size = std::max(size, sum(sum(v.begin, product(records - 1, record)), v.bytes));
   }
   return size;

@@ -15,7 +15,7 @@ namespace wheeltap::io {
 /// A variable of fixed size ends at begin + its values; one of numrecs records at
 /// begin + (numrecs - 1) Σ vsize + its values of one record, with the vsize of all record variables
 /// (NetCDF Classic and 64-bit Offset File Formats, Unidata, "Computing File Offsets"). Records that
-/// were being streamed (numrecs = -1) are not counted.
+/// were still being streamed (numrecs = -1) make no sense here: the library takes them for 2³² - 1.
 [[nodiscard]] std::optional<std::uintmax_t> netcdf_classic_size(std::istream& file);
 
 }  // namespace wheeltap::io
