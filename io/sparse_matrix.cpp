@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -137,7 +136,7 @@ class MatlabMatrix {
     if (v_.rank != 2) fail("has " + std::to_string(v_.rank) + " dimensions: must have 2");
     if (v_.isComplex) fail("is complex: must be real");
     for (const std::size_t axis : {std::size_t{0}, std::size_t{1}})
-      if (v_.dims[axis] > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+      if (v_.dims[axis] > static_cast<std::size_t>(kMostMatrixRows))
         fail("has " + std::to_string(v_.dims[axis]) + " rows or columns: too many");
     return v_.class_type == MAT_C_SPARSE ? sparse() : full();
   }
@@ -317,9 +316,8 @@ SparseMatrix parse_matrix_market(std::string_view text, const std::filesystem::p
   const auto size = lines.next();
   if (size.size() != (coordinates ? 3U : 2U))
     lines.fail(coordinates ? "must be \"rows columns entries\"" : "must be \"rows columns\"");
-  constexpr long long kMostRows = std::numeric_limits<int>::max();
-  const long long rows = whole(lines, size[0], "number of rows", 1, kMostRows);
-  const long long columns = whole(lines, size[1], "number of columns", 1, kMostRows);
+  const long long rows = whole(lines, size[0], "number of rows", 1, kMostMatrixRows);
+  const long long columns = whole(lines, size[1], "number of columns", 1, kMostMatrixRows);
   if (symmetric && rows != columns)
     lines.fail("a symmetric matrix must have as many rows as columns");
   Triplets entries;

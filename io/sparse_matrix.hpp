@@ -14,7 +14,10 @@ namespace wheeltap::io {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// Largest number of rows, columns and stored entries that are read.
+/// Largest number of rows and of columns that are read: a compressed matrix without any entry takes
+/// memory for each.
+inline constexpr long long kMostMatrixRows = 10'000'000;
+/// Largest number of stored entries.
 inline constexpr long long kMostMatrixEntries = 2'000'000'000;
 
 /// The matrix called `name`: of a MATLAB file (v5 or v7.3, sparse or full, real), or of a folder of

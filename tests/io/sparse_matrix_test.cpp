@@ -66,6 +66,8 @@ TEST(MatrixMarket, WhatIsNoneIsRefusedWithItsLine) {
   expect_market_refused("%%MatrixMarket matrix coordinate real hermitian\n1 1 0\n", "'hermitian'");
   expect_market_refused(head + "2 2\n", "line 2: must be \"rows columns entries\"");
   expect_market_refused(head + "2 0 0\n", "the number of columns '0'");
+  // 440 MB for 63 bytes.
+  expect_market_refused(head + "2 110008000 0\n", "columns '110008000' must be a whole number");
   expect_market_refused(head + "2 2 1\n3 1 1\n",
                         "line 3: the row '3' must be a whole number from 1 to 2");
   expect_market_refused(head + "2 2 1\n1 0 1\n", "the column '0'");
