@@ -102,7 +102,8 @@ std::vector<double> values_of(const std::filesystem::path& path, const Found& of
   if (!none && static_cast<double>(of.size()) * sizeof(double) > most_bytes(bytes))
     throw FileError(FileError::Kind::corrupt, path,
                     "\"" + of.name + "\" announces " + std::to_string(of.size()) +
-                        " numbers, more than a file of its size can hold");
+                        " numbers, more than are read of a file of its size (if it is sound and "
+                        "merely compressed beyond measure, store it without)");
   std::vector<double> x(of.size());
   if (const int status = nc_get_var_double(of.group, of.id, x.data());
       status != NC_NOERR && status != NC_ERANGE)

@@ -149,7 +149,11 @@ class Parser {
         out.channels = static_cast<std::size_t>(count);
       }
       if (f[0] == "Samples")
-        for (const double n : numbers()) out.samples = std::max(out.samples, n);
+        for (const double n : numbers()) {
+          if (!(n >= 0.0 && n <= 1e15))
+            corrupt("Samples " + std::to_string(n) + ": must be a whole number");
+          out.samples = std::max(out.samples, n);
+        }
       if (f[0] == "X0") out.first = numbers();
       if (f[0] == "Delta_X") out.step = numbers();
       if (f[0] == "Y_Unit_Label")

@@ -4,12 +4,11 @@
 #include <matio.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <fstream>
 #include <memory>
 #include <string>
 
+#include "io/matlab_elements.hpp"
 #include "io/netcdf_library.hpp"
 #include "io/read_apart.hpp"
 #endif
@@ -135,38 +134,6 @@ bool take(const std::string& name, const matvar_t& variable, Columns& table) {
   return true;
 }
 
-/// How many variables a file of version 5 holds: elements of a type and a number of bytes, 4 bytes
-/// each, follow its header of 128 bytes (MathWorks, MAT-File Format, chapter 1). 0 of another
-/// version. Throws FileError where the last is cut off.
-std::size_t stored_elements(const std::filesystem::path& path) {
-  constexpr std::size_t kHeader = 128, kTag = 8;
-  std::ifstream file(path, std::ios::binary);
-  std::array<unsigned char, kHeader> header{};
-  if (!file.read(reinterpret_cast<char*>(header.data()), kHeader)) return 0;
-  const bool little = header[126] == 'I' && header[127] == 'M';
-  if (!little && (header[126] != 'M' || header[127] != 'I')) return 0;
-  if (header[little ? 125 : 124] != 1) return 0;
-  const std::uintmax_t size = std::filesystem::file_size(path);
-  std::size_t count = 0;
-  for (std::uintmax_t at = kHeader; at + kTag <= size; ++count) {
-    std::array<unsigned char, kTag> tag{};
-    file.seekg(static_cast<std::streamoff>(at));
-    if (!file.read(reinterpret_cast<char*>(tag.data()), kTag)) break;
-    const auto number = [&](std::size_t from) {
-      std::uintmax_t n = 0;
-      for (std::size_t i = 0; i < 4; ++i) n = 256 * n + tag[from + (little ? 3 - i : i)];
-      return n;
-    };
-    if (number(0) == 0) break;  // padding
-    at += kTag + number(4);
-    if (at > size)
-      throw FileError(FileError::Kind::corrupt, path,
-                      "is cut off: its variable " + std::to_string(count + 1) + " ends " +
-                          std::to_string(at - size) + " bytes beyond the file");
-  }
-  return count;
-}
-
 Columns read_here(const std::filesystem::path& path) {
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
@@ -179,7 +146,7 @@ Columns read_here(const std::filesystem::path& path) {
       kMostInflated * static_cast<double>(std::filesystem::file_size(path, ignored));
   constexpr std::size_t kMostNamed = 6;
   std::vector<std::string> others;  // what is there and cannot be taken
-  const std::size_t stored = stored_elements(path);
+  const std::size_t stored = whole_matlab_elements(path);
   std::size_t seen = 0;
   for (;;) {
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNextInfo(file.get()),

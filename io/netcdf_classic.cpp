@@ -22,7 +22,7 @@ struct Variable {
   std::uint64_t begin = 0;
 };
 
-/// Reads a header, number by number; what the file ends before, or makes no sense, is bad().
+/// Reads a header, number by number; not good() once the file ended, or one made no sense.
 class Header {
  public:
   explicit Header(std::istream& file) : file_(file) {

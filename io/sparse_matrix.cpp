@@ -13,6 +13,7 @@
 #ifdef WHEELTAP_MATIO
 #include <matio.h>
 
+#include "io/matlab_elements.hpp"
 #include "io/netcdf_library.hpp"
 #include "io/read_apart.hpp"
 #endif
@@ -210,6 +211,7 @@ SparseMatrix read_here(const std::filesystem::path& path, const std::string& nam
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   if (!file) throw FileError(Kind::foreign, path, "is neither a MATLAB file nor a folder");
+  (void)whole_matlab_elements(path);
   using Variable = std::unique_ptr<matvar_t, void (*)(matvar_t*)>;
   // "s.K" is the field K of the structure s.
   std::vector<std::string> parts;

@@ -347,10 +347,11 @@ int write_figures(const fs::path& directory) {
 }
 
 void run_report(const fs::path& directory, const ReportOptions& options) {
-  if (!fs::is_directory(directory)) {
-    throw FileError(
-        FileError::Kind::missing, directory,
-        fs::exists(directory) ? "is no folder: name the one that holds the run" : "no such folder");
+  std::error_code none;
+  if (!fs::is_directory(directory, none)) {
+    throw FileError(FileError::Kind::missing, directory,
+                    fs::exists(directory, none) ? "is no folder: name the one that holds the run"
+                                                : "no such folder");
   }
   write_report(directory);
   std::cout << "Report: " << io::printable((directory / "report.html").string()) << '\n';

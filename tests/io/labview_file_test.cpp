@@ -92,6 +92,9 @@ TEST(LabviewFile, FaultsAreNamedWithTheirLines) {
   EXPECT_THAT(fault(header("One") + kSegment + "0.5\t1\r\n"), HasSubstr("must have 3"));
   EXPECT_THAT(fault(header("One") + kSegment + "0.5\t1\t2\r\n0.75\t1\t2\r\n"),
               HasSubstr("only 2 of 3 samples are there"));
+  std::string absurd = segment_of(1);
+  absurd.replace(absurd.find("Samples\t1"), 9, "Samples\t1e300");
+  EXPECT_THAT(fault(header("One") + absurd + "0.5\t1\t2\r\n"), HasSubstr("must be a whole number"));
   std::string segment = kSegment;
   segment.replace(segment.find("Channels\t2"), 10, "Channels\t2e9");
   EXPECT_THAT(fault(header("One") + segment), HasSubstr("must be a whole number"));

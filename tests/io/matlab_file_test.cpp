@@ -6,6 +6,7 @@
 #include <random>
 
 #include "io/formats.hpp"
+#include "io/sparse_matrix.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 #ifdef WHEELTAP_MATIO
@@ -150,6 +151,50 @@ TEST(MatlabFile, VariablesAreNotLostSilently) {
     ++hit;
   }
   EXPECT_EQ(hit, 2);
+}
+
+// libmatio gives what it inflates, changed, and does not ask the checksum.
+TEST(MatlabFile, AChangedBitOfACompressedFileIsRefused) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "z.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  for (const char* name : {"u", "K"}) {
+    std::vector<double> values(900);
+    for (double& v : values) v = normal(random);
+    std::size_t dims[] = {30, 30};
+    matvar_t* one = Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0);
+    ASSERT_EQ(Mat_VarWrite(file, one, MAT_COMPRESSION_ZLIB), 0);
+    Mat_VarFree(one);
+  }
+  Mat_Close(file);
+  const std::string whole = test::bytes_of(path);
+  const Columns sound = read_columns(path);
+  const SparseMatrix k = read_sparse_matrix(path, "K");
+  int refused = 0, refused_k = 0;
+  constexpr int kTimes = 100;
+  for (int i = 0; i < kTimes; ++i) {
+    std::string damaged = whole;
+    const std::size_t at = 136 + random() % (whole.size() - 136);
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << random() % 8));
+    test::put_bytes(path, damaged);
+    try {
+      const Columns t = read_columns(path);
+      ASSERT_EQ(t.columns.size(), sound.columns.size()) << at;
+      for (std::size_t c = 0; c < t.columns.size(); ++c)
+        EXPECT_EQ(t.columns[c].values, sound.columns[c].values) << at;
+    } catch (const FileError&) {
+      ++refused;
+    }
+    try {
+      EXPECT_EQ((read_sparse_matrix(path, "K") - k).norm(), 0.0) << at;
+    } catch (const FileError&) {
+      ++refused_k;
+    }
+  }
+  EXPECT_GT(refused, kTimes / 2);
+  EXPECT_EQ(refused_k, refused);
 }
 
 // HDF5 and libmatio crash on some, which a child of the reader's own bears.
