@@ -347,11 +347,10 @@ int write_figures(const fs::path& directory) {
 }
 
 void run_report(const fs::path& directory, const ReportOptions& options) {
-  std::error_code none;
-  if (!fs::is_directory(directory, none)) {
-    throw FileError(FileError::Kind::missing, directory,
-                    fs::exists(directory, none) ? "is no folder: name the one that holds the run"
-                                                : "no such folder");
+  if (!fs::is_directory(directory)) {
+    throw FileError(
+        FileError::Kind::missing, directory,
+        fs::exists(directory) ? "is no folder: name the one that holds the run" : "no such folder");
   }
   write_report(directory);
   std::cout << "Report: " << io::printable((directory / "report.html").string()) << '\n';
