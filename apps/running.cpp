@@ -6,6 +6,8 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 #include <iostream>
 #include <map>
 #include <optional>
@@ -25,12 +27,25 @@
 namespace wheeltap::apps {
 namespace {
 
-std::atomic<bool> interrupted{false};
+std::atomic<std::int64_t> asked_to_stop_at{0};  // [ns] of a monotonic clock; 0: not yet
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
+
+bool interrupted() {
+  return asked_to_stop_at.load() != 0;
+}
 
 constexpr const char* kGoesOn = "; the same command with --resume goes on";
 
+// One wish may come as several signals: `timeout` and schedulers send theirs to the program and to
+// its group. Who asks again after a second means it.
 void ask_to_stop(int signal) {
-  if (interrupted.exchange(true)) std::_Exit(128 + signal);
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  const std::int64_t now = kSecond * time.tv_sec + time.tv_nsec;
+  std::int64_t first = 0;
+  if (!asked_to_stop_at.compare_exchange_strong(first, now) && now - first > kSecond)
+    std::_Exit(128 + signal);
 }
 
 std::string fingerprint_of(const inference::Posterior& posterior) {
@@ -75,7 +90,7 @@ void say_what_goes_on(const CheckpointFile& checkpoint, bool stopped) {
 }
 
 bool was_interrupted() {
-  return base::is_to_stop(interrupted.load());
+  return base::is_to_stop(interrupted());
 }
 
 StopOnInterrupt::StopOnInterrupt()
@@ -83,11 +98,12 @@ StopOnInterrupt::StopOnInterrupt()
       terminate_(std::signal(SIGTERM, ask_to_stop)),
       user_(std::signal(SIGUSR1, ask_to_stop)),
       hang_up_(std::signal(SIGHUP, ask_to_stop)) {
-  if (base::ranks()) base::ranks()->on_wish_to_stop([] { return interrupted.load(); });
+  if (base::ranks()) base::ranks()->on_wish_to_stop(interrupted);
   if (hang_up_ == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
 }
 
 StopOnInterrupt::~StopOnInterrupt() {
+  if (interrupted()) return;  // the same wish, once more, is not to kill what is being written
   std::signal(SIGINT, interrupt_);
   std::signal(SIGTERM, terminate_);
   std::signal(SIGUSR1, user_);
@@ -119,7 +135,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
     if (!detail.empty() && !so_far.empty()) detail += "  ";
     detail += so_far;
     bar.show(progress.stage, progress.fraction, detail, time_left.estimate(progress, seconds));
-    return !interrupted.load();
+    return !interrupted();
   };
   try {
     inference::Posterior posterior = inference::reversible_jump(problem, options);

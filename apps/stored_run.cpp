@@ -26,9 +26,12 @@ std::string run_of(const std::string& bytes, const fs::path& path) {
   }
 }
 
-std::string text_of(const Report& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+/// The run that a summary is of; empty where it does not say so.
+std::string run_of(const Report& summary) {
+  const auto about = summary.find("wheeltap");
+  if (about == summary.end()) return {};
+  const auto run = about->find("run");
+  return run != about->end() && run->is_string() ? run->get<std::string>() : "";
 }
 
 template <class Number>
@@ -62,7 +65,7 @@ std::optional<std::string> sealed_file(const fs::path& folder, const std::string
   if (!fs::exists(path)) throw FileError(FileError::Kind::missing, path, "no such file");
   std::string bytes = io::read_bytes(path);
   if (!sealed || (*files)[name] == seal(bytes)) return bytes;
-  const std::string of = text_of(summary["wheeltap"], "run"), has = run_of(bytes, path);
+  const std::string of = run_of(summary), has = run_of(bytes, path);
   if (!has.empty() && has != of) {
     throw FileError(FileError::Kind::mismatch, path,
                     "is of another run (" + has + ") than summary.json beside it (" + of + ")");

@@ -2,6 +2,8 @@
 // this is compiled for one instruction set. No operation depends on the width and none is
 // contracted to a fused multiply-add, so every processor gives the same bits.
 
+#include <cstring>
+
 #include "fem/secular.hpp"
 
 namespace wheeltap::fem::detail {
@@ -10,9 +12,6 @@ namespace {
 constexpr int kWidth = WHEELTAP_SECULAR_WIDTH;
 
 using Vec = double __attribute__((vector_size(kWidth * sizeof(double)), may_alias));
-/// The same from any address.
-using Unaligned =
-    double __attribute__((vector_size(kWidth * sizeof(double)), aligned(8), may_alias));
 
 /// Lanes first … first + kWidth - 1.
 inline const Vec& at(const Pack& pack, int first) {
@@ -22,8 +21,11 @@ inline Vec& at(Pack& pack, int first) {
   return *reinterpret_cast<Vec*>(pack.lane + first);
 }
 
-inline const Unaligned& load(const double* from) {
-  return *reinterpret_cast<const Unaligned*>(from);
+/// kWidth numbers from any address.
+inline Vec load(const double* from) {
+  Vec out;
+  std::memcpy(&out, from, sizeof out);
+  return out;
 }
 
 /// Eight partial sums of a(j) b(j), whatever the width, then their sum in order.

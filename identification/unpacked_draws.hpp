@@ -1,6 +1,8 @@
 // The draws of a damage problem as defects.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "identification/damage_problem.hpp"
@@ -18,16 +20,20 @@ class UnpackedDraws {
       : problem_(problem), posterior_(posterior), weights_(model_weights(posterior)) {
     const auto width = static_cast<std::size_t>(posterior.dimension);
     for (const auto& chain : posterior.chains) {
-      components_.emplace_back();
-      for (std::size_t i = 0; i < chain.model.size(); ++i) {
-        components_.back().push_back(
-            problem.components(chain.model[i], {chain.theta.data() + i * width, width}));
+      OfChain& of = chains_.emplace_back();
+      of.begins.reserve(chain.size() + 1);
+      for (std::size_t i = 0; i < chain.size(); ++i) {
+        const auto present =
+            problem.components(chain.model[i], {chain.theta.data() + i * width, width});
+        of.components.insert(of.components.end(), present.begin(), present.end());
+        of.begins.push_back(of.components.size());
       }
     }
   }
-  [[nodiscard]] const std::vector<DamageProblem::Component>& at(std::size_t chain,
-                                                                std::size_t draw) const {
-    return components_[chain][draw];
+  [[nodiscard]] std::span<const DamageProblem::Component> at(std::size_t chain,
+                                                             std::size_t draw) const {
+    const OfChain& of = chains_[chain];
+    return std::span(of.components).subspan(of.begins[draw], of.begins[draw + 1] - of.begins[draw]);
   }
   [[nodiscard]] const inference::Posterior& posterior() const { return posterior_; }
   [[nodiscard]] const DamageProblem& problem() const { return problem_; }
@@ -40,17 +46,22 @@ class UnpackedDraws {
   }
   template <class Visit>
   void for_each(const Visit& visit) const {
-    for (std::size_t c = 0; c < components_.size(); ++c) {
-      for (std::size_t i = 0; i < components_[c].size(); ++i) visit(c, i);
+    for (std::size_t c = 0; c < chains_.size(); ++c) {
+      for (std::size_t i = 0; i + 1 < chains_[c].begins.size(); ++i) visit(c, i);
     }
   }
   [[nodiscard]] const inference::ModelSpace& space() const { return problem_.problem.space; }
 
  private:
+  struct OfChain {
+    std::vector<DamageProblem::Component> components;  // of one draw after another
+    std::vector<std::size_t> begins = {0};             // of each draw, and the end
+  };
+
   const DamageProblem& problem_;
   const inference::Posterior& posterior_;
   std::vector<double> weights_;
-  std::vector<std::vector<std::vector<DamageProblem::Component>>> components_;
+  std::vector<OfChain> chains_;
 };
 
 }  // namespace wheeltap::identification

@@ -126,7 +126,7 @@ Report predictive(const io::NetcdfReader& file, const std::vector<double>& weigh
   if (!group || !observed) return out;
   const auto names = file.variables(*group);
   if (std::ranges::find(names, "frequency") == names.end()) return out;
-  const io::NetcdfArray replicated = file.read(*group, "frequency");
+  const io::NetcdfFloats replicated = file.read_floats(*group, "frequency");
   const io::NetcdfArray measured = file.read(*observed, "frequency");
   const std::size_t modes = replicated.inner();
   if (replicated.shape.size() != 3 || measured.values.size() != modes ||

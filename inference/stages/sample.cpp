@@ -145,12 +145,27 @@ void collect(RunState& state) {
       any.model.empty() ? 0 : static_cast<int>(any.prediction.size() / any.size());
 }
 
+// Room for draws like `at`: growing by doubling would take twice the memory.
+void reserve(Chain& chain, int goal, std::size_t dimension, const State& at) {
+  constexpr int kMost = 4'000'000;  // who asks for more may mean to stop before
+  const auto draws = static_cast<std::size_t>(std::min(goal, kMost));
+  chain.model.reserve(draws);
+  chain.theta.reserve(draws * dimension);
+  chain.log_prior.reserve(draws);
+  chain.log_likelihood.reserve(draws);
+  chain.move.reserve(draws);
+  chain.accepted.reserve(draws);
+  if (at.prediction.size() <= kMaxPredictions)
+    chain.prediction.reserve(draws * at.prediction.size());
+}
+
 // Up to the goal.
 void draw_on(RunContext& run, RunState& state) {
   const int goal = state.at.goal;
   run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
     Sampler sampler(run, state, c, chain, target);
     Chain& out = state.posterior.chains[static_cast<std::size_t>(c)];
+    reserve(out, goal, static_cast<std::size_t>(state.posterior.dimension), chain.state);
     std::vector<long> visits(run.models(), 0);
     long before = target.evaluations();
     while (static_cast<int>(out.size()) < goal) {

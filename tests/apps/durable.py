@@ -17,6 +17,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 BEAM = {
     'kind': 'damage', 'title': 'A small case',
@@ -325,6 +326,26 @@ def check_signals_leave_a_checkpoint(bench):
         bench.run(*[a for a in arguments if a != '--resume'])
         expect(files(out).keys() == whole.keys(), sorted(files(out)))
         shutil.rmtree(out)
+
+
+def check_signals_that_come_twice_are_one(bench):
+    """`timeout` and schedulers send theirs to the program and to its group."""
+    name, arguments, out = resumable(bench)[0]
+    bench.run(*arguments)
+    whole = files(out)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        shutil.rmtree(out)
+        process = bench.start(*arguments, stdout=subprocess.DEVNULL)
+        while process.poll() is None and not (out / 'checkpoint.nc').exists():
+            os.sched_yield()
+        asked = time.monotonic()
+        while process.poll() is None and time.monotonic() - asked < 0.5:
+            process.send_signal(number)
+        _, err = process.communicate()
+        expect(process.returncode in (0, 130), f'{number.name}: {process.returncode}: {err}')
+        expect('--resume' in err and (out / 'checkpoint.nc').exists(), f'{number.name}: {err}')
+        bench.run(*arguments)
+        same(files(out), whole)
 
 
 def check_foreign_checkpoints_are_refused(bench):
