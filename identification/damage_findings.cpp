@@ -485,16 +485,18 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   std::vector<inference::Watched> watched;
   const auto modes = static_cast<std::size_t>(posterior.predictions);
   for (std::size_t mode = 0; mode < modes; ++mode) {
-    watched.push_back(
-        {"frequency " + std::to_string(mode + 1), all_draws(posterior, [&](auto c, auto i) {
-           return static_cast<double>(posterior.chains[c].prediction[i * modes + mode]);
-         })});
+    watched.push_back({"frequency " + std::to_string(mode + 1), [&posterior, modes, mode] {
+                         return all_draws(posterior, [&](auto c, auto i) {
+                           return static_cast<double>(
+                               posterior.chains[c].prediction[i * modes + mode]);
+                         });
+                       }});
   }
   std::optional<SymmetryFinding> symmetric;
   if (problem.symmetric || !problem.symmetries.empty()) {
     const ChainsOf difference = left_less_right(draws);
     symmetric = symmetry(draws, difference, remarks);
-    watched.push_back({"left less right", difference});
+    watched.push_back({"left less right", [difference] { return difference; }});
   }
   DamageFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior, watched), seed);

@@ -86,7 +86,7 @@ Mixing mixing(const Posterior& posterior, const ModelShares& shares,
     }
   }
   out.ess_model = std::isfinite(mixer.least()) ? mixer.least() : out.ess_log_posterior;
-  for (const Watched& w : watched) mixer.note(w.name, rhat(w.draws), true);
+  for (const Watched& w : watched) mixer.note(w.name, rhat(w.draws()), true);
   return out;
 }
 

@@ -1,6 +1,7 @@
 // How well the chains mixed, by quantities that mean the same in every model.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -15,7 +16,7 @@ namespace wheeltap::inference {
 /// models are watched anyway.
 struct Watched {
   std::string name;
-  ChainsOf draws;
+  std::function<ChainsOf()> draws;  ///< asked for when it is judged, one after another
 };
 
 struct Mixing {

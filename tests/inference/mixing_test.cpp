@@ -69,8 +69,8 @@ TEST(Mixing, ModelsThatChangeSeldomAreTooFewUnlessTheirProbabilityIsKnown) {
 
 TEST(Mixing, WhatIsWatchedIsJudgedAndTheWorstIsNamed) {
   const Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
-  const Mixing found =
-      mixed(posterior, {{"first location", quantity(0.0)}, {"side", quantity(1.0)}});
+  const Mixing found = mixed(posterior, {{"first location", [] { return quantity(0.0); }},
+                                         {"side", [] { return quantity(1.0); }}});
   ASSERT_EQ(found.rhats.size(), 6U);
   EXPECT_EQ(found.rhats[4].first, "first location");
   EXPECT_LT(found.rhats[4].second, kLimits.rhat);
@@ -82,8 +82,11 @@ TEST(Mixing, WhatIsWatchedIsJudgedAndTheWorstIsNamed) {
 
 TEST(Mixing, AnRhatThatIsNoNumberIsTheWorst) {
   const Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
-  const Mixing found = mixed(posterior, {{"broken", ChainsOf(4, {made_up::kNaN, 0.0, 1.0, 2.0})},
-                                         {"side", quantity(1.0)}});
+  const Mixing found = mixed(posterior, {{"broken",
+                                          [] {
+                                            return ChainsOf(4, {made_up::kNaN, 0.0, 1.0, 2.0});
+                                          }},
+                                         {"side", [] { return quantity(1.0); }}});
   EXPECT_EQ(found.rhat_worst, "broken");
   EXPECT_TRUE(std::isnan(found.rhat_max));
 }

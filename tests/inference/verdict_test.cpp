@@ -248,10 +248,11 @@ TEST(Verdict, ChainsMustAgreeAboutModelsPosteriorAndWhatIsWatched) {
               Contains(testing::AnyOf(of_quantity<ChainsDisagree>("P(one)"),
                                       of_quantity<ChainsDisagree>("P(two)"))));
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
-  Watched watched{.name = "frequency 1", .draws = {}};
-  for (const auto& chain : posterior.chains) watched.draws.push_back(chain.log_likelihood);
+  ChainsOf draws;
+  for (const auto& chain : posterior.chains) draws.push_back(chain.log_likelihood);
+  const Watched watched{.name = "frequency 1", .draws = [&draws] { return draws; }};
   EXPECT_TRUE(judge(posterior, {watched}).converged);
-  for (double& x : watched.draws[2]) x += 1.0;
+  for (double& x : draws[2]) x += 1.0;
   const Verdict verdict = judge(posterior, {watched});
   EXPECT_THAT(verdict.not_established, ElementsAre(of_quantity<ChainsDisagree>("frequency 1")));
   EXPECT_EQ(verdict.rhat_worst, "frequency 1");
