@@ -65,6 +65,12 @@ std::vector<Ring> joined_rings(const Outline& outline, double near) {
         p = *known;
     }
   for (Ring& ring : rings) {
+    std::set<std::pair<double, double>> distinct;
+    for (const Eigen::Vector2d& p : ring) distinct.emplace(p.x(), p.y());
+    if (distinct.size() < 3)
+      throw std::invalid_argument(
+          "outline: a region or hole is lost beside the section's size, of which its corners are "
+          "within a billionth of each other");
     Ring split;
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Eigen::Vector2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
@@ -99,6 +105,8 @@ class Refinement {
     ratio_squared_ = 0.25 / (sine * sine);  // (R / shortest edge)² = 1 / (2 sin angle)²
     shortest_squared_ = std::pow(kShortest * size, 2);
     for (const Ring& ring : joined_rings(outline, kTouch * size)) insert(ring);
+    if (triangulation_.dimension() < 2)
+      throw std::invalid_argument("outline: all its corners are on one line");
     mark_sharp_corners();
     mark_regions(outline);
   }

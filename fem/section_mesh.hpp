@@ -21,8 +21,8 @@ struct SectionMeshOptions {
 /// powers of two.
 ///
 /// The outline is held against `checked` first. Throws std::invalid_argument for what that refuses,
-/// for options out of range, for a section in several pieces, and for an outline whose mesh would
-/// have more than `most_points`.
+/// for options out of range, for a section in several pieces, for a region that is nothing beside
+/// the others, and for an outline whose mesh would have more than `most_points`.
 [[nodiscard]] TriangleMesh section_mesh(const Outline& outline,
                                         const SectionMeshOptions& options = {});
 

@@ -119,8 +119,8 @@ def announced(program, case, out):
     except subprocess.TimeoutExpired:
         return False
     text = asked.stdout.decode(errors="replace")
-    seconds = sum(float(n.replace(" ", "")) * (3600 if unit == "h" else 1)
-                  for n, unit in re.findall(r", ([0-9][0-9. e+]*) (s|h)\b", text))
+    seconds = sum(float(n.replace(" ", "")) * {"s": 1, "min": 60, "h": 3600}[unit]
+                  for n, unit in re.findall(r", ([0-9][0-9. e+]*) (s|min|h)\b", text))
     gigabytes = max([float(n) for n in re.findall(r"about ([0-9.e+-]+) GB", text)], default=0.0)
     # An estimate is right within a factor of ten.
     return seconds > SECONDS / 10 or gigabytes > BYTES / 1e9 / 10

@@ -158,6 +158,13 @@ TEST(SectionMesh, Refuses) {
                            {.coarseness = 1e-3, .most_points = 1000});
       },
       {"1000", "most_points"});
+  // Beside a sliver of 10^12 all corners of the first are one, and nothing is left to mesh.
+  expect_refusal(
+      [] {
+        (void)section_mesh({{{.outer = rectangle(0, 0, 0.1, 0.2)},
+                             {.outer = {{0.02, 0}, {0.08, 0.5}, {0.08, 1e12}, {0.02, 0.01}}}}});
+      },
+      {"outline", "lost", "billionth"});
 }
 
 }  // namespace
