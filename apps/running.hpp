@@ -25,8 +25,9 @@ class CheckpointFile;
 [[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
 
 /// While it lives, Ctrl-C (or SIGTERM, SIGUSR1, which mpirun hands on to its ranks, or SIGHUP
-/// unless it was ignored) asks the engine to stop: the run ends with what there is. A second one
-/// ends the program.
+/// unless it was ignored) asks the engine to stop: the run ends with what there is. Another one, a
+/// second later or more, ends the program; sooner it is the same wish. Once asked, they stay
+/// caught.
 class StopOnInterrupt {
  public:
   StopOnInterrupt();
