@@ -2,6 +2,8 @@
 
 #include <charconv>
 #include <iostream>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include "apps/several_ranks.hpp"
@@ -20,11 +22,63 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kSeal = 16;  // digits
 constexpr const char* kWhat = "a checkpoint of wheeltap";
+constexpr std::string_view kPartPrefix = "checkpoint-";
 
 bool is_sealed(std::string_view bytes) {
   return bytes.starts_with(io::kNetcdfMagic) && bytes.size() > kSeal &&
          io::fingerprint(bytes.substr(0, bytes.size() - kSeal)) ==
              bytes.substr(bytes.size() - kSeal);
+}
+
+std::string_view seal_of(std::string_view bytes) {
+  return bytes.substr(bytes.size() - kSeal);
+}
+
+// The files of parts in a folder, by their numbers, written to the end or not.
+std::set<long> parts_in(const fs::path& folder) {
+  std::set<long> numbers;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kPartPrefix)) continue;
+    long number = -1;
+    const char* from = name.data() + kPartPrefix.size();
+    const auto [end, error] = std::from_chars(from, name.data() + name.size(), number);
+    const std::string_view rest(end, static_cast<std::size_t>(name.data() + name.size() - end));
+    if (error == std::errc{} && number >= 0 && (rest == ".nc" || rest.starts_with(".nc.part")))
+      numbers.insert(number);
+  }
+  return numbers;
+}
+
+// Removes a part that is ours and what a killed run left of one half-written; false where there is
+// another file of that name.
+bool remove_part(const fs::path& path) {
+  { const io::AtomicFile writable(path); }
+  if (!fs::exists(path)) return true;
+  if (!is_sealed(io::read_bytes(path))) return false;
+  std::error_code ignored;
+  fs::remove(path, ignored);
+  return true;
+}
+
+void write_state(const io::NetcdfWriter& file, const Checkpoint& checkpoint) {
+  const int state = file.group("state");
+  for (const auto& [name, column] : checkpoint.columns) {
+    std::visit([&, &name = name](const auto& numbers) { file.column(state, name, numbers); },
+               column);
+  }
+}
+
+// Returns the seal.
+std::string write_sealed(const fs::path& path, io::NetcdfWriter& file) {
+  const std::string bytes = file.close();
+  std::string seal = io::fingerprint(bytes);
+  io::AtomicFile whole(path);
+  whole.write(bytes);
+  whole.append(seal);
+  whole.commit();
+  return seal;
 }
 
 [[noreturn]] void differs(const fs::path& path, const std::string& how) {
@@ -78,6 +132,18 @@ bool with_column_of(nc_type type, F&& f) {
   return false;
 }
 
+Checkpoint read_state(const io::NetcdfReader& file) {
+  const int state = file.required_group("state");
+  Checkpoint read;
+  for (const std::string& name : file.variables(state)) {
+    const bool known = with_column_of(file.type(state, name), [&](auto numbers) {
+      read.columns[name] = file.column<decltype(numbers)>(state, name);
+    });
+    if (!known) file.foreign("has another \"" + name + "\"");
+  }
+  return read;
+}
+
 }  // namespace
 
 CheckpointFile::CheckpointFile(const fs::path& folder, CheckpointOf of, const CommonOptions& common,
@@ -85,14 +151,17 @@ CheckpointFile::CheckpointFile(const fs::path& folder, CheckpointOf of, const Co
     : path_(folder / kName), of_(std::move(of)), every_seconds_(common.checkpoint_seconds) {
   const auto bytes = first_rank_says([&]() -> std::optional<std::string> {
     { const io::AtomicFile writable(path_); }  // and what a killed run left half-written is gone
-    if (!fs::exists(path_)) return {};
-    std::string found = io::read_bytes(path_);
-    if (common.resume) return found;
-    if (!is_sealed(found)) {
-      throw FileError(FileError::Kind::unwritable, path_,
+    const bool there = fs::exists(path_);
+    std::string found = there ? io::read_bytes(path_) : std::string();
+    if (there && common.resume) return found;
+    const auto in_the_way = [](const fs::path& path) {
+      throw FileError(FileError::Kind::unwritable, path,
                       std::string("is in the way: not ") + kWhat + ", and not to be written over");
-    }
-    remove();
+    };
+    if (there && !is_sealed(found)) in_the_way(path_);
+    for (const long number : parts_in(path_.parent_path()))
+      if (!remove_part(part(number))) in_the_way(part(number));
+    if (there) remove();
     return {};
   });
   if (bytes) read(*bytes, others_pass);
@@ -135,18 +204,13 @@ void CheckpointFile::read(std::string bytes, bool others_pass) {
       differs(path_, how);
     }
     refined_ = refined_of(Report::parse(text("repeat")));
+    for (const Json& part : Json::parse(text("parts")))
+      seals_[part.at(0).get<long>()] = part.at(1).get<std::string>();
   } catch (const Json::exception&) {
     file.foreign("has texts that cannot be read");
   }
-  const int state = file.required_group("state");
-  auto read = std::make_shared<Checkpoint>();
-  for (const std::string& name : file.variables(state)) {
-    const bool known = with_column_of(file.type(state, name), [&](auto numbers) {
-      read->columns[name] = file.column<decltype(numbers)>(state, name);
-    });
-    if (!known) file.foreign("has another \"" + name + "\"");
-  }
-  from_ = std::move(read);
+  from_ = std::make_shared<const Checkpoint>(read_state(file));
+  if (!seals_.empty()) first_ = seals_.begin()->first - inference::parts_of(*from_).first;
   kept_ = true;
 }
 
@@ -164,29 +228,72 @@ void CheckpointFile::save(const Checkpoint& checkpoint) {
     text("options", of_.options.dump());
     text("case", of_.case_json.dump());
     text("repeat", place_of(refined_).dump());
-    const int state = file.group("state");
-    for (const auto& [name, column] : checkpoint.columns) {
-      std::visit([&, &name = name](const auto& numbers) { file.column(state, name, numbers); },
-                 column);
-    }
-    std::string bytes = file.close();
-    bytes += io::fingerprint(bytes);
-    io::AtomicFile whole(path_);
-    whole.write(bytes);
-    whole.commit();
+    const auto [first_part, parts] = inference::parts_of(checkpoint);
+    const long first = first_ + first_part;
+    Json seals = Json::array();
+    for (long n = first; n < first + parts; ++n) seals.push_back({n, seals_.at(n)});
+    text("parts", seals.dump());
+    write_state(file, checkpoint);
+    write_sealed(path_, file);
     kept_ = true;
+    // Those that no checkpoint stands on any more.
+    for (; !seals_.empty() && seals_.begin()->first < first; seals_.erase(seals_.begin()))
+      remove_part(part(seals_.begin()->first));
   } catch (const FileError& error) {
-    if (!std::exchange(warned_, true)) {
-      std::cerr << "wheeltap: no checkpoint, the run goes on without: " << error.what() << '\n';
-    }
+    warn(error);
   }
+}
+
+bool CheckpointFile::save_draws(const Checkpoint& draws, long number) {
+  number += first_;
+  try {
+    io::NetcdfWriter file(part(number));
+    file.text(file.root(), NC_GLOBAL, "wheeltap_checkpoint", std::to_string(Checkpoint::kFormat));
+    write_state(file, draws);
+    seals_[number] = write_sealed(part(number), file);
+    return true;
+  } catch (const FileError& error) {
+    warn(error);
+    return false;
+  }
+}
+
+Checkpoint CheckpointFile::saved_draws(long number) const {
+  number += first_;
+  const auto seal = seals_.find(number);
+  const fs::path path = part(number);
+  const auto damaged = [&](const std::string& how) {
+    return FileError(FileError::Kind::corrupt, path, how + ": " + path_.string() + " needs it");
+  };
+  if (seal == seals_.end()) throw damaged("is not known");
+  auto bytes = first_rank_says([&]() -> std::optional<std::string> {
+    if (!fs::exists(path)) throw damaged("is not there");
+    return io::read_bytes(path);
+  });
+  if (!is_sealed(*bytes) || seal_of(*bytes) != seal->second)
+    throw damaged("is truncated or damaged, or of another checkpoint");
+  bytes->resize(bytes->size() - kSeal);
+  return read_state(io::NetcdfReader(std::move(*bytes), path, kWhat));
+}
+
+fs::path CheckpointFile::part(long number) const {
+  return path_.parent_path() / (std::string(kPartPrefix) + std::to_string(number) + ".nc");
+}
+
+void CheckpointFile::warn(const std::exception& error) {
+  if (!std::exchange(warned_, true))
+    std::cerr << "wheeltap: no checkpoint, the run goes on without: " << error.what() << '\n';
 }
 
 void CheckpointFile::attach(inference::Options& engine) {
   engine.checkpoints.from = std::exchange(from_, nullptr);
+  engine.checkpoints.saved_draws = [this](long number) { return saved_draws(number); };
   if (every_seconds_ <= 0.0) return;
   engine.checkpoints.every_seconds = every_seconds_;
   engine.checkpoints.save = [this](const Checkpoint& checkpoint) { save(checkpoint); };
+  engine.checkpoints.save_draws = [this](const Checkpoint& draws, long number) {
+    return save_draws(draws, number);
+  };
 }
 
 void CheckpointFile::discard(const fs::path& folder) {
@@ -194,6 +301,8 @@ void CheckpointFile::discard(const fs::path& folder) {
   { const io::AtomicFile writable(path); }
   std::error_code ignored;
   if (fs::exists(path) && is_sealed(io::read_bytes(path))) fs::remove(path, ignored);
+  for (const long number : parts_in(folder))
+    remove_part(folder / (std::string(kPartPrefix) + std::to_string(number) + ".nc"));
 }
 
 void CheckpointFile::remove() {
@@ -201,6 +310,8 @@ void CheckpointFile::remove() {
   std::error_code ignored;
   fs::remove(path_, ignored);
   kept_ = false;
+  for (const long number : parts_in(path_.parent_path())) remove_part(part(number));
+  seals_.clear();
 }
 
 }  // namespace wheeltap::apps

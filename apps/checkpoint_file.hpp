@@ -1,7 +1,9 @@
 // A run's checkpoint beside its results: written while it runs, taken up by --resume.
 #pragma once
 
+#include <exception>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,9 +24,11 @@ struct CheckpointOf {
   Json case_json;  ///< with what the command line overrode
 };
 
-/// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case, and
-/// what of it a sid run is repeating), a group "state" (inference::Checkpoint), and behind it 16
-/// hexadecimal digits, the fingerprint of all bytes before.
+/// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case, what
+/// of it a sid run is repeating, and the seals of the parts), a group "state"
+/// (inference::Checkpoint), and behind it 16 hexadecimal digits, the fingerprint of all bytes
+/// before. Where there are many draws, FOLDER/checkpoint-N.nc has a part of them, in the same way,
+/// without "run".
 class CheckpointFile {
  public:
   static constexpr const char* kName = "checkpoint.nc";
@@ -42,7 +46,10 @@ class CheckpointFile {
     return refined_;
   }
   /// The run is repeated like this from here on.
-  void repeat(const identification::StepsRefined& refined) { refined_ = refined; }
+  void repeat(const identification::StepsRefined& refined) {
+    refined_ = refined;
+    if (!seals_.empty()) first_ = seals_.rbegin()->first + 1;  // the last one's are needed yet
+  }
   /// Makes the engine save here, and go on from what was read the first time. Where a checkpoint
   /// cannot be written, a line on standard error says so once and the run goes on.
   void attach(inference::Options& engine);
@@ -57,12 +64,18 @@ class CheckpointFile {
  private:
   void read(std::string bytes, bool others_pass);
   void save(const inference::Checkpoint& checkpoint);
+  bool save_draws(const inference::Checkpoint& draws, long number);
+  [[nodiscard]] inference::Checkpoint saved_draws(long number) const;
+  [[nodiscard]] std::filesystem::path part(long number) const;
+  void warn(const std::exception& error);
 
   std::filesystem::path path_;
   CheckpointOf of_;
   double every_seconds_;
   std::shared_ptr<const inference::Checkpoint> from_;
   std::optional<identification::StepsRefined> refined_;
+  std::map<long, std::string> seals_;  // of the parts of the draws, by the numbers of their files
+  long first_ = 0;                     // number of the file that has the engine's part 0
   bool kept_ = false, warned_ = false;
 };
 

@@ -16,13 +16,13 @@ std::string variable_of(const std::string& parameter) {
 }
 
 DrawColumn model_column(const inference::Posterior& posterior) {
-  std::vector<int> models;
-  for (const auto& chain : posterior.chains)
-    models.insert(models.end(), chain.model.begin(), chain.model.end());
   std::string names;
   for (const auto& model : posterior.space->models())
     names += (names.empty() ? "" : ";") + model.name;
-  return {.name = "model", .values = std::move(models), .names = std::move(names)};
+  return {.name = "model",
+          .value = [](const auto& chain, std::size_t i, std::size_t) { return chain.model[i]; },
+          .whole = true,
+          .names = std::move(names)};
 }
 
 DrawColumn parameter_column(const inference::Posterior& posterior, int parameter, std::string name,
@@ -34,14 +34,12 @@ DrawColumn parameter_column(const inference::Posterior& posterior, int parameter
     places.push_back(found == m.parameters.end() ? -1
                                                  : static_cast<int>(found - m.parameters.begin()));
   }
-  std::vector<double> values;
-  for (const auto& c : posterior.chains) {
-    for (std::size_t i = 0; i < c.size(); ++i) {
-      const int at = places[static_cast<std::size_t>(c.model[i])];
-      values.push_back(at < 0 ? std::nan("") : c.theta[i * width + static_cast<std::size_t>(at)]);
-    }
-  }
-  return {.name = std::move(name), .values = std::move(values), .unit = std::move(unit)};
+  auto value = [places = std::move(places), width](const inference::Chain& c, std::size_t i,
+                                                   std::size_t) {
+    const int at = places[static_cast<std::size_t>(c.model[i])];
+    return at < 0 ? std::nan("") : c.theta[i * width + static_cast<std::size_t>(at)];
+  };
+  return {.name = std::move(name), .value = std::move(value), .unit = std::move(unit)};
 }
 
 std::vector<DrawColumn> parameter_columns(const inference::Posterior& posterior) {
@@ -66,9 +64,12 @@ void write_draws(const io::NetcdfWriter& file, const inference::Posterior& poste
         slots[column.slot] = file.dimension(group, column.slot.c_str(), column.slots, 1);
       dimensions.push_back(slots[column.slot]);
     }
-    const int id = std::visit(
-        [&](const auto& values) { return file.put(group, column.name, dimensions, values); },
-        column.values);
+    const auto put = [&](auto number) {
+      return file.put_rows<decltype(number)>(
+          group, column.name, dimensions,
+          [&](std::size_t c, auto& row) { column.append(posterior.chains[c], row); });
+    };
+    const int id = column.whole ? put(int{}) : put(double{});
     if (!column.unit.empty()) file.text(group, id, "units", column.unit);
     if (!column.names.empty()) file.text(group, id, "names", column.names);
   }

@@ -2,8 +2,8 @@
 // other programs are given.
 #pragma once
 
+#include <functional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "inference/posterior.hpp"
@@ -11,15 +11,23 @@
 
 namespace wheeltap::apps {
 
-/// One number a draw, or one a draw and slot (NaN in slots that a draw does not use), chain by
-/// chain.
+/// One number a draw, or one a draw and slot (NaN in slots that a draw does not use). It holds none
+/// of them: millions of draws have many columns.
 struct DrawColumn {
   std::string name;
-  std::variant<std::vector<int>, std::vector<double>> values;
+  std::function<double(const inference::Chain&, std::size_t draw, std::size_t slot)> value;
+  bool whole = false;  ///< whole numbers
   std::string unit = {};
   std::string slot = {};  ///< name of the dimension of slots; empty where there are none
   std::size_t slots = 1;
   std::string names = {};  ///< what whole numbers stand for, joined by ";"
+
+  /// Appends the numbers of a chain, draw by draw.
+  template <class Number>
+  void append(const inference::Chain& chain, std::vector<Number>& to) const {
+    for (std::size_t i = 0; i < chain.size(); ++i)
+      for (std::size_t s = 0; s < slots; ++s) to.push_back(static_cast<Number>(value(chain, i, s)));
+  }
 };
 
 /// The variable of the group `posterior` that holds a parameter: its name, with "_" for what NetCDF

@@ -14,48 +14,43 @@ namespace wheeltap::apps {
 using namespace identification;
 
 void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior& posterior,
-                        const std::vector<int>& k) {
-  const std::size_t chains = posterior.chains.size();
-  const std::size_t draws = posterior.chains[0].model.size();
-  const auto each = [&](auto value) {
-    using Number = decltype(value(posterior.chains[0], std::size_t{0}));
-    std::vector<Number> all;
-    all.reserve(chains * draws);
-    for (const auto& chain : posterior.chains) {
-      for (std::size_t i = 0; i < draws; ++i) all.push_back(value(chain, i));
-    }
-    return all;
-  };
+                        const DrawColumn& k) {
+  using inference::Chain;
   const int group = file.group("sample_stats");
-  const int chain = file.dimension(group, "chain", chains, 0);
-  const int draw = file.dimension(group, "draw", draws, 0);
-  file.put(group, "lp", {chain, draw}, each([](const inference::Chain& c, std::size_t i) {
-             return c.log_prior[i] + c.log_likelihood[i];
-           }));
-  file.put(group, "log_likelihood", {chain, draw},
-           each([](const inference::Chain& c, std::size_t i) { return c.log_likelihood[i]; }));
-  file.put(group, "k", {chain, draw}, k);
-  const int move = file.put(
-      group, "move", {chain, draw},
-      each([](const inference::Chain& c, std::size_t i) { return static_cast<int>(c.move[i]); }),
+  const int chain = file.dimension(group, "chain", posterior.chains.size(), 0);
+  const int draw = file.dimension(group, "draw", posterior.chains[0].size(), 0);
+  const auto put = [&](auto number, const char* name, const auto& value,
+                       nc_type type = io::kNetcdfType<decltype(number)>) {
+    return file.put_rows<decltype(number)>(
+        group, name, {chain, draw},
+        [&](std::size_t c, auto& row) {
+          const Chain& from = posterior.chains[c];
+          for (std::size_t i = 0; i < from.size(); ++i) row.push_back(value(from, i));
+        },
+        type);
+  };
+  put(0.0, "lp",
+      [](const Chain& c, std::size_t i) { return c.log_prior[i] + c.log_likelihood[i]; });
+  put(0.0, "log_likelihood", [](const Chain& c, std::size_t i) { return c.log_likelihood[i]; });
+  put(0, "k", [&](const Chain& c, std::size_t i) { return static_cast<int>(k.value(c, i, 0)); });
+  const int move = put(
+      0, "move", [](const Chain& c, std::size_t i) { return static_cast<int>(c.move[i]); },
       NC_SHORT);
   std::string names;
   for (const auto& m : posterior.moves) names += (names.empty() ? "" : ";") + m.name;
   file.text(group, move, "names", names);
   if (!posterior.log_weight.empty()) {
     const std::vector<double> of_model = model_weights(posterior);
-    const int weight = file.put(group, "weight", {chain, draw},
-                                each([&](const inference::Chain& c, std::size_t i) {
-                                  return of_model[static_cast<std::size_t>(c.model[i])];
-                                }));
+    const int weight = put(0.0, "weight", [&](const Chain& c, std::size_t i) {
+      return of_model[static_cast<std::size_t>(c.model[i])];
+    });
     file.text(
         group, weight, "description",
         "what a draw counts in averages over models, which were sampled evenly; 1 on average");
   }
-  file.put(group, "accepted", {chain, draw}, each([](const inference::Chain& c, std::size_t i) {
-             return static_cast<int>(c.accepted[i]);
-           }),
-           NC_BYTE);
+  put(
+      0, "accepted", [](const Chain& c, std::size_t i) { return static_cast<int>(c.accepted[i]); },
+      NC_BYTE);
 }
 
 namespace {
@@ -120,20 +115,22 @@ std::vector<DrawColumn> damage_columns(const DamageProblem& problem,
   const auto width = static_cast<std::size_t>(posterior.dimension);
   const bool several = damage_case.kinds.size() > 1;
   // The number of defects in each draw, of one kind or of all.
-  const auto counts = [&](int kind) {
-    std::vector<int> all;
-    for (const auto& chain : posterior.chains) {
-      for (const int m : chain.model) {
-        int sum = 0;
-        for (std::size_t k = 0; k < damage_case.kinds.size(); ++k)
-          if (kind < 0 || static_cast<int>(k) == kind) sum += space[m].counts[k];
-        all.push_back(sum);
-      }
+  const auto counts = [&](std::string name, int kind) {
+    std::vector<int> of_model;
+    for (const auto& m : space.models()) {
+      int& sum = of_model.emplace_back(0);
+      for (std::size_t k = 0; k < damage_case.kinds.size(); ++k)
+        if (kind < 0 || static_cast<int>(k) == kind) sum += m.counts[k];
     }
-    return all;
+    return DrawColumn{
+        .name = std::move(name),
+        .value = [of_model = std::move(of_model)](
+                     const inference::Chain& chain, std::size_t i,
+                     std::size_t) { return of_model[static_cast<std::size_t>(chain.model[i])]; },
+        .whole = true};
   };
 
-  std::vector<DrawColumn> columns = {model_column(posterior), {.name = "k", .values = counts(-1)}};
+  std::vector<DrawColumn> columns = {model_column(posterior), counts("k", -1)};
   for (int p = 0; p < problem.common; ++p) {
     columns.push_back(parameter_column(
         posterior, p, common_variable(space.parameters()[static_cast<std::size_t>(p)].name)));
@@ -143,26 +140,21 @@ std::vector<DrawColumn> damage_columns(const DamageProblem& problem,
     if (kind.max_count == 0) continue;
     const auto slots = static_cast<std::size_t>(kind.max_count);
     const std::string prefix = several ? kind.name + "_" : "";
-    if (several)
-      columns.push_back({.name = "k_" + kind.name, .values = counts(static_cast<int>(k))});
+    if (several) columns.push_back(counts("k_" + kind.name, static_cast<int>(k)));
     const auto parameters = static_cast<std::size_t>(kind.parameters());
     // One number a draw and slot, NaN where there are fewer defects.
-    const auto add = [&](const std::string& name, const std::string& unit, std::size_t p,
-                         auto&& of) {
-      std::vector<double> values;
-      for (const auto& c : posterior.chains) {
-        for (std::size_t i = 0; i < c.size(); ++i) {
-          const auto& m = space[c.model[i]];
-          for (std::size_t s = 0; s < slots; ++s) {
-            values.push_back(static_cast<int>(s) < m.counts[k]
-                                 ? of(c.theta[i * width + static_cast<std::size_t>(m.offsets[k]) +
-                                              parameters * s + p])
-                                 : std::nan(""));
-          }
-        }
-      }
+    const auto add = [&](const std::string& name, const std::string& unit, std::size_t p, auto of) {
+      std::vector<std::pair<std::size_t, std::size_t>> places;  // slots used, and where they begin
+      for (const auto& m : space.models())
+        places.emplace_back(m.counts[k], static_cast<std::size_t>(m.offsets[k]) + p);
       columns.push_back({.name = prefix + name,
-                         .values = std::move(values),
+                         .value =
+                             [places = std::move(places), of, width, parameters](
+                                 const inference::Chain& c, std::size_t i, std::size_t slot) {
+                               const auto [used, at] = places[static_cast<std::size_t>(c.model[i])];
+                               return slot < used ? of(c.theta[i * width + at + parameters * slot])
+                                                  : std::nan("");
+                             },
                          .unit = unit,
                          .slot = prefix + "slot",
                          .slots = slots});
@@ -172,9 +164,9 @@ std::vector<DrawColumn> damage_columns(const DamageProblem& problem,
       add("location", "m", 0, itself);
     } else {
       add(kind.site_name(), "", 0,
-          [&](double x) { return static_cast<double>(kind.line.spot(x).site); });
+          [&kind](double x) { return static_cast<double>(kind.line.spot(x).site); });
       if (kind.type->sites == DefectType::Sites::members)
-        add("location", "m", 0, [&](double x) { return kind.line.spot(x).s; });
+        add("location", "m", 0, [&kind](double x) { return kind.line.spot(x).s; });
     }
     if (parameters > 1) add(kind.severity_name(), kind.severity_unit(), 1, itself);
   }
@@ -197,33 +189,31 @@ std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
 
   write_draws(file, posterior, columns);
-  write_sample_stats(file, posterior, std::get<std::vector<int>>(columns[1].values));
+  write_sample_stats(file, posterior, columns[1]);
   if (posterior.predictions == data.modes()) {
     const int group = file.group("posterior_predictive");
     const int chain = file.dimension(group, "chain", chains, 0);
     const int draw = file.dimension(group, "draw", draws, 0);
     const int mode = file.dimension(group, "mode", modes, 1);
     const NoiseModel noise = problem.noise();
-    const auto variances = emulator_variances(problem, posterior);
+    EmulatorVariances variances(problem);
     const std::vector<double> off = inferred_scatter(problem, posterior);
-    std::vector<float> values;
-    values.reserve(chains * draws * modes);
-    for (std::size_t c = 0; c < chains; ++c) {
+    const auto replicate = [&](std::size_t c, std::vector<float>& values) {
       const auto& from = posterior.chains[c];
       for (std::size_t i = 0; i < draws; ++i) {
+        const std::span<const double> x(from.theta.data() + i * width, width);
+        const std::span<const double> variance = variances.next(from.model[i], x);
         base::Random random(seed, c, i, base::Purpose::prediction);
         for (std::size_t m = 0; m < modes; ++m) {
           const double f = from.prediction[i * modes + m];
-          const double sd =
-              off[m] > 0.0
-                  ? off[m]
-                  : noise.replicate_sd(m, f, noise.cv({from.theta.data() + i * width, width}),
-                                       variances.empty() ? 0.0 : variances[c][i * modes + m]);
+          const double sd = off[m] > 0.0 ? off[m]
+                                         : noise.replicate_sd(m, f, noise.cv(x),
+                                                              variance.empty() ? 0.0 : variance[m]);
           values.push_back(static_cast<float>(f + (std::isnan(sd) ? 0.0 : sd) * random.normal()));
         }
       }
-    }
-    const int id = file.put(group, "frequency", {chain, draw, mode}, values);
+    };
+    const int id = file.put_rows<float>(group, "frequency", {chain, draw, mode}, replicate);
     file.text(group, id, "units", "Hz");
   }
   {

@@ -12,9 +12,9 @@
 
 namespace wheeltap::apps {
 
-/// The group sample_stats; `k` has one number a draw, chain by chain.
+/// The group sample_stats; `k` is the number of something in each draw.
 void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior& posterior,
-                        const std::vector<int>& k);
+                        const DrawColumn& k);
 
 /// The variable of the group `posterior` that holds an unknown: "location", "support_location",
 /// "cov".

@@ -22,7 +22,7 @@ std::string posterior_nc(const std::string& run, const ProblemFile& parsed,
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", parsed.title);
   write_draws(file, posterior, columns);
-  write_sample_stats(file, posterior, std::get<std::vector<int>>(columns[0].values));
+  write_sample_stats(file, posterior, columns[0]);
   return file.close();
 }
 

@@ -145,14 +145,13 @@ std::string sid_posterior_file(const std::string& run, const SidCaseFile& parsed
   const auto responses = sid_case.responses();
   const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
   const std::vector<DrawColumn> columns = sid_columns(problem, posterior);
-  const auto& model_of_draw = std::get<std::vector<int>>(columns[0].values);
 
   io::NetcdfWriter file("posterior.nc");
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", sid_case.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
   write_draws(file, posterior, columns);
-  write_sample_stats(file, posterior, model_of_draw);
+  write_sample_stats(file, posterior, columns[0]);
 
   const auto names = variable_names(sid_case);
   const std::size_t each = predictive.draws.size() / chains;
@@ -196,9 +195,9 @@ std::string sid_posterior_file(const std::string& run, const SidCaseFile& parsed
     int most = 0;
     std::vector<double> visits(static_cast<std::size_t>(space.size()));
     const std::vector<double> weights = model_weights(posterior);
-    for (const int m : model_of_draw) {
-      visits[static_cast<std::size_t>(m)] += weights[static_cast<std::size_t>(m)];
-    }
+    for (const inference::Chain& chain : posterior.chains)
+      for (const int m : chain.model)
+        visits[static_cast<std::size_t>(m)] += weights[static_cast<std::size_t>(m)];
     most = static_cast<int>(std::ranges::max_element(visits) - visits.begin());
     const auto theta = posterior_mean(problem, posterior, most);
     for (std::size_t c = 0; c < responses.size(); ++c) {

@@ -26,13 +26,11 @@ void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem
   const int draw = file.dimension(group, "draw", shape.draws, 0);
   const int mode = file.dimension(group, "mode", shape.modes, 1);
   const auto& observed = problem.update_case.data.frequencies_hz;
-  std::vector<float> values;
-  values.reserve(shape.chains * shape.draws * shape.modes);
   Eigen::VectorXd noise(static_cast<Eigen::Index>(shape.modes));
   const bool scatters_vary = problem.cov >= 0 || problem.discrepancy >= 0 ||
                              (problem.outside && problem.outside->emulator);
   Eigen::MatrixXd root;
-  for (std::size_t c = 0; c < shape.chains; ++c) {
+  const auto replicate = [&](std::size_t c, std::vector<float>& values) {
     const auto& from = posterior.chains[c];
     for (std::size_t i = 0; i < shape.draws; ++i) {
       if (scatters_vary || root.size() == 0) {
@@ -52,8 +50,8 @@ void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem
                              : static_cast<float>(from.prediction[i * shape.modes + m] +
                                                   moved[static_cast<Eigen::Index>(m)]));
     }
-  }
-  const int id = file.put(group, "frequency", {chain, draw, mode}, values);
+  };
+  const int id = file.put_rows<float>(group, "frequency", {chain, draw, mode}, replicate);
   file.text(group, id, "units", "Hz");
 }
 
@@ -72,7 +70,9 @@ std::string update_posterior_file(const std::string& run, const UpdateCaseFile& 
   file.text(file.root(), NC_GLOBAL, "title", parsed.update.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
   write_draws(file, posterior, parameter_columns(posterior));
-  write_sample_stats(file, posterior, std::vector<int>(shape.chains * shape.draws, 0));
+  write_sample_stats(
+      file, posterior,
+      {.name = "k", .value = [](const auto&, std::size_t, std::size_t) { return 0; }});
   if (posterior.predictions == data.modes())
     write_replicates(file, problem, posterior, shape, seed);
   {

@@ -209,7 +209,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     return static_cast<double>(posterior.chains[c].prediction[i * modes + mode]);
   };
   const NoiseModel noise = problem.noise();
-  const std::vector<std::vector<double>> variances = emulator_variances(problem, posterior);
+  EmulatorVariances emulator_error(problem);
   long stride = emulator_stride(problem);
   constexpr long kSolved = 2000, kKept = 20'000;
   long all = 0;
@@ -224,13 +224,14 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   std::vector<double> mean_residual(modes), spurious(modes), densities(modes);
   SingleModes single(problem);
   draws.for_each([&](std::size_t c, std::size_t i) {
-    if (visited++ % stride != 0) return;
     const std::span<const double> x(posterior.chains[c].theta.data() + i * width, width);
+    const auto variances = emulator_error.next(posterior.chains[c].model[i], x);
+    if (visited++ % stride != 0) return;
     const double weight = draws.weight(c, i);
     double squares = 0.0;
     for (std::size_t mode = 0; mode < modes && !problem.by_modes(); ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
-      const double variance = variances.empty() ? 0.0 : variances[c][i * modes + mode];
+      const double variance = variances.empty() ? 0.0 : variances[mode];
       const double sd = noise.sd(mode, noise.cv(x), variance);
       const double r = (data.frequencies_hz[mode] - prediction(c, i, mode)) / sd;
       densities[mode] = -0.5 * r * r - std::log(sd);
@@ -402,29 +403,21 @@ void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
 
 }  // namespace
 
-std::vector<std::vector<double>> emulator_variances(const DamageProblem& problem,
-                                                    const Posterior& posterior) {
-  if (!problem.emulator || problem.exact()) return {};
-  FrequencyPredictor predictor(problem);
-  const auto modes = static_cast<std::size_t>(problem.damage_case.data.modes());
-  const auto width = static_cast<std::size_t>(posterior.dimension);
-  const long stride = emulator_stride(problem);
-  std::vector<std::vector<double>> out, last(static_cast<std::size_t>(posterior.space->size()));
-  std::vector<double> ignored(modes);
-  long visited = 0;
-  for (const auto& chain : posterior.chains) {
-    out.emplace_back().reserve(chain.model.size() * modes);
-    for (std::size_t i = 0; i < chain.model.size(); ++i) {
-      auto& variance = last[static_cast<std::size_t>(chain.model[i])];
-      if (visited++ % stride == 0 || variance.empty()) {
-        variance.resize(modes);
-        predictor.emulate(chain.model[i], {chain.theta.data() + i * width, width}, ignored,
-                          variance);
-      }
-      out.back().insert(out.back().end(), variance.begin(), variance.end());
-    }
+EmulatorVariances::EmulatorVariances(const DamageProblem& problem)
+    : stride_(emulator_stride(problem)),
+      ignored_(static_cast<std::size_t>(problem.damage_case.data.modes())),
+      last_(static_cast<std::size_t>(problem.problem.space.size())) {
+  if (problem.emulator && !problem.exact()) predictor_.emplace(problem);
+}
+
+std::span<const double> EmulatorVariances::next(int model, std::span<const double> x) {
+  if (!predictor_) return {};
+  std::vector<double>& variance = last_[static_cast<std::size_t>(model)];
+  if (visited_++ % stride_ == 0 || variance.empty()) {
+    variance.resize(ignored_.size());
+    predictor_->emulate(model, x, ignored_, variance);
   }
-  return out;
+  return variance;
 }
 
 std::vector<double> measurement_noise(const DamageCase& damage_case,

@@ -113,11 +113,21 @@ struct DamageFindings : Findings {
 [[nodiscard]] std::vector<double> measurement_noise(const DamageCase& damage_case,
                                                     std::span<const double> intact);
 
-/// Variances [Hz²] of the emulator's error at each draw, draws × modes a chain; empty where none
-/// takes part in the likelihood. A slow emulator is asked at every 50th draw of a model, and what
-/// it said last stands for those between.
-[[nodiscard]] std::vector<std::vector<double>> emulator_variances(
-    const DamageProblem& problem, const inference::Posterior& posterior);
+/// Variances [Hz²] of the emulator's error at one draw after another, one a mode; empty where none
+/// takes part in the likelihood. A slow emulator is asked at every 50th draw and where a model is
+/// new, and what it said last of a model stands for those between. Refers to the problem.
+class EmulatorVariances {
+ public:
+  explicit EmulatorVariances(const DamageProblem& problem);
+  /// Of the next draw; good until the one after.
+  [[nodiscard]] std::span<const double> next(int model, std::span<const double> x);
+
+ private:
+  std::optional<FrequencyPredictor> predictor_;
+  long stride_, visited_ = 0;
+  std::vector<double> ignored_;
+  std::vector<std::vector<double>> last_;  // of each model
+};
 
 /// `posterior` must have at least 4 draws a chain, all chains the same.
 [[nodiscard]] DamageFindings damage_findings(const DamageProblem& problem,

@@ -404,19 +404,25 @@ ModalNoise DamageProblem::modal_noise(std::span<const double> x) const {
 std::vector<DamageProblem::Component> DamageProblem::components(int model,
                                                                 std::span<const double> x) const {
   std::vector<Component> list;
+  components(model, x, list);
+  return list;
+}
+
+void DamageProblem::components(int model, std::span<const double> x,
+                               std::vector<Component>& to) const {
+  to.clear();
   const inference::Model& m = problem.space[model];
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     const DefectKind& kind = damage_case.kinds[k];
     const auto width = static_cast<std::size_t>(kind.parameters());
     for (int c = 0; c < m.counts[k]; ++c) {
       const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
-      list.push_back({.kind = static_cast<int>(k),
-                      .location = x[at],
-                      .severity = kind.severity_prior() ? x[at + 1] : kind.known_severity(),
-                      .extent = kind.extent_prior ? x[at + width - 1] : 0.0});
+      to.push_back({.kind = static_cast<int>(k),
+                    .location = x[at],
+                    .severity = kind.severity_prior() ? x[at + 1] : kind.known_severity(),
+                    .extent = kind.extent_prior ? x[at + width - 1] : 0.0});
     }
   }
-  return list;
 }
 
 std::vector<std::string> outside_inputs(const DamageCase& damage_case) {

@@ -47,6 +47,8 @@ struct DamageProblem {
     double extent = 0.0;  ///< [m], where it is unknown
   };
   [[nodiscard]] std::vector<Component> components(int model, std::span<const double> x) const;
+  /// The same, in place of what `to` held.
+  void components(int model, std::span<const double> x, std::vector<Component>& to) const;
 
   /// The emulator screens proposals only.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }

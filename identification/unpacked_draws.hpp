@@ -13,27 +13,19 @@ namespace wheeltap::identification {
 
 inline constexpr double kWorthTelling = 0.05;  ///< counts with less probability are not described
 
-/// Everything the draws say, unpacked once. Refers to both.
+/// The defects of one draw after another. Refers to both; of one thread.
 class UnpackedDraws {
  public:
   UnpackedDraws(const DamageProblem& problem, const inference::Posterior& posterior)
-      : problem_(problem), posterior_(posterior), weights_(model_weights(posterior)) {
-    const auto width = static_cast<std::size_t>(posterior.dimension);
-    for (const auto& chain : posterior.chains) {
-      OfChain& of = chains_.emplace_back();
-      of.begins.reserve(chain.size() + 1);
-      for (std::size_t i = 0; i < chain.size(); ++i) {
-        const auto present =
-            problem.components(chain.model[i], {chain.theta.data() + i * width, width});
-        of.components.insert(of.components.end(), present.begin(), present.end());
-        of.begins.push_back(of.components.size());
-      }
-    }
-  }
+      : problem_(problem), posterior_(posterior), weights_(model_weights(posterior)) {}
+
+  /// Good until it is asked again.
   [[nodiscard]] std::span<const DamageProblem::Component> at(std::size_t chain,
                                                              std::size_t draw) const {
-    const OfChain& of = chains_[chain];
-    return std::span(of.components).subspan(of.begins[draw], of.begins[draw + 1] - of.begins[draw]);
+    const auto width = static_cast<std::size_t>(posterior_.dimension);
+    const std::span theta(posterior_.chains[chain].theta);
+    problem_.components(model(chain, draw), theta.subspan(draw * width, width), components_);
+    return components_;
   }
   [[nodiscard]] const inference::Posterior& posterior() const { return posterior_; }
   [[nodiscard]] const DamageProblem& problem() const { return problem_; }
@@ -46,22 +38,17 @@ class UnpackedDraws {
   }
   template <class Visit>
   void for_each(const Visit& visit) const {
-    for (std::size_t c = 0; c < chains_.size(); ++c) {
-      for (std::size_t i = 0; i + 1 < chains_[c].begins.size(); ++i) visit(c, i);
+    for (std::size_t c = 0; c < posterior_.chains.size(); ++c) {
+      for (std::size_t i = 0; i < posterior_.chains[c].size(); ++i) visit(c, i);
     }
   }
   [[nodiscard]] const inference::ModelSpace& space() const { return problem_.problem.space; }
 
  private:
-  struct OfChain {
-    std::vector<DamageProblem::Component> components;  // of one draw after another
-    std::vector<std::size_t> begins = {0};             // of each draw, and the end
-  };
-
   const DamageProblem& problem_;
   const inference::Posterior& posterior_;
   std::vector<double> weights_;
-  std::vector<OfChain> chains_;
+  mutable std::vector<DamageProblem::Component> components_;  // of the draw last asked for
 };
 
 }  // namespace wheeltap::identification

@@ -15,4 +15,17 @@ void Chain::truncate(std::size_t draws) {
   accepted.resize(draws);
 }
 
+void Chain::append(const Chain& more) {
+  const auto follow = [](auto& these, const auto& those) {
+    these.insert(these.end(), those.begin(), those.end());
+  };
+  follow(model, more.model);
+  follow(theta, more.theta);
+  follow(log_prior, more.log_prior);
+  follow(log_likelihood, more.log_likelihood);
+  follow(move, more.move);
+  follow(accepted, more.accepted);
+  follow(prediction, more.prediction);
+}
+
 }  // namespace wheeltap::inference

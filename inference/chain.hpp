@@ -51,6 +51,8 @@ struct Chain {
   }
   /// Keeps the first `draws` alone.
   void truncate(std::size_t draws);
+  /// Those of `more` follow, of the same space.
+  void append(const Chain& more);
 };
 
 }  // namespace wheeltap::inference

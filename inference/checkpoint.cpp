@@ -196,13 +196,14 @@ struct CheckpointFields {
   }
   template <class A>
   static void of(A& a, In<A, Chain>& c) {
-    a("model", c.model);
-    a("theta", c.theta);
-    a("log_prior", c.log_prior);
-    a("log_likelihood", c.log_likelihood);
-    a("move", c.move);
-    a("accepted", c.accepted);
-    a("prediction", c.prediction);
+    a.chain(c.size());
+    a.by_draw("model", c.model);
+    a.by_draw("theta", c.theta);
+    a.by_draw("log_prior", c.log_prior);
+    a.by_draw("log_likelihood", c.log_likelihood);
+    a.by_draw("move", c.move);
+    a.by_draw("accepted", c.accepted);
+    a.by_draw("prediction", c.prediction);
   }
   template <class A>
   static void of(A& a, In<A, Calls>& c) {
@@ -246,6 +247,8 @@ struct CheckpointFields {
     a("sample", p.sample);
     a("goal", p.goal);
     a("refits", p.refits);
+    a("first_part", p.first_part);
+    a("part_chains", p.part_chains);
   }
   // Mixtures are immutable: they go through what they are made of.
   struct Mixture {
@@ -368,15 +371,42 @@ void check(const RunState& state, const ModelSpace& space, int chains) {
            "parameters");
   }
   for (const int m : state.at.models) expect(m >= 0 && m < space.size(), "models");
+  for (const int c : state.at.part_chains) expect(c >= 0 && c < chains, "chains");
 }
 
 }  // namespace
 
-Checkpoint checkpoint_of(const RunState& state) {
+Checkpoint checkpoint_of(const RunState& state, std::vector<std::size_t> without) {
   Checkpoint checkpoint;
-  Writer writer(checkpoint);
+  Writer writer(checkpoint, std::move(without));
   CheckpointFields::of(writer, state);
   return checkpoint;
+}
+
+Checkpoint draws_of(const Chain& chain, std::size_t first, std::size_t last) {
+  Checkpoint part;
+  Writer writer(part, {first}, last);
+  CheckpointFields::of(writer, chain);
+  return part;
+}
+
+Chain draws_in(const Checkpoint& part, std::size_t n) {
+  Chain chain;
+  Reader reader(part);
+  CheckpointFields::of(reader, chain);
+  reader.end();
+  if (n == 0 || chain.size() != n || chain.log_prior.size() != n ||
+      chain.log_likelihood.size() != n || chain.move.size() != n || chain.accepted.size() != n ||
+      chain.theta.size() % n != 0 || chain.prediction.size() % n != 0)
+    throw CheckpointError("a part of its draws has not " + std::to_string(n));
+  return chain;
+}
+
+std::pair<long, long> parts_of(const Checkpoint& checkpoint) {
+  Position at;
+  Reader reader(checkpoint);
+  reader("at", at);
+  return {at.first_part, static_cast<long>(at.part_chains.size())};
 }
 
 std::string packed(const ChainState& chain, const Chain& draws) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -20,7 +21,7 @@ namespace wheeltap::inference {
 /// however many chains, models or draws.
 struct Checkpoint {
   /// Changes whenever a member does.
-  static constexpr int kFormat = 5;
+  static constexpr int kFormat = 6;
 
   using Column =
       std::variant<std::vector<double>, std::vector<float>, std::vector<std::int64_t>,
@@ -34,7 +35,16 @@ class CheckpointError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-[[nodiscard]] Checkpoint checkpoint_of(const RunState& state);
+/// Without the first so many draws of each chain; empty: of none.
+[[nodiscard]] Checkpoint checkpoint_of(const RunState& state,
+                                       std::vector<std::size_t> without = {});
+
+/// Draws first, …, last - 1 of a chain alone.
+[[nodiscard]] Checkpoint draws_of(const Chain& chain, std::size_t first, std::size_t last);
+/// Such draws. Throws CheckpointError where there are not `n`.
+[[nodiscard]] Chain draws_in(const Checkpoint& part, std::size_t n);
+/// The numbers of the parts that a run's checkpoint stands on: the first, and how many.
+[[nodiscard]] std::pair<long, long> parts_of(const Checkpoint& checkpoint);
 
 /// The run, to the last bit. What follows from the rest is left out of the columns and made again:
 /// the space, the conditional proposals, what the last weighing found. Throws CheckpointError where

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -67,13 +69,40 @@ class Writer {
  public:
   static constexpr bool kReads = false;
   explicit Writer(Checkpoint& to) : to_(to) {}
+  /// Of the chains that it meets, draws first, …, last - 1; where `first` has fewer numbers than
+  /// there are chains, all from the first on.
+  Writer(Checkpoint& to, std::vector<std::size_t> first,
+         std::size_t last = std::numeric_limits<std::size_t>::max())
+      : to_(to), first_(std::move(first)), last_(last) {}
 
   template <class T>
   void operator()(const char* member, const T& value) {
     names_.within(member, [&] { put(value); });
   }
+  /// Another chain begins, of so many draws.
+  void chain(std::size_t draws) {
+    const std::size_t c = chains_++;
+    draws_ = {.all = draws,
+              .first = c < first_.size() ? std::min(first_[c], draws) : 0,
+              .last = std::min(last_, draws)};
+  }
+  /// A list of that chain, with as many numbers for each draw.
+  template <class N>
+  void by_draw(const char* member, const std::vector<N>& values) {
+    const std::size_t each = draws_.all > 0 ? values.size() / draws_.all : 0;
+    names_.within(member, [&] {
+      put_numbers(
+          std::span(values).subspan(draws_.first * each, (draws_.last - draws_.first) * each));
+    });
+  }
 
  private:
+  template <class N>
+  void put_numbers(std::span<const N> values) {
+    column<long>("size").push_back(static_cast<std::int64_t>(values.size()));
+    auto& numbers = column<N>();
+    numbers.insert(numbers.end(), values.begin(), values.end());
+  }
   template <class N>
   std::vector<Stored<N>>& column(const char* suffix = nullptr) {
     const auto at = to_.columns.try_emplace(names_(suffix), std::vector<Stored<N>>{}).first;
@@ -96,11 +125,10 @@ class Writer {
       column<bool>("there").push_back(value.has_value());
       if (value) put(*value);
     } else if constexpr (kIsList<T>) {
-      column<long>("size").push_back(static_cast<std::int64_t>(value.size()));
       if constexpr (Number<typename T::value_type>) {
-        auto& numbers = column<typename T::value_type>();
-        numbers.insert(numbers.end(), value.begin(), value.end());
+        put_numbers(std::span<const typename T::value_type>(value));
       } else {
+        column<long>("size").push_back(static_cast<std::int64_t>(value.size()));
         for (const auto& entry : value) {
           if constexpr (kIsList<typename T::value_type>) {
             (*this)("each", entry);  // its length is another column than that of `value`
@@ -116,6 +144,12 @@ class Writer {
 
   Checkpoint& to_;
   Names names_;
+  std::vector<std::size_t> first_;
+  std::size_t last_ = std::numeric_limits<std::size_t>::max();
+  std::size_t chains_ = 0;  // met
+  struct {
+    std::size_t all, first, last;
+  } draws_{};
 };
 
 /// And back. Throws CheckpointError where a column is missing, too short or of another type.
@@ -128,6 +162,11 @@ class Reader {
   template <class T>
   void operator()(const char* member, T& value) {
     names_.within(member, [&] { get(value); });
+  }
+  void chain(std::size_t /*draws*/) {}
+  template <class N>
+  void by_draw(const char* member, std::vector<N>& values) {
+    (*this)(member, values);
   }
   // Every number must have been read.
   void end() const {

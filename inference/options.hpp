@@ -69,6 +69,15 @@ struct Options {
     /// Goes on from there. Problem, seed and all options but threads and callbacks must be those
     /// that it was saved with.
     std::shared_ptr<const Checkpoint> from = nullptr;
+
+    // Saving all draws again and again takes time and memory where there are many. With these, so
+    // many of a chain at a time are saved apart, once, and what `save` is given goes without them;
+    // a part is needed until a checkpoint is saved that has a later first part
+    // (inference::parts_of).
+    /// Part `number`; false where it could not be kept, and is to be offered again.
+    std::function<bool(const Checkpoint& draws, long number)> save_draws = nullptr;
+    std::function<Checkpoint(long number)> saved_draws = nullptr;  ///< for `from`
+    int part = 1 << 16;                                            ///< draws of a chain
   };
   Checkpoints checkpoints{};
 };

@@ -28,6 +28,25 @@ Options as_a_look(Options options) {
   return options;
 }
 
+// Those that are kept apart come before those of the checkpoint.
+void take_up_draws(const Options::Checkpoints& from, RunState& state) {
+  const Position& at = state.at;
+  if (at.part_chains.empty()) return;
+  if (!from.saved_draws) throw CheckpointError("its draws are kept apart");
+  std::vector<Chain> chains(state.posterior.chains.size());
+  long number = at.first_part;
+  for (const int c : at.part_chains)
+    chains[static_cast<std::size_t>(c)].append(
+        draws_in(from.saved_draws(number++), static_cast<std::size_t>(from.part)));
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    chains[c].append(state.posterior.chains[c]);
+    if (chains[c].theta.size() !=
+        chains[c].size() * static_cast<std::size_t>(state.posterior.dimension))
+      throw CheckpointError("a part of its draws is of a problem with other parameters");
+    state.posterior.chains[c] = std::move(chains[c]);
+  }
+}
+
 }  // namespace
 
 Posterior reversible_jump(const Problem& problem, const Options& options) {
@@ -55,6 +74,7 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
   RunState state;
   if (options.checkpoints.from) {
     state = state_of(*options.checkpoints.from, problem.space, options.chains);
+    take_up_draws(options.checkpoints, state);
     resume(run, state);
   } else {
     state = begin(run);

@@ -149,14 +149,22 @@ void AtomicFile::close() {
 void AtomicFile::write(std::string_view bytes) {
   // Over what is reserved, which is given back where it is more.
   if (::lseek(descriptor_, 0, SEEK_SET) != 0) fail(path_, errno);
-  const auto size = static_cast<off_t>(bytes.size());
+  put(bytes);
+  if (::ftruncate(descriptor_, static_cast<off_t>(bytes.size())) != 0) fail(path_, errno);
+}
+
+void AtomicFile::append(std::string_view bytes) {
+  if (::lseek(descriptor_, 0, SEEK_END) < 0) fail(path_, errno);
+  put(bytes);
+}
+
+void AtomicFile::put(std::string_view bytes) const {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) fail(path_, written < 0 ? errno : ENOSPC);
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  if (::ftruncate(descriptor_, size) != 0) fail(path_, errno);
 }
 
 void AtomicFile::settle() {

@@ -27,6 +27,8 @@ class AtomicFile {
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
   /// The whole content, in place of what was written before. Throws FileError (unwritable).
   void write(std::string_view bytes);
+  /// Behind what was written before. Throws FileError (unwritable).
+  void append(std::string_view bytes);
   /// Waits for the disk. Throws FileError (unwritable).
   void settle();
   /// Settles and renames. Throws FileError (unwritable).
@@ -34,6 +36,7 @@ class AtomicFile {
 
  private:
   friend void commit_together(std::span<AtomicFile* const> files);
+  void put(std::string_view bytes) const;
   void rename() const;
   void close();
 

@@ -13,10 +13,9 @@
 namespace wheeltap::io {
 
 /// A variable as numbers, the last dimension fastest.
-template <class Number>
-struct NetcdfNumbers {
+struct NetcdfArray {
   std::vector<std::size_t> shape;
-  std::vector<Number> values;
+  std::vector<double> values;
   /// Numbers behind each index of the first `outer` dimensions.
   [[nodiscard]] std::size_t inner(std::size_t outer = 2) const {
     std::size_t n = 1;
@@ -24,8 +23,6 @@ struct NetcdfNumbers {
     return n;
   }
 };
-using NetcdfArray = NetcdfNumbers<double>;
-using NetcdfFloats = NetcdfNumbers<float>;
 
 /// Throws FileError: missing; corrupt where the file is truncated, damaged or no NetCDF-4 file;
 /// foreign where a group or variable that is asked for is not there. `what` says in that message
@@ -74,14 +71,29 @@ class NetcdfReader {
     return nc_inq_varid(group, name.c_str(), &id) == NC_NOERR;
   }
   [[nodiscard]] NetcdfArray read(int group, const std::string& name) const {
-    NetcdfArray out;
-    read_into(out, group, name, nc_get_var_double);
+    const int id = id_of(group, name);
+    NetcdfArray out{.shape = shape_of(group, id), .values = {}};
+    std::size_t size = 1;
+    for (const std::size_t length : out.shape) size *= length;
+    out.values.resize(size);
+    check(nc_get_var_double(group, id, out.values.data()));
     return out;
   }
-  /// The same as single-precision numbers, in half the memory.
-  [[nodiscard]] NetcdfFloats read_floats(int group, const std::string& name) const {
-    NetcdfFloats out;
-    read_into(out, group, name, nc_get_var_float);
+  [[nodiscard]] std::vector<std::size_t> shape(int group, const std::string& name) const {
+    return shape_of(group, id_of(group, name));
+  }
+  /// Number `which` of the last dimension, of every index of the others.
+  [[nodiscard]] std::vector<double> read_last(int group, const std::string& name,
+                                              std::size_t which) const {
+    const int id = id_of(group, name);
+    std::vector<std::size_t> count = shape_of(group, id), start(count.size(), 0);
+    if (count.empty() || which >= count.back()) foreign("has a \"" + name + "\" of another shape");
+    start.back() = which;
+    count.back() = 1;
+    std::size_t size = 1;
+    for (const std::size_t n : count) size *= n;
+    std::vector<double> out(size);
+    check(nc_get_vara_double(group, id, start.data(), count.data(), out.data()));
     return out;
   }
   [[nodiscard]] nc_type type(int group, const std::string& name) const {
@@ -129,23 +141,20 @@ class NetcdfReader {
                       std::string("is truncated or not a NetCDF-4 file: ") + nc_strerror(status));
     file_.opened();
   }
-  template <class Number, class Get>
-  void read_into(NetcdfNumbers<Number>& out, int group, const std::string& name, Get get) const {
-    int id = 0, rank = 0;
+  [[nodiscard]] int id_of(int group, const std::string& name) const {
+    int id = 0;
     if (nc_inq_varid(group, name.c_str(), &id) != NC_NOERR)
       foreign("has no variable \"" + name + "\"");
+    return id;
+  }
+  [[nodiscard]] std::vector<std::size_t> shape_of(int group, int id) const {
+    int rank = 0;
     check(nc_inq_varndims(group, id, &rank));
     std::vector<int> dimensions(static_cast<std::size_t>(rank));
     check(nc_inq_vardimid(group, id, dimensions.data()));
-    std::size_t size = 1;
-    for (const int d : dimensions) {
-      std::size_t length = 0;
-      check(nc_inq_dimlen(group, d, &length));
-      out.shape.push_back(length);
-      size *= length;
-    }
-    out.values.resize(size);
-    check(get(group, id, out.values.data()));
+    std::vector<std::size_t> shape;
+    for (const int d : dimensions) check(nc_inq_dimlen(group, d, &shape.emplace_back()));
+    return shape;
   }
   void check(int status) const {
     if (status == NC_NOERR) return;

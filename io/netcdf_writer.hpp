@@ -1,11 +1,13 @@
 // NetCDF-4 files with groups, one call a variable.
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/file_error.hpp"
@@ -91,6 +93,30 @@ class NetcdfWriter {
     check(nc_put_var_int(group, id, values.data()));
     return id;
   }
+  /// Row after row of a variable with dimensions (row, column[, …]): `fill(r, row)` appends the
+  /// numbers of row r to an empty vector. In pieces of a row that hold one number of each further
+  /// dimension, so that such a column is read without the others; one row is held at a time.
+  template <class Number, class Fill>
+  int put_rows(int group, const std::string& name, const std::vector<int>& dimensions,
+               const Fill& fill, nc_type type = kNetcdfType<Number>) const {
+    constexpr std::size_t kPiece = 1 << 16;
+    const int id = variable(group, name, type, dimensions);
+    std::vector<std::size_t> start(dimensions.size(), 0), count, pieces(dimensions.size(), 1);
+    for (const int dimension : dimensions)
+      check(nc_inq_dimlen(group, dimension, &count.emplace_back()));
+    const std::size_t rows = std::exchange(count[0], 1);
+    pieces[1] = std::min(kPiece, count[1]);
+    check(nc_def_var_chunking(group, id, NC_CHUNKED, pieces.data()));
+    // Pieces are written whole: HDF5 need not keep them for what may come.
+    check(nc_set_var_chunk_cache(group, id, kPiece, 1, 1.0F));
+    std::vector<Number> row;
+    for (start[0] = 0; start[0] < rows; ++start[0]) {
+      row.clear();
+      fill(start[0], row);
+      check(put_part(group, id, start, count, row));
+    }
+    return id;
+  }
   /// Numbers or characters of any length as they are, with a dimension of their own; of none,
   /// nothing is written.
   template <class Sequence>
@@ -104,6 +130,20 @@ class NetcdfWriter {
   }
 
  private:
+  using Places = std::vector<std::size_t>;
+  static int put_part(int group, int id, const Places& start, const Places& count,
+                      const std::vector<double>& values) {
+    return nc_put_vara_double(group, id, start.data(), count.data(), values.data());
+  }
+  static int put_part(int group, int id, const Places& start, const Places& count,
+                      const std::vector<float>& values) {
+    return nc_put_vara_float(group, id, start.data(), count.data(), values.data());
+  }
+  static int put_part(int group, int id, const Places& start, const Places& count,
+                      const std::vector<int>& values) {
+    return nc_put_vara_int(group, id, start.data(), count.data(), values.data());
+  }
+
   std::filesystem::path path_;
   NetcdfHandle file_;
 };

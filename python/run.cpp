@@ -23,7 +23,7 @@ py::dict columns_of(const Run& run) {
   py::dict out;
   const auto chains = static_cast<py::ssize_t>(run.finished.posterior->chains.size());
   const auto draws = static_cast<py::ssize_t>(run.finished.posterior->draws);
-  for (apps::DrawColumn& column : run.finished.columns()) {
+  for (const apps::DrawColumn& column : run.finished.columns()) {
     std::vector<py::ssize_t> shape = {chains, draws};
     py::list dimensions;
     dimensions.append("chain");
@@ -32,8 +32,13 @@ py::dict columns_of(const Run& run) {
       shape.push_back(static_cast<py::ssize_t>(column.slots));
       dimensions.append(column.slot);
     }
-    py::array array =
-        std::visit([&](auto& values) { return owned(std::move(values), shape); }, column.values);
+    const auto numbers = [&](auto number) -> py::array {
+      std::vector<decltype(number)> values;
+      for (const inference::Chain& chain : run.finished.posterior->chains)
+        column.append(chain, values);
+      return owned(std::move(values), shape);
+    };
+    const py::array array = column.whole ? numbers(int{}) : numbers(double{});
     out[py::str(column.name)] =
         py::make_tuple(array, py::tuple(dimensions), column.unit, column.names);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -70,43 +71,46 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
     const io::NetcdfArray* y = posterior.find(prefix + severity);
     if (x == nullptr || y == nullptr || x->values.size() != y->values.size()) continue;
     const std::size_t slots = x->inner();
-    struct Cloud {
-      std::vector<double> x, y, weights;
-      double draws = 0.0;
-    };
-    std::map<std::size_t, Cloud> by_count;  // 0: all
-    for (std::size_t at = 0; at < posterior.size(); ++at) {
-      std::size_t count = 0;
-      for (std::size_t s = 0; s < slots; ++s) count += std::isfinite(x->values[at * slots + s]);
-      for (const std::size_t into : {std::size_t{0}, count}) {
-        Cloud& cloud = by_count[into];
-        cloud.draws += posterior.weight(at);
-        for (std::size_t s = 0; s < slots; ++s) {
-          if (!std::isfinite(x->values[at * slots + s])) continue;
-          cloud.x.push_back(x->values[at * slots + s]);
-          cloud.y.push_back(y->values[at * slots + s]);
-          cloud.weights.push_back(posterior.weight(at));
-        }
-        if (count == 0) break;
-      }
+    const auto present = [&](std::size_t i) { return std::isfinite(x->values[i]); };
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t i = 0; i < x->values.size(); ++i) {
+      if (!present(i)) continue;
+      low = std::min(low, y->values[i]);
+      high = std::max(high, y->values[i]);
     }
-    if (by_count[0].x.empty()) continue;
+    if (!(low <= high)) continue;
     // About a hundred along the beam, a whole number of them in each element.
     const auto elements =
         std::max<std::size_t>(1, summary.at("beam").value("elements", std::size_t{1}));
     const std::size_t along = elements * std::max<std::size_t>(1, (100 + elements - 1) / elements);
     const Bins bx{0.0, length / static_cast<double>(along), along};
-    const auto [low, high] = std::ranges::minmax(by_count[0].y);
     // Shares are drawn from zero to a round number above the largest.
     const double top = share ? std::min(1.0, std::ceil(10.0 * high) / 10.0) : high;
     const double bottom = share ? 0.0 : low;
     const Bins by{bottom, top > bottom ? (top - bottom) / 50.0 : 1.0, 50};
+    struct View {
+      CellCounts counts;
+      double draws = 0.0;
+    };
+    std::map<std::size_t, View> by_count;  // 0: all
+    for (std::size_t at = 0; at < posterior.size(); ++at) {
+      const double weight = posterior.weight(at);
+      std::size_t count = 0;
+      for (std::size_t s = 0; s < slots; ++s) count += present(at * slots + s);
+      for (const std::size_t into : {std::size_t{0}, count}) {
+        View& view = by_count.try_emplace(into, View{CellCounts(bx, by)}).first->second;
+        view.draws += weight;
+        for (std::size_t i = at * slots; i < (at + 1) * slots; ++i)
+          if (present(i)) view.counts.add(x->values[i], y->values[i], weight);
+        if (count == 0) break;
+      }
+    }
     Report views = Report::array();
-    for (const auto& [count, cloud] : by_count) {
-      if (cloud.draws < kCharted * static_cast<double>(posterior.size()) * 10.0) continue;
+    for (const auto& [count, view] : by_count) {
+      if (view.draws < kCharted * static_cast<double>(posterior.size()) * 10.0) continue;
       views.push_back({{"count", count},
-                       {"probability", cloud.draws / static_cast<double>(posterior.size())},
-                       {"cells", cells(cloud.x, cloud.y, bx, by, cloud.draws, cloud.weights)}});
+                       {"probability", view.draws / static_cast<double>(posterior.size())},
+                       {"cells", view.counts.json(view.draws)}});
     }
     out.push_back({{"kind", name},
                    {"severity", severity},
@@ -126,13 +130,13 @@ Report predictive(const io::NetcdfReader& file, const std::vector<double>& weigh
   if (!group || !observed) return out;
   const auto names = file.variables(*group);
   if (std::ranges::find(names, "frequency") == names.end()) return out;
-  const io::NetcdfFloats replicated = file.read_floats(*group, "frequency");
+  const std::vector<std::size_t> shape = file.shape(*group, "frequency");
   const io::NetcdfArray measured = file.read(*observed, "frequency");
-  const std::size_t modes = replicated.inner();
-  if (replicated.shape.size() != 3 || measured.values.size() != modes ||
-      replicated.values.size() != modes * weights.size()) {
+  if (shape.size() != 3 || measured.values.size() != shape[2] ||
+      shape[0] * shape[1] != weights.size()) {
     return out;
   }
+  const std::size_t modes = shape[2];
   const auto observed_names = file.variables(*observed);
   std::optional<io::NetcdfArray> sd;
   if (std::ranges::find(observed_names, "sd") != observed_names.end()) {
@@ -140,11 +144,11 @@ Report predictive(const io::NetcdfReader& file, const std::vector<double>& weigh
   }
   Report rows = Report::array();
   for (std::size_t m = 0; m < modes; ++m) {
+    const std::vector<double> replicated = file.read_last(*group, "frequency", m);
     std::vector<std::pair<double, double>> values;
-    for (std::size_t i = m; i < replicated.values.size(); i += modes) {
-      if (std::isfinite(replicated.values[i])) {
-        values.emplace_back(replicated.values[i], weights[i / modes]);
-      }
+    values.reserve(replicated.size());
+    for (std::size_t i = 0; i < replicated.size(); ++i) {
+      if (std::isfinite(replicated[i])) values.emplace_back(replicated[i], weights[i]);
     }
     if (values.empty()) continue;
     rows.push_back({{"mode", m + 1},

@@ -44,17 +44,11 @@ Bins bins_over(const std::vector<double>& values, std::size_t n) {
   return {low, (high - low) / static_cast<double>(n), n};
 }
 
-// Cells of a two-dimensional histogram that hold anything: [i, j, density].
-Report cells(const std::vector<double>& x, const std::vector<double>& y, const Bins& bx,
-             const Bins& by, double total, const std::vector<double>& weights) {
-  std::vector<double> counts(bx.n * by.n);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    counts[bx.at(x[i]) * by.n + by.at(y[i])] += weights.empty() ? 1.0 : weights[i];
-  }
+Report CellCounts::json(double total) const {
   Report out = Report::array();
-  for (std::size_t c = 0; c < counts.size(); ++c) {
-    if (counts[c] == 0.0) continue;
-    out.push_back({c / by.n, c % by.n, compact(counts[c] / (total * bx.width * by.width))});
+  for (std::size_t c = 0; c < counts_.size(); ++c) {
+    if (counts_[c] == 0.0) continue;
+    out.push_back({c / y_.n, c % y_.n, compact(counts_[c] / (total * x_.width * y_.width))});
   }
   return out;
 }

@@ -40,10 +40,20 @@ struct Bins {
                                    std::size_t most);
 /// Bins over the draws; all alike where they are one value.
 [[nodiscard]] Bins bins_over(const std::vector<double>& values, std::size_t n);
-/// Cells of a two-dimensional histogram that hold anything: [i, j, density].
-[[nodiscard]] Report cells(const std::vector<double>& x, const std::vector<double>& y,
-                           const Bins& bx, const Bins& by, double total,
-                           const std::vector<double>& weights = {});
+/// A two-dimensional histogram.
+class CellCounts {
+ public:
+  CellCounts(const Bins& x, const Bins& y) : x_(x), y_(y), counts_(x.n * y.n) {}
+  void add(double x, double y, double weight = 1.0) {
+    counts_[x_.at(x) * y_.n + y_.at(y)] += weight;
+  }
+  /// Cells that hold anything: [i, j, density], of what adds up to `total`.
+  [[nodiscard]] Report json(double total) const;
+
+ private:
+  Bins x_, y_;
+  std::vector<double> counts_;
+};
 
 /// An unknown of a model and the variable that holds its draws.
 struct Series {

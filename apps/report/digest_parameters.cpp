@@ -151,14 +151,15 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
         if (draws[i].size() != draws[j].size()) continue;
         const std::size_t bins = bins_for(draws[i].size(), 1.5, 12, 40);
         const Bins bx = bins_over(draws[j], bins), by = bins_over(draws[i], bins);
-        pairs.push_back(
-            {{"x", labels[j]},
-             {"y", labels[i]},
-             {"x_unit", units[j]},
-             {"y_unit", units[i]},
-             {"bins_x", bx.json()},
-             {"bins_y", by.json()},
-             {"cells", cells(draws[j], draws[i], bx, by, static_cast<double>(draws[i].size()))}});
+        CellCounts counts(bx, by);
+        for (std::size_t n = 0; n < draws[i].size(); ++n) counts.add(draws[j][n], draws[i][n]);
+        pairs.push_back({{"x", labels[j]},
+                         {"y", labels[i]},
+                         {"x_unit", units[j]},
+                         {"y_unit", units[i]},
+                         {"bins_x", bx.json()},
+                         {"bins_y", by.json()},
+                         {"cells", counts.json(static_cast<double>(draws[i].size()))}});
       }
     }
     if (!list.empty()) out["parameters"][name] = std::move(list);

@@ -68,6 +68,10 @@ struct Position {
   Sample sample = Sample::begin;
   int goal = 0;    ///< draws a chain at the end of this round
   int refits = 0;  ///< of the proposals, to draws
+
+  // Of the parts of the draws that are kept apart (Options::Checkpoints::save_draws):
+  long first_part = 0;                ///< number of the first
+  std::vector<int> part_chains = {};  ///< the chain that each is of
 };
 
 /// The modes of a model whose shares the draws are counted for.

@@ -1,6 +1,8 @@
 #include "inference/stages/safe_points.hpp"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "base/ranks.hpp"
 
@@ -10,18 +12,18 @@ void SafePoints::pass(RunState& state) {
   if (!options_.save || !base::is_first_rank()) return;
   if (due()) {
     clock(state);
-    return save(checkpoint_of(state));
+    return save(rest_of(state));
   }
   if (Clock::now() < remembered_ + std::chrono::seconds(1)) return;
   clock(state);
-  last_ = checkpoint_of(state);
+  last_ = rest_of(state);
   remembered_ = Clock::now();
 }
 
 void SafePoints::stop(RunState& state) {
   if (!options_.save || !base::is_first_rank()) return;
   clock(state);
-  save(checkpoint_of(state));
+  save(rest_of(state));
 }
 
 void SafePoints::stopped() {
@@ -32,6 +34,28 @@ void SafePoints::clock(RunState& state) {
   const auto now = Clock::now();
   state.posterior.wall_seconds += std::chrono::duration<double>(now - clocked_).count();
   clocked_ = now;
+}
+
+// Chains are drawn a few at a time: a part is of one.
+std::vector<std::size_t> SafePoints::hand_over_draws(RunState& state) const {
+  if (!options_.save_draws) return {};
+  const auto part = static_cast<std::size_t>(options_.part);
+  const std::vector<Chain>& chains = state.posterior.chains;
+  std::vector<std::size_t> kept(chains.size(), 0);
+  for (const int c : state.at.part_chains) kept[static_cast<std::size_t>(c)] += part;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    for (; kept[c] + part <= chains[c].size(); kept[c] += part) {
+      const long number = state.at.first_part + static_cast<long>(state.at.part_chains.size());
+      if (!options_.save_draws(draws_of(chains[c], kept[c], kept[c] + part), number)) return kept;
+      state.at.part_chains.push_back(static_cast<int>(c));
+    }
+  }
+  return kept;
+}
+
+Checkpoint SafePoints::rest_of(RunState& state) const {
+  std::vector<std::size_t> kept = hand_over_draws(state);
+  return checkpoint_of(state, std::move(kept));
 }
 
 void SafePoints::save(const Checkpoint& checkpoint) {

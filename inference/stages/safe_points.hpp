@@ -2,7 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "inference/checkpoint.hpp"
 #include "inference/options.hpp"
@@ -34,6 +36,10 @@ class SafePoints {
   using Clock = std::chrono::steady_clock;
   static constexpr double kShare = 0.03;
 
+  /// Parts of the draws that are whole and not kept yet. Returns how many of each chain are kept.
+  [[nodiscard]] std::vector<std::size_t> hand_over_draws(RunState& state) const;
+  /// The state but for those.
+  [[nodiscard]] Checkpoint rest_of(RunState& state) const;
   void save(const Checkpoint& checkpoint);
 
   const Options::Checkpoints& options_;

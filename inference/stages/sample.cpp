@@ -214,8 +214,18 @@ void set_up_ladder(RunContext& run, RunState& state) {
       state, [&](ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
 }
 
-// What has been drawn so far was tuning.
+// What has been drawn so far was warm-up.
 void forget_draws(RunState& state) {
+  Posterior& posterior = state.posterior;
+  posterior.warmup += posterior.draws * posterior.thin;
+  posterior.draws = 0;
+  for (Chain& chain : posterior.chains) chain = Chain{};
+  state.at.first_part += static_cast<long>(state.at.part_chains.size());
+  state.at.part_chains.clear();
+}
+
+// All likelihoods so far were for tuning.
+void count_as_tuning(RunState& state) {
   Calls& calls = state.posterior.calls;
   state.posterior.warmup_evaluations = likelihood_evaluations(state);
   calls.tune = state.posterior.warmup_evaluations - calls.explore - calls.evidence;
@@ -236,7 +246,6 @@ double beyond_mixtures(const Posterior& posterior) {
 // Draws beyond the mixtures become theirs, and so does what walks from annealing's draws met: the
 // mixtures are fitted to them, and they to warm-up.
 void refit_to_draws(RunContext& run, RunState& state, const std::vector<Eigen::MatrixXd>& met) {
-  Posterior& posterior = state.posterior;
   for (ChainState& chain : state.chains) {
     chain.by_rung.assign(1, PilotSamples(run.space()));
     PilotSamples& samples = chain.by_rung.front();
@@ -262,10 +271,8 @@ void refit_to_draws(RunContext& run, RunState& state, const std::vector<Eigen::M
   ++state.at.refits;
   fit_proposals(run, state, ++state.at.round);
   state.at_mixture.assign(run.models(), {});
-  posterior.warmup += posterior.draws * posterior.thin;
-  posterior.draws = 0;
-  for (Chain& chain : posterior.chains) chain = Chain{};
   forget_draws(state);
+  count_as_tuning(state);
   state.at.sample = Position::Sample::prepare;
   state.at.goal = kDefaultDraws;
 }
@@ -276,10 +283,8 @@ void restart_tempered(const RunContext& run, RunState& state) {
   Posterior& posterior = state.posterior;
   posterior.tempered_draws = true;
   posterior.choices.push_back(Choice::restarted_tempered);
-  posterior.warmup += posterior.draws * posterior.thin;
-  posterior.draws = 0;
+  forget_draws(state);
   if (run.options.thin == 0) posterior.thin = 1;  // a scan is a step of every rung already
-  for (Chain& chain : posterior.chains) chain = Chain{};
   state.at.sample = Position::Sample::ladder;
   state.at.goal = kDefaultDraws;
 }
@@ -357,7 +362,7 @@ void sample(RunContext& run, RunState& state) {
     if (part == Part::ladder) {
       set_up_ladder(run, state);
       if (run.monitor.stopped()) return;
-      forget_draws(state);
+      count_as_tuning(state);
       part = Part::prepare;
     }
     if (part == Part::prepare) {

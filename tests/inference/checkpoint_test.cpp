@@ -10,6 +10,7 @@
 #include <concepts>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
 #include <variant>
@@ -220,6 +221,31 @@ Whole run_whole(const Problem& problem, Options options) {
   return whole;
 }
 
+// The same, with draws kept apart: every part that was ever handed over, by its number.
+struct InParts {
+  std::map<long, Checkpoint> parts;
+  Whole whole;
+
+  [[nodiscard]] Options reading(Options options) const {
+    options.checkpoints.part = kPart;
+    options.checkpoints.saved_draws = [this](long number) { return parts.at(number); };
+    return options;
+  }
+  static constexpr int kPart = 3;
+};
+InParts run_in_parts(const Problem& problem, Options options) {
+  InParts out;
+  int offered = 0;
+  options.checkpoints.part = InParts::kPart;
+  options.checkpoints.save_draws = [&](const Checkpoint& draws, long number) {
+    if (++offered % 3 == 0) return false;  // as on a disk that is full for a while
+    EXPECT_TRUE(out.parts.emplace(number, draws).second) << "part " << number << " comes twice";
+    return true;
+  };
+  out.whole = run_whole(problem, options);
+  return out;
+}
+
 Posterior resumed(const Problem& problem, Options options,
                   std::shared_ptr<const Checkpoint> checkpoint) {
   options.checkpoints.from = std::move(checkpoint);
@@ -257,6 +283,30 @@ TEST_P(CheckpointOf, EverySafePointLeadsToTheSamePosterior) {
     expect_same(straight, resumed(again, other, whole.checkpoints[i]));
     if (HasFailure()) return;
   }
+}
+
+TEST_P(CheckpointOf, DrawsKeptApartLeadToTheSamePosterior) {
+  const Problem problem = GetParam().problem();
+  const InParts run = run_in_parts(problem, GetParam().options);
+  const Options options = run.reading(GetParam().options);
+  expect_same(reversible_jump(problem, GetParam().options), run.whole.posterior);
+  EXPECT_GT(run.parts.size(), 2U);
+  long most = 0;
+  const std::size_t every = 1 + run.whole.checkpoints.size() / (is_long() ? 100 : 8);
+  for (std::size_t i = run.whole.checkpoints.size(); i-- > 0;) {
+    const auto& checkpoint = run.whole.checkpoints[i];
+    const auto [first_part, parts] = parts_of(*checkpoint);
+    most = std::max(most, parts);
+    // What is left of each chain is less than a part, or two where one was refused.
+    for (const std::int64_t tail :
+         std::get<std::vector<std::int64_t>>(checkpoint->columns.at("posterior.chains.model.size")))
+      EXPECT_LT(tail, 3 * InParts::kPart);
+    if (i % every != 0) continue;
+    SCOPED_TRACE(i);
+    expect_same(run.whole.posterior, resumed(problem, options, checkpoint));
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(most, 2);
 }
 
 TEST_P(CheckpointOf, ColumnsAreTheState) {
@@ -381,6 +431,29 @@ TEST(Checkpoint, OneThatIsNoneOfTheProblemIsRefused) {
                                   whole.checkpoints.back()));
       },
       ThrowsMessage<CheckpointError>(HasSubstr("likelihood is another one")));
+}
+
+TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
+  const Problem problem = toy::bumps();
+  const Options options{.seed = 3, .chains = 2, .warmup = 240, .draws = 40};
+  const InParts run = run_in_parts(problem, options);
+  const auto& last = run.whole.checkpoints.back();
+  ASSERT_GT(parts_of(*last).second, 0);
+  EXPECT_THAT([&] { static_cast<void>(resumed(problem, options, last)); },
+              ThrowsMessage<CheckpointError>(HasSubstr("kept apart")));
+  const auto refused = [&](const Checkpoint& part, const char* why) {
+    Options other = run.reading(options);
+    other.checkpoints.saved_draws = [&](long) { return part; };
+    EXPECT_THAT([&] { static_cast<void>(resumed(problem, other, last)); },
+                ThrowsMessage<CheckpointError>(HasSubstr(why)));
+  };
+  const Checkpoint& good = run.parts.begin()->second;
+  refused(draws_of(run.whole.posterior.chains[0], 0, InParts::kPart - 1), "has not 3");
+  Checkpoint shorter = good, more = good;
+  std::get<std::vector<double>>(shorter.columns.at("theta")).pop_back();
+  refused(shorter, "lacks a part of \"theta\"");
+  more.columns["moon"] = std::vector<double>{1.0};
+  refused(more, "\"moon\"");
 }
 
 TEST(Checkpoint, SavingKeepsToItsInterval) {

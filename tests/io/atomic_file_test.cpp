@@ -84,6 +84,18 @@ TEST(AtomicFile, WritesOverWhatWasReservedAndNoMore) {
   EXPECT_EQ(test::bytes_of(directory / "a"), "short");
 }
 
+TEST(AtomicFile, AppendsToWhatWasWritten) {
+  const test::TemporaryDirectory directory;
+  AtomicFile file(directory / "a", 100);
+  file.write("one longer than the next");
+  file.write("one");
+  file.append(", two");
+  file.append("");
+  file.append(", three");
+  file.commit();
+  EXPECT_EQ(test::bytes_of(directory / "a"), "one, two, three");
+}
+
 TEST(AtomicFile, TemporariesOfTheKilledAreSwept) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "a.part0123456789abcdef", "of a killed process");
