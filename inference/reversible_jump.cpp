@@ -75,6 +75,9 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
   if (options.checkpoints.from) {
     state = state_of(*options.checkpoints.from, problem.space, options.chains);
     take_up_draws(options.checkpoints, state);
+    for (const Chain& chain : state.posterior.chains)
+      if (static_cast<long>(chain.size()) > state.at.goal)
+        throw CheckpointError("it has more draws than its run was to have");
     resume(run, state);
   } else {
     state = begin(run);

@@ -61,8 +61,7 @@ class CheckpointParts : public testing::Test {
   // Of `n` parts and their checkpoint.
   [[nodiscard]] static std::set<std::string> files(int first, int n) {
     std::set<std::string> all{"checkpoint.nc"};
-    for (int i = first; i < first + n; ++i)
-      all.insert("checkpoint-" + std::to_string(i) + ".nc");
+    for (int i = first; i < first + n; ++i) all.insert("checkpoint-" + std::to_string(i) + ".nc");
     return all;
   }
   void write(const std::string& name, const std::string& bytes) const {
@@ -132,8 +131,8 @@ TEST_F(CheckpointParts, WithoutThemOrWithOthersARunIsRefused) {
       ADD_FAILURE() << how;
     } catch (const FileError& error) {
       EXPECT_EQ(error.kind(), FileError::Kind::corrupt);
-      EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("checkpoint-1.nc"),
-                                               testing::HasSubstr(how)));
+      EXPECT_THAT(error.what(),
+                  testing::AllOf(testing::HasSubstr("checkpoint-1.nc"), testing::HasSubstr(how)));
     }
   };
   for (const std::size_t n : {std::size_t{0}, std::size_t{7}, whole.size() / 2, whole.size() - 1}) {

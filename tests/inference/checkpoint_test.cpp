@@ -454,6 +454,15 @@ TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
   refused(shorter, "lacks a part of \"theta\"");
   more.columns["moon"] = std::vector<double>{1.0};
   refused(more, "\"moon\"");
+  auto again = std::make_shared<Checkpoint>(*last);  // with parts that it has itself
+  const auto& chains = std::get<std::vector<std::int32_t>>(last->columns.at("at.part_chains"));
+  for (int i = 0; i < 20; ++i)
+    std::get<std::vector<std::int32_t>>(again->columns.at("at.part_chains")).push_back(chains[0]);
+  std::get<std::vector<std::int64_t>>(again->columns.at("at.part_chains.size"))[0] += 20;
+  Options other = run.reading(options);
+  other.checkpoints.saved_draws = [&](long) { return good; };
+  EXPECT_THAT([&] { static_cast<void>(resumed(problem, other, again)); },
+              ThrowsMessage<CheckpointError>(HasSubstr("more draws")));
 }
 
 TEST(Checkpoint, SavingKeepsToItsInterval) {
