@@ -43,7 +43,8 @@ struct Piece {
   VectorXd row_scale = {}, column_scale = {};
   std::vector<int> moved = {}, moved_sensors = {};
   MatrixXd reference = {}, mov = {}, z = {}, observability = {};  ///< H_ref, H_mov, Z, O_mov
-  Eigen::LLT<MatrixXd> gram = {};                                 ///< Z Zᵀ
+  // Of an LLT that nothing was computed with, a copy reads what was never written.
+  Eigen::LLT<MatrixXd> gram = Eigen::LLT<MatrixXd>(MatrixXd());  ///< Z Zᵀ
 
   [[nodiscard]] MatrixXd scaled(const MatrixXd& h) const {
     MatrixXd out = h;
@@ -52,6 +53,12 @@ struct Piece {
     return out;
   }
 };
+
+/// B A⁻¹, of no rows where B has none: Eigen refers to the first number of what it solves.
+MatrixXd times_inverse(const MatrixXd& b, const Eigen::LLT<MatrixXd>& a) {
+  if (b.rows() == 0) return b;
+  return a.solve(b.transpose()).transpose();
+}
 
 /// (ΔH Zᵀ + H ΔZᵀ - O (ΔZ Zᵀ + Z ΔZᵀ)), which the inverse of Z Zᵀ completes.
 MatrixXd numerator(const MatrixXd& dh, const MatrixXd& h, const MatrixXd& o, const MatrixXd& z,
@@ -145,11 +152,11 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
     product += p.reference * z.transpose();
     const auto leading = z.topRows(told);
     p.gram.compute(leading * leading.transpose());
-    p.observability = p.gram.solve((p.mov * leading.transpose()).transpose()).transpose();
+    p.observability = times_inverse(p.mov * leading.transpose(), p.gram);
     p.z = z;
   }
   const Eigen::LLT<MatrixXd> whole(gram);
-  const MatrixXd reference = whole.solve(product.transpose()).transpose();
+  const MatrixXd reference = times_inverse(product, whole);
   const auto weighted = [&](const MatrixXd& some) -> MatrixXd {
     MatrixXd out_of = MatrixXd::Zero(some.rows(), rank);
     out_of.leftCols(some.cols()) = some * weight.head(some.cols()).asDiagonal();
@@ -173,10 +180,8 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
       const MatrixXd of_moved = numerator(rows_of(moved, p.channels, p.moved), p.mov,
                                           p.observability, p.z.topRows(told), dz.topRows(told));
       MatrixXd one = observability * (dz * turn.middleRows(static_cast<Index>(s) * width, width));
-      add_rows(one, sensors, reference_sensors,
-               weighted(whole.solve(of_references.transpose()).transpose()));
-      add_rows(one, sensors, p.moved_sensors,
-               weighted(p.gram.solve(of_moved.transpose()).transpose()));
+      add_rows(one, sensors, reference_sensors, weighted(times_inverse(of_references, whole)));
+      add_rows(one, sensors, p.moved_sensors, weighted(times_inverse(of_moved, p.gram)));
       out.moves.push_back(std::move(one));
     }
   }

@@ -378,6 +378,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
   }
 
   const Index rigid_wanted = std::min<Index>(modes, rigid.cols());
+  if (ritz.shapes.cols() < modes - rigid_wanted) refuse_spread();  // some were lost in rounding
   out.eigenvalues = VectorXd::Zero(modes);
   out.residuals = VectorXd::Zero(modes);
   out.shapes.resize(n, modes);
