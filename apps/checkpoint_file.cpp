@@ -52,11 +52,15 @@ std::set<long> parts_in(const fs::path& folder) {
 }
 
 // Removes a part that is ours and what a killed run left of one half-written; false where there is
-// another file of that name.
+// another file of that name, or one that cannot be read.
 bool remove_part(const fs::path& path) {
-  { const io::AtomicFile writable(path); }
-  if (!fs::exists(path)) return true;
-  if (!is_sealed(io::read_bytes(path))) return false;
+  try {
+    { const io::AtomicFile writable(path); }
+    if (!fs::exists(path)) return true;
+    if (!is_sealed(io::read_bytes(path))) return false;
+  } catch (const FileError&) {
+    return false;
+  }
   std::error_code ignored;
   fs::remove(path, ignored);
   return true;
@@ -237,8 +241,9 @@ void CheckpointFile::save(const Checkpoint& checkpoint) {
     write_sealed(path_, file);
     kept_ = true;
     // Those that no checkpoint stands on any more.
+    std::error_code ignored;
     for (; !seals_.empty() && seals_.begin()->first < first; seals_.erase(seals_.begin()))
-      remove_part(part(seals_.begin()->first));
+      fs::remove(part(seals_.begin()->first), ignored);
   } catch (const FileError& error) {
     warn(error);
   }
