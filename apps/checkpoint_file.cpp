@@ -85,6 +85,11 @@ std::string write_sealed(const fs::path& path, io::NetcdfWriter& file) {
   return seal;
 }
 
+[[noreturn]] void in_the_way(const fs::path& path) {
+  throw FileError(FileError::Kind::unwritable, path,
+                  std::string("is in the way: not ") + kWhat + ", and not to be written over");
+}
+
 [[noreturn]] void differs(const fs::path& path, const std::string& how) {
   throw FileError(FileError::Kind::mismatch, path,
                   "is of another run: " + how + " (without --resume a new one begins)");
@@ -158,10 +163,6 @@ CheckpointFile::CheckpointFile(const fs::path& folder, CheckpointOf of, const Co
     const bool there = fs::exists(path_);
     std::string found = there ? io::read_bytes(path_) : std::string();
     if (there && common.resume) return found;
-    const auto in_the_way = [](const fs::path& path) {
-      throw FileError(FileError::Kind::unwritable, path,
-                      std::string("is in the way: not ") + kWhat + ", and not to be written over");
-    };
     if (there && !is_sealed(found)) in_the_way(path_);
     for (const long number : parts_in(path_.parent_path()))
       if (!remove_part(part(number))) in_the_way(part(number));
@@ -252,6 +253,8 @@ void CheckpointFile::save(const Checkpoint& checkpoint) {
 bool CheckpointFile::save_draws(const Checkpoint& draws, long number) {
   number += first_;
   try {
+    if (fs::exists(part(number)) && !is_sealed(io::read_bytes(part(number))))
+      in_the_way(part(number));
     io::NetcdfWriter file(part(number));
     file.text(file.root(), NC_GLOBAL, "wheeltap_checkpoint", std::to_string(Checkpoint::kFormat));
     write_state(file, draws);

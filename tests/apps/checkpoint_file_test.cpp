@@ -119,6 +119,18 @@ TEST_F(CheckpointParts, ThoseOfAnEarlierRunAreCleared) {
   EXPECT_THAT(names(), ElementsAre("checkpoint-7.nc", "checkpoint-mine.nc"));
 }
 
+TEST_F(CheckpointParts, AFileOfAnothersStaysAndTheRunGoesOn) {
+  CheckpointFile killed = file(false);
+  const Posterior straight = run(killed);
+  static_cast<void>(file(false));
+  CheckpointFile one = file(false);
+  write("checkpoint-0.nc", "my notes");
+  expect_same(straight, run(one));
+  one.remove();
+  EXPECT_THAT(names(), ElementsAre("checkpoint-0.nc"));
+  EXPECT_EQ(test::bytes_of(directory_ / "checkpoint-0.nc"), "my notes");
+}
+
 TEST_F(CheckpointParts, WithoutThemOrWithOthersARunIsRefused) {
   CheckpointFile killed = file(false);
   static_cast<void>(run(killed, 2));
