@@ -35,7 +35,8 @@ std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
   std::vector<BatchCase> cases;
   std::set<std::string> taken{kBatchTable};
   int number = 0;
-  for (std::size_t at = 0; at < text.size(); ++number) {
+  for (std::size_t at = text.starts_with(io::kByteOrderMark) ? io::kByteOrderMark.size() : 0;
+       at < text.size(); ++number) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
     const std::string_view line = trimmed(std::string_view(text).substr(at, end - at));
     at = end + 1;
@@ -46,6 +47,11 @@ std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
                                          ": paths are UTF-8 without control characters");
     }
     const std::filesystem::path path = list.parent_path() / line;
+    if (cases.empty() && line.front() == '{' && !exists(path)) {
+      throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) +
+                                         ": is JSON, a case perhaps: a list has a path of a case " +
+                                         "on each line");
+    }
     cases.push_back({path, unique(path, taken)});
   }
   if (cases.empty()) {

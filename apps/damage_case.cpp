@@ -12,6 +12,7 @@
 #include "apps/simulation.hpp"
 #include "apps/states_case.hpp"
 #include "apps/structure_case.hpp"
+#include "base/log_gamma.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
 #include "identification/damage_problem.hpp"
@@ -64,7 +65,7 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
     const double mean = count["prior"]["poisson"];
     for (std::size_t i = 0; i < n; ++i) {
       const double k = min + static_cast<double>(i);
-      weights[i] = std::exp(k * std::log(mean) - std::lgamma(k + 1.0) - mean);
+      weights[i] = std::exp(k * std::log(mean) - base::log_gamma(k + 1.0) - mean);
     }
   } else if (count.contains("prior") && count["prior"].is_array()) {
     weights = count["prior"].get<std::vector<double>>();

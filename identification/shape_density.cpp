@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/log_gamma.hpp"
+
 namespace wheeltap::identification {
 namespace {
 
@@ -94,7 +96,7 @@ double ShapeDensity::log_normaliser(const VectorXd& w) const {
 
 double ShapeDensity::log_uniform_density() const {
   const double m = static_cast<double>(values_.size());
-  return std::lgamma(0.5 * m) - 0.5 * m * std::log(kPi) -
+  return base::log_gamma(0.5 * m) - 0.5 * m * std::log(kPi) -
          0.5 * (m - 1.0) * std::log(values_.squaredNorm());
 }
 

@@ -28,7 +28,8 @@ struct ExplorationOptions {
   int threads = 0;           ///< 0: as many as the machine has. Never changes a result.
   /// Draws that another method has made, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};
-  /// Called with the share done since the last call; returning false ends the exploration.
+  /// Called, from one thread at a time, with the share done since the last call; returning false
+  /// ends the exploration.
   std::function<bool(double share)> progress = nullptr;
 };
 

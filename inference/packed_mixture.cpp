@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/log_gamma.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference::packed {
@@ -219,9 +220,10 @@ std::vector<double> pack(const std::vector<NormalMixture::Component>& components
   const auto dimension = static_cast<std::size_t>(d);
   const std::size_t stride = group_stride(dimension);
   const auto half = 0.5 * static_cast<double>(d);
-  const double normaliser = std::isinf(nu) ? -2.0 * half * kLogSqrt2Pi
-                                           : std::lgamma(0.5 * nu + half) - std::lgamma(0.5 * nu) -
-                                                 half * std::log(nu * M_PI);
+  const double normaliser = std::isinf(nu)
+                                ? -2.0 * half * kLogSqrt2Pi
+                                : base::log_gamma(0.5 * nu + half) - base::log_gamma(0.5 * nu) -
+                                      half * std::log(nu * M_PI);
   std::vector<double> packed(groups_of(components.size()) * stride, 0.0);
   for (std::size_t k = 0; k < groups_of(components.size()) * kLanes; ++k) {
     double* p = packed.data() + (k / kLanes) * stride + k % kLanes;

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/log_gamma.hpp"
 #include "base/number.hpp"
 
 namespace wheeltap::inference {
@@ -42,7 +43,7 @@ Target::Target(const Problem& problem, bool prior_only)
       screen_(prior_only || !problem.screen ? nullptr : make(problem.screen, "screen")) {
   for (const Model& model : problem.space.models()) {
     double constant = model.log_prior - 0.5 * model.dimension * std::log(2.0 * std::numbers::pi);
-    for (const int k : model.counts) constant += std::lgamma(k + 1.0);
+    for (const int k : model.counts) constant += base::log_gamma(k + 1.0);
     memory_.log_model.push_back(constant);
   }
   memory_.bias.assign(memory_.log_model.size(), 0.0);
@@ -231,7 +232,7 @@ double Target::log_prior(const State& state) const {
 double Target::log_prior_physical(const State& state) const {
   const Model& model = space()[state.model];
   double sum = model.log_prior + state.log_prior_factor;
-  for (const int k : model.counts) sum += std::lgamma(k + 1.0);
+  for (const int k : model.counts) sum += base::log_gamma(k + 1.0);
   for (std::size_t i = 0; i < state.x.size(); ++i) {
     sum += space().prior(state.model, static_cast<int>(i)).log_density(state.x[i]);
   }

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "io/text.hpp"
+
 namespace wheeltap::io {
 namespace {
 
@@ -211,7 +213,8 @@ DelimitedText::DelimitedText(std::string bytes, std::filesystem::path name, Firs
     newline_ = '\r';
 
   int number = 0, empty = 0;
-  for (std::size_t at = text_.starts_with("\xEF\xBB\xBF") ? 3 : 0; at < text_.size();) {
+  for (std::size_t at = text_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
+       at < text_.size();) {
     const std::size_t start = at;
     const void* const found = std::memchr(text_.data() + at, newline_, text_.size() - at);
     const std::size_t end =

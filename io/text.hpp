@@ -8,6 +8,9 @@
 
 namespace wheeltap::io {
 
+/// What editors of some systems put before a text in UTF-8.
+inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 /// The byte at which `text` stops being UTF-8 (Unicode 15, table 3-7: no overlong forms, no
 /// surrogates) or holds what no terminal should be sent: control characters, C0 and C1 alike, line
 /// and paragraph separators, and the marks that reverse or isolate the direction of writing.

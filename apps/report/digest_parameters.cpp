@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "apps/report/digest_draws.hpp"
+#include "base/log_gamma.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -16,7 +17,8 @@ double density(const inference::Prior& prior, double x) {
 // Density of the i-th smallest (1-based) of n independent draws.
 double order_statistic(const inference::Prior& prior, double x, int i, int n) {
   const double f = 0.5 * std::erfc(-prior.to_standard_normal(x) / std::sqrt(2.0));
-  const double choose = std::exp(std::lgamma(n + 1) - std::lgamma(i) - std::lgamma(n - i + 1));
+  const double choose =
+      std::exp(base::log_gamma(n + 1) - base::log_gamma(i) - base::log_gamma(n - i + 1));
   return choose * std::pow(f, i - 1) * std::pow(1.0 - f, n - i) * density(prior, x);
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "base/log_gamma.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -20,7 +21,7 @@ ModelPosterior::ModelPosterior(const Problem& problem, int model) : target_(prob
   state_.x = state_.z;
   constant_ = -m.dimension * kLogSqrt2Pi;
   for (const int k : m.counts) {
-    constant_ += std::lgamma(k + 1.0);
+    constant_ += base::log_gamma(k + 1.0);
     has_sets_ = has_sets_ || k > 1;
   }
 }

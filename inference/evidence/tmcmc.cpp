@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <ranges>
 #include <span>
 #include <stdexcept>
@@ -381,7 +382,15 @@ bool better_growing(const Problem& problem, int model, const TmcmcOptions& optio
 
 }  // namespace
 
-Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options) {
+Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& asked) {
+  std::mutex progress_mutex;
+  TmcmcOptions options = asked;
+  if (asked.progress) {
+    options.progress = [&](double share) {
+      const std::scoped_lock lock(progress_mutex);
+      return asked.progress(share);
+    };
+  }
   const auto require = [](bool fine, const char* name, double value, const char* bound) {
     if (!fine)
       throw std::invalid_argument(std::string("tmcmc: ") + name + " = " + std::to_string(value) +

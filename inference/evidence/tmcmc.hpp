@@ -25,8 +25,8 @@ struct TmcmcOptions {
   /// Likelihood calls after which a run ends where it is (`Tmcmc::cut`); 0: as many as it takes.
   long most_evaluations = 0;
   int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
-  /// Called, from any thread, with the share of the whole that was done since the call before.
-  /// Returning false ends the run: ln Z is then NaN.
+  /// Called, from one thread at a time, with the share of the whole that was done since the call
+  /// before. Returning false ends the run: ln Z is then NaN.
   std::function<bool(double share)> progress = nullptr;
 };
 

@@ -35,11 +35,19 @@ TEST(BatchList, NamesAreStemsAndUnique) {
   EXPECT_EQ(cases[6].path, where / "last.json");
 }
 
+TEST(BatchList, AByteOrderMarkIsNoPartOfAPath) {
+  const Workspace where;
+  const auto cases = read_batch_list(where.write("list.txt", "\xEF\xBB\xBFone.json\r\n"));
+  EXPECT_EQ(cases.at(0).path, where / "one.json");
+}
+
 TEST(BatchList, LinesThatAreNoPathsAreRefused) {
   const Workspace where;
-  for (const auto& [text, words] : {std::pair("ok.json\nbad\x1b[2J.json\n", "list.txt:2: column 4"),
-                                    std::pair("\xff.json\n", "list.txt:1: column 1"),
-                                    std::pair("# nothing\n\n", "names no case")}) {
+  for (const auto& [text, words] :
+       {std::pair("ok.json\nbad\x1b[2J.json\n", "list.txt:2: column 4"),
+        std::pair("\xff.json\n", "list.txt:1: column 1"),
+        std::pair("# nothing\n\n", "names no case"),
+        std::pair("{\n  \"kind\": \"sid\"\n}", "list.txt:1: is JSON")}) {
     const auto list = where.write("list.txt", text);
     try {
       static_cast<void>(read_batch_list(list));

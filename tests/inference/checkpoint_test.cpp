@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <concepts>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "inference/reversible_jump.hpp"
+#include "tests/inference/hard_problems.hpp"
 #include "tests/inference/toy_problems.hpp"
 
 namespace wheeltap::inference {
@@ -223,20 +225,21 @@ Whole run_whole(const Problem& problem, Options options) {
 
 // The same, with draws kept apart: every part that was ever handed over, by its number.
 struct InParts {
+  int part = 0;  // draws of a chain
   std::map<long, Checkpoint> parts;
   Whole whole;
 
   [[nodiscard]] Options reading(Options options) const {
-    options.checkpoints.part = kPart;
+    options.checkpoints.part = part;
     options.checkpoints.saved_draws = [this](long number) { return parts.at(number); };
     return options;
   }
-  static constexpr int kPart = 3;
 };
-InParts run_in_parts(const Problem& problem, Options options) {
+InParts run_in_parts(const Problem& problem, Options options, int part = 3) {
   InParts out;
+  out.part = part;
   int offered = 0;
-  options.checkpoints.part = InParts::kPart;
+  options.checkpoints.part = part;
   options.checkpoints.save_draws = [&](const Checkpoint& draws, long number) {
     if (++offered % 3 == 0) return false;  // as on a disk that is full for a while
     EXPECT_TRUE(out.parts.emplace(number, draws).second) << "part " << number << " comes twice";
@@ -300,7 +303,7 @@ TEST_P(CheckpointOf, DrawsKeptApartLeadToTheSamePosterior) {
     // What is left of each chain is less than a part, or two where one was refused.
     for (const std::int64_t tail :
          std::get<std::vector<std::int64_t>>(checkpoint->columns.at("posterior.chains.model.size")))
-      EXPECT_LT(tail, 3 * InParts::kPart);
+      EXPECT_LT(tail, 3 * run.part);
     if (i % every != 0) continue;
     SCOPED_TRACE(i);
     expect_same(run.whole.posterior, resumed(problem, options, checkpoint));
@@ -448,7 +451,7 @@ TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
                 ThrowsMessage<CheckpointError>(HasSubstr(why)));
   };
   const Checkpoint& good = run.parts.begin()->second;
-  refused(draws_of(run.whole.posterior.chains[0], 0, InParts::kPart - 1), "has not 3");
+  refused(draws_of(run.whole.posterior.chains[0], 0, run.part - 1), "has not 3");
   Checkpoint shorter = good, more = good;
   std::get<std::vector<double>>(shorter.columns.at("theta")).pop_back();
   refused(shorter, "lacks a part of \"theta\"");
@@ -463,6 +466,37 @@ TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
   other.checkpoints.saved_draws = [&](long) { return good; };
   EXPECT_THAT([&] { static_cast<void>(resumed(problem, other, again)); },
               ThrowsMessage<CheckpointError>(HasSubstr("more draws")));
+}
+
+// Where a run turns to tempering, or fits its proposals to its draws, these become warm-up: parts
+// of them that are on the disk count no more, and the next ones have other numbers.
+TEST(Checkpoint, DrawsKeptApartAreForgottenWithTheOthers) {
+  const auto& all = hard_problems();
+  const auto at = std::ranges::find(all, "bananas, 2-d, 1e-3 wide", &HardProblem::name);
+  ASSERT_NE(at, all.end());
+  Options options{.seed = 3, .chains = 2, .threads = 2, .warmup = 200, .searches = 2};
+  options.checkpoints.every_seconds = 0.05;
+  const InParts run = run_in_parts(at->problem, options, 1000);
+  const auto& checkpoints = run.whole.checkpoints;
+  EXPECT_GT(run.whole.posterior.warmup, 25'000);
+  const auto again = [&](const Checkpoint& checkpoint) {
+    const auto [first_part, parts] = parts_of(checkpoint);
+    return first_part > 0 && parts > 0;
+  };
+  // On both sides of each time that draws were forgotten, and the last.
+  int forgotten = 0;
+  for (std::size_t i = 0; i < checkpoints.size(); ++i) {
+    const bool before = i + 1 < checkpoints.size() &&
+                        parts_of(*checkpoints[i]).first < parts_of(*checkpoints[i + 1]).first;
+    const bool after = i > 0 && again(*checkpoints[i]) && !again(*checkpoints[i - 1]);
+    forgotten += before ? 1 : 0;
+    if (!before && !after && i + 1 < checkpoints.size()) continue;
+    SCOPED_TRACE(i);
+    expect_same(run.whole.posterior, resumed(at->problem, run.reading(options), checkpoints[i]));
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(forgotten, 0);
+  EXPECT_TRUE(again(*checkpoints.back()));
 }
 
 TEST(Checkpoint, SavingKeepsToItsInterval) {
