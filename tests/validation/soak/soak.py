@@ -314,6 +314,17 @@ def one(what, program, number, options):
     return row
 
 
+def of_scores(rows):
+    """How far -ln P(truth), summed, lies from what the stated P expect of it, in standard errors (below: too unsure)."""
+    distance = variance = 0.0
+    for r in rows:
+        bits = [(p, -math.log(p)) for p in r["P"] if p > 0]
+        expected = sum(p * b for p, b in bits)
+        distance += -math.log(max(r["P"][r["truth"]], 1e-12)) - expected
+        variance += sum(p * b * b for p, b in bits) - expected ** 2
+    return distance / math.sqrt(variance)
+
+
 REFUSED = ["grows without bound", "frequencies must increase"]
 
 
@@ -370,6 +381,9 @@ def report(rows):
         total, true, p = sum(p for p, _ in cell), sum(t for _, t in cell), of_probabilities(cell)
         wrong += p < 1e-4
         print(f"| {low:g} to {min(high, 1):g} | {len(cell)} | {total:.2f} | {true} | {p:.2f} |")
+    score = of_scores(rows)
+    wrong += abs(score) > 4
+    print(f"\nlogarithmic score, standard errors from what these P expect: {score:.2f}")
 
     print("\n| quantity, in the true model | ranks | 90 % intervals held | p | outside 99.9 % |\n"
           "| --- | ---: | ---: | ---: | ---: |")
