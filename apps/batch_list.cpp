@@ -2,6 +2,7 @@
 
 #include <set>
 #include <string_view>
+#include <system_error>
 
 #include "apps/batch_table.hpp"
 #include "apps/failure.hpp"
@@ -47,7 +48,8 @@ std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
                                          ": paths are UTF-8 without control characters");
     }
     const std::filesystem::path path = list.parent_path() / line;
-    if (cases.empty() && line.front() == '{' && !exists(path)) {
+    std::error_code too_long;  // for a name, as JSON on a line may be
+    if (cases.empty() && line.front() == '{' && !exists(path, too_long)) {
       throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) +
                                          ": is JSON, a case perhaps: a list has a path of a case " +
                                          "on each line");

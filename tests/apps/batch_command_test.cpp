@@ -43,11 +43,12 @@ TEST(BatchList, AByteOrderMarkIsNoPartOfAPath) {
 
 TEST(BatchList, LinesThatAreNoPathsAreRefused) {
   const Workspace where;
-  for (const auto& [text, words] :
-       {std::pair("ok.json\nbad\x1b[2J.json\n", "list.txt:2: column 4"),
-        std::pair("\xff.json\n", "list.txt:1: column 1"),
-        std::pair("# nothing\n\n", "names no case"),
-        std::pair("{\n  \"kind\": \"sid\"\n}", "list.txt:1: is JSON")}) {
+  const std::string long_one = "{\"title\": \"" + std::string(5000, 'x') + "\"}";
+  for (const auto& [text, words] : {std::pair("ok.json\nbad\x1b[2J.json\n", "list.txt:2: column 4"),
+                                    std::pair("\xff.json\n", "list.txt:1: column 1"),
+                                    std::pair("# nothing\n\n", "names no case"),
+                                    std::pair("{\n  \"kind\": \"sid\"\n}", "list.txt:1: is JSON"),
+                                    std::pair(long_one.c_str(), "list.txt:1: is JSON")}) {
     const auto list = where.write("list.txt", text);
     try {
       static_cast<void>(read_batch_list(list));

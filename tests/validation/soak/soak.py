@@ -322,7 +322,7 @@ def of_scores(rows):
         expected = sum(p * b for p, b in bits)
         distance += -math.log(max(r["P"][r["truth"]], 1e-12)) - expected
         variance += sum(p * b * b for p, b in bits) - expected ** 2
-    return distance / math.sqrt(variance)
+    return distance / math.sqrt(variance) if variance > 0 else 0.0 if distance == 0 else math.inf
 
 
 REFUSED = ["grows without bound", "frequencies must increase"]
