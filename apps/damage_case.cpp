@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "apps/beam_parameters.hpp"
@@ -12,6 +11,7 @@
 #include "apps/simulation.hpp"
 #include "apps/states_case.hpp"
 #include "apps/structure_case.hpp"
+#include "base/constants.hpp"
 #include "base/log_gamma.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/section.hpp"
@@ -26,8 +26,6 @@ namespace wheeltap::apps {
 using namespace identification;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string number(double x) {
   if (std::isinf(x)) return x < 0.0 ? "minus infinity" : "infinity";

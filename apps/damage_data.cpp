@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <limits>
 
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_parts.hpp"
 #include "apps/modal_data_case.hpp"
+#include "base/constants.hpp"
 #include "base/number.hpp"
 #include "identification/baseline.hpp"
 
@@ -16,9 +16,6 @@ namespace wheeltap::apps {
 using namespace identification;
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Pointer at(const char* place) {
   return Pointer(place);

@@ -1,7 +1,6 @@
 #include "apps/law_words.hpp"
 
-#include <limits>
-
+#include "base/constants.hpp"
 #include "base/number.hpp"
 
 namespace wheeltap::apps {
@@ -44,7 +43,6 @@ std::string in_words(const dynamics::LawCoefficient& c) {
 }
 
 std::string bounds_in_words(const dynamics::LawCoefficient& c) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const bool below = c.lower > -kInfinity, above = c.upper < kInfinity;
   std::string range;
   if (below && c.lower == 0.0 && c.above_lower) {

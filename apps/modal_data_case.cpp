@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 
@@ -12,6 +11,7 @@
 #include "apps/modes_as_data.hpp"
 #include "apps/nearest.hpp"
 #include "apps/structure_case.hpp"
+#include "base/constants.hpp"
 #include "fem/structures/mesh.hpp"
 
 namespace wheeltap::apps {
@@ -22,9 +22,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string count_of(std::size_t n, const std::string& what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 
+#include "base/constants.hpp"
 #include "identification/sid_predictive.hpp"
 
 namespace wheeltap::apps {
@@ -13,8 +13,6 @@ namespace wheeltap::apps {
 using namespace identification;
 
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// Frequencies of a structure by its parameters.
 class StructureForward final : public OutsideModel {

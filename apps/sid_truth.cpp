@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "apps/sid_record.hpp"
+#include "base/constants.hpp"
 
 namespace wheeltap::apps {
 
@@ -16,7 +16,6 @@ using dynamics::Coefficient;
 using Role = SidChannel::Role;
 
 constexpr int kPointsASample = 8;  // of a band-limited excitation
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Role role_of(const Json& excitation) {
   return !excitation.contains("base")                         ? Role::force

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -12,6 +11,7 @@
 #include "apps/modal_data_case.hpp"
 #include "apps/nearest.hpp"
 #include "apps/structure_case.hpp"
+#include "base/constants.hpp"
 #include "fem/structures/mesh.hpp"
 
 namespace wheeltap::apps {
@@ -20,7 +20,6 @@ using namespace identification;
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 const Pointer kData("/data"), kBaseline("/baseline/data"), kTemperature("/temperature");
 
 using Keys = std::initializer_list<const char*>;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/index.hpp"
 #include "fem/assembly.hpp"
 
 namespace wheeltap::fem::detail {
@@ -12,10 +13,6 @@ namespace {
 constexpr double kDependentRow = 1e-9;
 /// A spring stiffer than this multiple of the beam's own stiffness at its place is rigid.
 constexpr double kRigidSpring = 1e14;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "base/index.hpp"
 #include "fem/assembly.hpp"
 #include "fem/full_spectrum.hpp"
 #include "fem/secular.hpp"
@@ -23,10 +24,6 @@ constexpr int kFewSupports = 8;
 constexpr double kBends = 0.1;
 /// Where a beam of one mode gets its second one, relative: no spring raises the first so far.
 constexpr double kOutOfReach = 1e30;
-
-std::size_t index(Eigen::Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 

@@ -6,15 +6,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/index.hpp"
+
 namespace wheeltap::fem::detail {
-namespace {
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
-
-}  // namespace
-
 void require_size(const char* name, std::size_t size, std::size_t expected) {
   if (size != 0 && size != expected)
     throw std::invalid_argument(std::string(name) + " has size " + std::to_string(size) +

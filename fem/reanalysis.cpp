@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/index.hpp"
 #include "fem/assembly.hpp"
 #include "fem/defect_columns.hpp"
 #include "fem/intact_modes.hpp"
@@ -19,10 +20,6 @@ namespace {
 
 /// Half the difference, in elements, by which a support's slope is taken.
 constexpr double kSupportStep = 1e-3;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/eigen.hpp"
+#include "base/index.hpp"
 
 namespace wheeltap::fem::detail {
 namespace {
@@ -28,10 +29,6 @@ constexpr double kShapeResidual = 1e-5;
 constexpr double kShapeShare = 1e-6;
 /// Rounding of the intact eigenvalues that bound the damaged ones.
 constexpr double kMargin = 1e-12;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 

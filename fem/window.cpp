@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/index.hpp"
+
 namespace wheeltap::fem::detail {
 namespace {
 
@@ -12,10 +14,6 @@ namespace {
 constexpr double kFarRatio = 3.0;
 /// Truncation of that series, relative.
 constexpr double kSeriesError = 1e-17;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 

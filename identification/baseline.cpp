@@ -1,8 +1,8 @@
 #include "identification/baseline.hpp"
 
 #include <cmath>
-#include <limits>
 
+#include "base/constants.hpp"
 #include "base/number.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
@@ -10,7 +10,6 @@
 namespace wheeltap::identification {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostFactor = 2.0;
 
 std::vector<double> intact_frequencies(const DamageCase& damage_case, int modes) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/constants.hpp"
 #include "identification/damage_modes.hpp"
 #include "identification/plausibility.hpp"
 #include "identification/rival_places.hpp"
@@ -263,7 +264,6 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     weight_seen += weight;
   });
   const ChainsOf weights = draw_weights(posterior);
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   FitFinding out{.modes = {}, .posterior_predictive_p = mean_p / weight_seen};
   std::vector<int> off;
   for (std::size_t mode = 0; mode < modes; ++mode) {

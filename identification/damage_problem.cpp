@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <tuple>
 
+#include "base/constants.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
 #include "inference/moves/split_merge.hpp"
@@ -313,7 +313,6 @@ bool FrequencyPredictor::solve_modes(int model, std::span<const double> x,
   if (!solve_changed(model, x, {.frequencies_hz = all_, .shapes = shapes_, .motions = motions_}))
     return false;
   const std::size_t first = first_elastic(), count = all_.size() - rigid_;
-  constexpr double kTwoPi = 2.0 * std::numbers::pi;
   const auto sensors = static_cast<Eigen::Index>(motions_.size());
   out.eigenvalues.resize(static_cast<Eigen::Index>(count));
   out.shapes.resize(sensors, static_cast<Eigen::Index>(count));

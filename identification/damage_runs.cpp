@@ -1,12 +1,12 @@
 #include "identification/damage_runs.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <memory>
 #include <set>
 #include <stdexcept>
 
+#include "base/constants.hpp"
 #include "base/number.hpp"
 #include "emulator/grid_refinement.hpp"
 #include "emulator/runs_csv.hpp"
@@ -24,7 +24,6 @@ using emulator::RowMatrix;
 using emulator::Table;
 
 constexpr double kMostRuns = 1e7;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string number(double x) {
   return base::significant(x, 6);

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.hpp"
+
 namespace wheeltap::identification {
 namespace {
 
 using inference::ChainsOf;
 using inference::Posterior;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kLeastDraws = 100;  // of a chain, for its convergence to be judged
 
 // The midpoint of the fullest bin, bins by Freedman & Diaconis's rule (1981). `weights` beside

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
 #include "identification/mode_matching.hpp"
 
 namespace wheeltap::identification {
@@ -18,7 +18,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Modes = fem::ParametricModes::Modes;
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 /// Computed modes beyond the number measured that measured ones may be.
 constexpr int kFurther = 3;
 

@@ -3,8 +3,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "base/constants.hpp"
 
 namespace wheeltap::identification {
 
@@ -14,7 +15,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Reweighted draws that are worth fewer than this say little.
 constexpr double kFewDraws = 50.0;
 

@@ -3,10 +3,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
 #include "base/log_gamma.hpp"
 
 namespace wheeltap::identification {
@@ -16,7 +16,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kPi = std::numbers::pi;
 /// In terms of the smallest other sd, what stands for an sd of 0: small enough to tie the scale,
 /// and large enough for double precision.
 constexpr double kTied = 1e-3;

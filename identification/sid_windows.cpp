@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.hpp"
 #include "base/parallel.hpp"
 #include "inference/evidence/laplace.hpp"
 #include "inference/grouped_scores.hpp"
@@ -14,7 +15,6 @@ namespace {
 
 using inference::GroupEstimate, inference::LineMixture;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFurthest = 6.0;       // of a start, in standard deviations of the prior
 constexpr double kWorthKeeping = 1e-3;  // precision of the likelihood beside the prior's
 

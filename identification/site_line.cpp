@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "base/index.hpp"
 #include "base/number.hpp"
 
 namespace wheeltap::identification {
@@ -13,10 +14,6 @@ namespace {
 
 /// Of a stretch: nearer to a boundary counts as it.
 constexpr double kSamePlace = 1e-9;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/index.hpp"
 #include "base/random.hpp"
 #include "identification/defects/mass.hpp"
 
@@ -17,10 +18,6 @@ constexpr double kSameFrequency = 1e-9;
 constexpr double kSameWithLostMass = 1e-6;  // see fem::StructureReanalysis
 constexpr double kSameExtent = 1e-9;
 constexpr std::uint64_t kSeed = 1;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// The image of each stretch of a line, and whether it arrives turned.
 struct LineMap {

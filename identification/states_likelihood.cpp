@@ -5,9 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "fem/structures/structure_modes.hpp"
 
@@ -20,7 +20,6 @@ using Modes = fem::ParametricModes::Modes;
 
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr int kTraining = 200;      // structures that a reduced basis is tried on
 constexpr int kTriedForPieces = 8;  // draws of the priors that must have the medians' strains
 constexpr int kOfPieces = 8;  // modes beyond those that are compared, for what pieces do to shapes

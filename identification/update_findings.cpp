@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "identification/mode_contributions.hpp"
 
@@ -19,7 +20,6 @@ using Eigen::VectorXd;
 using inference::ChainsOf;
 using inference::Posterior;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Draws that are looked at again, with their shapes.
 constexpr std::size_t kExamined = 2000;
 

@@ -6,10 +6,11 @@
 #include <array>
 #include <cmath>
 
+#include "base/constants.hpp"
+
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBound = 8.3;        // |z|
 constexpr double kDifference = 0.05;  // of a width, for derivatives
 constexpr double kArrived = 0.01;     // ln: what a further step would gain

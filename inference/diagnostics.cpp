@@ -5,21 +5,18 @@
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Half chains, end to end: `sequences` of them, each of `length`. An odd chain loses its middle
 /// draw.

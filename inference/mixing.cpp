@@ -4,13 +4,12 @@
 #include <cmath>
 #include <map>
 
+#include "base/constants.hpp"
 #include "inference/convergence.hpp"
 #include "inference/diagnostics.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 bool varies(const ChainsOf& draws) {
   double low = kInfinity, high = -kInfinity;

@@ -3,12 +3,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <numeric>
 #include <utility>
 
+#include "base/constants.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
 #include "inference/climb.hpp"
@@ -16,7 +16,6 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kSlices = 8;  // of a batch, each with a likelihood of its own
 constexpr long kFirstBatch = 8, kMostBatch = 256;
 constexpr long kFirstOfRecord = 2;    // few climb its length before a mode is known

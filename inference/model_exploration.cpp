@@ -5,11 +5,11 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <utility>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "inference/convergence.hpp"
 #include "inference/evidence/multiple_importance_sampling.hpp"
@@ -19,8 +19,6 @@
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr int kReplicates = 4;               // of sequential Monte Carlo
 constexpr int kClimbsFromDraws = 8;          // from its draws

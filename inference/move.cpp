@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/constants.hpp"
+
 namespace wheeltap::inference {
 
 namespace {
@@ -13,7 +15,6 @@ constexpr double kSmallestLogAlpha = -7.0;  ///< what adaptation takes for zero:
 
 double log_ratio(const Target& target, double beta, const State& from, const State& to,
                  double State::*log_likelihood) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   // A state without finite likelihood is impossible at every temperature, beta = 0 included.
   if (to.*log_likelihood == -kInfinity) return -kInfinity;
   if (from.*log_likelihood == -kInfinity) return kInfinity;

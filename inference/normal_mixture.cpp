@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
 #include "inference/packed_mixture.hpp"
 
 namespace wheeltap::inference {
@@ -18,8 +19,6 @@ using packed::kMaxComponents;
 using packed::log_sum_diagonal;
 using packed::pack;
 using packed::routines;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/constants.hpp"
 #include "base/log_gamma.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference::packed {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 #if defined(__GNUC__) && defined(__x86_64__)
 #define WHEELTAP_INLINE [[gnu::always_inline]] inline

@@ -13,13 +13,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/constants.hpp"
 #include "base/number.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Double arithmetic is enough, and a quantile that underflows is an end of the support, not an
 // error.

@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 
+#include "base/constants.hpp"
 #include "base/number.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string at(double z, double x) {
   return "at z = " + base::number(z) + ", x = " + base::significant(x, 6) + ": ";

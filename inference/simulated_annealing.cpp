@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::inference {
@@ -27,7 +28,6 @@ Optimum maximise_by_annealing(const Objective& objective, int dimension,
   require(options.bound > 0.0, "bound", options.bound, "> 0");
 
   const auto d = static_cast<std::size_t>(dimension);
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   base::Random random(options.seed, 1, 0, base::Purpose::start);
   Optimum result{std::vector<double>(d, 0.0), -kInfinity, 0, false};
   const auto evaluate = [&](const std::vector<double>& z) {

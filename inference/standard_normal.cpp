@@ -1,14 +1,12 @@
 #include "inference/standard_normal.hpp"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "base/constants.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // AS 241 (PPND16): three rational approximations of degree 7, in q² about the centre and in
 // r = √(-ln p) in the tails.

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.hpp"
 #include "inference/convergence.hpp"
 #include "inference/diagnostics.hpp"
 
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kUsableError = 1.0;  // nats, of evidence by importance sampling
 
 class Weigher {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/constants.hpp"
 #include "base/log_gamma.hpp"
 #include "base/number.hpp"
 
@@ -12,7 +13,6 @@ namespace wheeltap::inference {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr long kAtOnce = 20;     // values that must not all be NaN or +∞
 constexpr long kEnough = 1000;   // values from which on their share counts
 constexpr double kShare = 1e-2;  // of NaN and +∞

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/constants.hpp"
 #include "io/netcdf_classic.hpp"
 #include "io/netcdf_reader.hpp"
 #include "io/read_apart.hpp"
@@ -15,7 +16,6 @@
 namespace wheeltap::io {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kDeepest = 8;                   // groups within groups
 constexpr std::size_t kMostColumns = 10'000;  // of one matrix
 

@@ -5,16 +5,14 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
+#include "base/constants.hpp"
 #include "io/bytes.hpp"
 #include "io/delimited_text.hpp"
 #include "io/text.hpp"
 
 namespace wheeltap::io {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r\n\0";
@@ -448,7 +446,6 @@ int UniversalShape::mode() const {
 }
 
 double UniversalShape::frequency_hz() const {
-  constexpr double kTwoPi = 6.283185307179586;
   if (analysis == 2 && !reals.empty()) return reals[0];
   if ((analysis == 3 || analysis == 7) && reals.size() > 1)
     return std::hypot(reals[0], reals[1]) / kTwoPi;

@@ -4,16 +4,16 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <unsupported/Eigen/FFT>
+
+#include "base/constants.hpp"
 
 namespace wheeltap::signals {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Complex = std::complex<double>;
 
 void require_samples(int samples, double rate) {

@@ -10,7 +10,9 @@
 #include <string>
 #include <unsupported/Eigen/FFT>
 
+#include "base/index.hpp"
 #include "base/random.hpp"
+#include "signals/refuse.hpp"
 #include "signals/spectra.hpp"
 
 namespace wheeltap::signals {
@@ -30,14 +32,6 @@ constexpr double kKept = 0.4;  // of the new rate, by decimate()
 constexpr double kRows = 1.2;
 constexpr double kMoved = 0.05;  // distance of a refined pole from what the diagram holds
 
-[[noreturn]] void refuse(const std::string& name, double value, const std::string& bound) {
-  throw std::invalid_argument(name + " = " + std::to_string(value) + ": " + bound);
-}
-
-std::size_t at(Index i) {
-  return static_cast<std::size_t>(i);
-}
-
 /// Decays of one length, decimated to the band, without their means: what rests at the end.
 std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) {
   Index length = decays.front().cols();
@@ -46,7 +40,7 @@ std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) 
   for (const MatrixXd& d : decays) {
     MatrixXd one;
     for (Index c = 0; c < d.rows(); ++c) {
-      std::vector<double> x(at(length));
+      std::vector<double> x(index(length));
       Eigen::Map<Eigen::RowVectorXd>(x.data(), length) = d.row(c).head(length);
       detrend(x, 0);
       const std::vector<double> less = factor > 1 ? decimate(x, factor) : x;
@@ -165,7 +159,7 @@ void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
   while (!diagram.modes.empty()) {
     std::vector<Complex> poles;
     for (const ModeCluster& c : diagram.modes)
-      poles.push_back(diagram.poles[at(c.chosen)].eigenvalue);
+      poles.push_back(diagram.poles[index(c.chosen)].eigenvalue);
     const double all = fit(y, poles, step).squares();
     double smallest = std::numeric_limits<double>::infinity();
     std::size_t which = 0;
@@ -216,7 +210,7 @@ class Surrogates {
       const bool all = 2 * used < to - from + 1;  // modes wherever one looks
       const double share = 1.0 / std::sqrt(2.0 * static_cast<double>(all ? to - from + 1 : used));
       for (Index j = from; j <= to; ++j) {
-        if (!all && !left_[at(j)]) continue;
+        if (!all && !left_[index(j)]) continue;
         const double re = random.normal(), im = random.normal();
         spectrum.col(k) += share * Complex(re, im) * lines_.col(j);
       }
@@ -296,24 +290,24 @@ void describe(ModalResult& out, const DecayModel& model, Index channels, double 
     const MatrixXd factors =
         model.factors + model.qr.solve(noise - explained.reshaped(noise.rows(), noise.cols()));
     for (Index m = 0; m < count; ++m) {
-      const Complex lambda = model.poles[at(m)];
+      const Complex lambda = model.poles[index(m)];
       const Complex d(by[2 * m], by[2 * m + 1]);
       const double size = std::abs(lambda), grows = (std::conj(lambda) * d).real() / size;
       moves(m, b) = grows / (2.0 * std::numbers::pi);
       moves(count + m, b) = -d.real() / size + lambda.real() * grows / (size * size);
-      const VectorXcd whole = shape_of(factors, at(m), channels);
-      const VectorXcd moved = whole / whole[tops[at(m)]] - out.modes[at(m)].pole.shape;
-      shapes[at(m)].col(b).head(channels) = moved.real();
-      shapes[at(m)].col(b).tail(channels) = moved.imag();
+      const VectorXcd whole = shape_of(factors, index(m), channels);
+      const VectorXcd moved = whole / whole[tops[index(m)]] - out.modes[index(m)].pole.shape;
+      shapes[index(m)].col(b).head(channels) = moved.real();
+      shapes[index(m)].col(b).tail(channels) = moved.imag();
     }
   }
   moves /= std::sqrt(static_cast<double>(out.replicates));
   out.covariance = moves * moves.transpose();
   for (Index m = 0; m < count; ++m) {
-    Mode& mode = out.modes[at(m)];
+    Mode& mode = out.modes[index(m)];
     mode.pole.frequency_sd = moves.row(m).norm();
     mode.pole.damping_sd = moves.row(count + m).norm();
-    mode.shape_covariance = shapes[at(m)] * shapes[at(m)].transpose() / out.replicates;
+    mode.shape_covariance = shapes[index(m)] * shapes[index(m)].transpose() / out.replicates;
   }
 }
 
@@ -381,11 +375,12 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
       subspace,
       {.lowest_hz = out.lowest_hz, .highest_hz = out.highest_hz, .threads = options.threads});
   MatrixXd all(length, channels * events);
-  for (Index e = 0; e < events; ++e) all.middleCols(e * channels, channels) = y[at(e)].transpose();
+  for (Index e = 0; e < events; ++e)
+    all.middleCols(e * channels, channels) = y[index(e)].transpose();
   drop_noise(out.diagram, all, step);
   std::vector<Complex> poles;
   for (const ModeCluster& cluster : out.diagram.modes) {
-    Pole pole = out.diagram.poles[at(cluster.chosen)];
+    Pole pole = out.diagram.poles[index(cluster.chosen)];
     poles.emplace_back(std::min(pole.eigenvalue.real(), -1e-9 * std::abs(pole.eigenvalue)),
                        pole.eigenvalue.imag());
     out.modes.push_back({.pole = std::move(pole),
@@ -396,7 +391,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   const DecayModel model = refine(all, poles, step);
   describe(out, model, channels, step, seed);
   for (std::size_t m = 0; m < out.modes.size(); ++m)
-    if (pole_distance(out.modes[m].pole, out.diagram.poles[at(out.diagram.modes[m].chosen)]) >
+    if (pole_distance(out.modes[m].pole, out.diagram.poles[index(out.diagram.modes[m].chosen)]) >
         kMoved)
       ++out.remarks.moved;
   doubt_modes(out);

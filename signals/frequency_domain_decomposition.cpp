@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
+#include "base/constants.hpp"
+#include "base/index.hpp"
 #include "base/parallel.hpp"
 
 namespace wheeltap::signals {
@@ -23,7 +24,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kSegments = 40, kFewestSegments = 8, kBlocks = 20, kFewestBlocks = 4;
 constexpr int kPadding = 2;
 constexpr double kOwn = 0.8;                  // MAC with the peak, of lines that are the mode's
@@ -31,10 +31,6 @@ constexpr int kFewestLines = 3;               // that share a shape, unpadded
 constexpr double kUpper = 0.9, kLower = 0.3;  // of |c|, where it is taken as a decay
 constexpr int kFewestLags = 8;
 constexpr double kLeastDecibels = 3.0;
-
-std::size_t at(Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// S(f) of the lines from `first` on, summed over the segments of a part of the record.
 struct Part {
@@ -58,7 +54,7 @@ struct Spectra {
     int segments = 0;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       if (static_cast<int>(p) == without) continue;
-      sum += parts[p].lines[at(line)];
+      sum += parts[p].lines[index(line)];
       segments += parts[p].segments;
     }
     return sum / segments;
@@ -82,10 +78,10 @@ Spectra spectra_of(const MatrixXd& y, const ModalResult& band, int parts, int th
     throw std::invalid_argument("segment = " + std::to_string(segment) +
                                 ": the band holds too few of its lines");
   const VectorXd window = hann(segment);
-  out.parts.resize(at(parts));
+  out.parts.resize(index(parts));
   base::parallel_for(parts, threads, [&](int p) {
-    Part& part = out.parts[at(p)];
-    part.lines.assign(at(last - out.first + 1), MatrixXcd::Zero(y.rows(), y.rows()));
+    Part& part = out.parts[index(p)];
+    part.lines.assign(index(last - out.first + 1), MatrixXcd::Zero(y.rows(), y.rows()));
     Eigen::FFT<double> fft;
     MatrixXcd lines(y.rows(), last - out.first + 1);
     const long begin = static_cast<long>(band.segments) * p / parts,
@@ -100,7 +96,7 @@ Spectra spectra_of(const MatrixXd& y, const ModalResult& band, int parts, int th
         lines.row(c) = transformed.segment(out.first, lines.cols()).transpose();
       }
       for (Index l = 0; l < lines.cols(); ++l)
-        part.lines[at(l)] += lines.col(l) * lines.col(l).adjoint();
+        part.lines[index(l)] += lines.col(l) * lines.col(l).adjoint();
       ++part.segments;
     }
   });
@@ -126,7 +122,7 @@ struct Peak {
 /// Lines about `line` in [begin, end) whose shape is its own.
 Peak domain_of(const std::vector<First>& firsts, Index line) {
   const auto own = [&](Index l) {
-    return modal_assurance(firsts[at(l)].shape, firsts[at(line)].shape) > kOwn;
+    return modal_assurance(firsts[index(l)].shape, firsts[index(line)].shape) > kOwn;
   };
   Peak out{.line = line, .begin = line, .end = line + 1};
   while (out.begin > 0 && own(out.begin - 1)) --out.begin;
@@ -136,12 +132,12 @@ Peak domain_of(const std::vector<First>& firsts, Index line) {
 
 /// How far [dB] a line stands above the lowest one on the way to any that is higher.
 double prominence(const std::vector<First>& firsts, Index line) {
-  const double own = firsts[at(line)].value;
+  const double own = firsts[index(line)].value;
   const auto least_to = [&](Index step) {
     double least = own;
     for (Index l = line + step; l >= 0 && l < static_cast<Index>(firsts.size()); l += step) {
-      if (firsts[at(l)].value > own) return least;
-      least = std::min(least, firsts[at(l)].value);
+      if (firsts[index(l)].value > own) return least;
+      least = std::min(least, firsts[index(l)].value);
     }
     return least;
   };
@@ -154,8 +150,8 @@ std::vector<Peak> peaks_of(const std::vector<First>& firsts, int segments) {
       std::max(kLeastDecibels, 10.0 * std::log10((1.0 + scatter) / (1.0 - scatter)));
   std::vector<Peak> out;
   for (Index l = 1; l + 1 < static_cast<Index>(firsts.size()); ++l) {
-    const double own = firsts[at(l)].value;
-    if (!(own >= firsts[at(l - 1)].value && own > firsts[at(l + 1)].value)) continue;
+    const double own = firsts[index(l)].value;
+    if (!(own >= firsts[index(l - 1)].value && own > firsts[index(l + 1)].value)) continue;
     if (prominence(firsts, l) < least) continue;
     const Peak peak = domain_of(firsts, l);
     if (peak.end - peak.begin >= kPadding * kFewestLines) out.push_back(peak);
@@ -230,7 +226,7 @@ void enhance(ModalResult& out, const Spectra& spectra, std::vector<Peak>& peaks,
   std::vector<std::vector<Estimate>> all(peaks.size());
   base::parallel_for(static_cast<int>(peaks.size()), threads, [&](int m) {
     for (int without = -1; without < parts; ++without)
-      all[at(m)].push_back(estimate(spectra, out, peaks[at(m)], without));
+      all[index(m)].push_back(estimate(spectra, out, peaks[index(m)], without));
   });
   std::vector<std::size_t> kept;
   for (std::size_t m = 0; m < peaks.size(); ++m)
@@ -241,13 +237,13 @@ void enhance(ModalResult& out, const Spectra& spectra, std::vector<Peak>& peaks,
   MatrixXd values(2 * count, parts);
   std::vector<Mode> modes;
   for (Index m = 0; m < count; ++m) {
-    const std::vector<Estimate>& of = all[kept[at(m)]];
-    Mode mode = out.modes[kept[at(m)]];
+    const std::vector<Estimate>& of = all[kept[index(m)]];
+    Mode mode = out.modes[kept[index(m)]];
     Index top = 0;
     of[0].shape.cwiseAbs().maxCoeff(&top);
     MatrixXd shapes(2 * channels, parts);
     for (int p = 0; p < parts; ++p) {
-      const Estimate& one = of[at(p) + 1];
+      const Estimate& one = of[index(p) + 1];
       values(m, p) = frequency_of(one.eigenvalue);
       values(count + m, p) = damping_of(one.eigenvalue);
       const VectorXcd shape = scaled(one.shape, top);
@@ -263,8 +259,8 @@ void enhance(ModalResult& out, const Spectra& spectra, std::vector<Peak>& peaks,
   values.colwise() -= values.rowwise().mean().eval();
   out.covariance = values * values.transpose() * ((parts - 1.0) / parts);
   for (Index m = 0; m < count; ++m) {
-    modes[at(m)].pole.frequency_sd = std::sqrt(out.covariance(m, m));
-    modes[at(m)].pole.damping_sd = std::sqrt(out.covariance(count + m, count + m));
+    modes[index(m)].pole.frequency_sd = std::sqrt(out.covariance(m, m));
+    modes[index(m)].pole.damping_sd = std::sqrt(out.covariance(count + m, count + m));
   }
   out.modes = std::move(modes);
 }
@@ -292,16 +288,16 @@ ModalResult decompose_spectra(const Eigen::Ref<const MatrixXd>& records,
   out.blocks = std::clamp(options.blocks > 0 ? options.blocks : kBlocks, kFewestBlocks,
                           std::max(kFewestBlocks, out.segments / 2));
   const Spectra spectra = spectra_of(y, out, out.blocks, options.threads);
-  std::vector<First> firsts(at(spectra.lines()));
+  std::vector<First> firsts(index(spectra.lines()));
   base::parallel_for(static_cast<int>(firsts.size()), options.threads,
-                     [&](int l) { firsts[at(l)] = first_of(spectra.mean(l, -1)); });
+                     [&](int l) { firsts[index(l)] = first_of(spectra.mean(l, -1)); });
   out.lines = static_cast<long>(firsts.size());
   out.singular_spectrum.resize(spectra.lines(), 2);
   for (Index l = 0; l < spectra.lines(); ++l)
-    out.singular_spectrum.row(l) << spectra.frequency(l), firsts[at(l)].value;
+    out.singular_spectrum.row(l) << spectra.frequency(l), firsts[index(l)].value;
   std::vector<Peak> peaks = peaks_of(firsts, out.segments);
   for (const Peak& peak : peaks) {
-    const VectorXcd& found = firsts[at(peak.line)].shape;
+    const VectorXcd& found = firsts[index(peak.line)].shape;
     Index top = 0, strongest = 0;
     found.cwiseAbs().maxCoeff(&top);
     (found.array().abs() / y.rowwise().norm().array()).maxCoeff(&strongest);

@@ -7,6 +7,8 @@
 #include <string>
 #include <unsupported/Eigen/FFT>
 
+#include "signals/refuse.hpp"
+
 namespace wheeltap::signals {
 namespace {
 
@@ -15,10 +17,6 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-
-[[noreturn]] void refuse(const std::string& name, double value, const std::string& bound) {
-  throw std::invalid_argument(name + " = " + std::to_string(value) + ": " + bound);
-}
 
 }  // namespace
 

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
+#include "base/index.hpp"
 #include "signals/average_linkage.hpp"
 
 namespace wheeltap::signals {
@@ -20,17 +22,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kNear = 0.02, kDeviations = 5.0, kThreshold = 0.15;
 constexpr double kUnlike = 0.8, kInconsistent = 0.001;
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 std::vector<int> common_sensors(const std::vector<SetUpModes>& set_ups, int sensors) {
-  std::vector<std::size_t> seen(at(sensors), 0);
+  std::vector<std::size_t> seen(index(sensors), 0);
   for (std::size_t s = 0; s < set_ups.size(); ++s) {
     std::set<int> own;
     for (const int k : set_ups[s].sensors) {
@@ -40,12 +37,12 @@ std::vector<int> common_sensors(const std::vector<SetUpModes>& set_ups, int sens
       if (!own.insert(k).second)
         throw std::invalid_argument("set-up = " + std::to_string(s) + ": has sensor " +
                                     std::to_string(k) + " twice");
-      ++seen[at(k)];
+      ++seen[index(k)];
     }
   }
   std::vector<int> out;
   for (int k = 0; k < sensors; ++k)
-    if (seen[at(k)] == set_ups.size()) out.push_back(k);
+    if (seen[index(k)] == set_ups.size()) out.push_back(k);
   return out;
 }
 
@@ -227,7 +224,7 @@ MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors) {
     }
   }
   const auto distance = [&](int i, int j) {
-    const Found &a = found[at(i)], &b = found[at(j)];
+    const Found &a = found[index(i)], &b = found[index(j)];
     const double fa = a.mode->pole.frequency_hz, fb = b.mode->pole.frequency_hz;
     const double apart = std::abs(fa - fb), larger = std::max(fa, fb);
     if (apart > std::max(kNear * larger, kDeviations * std::hypot(a.mode->pole.frequency_sd,
@@ -237,7 +234,7 @@ MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors) {
   };
   for (const std::vector<int>& cluster : average_linkage(groups, distance, kThreshold)) {
     MergedMode mode{.places = std::vector<int>(set_ups.size(), -1)};
-    for (const int i : cluster) mode.places[at(found[at(i)].set_up)] = found[at(i)].place;
+    for (const int i : cluster) mode.places[index(found[index(i)].set_up)] = found[index(i)].place;
     out.modes.push_back(std::move(mode));
   }
 
@@ -258,7 +255,7 @@ MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors) {
     int doubted = 0;
     for (std::size_t s = 0; s < set_ups.size(); ++s) {
       if (mode.places[s] < 0) continue;
-      const Mode& one = set_ups[s].modes[at(mode.places[s])];
+      const Mode& one = set_ups[s].modes[index(mode.places[s])];
       f[i] = one.pole.frequency_hz;
       zeta[i] = one.pole.damping;
       f_variance[i] = std::pow(one.pole.frequency_sd, 2);

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/index.hpp"
+
 namespace wheeltap::signals {
 namespace {
 
@@ -16,16 +18,13 @@ using Eigen::VectorXd;
 
 constexpr double kTold = 2.0;  // variance of a component over that of its scatter
 
-std::size_t at(Index i) {
-  return static_cast<std::size_t>(i);
-}
-
 /// Rows of some channels out of every block row.
 MatrixXd rows_of(const MatrixXd& h, Index channels, const std::vector<int>& which) {
   const Index blocks = h.rows() / channels, count = static_cast<Index>(which.size());
   MatrixXd out(blocks * count, h.cols());
   for (Index b = 0; b < blocks; ++b)
-    for (Index c = 0; c < count; ++c) out.row(b * count + c) = h.row(b * channels + which[at(c)]);
+    for (Index c = 0; c < count; ++c)
+      out.row(b * count + c) = h.row(b * channels + which[index(c)]);
   return out;
 }
 
@@ -34,7 +33,7 @@ void add_rows(MatrixXd& into, Index sensors, const std::vector<int>& which, cons
   const Index count = static_cast<Index>(which.size());
   for (Index b = 0; b < into.rows() / sensors; ++b)
     for (Index c = 0; c < count; ++c)
-      into.row(b * sensors + which[at(c)]) += rows.row(b * count + c);
+      into.row(b * sensors + which[index(c)]) += rows.row(b * count + c);
 }
 
 /// A set-up in its parts, its references in the units that all set-ups have.
@@ -76,14 +75,14 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
   const auto references = static_cast<Index>(first.covariances.references.size());
   std::vector<int> reference_sensors;
   for (const int c : first.covariances.references)
-    reference_sensors.push_back(first.sensors[at(c)]);
+    reference_sensors.push_back(first.sensors[index(c)]);
 
   HankelFactor out{.scale = VectorXd::Zero(sensors)};
   const double share = 1.0 / static_cast<double>(set_ups.size());
   for (const SetUpCovariances& s : set_ups)
     for (Index r = 0; r < references; ++r)
-      out.scale[reference_sensors[at(r)]] +=
-          share * std::pow(s.covariances.scale[s.covariances.references[at(r)]], 2);
+      out.scale[reference_sensors[index(r)]] +=
+          share * std::pow(s.covariances.scale[s.covariances.references[index(r)]], 2);
   for (const int k : reference_sensors) out.scale[k] = std::sqrt(out.scale[k]);
 
   std::vector<Piece> pieces;
@@ -93,18 +92,18 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
                 .row_scale = VectorXd::Ones(own.channels()),
                 .column_scale = VectorXd(references)};
     for (Index r = 0; r < references; ++r) {
-      const int c = own.references[at(r)];
+      const int c = own.references[index(r)];
       piece.row_scale[c] = piece.column_scale[r] =
-          own.scale[c] / out.scale[reference_sensors[at(r)]];
+          own.scale[c] / out.scale[reference_sensors[index(r)]];
     }
     // Set-ups weigh alike, however strongly they were driven: Z_s takes any factor.
     const double level = piece.column_scale.norm() / std::sqrt(static_cast<double>(references));
     piece.column_scale /= level * level;
     for (Index c = 0; c < piece.channels; ++c) {
-      if (out.scale[s.sensors[at(c)]] > 0.0) continue;
-      out.scale[s.sensors[at(c)]] = own.scale[c];
+      if (out.scale[s.sensors[index(c)]] > 0.0) continue;
+      out.scale[s.sensors[index(c)]] = own.scale[c];
       piece.moved.push_back(static_cast<int>(c));
-      piece.moved_sensors.push_back(s.sensors[at(c)]);
+      piece.moved_sensors.push_back(s.sensors[index(c)]);
     }
     const MatrixXd h = piece.scaled(block_hankel(own.mean, piece.channels, columns));
     piece.reference = rows_of(h, piece.channels, own.references);

@@ -11,6 +11,7 @@
 
 #include "base/parallel.hpp"
 #include "signals/merged_subspace.hpp"
+#include "signals/refuse.hpp"
 #include "signals/spectra.hpp"
 
 namespace wheeltap::signals {
@@ -30,10 +31,6 @@ constexpr double kTone = 1.3;   // amplitude kurtosis below
 constexpr double kToneDamping = 0.002;
 constexpr double kCollinear = 0.8;
 constexpr double kAlike = 1.0 - 1e-9;
-
-[[noreturn]] void refuse(const std::string& name, double value, const std::string& bound) {
-  throw std::invalid_argument(name + " = " + std::to_string(value) + ": " + bound);
-}
 
 /// Two channels that are one and the same would make a mode of their difference.
 void refuse_copies(const MatrixXd& y) {

@@ -3,9 +3,11 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "base/constants.hpp"
+#include "base/index.hpp"
 
 namespace wheeltap::signals {
 namespace {
@@ -17,14 +19,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr Complex kI{0.0, 1.0};
 constexpr int kMostSteps = 30, kMostHalvings = 8;
 constexpr double kSettled = 1e-12;  // of the squares
-
-std::size_t at(Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// The linear problem of given poles: rows are lines × inputs, real over imaginary; columns are ψ
 /// (real, imaginary) of each mode and L, U, V of each input.
@@ -69,16 +66,16 @@ Linear solve(const FrequencyResponses& f, const std::vector<Complex>& lambda,
       const Index row = row_of(k, j, inputs);
       for (Index r = 0; r < count; ++r) {
         const Complex l = participation(j, r);
-        set_columns(out.matrix, row, 2 * r, l / (kI * omega - lambda[at(r)]),
-                    std::conj(l) / (kI * omega - std::conj(lambda[at(r)])));
+        set_columns(out.matrix, row, 2 * r, l / (kI * omega - lambda[index(r)]),
+                    std::conj(l) / (kI * omega - std::conj(lambda[index(r)])));
       }
       for (Index t = 0; t < 3; ++t) {
         const Index column = 2 * count + 6 * j + 2 * t;
-        out.matrix(row, column) = out.matrix(row + 1, column + 1) = rest[at(t)];
+        out.matrix(row, column) = out.matrix(row + 1, column + 1) = rest[index(t)];
       }
       for (Index o = 0; o < outputs; ++o) {
-        out.right(row, o) = f.h[at(k)](o, j).real();
-        out.right(row + 1, o) = f.h[at(k)](o, j).imag();
+        out.right(row, o) = f.h[index(k)](o, j).real();
+        out.right(row + 1, o) = f.h[index(k)](o, j).imag();
       }
     }
   }
@@ -120,7 +117,7 @@ MatrixXd jacobian(const FrequencyResponses& f, Linear& linear, const std::vector
   MatrixXd pair(rows, 2);
   for (std::size_t p = 0; p < free.size(); ++p) {
     const Free& one = free[p];
-    const Complex own = lambda[at(one.mode)];
+    const Complex own = lambda[index(one.mode)];
     const Complex by = one.imaginary ? kI : Complex(1.0);
     pair.setZero();
     for (Index k = 0; k < lines; ++k) {
@@ -230,7 +227,7 @@ ModalModel refine(const FrequencyResponses& f, const ModalModel& start) {
         const Complex by =
             (one.imaginary ? kI : Complex(1.0)) * share * move[static_cast<Index>(p)];
         if (one.input < 0) {
-          next[at(one.mode)] += std::abs(lambda[at(one.mode)]) * by;
+          next[index(one.mode)] += std::abs(lambda[index(one.mode)]) * by;
         } else {
           factors(one.input, one.mode) += by;
         }

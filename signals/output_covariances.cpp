@@ -6,17 +6,10 @@
 #include <string>
 
 #include "base/parallel.hpp"
+#include "signals/refuse.hpp"
 #include "signals/spectra.hpp"
 
 namespace wheeltap::signals {
-namespace {
-
-[[noreturn]] void refuse(const std::string& name, long value, const std::string& bound) {
-  throw std::invalid_argument(name + " = " + std::to_string(value) + ": " + bound);
-}
-
-}  // namespace
-
 OutputCovariances output_covariances(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                      const CovarianceOptions& options) {
   const auto r = records.rows(), n = records.cols();

@@ -9,8 +9,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
+#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
+#include "signals/refuse.hpp"
 
 namespace wheeltap::signals {
 namespace {
@@ -22,21 +25,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTurn = 0.9;  // of Ω over the band
 constexpr double kLowestDamping = -5e-4, kHighestDamping = 0.3;
 constexpr int kLargestOrder = 80;
 constexpr double kLeastLeft = 0.05;  // of a line's residual
 constexpr double kMoved = 0.05;      // distance of a refined pole from what the diagram holds
-
-[[noreturn]] void refuse(const std::string& name, double value, const std::string& bound) {
-  throw std::invalid_argument(name + " = " + std::to_string(value) + ": " + bound);
-}
-
-std::size_t at(Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// The matrix fraction of one polynomial order.
 struct Fraction {
@@ -62,7 +55,7 @@ Fraction fraction(const FrequencyResponses& f, int n) {
     MatrixXcd y(lines, size);
     for (Index k = 0; k < lines; ++k)
       for (Index j = 0; j <= n; ++j)
-        y.row(k).segment(j * inputs, inputs) = powers(k, j) * f.h[at(k)].row(o);
+        y.row(k).segment(j * inputs, inputs) = powers(k, j) * f.h[index(k)].row(o);
     y -= q * (q.adjoint() * y);
     normal.selfadjointView<Eigen::Lower>().rankUpdate(y.adjoint());
   }
@@ -87,7 +80,7 @@ Roots roots(const Fraction& fit, double lowest, double highest) {
   for (Index j = 0; j + 1 < n; ++j)
     companion.block(j * inputs, (j + 1) * inputs, inputs, inputs).setIdentity();
   for (Index j = 0; j < n; ++j)
-    companion.block((n - 1) * inputs, j * inputs, inputs, inputs) = -fit.a[at(j)];
+    companion.block((n - 1) * inputs, j * inputs, inputs, inputs) = -fit.a[index(j)];
   const Eigen::ComplexEigenSolver<MatrixXcd> eigen(companion, false);
   Roots out;
   if (eigen.info() != Eigen::Success) return out;
@@ -107,7 +100,7 @@ Roots roots(const Fraction& fit, double lowest, double highest) {
     out.lambda.push_back(lambda);
     MatrixXcd whole = MatrixXcd::Zero(inputs, inputs);
     Complex power = 1.0;
-    for (Index j = 0; j <= n; ++j, power *= omega) whole += power * fit.a[at(j)];
+    for (Index j = 0; j <= n; ++j, power *= omega) whole += power * fit.a[index(j)];
     const Eigen::JacobiSVD<MatrixXcd> svd(whole, Eigen::ComputeFullU);
     Index largest = 0;
     VectorXcd left = svd.matrixU().col(inputs - 1).conjugate();
@@ -118,7 +111,7 @@ Roots roots(const Fraction& fit, double lowest, double highest) {
 }
 
 Pole pole_of(const ModalModel& model, Index r, int order) {
-  const Complex lambda = model.eigenvalues[at(r)];
+  const Complex lambda = model.eigenvalues[index(r)];
   Pole out{.order = order,
            .place = static_cast<int>(r),
            .eigenvalue = lambda,
@@ -175,19 +168,19 @@ void bootstrap(ModalResult& out, const FrequencyResponses& f, const ModalModel& 
       const double re = random.normal(), im = random.normal();
       const double inflated = 1.0 / std::sqrt(std::max(kLeastLeft, 1.0 - fit.leverage[k]));
       const Complex w = inflated * Complex(re, im) / std::numbers::sqrt2;
-      again.h[at(k)] = fit.fitted[at(k)] + w * (f.h[at(k)] - fit.fitted[at(k)]);
+      again.h[index(k)] = fit.fitted[index(k)] + w * (f.h[index(k)] - fit.fitted[index(k)]);
     }
     const ModalModel model = refine(again, fit);
     for (Index m = 0; m < count; ++m) {
-      const Complex lambda = model.eigenvalues[at(m)];
+      const Complex lambda = model.eigenvalues[index(m)];
       values(m, b) = std::abs(lambda) / kTwoPi;
       values(count + m, b) = -lambda.real() / std::abs(lambda);
       // Scaled as the mode itself is: its largest entry.
       Index top = 0;
-      out.modes[at(m)].pole.shape.cwiseAbs().maxCoeff(&top);
+      out.modes[index(m)].pole.shape.cwiseAbs().maxCoeff(&top);
       const VectorXcd shape = model.shapes.col(m) / model.shapes(top, m);
-      shapes[at(m)].col(b).head(outputs) = shape.real();
-      shapes[at(m)].col(b).tail(outputs) = shape.imag();
+      shapes[index(m)].col(b).head(outputs) = shape.real();
+      shapes[index(m)].col(b).tail(outputs) = shape.imag();
     }
   });
   const double scale = 1.0 / std::sqrt(static_cast<double>(replicates) - 1.0);
@@ -197,10 +190,10 @@ void bootstrap(ModalResult& out, const FrequencyResponses& f, const ModalModel& 
   const MatrixXd moves = deviations(values);
   out.covariance = moves * moves.transpose();
   for (Index m = 0; m < count; ++m) {
-    Mode& mode = out.modes[at(m)];
+    Mode& mode = out.modes[index(m)];
     mode.pole.frequency_sd = moves.row(m).norm();
     mode.pole.damping_sd = moves.row(count + m).norm();
-    const MatrixXd of_shape = deviations(shapes[at(m)]);
+    const MatrixXd of_shape = deviations(shapes[index(m)]);
     mode.shape_covariance = of_shape * of_shape.transpose();
   }
 }
@@ -232,10 +225,10 @@ ModalResult identify_modes(const FrequencyResponses& responses,
                   .lines = static_cast<long>(f.lines()),
                   .replicates = options.replicates};
   out.remarks.order_cut = largest < asked && options.largest_order > 0 ? asked : 0;
-  std::vector<std::vector<Pole>> by_order(at(largest / 2));
+  std::vector<std::vector<Pole>> by_order(index(largest / 2));
   base::parallel_for(largest / 2, options.threads, [&](int i) {
     const int n = largest / 2 - i;
-    by_order[at(n - 1)] = polyreference(f, n).poles;
+    by_order[index(n - 1)] = polyreference(f, n).poles;
   });
   out.diagram = stabilise(std::move(by_order),
                           {.lowest_hz = out.lowest_hz,
@@ -247,7 +240,7 @@ ModalResult identify_modes(const FrequencyResponses& responses,
   std::vector<Complex> lambda;
   MatrixXcd participation(f.inputs(), static_cast<Index>(out.diagram.modes.size()));
   for (const ModeCluster& cluster : out.diagram.modes) {
-    const Pole& pole = out.diagram.poles[at(cluster.chosen)];
+    const Pole& pole = out.diagram.poles[index(cluster.chosen)];
     participation.col(static_cast<Index>(lambda.size())) =
         polyreference(f, pole.order / 2).model.participation.col(pole.place);
     lambda.emplace_back(std::min(pole.eigenvalue.real(), -1e-6 * std::abs(pole.eigenvalue)),
@@ -258,7 +251,7 @@ ModalResult identify_modes(const FrequencyResponses& responses,
   }
   const ModalModel model = refine(f, {.eigenvalues = lambda, .participation = participation});
   for (std::size_t m = 0; m < out.modes.size(); ++m) {
-    const Pole& chosen = out.diagram.poles[at(out.diagram.modes[m].chosen)];
+    const Pole& chosen = out.diagram.poles[index(out.diagram.modes[m].chosen)];
     Mode& mode = out.modes[m];
     mode.pole = pole_of(model, static_cast<Index>(m), chosen.order);
     mode.pole.place = chosen.place;

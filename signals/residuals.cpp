@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
+
 namespace wheeltap::signals {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One step of Durbin-Levinson: φ of order m from φ of order m - 1, in place.
 void extend(std::vector<double>& phi, double partial) {

@@ -11,11 +11,12 @@
 #include <string>
 #include <unsupported/Eigen/FFT>
 
+#include "base/constants.hpp"
+
 namespace wheeltap::signals {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Complex = std::complex<double>;
 
 double sinc(double x) {

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "base/parallel.hpp"
+#include "signals/refuse.hpp"
 
 namespace wheeltap::signals {
 namespace {
@@ -21,10 +22,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
-
-[[noreturn]] void refuse(const std::string& name, double value, const std::string& bound) {
-  throw std::invalid_argument(name + " = " + std::to_string(value) + ": " + bound);
-}
 
 /// Derivatives of f [Hz] and ζ to λ: Δf = Re(f' Δλ), Δζ = Re(ζ' Δλ).
 struct Slopes {

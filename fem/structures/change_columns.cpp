@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "base/index.hpp"
+
 namespace wheeltap::fem::detail {
 namespace {
 
@@ -18,10 +20,6 @@ constexpr double kDependentRow = 1e-12;
 /// Bounds are looked for from here on, relative, each so many times the last.
 constexpr double kLeastBound = 1e-9;
 constexpr double kWider = 4.0;
-
-std::size_t index(Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/index.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "fem/structures/structure_reanalysis.hpp"
 
@@ -14,10 +15,6 @@ namespace wheeltap::fem::detail {
 namespace {
 
 using Eigen::Index;
-
-std::size_t index(Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// I - B K⁻¹ Bᵀ: what self-stresses the structure can carry; 0 where it is statically determinate.
 /// Rigid motions strain nothing, so any degrees of freedom may hold them.

@@ -4,17 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "base/index.hpp"
 #include "fem/structures/member_motions.hpp"
 
 namespace wheeltap::fem {
-namespace {
-
-std::size_t index(Eigen::Index i) {
-  return static_cast<std::size_t>(i);
-}
-
-}  // namespace
-
 namespace detail {
 
 OwnMotions own_motions(const MemberFrame& frame, const Motions& first, const Motions& second) {

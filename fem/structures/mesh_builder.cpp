@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/index.hpp"
 #include "fem/structures/member_motions.hpp"
 #include "fem/structures/mesh.hpp"
 
@@ -19,10 +20,6 @@ using Triplets = std::vector<Eigen::Triplet<double>>;
 
 /// A rigid motion strains nothing where every strain of it cancels to this, relative.
 constexpr double kUnstrained = 1e-9;
-
-std::size_t index(Eigen::Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 void add_product(Triplets& matrix, double factor, const SparseRow& a, const SparseRow& b) {
   for (std::size_t i = 0; i < a.dofs.size(); ++i)

@@ -4,8 +4,9 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "base/constants.hpp"
 
 namespace wheeltap::fem {
 namespace {
@@ -30,7 +31,6 @@ bool same(double a, double b) {
 
 /// (c/c₀)² where the row is c/c₀ times the nominal one; NaN where it is not.
 double squared_ratio(const Strain& nominal, const Strain& strain) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   if (strain.row.dofs != nominal.row.dofs || strain.factor != nominal.factor) return kNaN;
   double largest = 0.0, ratio = 1.0;
   for (std::size_t i = 0; i < nominal.row.dofs.size(); ++i)

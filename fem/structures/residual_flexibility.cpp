@@ -12,6 +12,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "base/index.hpp"
+
 namespace wheeltap::fem {
 namespace {
 
@@ -33,10 +35,6 @@ constexpr int kTerms = StaticCondensation::kTerms;
 template <class Real>
 using Rows = Eigen::Matrix<Real, Eigen::Dynamic, kBatch, Eigen::RowMajor>;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-std::size_t index(Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// What was computed last, by number; the longest unasked forgotten.
 template <class Value>

@@ -6,14 +6,12 @@
 #include <map>
 #include <optional>
 
+#include "base/index.hpp"
+
 namespace wheeltap::fem {
 namespace {
 
 constexpr double kSame = 1e-6;  // of the structure's size
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 class Search {
  public:

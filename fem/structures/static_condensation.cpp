@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/index.hpp"
+
 namespace wheeltap::fem {
 namespace {
 
@@ -15,10 +17,6 @@ using Eigen::VectorXd;
 using Sparse = Discretisation::Sparse;
 
 constexpr std::size_t kTwoNodes = 12;  // degrees of freedom
-
-std::size_t index(Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// What K or M couples, whether or not it cancels: 1s in both triangles.
 Sparse coupling(const Discretisation& d) {

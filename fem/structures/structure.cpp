@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "base/index.hpp"
+
 namespace wheeltap::fem {
 namespace {
 
@@ -11,10 +13,6 @@ using Part = InvalidStructure::Part;
 
 /// Members shorter than this share of the structure's size have no direction.
 constexpr double kNoLength = 1e-9;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 std::string number(double x) {
   std::ostringstream text;

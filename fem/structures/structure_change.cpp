@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "base/index.hpp"
+
 namespace wheeltap::fem {
 namespace {
 
@@ -13,10 +15,6 @@ using Eigen::Index;
 
 /// What is left of a held motion, relative, that others do not hold already.
 constexpr double kDependentRow = 1e-12;
-
-std::size_t index(Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 void require(bool holds, const char* name, double value, const char* allowed) {
   if (!holds)

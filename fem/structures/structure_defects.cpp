@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/index.hpp"
+
 namespace wheeltap::fem {
 namespace {
 
@@ -24,10 +26,6 @@ constexpr std::array<GaussPoint, 4> kFourGaussPoints = {
 constexpr double kNoMass = 1e-13;
 
 using Flexibility = Eigen::Matrix<double, kElementStrains, kElementStrains>;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 void require_share(const char* name, double value) {
   if (value >= 0.0 && value < 1.0) return;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/index.hpp"
 #include "fem/root_search.hpp"
 #include "fem/structures/change_columns.hpp"
 #include "fem/structures/intact_structure.hpp"
@@ -19,10 +20,6 @@ namespace {
 constexpr double kRoundingBound = 1e-9;
 /// A wider bound, relative, is not offered: the changed structure is solved in full.
 constexpr double kTooWide = 1e-6;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 

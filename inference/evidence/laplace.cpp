@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
 #include "inference/differential_evolution.hpp"
 #include "inference/evidence/importance_sampling.hpp"
 #include "inference/standard_normal.hpp"
@@ -16,7 +16,6 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBound = 8.0;
 constexpr long kFirstSamples = 50;  // of a growing record
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "base/constants.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
 #include "inference/standard_normal.hpp"
@@ -11,7 +11,6 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kBlock = 250;  // draws a job
 
 void accumulate(double& sum, double term) {

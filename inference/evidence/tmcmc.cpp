@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/constants.hpp"
 #include "base/number.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
@@ -17,7 +18,6 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr long kFirstSamples = 50;  // of a growing record
 
 struct Particle {

@@ -3,10 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 
+#include "base/constants.hpp"
 #include "inference/convergence.hpp"
 #include "inference/model_exploration.hpp"
 #include "inference/stages/model_probabilities.hpp"
@@ -18,9 +18,6 @@
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
 constexpr long kLongRecord = 20000;  // samples: exploring from the prior costs more than it finds

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "base/constants.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTrustedDraws = 50.0;  // effective ones of an importance sample
 constexpr long kLadderVisits = 50;      // of each chain, of a model that others are compared with
 constexpr double kLeastLog = -700.0;    // ln of a probability that is none

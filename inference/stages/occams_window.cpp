@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "base/constants.hpp"
 #include "inference/stages/nested_starts.hpp"
 
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWindow = 12.0;  // ln: of the likeliest model's probability
 constexpr double kHigher = 10.0;  // ln: a mode above the likeliest model's
 constexpr int kAllUpTo = 2;       // steps from the least

@@ -3,15 +3,13 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
-#include <limits>
 
+#include "base/constants.hpp"
 #include "inference/diagnostics.hpp"
 #include "inference/stages/model_probabilities.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr int kBetweenLooks = 4;                          // steps between two looks at the clock
 constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit

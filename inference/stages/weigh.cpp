@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.hpp"
 #include "inference/convergence.hpp"
 #include "inference/diagnostics.hpp"
 #include "inference/evidence/bridge_sampling.hpp"
@@ -13,8 +14,6 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kWorthWeighing = 1e-4;  // of a model that had a glance
 
 Evidence by_importance(const std::vector<double>& log_ratios) {

@@ -3,9 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include <limits>
-
 #include "apps/words.hpp"
+#include "base/constants.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -13,8 +12,6 @@ namespace {
 using namespace identification;
 using testing::ElementsAre;
 using testing::StartsWith;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Fault: three floors gave three sentences of forty words that differed in two numbers.
 TEST(FitWords, ResponsesOfOneKindShareASentence) {

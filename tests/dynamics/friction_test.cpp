@@ -5,19 +5,17 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "dynamics/simulate.hpp"
 #include "tests/dynamics/chains.hpp"
 
 namespace {
 
 using namespace wheeltap::dynamics;
-
-constexpr double kPi = std::numbers::pi;
 
 Law dry(Coefficient force) {
   return make_law<laws::Coulomb>({force});
@@ -44,11 +42,11 @@ struct FreeDecay {
     double x = x0;
     while (std::abs(x) > shift) {
       const double centre = x > 0.0 ? shift : -shift, amplitude = x - centre;
-      if (t <= kPi / omega) {
+      if (t <= wheeltap::kPi / omega) {
         return {centre + amplitude * std::cos(omega * t), -omega * amplitude * std::sin(omega * t),
                 -omega * omega * amplitude * std::cos(omega * t)};
       }
-      t -= kPi / omega;
+      t -= wheeltap::kPi / omega;
       x = centre - amplitude;
     }
     return {x, 0.0, 0.0};

@@ -3,19 +3,17 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "dynamics/simulate.hpp"
 #include "tests/dynamics/chains.hpp"
 
 namespace {
 
 using namespace wheeltap::dynamics;
-
-constexpr double kPi = std::numbers::pi;
 
 /// Circular frequency from the first and last upward zero crossings of the displacement, each found
 /// as the root of the quintic Hermite interpolant of displacement, velocity and acceleration.
@@ -40,7 +38,7 @@ double frequency(const Response& response, double rate) {
   for (Eigen::Index n = 0; n + 1 < response.values.rows(); ++n)
     if (response.values(n, 0) < 0.0 && response.values(n + 1, 0) >= 0.0)
       crossings.push_back(crossing(n));
-  return 2.0 * kPi * static_cast<double>(crossings.size() - 1) /
+  return 2.0 * wheeltap::kPi * static_cast<double>(crossings.size() - 1) /
          (crossings.back() - crossings.front());
 }
 
@@ -134,7 +132,7 @@ TEST(Piecewise, FreeVibrationAgainstAStop) {
     for (const double step : {0.05, 0.3, 0.7, 2.0}) {
       const bool touches = gap < 1.0;
       const double speed = touches ? std::sqrt(1.0 - gap * gap) : 0.0;
-      const double enters = touches ? std::acos(-gap) : kPi;  // after release
+      const double enters = touches ? std::acos(-gap) : wheeltap::kPi;  // after release
       const double inside = touches ? 2.0 / wc * std::atan2(speed * wc, gap) : 0.0;
       const double period = 2.0 * enters + inside;
       const double centre = -k * gap / (1.0 + k);
@@ -232,7 +230,7 @@ TEST(Series, DuffingFreeVibration) {
   double a = 1.0,
          b = std::sqrt(1.0 - amplitude * amplitude / (2.0 * (1.0 + amplitude * amplitude)));
   for (int i = 0; i < 20; ++i) std::tie(a, b) = std::pair(0.5 * (a + b), std::sqrt(a * b));
-  const double period = 2.0 * kPi / (std::sqrt(1.0 + amplitude * amplitude) * a);
+  const double period = 2.0 * wheeltap::kPi / (std::sqrt(1.0 + amplitude * amplitude) * a);
   const Link spring{.stiffness = 1.0, .laws = {make_law<laws::Cubic>({1.0})}};
   const auto error = [&](SimulatorOptions options) {
     options.extension = {amplitude};

@@ -1,14 +1,12 @@
 #include "dynamics/linear_modes.hpp"
+#include "base/constants.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace wheeltap::dynamics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(LinearModes, OfOneMassAreItsFrequencyAndDampingRatio) {
   Chain chain{.masses = {0.5}, .links = {{.a = 0, .b = 1, .stiffness = 50.0, .damping = 0.1}}};

@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
-#include <numbers>
 #include <random>
 #include <vector>
 
 #include "../emulator/allocation_count.hpp"
+#include "base/constants.hpp"
 #include "beams.hpp"
 #include "fem/assembly.hpp"
 #include "fem/modal_analysis.hpp"
@@ -21,7 +20,6 @@ namespace wheeltap::fem {
 namespace {
 
 constexpr int kModes = 20;
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// Full numbers of random sets with WHEELTAP_LONG_TESTS=1; a share of them otherwise.
 int sets(int full, int quick) {

@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 
 #include <cmath>
-#include <numbers>
 
+#include "base/constants.hpp"
 #include "fem/section.hpp"
 #include "fem/section_mesh.hpp"
 #include "refusal.hpp"
@@ -15,7 +15,6 @@
 namespace wheeltap::fem {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// What the default options promise of every figure.
 constexpr double kPromise = 1e-3;
 

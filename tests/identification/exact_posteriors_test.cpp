@@ -6,8 +6,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <map>
-#include <numbers>
 
+#include "base/constants.hpp"
 #include "fem/modal_analysis.hpp"
 #include "identification/damage_findings.hpp"
 #include "identification/defects/reduction.hpp"
@@ -22,8 +22,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// Modes of masses in a row, the first joined to the ground, by the dense solver.
 struct ChainModes {

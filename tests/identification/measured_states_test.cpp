@@ -7,11 +7,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
 
+#include "base/constants.hpp"
 #include "identification/damage_findings.hpp"
 #include "identification/defects/floor_mass.hpp"
 #include "identification/defects/storey.hpp"
@@ -23,7 +23,6 @@ namespace wheeltap::identification {
 namespace {
 
 const std::filesystem::path kShared = std::filesystem::path(WHEELTAP_SHARED_DIR) / "data";
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Rows of a CSV file without quotes, its header left out.
 std::vector<std::vector<std::string>> rows_of(const std::filesystem::path& path) {

@@ -4,9 +4,9 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "base/constants.hpp"
 #include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {
@@ -15,8 +15,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Modes = fem::ParametricModes::Modes;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Modes modes_of(const std::vector<double>& frequencies_hz, const MatrixXd& shapes) {
   Modes out;

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::identification {
@@ -15,8 +16,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kPi = std::numbers::pi;
 
 VectorXd vector(std::initializer_list<double> list) {
   return Eigen::Map<const VectorXd>(list.begin(), static_cast<Eigen::Index>(list.size()));

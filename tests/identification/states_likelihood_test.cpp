@@ -5,9 +5,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
+#include "base/constants.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "identification/damage_findings.hpp"
 #include "identification/damage_problem.hpp"
@@ -22,8 +22,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Modes = fem::ParametricModes::Modes;
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 ModalData frequencies(std::vector<double> f, double cov) {
   ModalData out{.frequencies_hz = std::move(f)};

@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 
+#include "base/constants.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "identification/states_likelihood.hpp"
 #include "tests/identification/modal_cases.hpp"
@@ -20,8 +20,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Modes = fem::ParametricModes::Modes;
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 double log_normal(const VectorXd& r, const MatrixXd& c) {
   const Eigen::LLT<MatrixXd> llt(c);

@@ -1,15 +1,12 @@
 #include "inference/chain.hpp"
+#include "base/constants.hpp"
 
 #include <gmock/gmock.h>
-
-#include <limits>
 
 namespace wheeltap::inference {
 namespace {
 
 using testing::ElementsAre;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Chain, ADrawIsAViewOfItsModelsParameters) {
   const auto space = ModelSpace::of_components(

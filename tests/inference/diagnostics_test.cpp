@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// x_t = rho x_{t-1} + √(1 - rho²) e_t, stationary from the start: IACT (1 + rho) / (1 - rho).
 ChainsOf autoregressive(double rho, int chains, int draws, std::uint64_t seed) {

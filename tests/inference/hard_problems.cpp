@@ -13,6 +13,7 @@
 #include <memory>
 #include <numbers>
 
+#include "base/constants.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
@@ -21,8 +22,6 @@ namespace {
 using std::numbers::pi;
 using Vector = std::vector<double>;
 using Point = std::span<const double>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // ∫ f over [from, to] by Simpson's rule.
 double integral(const std::function<double(double)>& f, double from, double to, int steps) {

@@ -4,12 +4,11 @@
 
 #include <cmath>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const std::vector<GroupEstimate> kSchools = {{28.39, 14.9}, {7.94, 10.2}, {-2.75, 16.3},
                                              {6.82, 11.0},  {-0.64, 9.4}, {0.63, 11.4},

@@ -4,17 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "inference/posterior.hpp"
 
 namespace wheeltap::inference::made_up {
 
-inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr int kDraws = 4000;  // a chain
 
 inline const Evidence kUnknown{.log_evidence = kNaN, .standard_error = kNaN};

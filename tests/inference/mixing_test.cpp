@@ -84,7 +84,7 @@ TEST(Mixing, AnRhatThatIsNoNumberIsTheWorst) {
   const Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const Mixing found = mixed(posterior, {{"broken",
                                           [] {
-                                            return ChainsOf(4, {made_up::kNaN, 0.0, 1.0, 2.0});
+                                            return ChainsOf(4, {kNaN, 0.0, 1.0, 2.0});
                                           }},
                                          {"side", [] { return quantity(1.0); }}});
   EXPECT_EQ(found.rhat_worst, "broken");
@@ -99,7 +99,7 @@ TEST(Mixing, OfComponentsTheirNumberIsWatchedAndNotTheModels) {
   for (const Chain& of_three : made_up::run({{0.5, 0.5, 0.0}}).chains) {
     Chain chain = of_three;
     for (std::size_t i = 0; i < chain.size(); ++i) {
-      chain.theta[i] = chain.model[i] == 1 ? 0.5 : made_up::kNaN;
+      chain.theta[i] = chain.model[i] == 1 ? 0.5 : kNaN;
     }
     posterior.chains.push_back(std::move(chain));
   }

@@ -4,17 +4,14 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "inference/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::span<const double> view(const Eigen::VectorXd& z) {
   return {z.data(), static_cast<std::size_t>(z.size())};

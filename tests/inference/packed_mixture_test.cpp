@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "inference/standard_normal.hpp"
 
@@ -15,7 +16,6 @@ namespace {
 
 using Component = NormalMixture::Component;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-12;  // relative; sums of some hundred terms
 
 // Full groups, one short of full, one more, and a single one.

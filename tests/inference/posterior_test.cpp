@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <limits>
 #include <memory>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "inference/reversible_jump.hpp"
 
@@ -17,7 +17,6 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSigmas = 4.9;  // a false alarm once in 10⁶ comparisons
 constexpr int kDraws = 4000;
 

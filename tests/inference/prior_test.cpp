@@ -3,20 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "inference/standard_normal.hpp"
 #include "inference/tabulated_prior.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // F = 1/(1 + e^-x): quantiles by the search that all have who give none.
 class Logistic : public Distribution {

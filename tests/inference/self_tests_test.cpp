@@ -8,13 +8,12 @@
 #include <limits>
 #include <span>
 
+#include "base/constants.hpp"
 #include "inference/standard_normal.hpp"
 #include "inference/tabulated_prior.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // F = 1/(1 + e^-x), with whatever fault is asked for.
 struct Faults {

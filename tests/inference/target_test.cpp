@@ -3,15 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "base/constants.hpp"
 #include "tests/inference/evidence/problems.hpp"
 
 namespace wheeltap::inference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // One parameter, x = z.
 Problem of_function(FunctionLikelihood::Function f) {

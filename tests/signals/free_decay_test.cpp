@@ -6,8 +6,8 @@
 #include <complex>
 #include <cstdio>
 #include <limits>
-#include <numbers>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "random_vibration.hpp"
 
@@ -15,8 +15,6 @@ namespace wheeltap::signals {
 namespace {
 
 using Eigen::Index;
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// Displacements after each mode was given a random velocity, with white noise.
 Eigen::MatrixXd decay(const VibratingStructure& s, Index samples, double noise,

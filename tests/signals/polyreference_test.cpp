@@ -8,8 +8,8 @@
 #include <complex>
 #include <cstdio>
 #include <limits>
-#include <numbers>
 
+#include "base/constants.hpp"
 #include "base/random.hpp"
 #include "random_vibration.hpp"
 
@@ -18,8 +18,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// H(ω) = (iω)^derivative Σ φ_o φ_j / (ω_r² - ω² + 2iζω_rω) at even lines.
 FrequencyResponses responses(const VibratingStructure& s, const std::vector<int>& outputs,

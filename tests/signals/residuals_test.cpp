@@ -1,11 +1,11 @@
 #include "signals/residuals.hpp"
+#include "base/constants.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
 #include <stdexcept>
@@ -14,8 +14,6 @@
 namespace {
 
 using namespace wheeltap::signals;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Autocorrelations of a stationary AR process with coefficients φ: extended from the Yule-Walker
 /// equations by ρ_k = Σ φ_j ρ_{k-j}.
@@ -89,10 +87,10 @@ TEST(AutoregressiveLikelihood, IsThatOfItsInnovations) {
 TEST(AutoregressiveLikelihood, OfOrderZeroIsWhite) {
   const std::vector<double> r{0.3, -0.2, 0.5};
   EXPECT_NEAR(ar_log_likelihood(r, {}, 0.4), gaussian_log_likelihood(0.38, 3, 0.4), 1e-14);
-  EXPECT_EQ(gaussian_log_likelihood(kInfinity, 3, 0.4), -kInfinity);
-  EXPECT_EQ(gaussian_log_likelihood(1.0, 3, 0.0), -kInfinity);
-  EXPECT_EQ(ar_log_likelihood(r, std::vector<double>{1.0}, 0.4), -kInfinity);
-  EXPECT_EQ(ar_log_likelihood(r, {}, -1.0), -kInfinity);
+  EXPECT_EQ(gaussian_log_likelihood(wheeltap::kInfinity, 3, 0.4), -wheeltap::kInfinity);
+  EXPECT_EQ(gaussian_log_likelihood(1.0, 3, 0.0), -wheeltap::kInfinity);
+  EXPECT_EQ(ar_log_likelihood(r, std::vector<double>{1.0}, 0.4), -wheeltap::kInfinity);
+  EXPECT_EQ(ar_log_likelihood(r, {}, -1.0), -wheeltap::kInfinity);
 }
 
 // AR(2): φ₂ = π₂, φ₁ = π₁ (1 - π₂).

@@ -5,17 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "signals/excitation.hpp"
 
 namespace {
 
 using namespace wheeltap::signals;
-
-constexpr double kPi = std::numbers::pi;
 
 double integral(const Spectrum& s) {
   double sum = 0.0;
@@ -67,7 +65,7 @@ TEST(FrequencyResponse, FindsAKnownFilter) {
   const FrequencyResponse rough = frequency_response(x, noisy, 1.0, {.segment = 512});
   for (std::size_t i = 2; i + 2 < exact.h1.size(); ++i) {
     const std::complex<double> h =
-        1.0 + 0.5 * std::polar(1.0, -2.0 * kPi * exact.frequencies_hz[i]);
+        1.0 + 0.5 * std::polar(1.0, -2.0 * wheeltap::kPi * exact.frequencies_hz[i]);
     EXPECT_LT(std::abs(exact.h1[i] - h), 0.01);
     EXPECT_LT(std::abs(exact.h2[i] - h), 0.01);
     EXPECT_GT(exact.coherence[i], 0.999);
@@ -115,8 +113,8 @@ TEST(Detrend, RemovesALine) {
 TEST(UpsamplePeriodic, IsExactBelowHalfTheRate) {
   for (int n : {60, 61}) {
     const auto f = [n](double t) {
-      return 0.5 + std::sin(2.0 * kPi * 7.0 * t / n) +
-             0.3 * std::cos(2.0 * kPi * 29.0 * t / n + 1.0);
+      return 0.5 + std::sin(2.0 * wheeltap::kPi * 7.0 * t / n) +
+             0.3 * std::cos(2.0 * wheeltap::kPi * 29.0 * t / n + 1.0);
     };
     std::vector<double> x;
     for (int i = 0; i < n; ++i) x.push_back(f(i));
@@ -132,8 +130,9 @@ TEST(UpsamplePeriodic, IsExactBelowHalfTheRate) {
 TEST(Upsample, IsAccurateInsideAndKeepsTheSamples) {
   // Components up to 0.43 of the sampling rate.
   const auto f = [](double t) {
-    return 0.2 + std::sin(2.0 * kPi * 0.43 * t) + std::cos(2.0 * kPi * 0.3331 * t + 1.0) +
-           std::sin(2.0 * kPi * 0.01 * t);
+    return 0.2 + std::sin(2.0 * wheeltap::kPi * 0.43 * t) +
+           std::cos(2.0 * wheeltap::kPi * 0.3331 * t + 1.0) +
+           std::sin(2.0 * wheeltap::kPi * 0.01 * t);
   };
   std::vector<double> x;
   for (int i = 0; i < 400; ++i) x.push_back(f(i));
@@ -163,8 +162,9 @@ TEST(Decimate, KeepsBelowAndRemovesAbove) {
   const int factor = 5;
   std::vector<double> low, high;
   for (int i = 0; i < 4000; ++i) {
-    low.push_back(std::sin(2.0 * kPi * 0.4 / factor * i));
-    high.push_back(std::sin(2.0 * kPi * 0.5 / factor * 1.001 * i) + std::cos(2.0 * kPi * 0.37 * i));
+    low.push_back(std::sin(2.0 * wheeltap::kPi * 0.4 / factor * i));
+    high.push_back(std::sin(2.0 * wheeltap::kPi * 0.5 / factor * 1.001 * i) +
+                   std::cos(2.0 * wheeltap::kPi * 0.37 * i));
   }
   const std::vector<double> kept = decimate(low, factor), removed = decimate(high, factor);
   ASSERT_EQ(kept.size(), 800U);

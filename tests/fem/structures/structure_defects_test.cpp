@@ -4,14 +4,12 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 
+#include "base/constants.hpp"
 #include "fem/structures/structure_modes.hpp"
 
 namespace wheeltap::fem {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// A simply supported beam of 1 m, h/L = 0.1; `slender` without shear and rotary inertia.
 Structure beam(int elements, bool slender) {

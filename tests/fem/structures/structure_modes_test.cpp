@@ -5,8 +5,8 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
+#include "base/constants.hpp"
 #include "fem/modal_analysis.hpp"
 #include "fem/structures/lumped_chain.hpp"
 #include "fem/structures/matrix_structure.hpp"
@@ -15,8 +15,6 @@
 
 namespace wheeltap::fem {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 MemberSection rectangle(double width, double height, double kappa) {
   const double b = std::min(width, height), h = std::max(width, height), r = b / h;
