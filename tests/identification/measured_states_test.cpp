@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -132,8 +133,9 @@ Lanl lanl(int damaged, const std::vector<int>& healthy, const std::map<int, int>
     damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal->covariance(at, at)));
   }
   const auto problem = make_damage_problem(damage_case, {});
+  const int draws = std::getenv("WHEELTAP_LONG_TESTS") != nullptr ? 8000 : 2000;
   const auto posterior =
-      inference::reversible_jump(problem->problem, {.seed = 1, .chains = 4, .draws = 8000});
+      inference::reversible_jump(problem->problem, {.seed = 1, .chains = 4, .draws = draws});
   Lanl out{.found = damage_findings(*problem, posterior, {}, 1)};
   for (const ModelFinding& m : out.found.models) {
     if (m.counts[0] > 0) out.soft += m.probability();
