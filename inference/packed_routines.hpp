@@ -1,0 +1,52 @@
+// The loops over normal mixtures packed for vector instructions (packed_mixture.hpp). Their
+// implementations are compiled for registers of several widths, so nothing here may bring library
+// code with it: plain pointers and numbers (see base/simd.hpp).
+#pragma once
+
+#include <cstddef>
+
+namespace wheeltap::inference::packed {
+
+inline constexpr std::size_t kLanes = 8;
+inline constexpr std::size_t kMaxComponents = 512;
+
+/// Components lie side by side in groups of eight, so that one instruction serves several. A group
+/// of a packed mixture holds, eight numbers each,
+///   c;  b_1, A_11;  b_2, A_21, A_22;  …
+/// and component k's log density is c_k - ½ |A_k z - b_k|². Numbers a group:
+[[nodiscard]] constexpr std::size_t group_stride(std::size_t d) {
+  return kLanes * (1 + d + d * (d + 1) / 2);
+}
+[[nodiscard]] constexpr std::size_t groups_of(std::size_t components) {
+  return (components + kLanes - 1) / kLanes;
+}
+
+struct Samples {
+  std::size_t n, d;
+  const double* z;       ///< n × d, row-major
+  const double* weight;  ///< n
+};
+
+/// Compiled for several instruction sets, which give the same bits; chosen once, at run time.
+struct Routines {
+  /// ln Σ_k exp(c_k - ½ |A_k z - b_k|²)
+  double (*log_density)(const double* packed, std::size_t groups, std::size_t stride,
+                        const double* z, std::size_t d);
+  /// |A_k z - b_k|² of every k
+  void (*quadratic_forms)(const double* packed, std::size_t groups, std::size_t stride,
+                          const double* z, std::size_t d, double* values);
+  /// One pass of EM over the samples. A group of `moments` holds, eight numbers each,
+  ///   Σ w r;  Σ r;  Σ w r e_1, Σ w r e_1 e_1;  Σ w r e_2, Σ w r e_2 e_1, Σ w r e_2 e_2;  …
+  /// with responsibilities r and deviations e = z - μ from the *current* means, which keeps the
+  /// moments of a narrow component free of cancellation. Returns Σ w ln q.
+  double (*em_pass)(const double* packed, const double* means, std::size_t groups,
+                    std::size_t stride, const Samples& samples, double* moments);
+};
+
+extern const Routines kBaselineRoutines;
+#ifdef WHEELTAP_X86_KERNELS
+extern const Routines kAvx2Routines;
+extern const Routines kAvx512Routines;
+#endif
+
+}  // namespace wheeltap::inference::packed
