@@ -1,7 +1,7 @@
-// The routines of packed_routines.hpp for registers of WHEELTAP_PACKED_WIDTH doubles; each file that
-// includes this is compiled for one instruction set. No operation depends on the width and none is
-// contracted to a fused multiply-add, so that all give the same bits and a chain does not depend on
-// where it ran.
+// The routines of packed_routines.hpp for registers of WHEELTAP_PACKED_WIDTH doubles; each file
+// that includes this is compiled for one instruction set. No operation depends on the width and
+// none is contracted to a fused multiply-add, so that all give the same bits and a chain does not
+// depend on where it ran.
 
 #include <math.h>  // <cmath> has templates, whose instances could be shared
 

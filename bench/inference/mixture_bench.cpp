@@ -1,0 +1,71 @@
+// A pass of expectation-maximisation over a mixture's samples, in each instruction set that this
+// processor runs: what most of a run's warm-up is spent on where likelihoods are cheap.
+//
+// `component_s` are densities and moments of one component at one sample, per second. Every set
+// gives the same bits, so their ratio within one run is all that there is to compare; registers of
+// twice the width bring at most twice.
+#include <benchmark/benchmark.h>
+
+#include <string>
+#include <vector>
+
+#include "base/constants.hpp"
+#include "base/random.hpp"
+#include "inference/packed_mixture.hpp"
+
+namespace wheeltap::inference::packed {
+namespace {
+
+constexpr int kComponents = 64;
+constexpr std::size_t kSamples = 4000;
+
+// Components whose samples reach into each other, as those of a curved ridge do.
+std::vector<NormalMixture::Component> overlapping(int d, base::Random& random) {
+  std::vector<NormalMixture::Component> out;
+  for (int k = 0; k < kComponents; ++k) {
+    out.push_back({1.0 / kComponents,
+                   Eigen::VectorXd::NullaryExpr(d, [&] { return 2.0 * random.normal(); }),
+                   Eigen::MatrixXd::Identity(d, d)});
+  }
+  return out;
+}
+
+void pass(benchmark::State& state, const Routines* routines, int dimension) {
+  base::Random random(7, 0, 0, base::Purpose::test);
+  const auto d = static_cast<std::size_t>(dimension);
+  const auto components = overlapping(dimension, random);
+  const std::vector<double> packed = pack(components, kInfinity);
+  const std::size_t groups = groups_of(components.size()), stride = group_stride(d);
+  std::vector<double> means(groups * kLanes * d);
+  for (std::size_t k = 0; k < components.size(); ++k)
+    for (std::size_t i = 0; i < d; ++i)
+      means[((k / kLanes) * d + i) * kLanes + k % kLanes] =
+          components[k].mean[static_cast<Eigen::Index>(i)];
+  std::vector<double> z(kSamples * d), weight(kSamples, 1.0);
+  for (double& x : z) x = 2.0 * random.normal();
+  for (auto _ : state) {
+    std::vector<double> moments(groups * (stride + kLanes), 0.0);
+    benchmark::DoNotOptimize(routines->em_pass(packed.data(), means.data(), groups, stride,
+                                               {kSamples, d, z.data(), weight.data()},
+                                               moments.data()));
+  }
+  state.counters["component_s"] =
+      benchmark::Counter(static_cast<double>(kSamples) * kComponents,
+                         benchmark::Counter::kIsIterationInvariantRate);
+}
+
+}  // namespace
+}  // namespace wheeltap::inference::packed
+
+int main(int argc, char** argv) {
+  using namespace wheeltap;
+  benchmark::Initialize(&argc, argv);
+  const std::vector<const char*> names = {"baseline", "avx2", "avx512"};
+  const auto routines =
+      inference::packed::runnable_routines(base::Instructions::automatic);
+  for (const int d : {2, 4, 6})
+    for (std::size_t i = 0; i < routines.size(); ++i)
+      benchmark::RegisterBenchmark((std::to_string(d) + " dimensions, " + names[i]).c_str(),
+                                   inference::packed::pass, routines[i], d);
+  benchmark::RunSpecifiedBenchmarks();
+}
