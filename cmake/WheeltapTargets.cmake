@@ -102,6 +102,29 @@ function(wheeltap_library folder)
   wheeltap_unity(${target} ${ARG_ALONE})
 endfunction()
 
+# wheeltap_kernels(<target> <stem> [ONE_SANITIZED]): <stem>_baseline.cpp and, on x86, <stem>_avx2.cpp and <stem>_avx512.cpp,
+# one source for registers of each width; which one runs is chosen then (base/simd.hpp). Never contracted to fused
+# multiply-add, so that all of them give the same bits and a run does not depend on the processor. ONE_SANITIZED: the
+# sanitizers' builds have the baseline alone.
+function(wheeltap_kernels target stem)
+  cmake_parse_arguments(ARG "ONE_SANITIZED" "" "" ${ARGN})
+  set(kernels ${stem}_baseline.cpp)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT (ARG_ONE_SANITIZED AND WHEELTAP_SANITIZE))
+    list(APPEND kernels ${stem}_avx2.cpp ${stem}_avx512.cpp)
+    set_property(SOURCE ${stem}_avx2.cpp APPEND PROPERTY COMPILE_OPTIONS -mavx2)
+    set_property(SOURCE ${stem}_avx512.cpp APPEND PROPERTY COMPILE_OPTIONS
+      -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512)
+    target_compile_definitions(${target} PRIVATE WHEELTAP_X86_KERNELS)
+  endif()
+  set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS
+    -ffp-contract=off -fno-trapping-math -fno-math-errno)
+  # GCC 12 ends with an internal error under the thread sanitizer otherwise (gimple_expand_vec_cond_expr).
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND WHEELTAP_SANITIZE MATCHES "thread")
+    set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS -fno-tree-forwprop)
+  endif()
+  target_sources(${target} PRIVATE ${kernels})
+endfunction()
+
 # wheeltap_light(<target>): for code that reads, writes and checks, whose running time is in the libraries it calls.
 # -O1 in place of a release's -O3 compiles it in three quarters of the time.
 function(wheeltap_light target)

@@ -49,9 +49,8 @@ void pass(benchmark::State& state, const Routines* routines, int dimension) {
                                                {kSamples, d, z.data(), weight.data()},
                                                moments.data()));
   }
-  state.counters["component_s"] =
-      benchmark::Counter(static_cast<double>(kSamples) * kComponents,
-                         benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["component_s"] = benchmark::Counter(static_cast<double>(kSamples) * kComponents,
+                                                     benchmark::Counter::kIsIterationInvariantRate);
 }
 
 }  // namespace
@@ -61,8 +60,7 @@ int main(int argc, char** argv) {
   using namespace wheeltap;
   benchmark::Initialize(&argc, argv);
   const std::vector<const char*> names = {"baseline", "avx2", "avx512"};
-  const auto routines =
-      inference::packed::runnable_routines(base::Instructions::automatic);
+  const auto routines = inference::packed::runnable_routines(base::Instructions::automatic);
   for (const int d : {2, 4, 6})
     for (std::size_t i = 0; i < routines.size(); ++i)
       benchmark::RegisterBenchmark((std::to_string(d) + " dimensions, " + names[i]).c_str(),
