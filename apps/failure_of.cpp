@@ -49,6 +49,11 @@ Failure failure_of(const std::exception_ptr& thrown, const std::filesystem::path
   } catch (const std::filesystem::filesystem_error& error) {
     return failure(Exit::no_input, error.path1().string() + ": " + error.code().message());
   } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again) {
+      return failure(Exit::bad_input,
+                     "the system grants not one more thread or process (its limit, or the "
+                     "container's, is reached: see `ulimit -u`)");
+    }
     return failure(Exit::internal, std::string("internal fault: ") + error.what());
   } catch (const std::runtime_error& error) {
     // Misuse throws logic errors; what is left are numbers for which the arithmetic gives up.

@@ -63,7 +63,8 @@ std::int64_t take(std::string_view& from) {
   return number;
 }
 
-/// The threads of one rank at the units it is given, and what they made of them.
+/// The threads of one rank at the units it is given, and what they made of them. Where the system
+/// grants no thread they have ended before they began.
 class Workers {
  public:
   struct Outcome {
@@ -73,8 +74,10 @@ class Workers {
   };
 
   Workers(int threads, const std::function<void(int)>& job, const Carriage& carriage)
-      : job_(job), carriage_(carriage), working_(threads) {
-    for (int t = 0; t < threads; ++t) pool_.emplace_back([this] { work(); });
+      : job_(job), carriage_(carriage) {
+    const std::scoped_lock lock(mutex_);  // they wait until their number is known
+    enlist(pool_, threads, [this] { work(); });
+    working_ = static_cast<int>(pool_.size());
   }
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
@@ -133,7 +136,7 @@ class Workers {
   std::condition_variable some_;
   std::deque<std::int64_t> given_;
   bool closed_ = false;
-  int free_ = 0, working_;
+  int free_ = 0, working_ = 0;
   std::vector<Outcome> outcomes_;
   std::vector<std::jthread> pool_;
 };
@@ -304,6 +307,7 @@ class MpiRanks final : public Ranks {
     append(head, static_cast<std::int64_t>(bytes.size()));
     const std::string heads = gathered(head);
     std::int64_t failed = n;  // the lowest
+    std::int64_t done = 0;    // the first so many: they are given in order
     std::string_view next = heads;
     for (int r = 0; r < size_; ++r) {
       if (take(next) != section_ || take(next) != n)
@@ -315,6 +319,7 @@ class MpiRanks final : public Ranks {
       broadcast(theirs.data(), theirs.size(), r);
       for (std::string_view rest = theirs; !rest.empty();) {
         const std::int64_t unit = take(rest);
+        done = std::max(done, unit + 1);
         const bool fails = take(rest) == kFailed;
         const auto length = static_cast<std::size_t>(take(rest));
         if (fails) failed = std::min(failed, unit);
@@ -322,7 +327,10 @@ class MpiRanks final : public Ranks {
         rest.remove_prefix(length);
       }
     }
-    if (failed == n) return;
+    if (failed == n) {  // what no rank had a thread for, each does itself
+      for (; done < n; ++done) job(static_cast<int>(done));
+      return;
+    }
     for (const Workers::Outcome& outcome : mine) {
       if (outcome.unit == failed) std::rethrow_exception(outcome.error);
     }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
-#include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -15,6 +15,17 @@ namespace wheeltap::base {
 /// As many threads as asked for; 0 is as many as the machine has.
 [[nodiscard]] inline int thread_count(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+/// Adds `n` threads that do `work` to a crew, or as many as the system grants: where a limit of
+/// processes is reached (a container's, a batch system's), fewer do the same.
+template <typename Work>
+void enlist(std::vector<std::jthread>& crew, int n, const Work& work) {
+  try {
+    for (int t = 0; t < n; ++t) crew.emplace_back(work);
+  } catch (const std::system_error&) {
+    return;
+  }
 }
 
 /// Calls job(0), …, job(n - 1), each once, on up to `threads` threads; rethrows the first exception
@@ -36,7 +47,7 @@ void parallel_for(int n, int threads, Job&& job) {
   };
   const int extra = std::min(thread_count(threads), n) - 1;
   std::vector<std::jthread> pool;
-  for (int t = 0; t < extra; ++t) pool.emplace_back(work);
+  enlist(pool, extra, work);
   work();
   pool.clear();
   for (const std::exception_ptr& error : errors) {

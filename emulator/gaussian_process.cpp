@@ -2,18 +2,16 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
-#include <mutex>
 #include <numbers>
 #include <numeric>
 #include <random>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <utility>
+
+#include "base/parallel.hpp"
 
 namespace wheeltap::emulator {
 namespace {
@@ -409,37 +407,21 @@ GaussianProcess::GaussianProcess(std::vector<Factor> factors, const RowMatrix& p
   const Index per_group = responses / groups;
   impl->groups.resize(static_cast<std::size_t>(groups));
 
-  std::atomic<Index> next = 0;
-  std::mutex mutex;
-  std::exception_ptr failure;
-  const auto work = [&] {
-    for (Index g; (g = next++) < groups;) {
-      try {
-        // Constant responses say nothing about lengths.
-        std::vector<Index> varying;
-        for (Index k = g * per_group; k < (g + 1) * per_group; ++k)
-          if (impl->values(rows, k).squaredNorm() > 0.0) varying.push_back(k);
-        Correlation correlation{.kernel = options.kernel,
-                                .lengths = VectorXd::Ones(points.cols()),
-                                .nugget = least_nugget(options.kernel)};
-        if (!varying.empty()) {
-          const RowMatrix fitted_values = impl->values(rows, varying);
-          correlation = Search(fitted_points, fitted_values, options).run();
-        }
-        impl->groups[static_cast<std::size_t>(g)] =
-            impl->condition(g * per_group, per_group, std::move(correlation));
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        failure = std::current_exception();
-      }
+  base::parallel_for(static_cast<int>(groups), options.threads, [&](Index g) {
+    // Constant responses say nothing about lengths.
+    std::vector<Index> varying;
+    for (Index k = g * per_group; k < (g + 1) * per_group; ++k)
+      if (impl->values(rows, k).squaredNorm() > 0.0) varying.push_back(k);
+    Correlation correlation{.kernel = options.kernel,
+                            .lengths = VectorXd::Ones(points.cols()),
+                            .nugget = least_nugget(options.kernel)};
+    if (!varying.empty()) {
+      const RowMatrix fitted_values = impl->values(rows, varying);
+      correlation = Search(fitted_points, fitted_values, options).run();
     }
-  };
-  {
-    std::vector<std::jthread> crew;
-    for (Index t = 1; t < std::min<Index>(options.threads, groups); ++t) crew.emplace_back(work);
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
+    impl->groups[static_cast<std::size_t>(g)] =
+        impl->condition(g * per_group, per_group, std::move(correlation));
+  });
   impl_ = std::move(impl);
 }
 

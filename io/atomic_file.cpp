@@ -121,10 +121,9 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
       error = EEXIST;
     }
   }
-  if (error == ENOSPC || error == EDQUOT || error == EROFS || error == ENAMETOOLONG)
-    fail(path_, error);
-  if (error != 0)
+  if (error == ENOENT || error == ENOTDIR || error == EACCES || error == EPERM || error == EEXIST)
     fail(path_, "cannot be created: check that its directory exists and may be written to");
+  if (error != 0) fail(path_, error);
   if (reserve == 0) return;
   // Of other errors (a file system that cannot, a limit to a file's size) writing will tell.
   error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(reserve));

@@ -6,6 +6,7 @@ durable.py PROGRAM PRELOAD CHECK... [--kills N]     CHECK: a function below with
 Kills at random instants: `durable.py PROGRAM PRELOAD kills --kills 200` takes some minutes.
 """
 import argparse
+import errno
 import json
 import os
 import pathlib
@@ -183,6 +184,17 @@ def check_failed_calls(bench):
                     (out / name).write_bytes(content)
                 if again[0] == 0 and first[0] == 0:
                     break  # there are no more such calls (or they do not matter: folders, links)
+
+
+def check_threads_that_are_refused(bench):
+    """A limit of processes is reached: fewer threads do the same, to the same files."""
+    out = bench.folder / 'run'
+    bench.run(*damage(bench, out, '--threads', '4'))
+    whole = files(out)
+    for call, after in (('pthread_create', False), ('pthread_create', True), ('fork', True)):
+        fail = {'FAIL_CALL': call, 'FAIL_AT': 1, 'FAIL_ERRNO': errno.EAGAIN} | ({'FAIL_AFTER': 1} if after else {})
+        bench.run(*damage(bench, out, '--threads', '4'), fail=fail)
+        same(whole, files(out))
 
 
 def check_resume_refuses_a_truncated_posterior(bench):

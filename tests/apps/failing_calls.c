@@ -1,11 +1,13 @@
 /* Preloaded by tests: the n-th call of a kind that touches files below a folder fails.
  *   FAIL_CALL=write|rename|fsync|open|link|ftruncate|posix_fallocate  FAIL_AT=n (from 1)
+ *   FAIL_CALL=pthread_create|fork: anywhere, FAIL_ERRNO=11 (EAGAIN)
  *   FAIL_UNDER=folder  FAIL_ERRNO=28 (default: ENOSPC)  FAIL_AFTER=1: all later ones too */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -77,4 +79,15 @@ int open(const char* path, int flags, ...) {
   va_end(more);
   if (fails("open", (flags & O_CREAT) && below(path))) return -1;
   return REAL(int, "open", const char*, int, mode_t)(path, flags, mode);
+}
+
+int pthread_create(pthread_t* thread, const pthread_attr_t* how, void* (*start)(void*), void* argument) {
+  if (fails("pthread_create", 1)) return errno;
+  return REAL(int, "pthread_create", pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)(thread, how, start,
+                                                                                            argument);
+}
+
+pid_t fork(void) {
+  if (fails("fork", 1)) return -1;
+  return REAL(pid_t, "fork", void)();
 }

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """mpirun -n N wheeltap comes to the same files as one process, whatever N.
 
-ranks.py PROGRAM CHECK...     CHECK: a function below without its "check_"
+ranks.py PROGRAM PRELOAD CHECK...     CHECK: a function below without its "check_"
 
 Exit code 77, and a line, where there is no mpirun or no module beside the program.
 """
+import errno
 import os
 import pathlib
 import select
@@ -32,8 +33,8 @@ TERMS = CHAIN | {'models': [{'name': f'm{i}', 'masses': [0.5], 'noise': 0.05,
 class Ranks(Bench):
     """The program, by itself or as several ranks."""
 
-    def __init__(self, program):
-        super().__init__(program, '')
+    def __init__(self, program, preload):
+        super().__init__(program, preload)
         self.environment |= {'OMPI_ALLOW_RUN_AS_ROOT': '1', 'OMPI_ALLOW_RUN_AS_ROOT_CONFIRM': '1'}
         self.alone = program
 
@@ -218,6 +219,28 @@ def check_errors_are_said_once(bench):
     expect(out.count('wheeltap') == 1, out)
 
 
+def check_threads_that_are_refused(bench):
+    """A rank that gets fewer threads than it asks for, or none, leaves the work to others; what nobody can do, all do."""
+    out = bench.folder / 'run'
+    words = [bench.alone, 'damage', bench.case('beam', BEAM), '-o', out, *SHORT, '--threads', '2']
+    bench.run(*words[1:])
+    whole = files(out)
+    bench.program = 'mpirun'
+    refused = ['-x', f'LD_PRELOAD={bench.preload}', '-x', 'FAIL_CALL=pthread_create', '-x', f'FAIL_ERRNO={errno.EAGAIN}']
+    lived = 0
+    for at in range(1, 6):  # the first ones are Open MPI's own, which it does not live without
+        for more, healthy in (([], 1), (['-x', 'FAIL_AFTER=1'], 1), (['-x', 'FAIL_AFTER=1'], 0)):
+            ranks = [['-n', '1', *words]] * healthy + [['-n', str(2 - healthy), *refused, '-x', f'FAIL_AT={at}', *more, *words]]
+            shutil.rmtree(out, ignore_errors=True)
+            code, _, err = Bench.run(bench, *MPIRUN[1:], *[w for i, r in enumerate(ranks) for w in ([':'] if i else []) + r],
+                                     code=None)
+            expect('internal fault' not in err, err)
+            if code == 0:
+                lived += 1
+                same(files(out), whole)
+    expect(lived >= 6, f'only {lived} of 15 runs lived')
+
+
 def check_unequal_ranks_are_refused(bench):
     good = bench.case('good', BEAM)
     words = [bench.alone, 'damage', good, '-o', bench.folder / 'o', *SHORT]
@@ -235,12 +258,12 @@ def check_unequal_ranks_are_refused(bench):
 
 
 def main():
-    program, *checks = sys.argv[1:]
+    program, preload, *checks = sys.argv[1:]
     if not shutil.which('mpirun') or not pathlib.Path(program).with_name('wheeltap_mpi.so').exists():
         print('skipped: no mpirun, or wheeltap was built without MPI (Debian: libopenmpi-dev openmpi-bin)')
         sys.exit(77)
     for name in checks:
-        bench = Ranks(program)
+        bench = Ranks(program, preload)
         try:
             globals()[f'check_{name}'](bench)
         except AssertionError as failed:
