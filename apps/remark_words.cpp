@@ -288,9 +288,12 @@ class Speaker {
     return "Under \"" + r.model + "\" steps a quarter as long change the best draw's response by " +
            significant(r.error, 2) +
            " of the noise (root of the sum of squares): parameters may be off by up to " +
-           significant(r.error, 2) +
-           " standard deviations for the steps alone. Leave \"integration\" out of the case, and "
-           "the run is repeated with better ones; or lower its \"step_limit\".";
+           significant(r.error, 2) + " standard deviations for the steps alone. " +
+           (r.fixed
+                ? "Leave \"integration\" out of the case, and the run is repeated with better "
+                  "ones; or lower its \"step_limit\"."
+                : "The motion multiplies errors: the run was repeated with better ones as often "
+                  "as it may be. A lower \"step_limit\" (\"integration\") goes further.");
   }
   std::string operator()(const remark::MeansDoNotGoTogether& r) const {
     std::string errors;

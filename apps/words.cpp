@@ -208,10 +208,12 @@ std::string in_words(const Look& look) {
 }
 
 std::string repeat_note(const StepsRefined& refined) {
+  const std::string limit = "a step limit of " + significant(refined.step_limit, 2);
+  const bool shorter = refined.step_limit < dynamics::SimulatorOptions{}.step_limit;
   return "The integrator's steps were too long for the noise of this record, so the run was "
          "repeated with " +
-         (refined.by_series ? "Taylor series."
-                            : "a step limit of " + significant(refined.step_limit, 2) + ".");
+         (refined.by_series ? shorter ? "Taylor series and " + limit : "Taylor series" : limit) +
+         ".";
 }
 
 std::string coefficients_in_words(const TermFinding& term) {

@@ -198,6 +198,7 @@ struct InitialStateInferred {
 struct StepsTooLong {
   std::string model;
   double error;
+  bool fixed;  ///< the case says how to integrate: the run could not be repeated with better ones
 };
 /// The means of the parameters miss the record by more than the best draw does: per channel, NRMSE
 /// of both.

@@ -245,12 +245,14 @@ void judge_windows(const SidRun& run, SidFindings& findings) {
 }
 
 /// Steps so long that they move the posterior.
-void judge_integration(SidFindings& findings) {
+void judge_integration(const SidProblem& problem, SidFindings& findings) {
   for (const int m : told(findings)) {
     const double error = finding(findings, m).step_error.value_or(0.0);
     if (error <= kLargestStepError) continue;
-    findings.remarks.push_back(remark::StepsTooLong{
-        .model = findings.models[static_cast<std::size_t>(m)].name, .error = error});
+    findings.remarks.push_back(
+        remark::StepsTooLong{.model = findings.models[static_cast<std::size_t>(m)].name,
+                             .error = error,
+                             .fixed = problem.sid_case.fixed_integration});
   }
 }
 
@@ -359,7 +361,7 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
   judge_fits(problem, out);
   judge_bounds(problem, posterior, out);
   judge_stops(run, out);
-  judge_integration(out);
+  judge_integration(problem, out);
   judge_windows(run, out);
   conclude(out, space, evidence);
   return out;

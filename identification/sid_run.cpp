@@ -23,6 +23,7 @@ constexpr double kFewestWarmup = 6'000;
 /// What repeated runs aim at (step_error), and how many there may be.
 constexpr double kWantedStepError = 0.1;
 constexpr int kMostRepeats = 2;
+constexpr int kMostTried = 3;        // integrations on the best draws, before a run is repeated
 constexpr int kMostRefinement = 16;  // of the step limit, in one of them
 constexpr double kCounts = 0.05;     // models with a smaller share of the draws do not
 
@@ -57,8 +58,11 @@ inference::Options affordable(inference::Options engine, double seconds_a_likeli
   return engine;
 }
 
-std::optional<dynamics::SimulatorOptions> better_integration(
-    const SidProblem& problem, const inference::Posterior& posterior) {
+namespace {
+
+// By the steps that the best draws were integrated with, as the problem has them.
+std::optional<dynamics::SimulatorOptions> finer_integration(const SidProblem& problem,
+                                                            const inference::Posterior& posterior) {
   const std::vector<double> share = shares(posterior);
   dynamics::SimulatorOptions better = problem.sid_case.integration;
   bool needed = false;
@@ -83,6 +87,21 @@ std::optional<dynamics::SimulatorOptions> better_integration(
     better.step_limit = std::min(better.step_limit, now.step_limit / factor);
   }
   return needed ? std::optional(better) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<dynamics::SimulatorOptions> better_integration(
+    const SidProblem& problem, const inference::Posterior& posterior) {
+  std::optional<dynamics::SimulatorOptions> better = finer_integration(problem, posterior);
+  for (int i = 0; better && i < kMostTried; ++i) {
+    SidCase finer = problem.sid_case;
+    finer.integration = *better;
+    const auto more = finer_integration(*make_sid_problem(std::move(finer)), posterior);
+    if (!more) break;
+    better = more;
+  }
+  return better;
 }
 
 int samples_of_a_look(int samples, double seconds_a_likelihood) {

@@ -15,7 +15,7 @@ namespace wheeltap::identification {
 /// What a run was repeated with, since its steps were too long for the noise of the record.
 struct StepsRefined {
   bool by_series = false;      ///< Taylor series, where there were none before
-  double step_limit = 0.0;     ///< else; SimulatorOptions::step_limit
+  double step_limit = 0.0;     ///< SimulatorOptions::step_limit
   bool prefer_series = false;  ///< SimulatorOptions::prefer_series
   int repeats = 1;             ///< so far, this one included
 };
@@ -59,7 +59,8 @@ struct SidRun {
 
 /// How to integrate where the steps were too long for the noise (step_error), or none where they
 /// were not: by series where a chain's laws let them, else by shorter steps, whose error goes with
-/// their fourth power.
+/// their fourth power; tried on the best draws, and made better still where a motion that
+/// multiplies errors asks for it.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 

@@ -28,6 +28,8 @@ constexpr long kFirstSamples = 50;   // of a growing record
 constexpr double kDrawsAMode = 4.0;  // to go on from, as a record grows
 constexpr double kFollowed = 30.0;   // modes, as a record grows
 constexpr double kFewestFollowed = 6.0;
+constexpr std::size_t kThreads = 3;  // modes that are followed in small steps where they were lost
+constexpr long kFirstGrowth = 4, kLeastGrowth = 128;  // steps: a record by these
 constexpr std::uint64_t kScreenStream = std::uint64_t{1} << 62U;
 
 using Vector = Eigen::VectorXd;
@@ -261,6 +263,48 @@ class Search {
   long climbs_ = 0;
 };
 
+// Whether a record has grown by samples that this mode says little of: far less than of those
+// before, by Gaussian residuals and nats that no mode is worth.
+bool lost(const ModeSearch& before, long n, const ModeSearch& after, long grown) {
+  if (after.modes.empty()) return true;
+  const double was = before.modes.front().log_posterior;
+  const auto all = static_cast<double>(n), more = static_cast<double>(grown - n);
+  const double chance = 6.0 * std::sqrt(more * (1.0 + more / all));
+  return after.modes.front().log_posterior < was + was * more / all - kNegligible - chance;
+}
+
+// Follows the best modes of n samples to more in steps as small as they need. Where a motion all
+// but leaves its well, or strikes, what n samples say of the parameters does not foretell n more,
+// and the mode of twice the record is not to be seen from that of the record.
+std::vector<std::vector<double>> followed_closely(const Problem& problem, int model,
+                                                  ModeSearchOptions options, ModeSearch found,
+                                                  long n, long to, long& evaluations) {
+  options.fine = true;
+  const auto places = [](const ModeSearch& search) {
+    std::vector<std::vector<double>> out;
+    for (const Mode& mode : search.modes) out.push_back(mode.z);
+    out.resize(std::min(out.size(), kThreads));
+    return out;
+  };
+  for (long step = std::max(1L, n / kFirstGrowth); n < to;) {
+    const long next = std::min(n + step, to);
+    const auto part = next < problem.samples ? problem.shortened(next) : nullptr;
+    Search search(part ? *part : problem, model, options);
+    search.run(places(found));
+    ModeSearch grown = search.result();
+    evaluations += grown.likelihood_evaluations;
+    if (!lost(found, n, grown, next)) {
+      found = std::move(grown);
+      n = next;
+    } else if (step > n / kLeastGrowth && step > 1) {
+      step /= 2;
+    } else {
+      return {};  // the model, it seems, does not explain them
+    }
+  }
+  return places(found);
+}
+
 }  // namespace
 
 ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptions& options) {
@@ -286,6 +330,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
   const auto followed =
       static_cast<std::size_t>(std::max(kFewestFollowed, kFollowed * options.effort));
   for (long n = kFirstSamples; n < problem.samples && !found.modes.empty(); ++level) {
+    const long before = n;
     n = std::min(2 * n, problem.samples);
     if (found.modes.size() > followed) found.modes.resize(followed);
     if (n < problem.samples) part = problem.shortened(n);
@@ -295,7 +340,12 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
       next.run(options.starts);
       next.run_likeliest();
     }
-    found = next.result();
+    if (ModeSearch grown = next.result(); lost(found, before, grown, n)) {
+      next.run(followed_closely(problem, model, options, std::move(found), before, n, evaluations));
+      found = next.result();
+    } else {
+      found = std::move(grown);
+    }
     evaluations += found.likelihood_evaluations;
     if (options.progress && !options.progress(1.0)) break;
   }

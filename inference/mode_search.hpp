@@ -62,8 +62,10 @@ inline constexpr long kMostClimbs = 10000;
 /// valley deeper than two nats.
 ///
 /// Where the problem can be shortened, climbs are made on its first 50 samples, and modes are
-/// followed as the record doubles, each from itself and from draws of the normal about it. On the
-/// whole record the likeliest of a few hundred draws of the prior are climbed from besides.
+/// followed as the record doubles, each from itself and from draws of the normal about it; the best
+/// in smaller steps where twice the record has no such mode: ln π falls by far more than the new
+/// samples' share of it. On the whole record the likeliest of a few hundred draws of the prior are
+/// climbed from besides.
 ///
 /// A mode whose basin holds a share p of the prior is missed by n climbs with probability (1-p)^n.
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,

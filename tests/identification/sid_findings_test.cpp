@@ -157,6 +157,31 @@ TEST(SidRun, RepeatsWithBetterStepsWhereTheyWereTooLong) {
       nullptr);
 }
 
+// At a noise of 1e-9 of the response, series in their usual pieces are too coarse as well, which is
+// found out before a run is repeated with them.
+TEST(SidRun, BetterStepsAreTriedOnTheBestDraw) {
+  SidCase c = small_sid_case();
+  c.truth->noise = {1e-10};
+  for (SidModel& model : c.models) model.noise = {1e-10};
+  c.parameters[0].prior = inference::Normal{50.0, 1e-7};
+  c.parameters[1].prior = inference::Normal{1000.0, 1e-5};
+  c.models.erase(c.models.begin());
+  c.truth->model = 0;
+  c.fixed_integration = true;
+  c = simulated(c);
+  const SidRun run = run_sid(c, {.engine = short_run()});
+  const auto better = better_integration(*run.problem, run.posterior);
+  ASSERT_TRUE(better.has_value());
+  EXPECT_TRUE(better->prefer_series);
+  const auto error_with = [&](double step_limit) {
+    c.integration = *better;
+    c.integration.step_limit = step_limit;
+    return step_error(*make_sid_problem(c), run.posterior, 0).value_or(0.0);
+  };
+  EXPECT_LE(error_with(better->step_limit), kLargestStepError);
+  EXPECT_GT(error_with(dynamics::SimulatorOptions{}.step_limit), kLargestStepError);
+}
+
 // Replicates scatter by the noise, so that their median is as jagged as a hundredth of it and has a
 // noise floor in every spectrum; what the chain does without noise is smooth.
 TEST(SidPredictive, TheMedianWithoutNoiseIsAsSmoothAsTheMotion) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/random.hpp"
 #include "inference/evidence/model_posterior.hpp"
 #include "inference/standard_normal.hpp"
 #include "tests/inference/toy_problems.hpp"
@@ -217,6 +218,46 @@ TEST(ModeSearch, StartsCountWhereNoDrawOfThePriorIsPossible) {
   const ModeSearch found = search_modes(problem, 0, {.climbs = 2, .starts = {{5.5}}});
   ASSERT_EQ(found.modes.size(), 1U);
   EXPECT_NEAR(found.modes[0].z[0], 6.0 * 100.0 / 101.0, 1e-3);
+}
+
+// sin(x e^{0.06 t}), t < n: twice the record says e^{0.06 n} times as much of x, which the mode of
+// n samples does not foretell. `jump` is added to the phase from sample 100 on.
+Problem growing_ever_faster(long n, double jump) {
+  const auto signal = [](double x, long t) {
+    return std::sin(x * std::exp(0.06 * static_cast<double>(t)));
+  };
+  std::vector<double> data;
+  for (long t = 0; t < n; ++t) {
+    base::Random random(1, 0, static_cast<std::uint64_t>(t), base::Purpose::prediction);
+    data.push_back((t < 100 ? signal(0.7, t) : signal(0.7 + jump, t)) + 0.05 * random.normal());
+  }
+  Problem problem = problem_of(1, [signal, data = std::move(data)](std::span<const double> x) {
+    double sum = 0.0;
+    for (std::size_t t = 0; t < data.size(); ++t)
+      sum -= 0.5 * std::pow((data[t] - signal(x[0], static_cast<long>(t))) / 0.05, 2);
+    return sum;
+  });
+  problem.samples = n;
+  problem.shortened = [jump](long few) {
+    return std::make_shared<const Problem>(growing_ever_faster(few, jump));
+  };
+  return problem;
+}
+
+TEST(ModeSearch, FollowsAModeThatTwiceTheRecordHides) {
+  const Problem problem = growing_ever_faster(200, 0.0);
+  const ModeSearch found = search_modes(problem, 0, {.climbs = 200});
+  ASSERT_FALSE(found.modes.empty());
+  // The record says x to within 0.05 e^{-0.06 200} or so.
+  EXPECT_NEAR(found.modes[0].z[0], 0.7, 1e-6);
+}
+
+// Where the model explains nothing of what comes, that is seen after a few climbs.
+TEST(ModeSearch, SpendsLittleOnModesThatAreNotThere) {
+  const auto spent = [](double jump) {
+    return search_modes(growing_ever_faster(120, jump), 0, {.climbs = 200}).likelihood_evaluations;
+  };
+  EXPECT_LT(static_cast<double>(spent(0.3)), 1.5 * static_cast<double>(spent(0.0)));
 }
 
 }  // namespace

@@ -336,14 +336,9 @@ def misses(row):
                     if not TAIL < u < 1 - TAIL]
 
 
-def binomial_tail(held, n, p):
-    """Two-sided, by doubling the smaller tail."""
-    pmf = [math.comb(n, i) * p ** i * (1 - p) ** (n - i) for i in range(n + 1)]
-    return min(1.0, 2 * min(sum(pmf[:held + 1]), sum(pmf[held:])))
-
-
 def of_probabilities(cell):
-    """Two-sided, of how many of independent events, each (its probability, whether it was), came true."""
+    """Two-sided, by doubling the smaller tail: of how many of independent events, each (its probability, whether it was),
+    came true."""
     pmf = np.ones(1)
     for p, _ in cell:
         pmf = np.convolve(pmf, [1 - p, p])
@@ -394,8 +389,8 @@ def report(rows):
             ranks["all"].append(u)
     for name in sorted(ranks, key=lambda n: (n == "all", n)):
         u = np.array(ranks[name])
-        held = int(((u >= 0.05) & (u <= 0.95)).sum())
-        p = binomial_tail(held, u.size, 0.9)
+        inside = (u >= 0.05) & (u <= 0.95)
+        held, p = int(inside.sum()), of_probabilities([(0.9, within) for within in inside.tolist()])
         wrong += p < 1e-4 and name != "all"
         print(f"| {name} | {u.size} | {held} ({held / u.size:.3f}) | {p:.2f} | {int(((u <= TAIL) | (u >= 1 - TAIL)).sum())} |")
 
