@@ -289,11 +289,10 @@ class Speaker {
            significant(r.error, 2) +
            " of the noise (root of the sum of squares): parameters may be off by up to " +
            significant(r.error, 2) + " standard deviations for the steps alone. " +
-           (r.fixed
-                ? "Leave \"integration\" out of the case, and the run is repeated with better "
-                  "ones; or lower its \"step_limit\"."
-                : "The motion multiplies errors: the run was repeated with better ones as often "
-                  "as it may be. A lower \"step_limit\" (\"integration\") goes further.");
+           (r.fixed ? "Leave \"integration\" out of the case, and the run is repeated with better "
+                      "ones; or lower its \"step_limit\"."
+                    : "A run that is neither quick nor stopped is repeated with better ones, twice "
+                      "at most; a lower \"step_limit\" (\"integration\") goes further.");
   }
   std::string operator()(const remark::MeansDoNotGoTogether& r) const {
     std::string errors;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -24,6 +25,8 @@ void enlist(std::vector<std::jthread>& crew, int n, const Work& work) {
   try {
     for (int t = 0; t < n; ++t) crew.emplace_back(work);
   } catch (const std::system_error&) {
+    return;
+  } catch (const std::bad_alloc&) {  // of a thread's own state, or its stack
     return;
   }
 }

@@ -287,6 +287,7 @@ std::vector<std::vector<double>> followed_closely(const Problem& problem, int mo
     return out;
   };
   for (long step = std::max(1L, n / kFirstGrowth); n < to;) {
+    if (options.progress && !options.progress(1.0)) return {};
     const long next = std::min(n + step, to);
     const auto part = next < problem.samples ? problem.shortened(next) : nullptr;
     Search search(part ? *part : problem, model, options);
