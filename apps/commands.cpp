@@ -332,7 +332,10 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
     if (text) return print_finished(common.output, *text, *log);
   }
   std::optional<RunFiles> files;
-  on_first_rank([&] { files.emplace(common.output); });
+  on_first_rank([&] {
+    files.emplace(common.output);
+    require_room(common.output, cost);
+  });
   CheckpointFile checkpoint(common.output,
                             {.command = "damage",
                              .seed = seed,

@@ -58,8 +58,10 @@ std::optional<FinishedRun> sample_damage(std::shared_ptr<const DamageCaseFile> p
       .posterior = posterior,
       .print = [parsed, findings](std::ostream& out,
                                   bool colour) { print_damage(out, *parsed, *findings, colour); },
-      .draws = [parsed, problem, posterior, run,
-                seed] { return posterior_file(run, *parsed, *problem, *posterior, seed); },
+      .draws =
+          [parsed, problem, posterior, run, seed](const io::NetcdfWriter& file) {
+            write_posterior(file, run, *parsed, *problem, *posterior, seed);
+          },
       .columns = [problem, posterior] { return damage_columns(*problem, *posterior); }};
 }
 

@@ -25,8 +25,10 @@ struct DrawColumn {
   /// Appends the numbers of a chain, draw by draw.
   template <class Number>
   void append(const inference::Chain& chain, std::vector<Number>& to) const {
+    to.reserve(to.size() + chain.size() * slots);
     for (std::size_t i = 0; i < chain.size(); ++i)
       for (std::size_t s = 0; s < slots; ++s) to.push_back(static_cast<Number>(value(chain, i, s)));
+    chain.let_go();
   }
 };
 

@@ -18,9 +18,17 @@ bool FinishedRun::converged() const {
   return summary.at("diagnostics").at("converged").get<bool>();
 }
 
+std::size_t FinishedRun::bytes_of_draws() const {
+  std::size_t bytes = 0;
+  for (const inference::Chain& chain : posterior->chains) bytes += chain.bytes();
+  return bytes;
+}
+
 void deliver(const FinishedRun& run, RunFiles& files, const std::filesystem::path& folder,
              CheckpointFile& checkpoint) {
-  const auto failed = files.keep(run.summary, run.text(), run.run, run.draws);
+  const auto failed = files.keep(run.summary, run.text(), run.run, [&](io::AtomicFile& to) {
+    io::write_netcdf(to, run.bytes_of_draws(), run.draws);
+  });
   run.print(std::cout, colour_wanted());
   if (failed) throw *failed;
   say_what_goes_on(checkpoint, run.posterior->stopped_early);

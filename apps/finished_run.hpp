@@ -13,6 +13,7 @@
 #include "apps/run_files.hpp"
 #include "apps/summary.hpp"
 #include "inference/posterior.hpp"
+#include "io/write_netcdf.hpp"
 
 namespace wheeltap::apps {
 
@@ -22,11 +23,13 @@ struct FinishedRun {
   std::string run;  ///< run_id
   std::shared_ptr<const inference::Posterior> posterior;
   std::function<void(std::ostream&, bool colour)> print;  ///< what it says at a terminal
-  std::function<std::string()> draws;                     ///< posterior.nc
+  io::FillNetcdf draws;                                   ///< posterior.nc
   std::function<std::vector<DrawColumn>()> columns;       ///< its group `posterior`
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] bool converged() const;
+  /// What its draws take, about.
+  [[nodiscard]] std::size_t bytes_of_draws() const;
 };
 
 /// Keeps it in its folder, prints it, says where it is, and removes the checkpoint of a run that

@@ -25,7 +25,9 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
         group, name, {chain, draw},
         [&](std::size_t c, auto& row) {
           const Chain& from = posterior.chains[c];
+          row.reserve(from.size());
           for (std::size_t i = 0; i < from.size(); ++i) row.push_back(value(from, i));
+          from.let_go();
         },
         type);
   };
@@ -173,9 +175,9 @@ std::vector<DrawColumn> damage_columns(const DamageProblem& problem,
   return columns;
 }
 
-std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
-                           const DamageProblem& problem, const inference::Posterior& posterior,
-                           std::uint64_t seed) {
+void write_posterior(const io::NetcdfWriter& file, const std::string& run,
+                     const DamageCaseFile& parsed, const DamageProblem& problem,
+                     const inference::Posterior& posterior, std::uint64_t seed) {
   const DamageCase& damage_case = problem.damage_case;
   const FrequencyData& data = damage_case.data;
   const std::size_t chains = posterior.chains.size();
@@ -183,7 +185,6 @@ std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
   const auto width = static_cast<std::size_t>(posterior.dimension);
   const auto modes = static_cast<std::size_t>(data.modes());
   const std::vector<DrawColumn> columns = damage_columns(problem, posterior);
-  io::NetcdfWriter file("posterior.nc");
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", damage_case.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
@@ -223,7 +224,6 @@ std::string posterior_file(const std::string& run, const DamageCaseFile& parsed,
     file.text(group, id, "units", "Hz");
     if (!data.sd_hz.empty()) file.put(group, "sd", {mode}, data.sd_hz);
   }
-  return file.close();
 }
 
 }  // namespace wheeltap::apps

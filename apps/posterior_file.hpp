@@ -25,7 +25,7 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 [[nodiscard]] std::vector<DrawColumn> damage_columns(const identification::DamageProblem& problem,
                                                      const inference::Posterior& posterior);
 
-/// A NetCDF-4 file, in memory, with the groups
+/// Fills a NetCDF-4 file with the groups
 ///   posterior             parameters (chain, draw[, slot]), NaN in unused slots; k, model
 ///   sample_stats          lp, log_likelihood, k, move, accepted (chain, draw)
 ///   posterior_predictive  frequency (chain, draw, mode): predicted, with noise of `seed` by the
@@ -33,8 +33,9 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 ///   observed_data         frequency (mode)
 /// and attributes that name models and moves, and the run (RunFiles). Throws io::FileError
 /// (unwritable) for what NetCDF does not take.
-[[nodiscard]] std::string posterior_file(const std::string& run, const DamageCaseFile& damage_case,
-                                         const identification::DamageProblem& problem,
-                                         const inference::Posterior& posterior, std::uint64_t seed);
+void write_posterior(const io::NetcdfWriter& file, const std::string& run,
+                     const DamageCaseFile& damage_case,
+                     const identification::DamageProblem& problem,
+                     const inference::Posterior& posterior, std::uint64_t seed);
 
 }  // namespace wheeltap::apps

@@ -15,15 +15,13 @@ using namespace identification;
 
 namespace {
 
-std::string posterior_nc(const std::string& run, const ProblemFile& parsed,
-                         const inference::Posterior& posterior) {
+void write_posterior(const io::NetcdfWriter& file, const std::string& run,
+                     const ProblemFile& parsed, const inference::Posterior& posterior) {
   const std::vector<DrawColumn> columns = parameter_columns(posterior);
-  io::NetcdfWriter file("posterior.nc");
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", parsed.title);
   write_draws(file, posterior, columns);
   write_sample_stats(file, posterior, columns[0]);
-  return file.close();
 }
 
 void print(std::ostream& out, bool colour, const ProblemFile& parsed, const Findings& findings) {
@@ -159,7 +157,10 @@ FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
       .posterior = posterior,
       .print = [parsed, findings](std::ostream& out,
                                   bool colour) { apps::print(out, colour, *parsed, *findings); },
-      .draws = [parsed, posterior, run] { return posterior_nc(run, *parsed, *posterior); },
+      .draws =
+          [parsed, posterior, run](const io::NetcdfWriter& file) {
+            write_posterior(file, run, *parsed, *posterior);
+          },
       .columns = [posterior] { return parameter_columns(*posterior); }};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 
 #include "apps/failure.hpp"
@@ -11,6 +12,9 @@
 #include "fem/structures/structure_reanalysis.hpp"
 #include "fem/structures/structure_spectrum.hpp"
 #include "identification/states_likelihood.hpp"
+#include "inference/draw_list.hpp"
+#include "io/file_error.hpp"
+#include "io/write_netcdf.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -20,6 +24,10 @@ constexpr double kWarmup = 20'000;  // iterations a chain where the engine choos
 constexpr double kDraws = 25'000;   // a chain
 constexpr double kThin = 4;
 
+std::string gigabytes(double bytes) {
+  return base::significant(bytes / kGigabyte, 2);
+}
+
 std::string rounded(double x) {
   return x >= 1e3 && x < 1e15 ? base::grouped(std::lround(std::stod(base::significant(x, 2))))
                               : base::significant(x, 2);
@@ -28,7 +36,8 @@ std::string rounded(double x) {
 }  // namespace
 
 std::string in_words(const RunCost& cost) {
-  std::string text = "about " + base::significant(cost.bytes / kGigabyte, 2) + " GB of memory";
+  std::string text = "about " + gigabytes(cost.bytes) + " GB of memory";
+  if (cost.disk > 0.0) text += " and " + gigabytes(cost.disk) + " of disk";
   if (cost.likelihoods > 0.0) {
     text += ", " + rounded(cost.likelihoods) + " likelihoods or FE runs";
   }
@@ -55,20 +64,37 @@ void require_affordable(const CaseFile& file, const Pointer& where, const RunCos
   if (cost.seconds > common.max_hours * 3600.0) refuse("max-hours", common.max_hours, "h");
 }
 
+void require_room(const std::filesystem::path& folder, const RunCost& cost) {
+  std::error_code unknown;
+  const std::filesystem::space_info room = std::filesystem::space(folder, unknown);
+  if (unknown || cost.disk <= static_cast<double>(room.available)) return;
+  throw io::FileError(io::FileError::Kind::unwritable, folder,
+                      "the draws would take about " + gigabytes(cost.disk) + " GB there; " +
+                          gigabytes(static_cast<double>(room.available)) + " GB are free");
+}
+
 RunCost cost_of_sampling(const Sampled& sampled, const CommonOptions& common,
                          const SamplingOptions& options) {
   const double share = sampled.records && options.draws == 0 ? 0.5 : 1.0;
   const double draws = options.draws > 0 ? options.draws : (options.quick ? 1000.0 : kDraws);
   const double warmup =
       options.warmup > 0 ? options.warmup : (options.quick ? 1000.0 : kWarmup * share);
-  // As inference::Chain has it; the file of them, packed, in memory; and what the report reads of
-  // it; a little more than was measured, which for 4 million draws of twenty modes was 1.28 GB.
-  const double draw = 23.0 + 8.0 * sampled.largest + 4.0 * sampled.predictions;
-  const double with_files = 1.8 * draw + 28.0 * sampled.largest + 40.0;
-  constexpr double kProgram = 3e7;
+  // As inference::Chain has it. Beyond kOnHeap a list is on the disk, and so are the parts of a
+  // checkpoint and posterior.nc: what is kept in memory of each draw is what is sorted, one
+  // parameter at a time.
+  constexpr double kProgram = 3e7, kLists = 7.0;
+  const double predictions = options.prior_only ? 0.0 : sampled.predictions;
+  const double draw = 23.0 + 8.0 * sampled.largest + 4.0 * predictions;
+  const double all = options.chains * draws;
+  const double on_heap = options.chains * kLists * double{inference::DrawMemory::kOnHeap};
+  const bool has_folder = !common.output.empty() || common.dry_run;  // as every command's run has
+  const bool streamed = has_folder && all * draw > double{io::kNetcdfInMemory};
   const double explored =
       sampled.explored * (options.quick ? 0.2 : 1.0) * (sampled.models + sampled.dimensions);
-  RunCost cost{.bytes = kProgram + options.chains * draws * with_files,
+  const double in_memory = streamed ? std::min(all * draw, on_heap) + 80.0 * all
+                                    : all * (1.8 * draw + 28.0 * sampled.largest + 40.0);
+  RunCost cost{.bytes = kProgram + in_memory,
+               .disk = streamed ? 3.0 * all * draw : 0.0,
                .likelihoods = options.chains * (warmup + draws * kThin * share) + explored};
   const int threads = std::min(base::thread_count(common.threads), options.chains);
   cost.seconds = cost.likelihoods * sampled.seconds_a_likelihood / threads;

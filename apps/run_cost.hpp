@@ -1,6 +1,7 @@
 // What a run would take, as far as its case and its options say, before it starts.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "apps/case_file.hpp"
@@ -11,13 +12,14 @@ namespace wheeltap::apps {
 
 /// An estimate, not a promise: within a factor of ten.
 struct RunCost {
-  double bytes = 0.0;                 ///< at the most, at one time
+  double bytes = 0.0;                 ///< of memory, at the most at one time
+  double disk = 0.0;                  ///< bytes in the folder of the results, likewise
   double likelihoods = 0.0;           ///< evaluations, or FE runs of a table
   double seconds = 0.0;               ///< of them, on the threads asked for
   double seconds_a_likelihood = 0.0;  ///< 0: not said
 };
 
-/// "about 0.02 GB and 120 000 likelihoods of 0.3 ms: 10 s on 4 threads".
+/// "about 0.02 GB of memory, 120 000 likelihoods or FE runs of 0.3 ms each, 10 s".
 [[nodiscard]] std::string in_words(const RunCost& cost);
 
 /// Says so of a "run", a "table", on standard output: CommonOptions::dry_run of one case.
@@ -27,6 +29,9 @@ void print_estimate(const std::string& what, const RunCost& cost);
 /// the estimate in words.
 void require_affordable(const CaseFile& file, const Pointer& where, const RunCost& cost,
                         const CommonOptions& common);
+
+/// Throws io::FileError (unwritable) where the folder, which is there, has not so much room.
+void require_room(const std::filesystem::path& folder, const RunCost& cost);
 
 /// What there is to sample.
 struct Sampled {

@@ -8,6 +8,7 @@
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
 #include "apps/stored_run.hpp"
+#include "io/netcdf_reader.hpp"
 #include "io/text.hpp"
 
 namespace wheeltap::apps {
@@ -64,22 +65,25 @@ RunFiles::RunFiles(std::filesystem::path folder)
       report_(folder_ / "report.html") {}
 
 std::optional<FileError> RunFiles::keep(Report summary, const std::string& text,
-                                        const std::string& run,
-                                        const std::function<std::string()>& draws) {
+                                        const std::string& run, const WriteDraws& draws) {
   summary["wheeltap"]["run"] = run;
   summary["files"] = {{"posterior.nc", nullptr},
                       // The text tells of seconds: its checksum would differ from run to run.
                       {"summary.txt", {{"lines", std::ranges::count(text, '\n')}}}};
   std::filesystem::path where = folder_ / "posterior.nc";
   try {
-    std::string bytes = draws();
-    posterior_->write(bytes);
+    draws(*posterior_);
     posterior_->settle();
-    summary["files"]["posterior.nc"] = seal(bytes);
+    summary["files"]["posterior.nc"] = seal_of_file(posterior_->temporary());
     where = folder_;
     summary_.write(dumped(summary));
     text_.write(text);
-    report_.write(report_page(folder_, summary, std::move(bytes)));
+    std::string page;
+    posterior_->lend([&](const std::filesystem::path& file) {
+      const auto stored = read_posterior(file, folder_ / "posterior.nc");
+      page = report_page(folder_, summary, stored.get());
+    });
+    report_.write(page);
     AtomicFile* const files[] = {&*posterior_, &text_, &report_, &summary_};
     io::commit_together(files);
     return {};
@@ -128,7 +132,7 @@ std::string RunFiles::keep_without_draws(Report& summary, const std::string& tex
     }
   };
   also(text_, [&] { return text; });
-  also(report_, [&] { return report_page(folder_, summary, {}); });
+  also(report_, [&] { return report_page(folder_, summary, nullptr); });
   return "the draws are lost, kept without them: " + kept;
 }
 

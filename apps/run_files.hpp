@@ -22,6 +22,9 @@ namespace wheeltap::apps {
 /// The options as a summary repeats them, and `--resume` compares them.
 [[nodiscard]] Report options_report(const SamplingOptions& options);
 
+/// Writes posterior.nc. Throws io::FileError.
+using WriteDraws = std::function<void(io::AtomicFile&)>;
+
 /// posterior.nc, summary.json, summary.txt and report.html of one run. The names are reserved
 /// first, and room for the numbers: a run that cannot be kept should not start. What is not kept is
 /// removed.
@@ -35,8 +38,7 @@ class RunFiles {
   /// draws; in a folder that has one already, which stays as it is, summary.unkept.json. Returns
   /// then what failed and what was kept, for the caller to throw once it has printed the text.
   [[nodiscard]] std::optional<io::FileError> keep(Report summary, const std::string& text,
-                                                  const std::string& run,
-                                                  const std::function<std::string()>& draws);
+                                                  const std::string& run, const WriteDraws& draws);
 
  private:
   std::string keep_without_draws(Report& summary, const std::string& text,

@@ -59,19 +59,9 @@ std::string fingerprint_of(const inference::Posterior& posterior) {
 
 // Chains that were stopped early may differ in length.
 void cut_to_shortest(inference::Posterior& posterior) {
-  std::size_t n = posterior.chains.empty() ? 0 : posterior.chains[0].model.size();
-  for (const auto& chain : posterior.chains) n = std::min(n, chain.model.size());
-  for (auto& chain : posterior.chains) {
-    chain.model.resize(n);
-    chain.theta.resize(n * static_cast<std::size_t>(posterior.dimension));
-    chain.log_prior.resize(n);
-    chain.log_likelihood.resize(n);
-    chain.move.resize(n);
-    chain.accepted.resize(n);
-    if (!chain.prediction.empty()) {
-      chain.prediction.resize(n * static_cast<std::size_t>(posterior.predictions));
-    }
-  }
+  std::size_t n = posterior.chains.empty() ? 0 : posterior.chains[0].size();
+  for (const auto& chain : posterior.chains) n = std::min(n, chain.size());
+  for (auto& chain : posterior.chains) chain.truncate(n);
   posterior.draws = static_cast<int>(n);
 }
 
@@ -118,6 +108,8 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
                                 const std::filesystem::path& case_path, bool quiet,
                                 CheckpointFile& checkpoint) {
   checkpoint.attach(options);
+  options.draws_folder = checkpoint.path().parent_path();
+  if (options.draws_folder.empty()) options.draws_folder = ".";
   ProgressBar bar(quiet);
   TimeLeft time_left;
   const auto began = std::chrono::steady_clock::now();

@@ -105,9 +105,9 @@ std::optional<FinishedRun> sample_sid(std::shared_ptr<const SidCaseFile> parsed,
       .print = [parsed, out](std::ostream& to,
                              bool colour) { print_sid(to, *parsed, out->findings, colour); },
       .draws =
-          [parsed, out, run, seed] {
-            return sid_posterior_file(run, *parsed, *out->run.problem, out->run.posterior,
-                                      out->predictive, seed);
+          [parsed, out, run, seed](const io::NetcdfWriter& file) {
+            write_sid_posterior(file, run, *parsed, *out->run.problem, out->run.posterior,
+                                out->predictive, seed);
           },
       .columns = [out] { return sid_columns(*out->run.problem, out->run.posterior); }};
 }
@@ -133,7 +133,10 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
     if (text) return print_finished(common.output, *text, *log);
   }
   std::optional<RunFiles> files;
-  on_first_rank([&] { files.emplace(common.output); });
+  on_first_rank([&] {
+    files.emplace(common.output);
+    require_room(common.output, cost);
+  });
   CheckpointFile checkpoint(common.output,
                             {.command = "sid",
                              .seed = common.seed.value_or(1),

@@ -135,9 +135,10 @@ std::vector<DrawColumn> sid_columns(const SidProblem& problem,
   return columns;
 }
 
-std::string sid_posterior_file(const std::string& run, const SidCaseFile& parsed,
-                               const SidProblem& problem, const inference::Posterior& posterior,
-                               const SidPredictive& predictive, std::uint64_t seed) {
+void write_sid_posterior(const io::NetcdfWriter& file, const std::string& run,
+                         const SidCaseFile& parsed, const SidProblem& problem,
+                         const inference::Posterior& posterior, const SidPredictive& predictive,
+                         std::uint64_t seed) {
   const SidCase& sid_case = problem.sid_case;
   const auto& space = *posterior.space;
   const std::size_t chains = posterior.chains.size();
@@ -146,7 +147,6 @@ std::string sid_posterior_file(const std::string& run, const SidCaseFile& parsed
   const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
   const std::vector<DrawColumn> columns = sid_columns(problem, posterior);
 
-  io::NetcdfWriter file("posterior.nc");
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", sid_case.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
@@ -207,7 +207,6 @@ std::string sid_posterior_file(const std::string& run, const SidCaseFile& parsed
     write_excitation(file, sid_case, samples, theta);
     write_link_paths(file, problem, posterior, most);
   }
-  return file.close();
 }
 
 }  // namespace wheeltap::apps

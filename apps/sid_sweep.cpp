@@ -315,7 +315,7 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   summary["answer"] = json(read_answer(summary));
   files->table.write(table);
   files->summary.write(summary.dump(1) + "\n");
-  files->report.write(report_page(common.output, summary, {}));
+  files->report.write(report_page(common.output, summary, nullptr));
   io::AtomicFile* const all[] = {&files->table, &files->report, &files->summary};
   io::commit_together(all);
   if (left > 0) throw Failure(Exit::interrupted, stopped(rows.size(), cases.size(), within));

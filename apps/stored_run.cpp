@@ -10,6 +10,7 @@
 #include "io/fingerprint.hpp"
 #include "io/netcdf_reader.hpp"
 #include "io/read_apart.hpp"
+#include "io/write_netcdf.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -18,9 +19,9 @@ using io::FileError;
 namespace fs = std::filesystem;
 
 /// The run that a posterior.nc, damaged perhaps, says it is of; empty where it says nothing.
-std::string run_of(const std::string& bytes, const fs::path& path) {
+std::string run_of(const fs::path& path) {
   try {
-    return io::read_apart(path, [&] { return io::NetcdfReader(bytes, path).text("run_id"); });
+    return io::read_apart(path, [&] { return read_posterior(path, path)->text("run_id"); });
   } catch (const FileError&) {
     return {};
   }
@@ -34,8 +35,7 @@ std::string run_of(const Report& summary) {
   return run != about->end() && run->is_string() ? run->get<std::string>() : "";
 }
 
-template <class Number>
-std::uint64_t hashed(const std::vector<Number>& values, std::uint64_t hash) {
+std::uint64_t hashed(const auto& values, std::uint64_t hash) {
   const auto bytes = std::as_bytes(std::span(values));
   return io::fnv1a({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, hash);
 }
@@ -46,6 +46,7 @@ std::string run_id(const Report& about, const inference::Posterior& posterior) {
   std::uint64_t hash = io::fnv1a("");
   for (const auto& chain : posterior.chains) {
     hash = hashed(chain.theta, hashed(chain.model, hashed(chain.log_likelihood, hash)));
+    chain.let_go();
   }
   std::string text = std::to_string(hash);
   for (const char* key : {"version", "command", "seed", "case"}) text += about[key].dump();
@@ -56,28 +57,66 @@ Report seal(std::string_view bytes) {
   return {{"bytes", bytes.size()}, {"checksum", io::fingerprint(bytes)}};
 }
 
-std::optional<std::string> sealed_file(const fs::path& folder, const std::string& name,
-                                       const Report& summary) {
-  const auto files = summary.find("files");
-  const bool sealed = files != summary.end() && files->is_object() && files->contains(name);
-  if (sealed && (*files)[name].is_null()) return {};
-  const fs::path path = folder / name;
-  if (!fs::exists(path)) throw FileError(FileError::Kind::missing, path, "no such file");
-  std::string bytes = io::read_bytes(path);
-  if (!sealed || (*files)[name] == seal(bytes)) return bytes;
-  const std::string of = run_of(summary), has = run_of(bytes, path);
+Report seal_of_file(const fs::path& file) {
+  const io::FileFingerprint is = io::fingerprint_of_file(file);
+  return {{"bytes", is.bytes}, {"checksum", is.digits}};
+}
+
+std::unique_ptr<const io::NetcdfReader> read_posterior(const fs::path& file, const fs::path& name) {
+  std::error_code unknown;
+  if (fs::file_size(file, unknown) > io::kNetcdfInMemory && !unknown)
+    return std::make_unique<const io::NetcdfReader>(file, kPosterior);
+  return std::make_unique<const io::NetcdfReader>(io::read_bytes(file), name, kPosterior);
+}
+
+namespace {
+
+/// Throws where a file is not what its run wrote; `is`, its seal, says what it is.
+void check_seal(const fs::path& path, const Report& wrote_one, const Report& summary,
+                const Report& is) {
+  if (wrote_one == is) return;
+  const std::string of = run_of(summary), has = run_of(path);
   if (!has.empty() && has != of) {
     throw FileError(FileError::Kind::mismatch, path,
                     "is of another run (" + has + ") than summary.json beside it (" + of + ")");
   }
-  const Report wrote =
-      (*files)[name].is_object() ? (*files)[name].value("bytes", Report()) : Report();
+  const Report wrote = wrote_one.is_object() ? wrote_one.value("bytes", Report()) : Report();
   const auto wanted = wrote.is_number_unsigned() ? wrote.get<std::size_t>() : 0;
+  const auto there = is.at("bytes").get<std::size_t>();
   throw FileError(FileError::Kind::corrupt, path,
-                  bytes.size() < wanted
-                      ? "is truncated: it has " + std::to_string(bytes.size()) + " of the " +
+                  there < wanted
+                      ? "is truncated: it has " + std::to_string(there) + " of the " +
                             std::to_string(wanted) + " bytes that its run wrote"
                       : "is damaged: it is not what its run wrote (summary.json has its checksum)");
+}
+
+/// What a summary says of the file; null: it could not be written; none: nothing.
+std::optional<Report> seal_in(const Report& summary, const std::string& name) {
+  const auto files = summary.find("files");
+  if (files == summary.end() || !files->is_object() || !files->contains(name)) return {};
+  return (*files)[name];
+}
+
+}  // namespace
+
+bool is_sealed(const fs::path& folder, const std::string& name, const Report& summary) {
+  const std::optional<Report> wrote = seal_in(summary, name);
+  if (wrote && wrote->is_null()) return false;
+  const fs::path path = folder / name;
+  if (!fs::exists(path)) throw FileError(FileError::Kind::missing, path, "no such file");
+  if (wrote) check_seal(path, *wrote, summary, seal_of_file(path));
+  return true;
+}
+
+std::optional<std::string> sealed_file(const fs::path& folder, const std::string& name,
+                                       const Report& summary) {
+  const std::optional<Report> wrote = seal_in(summary, name);
+  if (wrote && wrote->is_null()) return {};
+  const fs::path path = folder / name;
+  if (!fs::exists(path)) throw FileError(FileError::Kind::missing, path, "no such file");
+  std::string bytes = io::read_bytes(path);
+  if (wrote) check_seal(path, *wrote, summary, seal(bytes));
+  return bytes;
 }
 
 std::optional<Report> stored_summary(const fs::path& folder) {
@@ -114,7 +153,7 @@ std::optional<std::string> finished_run(const fs::path& folder, const Json& case
       stopped != false) {
     return {};
   }
-  if (!sealed_file(folder, "posterior.nc", summary)) return {};
+  if (!is_sealed(folder, "posterior.nc", summary)) return {};
   std::string text = io::read_bytes(folder / "summary.txt");
   const auto& of = summary["files"].value("summary.txt", Report::object());
   if (!text.ends_with('\n') || of != Report{{"lines", std::ranges::count(text, '\n')}}) {

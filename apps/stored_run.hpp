@@ -2,12 +2,17 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "apps/summary.hpp"
 #include "inference/posterior.hpp"
+
+namespace wheeltap::io {
+class NetcdfReader;
+}
 
 namespace wheeltap::apps {
 
@@ -18,14 +23,27 @@ namespace wheeltap::apps {
 /// {"bytes", "checksum"} of a file, as summary.json keeps it under /files; the checksum is
 /// io::fingerprint.
 [[nodiscard]] Report seal(std::string_view bytes);
+/// The same of a file of any length.
+[[nodiscard]] Report seal_of_file(const std::filesystem::path& file);
+
+/// What a posterior.nc should be, for messages.
+inline constexpr const char* kPosterior = "a posterior of wheeltap";
+
+/// Opens a posterior.nc, which messages call `name`; a long one is read where it is, as it is asked
+/// for. Throws io::FileError: missing, corrupt.
+[[nodiscard]] std::unique_ptr<const io::NetcdfReader> read_posterior(
+    const std::filesystem::path& file, const std::filesystem::path& name);
 
 /// summary.json of a folder; none where there is none, or none that can be read.
 [[nodiscard]] std::optional<Report> stored_summary(const std::filesystem::path& folder);
 
-/// The bytes of a file of the run in `folder`, if they are those of its summary; none where the
-/// summary says that the file could not be written. Throws io::FileError: missing; corrupt where
-/// the file is truncated or damaged; mismatch where it is of another run. Runs of before seals are
-/// taken as they are.
+/// Whether the run in `folder` has such a file: not where its summary says that it could not be
+/// written. Throws io::FileError where it is not what the run wrote: missing; corrupt where it is
+/// truncated or damaged; mismatch where it is of another run. Runs of before seals are taken as
+/// they are.
+[[nodiscard]] bool is_sealed(const std::filesystem::path& folder, const std::string& name,
+                             const Report& summary);
+/// Its bytes; none where it has none. Throws as `is_sealed` does.
 [[nodiscard]] std::optional<std::string> sealed_file(const std::filesystem::path& folder,
                                                      const std::string& name,
                                                      const Report& summary);

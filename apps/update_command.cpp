@@ -48,7 +48,10 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   require_affordable(parsed->file, Pointer(), cost, common);
   if (common.dry_run) return common.dry_run("run", cost);
   std::optional<RunFiles> files;
-  on_first_rank([&] { files.emplace(common.output); });
+  on_first_rank([&] {
+    files.emplace(common.output);
+    require_room(common.output, cost);
+  });
   CheckpointFile checkpoint(common.output,
                             {.command = "update",
                              .seed = seed,

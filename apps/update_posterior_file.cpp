@@ -57,15 +57,14 @@ void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem
 
 }  // namespace
 
-std::string update_posterior_file(const std::string& run, const UpdateCaseFile& parsed,
-                                  const UpdateProblem& problem,
-                                  const inference::Posterior& posterior, std::uint64_t seed) {
+void write_update_posterior(const io::NetcdfWriter& file, const std::string& run,
+                            const UpdateCaseFile& parsed, const UpdateProblem& problem,
+                            const inference::Posterior& posterior, std::uint64_t seed) {
   const ModalData& data = problem.update_case.data;
   const Shape shape{.chains = posterior.chains.size(),
                     .draws = posterior.chains[0].model.size(),
                     .modes = static_cast<std::size_t>(data.modes()),
                     .width = static_cast<std::size_t>(posterior.dimension)};
-  io::NetcdfWriter file("posterior.nc");
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", parsed.update.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());
@@ -94,7 +93,6 @@ std::string update_posterior_file(const std::string& run, const UpdateCaseFile& 
       file.put(group, "shape", {mode, sensor}, values);
     }
   }
-  return file.close();
 }
 
 }  // namespace wheeltap::apps

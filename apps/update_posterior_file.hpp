@@ -6,20 +6,20 @@
 #include "apps/update_case.hpp"
 #include "identification/update_problem.hpp"
 #include "inference/reversible_jump.hpp"
+#include "io/netcdf_writer.hpp"
 
 namespace wheeltap::apps {
 
-/// A NetCDF-4 file, in memory, with the groups
+/// Fills a NetCDF-4 file with the groups
 ///   posterior             a variable a parameter (chain, draw)
 ///   sample_stats          lp, log_likelihood, k, move, accepted (chain, draw)
 ///   posterior_predictive  frequency (chain, draw, mode): of the modes measured, with noise of
 ///                         `seed` by the likelihood's own covariance
 ///   observed_data         frequency, sd (mode), shape (mode, sensor)
 /// Throws io::FileError (unwritable) for what NetCDF does not take.
-[[nodiscard]] std::string update_posterior_file(const std::string& run,
-                                                const UpdateCaseFile& parsed,
-                                                const identification::UpdateProblem& problem,
-                                                const inference::Posterior& posterior,
-                                                std::uint64_t seed);
+void write_update_posterior(const io::NetcdfWriter& file, const std::string& run,
+                            const UpdateCaseFile& parsed,
+                            const identification::UpdateProblem& problem,
+                            const inference::Posterior& posterior, std::uint64_t seed);
 
 }  // namespace wheeltap::apps

@@ -167,8 +167,10 @@ std::optional<FinishedRun> sample_update(std::shared_ptr<const UpdateCaseFile> p
       .posterior = posterior,
       .print = [parsed, findings](std::ostream& out,
                                   bool colour) { print_update(out, *parsed, *findings, colour); },
-      .draws = [parsed, problem, posterior, run,
-                seed] { return update_posterior_file(run, *parsed, *problem, *posterior, seed); },
+      .draws =
+          [parsed, problem, posterior, run, seed](const io::NetcdfWriter& file) {
+            write_update_posterior(file, run, *parsed, *problem, *posterior, seed);
+          },
       .columns = [posterior] { return parameter_columns(*posterior); }};
 }
 

@@ -223,7 +223,8 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
   }
 
   std::vector<std::vector<int>> model_chains;
-  for (const auto& chain : posterior.chains) model_chains.push_back(chain.model);
+  for (const auto& chain : posterior.chains)
+    model_chains.emplace_back(chain.model.begin(), chain.model.end());
   const auto counts = total_counts(posterior);
   int lowest = std::numeric_limits<int>::max(), highest = std::numeric_limits<int>::min();
   for (const auto& chain : counts) {

@@ -49,6 +49,7 @@ template <class Value>
     for (std::size_t i = 0; i < models.size(); ++i) {
       if (models[i] == model) out[c].push_back(value(c, i));
     }
+    posterior.chains[c].let_go();
   }
   return out;
 }
@@ -61,6 +62,7 @@ template <class Value>
   for (std::size_t c = 0; c < posterior.chains.size(); ++c) {
     out[c].resize(posterior.chains[c].model.size());
     for (std::size_t i = 0; i < out[c].size(); ++i) out[c][i] = value(c, i);
+    posterior.chains[c].let_go();
   }
   return out;
 }

@@ -108,6 +108,7 @@ SymmetryFinding symmetry(const UnpackedDraws& draws, const ChainsOf& difference,
         (side_of(component) < 0.0 ? left : right) += draws.weight(c, i) / all;
       }
     }
+    draws.posterior().chains[c].let_go();
     out.chains.push_back({left, right, inference::mcse_mean({difference[c]})});
     expected += (left + right) / static_cast<double>(difference.size());
   }

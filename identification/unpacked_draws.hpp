@@ -40,6 +40,7 @@ class UnpackedDraws {
   void for_each(const Visit& visit) const {
     for (std::size_t c = 0; c < posterior_.chains.size(); ++c) {
       for (std::size_t i = 0; i < posterior_.chains[c].size(); ++i) visit(c, i);
+      posterior_.chains[c].let_go();
     }
   }
   [[nodiscard]] const inference::ModelSpace& space() const { return problem_.problem.space; }

@@ -36,15 +36,18 @@ std::span<const double> draw_of(const Posterior& posterior, std::size_t chain, s
   return {posterior.chains[chain].theta.data() + i * width, width};
 }
 
-/// All draws in standard normal coordinates, one a row.
+/// Draws in standard normal coordinates, one a row: all of them, of many millions every n-th.
 MatrixXd coordinates(const UpdateProblem& problem, const Posterior& posterior) {
   const auto& space = problem.problem.space;
-  std::size_t all = 0;
-  for (const auto& chain : posterior.chains) all += chain.model.size();
-  MatrixXd z(static_cast<Index>(all), posterior.dimension);
+  constexpr std::size_t kEnough = 1 << 20;
+  std::size_t all = 0, kept = 0;
+  for (const auto& chain : posterior.chains) all += chain.size();
+  const std::size_t step = std::max<std::size_t>(1, (all + kEnough - 1) / kEnough);
+  for (const auto& chain : posterior.chains) kept += (chain.size() + step - 1) / step;
+  MatrixXd z(static_cast<Index>(kept), posterior.dimension);
   Index row = 0;
   for (std::size_t c = 0; c < posterior.chains.size(); ++c)
-    for (std::size_t i = 0; i < posterior.chains[c].model.size(); ++i, ++row) {
+    for (std::size_t i = 0; i < posterior.chains[c].size(); i += step, ++row) {
       const auto x = draw_of(posterior, c, i);
       for (Index p = 0; p < z.cols(); ++p)
         z(row, p) = std::clamp(

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
-#include <vector>
 
+#include "inference/draw_list.hpp"
 #include "inference/model_space.hpp"
 
 namespace wheeltap::inference {
@@ -30,15 +31,17 @@ struct Draw {
 /// One chain's kept draws; theta is NaN-padded to the largest dimension, row-major draws ×
 /// dimension.
 struct Chain {
-  std::vector<int> model;
-  std::vector<double> theta;      ///< physical parameters, laid out as in Model
-  std::vector<double> log_prior;  ///< ln P(model) + Σ ln p(x) + ln factor, in physical units
-  std::vector<double> log_likelihood;
-  std::vector<std::int16_t> move;  ///< index into Posterior::moves of the last attempted move
-  std::vector<std::uint8_t> accepted;
-  std::vector<float> prediction;  ///< draws × Posterior::predictions, or empty
+  DrawList<int> model;
+  DrawList<double> theta;      ///< physical parameters, laid out as in Model
+  DrawList<double> log_prior;  ///< ln P(model) + Σ ln p(x) + ln factor, in physical units
+  DrawList<double> log_likelihood;
+  DrawList<std::int16_t> move;  ///< index into Posterior::moves of the last attempted move
+  DrawList<std::uint8_t> accepted;
+  DrawList<float> prediction;  ///< draws × Posterior::predictions, or empty
 
   [[nodiscard]] std::size_t size() const { return model.size(); }
+  /// What all lists take.
+  [[nodiscard]] std::size_t bytes() const;
   /// Draw i < size() of a chain in this space.
   [[nodiscard]] Draw draw(std::size_t i, const ModelSpace& space) const {
     const auto width = static_cast<std::size_t>(space.max_dimension());
@@ -49,10 +52,18 @@ struct Chain {
             .log_prior = log_prior[i],
             .log_likelihood = log_likelihood[i]};
   }
+  /// Keeps none, and stays in its folder.
+  void clear() { truncate(0); }
   /// Keeps the first `draws` alone.
   void truncate(std::size_t draws);
   /// Those of `more` follow, of the same space.
   void append(const Chain& more);
+  /// Where there are many, they are in a file of this folder, not in memory (DrawMemory).
+  void keep_in(const std::filesystem::path& folder);
+  /// Room for so many, of rows of these lengths.
+  void reserve(std::size_t draws, std::size_t dimension, std::size_t predictions);
+  /// They were read, or written, and need not stay in memory.
+  void let_go() const;
 };
 
 }  // namespace wheeltap::inference

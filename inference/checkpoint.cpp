@@ -434,7 +434,7 @@ void unpack(std::string_view bytes, ChainState& chain, Chain& draws) {
     std::visit([&](auto& numbers) { parcel(numbers); }, column);
   }
   chain = ChainState();
-  draws = Chain();
+  draws.clear();
   Reader reader(checkpoint);
   reader("chain", chain);
   reader("draws", draws);

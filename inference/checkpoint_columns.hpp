@@ -16,6 +16,7 @@
 
 #include "base/eigen.hpp"
 #include "inference/checkpoint.hpp"
+#include "inference/draw_list.hpp"
 
 namespace wheeltap::inference::columns {
 
@@ -34,6 +35,8 @@ template <class T>
 inline constexpr bool kIsVector = false;
 template <class T>
 inline constexpr bool kIsVector<std::vector<T>> = true;
+template <class N>
+inline constexpr bool kIsVector<DrawList<N>> = true;
 template <class T>
 inline constexpr bool kIsOptional = false;
 template <class T>
@@ -88,7 +91,7 @@ class Writer {
   }
   /// A list of that chain, with as many numbers for each draw.
   template <class N>
-  void by_draw(const char* member, const std::vector<N>& values) {
+  void by_draw(const char* member, const DrawList<N>& values) {
     const std::size_t each = draws_.all > 0 ? values.size() / draws_.all : 0;
     names_.within(member, [&] {
       put_numbers(
@@ -165,7 +168,7 @@ class Reader {
   }
   void chain(std::size_t /*draws*/) {}
   template <class N>
-  void by_draw(const char* member, std::vector<N>& values) {
+  void by_draw(const char* member, DrawList<N>& values) {
     (*this)(member, values);
   }
   // Every number must have been read.

@@ -49,7 +49,8 @@ bool chains_agree(const Posterior& posterior) {
     return false;
   ChainsOf log_posterior;
   for (const Chain& chain : posterior.chains) {
-    std::vector<double>& values = log_posterior.emplace_back(chain.log_likelihood);
+    std::vector<double>& values =
+        log_posterior.emplace_back(chain.log_likelihood.begin(), chain.log_likelihood.end());
     for (std::size_t i = 0; i < values.size(); ++i) values[i] += chain.log_prior[i];
   }
   return rhat(log_posterior) < kLimits.rhat_apart;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -47,6 +48,10 @@ struct Options {
   /// Draw from models weighted to be about equally probable, and reweight (Posterior::log_weight):
   /// probabilities far from one half are then known as well as those near it.
   bool balance = false;
+
+  /// Where draws are kept while they are made, if there are so many that memory should not hold
+  /// them (DrawMemory); empty: in memory all the same. Never changes a result.
+  std::filesystem::path draws_folder = {};
 
   struct Progress {
     const char* stage;  ///< "exploring", "sampling" …

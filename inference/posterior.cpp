@@ -68,6 +68,7 @@ ChainsOf Posterior::draws_of(std::string_view parameter, int model) const {
         values.push_back(chain.draw(i, *space).theta[static_cast<std::size_t>(at)]);
       }
     }
+    chain.let_go();
   }
   return out;
 }

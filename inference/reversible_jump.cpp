@@ -29,11 +29,13 @@ Options as_a_look(Options options) {
 }
 
 // Those that are kept apart come before those of the checkpoint.
-void take_up_draws(const Options::Checkpoints& from, RunState& state) {
+void take_up_draws(const Options::Checkpoints& from, const std::filesystem::path& folder,
+                   RunState& state) {
   const Position& at = state.at;
   if (at.part_chains.empty()) return;
   if (!from.saved_draws) throw CheckpointError("its draws are kept apart");
   std::vector<Chain> chains(state.posterior.chains.size());
+  for (Chain& chain : chains) chain.keep_in(folder);
   long number = at.first_part;
   for (const int c : at.part_chains)
     chains[static_cast<std::size_t>(c)].append(
@@ -74,7 +76,7 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
   RunState state;
   if (options.checkpoints.from) {
     state = state_of(*options.checkpoints.from, problem.space, options.chains);
-    take_up_draws(options.checkpoints, state);
+    take_up_draws(options.checkpoints, options.draws_folder, state);
     for (const Chain& chain : state.posterior.chains)
       if (static_cast<long>(chain.size()) > state.at.goal)
         throw CheckpointError("it has more draws than its run was to have");
@@ -83,6 +85,7 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
     state = begin(run);
     run.safe_points.pass(state);
   }
+  for (Chain& chain : state.posterior.chains) chain.keep_in(options.draws_folder);
   using Stage = Position::Stage;
   if (state.at.stage == Stage::explore) explore(run, state);
   if (state.at.stage == Stage::tune && !run.monitor.stopped()) tune(run, state);

@@ -241,6 +241,7 @@ class Judge {
       for (std::size_t i = 0; i < chain.size(); ++i) {
         if (chain.model[i] == static_cast<int>(m)) values.push_back(value(chain.draw(i, space_)));
       }
+      chain.let_go();
       if (values.size() < kLimits.fewest_draws) return {};
       n = std::min(n, values.size());
       chains.push_back(std::move(values));

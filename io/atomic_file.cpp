@@ -166,6 +166,17 @@ void AtomicFile::put(std::string_view bytes) const {
   }
 }
 
+void AtomicFile::lend(const std::function<void(const fs::path& temporary)>& use) {
+  ::flock(descriptor_, LOCK_UN);
+  try {
+    use(temporary_);
+  } catch (...) {
+    lock(descriptor_);
+    throw;
+  }
+  lock(descriptor_);
+}
+
 void AtomicFile::settle() {
   // After a power cut a file that was renamed sooner may be there and empty.
   if (::fsync(descriptor_) != 0) fail(path_, errno);

@@ -1,6 +1,7 @@
 // Writing a file so that nothing half-written ever stands under its name.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,6 +30,8 @@ class AtomicFile {
   void write(std::string_view bytes);
   /// Behind what was written before. Throws FileError (unwritable).
   void append(std::string_view bytes);
+  /// `use` may open the temporary file by its name, to write or to read it, with locks of its own.
+  void lend(const std::function<void(const std::filesystem::path& temporary)>& use);
   /// Waits for the disk. Throws FileError (unwritable).
   void settle();
   /// Settles and renames. Throws FileError (unwritable).

@@ -15,23 +15,6 @@
 namespace wheeltap::io {
 namespace {
 
-/// An open file, closed at the end of its scope.
-class Descriptor {
- public:
-  // Without O_NONBLOCK, opening a pipe waits for somebody to write into it.
-  explicit Descriptor(const std::filesystem::path& path)
-      : id_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (id_ >= 0) ::close(id_);
-  }
-  [[nodiscard]] int id() const { return id_; }
-
- private:
-  int id_;
-};
-
 const char* kind_of(mode_t mode) {
   if (S_ISDIR(mode)) return "is a directory";
   if (S_ISFIFO(mode)) return "is a pipe, not a file: its content must be stored first";
@@ -39,35 +22,74 @@ const char* kind_of(mode_t mode) {
   return "is not a file";
 }
 
+/// An open regular file, closed at the end of its scope.
+class OpenFile {
+ public:
+  /// Throws FileError (missing).
+  explicit OpenFile(const std::filesystem::path& path)
+      // Without O_NONBLOCK, opening a pipe waits for somebody to write into it.
+      : path_(path), id_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+    if (id_ < 0 && errno == ENOENT) throw FileError(FileError::Kind::missing, path, "no such file");
+    if (id_ < 0) fail(std::strerror(errno));
+    struct stat status {};
+    const int error = ::fstat(id_, &status) == 0 ? 0 : errno;
+    if (error == 0 && S_ISREG(status.st_mode)) {
+      size_ = static_cast<std::size_t>(std::max<off_t>(status.st_size, 0));
+      return;
+    }
+    ::close(id_);
+    fail(error == 0 ? kind_of(status.st_mode) : std::strerror(error));
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() { ::close(id_); }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// The next `most` bytes, or fewer, of which there are none at the end.
+  std::size_t read(char* to, std::size_t most) const {
+    while (true) {
+      const ssize_t n = ::read(id_, to, most);
+      if (n >= 0) return static_cast<std::size_t>(n);
+      if (errno != EINTR) fail(std::strerror(errno));
+    }
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& why) const {
+    throw FileError(FileError::Kind::missing, path_, "cannot be read: " + why);
+  }
+
+  const std::filesystem::path& path_;
+  int id_;
+  std::size_t size_ = 0;
+};
+
 }  // namespace
 
 std::string first_bytes(const std::filesystem::path& path, std::size_t most, std::size_t largest) {
-  const auto fail = [&](const std::string& why) {
-    throw FileError(FileError::Kind::missing, path, "cannot be read: " + why);
-  };
-  const Descriptor file(path);
-  if (file.id() < 0 && errno == ENOENT)
-    throw FileError(FileError::Kind::missing, path, "no such file");
-  if (file.id() < 0) fail(std::strerror(errno));
-  struct stat status {};
-  if (::fstat(file.id(), &status) != 0) fail(std::strerror(errno));
-  if (!S_ISREG(status.st_mode)) fail(kind_of(status.st_mode));
-  const auto size = static_cast<std::size_t>(std::max<off_t>(status.st_size, 0));
-  if (std::min(size, most) > largest) {
-    throw FileError(FileError::Kind::corrupt, path,
-                    std::to_string(size) + " bytes, must be at most " + std::to_string(largest));
+  const OpenFile file(path);
+  if (std::min(file.size(), most) > largest) {
+    throw FileError(
+        FileError::Kind::corrupt, path,
+        std::to_string(file.size()) + " bytes, must be at most " + std::to_string(largest));
   }
-  std::string bytes(std::min(size, most), '\0');
+  std::string bytes(std::min(file.size(), most), '\0');
   std::size_t got = 0;
   while (got < bytes.size()) {
-    const ssize_t n = ::read(file.id(), bytes.data() + got, bytes.size() - got);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail(std::strerror(errno));
+    const std::size_t n = file.read(bytes.data() + got, bytes.size() - got);
     if (n == 0) break;
-    got += static_cast<std::size_t>(n);
+    got += n;
   }
   bytes.resize(got);
   return bytes;
+}
+
+void each_piece(const std::filesystem::path& path,
+                const std::function<void(std::string_view)>& take) {
+  constexpr std::size_t kPiece = 1 << 20;
+  const OpenFile file(path);
+  std::string piece(kPiece, '\0');
+  while (const std::size_t n = file.read(piece.data(), piece.size()))
+    take(std::string_view(piece).substr(0, n));
 }
 
 std::string read_bytes(const std::filesystem::path& path, std::size_t largest) {

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <string_view>
 
 namespace wheeltap::io {
 
@@ -19,5 +21,10 @@ constexpr std::size_t kLargestFile = std::size_t{4} << 30U;
 /// At most so many from its beginning. Throws as `read_bytes` does.
 [[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t most,
                                       std::size_t largest = kLargestFile);
+
+/// All of them, some at a time: `take` is given one piece after the other, of a file of any length.
+/// Throws FileError (missing) as `read_bytes` does.
+void each_piece(const std::filesystem::path& path,
+                const std::function<void(std::string_view)>& take);
 
 }  // namespace wheeltap::io

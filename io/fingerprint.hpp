@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -16,5 +17,13 @@ namespace wheeltap::io {
 
 /// The same as 16 hexadecimal digits.
 [[nodiscard]] std::string fingerprint(std::string_view text);
+
+/// Of a file's bytes, which are read some at a time.
+struct FileFingerprint {
+  std::uintmax_t bytes = 0;
+  std::string digits;
+};
+/// Throws FileError (missing).
+[[nodiscard]] FileFingerprint fingerprint_of_file(const std::filesystem::path& path);
 
 }  // namespace wheeltap::io

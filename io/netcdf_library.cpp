@@ -66,6 +66,12 @@ int NetcdfHandle::create_in_memory() {
   return status;
 }
 
+int NetcdfHandle::create(const std::string& path) {
+  const int status = nc_create(path.c_str(), NC_NETCDF4 | NC_CLOBBER, &id);
+  open_ = status == NC_NOERR;
+  return status;
+}
+
 int NetcdfHandle::close_in_memory(std::string& bytes) {
   const int status = nc_sync(id);
   bytes.clear();

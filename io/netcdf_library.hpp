@@ -43,6 +43,8 @@ class NetcdfHandle {
   }
   /// A new NetCDF-4 file that HDF5 keeps in memory: on a full disk, HDF5 would end the program.
   [[nodiscard]] int create_in_memory();
+  /// On the disk: in a process that HDF5 may end.
+  [[nodiscard]] int create(const std::string& path);
   /// The same bytes that a file on the disk would have; the file is closed.
   [[nodiscard]] int close_in_memory(std::string& bytes);
   int id = -1;

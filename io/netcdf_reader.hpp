@@ -79,6 +79,26 @@ class NetcdfReader {
     check(nc_get_var_double(group, id, out.values.data()));
     return out;
   }
+  /// Every `step`-th index of the second dimension alone; one index of the first is held at a time
+  /// beside them.
+  [[nodiscard]] NetcdfArray read_every(int group, const std::string& name, std::size_t step) const {
+    const int id = id_of(group, name);
+    NetcdfArray out{.shape = shape_of(group, id), .values = {}};
+    if (step <= 1 || out.shape.size() < 2) return read(group, name);
+    std::vector<std::size_t> start(out.shape.size(), 0), count = out.shape;
+    count[0] = 1;
+    const std::size_t rows = out.shape[0], inner = out.inner();
+    std::vector<double> row(out.shape[1] * inner);
+    out.shape[1] = (out.shape[1] + step - 1) / step;
+    out.values.reserve(rows * out.shape[1] * inner);
+    for (start[0] = 0; start[0] < rows; ++start[0]) {
+      check(nc_get_vara_double(group, id, start.data(), count.data(), row.data()));
+      for (std::size_t i = 0; i < row.size(); i += step * inner)
+        out.values.insert(out.values.end(), row.begin() + static_cast<std::ptrdiff_t>(i),
+                          row.begin() + static_cast<std::ptrdiff_t>(i + inner));
+    }
+    return out;
+  }
   [[nodiscard]] std::vector<std::size_t> shape(int group, const std::string& name) const {
     return shape_of(group, id_of(group, name));
   }

@@ -15,18 +15,24 @@
 
 namespace wheeltap::io {
 
-/// Writes to memory; `name` stands for the file in messages. Throws io::FileError (unwritable).
+/// Writes to memory, or a file that is there (write_netcdf.hpp chooses); `name` stands for it in
+/// messages. Throws io::FileError (unwritable).
 class NetcdfWriter {
  public:
   explicit NetcdfWriter(const std::filesystem::path& name) : path_(name) {
     check(file_.create_in_memory());
   }
-  /// The whole file, which is closed.
+  NetcdfWriter(const std::filesystem::path& name, const std::filesystem::path& file) : path_(name) {
+    check(file_.create(file.string()));
+  }
+  /// The whole file in memory, which is closed.
   [[nodiscard]] std::string close() {
     std::string bytes;
     check(file_.close_in_memory(bytes));
     return bytes;
   }
+  /// Closes the file on the disk.
+  void finish() { check(file_.close()); }
 
   void check(int status) const {
     if (status == NC_NOERR) return;

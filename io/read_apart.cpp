@@ -15,6 +15,7 @@
 #include <csignal>
 #include <fstream>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <type_traits>
 
@@ -57,28 +58,36 @@ bool bound_memory(double bytes) {
   return setrlimit(RLIMIT_AS, &now) == 0;
 }
 
+/// What a child may take.
+struct Bounds {
+  double seconds, bytes;
+};
+
 /// What the child does; no destructor and no buffer of the parent's runs in it.
-[[noreturn]] void in_child(int to, double seconds, double most_bytes,
-                           const std::function<std::string()>& read) {
+[[noreturn]] void in_child(int to, const std::optional<Bounds>& bounds,
+                           const std::function<std::string()>& work) {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
   // What stops the parent is for it to hear: the child ends with it.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
   for (const int signal : {SIGPIPE, SIGXCPU}) std::signal(signal, SIG_DFL);
-  const auto most = static_cast<rlim_t>(std::ceil(seconds));
-  const rlimit time{most, most + 1}, no_core{0, 0};
-  setrlimit(RLIMIT_CPU, &time);
+  const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
+  if (bounds) {
+    const auto most = static_cast<rlim_t>(std::ceil(bounds->seconds));
+    const rlimit time{most, most + 1};
+    setrlimit(RLIMIT_CPU, &time);
+  }
   if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) {
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
   }
-  const bool bounded = bound_memory(most_bytes);
+  const bool bounded = bounds && bound_memory(bounds->bytes);
   Outcome outcome = Outcome::bytes;
   std::string bytes;
   try {
-    bytes = read();
+    bytes = work();
   } catch (const FileError& error) {
     outcome = Outcome::refused;
     base::Packer parcel;
@@ -106,6 +115,52 @@ std::string read_all(int from) {
   }
 }
 
+/// What a child left behind.
+struct Ended {
+  int signal = 0;      ///< that ended it
+  bool whole = false;  ///< it came to its end
+  Outcome outcome = Outcome::failed;
+  std::string bytes;
+};
+
+/// None where no child can be started.
+std::optional<Ended> apart(const std::optional<Bounds>& bounds,
+                           const std::function<std::string()>& work) {
+  int ends[2];
+  if (pipe(ends) != 0) return {};
+  for (const int end : ends) fcntl(end, F_SETFD, FD_CLOEXEC);
+  const pid_t child = fork();
+  if (child == 0) {
+    close(ends[0]);
+    in_child(ends[1], bounds, work);
+  }
+  close(ends[1]);
+  if (child < 0) {
+    close(ends[0]);
+    return {};
+  }
+  Ended ended{.bytes = read_all(ends[0])};
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  ended.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  if (ended.signal == SIGKILL) throw std::bad_alloc();  // by the system, which has no memory left
+  ended.whole = ended.signal == 0 && WEXITSTATUS(status) == 0 && !ended.bytes.empty();
+  if (!ended.whole) return ended;
+  ended.outcome = static_cast<Outcome>(ended.bytes[0]);
+  ended.bytes.erase(0, 1);
+  if (ended.outcome == Outcome::no_memory) throw std::bad_alloc();
+  if (ended.outcome == Outcome::failed) throw std::runtime_error(ended.bytes);
+  if (ended.outcome == Outcome::refused) {
+    Refusal refusal;
+    base::Unpacker parcel(ended.bytes);
+    parcel(refusal);
+    throw FileError(refusal.kind, refusal.path, refusal.place, refusal.reason);
+  }
+  return ended;
+}
+
 }  // namespace
 
 double most_seconds(std::uintmax_t bytes) {
@@ -127,49 +182,32 @@ std::string read_apart(const std::filesystem::path& path, const std::function<st
   const std::uintmax_t size = std::filesystem::file_size(path, no_size);
   if (!(seconds > 0.0)) seconds = most_seconds(no_size ? 0 : size);
   const double memory = most_bytes(no_size ? 0 : size);
-  int ends[2];
-  if (pipe(ends) != 0) return read();
-  for (const int end : ends) fcntl(end, F_SETFD, FD_CLOEXEC);
-  const pid_t child = fork();
-  if (child == 0) {
-    close(ends[0]);
-    in_child(ends[1], seconds, memory, read);
-  }
-  close(ends[1]);
-  if (child < 0) {
-    close(ends[0]);
-    return read();
-  }
-  std::string bytes = read_all(ends[0]);
-  close(ends[0]);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  if (signal == SIGKILL) throw std::bad_alloc();  // by the system, which has no memory left
-  if (signal == SIGXCPU)
+  std::optional<Ended> ended = apart(Bounds{seconds, memory}, read);
+  if (!ended) return read();
+  if (ended->signal == SIGXCPU)
     throw FileError(FileError::Kind::corrupt, path,
                     "damaged, it seems: " + std::to_string(static_cast<int>(seconds)) +
                         " s of processor time did not get to its end");
-  if (signal != 0 || WEXITSTATUS(status) != 0 || bytes.empty())
+  if (!ended->whole)
     throw FileError(FileError::Kind::corrupt, path,
                     "damaged, it seems: the library that reads such files crashed on it");
-  const auto outcome = static_cast<Outcome>(bytes[0]);
-  bytes.erase(0, 1);
-  if (outcome == Outcome::no_memory) throw std::bad_alloc();
-  if (outcome == Outcome::beyond_bound)
+  if (ended->outcome == Outcome::beyond_bound)
     throw FileError(FileError::Kind::corrupt, path,
                     "damaged, it seems: " + std::to_string(std::llround(memory / 1048576.0)) +
                         " MB of memory did not suffice to read it (if it is sound and merely "
                         "compressed beyond measure, store it without)");
-  if (outcome == Outcome::failed) throw std::runtime_error(bytes);
-  if (outcome == Outcome::refused) {
-    Refusal refusal;
-    base::Unpacker parcel(bytes);
-    parcel(refusal);
-    throw FileError(refusal.kind, refusal.path, refusal.place, refusal.reason);
-  }
-  return bytes;
+  return std::move(ended->bytes);
+}
+
+bool write_apart(const std::filesystem::path& path, const std::function<void()>& write) {
+  const std::optional<Ended> ended = apart({}, [&] {
+    write();
+    return std::string();
+  });
+  if (ended && !ended->whole)
+    throw FileError(FileError::Kind::unwritable, path,
+                    "the library that writes such files crashed on it");
+  return ended.has_value();
 }
 
 }  // namespace wheeltap::io

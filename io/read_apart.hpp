@@ -1,4 +1,4 @@
-// Reads a file in a process of its own.
+// Reads a file in a process of its own, or writes one.
 #pragma once
 
 #include <filesystem>
@@ -32,6 +32,13 @@ inline void check_apart(const std::filesystem::path& path, const std::function<v
     return std::string();
   });
 }
+
+/// `write` in such a child, without bounds: a library that a full disk makes crash, at whatever
+/// time, ends that child alone. FileError that it throws is thrown here, as one of `path` where the
+/// child crashes; std::bad_alloc and other exceptions as above. Returns false, without calling it,
+/// where no child can be started.
+[[nodiscard]] bool write_apart(const std::filesystem::path& path,
+                               const std::function<void()>& write);
 
 /// Ten times and more what reading a sound file of that size takes.
 [[nodiscard]] double most_seconds(std::uintmax_t bytes);

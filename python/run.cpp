@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "io/netcdf_library.hpp"
+#include "io/netcdf_writer.hpp"
 #include "python/arrays.hpp"
 #include "python/bindings.hpp"
 #include "python/errors.hpp"
@@ -46,7 +47,7 @@ py::dict columns_of(const Run& run) {
 }
 
 template <class Number>
-auto member_of_chain(std::vector<Number> inference::Chain::*member) {
+auto member_of_chain(inference::DrawList<Number> inference::Chain::*member) {
   return [member](const py::object& self) {
     const auto& of = self.cast<const ChainOfRun&>();
     const auto& values = of.chain().*member;
@@ -96,7 +97,9 @@ void bind_run(py::module_& m) {
            [](const Run& run) {
              return guarded("posterior.nc", [&] {
                const io::NetcdfLock lock;
-               return py::bytes(run.finished.draws());
+               io::NetcdfWriter file("posterior.nc");
+               run.finished.draws(file);
+               return py::bytes(file.close());
              });
            })
       .def("columns", &columns_of)

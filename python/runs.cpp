@@ -7,8 +7,10 @@
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
 #include "apps/sid_command.hpp"
+#include "apps/stored_run.hpp"
 #include "apps/update_run.hpp"
 #include "io/netcdf_library.hpp"
+#include "io/netcdf_reader.hpp"
 #include "python/bindings.hpp"
 #include "python/errors.hpp"
 #include "python/job.hpp"
@@ -124,8 +126,8 @@ void bind_runs(py::module_& m) {
         return guarded(folder, [&] {
           RunFiles files(folder);
           const io::NetcdfLock lock;
-          if (const auto failed =
-                  files.keep(Report::parse(summary), text, run_of, [&] { return draws; }))
+          if (const auto failed = files.keep(Report::parse(summary), text, run_of,
+                                             [&](io::AtomicFile& to) { to.write(draws); }))
             throw io::FileError(*failed);
         });
       },
@@ -136,7 +138,8 @@ void bind_runs(py::module_& m) {
       [](const std::string& summary, const std::string& draws) {
         return guarded("report.html", [&] {
           const io::NetcdfLock lock;
-          return report_page("report", Report::parse(summary), draws);
+          const io::NetcdfReader file(draws, "report/posterior.nc", kPosterior);
+          return report_page("report", Report::parse(summary), &file);
         });
       },
       py::arg("summary"), py::arg("draws"), "report.html as text.");

@@ -45,12 +45,12 @@ Report visits(const StoredDraws& posterior, std::size_t models) {
     }
     if ((i + 1) * kPoints < next * posterior.draws() && i + 1 < posterior.draws()) continue;
     ++next;
-    draws.push_back(i + 1);
+    draws.push_back(std::min(posterior.number(i) + posterior.step() - 1, posterior.all_draws()));
     Report row = Report::array();
     for (const double n : seen) row.push_back(compact(n / all));
     probability.push_back(std::move(row));
   }
-  return {{"step", step},
+  return {{"step", step * posterior.step()},
           {"chains", chains},
           {"running", {{"draws", draws}, {"probability", probability}}}};
 }
@@ -123,7 +123,7 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
 }
 
 // Quantiles of replicated frequencies, one row a mode.
-Report predictive(const io::NetcdfReader& file, const std::vector<double>& weights) {
+Report predictive(const io::NetcdfReader& file, const StoredDraws& posterior) {
   const auto group = file.group("posterior_predictive");
   const auto observed = file.group("observed_data");
   Report out = Report::object();
@@ -132,8 +132,8 @@ Report predictive(const io::NetcdfReader& file, const std::vector<double>& weigh
   if (std::ranges::find(names, "frequency") == names.end()) return out;
   const std::vector<std::size_t> shape = file.shape(*group, "frequency");
   const io::NetcdfArray measured = file.read(*observed, "frequency");
-  if (shape.size() != 3 || measured.values.size() != shape[2] ||
-      shape[0] * shape[1] != weights.size()) {
+  if (shape.size() != 3 || measured.values.size() != shape[2] || shape[0] != posterior.chains() ||
+      shape[1] != posterior.all_draws()) {
     return out;
   }
   const std::size_t modes = shape[2];
@@ -146,9 +146,11 @@ Report predictive(const io::NetcdfReader& file, const std::vector<double>& weigh
   for (std::size_t m = 0; m < modes; ++m) {
     const std::vector<double> replicated = file.read_last(*group, "frequency", m);
     std::vector<std::pair<double, double>> values;
-    values.reserve(replicated.size());
-    for (std::size_t i = 0; i < replicated.size(); ++i) {
-      if (std::isfinite(replicated[i])) values.emplace_back(replicated[i], weights[i]);
+    values.reserve(posterior.size());
+    for (std::size_t at = 0; at < posterior.size(); ++at) {
+      const std::size_t chain = at / posterior.draws(), i = at % posterior.draws();
+      const double f = replicated[chain * shape[1] + i * posterior.step()];
+      if (std::isfinite(f)) values.emplace_back(f, posterior.weight(at));
     }
     if (values.empty()) continue;
     rows.push_back({{"mode", m + 1},
@@ -162,17 +164,16 @@ Report predictive(const io::NetcdfReader& file, const std::vector<double>& weigh
 
 }  // namespace
 
-Report digest(std::string bytes, const std::filesystem::path& name, const Report& summary) {
-  const io::NetcdfReader file(std::move(bytes), name, "a posterior of wheeltap");
+Report digest(const io::NetcdfReader& file, const Report& summary) {
   Report out = Report::object();
   {
     const StoredDraws posterior(file, summary);
     out["chains"] = posterior.chains();
-    out["draws"] = posterior.draws();
+    out["draws"] = posterior.all_draws();
     out["visits"] = visits(posterior, summary.at("models").size());
     digest_parameters(posterior, summary, out);
     out["joint"] = joint(posterior, summary);
-    out["predictive"] = predictive(file, posterior.weights());
+    out["predictive"] = predictive(file, posterior);
   }
   if (const auto group = file.group("sample_stats")) {
     const io::NetcdfArray lp = file.read(*group, "lp");

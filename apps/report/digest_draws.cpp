@@ -57,11 +57,14 @@ StoredDraws::StoredDraws(const io::NetcdfReader& file, const Report& summary)
     : unknowns_(summary.contains("unknowns") ? summary.at("unknowns")
                                              : unknowns_of_older(summary)) {
   const int group = file.required_group("posterior");
-  const io::NetcdfArray model = file.read(group, "model");
-  if (model.shape.size() != 2 || model.values.empty()) {
+  const std::vector<std::size_t> shape = file.shape(group, "model");
+  if (shape.size() != 2 || shape[0] == 0 || shape[1] == 0) {
     file.foreign("has no draws of the model");
   }
-  chains_ = model.shape[0];
+  step_ = (shape[0] * shape[1] + kMostCharted - 1) / kMostCharted;
+  const io::NetcdfArray model = file.read_every(group, "model", step_);
+  chains_ = shape[0];
+  all_draws_ = shape[1];
   draws_ = model.shape[1];
   const auto models = static_cast<double>(summary.at("models").size());
   for (const double m : model.values) {
@@ -70,15 +73,16 @@ StoredDraws::StoredDraws(const io::NetcdfReader& file, const Report& summary)
   }
   for (const std::string& name : file.variables(group)) {
     if (name == "chain" || name == "draw" || name == "model" || name.ends_with("slot")) continue;
-    io::NetcdfArray v = file.read(group, name);
-    if (v.shape.size() < 2 || v.shape[0] != chains_ || v.shape[1] != draws_) continue;
+    const std::vector<std::size_t> of = file.shape(group, name);
+    if (of.size() < 2 || of[0] != shape[0] || of[1] != shape[1]) continue;
+    io::NetcdfArray v = file.read_every(group, name, step_);
     variables_.emplace(name, std::move(v));
   }
   weights_.assign(model_.size(), 1.0);
   if (const auto stats = file.group("sample_stats")) {
     const auto names = file.variables(*stats);
     if (std::ranges::find(names, "weight") != names.end()) {
-      const io::NetcdfArray weight = file.read(*stats, "weight");
+      const io::NetcdfArray weight = file.read_every(*stats, "weight", step_);
       if (weight.values.size() == model_.size()) weights_ = weight.values;
     }
   }

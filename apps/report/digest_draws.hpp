@@ -55,6 +55,9 @@ class CellCounts {
   std::vector<double> counts_;
 };
 
+/// More draws make no other picture.
+constexpr std::size_t kMostCharted = 1 << 18;
+
 /// An unknown of a model and the variable that holds its draws.
 struct Series {
   std::string label;      ///< as in summary.json
@@ -69,16 +72,21 @@ struct Series {
   }
 };
 
-/// The draws of a run.
+/// The draws of a run, of more than kMostCharted every step()-th.
 class StoredDraws {
  public:
   StoredDraws(const io::NetcdfReader& file, const Report& summary);
   [[nodiscard]] std::size_t chains() const { return chains_; }
+  /// Those held of each chain.
   [[nodiscard]] std::size_t draws() const { return draws_; }
+  [[nodiscard]] std::size_t step() const { return step_; }
+  /// Those made.
+  [[nodiscard]] std::size_t all_draws() const { return all_draws_; }
+  /// The number, from 1, that the i-th held of a chain has among all of it.
+  [[nodiscard]] std::size_t number(std::size_t i) const { return i * step_ + 1; }
   [[nodiscard]] std::size_t model(std::size_t at) const { return model_[at]; }
   /// What a draw counts beside others, 1 on average.
   [[nodiscard]] double weight(std::size_t at) const { return weights_[at]; }
-  [[nodiscard]] const std::vector<double>& weights() const { return weights_; }
   [[nodiscard]] std::size_t size() const { return model_.size(); }
   [[nodiscard]] const io::NetcdfArray* find(const std::string& name) const;
   /// Those of a model, as summary.json lists them.
@@ -87,7 +95,7 @@ class StoredDraws {
  private:
   Report unknowns_;
   std::map<std::string, io::NetcdfArray> variables_;
-  std::size_t chains_ = 0, draws_ = 0;
+  std::size_t chains_ = 0, draws_ = 0, all_draws_ = 0, step_ = 1;
   std::vector<std::size_t> model_;
   std::vector<double> weights_;
 };

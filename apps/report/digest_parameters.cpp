@@ -70,7 +70,8 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
     const std::size_t step = std::max<std::size_t>(1, inside[c].size() / kHistoryPoints);
     for (std::size_t n = 0; n < inside[c].size(); n += step) {
       const std::size_t i = inside[c][n];
-      one.push_back({i - c * posterior.draws() + 1, compact(series.at(i), high - low)});
+      one.push_back(
+          {posterior.number(i - c * posterior.draws()), compact(series.at(i), high - low)});
     }
     history.push_back(std::move(one));
   }

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 
@@ -17,6 +18,7 @@
 #include "dynamics/laws.hpp"
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
+#include "io/netcdf_reader.hpp"
 #include "io/read_apart.hpp"
 #include "io/text.hpp"
 
@@ -131,8 +133,7 @@ Report laws() {
 }
 
 // What the scripts draw: the summary, what charts need of the draws, and the answer.
-Report content(const fs::path& directory, const Report& summary, const Answer& said,
-               std::optional<std::string> draws) {
+Report content(const Report& summary, const Answer& said, const io::NetcdfReader* draws) {
   Report out = {{"summary", summary}, {"answer", json(said)}};
   if (summary.contains("sweep")) {  // its runs keep no draws
     const auto path = summary.at("sweep").at("path").get<std::string>();
@@ -147,18 +148,18 @@ Report content(const fs::path& directory, const Report& summary, const Answer& s
   out["told"] = told(summary.at("models"), "");
   if (summary.at("wheeltap").value("command", "") == "sid") out["laws"] = laws();
   out["resolution"] = summary.at("diagnostics").value("resolution_words", "");
-  out["draws"] =
-      draws ? digest(std::move(*draws), directory / "posterior.nc", summary) : Report::object();
+  out["draws"] = draws != nullptr ? digest(*draws, summary) : Report::object();
   return out;
 }
 
-std::optional<std::string> stored_draws(const fs::path& directory, const Report& summary) {
-  if (summary.contains("sweep")) return {};
-  auto draws = sealed_file(directory, "posterior.nc", summary);
+/// None where there are none.
+std::unique_ptr<const io::NetcdfReader> stored_draws(const fs::path& directory,
+                                                     const Report& summary) {
+  if (summary.contains("sweep") || !is_sealed(directory, "posterior.nc", summary)) return nullptr;
   const fs::path path = directory / "posterior.nc";
-  if (draws && !summary.contains("files"))  // no checksum vouches for it
-    io::check_apart(path, [&] { (void)digest(*draws, path, summary); });
-  return draws;
+  if (!summary.contains("files"))  // no checksum vouches for it
+    io::check_apart(path, [&] { (void)digest(*read_posterior(path, path), summary); });
+  return read_posterior(path, path);
 }
 
 // Prose as HTML, numbers and their units kept on one line.
@@ -269,10 +270,9 @@ std::string html_text(const std::string& text) {
 
 namespace {
 
-std::string page_of(const fs::path& directory, const Report& summary,
-                    std::optional<std::string> draws) {
+std::string page_of(const Report& summary, const io::NetcdfReader* draws) {
   const Answer said = read_answer(summary);
-  const std::string data = script_safe(content(directory, summary, said, std::move(draws)));
+  const std::string data = script_safe(content(summary, said, draws));
   const std::string title = html_text(title_of(summary));
   const std::string caution =
       said.caution.empty() ? "" : "<p class=\"caution\">" + prose(said.caution) + "</p>";
@@ -296,8 +296,8 @@ std::string page_of(const fs::path& directory, const Report& summary,
 }  // namespace
 
 std::string report_page(const fs::path& directory, const Report& summary,
-                        std::optional<std::string> draws) {
-  return trusting(directory, [&] { return page_of(directory, summary, std::move(draws)); });
+                        const io::NetcdfReader* draws) {
+  return trusting(directory, [&] { return page_of(summary, draws); });
 }
 
 void write_report(const fs::path& directory) {
@@ -305,7 +305,7 @@ void write_report(const fs::path& directory) {
   const Report summary = trusting(directory, [&] { return read_summary(directory); });
   const std::string page = trusting(directory, [&] {
     return is_modal(summary) ? modes_page(directory, summary)
-                             : page_of(directory, summary, stored_draws(directory, summary));
+                             : page_of(summary, stored_draws(directory, summary).get());
   });
   io::AtomicFile file(directory / "report.html");
   file.write(page);
@@ -318,7 +318,7 @@ int write_figures(const fs::path& directory) {
     if (is_modal(summary))
       throw Failure(Exit::usage,
                     "--figures: the pictures of a modal report are SVG in report.html itself");
-    return content(directory, summary, {}, stored_draws(directory, summary));
+    return content(summary, {}, stored_draws(directory, summary).get());
   });
   const fs::path folder = directory / "figures";
   std::error_code error;

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "apps/summary.hpp"
+
+namespace wheeltap::io {
+class NetcdfReader;
+}
 
 namespace wheeltap::apps {
 
@@ -16,10 +19,10 @@ namespace wheeltap::apps {
 /// Text as HTML: & < > " ' become entities.
 [[nodiscard]] std::string html_text(const std::string& text);
 
-/// report.html of the run in `directory` (for messages) with this summary and these bytes of
-/// posterior.nc; without them, no pictures of draws. Throws io::FileError as write_report does.
+/// report.html of the run in `directory` (for messages) with this summary and this posterior.nc;
+/// without one, no pictures of draws. Throws io::FileError as write_report does.
 [[nodiscard]] std::string report_page(const std::filesystem::path& directory, const Report& summary,
-                                      std::optional<std::string> draws);
+                                      const io::NetcdfReader* draws);
 
 /// Writes DIRECTORY/report.html from DIRECTORY/summary.json and posterior.nc. Throws
 /// io::FileError: missing where a file is not there, corrupt, foreign or mismatch where it is not

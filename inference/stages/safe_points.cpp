@@ -49,6 +49,7 @@ std::vector<std::size_t> SafePoints::hand_over_draws(RunState& state) const {
       if (!options_.save_draws(draws_of(chains[c], kept[c], kept[c] + part), number)) return kept;
       state.at.part_chains.push_back(static_cast<int>(c));
     }
+    chains[c].let_go();
   }
   return kept;
 }

@@ -57,7 +57,7 @@ void salvage(RunContext& run, RunState& state) {
   run.each_chain(state, [&](int c, ChainState& chain, Target& target) {
     target.set_model_bias(state.sampling_bias);
     Chain& out = posterior.chains[static_cast<std::size_t>(c)];
-    out = Chain{};
+    out.clear();
     base::Random random(run.options.seed, static_cast<std::uint64_t>(c), 2, base::Purpose::start);
     for (int tries = 0; out.size() < kSalvaged && tries < 10 * kSalvaged; ++tries) {
       const double u = sum * random.uniform();

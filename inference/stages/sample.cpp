@@ -22,6 +22,7 @@ constexpr int kMaxDraws = 200000;
 constexpr double kWorthRefitting = 0.003;
 constexpr int kMostRefits = 4;
 constexpr int kTogether = 256;               // draws between two calls of the monitor
+constexpr std::size_t kAtHand = 1 << 16;     // draws between two times that they are let go
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
 
 std::unique_ptr<KernelMixture> kernels_of(const RunContext& run, const RunState& state) {
@@ -145,18 +146,12 @@ void collect(RunState& state) {
       any.model.empty() ? 0 : static_cast<int>(any.prediction.size() / any.size());
 }
 
-// Room for draws like `at`: growing by doubling would take twice the memory.
+// Room for draws like `at`.
 void reserve(Chain& chain, int goal, std::size_t dimension, const State& at) {
   constexpr int kMost = 4'000'000;  // who asks for more may mean to stop before
-  const auto draws = static_cast<std::size_t>(std::min(goal, kMost));
-  chain.model.reserve(draws);
-  chain.theta.reserve(draws * dimension);
-  chain.log_prior.reserve(draws);
-  chain.log_likelihood.reserve(draws);
-  chain.move.reserve(draws);
-  chain.accepted.reserve(draws);
-  if (at.prediction.size() <= kMaxPredictions)
-    chain.prediction.reserve(draws * at.prediction.size());
+  const std::size_t predictions = at.prediction.size();
+  chain.reserve(static_cast<std::size_t>(std::min(goal, kMost)), dimension,
+                predictions <= kMaxPredictions ? predictions : 0);
 }
 
 // Up to the goal.
@@ -178,6 +173,7 @@ void draw_on(RunContext& run, RunState& state) {
         std::fill(visits.begin(), visits.end(), 0);
         run.monitor.advance(static_cast<double>(kTogether));
       }
+      if (out.size() % kAtHand == 0) out.let_go();
       if (run.leave()) break;
     }
     return static_cast<int>(out.size()) == goal;
@@ -219,7 +215,7 @@ void forget_draws(RunState& state) {
   Posterior& posterior = state.posterior;
   posterior.warmup += posterior.draws * posterior.thin;
   posterior.draws = 0;
-  for (Chain& chain : posterior.chains) chain = Chain{};
+  for (Chain& chain : posterior.chains) chain.clear();
   state.at.first_part += static_cast<long>(state.at.part_chains.size());
   state.at.part_chains.clear();
 }
@@ -314,7 +310,7 @@ void record(const RunContext& run, const RunState& state, const Target& target, 
             bool accepted, ChainState& chain, Chain& out) {
   const State& at = chain.state;
   out.model.push_back(at.model);
-  out.theta.insert(out.theta.end(), at.x.begin(), at.x.end());
+  out.theta.append(at.x.begin(), at.x.end());
   out.theta.resize(out.size() * static_cast<std::size_t>(state.posterior.dimension),
                    std::numeric_limits<double>::quiet_NaN());
   out.log_prior.push_back(target.log_prior_physical(at));

@@ -44,6 +44,7 @@ CHAIN = {
               'excitation': [{'mass': 1, 'kind': 'white', 'variance': 100}]}}
 SWEEP = CHAIN | {'sweep': {'path': '/truth/parameters/k3', 'values': [100, 800, 1500, 3000]}}
 LONG = 'WHEELTAP_LONG_TESTS' in os.environ  # every call, signal and sort of run together; a share of them otherwise
+LITTLE = 115 << 20  # bytes
 SHORT = ['--chains', '2', '--warmup', '200', '--draws', '200', '--search', '20', '--quiet']
 COMMIT_FILES = ['posterior.nc', 'report.html', 'summary.json', 'summary.txt']
 
@@ -61,11 +62,12 @@ class Bench:
         path.write_text(json.dumps(case))
         return str(path)
 
-    def start(self, *arguments, fail=None, limit=None, **more):
+    def start(self, *arguments, fail=None, limit=None, memory=None, **more):
         environment = self.environment
         if fail:
             environment = environment | {'LD_PRELOAD': self.preload} | {k: str(v) for k, v in fail.items()}
-        before = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))) if limit else None
+        limits = [(of, most) for of, most in ((resource.RLIMIT_FSIZE, limit), (resource.RLIMIT_DATA, memory)) if most]
+        before = (lambda: [resource.setrlimit(of, (most, most)) for of, most in limits]) if limits else None
         return subprocess.Popen([self.program, *map(str, arguments)], env=environment, preexec_fn=before,
                                 stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                 **({'stdout': subprocess.PIPE} | more))
@@ -139,6 +141,27 @@ def check_full_disk(bench):
     unkept = json.loads(after.pop('summary.unkept.json'))
     expect(unkept['wheeltap']['seed'] == 2, 'this run')
     expect(after == before, 'the earlier run is as it was')
+
+
+def check_many_draws_are_not_held(bench):
+    """Of so many draws that memory should not hold them: the same files with little memory; on a full disk, 73."""
+    out = bench.folder / 'run'
+    many = ['damage', bench.case('beam', BEAM | {'damage': BEAM['damage'] | {'count': {'min': 0, 'max': 4, 'prior': 'uniform'}}}),
+            '-o', out, '--prior-only', '--chains', '4', '--warmup', '200', '--draws', '200000', '--quiet', '--checkpoint', '1']
+    bench.run(*many, memory=LITTLE)
+    whole = files(out)
+    expect(sorted(whole) == COMMIT_FILES, sorted(whole))
+    bench.run('report', out, memory=LITTLE)
+    bench.run(*many, '--resume', memory=LITTLE)
+    same(whole, files(out))
+    shutil.rmtree(out)
+    limit = max(len(whole['report.html']), len(whole['summary.json'])) + 50000
+    expect(limit < len(whole['posterior.nc']), 'the draws are what is large')
+    _, _, err = bench.run(*many, limit=limit, code=73)
+    expect('posterior.nc: File too large' in err, err)
+    left = [name for name in files(out) if not name.startswith('checkpoint')]  # as of any run that did not end
+    expect(left == ['report.html', 'summary.json', 'summary.txt'], left)
+    expect(json.loads((out / 'summary.json').read_text())['models'] == json.loads(whole['summary.json'])['models'], 'the same numbers')
 
 
 def check_file_size_limit_ends_with_73(bench):

@@ -24,7 +24,7 @@ inference::Posterior posterior_of(const DamageProblem& problem,
     inference::Chain chain;
     for (std::size_t i = 0; i < draws.size(); ++i) {
       chain.model.push_back(models[i]);
-      chain.theta.insert(chain.theta.end(), draws[i].begin(), draws[i].end());
+      chain.theta.append(draws[i].begin(), draws[i].end());
       chain.theta.resize((i + 1) * static_cast<std::size_t>(out.dimension), std::nan(""));
       chain.log_prior.push_back(0.0);
       chain.log_likelihood.push_back(0.0);

@@ -123,8 +123,9 @@ std::vector<Case> cases() {
 }
 
 // Bits, so that NaN is NaN.
-template <class T>
-void expect_bits(const std::vector<T>& a, const std::vector<T>& b, const char* what) {
+template <class Sequence>
+void expect_bits(const Sequence& a, const Sequence& b, const char* what) {
+  using T = typename Sequence::value_type;
   ASSERT_EQ(a.size(), b.size()) << what;
   for (std::size_t i = 0; i < a.size(); ++i) {
     if constexpr (std::same_as<T, double>) {
@@ -139,8 +140,8 @@ void expect_bits(const std::vector<T>& a, const std::vector<T>& b, const char* w
 }
 
 void expect_same(const Evidence& a, const Evidence& b) {
-  expect_bits<double>({a.log_evidence, a.standard_error}, {b.log_evidence, b.standard_error},
-                      "evidence");
+  expect_bits<std::vector<double>>({a.log_evidence, a.standard_error},
+                                   {b.log_evidence, b.standard_error}, "evidence");
   EXPECT_EQ(a.warnings, b.warnings);
 }
 
@@ -188,7 +189,7 @@ void expect_same(const Posterior& a, const Posterior& b) {
                              p.impossible};
   };
   EXPECT_EQ(numbers(a), numbers(b));
-  expect_bits<double>({a.barrier}, {b.barrier}, "barrier");
+  expect_bits<std::vector<double>>({a.barrier}, {b.barrier}, "barrier");
   EXPECT_EQ(a.choices, b.choices);
   ASSERT_EQ(a.found.size(), b.found.size());
   for (std::size_t m = 0; m < a.found.size(); ++m) {
@@ -202,8 +203,9 @@ void expect_same(const Posterior& a, const Posterior& b) {
     for (std::size_t k = 0; k < one.modes.size(); ++k) {
       expect_bits(one.modes[k].x, other.modes[k].x, "mode");
       expect_bits(one.modes[k].drawn, other.modes[k].drawn, "draws of a mode");
-      expect_bits<double>({one.modes[k].log_posterior, one.modes[k].share},
-                          {other.modes[k].log_posterior, other.modes[k].share}, "mode");
+      expect_bits<std::vector<double>>({one.modes[k].log_posterior, one.modes[k].share},
+                                       {other.modes[k].log_posterior, other.modes[k].share},
+                                       "mode");
       EXPECT_EQ(one.modes[k].climbs, other.modes[k].climbs);
     }
   }

@@ -19,7 +19,7 @@ Posterior drawn(const std::vector<std::vector<int>>& chains) {
   posterior.dimension = 1;
   for (const auto& models : chains) {
     Chain chain;
-    chain.model = models;
+    chain.model.assign(models.begin(), models.end());
     chain.theta.assign(models.size(), 0.0);
     chain.log_prior.assign(models.size(), 0.0);
     chain.log_likelihood.assign(models.size(), 0.0);

@@ -249,7 +249,8 @@ TEST(Verdict, ChainsMustAgreeAboutModelsPosteriorAndWhatIsWatched) {
                                       of_quantity<ChainsDisagree>("P(two)"))));
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   ChainsOf draws;
-  for (const auto& chain : posterior.chains) draws.push_back(chain.log_likelihood);
+  for (const auto& chain : posterior.chains)
+    draws.emplace_back(chain.log_likelihood.begin(), chain.log_likelihood.end());
   const Watched watched{.name = "frequency 1", .draws = [&draws] { return draws; }};
   EXPECT_TRUE(judge(posterior, {watched}).converged);
   for (double& x : draws[2]) x += 1.0;

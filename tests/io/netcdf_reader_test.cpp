@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <numeric>
 
 #include "io/netcdf_writer.hpp"
 #include "tests/emulator/temporary_directory.hpp"
@@ -111,6 +112,22 @@ TEST_F(NetcdfReaderTest, RowAfterRowIsTheWhole) {
   }
   EXPECT_EQ(wrong, 0U);
   EXPECT_EQ(error([&] { static_cast<void>(in.read_last(read, "cube", kColumns)); }), Kind::foreign);
+}
+
+TEST_F(NetcdfReaderTest, EveryNthOfTheSecondDimension) {
+  NetcdfWriter out(path);
+  const int group = out.group("posterior");
+  const int chain = out.dimension(group, "chain", 2, 0), draw = out.dimension(group, "draw", 5, 0);
+  const int slot = out.dimension(group, "slot", 2, 1);
+  std::vector<double> numbers(20);
+  std::iota(numbers.begin(), numbers.end(), 0.0);
+  out.put(group, "x", {chain, draw, slot}, numbers);
+  test::put_bytes(path, out.close());
+  const NetcdfReader in(path);
+  const NetcdfArray every = in.read_every(in.required_group("posterior"), "x", 2);
+  EXPECT_EQ(every.shape, (std::vector<std::size_t>{2, 3, 2}));
+  EXPECT_EQ(every.values, (std::vector<double>{0, 1, 4, 5, 8, 9, 10, 11, 14, 15, 18, 19}));
+  EXPECT_EQ(in.read_every(in.required_group("posterior"), "x", 1).values, numbers);
 }
 
 TEST_F(NetcdfReaderTest, OthersMayAddToIt) {

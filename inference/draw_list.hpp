@@ -1,0 +1,143 @@
+// Numbers in a row, of which there may be more than memory should hold.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <initializer_list>
+#include <iterator>
+#include <type_traits>
+#include <utility>
+
+namespace wheeltap::inference {
+
+/// Bytes in a row that grow: on the heap; with a folder, from kOnHeap on, in a file there that has
+/// no name, which is mapped into memory. The system writes such memory to the disk when it is short
+/// of it, and the file is gone when this is, or the process that has it. The disk's room is taken
+/// as the file grows; where there is none, or the folder's file system has no such files, the heap
+/// is used after all.
+class DrawMemory {
+ public:
+  static constexpr std::size_t kOnHeap = std::size_t{1} << 22U;
+
+  DrawMemory() = default;
+  /// Of nothing, in the same folder.
+  explicit DrawMemory(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  DrawMemory(const DrawMemory&) = delete;
+  DrawMemory& operator=(const DrawMemory&) = delete;
+  DrawMemory(DrawMemory&& other) noexcept { swap(other); }
+  DrawMemory& operator=(DrawMemory&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~DrawMemory();
+  void swap(DrawMemory& other) noexcept;
+
+  [[nodiscard]] std::byte* data() const { return data_; }
+  [[nodiscard]] std::size_t capacity() const { return capacity_; }
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  [[nodiscard]] bool in_file() const { return file_ >= 0; }
+  /// From when it grows next.
+  void keep_in(std::filesystem::path folder) { folder_ = std::move(folder); }
+  /// To at least so many, which keeps what is there. Throws std::bad_alloc.
+  void grow(std::size_t bytes);
+  /// What is in a file need not be in memory until it is asked for again. Reading meanwhile is no
+  /// error.
+  void let_go() const;
+
+ private:
+  bool grow_file(std::size_t bytes);
+  void grow_heap(std::size_t bytes);
+  void free();
+
+  std::filesystem::path folder_;
+  std::byte* data_ = nullptr;
+  std::size_t capacity_ = 0;
+  int file_ = -1;
+};
+
+/// A sequence as std::vector is, its numbers in a DrawMemory.
+template <class Number>
+class DrawList {
+  static_assert(std::is_trivially_copyable_v<Number>);
+
+ public:
+  using value_type = Number;
+  using iterator = Number*;
+  using const_iterator = const Number*;
+
+  DrawList() = default;
+  DrawList(std::initializer_list<Number> numbers) { append(numbers.begin(), numbers.end()); }
+  DrawList(const DrawList& other) : memory_(other.memory_.folder()) {
+    append(other.begin(), other.end());
+  }
+  DrawList(DrawList&& other) noexcept
+      : memory_(std::move(other.memory_)), size_(std::exchange(other.size_, 0)) {}
+  DrawList& operator=(DrawList other) noexcept {
+    memory_.swap(other.memory_);
+    std::swap(size_, other.size_);
+    return *this;
+  }
+  ~DrawList() = default;
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] Number* data() { return numbers(); }
+  [[nodiscard]] const Number* data() const { return numbers(); }
+  [[nodiscard]] iterator begin() { return numbers(); }
+  [[nodiscard]] iterator end() { return numbers() + size_; }
+  [[nodiscard]] const_iterator begin() const { return numbers(); }
+  [[nodiscard]] const_iterator end() const { return numbers() + size_; }
+  [[nodiscard]] Number& operator[](std::size_t i) { return numbers()[i]; }
+  [[nodiscard]] const Number& operator[](std::size_t i) const { return numbers()[i]; }
+  [[nodiscard]] Number& back() { return numbers()[size_ - 1]; }
+  [[nodiscard]] const Number& back() const { return numbers()[size_ - 1]; }
+
+  /// See DrawMemory.
+  void keep_in(const std::filesystem::path& folder) { memory_.keep_in(folder); }
+  void let_go() const { memory_.let_go(); }
+  [[nodiscard]] bool in_file() const { return memory_.in_file(); }
+
+  void reserve(std::size_t n) { memory_.grow(n * sizeof(Number)); }
+  void clear() { size_ = 0; }
+  void resize(std::size_t n, Number value = Number()) {
+    make_room(n);
+    if (n > size_) std::fill(numbers() + size_, numbers() + n, value);
+    size_ = n;
+  }
+  void push_back(Number number) {
+    make_room(size_ + 1);
+    numbers()[size_++] = number;
+  }
+  /// Behind those that are there, of another sequence.
+  template <std::input_iterator It>
+  void append(It first, It last) {
+    const auto more = static_cast<std::size_t>(std::distance(first, last));
+    make_room(size_ + more);
+    std::copy(first, last, numbers() + size_);
+    size_ += more;
+  }
+  template <std::input_iterator It>
+  void assign(It first, It last) {
+    clear();
+    append(first, last);
+  }
+  void assign(std::size_t n, Number number) {
+    clear();
+    resize(n, number);
+  }
+
+  friend bool operator==(const DrawList& a, const DrawList& b) { return std::ranges::equal(a, b); }
+
+ private:
+  [[nodiscard]] Number* numbers() const { return reinterpret_cast<Number*>(memory_.data()); }
+  void make_room(std::size_t n) {
+    const std::size_t bytes = n * sizeof(Number), had = memory_.capacity();
+    if (bytes > had) memory_.grow(std::max(bytes, had + had / 2));
+  }
+
+  DrawMemory memory_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace wheeltap::inference
