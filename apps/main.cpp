@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -138,6 +139,8 @@ apps::ProgramText text_of(const CLI::App& app) {
 int run(int argc, char** argv) {
   // A file that may not grow is an error of writing, which has a line and an exit code.
   std::signal(SIGXFSZ, SIG_IGN);
+  // What is ours is locked by ourselves, and on some file systems of clusters nothing can be.
+  ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
   CLI::App app{
       "Structural health monitoring: how many damages, where, how bad, with honest "
       "probabilities"};

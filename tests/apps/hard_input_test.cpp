@@ -298,6 +298,9 @@ TEST_F(HardInput, WhatNoMachineHoldsIsRefusedWithItsEstimate) {
   EXPECT_EQ(asked.exit_code, 0) << asked.err;
   EXPECT_THAT(asked.out, HasSubstr("The run would take about"));
   EXPECT_FALSE(std::filesystem::exists(where / "out"));
+  // No folder has room for the draws.
+  expect_refusal(damage(small_case(), many + " --max-memory 1e9 --max-hours 1e9"), 73,
+                 "GB are free");
 }
 
 // Of two runs into one folder the second's checkpoint took the place of the first's, which could
