@@ -299,8 +299,9 @@ TEST_F(HardInput, WhatNoMachineHoldsIsRefusedWithItsEstimate) {
   EXPECT_THAT(asked.out, HasSubstr("The run would take about"));
   EXPECT_FALSE(std::filesystem::exists(where / "out"));
   // No folder has room for the draws.
-  expect_refusal(damage(small_case(), many + " --max-memory 1e9 --max-hours 1e9"), 73,
-                 "GB are free");
+  expect_refusal("damage " + where.write_json("c.json", small_case()).string() + " -o " +
+                     (where / "out").string() + " --max-memory 1e9 --max-hours 1e9 " + many,
+                 73, "GB are free");
 }
 
 // Of two runs into one folder the second's checkpoint took the place of the first's, which could
