@@ -76,6 +76,7 @@ std::vector<std::string> arguments(const std::string& command, const std::filesy
   precise("--checkpoint", common.checkpoint_seconds);
   precise("--max-memory", common.max_memory_gb);
   precise("--max-hours", common.max_hours);
+  if (common.max_disk_gb) precise("--max-disk", *common.max_disk_gb);
   if (common.allow_commands) out.emplace_back("--allow-commands");
   if (sampling.prior_only) out.emplace_back("--prior-only");
   if (sampling.quick) out.emplace_back("--quick");

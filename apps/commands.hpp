@@ -30,7 +30,8 @@ struct CommonOptions {
   std::function<void(const std::string& what, const RunCost& cost)> dry_run;
   double max_memory_gb = 4.0;  ///< estimates beyond these are refused
   double max_hours = 100.0;
-  bool allow_commands = false;  ///< cases may run programs
+  std::optional<double> max_disk_gb;  ///< none: what is free in the folder of the results
+  bool allow_commands = false;        ///< cases may run programs
   std::string command_line;
 };
 

@@ -178,6 +178,11 @@ int run(int argc, char** argv) {
         ->add_option("--max-hours", common.max_hours,
                      "a run is refused that would take longer (default 100)")
         ->check(positive());
+    command
+        ->add_option("--max-disk", common.max_disk_gb,
+                     "GB: a run is refused whose draws would take more in the folder of its "
+                     "results (default: what is free there)")
+        ->check(positive());
   };
   const auto add_dry_run = [&](CLI::App* command) {
     command->add_flag_callback(

@@ -62,15 +62,24 @@ void require_affordable(const CaseFile& file, const Pointer& where, const RunCos
   if (cost.bytes > common.max_memory_gb * kGigabyte)
     refuse("max-memory", common.max_memory_gb, "GB");
   if (cost.seconds > common.max_hours * 3600.0) refuse("max-hours", common.max_hours, "h");
+  if (common.max_disk_gb && cost.disk > *common.max_disk_gb * kGigabyte)
+    refuse("max-disk", *common.max_disk_gb, "GB");
 }
 
-void require_room(const std::filesystem::path& folder, const RunCost& cost) {
+void require_room(const RunCost& cost, const CommonOptions& common) {
+  const std::filesystem::path& folder = common.output;
   std::error_code unknown;
   const std::filesystem::space_info room = std::filesystem::space(folder, unknown);
-  if (unknown || cost.disk <= static_cast<double>(room.available)) return;
+  if (unknown || common.max_disk_gb) return;
+  auto left = static_cast<double>(room.available);
+  for (const auto& entry : std::filesystem::directory_iterator(folder, unknown))
+    if (entry.path().filename().string().starts_with("checkpoint") &&
+        entry.is_regular_file(unknown))
+      left += static_cast<double>(entry.file_size(unknown));
+  if (cost.disk <= left) return;
   throw io::FileError(io::FileError::Kind::unwritable, folder,
                       "the draws would take about " + gigabytes(cost.disk) + " GB there; " +
-                          gigabytes(static_cast<double>(room.available)) + " GB are free");
+                          gigabytes(left) + " GB are free (--max-disk allows more)");
 }
 
 RunCost cost_of_sampling(const Sampled& sampled, const CommonOptions& common,

@@ -25,13 +25,14 @@ struct RunCost {
 /// Says so of a "run", a "table", on standard output: CommonOptions::dry_run of one case.
 void print_estimate(const std::string& what, const RunCost& cost);
 
-/// Throws Failure (65) at `where` for what takes more than --max-memory or --max-hours allow, with
-/// the estimate in words.
+/// Throws Failure (65) at `where` for what takes more than --max-memory, --max-hours or --max-disk
+/// allow, with the estimate in words.
 void require_affordable(const CaseFile& file, const Pointer& where, const RunCost& cost,
                         const CommonOptions& common);
 
-/// Throws io::FileError (unwritable) where the folder, which is there, has not so much room.
-void require_room(const std::filesystem::path& folder, const RunCost& cost);
+/// Throws io::FileError (unwritable) where the folder of the results, which is there, has not so
+/// much room, unless --max-disk says how much may be taken. What a checkpoint has is there already.
+void require_room(const RunCost& cost, const CommonOptions& common);
 
 /// What there is to sample.
 struct Sampled {

@@ -135,7 +135,7 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   std::optional<RunFiles> files;
   on_first_rank([&] {
     files.emplace(common.output);
-    require_room(common.output, cost);
+    require_room(cost, common);
   });
   CheckpointFile checkpoint(common.output,
                             {.command = "sid",

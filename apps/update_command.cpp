@@ -50,7 +50,7 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   std::optional<RunFiles> files;
   on_first_rank([&] {
     files.emplace(common.output);
-    require_room(common.output, cost);
+    require_room(cost, common);
   });
   CheckpointFile checkpoint(common.output,
                             {.command = "update",

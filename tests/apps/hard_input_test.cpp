@@ -302,6 +302,11 @@ TEST_F(HardInput, WhatNoMachineHoldsIsRefusedWithItsEstimate) {
   expect_refusal("damage " + where.write_json("c.json", small_case()).string() + " -o " +
                      (where / "out").string() + " --max-memory 1e9 --max-hours 1e9 " + many,
                  73, "GB are free");
+  expect_refusal(damage(small_case(), "--max-disk 0"), 64, "must be a positive number");
+  expect_refusal("damage " + where.write_json("c.json", small_case()).string() + " -o " +
+                     (where / "out").string() + " --max-memory 1e9 --max-hours 1e9 --max-disk 2 " +
+                     many,
+                 65, "--max-disk allows 2 GB");
 }
 
 // Of two runs into one folder the second's checkpoint took the place of the first's, which could
