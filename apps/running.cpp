@@ -142,6 +142,11 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
   } catch (const inference::CheckpointError& error) {
     bar.clear();
     throw Failure(Exit::bad_input, checkpoint.path().string() + ": " + error.what());
+  } catch (const inference::DrawsLost& lost) {
+    bar.clear();
+    throw io::FileError(io::FileError::Kind::unwritable, options.draws_folder,
+                        std::string("the draws that are kept there are lost: ") + lost.what() +
+                            (checkpoint.kept() ? kGoesOn : ""));
   } catch (const inference::LikelihoodError& error) {
     bar.clear();
     throw Failure(Exit::bad_input, case_path.string() + ": " + error.what());

@@ -36,7 +36,8 @@ std::span<const double> draw_of(const Posterior& posterior, std::size_t chain, s
   return {posterior.chains[chain].theta.data() + i * width, width};
 }
 
-/// Draws in standard normal coordinates, one a row: all of them, of many millions every n-th.
+/// Draws in standard normal coordinates, one a row: all of them, of more than a million
+/// every n-th.
 MatrixXd coordinates(const UpdateProblem& problem, const Posterior& posterior) {
   const auto& space = problem.problem.space;
   constexpr std::size_t kEnough = 1 << 20;

@@ -56,6 +56,10 @@ std::size_t Chain::bytes() const {
   return bytes;
 }
 
+void Chain::settle() const {
+  for_each_list(*this, [](const auto& list) { list.settle(); });
+}
+
 void Chain::let_go() const {
   for_each_list(*this, [](const auto& list) { list.let_go(); });
 }

@@ -62,6 +62,8 @@ struct Chain {
   void keep_in(const std::filesystem::path& folder);
   /// Room for so many, of rows of these lengths.
   void reserve(std::size_t draws, std::size_t dimension, std::size_t predictions);
+  /// Waits until they are where they are kept. Throws DrawsLost.
+  void settle() const;
   /// They were read, or written, and need not stay in memory.
   void let_go() const;
 };

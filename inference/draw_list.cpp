@@ -9,6 +9,7 @@
 #include <cstring>
 #include <new>
 #include <string>
+#include <system_error>
 
 namespace wheeltap::inference {
 namespace {
@@ -28,11 +29,12 @@ int nameless_file(const std::filesystem::path& folder) {
 }
 
 // A full disk says so here: of a page without room on the disk, mapped, the process would die.
+// Where a file system cannot take room, zeros are written, and are there once they are on the disk.
 bool take_room(int file, std::size_t from, std::size_t to) {
   int error = EINTR;
   while (error == EINTR)
     error = ::posix_fallocate(file, static_cast<off_t>(from), static_cast<off_t>(to - from));
-  return error == 0;
+  return error == 0 && ::fsync(file) == 0;
 }
 
 }  // namespace
@@ -101,6 +103,12 @@ void DrawMemory::grow_heap(std::size_t bytes) {
   }
   data_ = static_cast<std::byte*>(at);
   capacity_ = bytes;
+}
+
+// One that copies on write may have no room in the end, even for what it had taken.
+void DrawMemory::settle() const {
+  if (file_ < 0 || ::fsync(file_) == 0) return;
+  throw DrawsLost(std::generic_category().message(errno));
 }
 
 void DrawMemory::let_go() const {

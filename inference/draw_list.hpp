@@ -6,10 +6,17 @@
 #include <filesystem>
 #include <initializer_list>
 #include <iterator>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 
 namespace wheeltap::inference {
+
+/// A file system had no room for what it had taken.
+class DrawsLost : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Bytes in a row that grow: on the heap; with a folder, from kOnHeap on, in a file there that has
 /// no name, which is mapped into memory. The system writes such memory to the disk when it is short
@@ -41,6 +48,9 @@ class DrawMemory {
   void keep_in(std::filesystem::path folder) { folder_ = std::move(folder); }
   /// To at least so many, which keeps what is there. Throws std::bad_alloc.
   void grow(std::size_t bytes);
+  /// Waits until what is in a file is on the disk. Throws DrawsLost where it cannot be written:
+  /// what is read is then not what was put there.
+  void settle() const;
   /// What is in a file need not be in memory until it is asked for again. Reading meanwhile is no
   /// error.
   void let_go() const;
@@ -95,6 +105,7 @@ class DrawList {
 
   /// See DrawMemory.
   void keep_in(const std::filesystem::path& folder) { memory_.keep_in(folder); }
+  void settle() const { memory_.settle(); }
   void let_go() const { memory_.let_go(); }
   [[nodiscard]] bool in_file() const { return memory_.in_file(); }
 

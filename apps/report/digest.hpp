@@ -1,4 +1,4 @@
-// What the report draws, from every draw of a run: histograms, thinned histories, quantiles.
+// What the report draws, from the draws of a run: histograms, thinned histories, quantiles.
 #pragma once
 
 #include "apps/summary.hpp"

@@ -44,6 +44,8 @@ std::vector<std::size_t> SafePoints::hand_over_draws(RunState& state) const {
   std::vector<std::size_t> kept(chains.size(), 0);
   for (const int c : state.at.part_chains) kept[static_cast<std::size_t>(c)] += part;
   for (std::size_t c = 0; c < chains.size(); ++c) {
+    if (kept[c] + part > chains[c].size()) continue;
+    chains[c].settle();
     for (; kept[c] + part <= chains[c].size(); kept[c] += part) {
       const long number = state.at.first_part + static_cast<long>(state.at.part_chains.size());
       if (!options_.save_draws(draws_of(chains[c], kept[c], kept[c] + part), number)) return kept;

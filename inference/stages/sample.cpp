@@ -182,7 +182,10 @@ void draw_on(RunContext& run, RunState& state) {
   std::vector<Chain>& chains = state.posterior.chains;
   std::size_t common = chains.front().size();
   for (const Chain& chain : chains) common = std::min(common, chain.size());
-  for (Chain& chain : chains) chain.truncate(common);
+  for (Chain& chain : chains) {
+    chain.truncate(common);
+    chain.settle();
+  }
   state.posterior.draws = static_cast<int>(common);
   collect(state);
 }
