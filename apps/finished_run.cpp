@@ -30,6 +30,7 @@ void deliver(const FinishedRun& run, RunFiles& files, const std::filesystem::pat
     io::write_netcdf(to, run.bytes_of_draws(), run.draws);
   });
   run.print(std::cout, colour_wanted());
+  if (failed && !checkpoint.kept()) checkpoint.remove();  // parts that no checkpoint stands on
   if (failed) throw *failed;
   say_what_goes_on(checkpoint, run.posterior->stopped_early);
   print_results(folder, run.converged());  // the last line: how it ended

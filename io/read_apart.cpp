@@ -200,14 +200,19 @@ std::string read_apart(const std::filesystem::path& path, const std::function<st
 }
 
 bool write_apart(const std::filesystem::path& path, const std::function<void()>& write) {
-  const std::optional<Ended> ended = apart({}, [&] {
-    write();
-    return std::string();
-  });
-  if (ended && !ended->whole)
+  try {
+    const std::optional<Ended> ended = apart({}, [&] {
+      write();
+      return std::string();
+    });
+    if (ended && !ended->whole)
+      throw FileError(FileError::Kind::unwritable, path,
+                      "the library that writes such files crashed on it");
+    return ended.has_value();
+  } catch (const std::bad_alloc&) {
     throw FileError(FileError::Kind::unwritable, path,
-                    "the library that writes such files crashed on it");
-  return ended.has_value();
+                    "there is not enough memory to write it, or its writer was killed");
+  }
 }
 
 }  // namespace wheeltap::io

@@ -34,9 +34,9 @@ inline void check_apart(const std::filesystem::path& path, const std::function<v
 }
 
 /// `write` in such a child, without bounds: a library that a full disk makes crash, at whatever
-/// time, ends that child alone. FileError that it throws is thrown here, as one of `path` where the
-/// child crashes; std::bad_alloc and other exceptions as above. Returns false, without calling it,
-/// where no child can be started.
+/// time, ends that child alone. FileError that it throws is thrown here, and one (unwritable) of
+/// `path` where the child crashes, lacks memory or is killed; other exceptions as above. Returns
+/// false, without calling it, where no child can be started.
 [[nodiscard]] bool write_apart(const std::filesystem::path& path,
                                const std::function<void()>& write);
 

@@ -83,6 +83,14 @@ TEST_F(WriteNetcdfTest, ALibraryThatCrashesTakesNothingWithIt) {
   } catch (const FileError& error) {
     EXPECT_THAT(error.reason(), testing::HasSubstr("crashed"));
   }
+  // As the system does that has no memory left.
+  try {
+    write_netcdf(file, kLong, [](const NetcdfWriter&) { std::raise(SIGKILL); });
+    FAIL() << "nothing was thrown";
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.kind(), FileError::Kind::unwritable);
+    EXPECT_THAT(error.reason(), testing::HasSubstr("killed"));
+  }
   try {
     write_netcdf(file, kLong, [](const NetcdfWriter& to) { to.check(NC_EBADNAME); });
     FAIL() << "nothing was thrown";
