@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "base/stop_signals.hpp"
+
 namespace wheeltap::apps {
 namespace {
 
@@ -66,8 +68,8 @@ ChildProgram::ChildProgram(const std::vector<std::string>& arguments,
     dup2(nothing, STDIN_FILENO);
     dup2(nothing, STDOUT_FILENO);
     dup2(ends[1], STDERR_FILENO);
-    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE, SIGXFSZ})
-      std::signal(number, SIG_DFL);
+    for (const int number : base::kStopSignals) std::signal(number, SIG_DFL);
+    for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_DFL);
     execve("/proc/self/exe", argv.data(), environment.data());
     _exit(kNoProgram);
   }

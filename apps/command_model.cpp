@@ -21,6 +21,7 @@
 #include <system_error>
 
 #include "apps/words.hpp"
+#include "base/stop_signals.hpp"
 #include "io/bytes.hpp"
 #include "io/text.hpp"
 
@@ -82,8 +83,8 @@ std::optional<int> run(const std::vector<std::string>& words, const fs::path& di
     dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
     dup2(open(out.c_str(), kNew, kMode), STDOUT_FILENO);
     dup2(open(err.c_str(), kNew, kMode), STDERR_FILENO);
-    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE})
-      std::signal(number, SIG_DFL);
+    for (const int number : base::kStopSignals) std::signal(number, SIG_DFL);
+    for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_DFL);
     execvp(argv[0], argv.data());
     _exit(errno == ENOENT ? kNoProgram : kNotRunnable);
   }

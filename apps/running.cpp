@@ -44,7 +44,8 @@ void ask_to_stop(int signal) {
   clock_gettime(CLOCK_MONOTONIC, &time);
   const std::int64_t now = kSecond * time.tv_sec + time.tv_nsec;
   std::int64_t first = 0;
-  if (!asked_to_stop_at.compare_exchange_strong(first, now) && now - first > kSecond)
+  if (!asked_to_stop_at.compare_exchange_strong(first, now) && now - first > kSecond &&
+      signal != SIGXCPU)
     std::_Exit(128 + signal);
 }
 
@@ -83,21 +84,18 @@ bool was_interrupted() {
   return base::is_to_stop(interrupted());
 }
 
-StopOnInterrupt::StopOnInterrupt()
-    : interrupt_(std::signal(SIGINT, ask_to_stop)),
-      terminate_(std::signal(SIGTERM, ask_to_stop)),
-      user_(std::signal(SIGUSR1, ask_to_stop)),
-      hang_up_(std::signal(SIGHUP, ask_to_stop)) {
+StopOnInterrupt::StopOnInterrupt() {
   if (base::ranks()) base::ranks()->on_wish_to_stop(interrupted);
-  if (hang_up_ == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
+  for (std::size_t i = 0; i < before_.size(); ++i) {
+    const int signal = base::kStopSignals[i];
+    before_[i] = std::signal(signal, ask_to_stop);
+    if (signal == SIGHUP && before_[i] == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
+  }
 }
 
 StopOnInterrupt::~StopOnInterrupt() {
   if (interrupted()) return;  // the same wish, once more, is not to kill what is being written
-  std::signal(SIGINT, interrupt_);
-  std::signal(SIGTERM, terminate_);
-  std::signal(SIGUSR1, user_);
-  std::signal(SIGHUP, hang_up_);
+  for (std::size_t i = 0; i < before_.size(); ++i) std::signal(base::kStopSignals[i], before_[i]);
 }
 
 void outlive_readers() {

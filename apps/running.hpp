@@ -1,6 +1,7 @@
 // What the commands that sample have in common: a log, an engine that can be interrupted, files.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "apps/commands.hpp"
 #include "apps/run_watch.hpp"
 #include "apps/terminal.hpp"
+#include "base/stop_signals.hpp"
 #include "identification/findings.hpp"
 #include "inference/reversible_jump.hpp"
 
@@ -24,10 +26,10 @@ class CheckpointFile;
 /// Lines for people who watch, on standard error; warnings only where `quiet`.
 [[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
 
-/// While it lives, Ctrl-C (or SIGTERM, SIGUSR1, which mpirun hands on to its ranks, or SIGHUP
-/// unless it was ignored) asks the engine to stop: the run ends with what there is. Another one, a
-/// second later or more, ends the program; sooner it is the same wish. Once asked, they stay
-/// caught.
+/// While it lives, Ctrl-C (or another of base::kStopSignals; SIGHUP unless it was ignored) asks the
+/// engine to stop: the run ends with what there is. Another one, a second later or more, ends the
+/// program; sooner it is the same wish, and so is SIGXCPU, which the system repeats. Once asked,
+/// they stay caught.
 class StopOnInterrupt {
  public:
   StopOnInterrupt();
@@ -37,7 +39,7 @@ class StopOnInterrupt {
 
  private:
   using Handler = void (*)(int);
-  Handler interrupt_, terminate_, user_, hang_up_;
+  std::array<Handler, base::kStopSignals.size()> before_{};
 };
 
 /// From now on a reader of standard output who goes away does not end the program: what a run found

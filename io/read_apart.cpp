@@ -19,6 +19,8 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "base/stop_signals.hpp"
+
 namespace wheeltap::io {
 namespace {
 
@@ -70,7 +72,7 @@ struct Bounds {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
   // What stops the parent is for it to hear: the child ends with it.
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
+  for (const int signal : base::kStopSignals) std::signal(signal, SIG_IGN);
   for (const int signal : {SIGPIPE, SIGXCPU}) std::signal(signal, SIG_DFL);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);

@@ -354,7 +354,7 @@ def check_signals_leave_a_checkpoint(bench):
     for name, arguments, out in resumable(bench):
         bench.run(*arguments)
         whole = files(out)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1) if LONG or name == 'damage' else (signal.SIGTERM,):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU) if LONG or name == 'damage' else (signal.SIGTERM,):
             shutil.rmtree(out)
             code, err = until_checkpoint(bench, arguments, out, number)
             expect(code in (0, 130), f'{name}, {number.name}: {code}: {err}')
@@ -475,7 +475,7 @@ def check_interrupted_batches_go_on(bench):
     whole, table = runs_of(out), (out / 'batch.csv').read_text().splitlines()
     expect([line.split(',')[:3] for line in table[1:]] ==
            [['beam', 'damage', '0'], ['chain', 'sid', '0'], ['sweep', 'sid', '0'], ['beam2', 'damage', '0']], table)
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGKILL) if LONG else (signal.SIGTERM, signal.SIGKILL):
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGKILL) if LONG else (signal.SIGTERM, signal.SIGKILL):
         shutil.rmtree(out)
         process = bench.start(*command, stdout=subprocess.DEVNULL)
         while process.poll() is None and not len(list(out.glob('*/checkpoint.nc'))) > 1:

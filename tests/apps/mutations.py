@@ -187,7 +187,7 @@ def run(program, origin, number, seed, scratch):
     if any(byte < 32 and byte != 10 or byte == 127 for byte in said):
         why.append("control characters on standard error")
     too_much = seconds > SECONDS or largest > BYTES
-    if why and too_much and kind not in ("data", "section") and code in (0, 65, 66, -signal.SIGXCPU) and announced(program, case, folder / "out"):
+    if why and too_much and kind not in ("data", "section") and code in (0, 65, 66, 130, -signal.SIGXCPU, -signal.SIGKILL) and announced(program, case, folder / "out"):
         why = []
     if not why:
         shutil.rmtree(folder)
