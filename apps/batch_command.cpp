@@ -143,7 +143,7 @@ class Batch {
     if (base::ranks() != nullptr) section_ = kCasesAThread * base::ranks()->size() * threads_;
   }
 
-  /// Rows of other ranks come at the end of a section.
+  /// Rows of other ranks come at the end of a section. The table is on the disk when it ends.
   void run() {
     for (int first = 0; first < all() && !stopped_; first += section_) {
       const int n = std::min(section_, all() - first);
@@ -162,6 +162,7 @@ class Batch {
           }));
       stopped_ = was_interrupted();
     }
+    if (done_ % rows_a_write_ != 0 && base::is_first_rank()) keep_table();
   }
 
   [[nodiscard]] const std::vector<std::optional<BatchRow>>& rows() const { return rows_; }
@@ -240,8 +241,10 @@ class Batch {
     if (!base::is_first_rank()) return;
     std::cout << batch_line(*rows_[static_cast<std::size_t>(at)], done_, cases_.size())
               << std::endl;
-    write_text(common_.output / kBatchTable, batch_csv(rows_));
+    if (done_ % rows_a_write_ == 0) keep_table();
   }
+
+  void keep_table() const { write_text(common_.output / kBatchTable, batch_csv(rows_)); }
 
   std::vector<BatchCase> cases_;
   const CommonOptions& common_;
@@ -249,8 +252,10 @@ class Batch {
   std::vector<std::optional<BatchRow>> rows_;
   int threads_ = base::thread_count(common_.threads);  // of this rank
   int section_ = all();                                // cases
-  std::mutex mutex_;                                   // guards what follows, and rows_
-  int free_ = 0;                                       // threads
+  // Of a hundred thousand cases, a table written anew after each would be 500 GB in all.
+  std::size_t rows_a_write_ = 1 + cases_.size() / 10'000;
+  std::mutex mutex_;  // guards what follows, and rows_
+  int free_ = 0;      // threads
   std::size_t done_ = 0;
   bool stopped_ = false;
 };

@@ -1,6 +1,8 @@
 // wheeltap batch, as its users run it.
 #include <gmock/gmock.h>
 
+#include <chrono>
+
 #include "apps/batch_list.hpp"
 #include "apps/batch_table.hpp"
 #include "apps/failure.hpp"
@@ -33,6 +35,17 @@ TEST(BatchList, NamesAreStemsAndUnique) {
               ElementsAre("one", "one-2", "one-3", "one-2-2", "batch.csv-2", "case", "last"));
   EXPECT_EQ(cases[0].path, where / "a/one.json");
   EXPECT_EQ(cases[6].path, where / "last.json");
+}
+
+TEST(BatchList, ManyOfOneNameAreNamedSoon) {
+  const Workspace where;
+  constexpr int kMany = 300'000;
+  std::string text;
+  for (int i = 0; i < kMany; ++i) text += "hour-" + std::to_string(i) + "/case.json\n";
+  const auto began = std::chrono::steady_clock::now();
+  const auto cases = read_batch_list(where.write("list.txt", text));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
+  EXPECT_EQ(cases.back().name, "case-" + std::to_string(kMany));
 }
 
 TEST(BatchList, AByteOrderMarkIsNoPartOfAPath) {
