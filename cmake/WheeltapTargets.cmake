@@ -118,8 +118,9 @@ function(wheeltap_kernels target stem)
   endif()
   set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS
     -ffp-contract=off -fno-trapping-math -fno-math-errno)
-  # GCC 12 ends with an internal error under the thread sanitizer otherwise (gimple_expand_vec_cond_expr).
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND WHEELTAP_SANITIZE MATCHES "thread")
+  # GCC 12 ends with an internal error otherwise (gimple_expand_vec_cond_expr) under the sanitizer of threads, and that of
+  # addresses without undefined behaviour's.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND WHEELTAP_SANITIZE)
     set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS -fno-tree-forwprop)
   endif()
   target_sources(${target} PRIVATE ${kernels})
