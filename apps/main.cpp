@@ -74,16 +74,27 @@ CLI::Validator whole(std::int64_t lowest, std::int64_t highest) {
       "INT in [" + std::to_string(lowest) + " - " + std::to_string(highest) + "]");
 }
 
-CLI::Validator positive() {
+// Numbers of which `allowed` is true, as `words` say; CLI::Range lets nan pass.
+CLI::Validator number(const char* words, const char* name, bool (*allowed)(double)) {
   return CLI::Validator(
-      [](const std::string& text) -> std::string {
+      [=](const std::string& text) -> std::string {
         double x = 0.0;
         const char* last = text.data() + text.size();
         const auto [end, error] = std::from_chars(text.data(), last, x);
-        if (error == std::errc() && end == last && x > 0.0 && std::isfinite(x)) return {};
-        return text + ": must be a positive number";
+        if (error == std::errc() && end == last && allowed(x)) return {};
+        return text + ": must be " + words;
       },
-      "NUMBER > 0");
+      name);
+}
+
+CLI::Validator positive() {
+  return number("a positive number", "NUMBER > 0",
+                [](double x) { return x > 0.0 && std::isfinite(x); });
+}
+
+CLI::Validator seconds() {
+  return number("a number from 0 to 1e9", "NUMBER in [0 - 1e9]",
+                [](double x) { return x >= 0.0 && x <= 1e9; });
 }
 
 // --simd keeps libraries, which choose by the processor for themselves, to the same instructions:
@@ -225,7 +236,7 @@ int run(int argc, char** argv) {
     command
         ->add_option("--checkpoint", common.checkpoint_seconds,
                      "seconds between two checkpoints for --resume (default 60; 0: none)")
-        ->check(CLI::Range(0.0, 1e9));
+        ->check(seconds());
     CLI::Option* prior_only = command->add_flag("--prior-only", sampling.prior_only,
                                                 "leave the data out: must return the prior");
     command

@@ -63,6 +63,14 @@ TEST_F(HardInput, WholeNumbersOfTheCommandLineNeverWrap) {
   EXPECT_EQ(pointed.exit_code, 0) << pointed.err;
 }
 
+// Before: --checkpoint nan was taken.
+TEST_F(HardInput, NumbersOfTheCommandLineAreNumbers) {
+  for (const char* option : {"--checkpoint nan", "--checkpoint -1", "--checkpoint inf",
+                             "--checkpoint 1e400", "--max-hours nan", "--max-memory -nan"}) {
+    expect_refusal(damage(small_case(), option), 64, ": must be a ");
+  }
+}
+
 // Nobody typed --threads.
 TEST_F(HardInput, ANumberOfTheEnvironmentIsNamed) {
   const std::string command = "damage " + where.write_json("c.json", small_case()).string() +
