@@ -97,6 +97,21 @@ CLI::Validator seconds() {
                 [](double x) { return x >= 0.0 && x <= 1e9; });
 }
 
+// The time that files say they were made, where the same bytes are wanted twice. What stays in the
+// environment is the number's plain form, as for options.
+void take_date_of_files() {
+  constexpr const char* kVariable = "SOURCE_DATE_EPOCH";
+  constexpr std::int64_t kEndOfYear9999 = 253'402'300'799;  // s
+  const char* text = std::getenv(kVariable);
+  if (text == nullptr) return;
+  const auto seconds = apps::whole_number(text, 0, kEndOfYear9999);
+  if (!seconds)
+    throw apps::Failure(Exit::usage, std::string(kVariable) + ": " + text +
+                                         ": must be a whole number of seconds from 0 to " +
+                                         std::to_string(kEndOfYear9999));
+  ::setenv(kVariable, std::to_string(*seconds).c_str(), 1);
+}
+
 // --simd keeps libraries, which choose by the processor for themselves, to the same instructions:
 // they read these variables when the program starts, so it starts once more.
 void start_with(const std::string& instructions, char** argv) {
@@ -462,6 +477,7 @@ int run(int argc, char** argv) {
     }
   }
   try {
+    take_date_of_files();
     if (base::ranks() != nullptr) apps::require_equal_processors();
     for (const CLI::App* runs : {table_command, damage_command, sid_command, update_command,
                                  modal_command, batch_command}) {

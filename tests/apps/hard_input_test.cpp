@@ -78,6 +78,11 @@ TEST_F(HardInput, ANumberOfTheEnvironmentIsNamed) {
   setenv("WHEELTAP_THREADS", "4294967297", 1);
   expect_refusal(command, 64, "wheeltap: WHEELTAP_THREADS: 4294967297: must be a whole number");
   unsetenv("WHEELTAP_THREADS");
+  for (const char* date : {"abc", "-1", "", "99999999999999999999", "253402300800"}) {
+    setenv("SOURCE_DATE_EPOCH", date, 1);
+    expect_refusal(command, 64, "SOURCE_DATE_EPOCH: " + std::string(date) + ": must be a whole");
+  }
+  unsetenv("SOURCE_DATE_EPOCH");
 }
 
 // Before: 100 samples, mass 1, ...
