@@ -1,5 +1,6 @@
 #include "apps/batch_list.hpp"
 
+#include <climits>
 #include <map>
 #include <set>
 #include <string_view>
@@ -14,6 +15,7 @@ namespace wheeltap::apps {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r";
+constexpr std::size_t kLongestPath = PATH_MAX - 1;  // bytes that the system takes
 
 std::string_view trimmed(std::string_view line) {
   const std::size_t first = line.find_first_not_of(kBlank);
@@ -64,6 +66,11 @@ std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
       throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) +
                                          ": is JSON, a case perhaps: a list has a path of a case " +
                                          "on each line");
+    }
+    if (line.size() > kLongestPath) {
+      throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) + ": has " +
+                                         std::to_string(line.size()) + " bytes: a path has " +
+                                         std::to_string(kLongestPath) + " at most");
     }
     cases.push_back({path, names.of(path)});
   }

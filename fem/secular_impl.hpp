@@ -69,7 +69,7 @@ inline void accumulate(const Secular& s, int lanes, const Pack* weights, int fir
 /// weights[j] = κ_j, zero for the two poles left out, then λ T_p(x); slopes as in SecularScratch.
 inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_pole,
                   const SecularScratch& scratch) {
-  Vec pole;
+  Vec pole{};
   for (int l = 0; l < kWidth; ++l) pole[l] = lower_pole[lanes + l];
   const Vec zero{};
   for (int j = 0; j < s.near; ++j) {

@@ -57,11 +57,13 @@ TEST(BatchList, AByteOrderMarkIsNoPartOfAPath) {
 TEST(BatchList, LinesThatAreNoPathsAreRefused) {
   const Workspace where;
   const std::string long_one = "{\"title\": \"" + std::string(5000, 'x') + "\"}";
+  const std::string long_path = "ok.json\n" + std::string(100'000, 'x');
   for (const auto& [text, words] : {std::pair("ok.json\nbad\x1b[2J.json\n", "list.txt:2: column 4"),
                                     std::pair("\xff.json\n", "list.txt:1: column 1"),
                                     std::pair("# nothing\n\n", "names no case"),
                                     std::pair("{\n  \"kind\": \"sid\"\n}", "list.txt:1: is JSON"),
-                                    std::pair(long_one.c_str(), "list.txt:1: is JSON")}) {
+                                    std::pair(long_one.c_str(), "list.txt:1: is JSON"),
+                                    std::pair(long_path.c_str(), "list.txt:2: has 100000 bytes")}) {
     const auto list = where.write("list.txt", text);
     try {
       static_cast<void>(read_batch_list(list));
