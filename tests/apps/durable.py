@@ -556,7 +556,7 @@ def check_kills(bench, kills=8):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument('program')
-    parser.add_argument('preload')
+    parser.add_argument('preload', type=lambda path: str(pathlib.Path(path).resolve(strict=True)))
     parser.add_argument('checks', nargs='+')
     parser.add_argument('--kills', type=int)
     options = parser.parse_args()
