@@ -370,7 +370,7 @@ int run(int argc, char** argv) {
   add_limits(update_command);
   add_dry_run(update_command);
   update_command->add_flag("--resume", common.resume,
-                           "print a finished run of the same case again instead of repeating it");
+                           "go on where an interrupted run stopped; print a finished one again");
 
   apps::ServeOptions serving;
   CLI::App* serve_command = app.add_subcommand(
