@@ -43,8 +43,13 @@ std::string& last_words() {
 
 int report(Exit exit, const std::string& line) {
   // Names, keys and values in it are a user's: one line, whatever they hold.
-  std::cerr << "wheeltap: " << io::printable(line) << '\n';
-  last_words() = io::printable(line);
+  std::string words = io::printable(line);
+  // What was typed may be of any length; what it lacks stands before it or behind.
+  constexpr std::size_t kLongest = 1000;
+  if (exit == Exit::usage && words.size() > kLongest)
+    words.replace(kLongest / 2, words.size() - kLongest, " ... ");
+  std::cerr << "wheeltap: " << words << '\n';
+  last_words() = words;
   return static_cast<int>(exit);
 }
 

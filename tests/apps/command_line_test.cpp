@@ -54,6 +54,12 @@ TEST(CommandLine, BadCommandLinesEndWith64) {
   expect_refusal(where, "damage " + c + " -o x --prior-only --evidence", 64,
                  {"--prior-only", "--evidence"});
   expect_refusal(where, "schema nothing", 64, {"nothing", "damage"});
+  const std::string endless(100000, '7');
+  for (const std::string& typed : {"damage " + c + " --seed " + endless, endless,
+                                   "damage " + c + " -o x --set " + endless}) {
+    EXPECT_LT(wheeltap(where, typed).err.size(), 1100U);
+    expect_refusal(where, typed, 64, {"777 ... 777"});
+  }
   const std::string sid = WHEELTAP_DATA "/sid/discover_law.case.json";
   expect_refusal(where, "simulate " + sid + " -o record.json", 64, {"record.json", ".csv"});
 }
