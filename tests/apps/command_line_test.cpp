@@ -55,8 +55,8 @@ TEST(CommandLine, BadCommandLinesEndWith64) {
                  {"--prior-only", "--evidence"});
   expect_refusal(where, "schema nothing", 64, {"nothing", "damage"});
   const std::string endless(100000, '7');
-  for (const std::string& typed : {"damage " + c + " --seed " + endless, endless,
-                                   "damage " + c + " -o x --set " + endless}) {
+  for (const std::string& typed :
+       {"damage " + c + " --seed " + endless, endless, "damage " + c + " -o x --set " + endless}) {
     EXPECT_LT(wheeltap(where, typed).err.size(), 1100U);
     expect_refusal(where, typed, 64, {"777 ... 777"});
   }
