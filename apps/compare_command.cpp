@@ -149,7 +149,7 @@ void print(const std::vector<Compared>& runs) {
 void print_json(const std::vector<Compared>& runs) {
   Report out = Report::array();
   for (const Compared& run : runs)
-    out.push_back({{"run", run.name},
+    out.push_back({{"run", io::printable(run.name)},
                    {"title", run.title},
                    {"prior", run.prior},
                    {"probability", run.probability},

@@ -217,7 +217,7 @@ Report data_report(const MeasuredFile& file) {
          {"sampling_fault", table.sampling_fault},
          {"channels", channels}});
   }
-  return {{"file", file.path.string()}, {"format", file.format}, {"tables", tables}};
+  return {{"file", io::printable(file.path.string())}, {"format", file.format}, {"tables", tables}};
 }
 
 void run_data(const DataOptions& options) {

@@ -12,6 +12,7 @@
 #include "io/netcdf_classic.hpp"
 #include "io/netcdf_reader.hpp"
 #include "io/read_apart.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::io {
 namespace {
@@ -52,7 +53,7 @@ void look(int group, const std::string& prefix, int depth, std::vector<Found>& o
       continue;
     std::vector<int> dimensions(static_cast<std::size_t>(rank));
     nc_inq_vardimid(group, id, dimensions.data());
-    Found one{.name = prefix + name, .group = group, .id = id, .shape = {}};
+    Found one{.name = prefix + in_utf8(name), .group = group, .id = id, .shape = {}};
     for (const int d : dimensions) {
       std::size_t length = 0;
       nc_inq_dimlen(group, d, &length);
@@ -65,7 +66,8 @@ void look(int group, const std::string& prefix, int depth, std::vector<Found>& o
   nc_inq_grps(group, &count, groups.data());
   for (const int inner : groups) {
     char name[NC_MAX_NAME + 1] = {};
-    if (nc_inq_grpname(inner, name) == NC_NOERR) look(inner, prefix + name + "/", depth - 1, out);
+    if (nc_inq_grpname(inner, name) == NC_NOERR)
+      look(inner, prefix + in_utf8(name) + "/", depth - 1, out);
   }
 }
 
@@ -86,14 +88,14 @@ std::string unit_of(const Found& of) {
   if (type == NC_STRING && length == 1) {
     char* text = nullptr;
     if (nc_get_att_string(of.group, of.id, "units", &text) != NC_NOERR) return {};
-    std::string out = text != nullptr ? text : "";
+    std::string out = in_utf8(text != nullptr ? text : "");
     nc_free_string(1, &text);
     return out;
   }
   if (type != NC_CHAR || length > NC_MAX_NAME) return {};
   std::string out(length, '\0');
   if (nc_get_att_text(of.group, of.id, "units", out.data()) != NC_NOERR) return {};
-  return out.substr(0, out.find('\0'));
+  return in_utf8(std::string_view(out).substr(0, out.find('\0')));
 }
 
 std::vector<double> values_of(const std::filesystem::path& path, const Found& of) {

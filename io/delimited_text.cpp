@@ -148,7 +148,7 @@ std::string_view DelimitedText::line_at(std::size_t start) const {
 
 std::string DelimitedText::content(std::string_view raw, const Place& place) const {
   raw = trimmed(raw);
-  if (!raw.starts_with('"')) return std::string(raw);
+  if (!raw.starts_with('"')) return in_utf8(raw);
   std::string cell;
   std::size_t at = 1;
   for (; at < raw.size(); ++at) {
@@ -160,7 +160,7 @@ std::string DelimitedText::content(std::string_view raw, const Place& place) con
   }
   if (at == raw.size()) fail(place, shown(raw) + " has a quote that is not closed on its line");
   if (at + 1 != raw.size()) fail(place, shown(raw) + " has text after its closing quote");
-  return std::string(trimmed(cell));
+  return in_utf8(trimmed(cell));
 }
 
 std::vector<std::string> DelimitedText::split(std::string_view line, int number) const {

@@ -6,6 +6,8 @@
 //   cell   = blanks text blanks | blanks '"' text with "" for " '"' blanks
 //   number = [+|-] digits [. digits] [e [+|-] digits] | nan | inf; an empty cell is NaN
 //
+// A text that is not UTF-8 is taken for Latin-1, cell by cell.
+//
 // The separator is the comma, semicolon or tab that the first row has most of. Where it has none,
 // and the first line of numbers holds several, it is any run of blanks. A first row with a cell
 // that is no number is a header: "force [N]" (see io/columns.hpp). What cells must hold, and

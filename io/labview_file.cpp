@@ -157,7 +157,7 @@ class Parser {
       if (f[0] == "X0") out.first = numbers();
       if (f[0] == "Delta_X") out.step = numbers();
       if (f[0] == "Y_Unit_Label")
-        for (std::size_t i = 1; i < f.size(); ++i) out.units.emplace_back(trimmed(f[i]));
+        for (std::size_t i = 1; i < f.size(); ++i) out.units.push_back(in_utf8(trimmed(f[i])));
     } while (lines_.next());
     if (out.channels == 0) corrupt("a segment's header does not say its Channels");
     if (!lines_.next()) corrupt("ends before the names of its columns");
@@ -172,7 +172,7 @@ class Parser {
     const std::size_t skip = header_.x_columns == "One" || header_.x_columns == "No" ? 1 : 0;
     for (std::size_t c = 0; c < out.channels; ++c) {
       const std::size_t place = per == 2 ? 2 * c + 1 : skip + c;
-      std::string name = place < names.size() ? std::string(trimmed(names[place])) : "";
+      std::string name = place < names.size() ? in_utf8(trimmed(names[place])) : "";
       out.names.push_back(name.empty() ? "channel " + std::to_string(c + 1) : name);
     }
     out.units.resize(out.channels);

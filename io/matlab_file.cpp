@@ -11,6 +11,7 @@
 #include "io/matlab_elements.hpp"
 #include "io/netcdf_library.hpp"
 #include "io/read_apart.hpp"
+#include "io/text.hpp"
 #endif
 
 namespace wheeltap::io {
@@ -110,7 +111,7 @@ void for_each_array(const std::string& name, matvar_t& variable, int depth, cons
   char* const* names = Mat_VarGetStructFieldnames(&variable);
   for (unsigned i = 0; names != nullptr && i < fields; ++i)
     if (matvar_t* field = Mat_VarGetStructFieldByIndex(&variable, i, 0); field && names[i])
-      for_each_array(name + "." + names[i], *field, depth + 1, visit);
+      for_each_array(name + "." + in_utf8(names[i]), *field, depth + 1, visit);
 }
 
 /// False where the values are not there.
@@ -154,7 +155,7 @@ Columns read_here(const std::filesystem::path& path) {
     if (!variable) break;
     ++seen;
     if (variable->name == nullptr) continue;
-    const std::string name = variable->name;
+    const std::string name = in_utf8(variable->name);
     // Array by array: what else a structure holds is not read.
     for_each_array(name, *variable, 0, [&](const std::string& of, matvar_t& array) {
       if (!is_numeric(array)) {

@@ -79,4 +79,25 @@ std::string printable(std::string_view text) {
   return out;
 }
 
+std::string in_utf8(std::string_view text) {
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t bytes = character(text, at).bytes;
+    if (bytes == 0) break;
+    at += bytes;
+  }
+  if (at == text.size()) return std::string(text);
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      out += c;
+    } else {
+      out += static_cast<char>(0xC0 | (byte >> 6U));
+      out += static_cast<char>(0x80 | (byte & 0x3FU));
+    }
+  }
+  return out;
+}
+
 }  // namespace wheeltap::io

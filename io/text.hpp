@@ -22,4 +22,8 @@ inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 /// that shows as it is. Backslashes stay as they are: it is for eyes, not for reading back.
 [[nodiscard]] std::string printable(std::string_view text);
 
+/// The text, in UTF-8: what is none is taken for Latin-1 (ISO 8859-1), the alphabet of loggers and
+/// spreadsheets that write "Weg [µm]" in one byte a character.
+[[nodiscard]] std::string in_utf8(std::string_view text);
+
 }  // namespace wheeltap::io

@@ -21,21 +21,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-/// Trimmed, and in UTF-8: what is none is taken for Latin-1.
 std::string text_of(std::string_view raw) {
-  const std::string_view text = trimmed(raw);
-  if (!first_unprintable(text)) return std::string(text);
-  std::string out;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x80) {
-      out += c;
-    } else {
-      out += static_cast<char>(0xC0 | (byte >> 6U));
-      out += static_cast<char>(0x80 | (byte & 0x3FU));
-    }
-  }
-  return out;
+  return in_utf8(trimmed(raw));
 }
 
 std::string none_is_empty(std::string_view text) {

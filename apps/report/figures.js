@@ -1,14 +1,14 @@
-// Under Node.js: writes every figure as SVG, and figures.txt that lists them.
+// Under Node.js: writes every figure as SVG into the working folder, and figures.txt that lists
+// them.
 const fs = require('node:fs');
-const path = require('node:path');
 (async () => {
   const names = [];
   for (const figure of charts.figures(run)) {
     const spec = figure.spec(figure.wide ? 720 : 380, charts.themes.light);
     const svg = await new vega.View(vega.parse(spec), { renderer: 'none' }).toSVG();
     const name = figure.id + '.svg';
-    fs.writeFileSync(path.join(folder, name), svg + '\n');
+    fs.writeFileSync(name, svg + '\n');
     names.push(name);
   }
-  fs.writeFileSync(path.join(folder, 'figures.txt'), names.join('\n') + '\n');
+  fs.writeFileSync('figures.txt', names.join('\n') + '\n');
 })();

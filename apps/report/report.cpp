@@ -293,6 +293,13 @@ std::string page_of(const Report& summary, const io::NetcdfReader* draws) {
                                   {"licences", licences}});
 }
 
+// The path as one word of the shell: its bytes need be no text, so no program can be told them.
+std::string for_shell(const fs::path& path) {
+  std::string word = "'";
+  for (const char c : path.string()) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
 }  // namespace
 
 std::string report_page(const fs::path& directory, const Report& summary,
@@ -326,13 +333,13 @@ int write_figures(const fs::path& directory) {
   if (error) throw FileError(FileError::Kind::unwritable, folder, error.message());
   const fs::path list = folder / "figures.txt";
   fs::remove(list, error);
-  std::FILE* node = popen("node -", "w");
+  std::FILE* node =
+      popen(("cd " + for_shell(fs::absolute(folder)) + " && exec node -").c_str(), "w");
   if (node == nullptr) throw Failure(Exit::internal, "no process can be started");
   const auto send = [&](std::string_view text) { std::fwrite(text.data(), 1, text.size(), node); };
   send(assets::kVega);
   send(assets::kCharts);
-  send("const run = " + script_safe(data) +
-       ";\nconst folder = " + Report(fs::absolute(folder).string()).dump() + ";\n");
+  send("const run = " + script_safe(data) + ";\n");
   send(assets::kFigures);
   const int status = pclose(node);
   std::ifstream written(list);

@@ -85,6 +85,15 @@ TEST_F(Compare, ProbabilitiesAreThoseOfTheEvidences) {
   EXPECT_THAT(told.out, HasSubstr("ln Bayes factor of "));
 }
 
+TEST_F(Compare, FoldersMayHaveNamesThatAreNoText) {
+  run(two_storeys(1.0), "same");
+  run(two_storeys(2.0), "other\xff");
+  const Outcome ran = wheeltap(
+      where, "compare --json " + (where / "same").string() + " " + (where / "other\xff").string());
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(json::parse(ran.out)["runs"][1]["run"].get<std::string>(), HasSubstr("other\\xff"));
+}
+
 TEST_F(Compare, OfOtherDataIsRefused) {
   run(two_storeys(1.0), "same");
   json moved = two_storeys(2.0);

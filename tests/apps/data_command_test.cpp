@@ -49,6 +49,16 @@ TEST_F(DataCommand, TellsChannelsAndFaults) {
   EXPECT_EQ(out["tables"][0]["sample_rate_hz"], 50.0);
 }
 
+// A logger's one byte a character, and a file whose name is no text: 70 once, for --json.
+TEST_F(DataCommand, TextsThatAreNotUtf8) {
+  where.write("Weg\xff.csv", "time [s],Weg [\xb5m],Kraft [N]\n0,1,2\n0.1,2,4\n0.2,1,3\n0.3,2,5\n");
+  const Outcome ran = run(path("Weg\xff.csv") + " --json");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const json out = json::parse(ran.out);
+  EXPECT_THAT(out["file"].get<std::string>(), HasSubstr("Weg\\xff.csv"));
+  EXPECT_EQ(out["tables"][0]["channels"][0]["unit"], "µm");
+}
+
 // Every bit survives, in every format that we write and read.
 TEST_F(DataCommand, ConvertsWithoutLoss) {
   const signals::Record before = signals::read_record(path("record.csv"));

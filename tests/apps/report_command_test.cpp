@@ -56,6 +56,20 @@ TEST_F(ReportCommand, DrawsTheSameReportAgain) {
   EXPECT_EQ(read_all(run_ / "report.html"), drawn_);
 }
 
+TEST_F(ReportCommand, FiguresAreDrawnInAFolderOfAnyName) {
+  if (std::system("node --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no Node.js";
+  const std::filesystem::path odd = where_ / "of 'Mat\xe9riel'";
+  std::filesystem::rename(run_, odd);
+  const Outcome outcome = wheeltap(where_, "report --figures \"" + odd.string() + '"');
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(outcome.err.empty()) << outcome.err;
+  std::ifstream list(odd / "figures" / "figures.txt");
+  int n = 0;
+  for (std::string name; std::getline(list, name); ++n)
+    EXPECT_THAT(read_all(odd / "figures" / name), HasSubstr("<svg")) << name;
+  EXPECT_GT(n, 0);
+}
+
 TEST_F(ReportCommand, MissingEndsWith66) {
   std::filesystem::remove(run_ / "posterior.nc");
   expect_refusal(66, "posterior.nc: no such file");

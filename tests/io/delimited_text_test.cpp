@@ -28,6 +28,17 @@ std::string error(const std::string& text) {
 
 using Values = std::vector<double>;
 
+TEST(DelimitedText, Latin1BecomesUtf8) {
+  const Columns t = parse(
+      "Weg [\xb5m];\"\xc4quator; au\xdf"
+      "en [\xb0]\"\n0;1\n");
+  ASSERT_EQ(t.columns.size(), 2U);
+  EXPECT_EQ(t.columns[0].name, "Weg");
+  EXPECT_EQ(t.columns[0].unit, "µm");
+  EXPECT_EQ(t.find("Äquator; außen [°]"), 1);
+  EXPECT_EQ(parse("Weg [µm]\n0\n").find("Weg [µm]"), 0);
+}
+
 TEST(DelimitedText, OneGrammarForAllSeparators) {
   for (const std::string s : {",", ";", "\t", " , ", "; "}) {
     const Columns t =

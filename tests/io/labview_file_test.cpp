@@ -53,6 +53,18 @@ TEST(LabviewFile, OneTimeColumn) {
   EXPECT_TRUE(std::isnan(c.columns[2].values[2]));
 }
 
+TEST(LabviewFile, Latin1BecomesUtf8) {
+  std::string segment = kSegment;
+  segment.replace(segment.find("m/s^2"), 5, "m/s\xb2");
+  segment.replace(segment.find("force"), 5,
+                  "Kr\xe4"
+                  "fte");
+  const Columns c = parsed(header("One") + segment + "0.50\t1.5\t-2\r\n0.75\t1.25e1\t3\r\n");
+  ASSERT_EQ(c.columns.size(), 3U);
+  EXPECT_EQ(c.columns[1].unit, "m/s²");
+  EXPECT_EQ(c.columns[2].name, "Kräfte");
+}
+
 TEST(LabviewFile, WithoutATimeColumnItIsMade) {
   const Columns c = parsed(header("No") + kSegment + "\t1\t2\r\n\t3\t4\r\n\t5\t6\r\n");
   EXPECT_THAT(c.columns[0].values, ElementsAre(0.5, 0.75, 1.0));

@@ -26,6 +26,15 @@ TEST(Text, KnowsWhatIsNotUtf8) {
   }
 }
 
+TEST(Text, WhatIsNotUtf8IsTakenForLatin1) {
+  EXPECT_EQ(in_utf8("Weg [\xb5m]"), "Weg [µm]");
+  EXPECT_EQ(in_utf8("Gr\xf6\xdf"
+                    "e"),
+            "Größe");
+  for (const char* fine : {"", "force [N]", "Weg [µm]", "梁, 🔧", "a\nb\x1b"})
+    EXPECT_EQ(in_utf8(fine), fine);
+}
+
 TEST(Text, AllowsLinesWhereTheyAreAskedFor) {
   EXPECT_EQ(first_unprintable("ab\nc"), 2U);
   EXPECT_FALSE(first_unprintable("ab\nc\td", "\n\t"));

@@ -96,6 +96,16 @@ class Runs(unittest.TestCase):
             code, _, err = program("report", f"{folder}/python")
             self.assertEqual(code, 0, err)
 
+    def test_a_date_that_is_none_is_refused(self):
+        self.addCleanup(os.environ.pop, "SOURCE_DATE_EPOCH")
+        result = wt.damage(cantilever(), **SHORT)
+        for date in ("yesterday", "", "1.5", "-1", "1e400", "253402300800"):
+            os.environ["SOURCE_DATE_EPOCH"] = date
+            with tempfile.TemporaryDirectory() as folder:
+                with self.assertRaisesRegex(wt.FileError, "posterior.nc: SOURCE_DATE_EPOCH: .* must be a whole number"):
+                    result.save(f"{folder}/run")
+                self.assertEqual(os.listdir(folder), [])
+
     def test_pickle(self):
         again = pickle.loads(pickle.dumps(self.result))
         self.assertEqual(again.summary, self.result.summary)
