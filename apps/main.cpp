@@ -53,6 +53,13 @@ int report(Exit exit, const std::string& line) {
   return static_cast<int>(exit);
 }
 
+// The end of whatever says something: a full disk behind standard output is no success.
+int printed() {
+  std::cout.flush();
+  if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");
+  return static_cast<int>(Exit::done);
+}
+
 std::string joined(int argc, char** argv) {
   std::string line = "wheeltap";
   for (int i = 1; i < argc; ++i) {
@@ -450,7 +457,8 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {
-    return app.exit(asked);
+    app.exit(asked);
+    return printed();
   } catch (const CLI::ParseError& error) {
     const auto chosen = app.get_subcommands();
     std::string what = error.what();
@@ -510,9 +518,7 @@ int run(int argc, char** argv) {
     if (explain_command->parsed()) std::cout << apps::explanation(key);
     if (completion_command->parsed()) std::cout << apps::completion(text_of(app), shell);
     if (man_command->parsed()) std::cout << apps::man_page(text_of(app));
-    std::cout.flush();
-    if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");
-    return static_cast<int>(Exit::done);
+    return printed();
   } catch (const apps::FailedOnFirstRank&) {
     return static_cast<int>(Exit::done);  // that one says and returns what it was
   } catch (const std::exception&) {

@@ -35,6 +35,19 @@ void expect_refusal(const Workspace& where, const std::string& arguments, int co
   for (const std::string& word : words) EXPECT_THAT(outcome.err, HasSubstr(word));
 }
 
+TEST(CommandLine, AnswersThatCannotBePrintedEndWith73) {
+  const Workspace where;
+  const std::string c = where.write_json("c.json", small_case()).string();
+  const std::string err = (where / "err").string();
+  for (const std::string& asked : {std::string("--help"), std::string("--version"), "modes " + c,
+                                   std::string("damage --help"), std::string("schema")}) {
+    const std::string command = std::string(WHEELTAP_PROGRAM) + " " + asked + " >/dev/full 2>";
+    const int status = std::system((command + err).c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 73) << asked;
+    EXPECT_EQ(read_all(err), "wheeltap: standard output cannot be written\n") << asked;
+  }
+}
+
 TEST(CommandLine, BadCommandLinesEndWith64) {
   const Workspace where;
   const std::string c = where.write_json("c.json", small_case()).string();
