@@ -441,7 +441,11 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
   const auto arguments = [&](std::size_t n) {
     const Json& list = prior.at(family);
     if (list.is_number() && n == 1) return std::vector<double>{list.get<double>()};
-    return list.get<std::vector<double>>();
+    auto numbers = list.get<std::vector<double>>();
+    if (numbers.size() != n)
+      throw std::invalid_argument("has " + std::to_string(numbers.size()) + " numbers, must have " +
+                                  std::to_string(n));
+    return numbers;
   };
   try {
     using namespace inference;
@@ -468,6 +472,7 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
     if (family == "gamma") return Prior(Gamma{a[0], a[1]});
     if (family == "inverse_gamma") return Prior(InverseGamma{a[0], a[1]});
     const auto on = prior.value("on", std::vector<double>{0.0, 1.0});
+    if (family != "beta" || on.size() != 2) throw std::invalid_argument("is no prior");
     return Prior(Beta{a[0], a[1], on[0], on[1]});
   } catch (const std::invalid_argument& error) {
     file.refuse(where / family, error.what());

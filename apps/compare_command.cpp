@@ -68,18 +68,15 @@ Report measured_of(const std::string& name, const Report& summary) {
   Report out = Report::object();
   for (const char* key : {"data", "record"})
     if (given.contains(key)) out[key] = measured_in(given[key]);
-  if (given.contains("baseline")) out["baseline"] = measured_in(given["baseline"]["data"]);
+  if (given.contains("baseline")) out["baseline"] = measured_in(given["baseline"].at("data"));
   for (const Report& record : given.value("records", Report::array()))
     out["records"].push_back(measured_in(record));
   return out;
 }
 
-Compared read_run(const std::filesystem::path& folder) {
-  Compared out{.name = folder.lexically_normal().string()};
-  const std::optional<Report> summary = stored_summary(folder);
-  if (!summary || !summary->contains("wheeltap") || !(*summary)["wheeltap"].contains("case"))
-    throw Failure(Exit::no_input, io::printable(out.name) + ": holds no finished run");
-  const Report& s = *summary;
+/// A summary that anybody may have edited: throws what JSON of another shape throws.
+Compared compared(const std::string& name, const Report& s) {
+  Compared out{.name = name};
   out.title = s.value("title", "");
   out.command = s["wheeltap"].value("command", "");
   out.measured = measured_of(out.name, s);
@@ -87,18 +84,31 @@ Compared read_run(const std::filesystem::path& folder) {
   const auto best = std::ranges::max_element(
       models, {}, [](const Report& m) { return number_at(m, "probability"); });
   if (best == models.end()) refuse(out.name, "compares no models: there is no evidence in it");
-  const double p = number_at(*best, "probability"), log_z = number_at(*best, "log_evidence");
-  if (!std::isfinite(log_z) || !(p > 0.0))
+  const double p = number_at(*best, "probability"), prior = number_at(*best, "prior"),
+               log_z = number_at(*best, "log_evidence");
+  if (!std::isfinite(log_z) || !(p > 0.0) || !(prior > 0.0))
     refuse(out.name,
            "the evidence of its most probable model is not known; run it again with "
            "--evidence=bridge");
   out.model = models.size() > 1 ? best->value("name", "") : "";
-  out.log_evidence = log_z + std::log(number_at(*best, "prior")) - std::log(p);
+  out.log_evidence = log_z + std::log(prior) - std::log(p);
   const double error = number_at(*best, "log_evidence_se"), mcse = number_at(*best, "mcse");
   out.error = std::hypot(std::isfinite(error) ? error : 0.0, std::isfinite(mcse) ? mcse / p : 0.0);
   if (s.contains("diagnostics")) out.converged = s["diagnostics"].value("converged", false);
   if (s.contains("fit") && s["fit"].is_object()) out.fits = s["fit"].value("ok", true);
   return out;
+}
+
+Compared read_run(const std::filesystem::path& folder) {
+  const std::string name = folder.lexically_normal().string();
+  const std::optional<Report> summary = stored_summary(folder);
+  if (!summary || !summary->contains("wheeltap") || !(*summary)["wheeltap"].contains("case"))
+    throw Failure(Exit::no_input, io::printable(name) + ": holds no finished run");
+  try {
+    return compared(name, *summary);
+  } catch (const nlohmann::json::exception& error) {
+    refuse(name, std::string("summary.json does not hold what a run writes: ") + error.what());
+  }
 }
 
 void weigh(std::vector<Compared>& runs) {

@@ -94,6 +94,21 @@ TEST_F(Compare, FoldersMayHaveNamesThatAreNoText) {
   EXPECT_THAT(json::parse(ran.out)["runs"][1]["run"].get<std::string>(), HasSubstr("other\\xff"));
 }
 
+TEST_F(Compare, SummariesOfAnotherShapeAreRefused) {
+  run(two_storeys(1.0), "same");
+  std::filesystem::copy(where / "same", where / "other");
+  const json whole = json::parse(read_all(where / "same" / "summary.json"));
+  for (const char* place : {"/title", "/wheeltap/command", "/wheeltap/case", "/models",
+                            "/models/0/prior", "/models/0/probability", "/diagnostics/converged"}) {
+    json changed = whole;
+    changed[json::json_pointer(place)] = {{"of", "another shape"}};
+    std::ofstream(where / "other" / "summary.json") << changed;
+    const Outcome outcome = compare("");
+    EXPECT_EQ(outcome.exit_code, 65) << place << ": " << outcome.err;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  }
+}
+
 TEST_F(Compare, OfOtherDataIsRefused) {
   run(two_storeys(1.0), "same");
   json moved = two_storeys(2.0);

@@ -114,6 +114,20 @@ TEST_F(ReportCommand, SummaryWithPartsOfAnotherShapeEndsWith65) {
   }
 }
 
+// Fault: priors in the case that a summary repeats were taken to have as many numbers as they need.
+TEST_F(ReportCommand, PriorsOfAnotherShapeAreNotDrawn) {
+  const json whole = json::parse(read_all(run_ / "summary.json"));
+  for (const char* wrong : {R"({"normal": []})", R"({"log_normal": 2})", R"({"beta": [1]})",
+                            R"({"beta": [1, 1], "on": []})", R"({"truncated_normal": [0, 1]})",
+                            R"({"half_normal": [0, 1]})", R"({"nothing": [0, 1]})", "{}"}) {
+    json changed = whole;
+    changed["wheeltap"]["case"]["damage"]["location"] = json::parse(wrong);
+    where_.write("run/summary.json", changed.dump());
+    const Outcome outcome = wheeltap(where_, "report " + run_.string());
+    EXPECT_EQ(outcome.exit_code, 0) << wrong << ": " << outcome.err;
+  }
+}
+
 // Fault: of a hundred bins along any beam, some lay across the ends of elements.
 TEST_F(ReportCommand, BinsAlongTheBeamEndWhereElementsDo) {
   const json elements = json::parse(read_all(run_ / "summary.json"))["beam"]["elements"];
