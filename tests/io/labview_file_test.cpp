@@ -59,7 +59,8 @@ TEST(LabviewFile, Latin1BecomesUtf8) {
   segment.replace(segment.find("force"), 5,
                   "Kr\xe4"
                   "fte");
-  const Columns c = parsed(header("One") + segment + "0.50\t1.5\t-2\r\n0.75\t1.25e1\t3\r\n");
+  const Columns c =
+      parsed(header("One") + segment + "0.50\t1.5\t-2\r\n0.75\t1.25e1\t3\r\n1.00\t-1\t2\r\n");
   ASSERT_EQ(c.columns.size(), 3U);
   EXPECT_EQ(c.columns[1].unit, "m/s²");
   EXPECT_EQ(c.columns[2].name, "Kräfte");
