@@ -20,6 +20,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "apps/json_text.hpp"
 #include "apps/words.hpp"
 #include "base/stop_signals.hpp"
 #include "io/bytes.hpp"
@@ -154,6 +155,9 @@ std::vector<std::string> CommandModel::words_in(const fs::path& directory) const
 std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) const {
   std::error_code missing;
   if (!fs::exists(file, missing)) return "it ended well and wrote no predictions";
+  if (const auto bytes = fs::file_size(file, missing); !missing && bytes > kLargestAnswer)
+    return "it wrote " + std::to_string(bytes) + " bytes, more than the " +
+           std::to_string(kLargestAnswer) + " that an answer may have";
   const std::string text = io::read_bytes(file);
   std::vector<double> found;
   if (spec_.numbers) {
@@ -167,7 +171,7 @@ std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) c
       found.push_back(value);
     }
   } else {
-    Json said = Json::parse(text, nullptr, false);
+    Json said = parse_answer(text);
     if (said.is_object() && said.contains("predictions")) said = Json(said["predictions"]);
     if (said.is_discarded()) {
       if (text.find("NaN") == std::string::npos && text.find("Infinity") == std::string::npos)

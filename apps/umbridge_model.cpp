@@ -11,6 +11,7 @@
 #include <numeric>
 #include <thread>
 
+#include "apps/json_text.hpp"
 #include "apps/words.hpp"
 #include "io/text.hpp"
 
@@ -171,7 +172,7 @@ class UmbridgeModel final : public OutsideModel {
     if (spec_.model.empty() || !has(spec_.model))
       wrong(at("Info"), (spec_.model.empty() ? "offers several models"
                                              : "offers no model \"" + spec_.model + "\"") +
-                            std::string(" (it has: ") + listed(names) +
+                            std::string(" (it has: ") + beginning(listed(names)) +
                             "); \"model\" in the predictor names one");
     const Json about = ask("ModelInfo", {{"name", spec_.model}});
     const Json& support = field(about, "support", at("ModelInfo"));
@@ -223,8 +224,8 @@ class UmbridgeModel final : public OutsideModel {
   }
 
   /// What a server said was wrong, in its own words.
-  static std::string complaint(const httplib::Response& answer) {
-    const Json said = Json::parse(answer.body, nullptr, false);
+  static std::string complaint(int status, const std::string& body) {
+    const Json said = parse_answer(body);
     std::string words;
     if (said.is_object() && said.contains("error") && said["error"].is_object()) {
       const Json& error = said["error"];
@@ -232,43 +233,63 @@ class UmbridgeModel final : public OutsideModel {
         if (error.contains(key) && error[key].is_string())
           words += (words.empty() ? "" : ": ") + error[key].get<std::string>();
     } else {
-      words = answer.body;
+      words = body;
     }
-    return "HTTP " + std::to_string(answer.status) + (words.empty() ? "" : ": " + beginning(words));
+    return "HTTP " + std::to_string(status) + (words.empty() ? "" : ": " + beginning(words));
   }
 
   Json ask(const std::string& endpoint, const Json& question) {
     const std::string where = at(endpoint);
-    const std::string body = question.dump();
+    httplib::Request request;
+    request.method = "GET";
+    request.path = path_ + "/" + endpoint;
+    std::string asked;
+    if (!question.is_null()) {
+      request.method = "POST";
+      request.body = question.dump();
+      request.set_header("Content-Type", "application/json");
+      asked = ", to " + request.body;
+    }
     std::string trouble;
     auto client = take_client();
     double pause = kFirstPause;
     for (int attempt = 0;; ++attempt) {
       const auto began = std::chrono::steady_clock::now();
-      const auto answer = question.is_null()
-                              ? client->Get(path_ + "/" + endpoint)
-                              : client->Post(path_ + "/" + endpoint, body, "application/json");
+      const auto seconds = [began] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+      };
+      std::string text;
+      bool too_long = false, too_slow = false;
+      // A server that never ends its answer, in no time or in drops, ends by this.
+      request.content_receiver = [&](const char* data, std::size_t n, auto, auto) {
+        too_long = text.size() + n > kLargestAnswer;
+        too_slow = seconds() > spec_.patience.timeout_seconds;
+        if (too_long || too_slow) return false;
+        text.append(data, n);
+        return true;
+      };
+      const auto answer = client->send(request);
+      if (too_long)
+        wrong(where,
+              "answered with more than " + std::to_string(kLargestAnswer) + " bytes" + asked);
       if (answer && answer->status == 200) {
-        Json said = Json::parse(answer->body, nullptr, false);
+        Json said = parse_answer(text);
         if (said.is_discarded()) {
-          std::string words = answer->body.substr(0, kLongest);
-          const bool nan = answer->body.find("NaN") != std::string::npos ||
-                           answer->body.find("Infinity") != std::string::npos;
-          wrong(where, (nan ? "answered with numbers that are not finite, to "
-                            : "answered with what is no JSON, to ") +
-                           body + ": " + words);
+          const bool nan =
+              text.find("NaN") != std::string::npos || text.find("Infinity") != std::string::npos;
+          wrong(where, (nan ? "answered with numbers that are not finite"
+                            : "answered with what is no JSON") +
+                           asked + ": " + text.substr(0, kLongest));
         }
         const std::lock_guard lock(mutex_);
         idle_.push_back(std::move(client));
         return said;
       }
-      if (answer && answer->status < 500) wrong(where, complaint(*answer) + ", to " + body);
-      const double seconds =
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+      if (answer && answer->status < 500) wrong(where, complaint(answer->status, text) + asked);
       if (answer) {
-        trouble = complaint(*answer);
-      } else if (answer.error() == httplib::Error::Read &&
-                 seconds >= 0.95 * spec_.patience.timeout_seconds) {
+        trouble = complaint(answer->status, text);
+      } else if (too_slow || (answer.error() == httplib::Error::Read &&
+                              seconds() >= 0.95 * spec_.patience.timeout_seconds)) {
         trouble = "no answer in " + significant(spec_.patience.timeout_seconds, 3) +
                   " s (\"timeout\" in the predictor)";
       } else {

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "apps/case_file.hpp"
+#include "apps/json_text.hpp"
 
 namespace wheeltap::apps {
 
@@ -133,6 +134,7 @@ class Server {
     const auto threads = static_cast<std::size_t>(std::max(1, options.threads));
     server_.new_task_queue = [threads] { return new httplib::ThreadPool(threads); };
     server_.set_tcp_nodelay(true);
+    server_.set_payload_max_length(kLargestAnswer);
     server_.set_keep_alive_max_count(std::numeric_limits<int>::max());
     server_.Get("/Info", [this](const httplib::Request&, httplib::Response& response) {
       Json names = Json::array();
@@ -198,7 +200,7 @@ class Server {
   }
 
   Json make_answer(const std::string& body, const Answer& make) {
-    const Json question = Json::parse(body, nullptr, false);
+    const Json question = parse_answer(body);
     if (question.is_discarded()) throw Refusal{"InvalidInput", "the question is no JSON"};
     const Json& name = field(question, "name");
     const auto found = std::ranges::find_if(

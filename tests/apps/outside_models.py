@@ -197,6 +197,13 @@ def ours_passes_a_client(runs, case_a):
                 (400, "UnsupportedFeature", "/ApplyHessian", {"name": "forward"})]:
             told = client.post(path, **question)
             assert told[0] == status and told[1]["error"]["type"] == kind, (path, question, told)
+        deep = "[" * 100_000 + "]" * 100_000
+        for question in (f'{{"name": {deep}}}', f'{{"name": "forward", "input": [[{deep}, 1]]}}', deep, " " * (17 << 20)):
+            client.connection.request("POST", "/Evaluate", question)
+            answer = client.connection.getresponse()
+            answer.read()
+            assert answer.status in (400, 413), (question[:40], answer.status)
+            client.connection.close()
         assert client.evaluate("forward", x)  # and goes on
     with Serving(runs.program, pathlib.Path(case_a)) as server:
         client = Client(server.url)
@@ -397,6 +404,10 @@ def failing_programs_are_named(runs, _):
     fails("2 predictions, must be 4")
     program(out.format('[1.0, 2.0, float("nan"), 4.0]'))
     fails("not finite")
+    program('open(sys.argv[2], "w").write("[" * 100_000 + "]" * 100_000)')
+    fails("no JSON")
+    program('open(sys.argv[2], "w").write(" " * (17 << 20))')
+    fails("17825792 bytes", "16777216")
     program('open(sys.argv[2], "w").write("1 2 nan 4")')
     fails("prediction 3 is nan", format="numbers")
     program('open(sys.argv[2], "w").write("1 2 three 4")')
@@ -434,6 +445,9 @@ def failing_servers_are_named(runs, _):
     fails(Model(2, MODES, lambda x: [1.0, math.nan, 2.0, 3.0]), 65, "not finite")
     fails(Model(2, MODES, lambda x: [1.0, None, 2.0, 3.0]), 65, "null", "finite number")
     fails(Model(2, MODES, raising(Broken(text="<html>"))), 65, "no JSON")
+    fails(Model(2, MODES, raising(Broken(text="[" * 100_000 + "]" * 100_000))), 65, "no JSON")
+    fails(Model(2, MODES, raising(Broken(text=" " * (17 << 20)))), 65, "more than 16777216 bytes")
+    fails(Model(2, MODES, raising(Broken(endless=True))), 66, "no answer in 0.3 s", timeout=0.3)
     fails(Model(2, MODES, raising(Broken(status=400))), 65, "HTTP 400", "broken")
     fails(Model(2, MODES, raising(Broken(status=500))), 66, "HTTP 500", "broken")
     fails(Model(2, MODES, raising(ConnectionAbortedError())), 66, "connection broke")

@@ -8,11 +8,11 @@ import urllib.parse
 
 
 class Broken(Exception):
-    """What a test wants to go wrong: an HTTP status, or the bare text that is answered."""
+    """What a test wants to go wrong: an HTTP status, or the bare text that is answered, or one that never ends."""
 
-    def __init__(self, status=None, text=None):
+    def __init__(self, status=None, text=None, endless=False):
         super().__init__(status or text)
-        self.status, self.text = status, text
+        self.status, self.text, self.endless = status, text, endless
 
 
 class Model:
@@ -71,6 +71,13 @@ class Server:
                 except Broken as broken:
                     if broken.status:
                         self.say(broken.status, json.dumps({"error": {"type": "InvalidOutput", "message": "broken"}}))
+                    elif broken.endless:
+                        self.send_response(200)
+                        self.send_header("Content-Length", str(10**12))
+                        self.end_headers()
+                        while True:  # until the client goes away
+                            self.wfile.write(b" ")
+                            self.wfile.flush()
                     else:
                         self.say(200, broken.text)
 
