@@ -83,6 +83,7 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
     resume(run, state);
   } else {
     state = begin(run);
+    if (run.monitor.stopped()) return finish(run, state);  // as if nothing had begun
     run.safe_points.pass(state);
   }
   for (Chain& chain : state.posterior.chains) chain.keep_in(options.draws_folder);

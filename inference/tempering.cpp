@@ -40,7 +40,8 @@ State start_from_prior(Target& target, base::Random& random) {
                         " points drawn from the prior");
 }
 
-void check_models(Target& target, std::uint64_t seed) {
+void check_models(Target& target, std::uint64_t seed,
+                  const std::function<bool(double tried)>& goes_on) {
   std::shared_ptr<const Problem> part;
   std::unique_ptr<Target> shortened;
   if (target.problem().shortened && target.problem().samples > kFirstSamples) {
@@ -54,6 +55,7 @@ void check_models(Target& target, std::uint64_t seed) {
     State state;
     bool finite = false;
     for (int i = 0; i < tries && !finite; ++i) {
+      if (goes_on && !goes_on((m + static_cast<double>(i) / tries) / target.space().size())) return;
       base::Random random(seed, static_cast<std::uint64_t>(m),
                           static_cast<std::uint64_t>(kFirstOfCheck + i), base::Purpose::start);
       target.draw_prior(m, random, state);

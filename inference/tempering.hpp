@@ -115,6 +115,9 @@ class TemperedChain {
 /// Throws LikelihoodError, naming the model, for a model with prior weight whose likelihood is
 /// finite at none of 100 000 draws from its prior (5000 where the problem can be shortened: all
 /// but the first 200 by its first 50 samples, before the whole). Stops at the first finite one.
-void check_models(Target& target, std::uint64_t seed);
+/// `goes_on`, if any, is asked before every try, told the share of all that has been tried at most;
+/// where it says no, the models that are left are not spoken of.
+void check_models(Target& target, std::uint64_t seed,
+                  const std::function<bool(double tried)>& goes_on = {});
 
 }  // namespace wheeltap::inference

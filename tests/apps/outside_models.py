@@ -423,6 +423,21 @@ def failing_programs_are_named(runs, _):
     runs.fails(outside({"command": "./bad {in} {out}", "modle": 1}), 65, "/predictor/modle")
 
 
+def a_stop_is_heard_before_anything_is_possible(runs, _):
+    """Where nothing that the prior proposes is possible, a hundred thousand points are tried: for hours, by a program."""
+    path = runs.folder / "bad"
+    path.write_text("#!/usr/bin/env python3\nimport os, pathlib, signal, sys\n"
+                    f"calls = pathlib.Path({str(runs.folder / 'calls')!r})\n"
+                    "calls.open('a').write('x')\n"
+                    "if len(calls.read_text()) == 30: os.kill(os.getppid(), signal.SIGTERM)\n"
+                    "open(sys.argv[2], 'w').write('[-1, -1, -1, -1]')\n")
+    path.chmod(0o755)
+    done, out = runs.run(outside({"command": "./bad {in} {out}"}), "--allow-commands")
+    assert done.returncode == 130, (done.returncode, done.stderr)
+    assert done.stderr.startswith("wheeltap: stopped before anything was found"), done.stderr
+    assert not list(out.glob("*.part*")), list(out.iterdir())
+
+
 def failing_servers_are_named(runs, _):
     with Server({"strip": Model(2, MODES, strip)}) as server:
         gone = server.url
@@ -509,7 +524,7 @@ def a_killed_server_costs_nothing(runs, _):
 
 CHECKS = [a_python_server_predicts_the_beam, ours_served_gives_the_same_bits, ours_passes_a_client, chains_are_served,
           a_damage_is_found_by_a_served_beam, an_emulator_in_front_of_a_beam, programs_predict, an_emulator_in_front, failing_programs_are_named,
-          failing_servers_are_named, a_killed_server_costs_nothing]
+          failing_servers_are_named, a_stop_is_heard_before_anything_is_possible, a_killed_server_costs_nothing]
 
 if __name__ == "__main__":
     program, case_a, name = sys.argv[1:]

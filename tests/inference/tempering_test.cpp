@@ -98,6 +98,18 @@ TEST(Tempering, FindsASmallFeasibleRegionInThePrior) {
   }
 }
 
+TEST(Tempering, AsksWhetherToGoOnBeforeEveryTry) {
+  const Problem problem = never();
+  Target target(problem, false);
+  int asked = 0;
+  EXPECT_NO_THROW(check_models(target, 1, [&](double tried) {
+    EXPECT_DOUBLE_EQ(tried, asked / 100'000.0);
+    return ++asked <= 10;
+  }));
+  EXPECT_EQ(asked, 11);
+  EXPECT_EQ(target.evaluations(), 10);
+}
+
 TEST(Tempering, RefusesAModelThatIsNowherePossible) {
   const Problem problem = never();
   Target target(problem, false);
