@@ -48,6 +48,7 @@ int report(Exit exit, const std::string& line) {
   constexpr std::size_t kLongest = 1000;
   if (exit == Exit::usage && words.size() > kLongest)
     words.replace(kLongest / 2, words.size() - kLongest, " ... ");
+  words = io::printable(words);  // the cut may have halved a character
   std::cerr << "wheeltap: " << words << '\n';
   last_words() = words;
   return static_cast<int>(exit);

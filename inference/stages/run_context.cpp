@@ -31,17 +31,13 @@ RunState begin(RunContext& run) {
     // Where all that the priors propose is impossible, a slow likelihood takes long to say so. By
     // ranks every one tries for itself, and none may leave alone.
     const auto began = std::chrono::steady_clock::now();
-    double before = -1.0;
+    double before = 0.0;
+    run.monitor.begin("starting", 1.0);
     const auto goes_on = [&](double tried) {
       constexpr std::chrono::seconds kUnsaid{1};
       if (base::ranks() || std::chrono::steady_clock::now() - began < kUnsaid) return true;
-      if (before < 0.0) {
-        run.monitor.begin("starting", 1.0);
-        before = 0.0;
-      }
       run.monitor.evaluated(1);
-      const double share = tried - std::exchange(before, tried);
-      return run.monitor.advance(share);
+      return run.monitor.advance(tried - std::exchange(before, tried));
     };
     check_models(target, run.options.seed, goes_on);
     state.shared_evaluations += target.evaluations();

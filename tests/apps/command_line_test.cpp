@@ -8,6 +8,7 @@
 #include <csignal>
 
 #include "emulator/table_file.hpp"
+#include "io/text.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {
@@ -68,6 +69,11 @@ TEST(CommandLine, BadCommandLinesEndWith64) {
                  {"--prior-only", "--evidence"});
   expect_refusal(where, "schema nothing", 64, {"nothing", "damage"});
   const std::string endless(100000, '7');
+  for (std::size_t shift = 0; shift < 3; ++shift) {  // one of them would halve a character
+    std::string typed = "damage " + c + " --seed " + std::string(shift, 'a');
+    for (int i = 0; i < 5000; ++i) typed += "梁";
+    EXPECT_FALSE(io::first_unprintable(wheeltap(where, typed).err, "\n"));
+  }
   for (const std::string& typed :
        {"damage " + c + " --seed " + endless, endless, "damage " + c + " -o x --set " + endless}) {
     EXPECT_LT(wheeltap(where, typed).err.size(), 1100U);

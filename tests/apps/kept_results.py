@@ -4,18 +4,17 @@
 usage: kept_results.py PROGRAM DATA [COUNT] [SEED]
 
 Values of summary.json and modes.json are taken away, become of another shape, or are changed as mutations.py changes
-cases; of whatever else is there, bytes are. The
-report, compare and one in ten --resume of such a folder must end with exit code 0, 65 or 66 and at most one line of ours, without a
-signal, within 10 s of processor time; where one ends otherwise, its folder is kept, and the last line names it.
+cases; of whatever else is there, bytes are. Then `report`, `compare` with the run as it was, and one time in ten
+`--resume` must end with exit code 0, 65 or 66, without a signal, within 10 s of processor time, and say one line where
+that is not 0. Where one ends otherwise, its folder is kept, in the one that the last line names.
 
-ctest makes 60 of them (apps.kept_results). The long run, a quarter of an hour on two cores:
+ctest makes 60 of them (apps.kept_results). The long run, three minutes on two idle cores:
 
     tests/apps/kept_results.py build/release/apps/wheeltap data 3000
 """
 import concurrent.futures
 import copy
 import json
-import os
 import pathlib
 import random
 import shutil
@@ -23,7 +22,8 @@ import subprocess
 import sys
 import tempfile
 
-from mutations import NUMBERS, OTHERS, SECONDS, SHORT, TEXTS, at, limits, mutate, mutate_bytes, places
+from mutations import (NUMBERS, OTHERS, SECONDS, SHORT, TEXTS, at, command_line_of_script, limits, mutate, mutate_bytes,
+                       places)
 
 RUNS = {
     "beam": ("damage", "beam/case-a-fe.json", [*SHORT, "--evidence"]),
@@ -98,9 +98,7 @@ def again(program, data, made, number, seed, scratch):
 
 
 def main():
-    program, data = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
-    count = int(sys.argv[3]) if len(sys.argv) > 3 else 3000
-    seed = sys.argv[4] if len(sys.argv) > 4 else "1"
+    program, data, count, seed = command_line_of_script()
     scratch = pathlib.Path(tempfile.mkdtemp(prefix="wheeltap-kept-results-"))
     made = scratch / "made"
     codes, faults = {}, 0

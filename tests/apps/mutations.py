@@ -195,10 +195,15 @@ def run(program, origin, number, seed, scratch):
     return code, f"{case} (of {origin.name}): {', '.join(why)}: {last[:200]}"
 
 
-def main():
+def command_line_of_script():
+    """PROGRAM DATA [COUNT] [SEED]"""
     program, data = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
     count = int(sys.argv[3]) if len(sys.argv) > 3 else 3000
-    seed = sys.argv[4] if len(sys.argv) > 4 else "1"
+    return program, data, count, sys.argv[4] if len(sys.argv) > 4 else "1"
+
+
+def main():
+    program, data, count, seed = command_line_of_script()
     cases = sorted(data.rglob("*.json")) + [p for p in sorted(data.rglob("*")) if p.suffix in (".csv", ".uff")]
     scratch = pathlib.Path(tempfile.mkdtemp(prefix="wheeltap-mutations-"))
     codes, faults = {}, 0
