@@ -98,16 +98,15 @@ AnyJson parse_json(const std::filesystem::path& path, std::string_view text) {
 }
 
 nlohmann::json parse_answer(std::string_view text) {
-  using Json = nlohmann::json;
-  using Event = Json::parse_event_t;
+  using Event = nlohmann::json::parse_event_t;
   bool too_deep = false;
-  const auto watch = [&](int depth, Event event, const Json&) {
+  const auto watch = [&](int depth, Event event, const nlohmann::json&) {
     const bool opens = event == Event::array_start || event == Event::object_start;
     if (opens && depth >= static_cast<int>(kDeepestJson)) too_deep = true;
     return !too_deep;
   };
-  Json said = Json::parse(text, watch, false);
-  return too_deep ? Json(Json::value_t::discarded) : said;
+  nlohmann::json said = nlohmann::json::parse(text, watch, false);
+  return too_deep ? nlohmann::json(nlohmann::json::value_t::discarded) : said;
 }
 
 template nlohmann::json parse_json(const std::filesystem::path&, std::string_view);

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
+#include <stdexcept>
 
 #include "apps/batch_command.hpp"
 #include "apps/commands.hpp"
@@ -29,6 +30,7 @@
 #include "apps/update_command.hpp"
 #include "apps/whole_number.hpp"
 #include "base/simd.hpp"
+#include "io/date_of_files.hpp"
 #include "io/text.hpp"
 
 namespace {
@@ -110,19 +112,13 @@ CLI::Validator seconds() {
                 [](double x) { return x >= 0.0 && x <= 1e9; });
 }
 
-// The time that files say they were made, where the same bytes are wanted twice. What stays in the
-// environment is the number's plain form, as for options.
-void take_date_of_files() {
-  constexpr const char* kVariable = "SOURCE_DATE_EPOCH";
-  constexpr std::int64_t kEndOfYear9999 = 253'402'300'799;  // s
-  const char* text = std::getenv(kVariable);
-  if (text == nullptr) return;
-  const auto seconds = apps::whole_number(text, 0, kEndOfYear9999);
-  if (!seconds)
-    throw apps::Failure(Exit::usage, std::string(kVariable) + ": " + text +
-                                         ": must be a whole number of seconds from 0 to " +
-                                         std::to_string(kEndOfYear9999));
-  ::setenv(kVariable, std::to_string(*seconds).c_str(), 1);
+// Before there is anything to lose.
+void check_date_of_files() {
+  try {
+    (void)io::date_of_files();
+  } catch (const std::invalid_argument& error) {
+    throw apps::Failure(Exit::usage, error.what());
+  }
 }
 
 // --simd keeps libraries, which choose by the processor for themselves, to the same instructions:
@@ -491,7 +487,7 @@ int run(int argc, char** argv) {
     }
   }
   try {
-    take_date_of_files();
+    check_date_of_files();
     if (base::ranks() != nullptr) apps::require_equal_processors();
     for (const CLI::App* runs : {table_command, damage_command, sid_command, update_command,
                                  modal_command, batch_command}) {

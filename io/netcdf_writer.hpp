@@ -2,15 +2,13 @@
 #pragma once
 
 #include <algorithm>
-#include <charconv>
-#include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "io/date_of_files.hpp"
 #include "io/file_error.hpp"
 #include "io/netcdf_library.hpp"
 
@@ -39,24 +37,12 @@ class NetcdfWriter {
     if (status == NC_NOERR) return;
     throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
-  /// The program and the time, as ArviZ has them, and the run; SOURCE_DATE_EPOCH [s] is the time
-  /// where it is set, for files that are to be the same. Throws io::FileError (unwritable) where it
-  /// is no number of seconds before the year 10000.
+  /// The program and the time, as ArviZ has them, and the run. Throws what date_of_files throws.
   void about(const std::string& version, const std::string& run) const {
     text(file_.id, NC_GLOBAL, "inference_library", "wheeltap");
     text(file_.id, NC_GLOBAL, "inference_library_version", version);
     text(file_.id, NC_GLOBAL, "run_id", run);
-    std::time_t t = std::time(nullptr);
-    if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
-      constexpr std::time_t kEndOfYear9999 = 253'402'300'799;
-      const char* const last = epoch + std::strlen(epoch);
-      const auto [end, error] = std::from_chars(epoch, last, t);
-      if (error != std::errc() || end != last || t < 0 || t > kEndOfYear9999)
-        throw io::FileError(io::FileError::Kind::unwritable, path_,
-                            "SOURCE_DATE_EPOCH: " + std::string(epoch) +
-                                ": must be a whole number of seconds from 0 to " +
-                                std::to_string(kEndOfYear9999));
-    }
+    const std::time_t t = date_of_files();
     std::tm utc{};
     gmtime_r(&t, &utc);
     char created[32];
