@@ -29,9 +29,8 @@ std::string share_of(double share) {
   return significant(100.0 * share, 2) + " %";
 }
 
-std::string jumps(long proposed) {
-  return proposed > 0 ? "was not entered in " + grouped(proposed) + " proposals"
-                      : "was never entered";
+std::string jumps(long entered, long proposed) {
+  return "was " + entered_in_words(entered, proposed);
 }
 
 std::string implied(const inference::Estimate& p) {
@@ -48,8 +47,8 @@ struct Sentence {
   }
 
   std::string operator()(const ModelNotEntered& r) const {
-    return "Model " + quoted(r.model) + " " + jumps(r.proposed) + implied(r.by_evidence) + "." +
-           kSearchMore;
+    return "Model " + quoted(r.model) + " " + jumps(r.entered, r.proposed) +
+           implied(r.by_evidence) + "." + kSearchMore;
   }
   std::string operator()(const ModelNotInEveryChain& r) const {
     return "Model " + quoted(r.model) + " was drawn by " + std::to_string(r.visited) + " of " +
@@ -58,7 +57,7 @@ struct Sentence {
            kRunLonger;
   }
   std::string operator()(const ModelUnknown& r) const {
-    return "Model " + quoted(r.model) + " " + jumps(r.proposed) +
+    return "Model " + quoted(r.model) + " " + jumps(r.entered, r.proposed) +
            "; nothing is known of its evidence." + kRunLonger;
   }
   std::string operator()(const ModeNotInEveryChain& r) const {

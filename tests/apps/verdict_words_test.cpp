@@ -42,6 +42,10 @@ TEST(VerdictWords, OfEachReason) {
   EXPECT_EQ(sentence(ModelUnknown{.model = 1, .proposed = 12}),
             "Model 'two' was not entered in 12 proposals; nothing is known of its evidence. Run "
             "longer (--warmup, --draws).");
+  // Fault: "not entered" was said of a model that no kept draw shows.
+  EXPECT_EQ(sentence(ModelUnknown{.model = 1, .proposed = 786, .entered = 1}),
+            "Model 'two' was entered once in 786 proposals, but in no draw that was kept; nothing "
+            "is known of its evidence. Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 3, .chains = 4}),
             "A mode of model 'one' that the searches found, about 30 % of that model, is in the "
             "draws of 3 of 4 chains only. Run longer (--warmup, --draws).");
