@@ -28,6 +28,7 @@
 #include "emulator/journal.hpp"
 #include "fem/modal_analysis.hpp"
 #include "fem/structures/structure_modes.hpp"
+#include "identification/structure_plausibility.hpp"
 #include "io/atomic_file.hpp"
 #include "io/text.hpp"
 

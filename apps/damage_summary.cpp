@@ -34,7 +34,8 @@ Report by_member(const DamageCase& damage_case, const DamageFindings& findings) 
 }
 
 // The count with neighbouring damages counted as one, and the longer damages that they are.
-Report json(const DefectKind& kind, const DamageFindings& findings, const MergedFinding& merged) {
+Report merged_report(const DefectKind& kind, const DamageFindings& findings,
+                     const MergedFinding& merged) {
   Report counts = Report::object(), models = Report::object();
   for (std::size_t n = 0; n < merged.count.size(); ++n) counts[std::to_string(n)] = merged.count[n];
   for (const MergedModel& m : merged.models) {
@@ -81,7 +82,7 @@ Report where(const DamageCase& damage_case, const DamageFindings& findings) {
   Report out = {{"inclusion_by_element", by_element}, {"places", all_places}};
   for (const MergedFinding& merged : findings.merged) {
     const DefectKind& kind = damage_case.kinds[static_cast<std::size_t>(merged.kind)];
-    (several ? out["merged"][kind.name] : out["merged"]) = json(kind, findings, merged);
+    (several ? out["merged"][kind.name] : out["merged"]) = merged_report(kind, findings, merged);
   }
   if (damage_case.structure) out["inclusion_by_member"] = by_member(damage_case, findings);
   if (!findings.folded.empty()) {

@@ -29,8 +29,9 @@ std::string share_of(double share) {
   return significant(100.0 * share, 2) + " %";
 }
 
-std::string jumps(long entered, long proposed) {
-  return "was " + entered_in_words(entered, proposed);
+// Of a model in no draw: some jump may have entered it between two draws that were kept.
+std::string jumps(long proposed) {
+  return proposed > 0 ? "has no draws after " + grouped(proposed) + " proposals" : "has no draws";
 }
 
 std::string implied(const inference::Estimate& p) {
@@ -47,7 +48,7 @@ struct Sentence {
   }
 
   std::string operator()(const ModelNotEntered& r) const {
-    return "Model " + quoted(r.model) + " " + jumps(r.entered, r.proposed) +
+    return "Model " + quoted(r.model) + " " + jumps(r.proposed) +
            implied(r.by_evidence) + "." + kSearchMore;
   }
   std::string operator()(const ModelNotInEveryChain& r) const {
@@ -57,7 +58,7 @@ struct Sentence {
            kRunLonger;
   }
   std::string operator()(const ModelUnknown& r) const {
-    return "Model " + quoted(r.model) + " " + jumps(r.entered, r.proposed) +
+    return "Model " + quoted(r.model) + " " + jumps(r.proposed) +
            "; nothing is known of its evidence." + kRunLonger;
   }
   std::string operator()(const ModeNotInEveryChain& r) const {

@@ -15,7 +15,6 @@ class ModelSpace;
 struct ModelNotEntered {
   int model = 0;
   long proposed = 0;       ///< jumps into it, after warm-up
-  long entered = 0;        ///< and accepted, which no kept draw shows
   Estimate by_evidence{};  ///< its probability
 };
 /// One that some chains drew often and others never.
@@ -28,7 +27,6 @@ struct ModelNotInEveryChain {
 struct ModelUnknown {
   int model = 0;
   long proposed = 0;  ///< jumps into it, after warm-up
-  long entered = 0;   ///< and accepted, which no kept draw shows
 };
 /// A mode that a search found, and that chains should have drawn.
 struct ModeNotInEveryChain {

@@ -85,11 +85,10 @@ class Judge {
         ++out_.passed_over;
       } else if (s.visited == 0 && prior(at) > 0.0 && std::isnan(s.mcse) &&
                  s.basis == Basis::draws) {
-        unknown.emplace_back(
-            ModelUnknown{.model = m, .proposed = s.proposed, .entered = s.entered});
+        unknown.emplace_back(ModelUnknown{.model = m, .proposed = s.proposed});
       } else if (standings_.missed[at] && s.visited == 0) {
-        absent.emplace_back(ModelNotEntered{
-            .model = m, .proposed = s.proposed, .entered = s.entered, .by_evidence = implied(at)});
+        absent.emplace_back(
+            ModelNotEntered{.model = m, .proposed = s.proposed, .by_evidence = implied(at)});
       } else if (standings_.missed[at]) {
         partial.emplace_back(ModelNotInEveryChain{
             .model = m,

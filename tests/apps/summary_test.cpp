@@ -119,7 +119,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_FALSE(parameter_tables(found_in(posterior)).contains("1 damage"));
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
-  EXPECT_THAT(d["warnings"][0].get<std::string>(), HasSubstr("'1 damage' was not entered"));
+  EXPECT_THAT(d["warnings"][0].get<std::string>(), HasSubstr("'1 damage' has no draws"));
   EXPECT_EQ(d["warnings"][0], d["not_established"][0]);
   // Then why nothing explains the data; then the remarks by their gravity, alike ones in one.
   ASSERT_EQ(d["warnings"].size(), d["not_established"].size() + 3);
