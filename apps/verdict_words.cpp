@@ -48,8 +48,8 @@ struct Sentence {
   }
 
   std::string operator()(const ModelNotEntered& r) const {
-    return "Model " + quoted(r.model) + " " + jumps(r.proposed) +
-           implied(r.by_evidence) + "." + kSearchMore;
+    return "Model " + quoted(r.model) + " " + jumps(r.proposed) + implied(r.by_evidence) + "." +
+           kSearchMore;
   }
   std::string operator()(const ModelNotInEveryChain& r) const {
     return "Model " + quoted(r.model) + " was drawn by " + std::to_string(r.visited) + " of " +

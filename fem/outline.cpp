@@ -104,6 +104,11 @@ Ring cleaned(const Ring& given, const std::string& name, double near) {
   for (const Point& p : given)
     if (ring.empty() || !same(ring.back(), p)) ring.push_back(p);
   while (ring.size() > 1 && same(ring.back(), ring.front())) ring.pop_back();
+  const auto exact = std::ranges::count_if(given, [&](const Point& p) { return p != given[0]; });
+  if (ring.size() < 3 && exact > 2)
+    refuse(name,
+           "is lost beside the size of the outline, of which its corners are within a billionth of "
+           "each other: it keeps fewer than 3 different corners, but a polygon has at least 3");
   if (ring.size() < 3)
     refuse(name, std::to_string(ring.size()) + " different corners: a polygon has at least 3");
   for (std::size_t i = 0; i < ring.size(); ++i) {
