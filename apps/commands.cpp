@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <cmath>
 #include <iostream>
 #include <sstream>
@@ -20,7 +21,6 @@
 #include "apps/stored_run.hpp"
 #include "apps/structure_case.hpp"
 #include "apps/structure_command.hpp"
-#include "apps/structure_words.hpp"
 #include "apps/terminal.hpp"
 #include "apps/update_command.hpp"
 #include "apps/whole_number.hpp"
@@ -28,7 +28,6 @@
 #include "emulator/journal.hpp"
 #include "fem/modal_analysis.hpp"
 #include "fem/structures/structure_modes.hpp"
-#include "identification/structure_plausibility.hpp"
 #include "io/atomic_file.hpp"
 #include "io/text.hpp"
 
@@ -137,12 +136,11 @@ FoundModes find_modes(CaseFile file, const ModesOptions& options) {
   }
   text << (modes.certified ? "\nA Sturm count certifies that no mode below the last is missing.\n"
                            : "\nNot certified: a mode may be missing.\n");
-  return {.report = std::move(report), .text = text.str(), .doubts = implausible(damage_case.beam)};
+  return {.report = std::move(report), .text = text.str()};
 }
 
 void run_modes(const CommonOptions& common, const ModesOptions& options) {
   const FoundModes found = find_modes(read_case(common.case_path, common.overrides), options);
-  warn_of(found.doubts);
   std::cout << (options.json ? found.report.dump() + "\n" : found.text);
 }
 
@@ -311,6 +309,26 @@ RunCost explained_cost(const DamageCaseFile& parsed, const CommonOptions& common
 
 }  // namespace
 
+namespace {
+
+// By a likelihood that is solved, unless that means to ask a model of someone else's, to train an
+// emulator, or to prepare for long.
+RunCost measured(RunCost cost, const std::shared_ptr<const DamageCaseFile>& parsed,
+                 const CommonOptions& common, const SamplingOptions& options, spdlog::logger& log) {
+  constexpr double kLongPreparation = 20.0;  // seconds
+  if (parsed->outside || parsed->damage.emulator || cost.preparation > kLongPreparation)
+    return cost;
+  TerminalWatch watch(common, log);
+  const auto began = std::chrono::steady_clock::now();
+  const auto problem = prepare_damage(*parsed, common, watch);
+  cost.preparation =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  measure(cost, problem->problem, engine_options(common, options), probe_seconds(common));
+  return cost;
+}
+
+}  // namespace
+
 void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   static_cast<void>(evidence_methods(options.evidence));  // refuse before anything runs
   const auto log = make_log(common.quiet);
@@ -323,7 +341,7 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
   require_affordable(parsed->file, Pointer(), cost, common);
   if (common.dry_run) {
     if (tables.likelihoods > 0.0) common.dry_run("table", tables);
-    return common.dry_run("run", cost);
+    return common.dry_run("run", measured(cost, parsed, common, options, *log));
   }
   require_same_on_all_ranks("case", parsed->file.json.dump());
   if (common.resume) {

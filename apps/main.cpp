@@ -265,7 +265,8 @@ int run(int argc, char** argv) {
                                                 "leave the data out: must return the prior");
     command
         ->add_flag("--quick", sampling.quick,
-                   "a look in seconds: modes and short chains, never a posterior")
+                   "fixed, little work: modes and short chains, never a posterior; --dry-run "
+                   "estimates its time")
         ->excludes(prior_only);
     command
         ->add_flag("--evidence{tmcmc+bridge}", sampling.evidence,

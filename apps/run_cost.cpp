@@ -1,11 +1,14 @@
 #include "apps/run_cost.hpp"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
 
 #include "apps/failure.hpp"
+#include "apps/likelihood_probe.hpp"
 #include "apps/words.hpp"
 #include "base/number.hpp"
 #include "base/parallel.hpp"
@@ -13,6 +16,7 @@
 #include "fem/structures/structure_spectrum.hpp"
 #include "identification/states_likelihood.hpp"
 #include "inference/draw_list.hpp"
+#include "inference/run_plan.hpp"
 #include "io/file_error.hpp"
 #include "io/write_netcdf.hpp"
 
@@ -23,6 +27,11 @@ constexpr double kGigabyte = 1e9;
 constexpr double kWarmup = 20'000;  // iterations a chain where the engine chooses
 constexpr double kDraws = 25'000;   // a chain
 constexpr double kThin = 4;
+
+// Beside likelihoods: proposals, mixtures and what is kept of an iteration, and of a run [s of
+// processor]. Measured on a core of 2.5 GHz (docs/scale.md).
+constexpr double kBesidesACall = 3e-6, kBesidesADimension = 2e-7, kBesidesARun = 0.3;
+constexpr double kSlices = 8.0;  // of a search, at the same time
 
 std::string gigabytes(double bytes) {
   return base::significant(bytes / kGigabyte, 2);
@@ -80,6 +89,26 @@ void require_room(const RunCost& cost, const CommonOptions& common) {
   throw io::FileError(io::FileError::Kind::unwritable, folder,
                       "the draws would take about " + gigabytes(cost.disk) + " GB there; " +
                           gigabytes(left) + " GB are free (--max-disk allows more)");
+}
+
+double bytes_held() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+void measure(RunCost& cost, const inference::Problem& problem, const inference::Options& engine,
+             double seconds) {
+  const LikelihoodTime time = probe(problem, seconds);
+  const inference::RunPlan plan = inference::plan_of(problem, engine);
+  const double besides = kBesidesACall + kBesidesADimension * problem.space.max_dimension();
+  const double threads = base::thread_count(engine.threads);
+  const double searching = plan.explore_on_all_data * time.mean + plan.explore * besides;
+  const double drawing = (plan.tune + plan.sample + plan.evidence) * (time.middle + besides);
+  cost.likelihoods = plan.calls();
+  cost.seconds_a_likelihood = time.middle;
+  cost.seconds = cost.preparation + searching / std::min(threads, kSlices) +
+                 drawing / std::min(threads, static_cast<double>(engine.chains)) + kBesidesARun;
 }
 
 RunCost cost_of_sampling(const Sampled& sampled, const CommonOptions& common,
@@ -144,6 +173,7 @@ RunCost cost_of_damages(const identification::DamageCase& damage_case, const Com
   RunCost cost = cost_of_sampling(sampled, common, options);
   cost.seconds_a_likelihood = sampled.seconds_a_likelihood;
   if (damage_case.states) return cost;
+  const double likelihoods = cost.seconds;
   if (kept < n) {
     // The lowest modes; then, once a place, four vectors that the others yield.
     cost.seconds += 3.3e-6 * n * kept + 1.2e-6 * n * n;
@@ -156,6 +186,7 @@ RunCost cost_of_damages(const identification::DamageCase& damage_case, const Com
     cost.seconds += 4e-6 * n * n;
     cost.bytes += 24.0 * n * n;
   }
+  cost.preparation = cost.seconds - likelihoods;
   return cost;
 }
 

@@ -7,15 +7,19 @@
 #include "apps/case_file.hpp"
 #include "apps/commands.hpp"
 #include "identification/damage_case.hpp"
+#include "inference/options.hpp"
+#include "inference/target.hpp"
 
 namespace wheeltap::apps {
 
-/// An estimate, not a promise: within a factor of ten.
+/// An estimate, not a promise: within a factor of three of nine in ten runs where likelihoods were
+/// measured (docs/scale.md), else within a factor of ten.
 struct RunCost {
   double bytes = 0.0;                 ///< of memory, at the most at one time
   double disk = 0.0;                  ///< bytes in the folder of the results, likewise
   double likelihoods = 0.0;           ///< evaluations, or FE runs of a table
   double seconds = 0.0;               ///< of them, on the threads asked for
+  double preparation = 0.0;           ///< of these, before the first likelihood
   double seconds_a_likelihood = 0.0;  ///< 0: not said
 };
 
@@ -48,6 +52,18 @@ struct Sampled {
 /// Of draws. Engines that stop when they have converged are taken to do so in their first round.
 [[nodiscard]] RunCost cost_of_sampling(const Sampled& sampled, const CommonOptions& common,
                                        const SamplingOptions& options);
+
+/// Takes likelihoods and seconds from the engine's plan and from what a likelihood takes, which is
+/// measured for about so many seconds. `cost.preparation` stays as it is.
+void measure(RunCost& cost, const inference::Problem& problem, const inference::Options& engine,
+             double seconds);
+/// Half a second where that is all that is asked for, else a tenth.
+[[nodiscard]] inline double probe_seconds(const CommonOptions& common) {
+  return common.dry_run ? 0.5 : 0.1;
+}
+
+/// The most that this process has held so far [bytes].
+[[nodiscard]] double bytes_held();
 
 /// Of a damage case, FE solutions throughout: emulators take less. Its model space and its beam's
 /// spectrum are not built for that.

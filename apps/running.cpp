@@ -16,6 +16,7 @@
 
 #include "apps/checkpoint_file.hpp"
 #include "apps/failure.hpp"
+#include "apps/likelihood_probe.hpp"
 #include "apps/several_ranks.hpp"
 #include "apps/terminal.hpp"
 #include "apps/time_left.hpp"
@@ -33,6 +34,8 @@ static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 bool interrupted() {
   return asked_to_stop_at.load() != 0;
 }
+
+constexpr double kBriefProbe = 0.05;  // seconds
 
 constexpr const char* kGoesOn = "; the same command with --resume goes on";
 
@@ -109,7 +112,11 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
   options.draws_folder = checkpoint.path().parent_path();
   if (options.draws_folder.empty()) options.draws_folder = ".";
   ProgressBar bar(quiet);
-  TimeLeft time_left;
+  // The climbs on a record are made on its first samples; all that follows, on the whole of it.
+  TimeLeft time_left(problem.shortened
+                         ? probe(problem, kBriefProbe).middle /
+                               std::min(base::thread_count(options.threads), options.chains)
+                         : 0.0);
   const auto began = std::chrono::steady_clock::now();
   std::vector<std::string> names;
   for (const auto& model : problem.space.models()) names.push_back(model.name);
@@ -124,9 +131,11 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
     const std::string so_far = probabilities_so_far(progress.model_probabilities, names);
     if (!detail.empty() && !so_far.empty()) detail += "  ";
     detail += so_far;
-    bar.show(progress.stage, progress.fraction, detail, time_left.estimate(progress, seconds));
+    const TimeLeft::Shown shown = time_left.of_run(progress, seconds);
+    bar.show(progress.stage, shown.fraction, detail, shown.left);
     return !interrupted();
   };
+  options.stop = interrupted;
   try {
     inference::Posterior posterior = inference::reversible_jump(problem, options);
     bar.clear();

@@ -54,8 +54,17 @@ RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
       .records = true};
   for (int m = 0; m < space.size(); ++m) sampled.dimensions += space[m].dimension;
   RunCost cost = cost_of_sampling(sampled, common, chosen);
-  const RunCost truth = cost_of_truth(parsed.file);
-  cost.bytes += truth.bytes;
+  // The record and all that was made of it is there; searches shorten it to a half, a quarter, …,
+  // each with simulators of its own.
+  cost.bytes += 2.0 * bytes_held();
+  const int all = problem->misfits.front().samples();
+  const int few = options.quick ? samples_of_a_look(all, problem->seconds_a_likelihood) : all;
+  if (few < all) {
+    const std::shared_ptr<const inference::Problem> part = problem->problem.shortened(few);
+    measure(cost, *part, engine, probe_seconds(common));
+  } else {
+    measure(cost, problem->problem, engine, probe_seconds(common));
+  }
   return cost;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "apps/law_words.hpp"
@@ -432,14 +434,14 @@ StructureModel parse_chain(const CaseFile& file) {
         where / "masses" / i, kPositive,
         [i](AnyStructure& s, double x) { std::get<fem::LumpedChain>(s).masses[i] = x; }));
   const auto masses = static_cast<int>(chain.masses.size());
+  std::set<std::string> names;
   for (std::size_t l = 0; l < j.at("links").size(); ++l) {
     const Pointer here = where / "links" / l;
     const Json& link = file.json.at(here);
     fem::LumpedChain::Link out{.name = link.value("name", "link " + std::to_string(l + 1)),
                                .between = {},
                                .stiffness = 0.0};
-    for (const auto& other : chain.links)
-      if (other.name == out.name) file.refuse(here / "name", "two links have this name");
+    if (!names.insert(out.name).second) file.refuse(here / "name", "two links have this name");
     for (std::size_t end = 0; end < 2; ++end) {
       out.between[end] = link.at("between")[end];
       if (out.between[end] > masses)

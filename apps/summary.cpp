@@ -147,6 +147,8 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
       {"converged", verdict.converged},
       {"not_established", in_words(verdict.not_established, *findings.space)},
       {"resolution", verdict.resolution},
+      {"resolution_width",
+       verdict.resolved_width > 0.0 ? Report(verdict.resolved_width) : Report()},
       {"resolution_words", resolution_in_words(verdict)},
       {"ess_model", finite(verdict.ess_model)},
       {"ess_log_posterior", finite(verdict.ess_log_posterior)},

@@ -14,6 +14,25 @@ namespace wheeltap::apps {
 /// counted few calls so far.
 class TimeLeft {
  public:
+  /// `least_a_call`: what a call of the stages to come takes at the least [s], where that is known.
+  explicit TimeLeft(double least_a_call = 0.0) : least_a_call_(least_a_call) {}
+
+  struct Shown {
+    double fraction = 0.0;       ///< of the run's time: seconds / (seconds + left); 0: not known
+    std::optional<double> left;  ///< [s]
+  };
+  /// What there is to show of the whole run: where a stage has just begun, what was left before
+  /// less the time since.
+  Shown of_run(const inference::Options::Progress& progress, double seconds) {
+    if (const auto now = estimate(progress, seconds)) {
+      left_ = *now;
+      known_at_ = seconds;
+    }
+    if (!left_) return {};
+    const double left = std::max(0.0, *left_ - (seconds - known_at_));
+    return {.fraction = seconds / std::max(seconds + left, 1e-9), .left = left};
+  }
+
   /// [s], `seconds` after the run began; nothing while there is too little to go by.
   std::optional<double> estimate(const inference::Options::Progress& progress, double seconds) {
     constexpr double kEnough = 1.0, kShare = 0.005;  // seconds, of the stage
@@ -30,10 +49,13 @@ class TimeLeft {
     const double calls = all - static_cast<double>(calls_before_);
     if (!(all > 0.0)) return rest;
     const double a_call = calls > 0.0 ? std::min(here / calls, seconds / all) : seconds / all;
-    return rest + progress.evaluations_to_come * a_call;
+    return rest + progress.evaluations_to_come * std::max(a_call, least_a_call_);
   }
 
  private:
+  double least_a_call_;
+  std::optional<double> left_;
+  double known_at_ = 0.0;
   std::string stage_;
   double began_ = 0.0;
   long calls_before_ = 0;

@@ -10,7 +10,6 @@
 #include "apps/update_terminal.hpp"
 #include "apps/words.hpp"
 #include "base/parallel.hpp"
-#include "identification/plausibility.hpp"
 #include "identification/update_findings.hpp"
 
 namespace wheeltap::apps {
@@ -103,7 +102,9 @@ RunCost cost_of_update(const UpdateProblem& problem, const CommonOptions& common
                        const SamplingOptions& options) {
   RunCost cost = cost_of(problem.problem.space.max_dimension(), problem.update_case.data.modes(),
                          problem.seconds_a_likelihood, common, options);
-  if (problem.states) cost.seconds_a_likelihood = problem.seconds_a_likelihood;
+  cost.bytes += bytes_held();
+  if (!problem.outside)
+    measure(cost, problem.problem, engine_options(common, options), probe_seconds(common));
   return cost;
 }
 
@@ -148,8 +149,6 @@ std::optional<FinishedRun> sample_update(std::shared_ptr<const UpdateCaseFile> p
     watch.warn(std::to_string(basis.beyond) + " of " + std::to_string(basis.points) +
                " draws of the prior are beyond the basis and solved in full: this may take long");
   if (parsed->outside) tell_of_outside(*parsed, *problem, watch);
-  if (!parsed->outside)
-    for (const Remark& doubt : implausible(problem->update_case)) watch.warn(sentence(doubt, {}));
   const auto posterior = std::make_shared<const inference::Posterior>(
       watch.sample(problem->problem, engine_options(common, options)));
   if (parsed->outside) warn_of_the_box(*problem, *posterior, watch);

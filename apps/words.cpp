@@ -95,25 +95,16 @@ std::string name_modes(const std::vector<int>& modes) {
   return (modes.size() == 1 ? "mode " : "modes ") + in_words(parts);
 }
 
-std::string entered_in_words(long entered, long proposed) {
-  if (proposed == 0 && entered == 0) return "never entered";
-  const std::string of = grouped(proposed) + (proposed == 1 ? " proposal" : " proposals");
-  if (entered == 0) return "not entered in " + of;
-  return "entered " + (entered == 1 ? std::string("once") : grouped(entered) + " times") + " in " +
-         of + ", but in no draw that was kept";
-}
-
 std::string told_by_evidence(const ModelFinding& model) {
   const inference::ModelStanding& s = model.standing;
   const bool known = s.basis == inference::Basis::evidence;
   if (s.passed_over)
-    return s.entered > 0
-               ? entered_in_words(s.entered, s.proposed) + "; its evidence was not evaluated"
-               : "not evaluated: the models with one term less or more are improbable";
+    return "never entered, nor looked at: what has one term less or more is improbable";
   if (s.visited != 0 && !known) return {};
   std::string text = s.visited != 0
                          ? "drawn by " + std::to_string(s.visited) + " of the chains only; "
-                         : entered_in_words(s.entered, s.proposed) + "; ";
+                     : s.proposed > 0 ? "not entered in " + grouped(s.proposed) + " proposals; "
+                                      : "never entered; ";
   if (!known) return text + "nothing is known of its evidence";
   if (model.prior == 0.0) return "has no prior probability";
   if (!(s.probability > 1e-300)) return text + "its evidence puts it at P < 1e-300";
@@ -124,8 +115,16 @@ std::string told_by_evidence(const ModelFinding& model) {
 
 std::string resolution_in_words(const inference::Verdict& verdict) {
   if (!(verdict.resolution > 0.0 && verdict.resolution < 1.0)) return {};
-  std::string text = "a mode that less than " + significant(100.0 * verdict.resolution, 2) +
-                     " % of the prior climbs to would probably not have been seen";
+  std::string text = "posterior modes reached from less than " +
+                     significant(100.0 * verdict.resolution, 2) +
+                     " % of the prior may have been missed";
+  if (verdict.resolved_width > 0.0) {
+    text += "; the limit is larger for modes narrower than " +
+            significant(verdict.resolved_width, 1) +
+            " standard deviations of the prior, in proportion, and a mode narrower than " +
+            significant(verdict.resolution * verdict.resolved_width, 1) +
+            " of them may have been missed wherever it is";
+  }
   if (verdict.glanced > 0) {
     text += "; so of the models that hold " +
             significant(100.0 * inference::kLimits.searched_model, 1) + " % or more, while " +
@@ -136,7 +135,7 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
     text += "; " +
             (verdict.passed_over == 1 ? "1 model was"
                                       : std::to_string(verdict.passed_over) + " models were") +
-            " not evaluated, since the models with one term less or more are improbable";
+            " not looked at, since those that were with one term less or more are improbable";
   }
   return text;
 }

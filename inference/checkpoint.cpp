@@ -171,6 +171,7 @@ struct CheckpointFields {
     a("modes", m.modes);
     a("shares", m.shares);
     a("climbs", m.climbs);
+    a("spacing", m.spacing);
     a("glanced", m.glanced);
     a("passed_over", m.passed_over);
     a("population", m.population);

@@ -21,7 +21,7 @@ namespace wheeltap::inference {
 /// however many chains, models or draws.
 struct Checkpoint {
   /// Changes whenever a member does.
-  static constexpr int kFormat = 6;
+  static constexpr int kFormat = 7;
 
   using Column =
       std::variant<std::vector<double>, std::vector<float>, std::vector<std::int64_t>,

@@ -17,7 +17,8 @@ constexpr double kArrived = 0.01;     // ln: what a further step would gain
 constexpr int kMostSteps = 100;
 constexpr int kMostDampedSteps = 40;
 constexpr double kLeastDamping = 1e-6;
-constexpr double kStrongerDamping = 10.0;  // times, from trial to trial
+constexpr double kStrongerDamping = 10.0;                    // times, from trial to trial
+constexpr std::array<double, 3> kOnTheWay{0.25, 0.5, 0.75};  // of a long step, looked at
 constexpr double kCreeping = 1.0;  // ln: the gain of a step that is not worth another method
 
 using Vector = Eigen::VectorXd;
@@ -33,6 +34,7 @@ class Climber {
     end.possible = true;
     if (!known.empty() && arrives(end, known)) return end;
     if (!ascend_by_residuals(end)) ascend(end);
+    end.possible = !f_.stopped();  // where it stands then is no mode
     return end;
   }
 
@@ -62,8 +64,12 @@ class Climber {
       const Vector to = z + step;
       const double there = f_(to);
       const double gain = there - value;
+      if (f_.stopped()) return false;
       if (!(gain > 0.3 * expected - 0.5 && gain < 3.0 * expected + 0.5)) return false;
+      const auto looks = static_cast<long>(iteration == 0 ? kOnTheWay.size() : 0);
       if (iteration == 0 && overlooked(z, value, g, to, there, mode, end)) return false;
+      end.way += step.norm();
+      end.points += 1 + looks;
       z = to;
       value = there;
       if (square_distance(mode, z) <= 1.0 && value > mode.value - 2.0) {
@@ -84,7 +90,6 @@ class Climber {
     const double s0 = gradient.dot(step), s1 = -(to - mode.z).dot(mode.precision * step);
     const double slack = 1.0 + 0.1 * std::fabs(f1 - f0);
     double most = 0.0;
-    constexpr std::array<double, 3> kOnTheWay{0.25, 0.5, 0.75};
     Matrix looks(d_, 3);
     for (Eigen::Index k = 0; k < 3; ++k)
       looks.col(k) = from + kOnTheWay[static_cast<std::size_t>(k)] * step;
@@ -112,7 +117,7 @@ class Climber {
     Vector g(d_), width = Vector::Ones(d_);
     Matrix information(d_, d_);
     double damping = 0.0;
-    for (int iteration = 0; iteration < kMostDampedSteps; ++iteration) {
+    for (int iteration = 0; iteration < kMostDampedSteps && !f_.stopped(); ++iteration) {
       for (int finer = 0; finer < 8; ++finer) {
         if (!f_.gauss_newton(end.z, kDifference * width, g, information)) return false;
         const Vector before = width;
@@ -162,6 +167,8 @@ class Climber {
       for (Eigen::Index k = 0; k < n; ++k) {
         const double gain = values[k] - end.value;
         if (!(gain > 0.1 * expected[k] && gain > 0.0 && gain <= 10.0 * linear[k])) continue;
+        end.way += (to.col(k) - end.z).norm();
+        ++end.points;
         end.z = to.col(k);
         end.value = values[k];
         damping = dampings[k];
@@ -216,7 +223,7 @@ class Climber {
     double reach =
         2.0 * std::sqrt(static_cast<double>(d_));  // as far as one prior draw is from another
     bool diagonal = true;                          // b is the diagonal of second differences
-    for (int iteration = 0; iteration < kMostSteps; ++iteration) {
+    for (int iteration = 0; iteration < kMostSteps && !f_.stopped(); ++iteration) {
       Vector step = b * at.gradient;
       double slope = at.gradient.dot(step);
       if (!(slope > 0.0) || !std::isfinite(slope)) {
@@ -233,7 +240,7 @@ class Climber {
       double t = 1.0, there = -kInfinity;
       Vector to;
       bool moved = false;
-      for (int halving = 0; halving < 30; ++halving) {
+      for (int halving = 0; halving < 30 && !f_.stopped(); ++halving) {
         to = end.z + t * step;
         there = f_(to);
         const double gain = there - end.value, linear = t * slope;
@@ -256,6 +263,8 @@ class Climber {
       }
       const double gain = there - end.value;
       const Vector s = to - end.z;
+      end.way += s.norm();
+      ++end.points;
       end.z = to;
       end.value = there;
       const Slopes next = slopes(to, there, width);
@@ -353,6 +362,14 @@ KnownMode measure(Surface& f, const ClimbEnd& end) {
     open[static_cast<std::size_t>(i)] = i;
     if (end.inverse_hessian.rows() == d && end.inverse_hessian(i, i) > 0.0)
       h[i] = std::min(1.0, 0.3 * std::sqrt(end.inverse_hessian(i, i)));
+  }
+  if (f.stopped()) {  // what the climb knows of it
+    const bool known = end.inverse_hessian.rows() == d;
+    mode.covariance = known ? end.inverse_hessian : Matrix(Matrix::Identity(d, d));
+    const Eigen::LLT<Matrix> llt(mode.covariance);
+    if (llt.info() != Eigen::Success) mode.covariance = Matrix::Identity(d, d);
+    mode.precision = Eigen::LLT<Matrix>(mode.covariance).solve(Matrix::Identity(d, d));
+    return mode;
   }
   for (int iteration = 0; iteration < 30 && !open.empty(); ++iteration) {
     const auto n = static_cast<Eigen::Index>(open.size());

@@ -1,7 +1,9 @@
 // One climb to a mode of one model's posterior, and what is measured of the mode when it is there.
 #pragma once
 
+#include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 #include "base/eigen.hpp"
 
@@ -37,6 +39,9 @@ class Surface {
     posterior_.carry(parcel);
     parcel(offers_gradient_);
   }
+  /// Asked before each likelihood; true: the climb that asks ends where it is.
+  void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
+  [[nodiscard]] bool stopped() const { return stop_ && stop_(); }
 
  private:
   ModelPosterior posterior_;
@@ -44,6 +49,7 @@ class Surface {
   std::vector<Eigen::Index> places_;  ///< of the batch among its columns
   std::vector<ModelPosterior::Value> values_;
   bool offers_gradient_ = true;  ///< until it does not
+  std::function<bool()> stop_;
 };
 
 /// A mode, ready for use.
@@ -60,10 +66,15 @@ struct ClimbEnd {
   Eigen::MatrixXd inverse_hessian{};  ///< what the climb knows of it
   int known = -1;                     ///< index of the mode it arrived at
   bool possible = false;              ///< the start was
+  double way = 0.0;                   ///< length of its path, in standard deviations of the prior
+  long points = 0;  ///< of the path at which it evaluated ln π, without the start
 };
 
 /// From `start` to a mode: by a few Newton steps with the curvature of the nearest known one where
 /// they do, else by Gauss-Newton steps where the likelihood offers them, or BFGS (mode_search.hpp).
+/// Between two points of its path a climb sees nothing: it may step over a narrow mode to which
+/// steepest ascent would lead. `way / points` is how far these points are apart.
+///
 /// Its first differences are those of a draw of the prior, which from a start near a mode, a
 /// thousandth of the prior wide, point nowhere; `fine` ones are made smaller until the widths that
 /// they measure settle.

@@ -12,6 +12,7 @@
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
 #include "inference/climb.hpp"
+#include "inference/summit.hpp"
 
 namespace wheeltap::inference {
 namespace {
@@ -30,6 +31,8 @@ constexpr double kFollowed = 30.0;   // modes, as a record grows
 constexpr double kFewestFollowed = 6.0;
 constexpr std::size_t kThreads = 3;  // modes that are followed in small steps where they were lost
 constexpr long kFirstGrowth = 4, kLeastGrowth = 128;  // steps: a record by these
+constexpr std::size_t kSummits = 3;                   // modes whose tops are looked at
+constexpr double kSummitShare = 0.01;                 // of the budget that this may take
 constexpr std::uint64_t kScreenStream = std::uint64_t{1} << 62U;
 
 using Vector = Eigen::VectorXd;
@@ -57,6 +60,7 @@ class Search {
         first_batch_(problem.shortened ? kFirstOfRecord : kFirstBatch) {
     for (int s = 0; s < kSlices; ++s)
       surfaces_.push_back(std::make_unique<Surface>(problem, model));
+    for (const auto& surface : surfaces_) surface->stop_when(options.stop);
   }
 
   [[nodiscard]] Eigen::Index dimension() const { return surfaces_.front()->dimension(); }
@@ -79,7 +83,7 @@ class Search {
       const double share = options_.climbs > 0
                                ? static_cast<double>(begun) / static_cast<double>(most)
                                : std::min(1.0, spent);
-      if (options_.progress && !options_.progress(share)) break;
+      if ((options_.progress && !options_.progress(share)) || stopped()) break;
       if (options_.climbs == 0 && begun >= kFewestClimbs && spent >= 1.0) break;
     }
   }
@@ -91,6 +95,30 @@ class Search {
           z = Eigen::Map<const Vector>(starts[static_cast<std::size_t>(i)].data(), z.size());
         },
         options_.fine));
+  }
+
+  // Modes that stand on top of those found, each far narrower: no valley is between the two, and
+  // both are kept, since each may hold its share.
+  void look_at_summits() {
+    const long each = summit_calls(dimension());
+    const double affordable = kSummitShare * static_cast<double>(options_.budget);
+    const auto most = std::min<std::size_t>(
+        kSummits, static_cast<std::size_t>(affordable / static_cast<double>(each)));
+    std::vector<std::size_t> highest(known_.size());
+    std::iota(highest.begin(), highest.end(), std::size_t{0});
+    std::ranges::stable_sort(highest, std::ranges::greater{},
+                             [&](std::size_t k) { return known_[k].value; });
+    highest.resize(std::min(highest.size(), most));
+    Surface& f = *surfaces_.front();
+    for (const std::size_t k : highest) {
+      if (stopped()) return;
+      const auto above = above_summit(f, known_[k]);
+      if (!above) continue;
+      const ClimbEnd end = inference::climb(f, *above, {}, true);
+      if (!end.possible || !(end.value > known_[k].value + kAboveSummit)) continue;
+      known_.push_back(measure(f, ordered(f, end)));
+      hits_.push_back(0);
+    }
   }
 
   // From the likeliest of many draws of the prior: where a model cannot explain the data, its mode
@@ -105,6 +133,7 @@ class Search {
       surface.draw_prior(random, z);
       draws.col(i) = z;
     }
+    if (stopped()) return;
     const Vector values = surface.values(draws);
     std::vector<Eigen::Index> order(kScreened);
     std::iota(order.begin(), order.end(), Eigen::Index{0});
@@ -157,7 +186,10 @@ class Search {
   }
 
   ModeSearch result() {
-    ModeSearch out{.modes = {}, .climbs = climbs_, .likelihood_evaluations = 0};
+    ModeSearch out{.modes = {},
+                   .climbs = climbs_,
+                   .spacing = points_ > 0 ? way_ / static_cast<double>(points_) : 0.0,
+                   .likelihood_evaluations = 0};
     for (std::size_t k = 0; k < known_.size(); ++k) {
       const KnownMode& mode = known_[k];
       out.modes.push_back({.z = surfaces_.front()->ordered(mode.z),
@@ -184,7 +216,7 @@ class Search {
         [&](int s) {
           Surface& surface = *surfaces_[static_cast<std::size_t>(s)];
           Vector z(surface.dimension());
-          for (long i = s; i < n; i += kSlices) {
+          for (long i = s; i < n && !surface.stopped(); i += kSlices) {
             start(i, surface, z);
             ends[static_cast<std::size_t>(i)] = inference::climb(surface, z, known_, fine);
           }
@@ -193,7 +225,8 @@ class Search {
           surfaces_[static_cast<std::size_t>(s)]->carry(parcel);
           for (long i = s; i < n; i += kSlices) {
             ClimbEnd& end = ends[static_cast<std::size_t>(i)];
-            parcel(end.z, end.value, end.inverse_hessian, end.known, end.possible);
+            parcel(end.z, end.value, end.inverse_hessian, end.known, end.possible, end.way,
+                   end.points);
           }
         }));
     return ends;
@@ -205,6 +238,8 @@ class Search {
     for (const ClimbEnd& end : ends) {
       if (!end.possible) continue;
       ++climbs_;
+      way_ += end.way;
+      points_ += end.points;
       if (end.known >= 0) {
         ++hits_[static_cast<std::size_t>(end.known)];
         continue;
@@ -240,6 +275,8 @@ class Search {
     return end;
   }
 
+  [[nodiscard]] bool stopped() const { return options_.stop && options_.stop(); }
+
   int find(Surface& f, const ClimbEnd& end) {
     const ClimbEnd e = ordered(f, end);
     std::vector<std::pair<double, int>> near;
@@ -260,7 +297,8 @@ class Search {
   std::vector<std::unique_ptr<Surface>> surfaces_;
   std::vector<KnownMode> known_;
   std::vector<long> hits_;
-  long climbs_ = 0;
+  long climbs_ = 0, points_ = 0;
+  double way_ = 0.0;
 };
 
 // Whether a record has grown by samples that this mode says little of: far less than of those
@@ -288,6 +326,7 @@ std::vector<std::vector<double>> followed_closely(const Problem& problem, int mo
   };
   for (long step = std::max(1L, n / kFirstGrowth); n < to;) {
     if (options.progress && !options.progress(1.0)) return {};
+    if (options.stop && options.stop()) return {};
     const long next = std::min(n + step, to);
     const auto part = next < problem.samples ? problem.shortened(next) : nullptr;
     Search search(part ? *part : problem, model, options);
@@ -314,6 +353,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     Search search(problem, model, options);
     search.run(options.starts);
     search.run();
+    if (options.climbs == 0 || options.climbs >= kFewestClimbs) search.look_at_summits();
     ModeSearch found = search.result();
     found.climbs -= std::min(found.climbs, static_cast<long>(options.starts.size()));
     return found;
@@ -326,6 +366,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     found = first.result();
   }
   const long climbs = found.climbs;
+  const double spacing = found.spacing;
   long evaluations = found.likelihood_evaluations;
   std::uint64_t level = 1;
   const auto followed =
@@ -348,7 +389,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
       found = std::move(grown);
     }
     evaluations += found.likelihood_evaluations;
-    if (options.progress && !options.progress(1.0)) break;
+    if ((options.progress && !options.progress(1.0)) || (options.stop && options.stop())) break;
   }
   // Few climbs from the prior may all begin at impossible places: what else was given must not be
   // lost with them.
@@ -359,6 +400,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     evaluations += found.likelihood_evaluations;
   }
   found.climbs = climbs;
+  found.spacing = spacing;
   found.likelihood_evaluations = evaluations;
   return found;
 }
@@ -372,6 +414,11 @@ void extend_search(const Problem& problem, int model, const ModeSearchOptions& o
   ModeSearch more = search.result();
   found.modes = std::move(more.modes);
   found.likelihood_evaluations += more.likelihood_evaluations;
+}
+
+double search_resolution(double of_wide_modes, double spacing, double width) {
+  if (!(width > 0.0)) return 1.0;
+  return std::min(1.0, of_wide_modes * std::max(1.0, spacing / width));
 }
 
 double search_resolution(long climbs) {

@@ -32,11 +32,18 @@ struct ModeSearchOptions {
   int threads = 0;    ///< 0: as many as the machine has. Never changes a result.
   /// Called from one thread with the share done so far; returning false ends the search.
   std::function<bool(double share)> progress = nullptr;
+  /// Asked between two likelihoods by any thread; true ends the search. Climbs on their way then
+  /// count for nothing.
+  std::function<bool()> stop = nullptr;
 };
 
 struct ModeSearch {
   std::vector<Mode> modes;  ///< the weightiest first; those e^-25 below it and less are left out
   long climbs = 0;          ///< begun at a possible point and ended
+  /// How far apart the points are at which these climbs evaluated ln π, in standard deviations of
+  /// the prior, on average over their paths; 0: not known. A narrower mode may lie between two of
+  /// them.
+  double spacing = 0.0;
   long likelihood_evaluations = 0;
 };
 
@@ -67,7 +74,10 @@ inline constexpr long kMostClimbs = 10000;
 /// samples' share of it. On the whole record the likeliest of a few hundred draws of the prior are
 /// climbed from besides.
 ///
-/// A mode whose basin holds a share p of the prior is missed by n climbs with probability (1-p)^n.
+/// A mode whose basin holds a share p of the prior is missed by n climbs with probability (1-p)^n,
+/// the basin being all points from which these climbs, with steps of finite length, arrive. From
+/// the basin of steepest ascent, a path without steps, a climb arrives at a mode of width w with a
+/// probability of about min(1, w / spacing), since it evaluates ln π only every `spacing`.
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
                                       const ModeSearchOptions& options);
 
@@ -79,5 +89,9 @@ void extend_search(const Problem& problem, int model, const ModeSearchOptions& o
 /// The largest share of the prior that a basin can hold and still be missed by all of n climbs with
 /// a probability of 1 in 100: 1 - 0.01^(1/n).
 [[nodiscard]] double search_resolution(long climbs);
+
+/// The same of modes so wide, in standard deviations of the prior, and of the basins of steepest
+/// ascent: larger in proportion where they are narrower than the climbs' `spacing`, and 1 at most.
+[[nodiscard]] double search_resolution(double of_wide_modes, double spacing, double width);
 
 }  // namespace wheeltap::inference

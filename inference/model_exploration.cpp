@@ -199,7 +199,7 @@ class Reporter {
     reported_ = done;
     return !stopped_;
   }
-  [[nodiscard]] bool stopped() const { return stopped_; }
+  [[nodiscard]] bool stopped() const { return stopped_ || (options_.stop && options_.stop()); }
 
  private:
   const ExplorationOptions& options_;
@@ -210,9 +210,11 @@ class Reporter {
 // Draws of another method, with ln π at each.
 class OtherDraws {
  public:
-  OtherDraws(const Problem& problem, int model, const Matrix& draws) : draws_(draws) {
+  OtherDraws(const Problem& problem, int model, const Matrix& draws,
+             const std::function<bool()>& stop)
+      : draws_(draws) {
     ModelPosterior posterior(problem, model);
-    for (Eigen::Index i = 0; i < draws.rows(); ++i)
+    for (Eigen::Index i = 0; i < draws.rows() && !(stop && stop()); ++i)
       log_posterior_.push_back(posterior(row(draws, i)).log_posterior());
     evaluations_ = posterior.evaluations();
   }
@@ -235,17 +237,19 @@ class OtherDraws {
 };
 
 // Importance sampling from all that was found: evidence, shares and the population.
-void weigh(const Problem& problem, int model, const ExplorationOptions& options,
+// False where it was stopped: `found` is then as it was.
+bool weigh(const Problem& problem, int model, const ExplorationOptions& options,
            const Matrix& draws, ModelExploration& found) {
   const Eigen::Index d = problem.space[model].dimension;
   base::Random random(options.seed, static_cast<std::uint64_t>(model),
                       found.calls.weigh > 0 ? 2 : 0, base::Purpose::fit);
-  MultipleImportanceSampler sampler(problem, model, options.seed, options.threads);
+  MultipleImportanceSampler sampler(problem, model, options.seed, options.threads, options.stop);
   Components components;
   add_modes(found.modes, 0.5, components);
   add_fit(draws, kComponents[0], 0.5, random, components);
   const int n = static_cast<int>(std::clamp<Eigen::Index>(200 * d, 1000, 4000));
-  const OtherDraws others(problem, model, draws);
+  const OtherDraws others(problem, model, draws, options.stop);
+  if (options.stop && options.stop()) return false;
   Matrix beyond(0, d);
   const auto lacks = [&] {
     return static_cast<double>(beyond.rows()) > kLacking * static_cast<double>(draws.rows());
@@ -254,6 +258,7 @@ void weigh(const Problem& problem, int model, const ExplorationOptions& options,
        ++round) {
     components.push_back({kDefensive, Vector::Zero(d), Matrix::Identity(d, d)});
     sampler.add(NormalMixture(std::move(components)), n);
+    if (options.stop && options.stop()) return false;
     components.clear();
     beyond = others.beyond(sampler);
     const int most = lacks() ? kOfRidges : kComponents[round < 2 ? 0 : 1];
@@ -282,12 +287,13 @@ void weigh(const Problem& problem, int model, const ExplorationOptions& options,
   found.population = population.transpose();
   found.shares = shares(found, sampler, trusted);
   if (!trusted) found.efficiency = 0.0;
+  return true;
 }
 
 // What there is where nothing was weighed: Laplace's evidence, taken to be good to a nat, and draws
 // of the normals about the modes.
 void take_laplace(int model, const ExplorationOptions& options, ModelExploration& found) {
-  if (found.modes.empty()) return;
+  if (found.modes.empty() || !found.shares.empty()) return;
   base::Random random(options.seed, static_cast<std::uint64_t>(model), 0, base::Purpose::fit);
   double sum = 0.0;
   for (const Mode& mode : found.modes)
@@ -351,7 +357,8 @@ bool climb_from(const Problem& problem, int model, const ExplorationOptions& opt
                 {.seed = options.seed,
                  .starts = std::move(starts),
                  .fine = options.from_starts,
-                 .threads = options.threads},
+                 .threads = options.threads,
+                 .stop = options.stop},
                 known);
   found.calls.search += known.likelihood_evaluations;
   const bool more = known.modes.size() > found.modes.size();
@@ -372,9 +379,11 @@ void search_from_prior(const Problem& problem, int model, const ExplorationOptio
                                    .starts = std::move(starts),
                                    .fine = !options.starts.empty(),
                                    .threads = options.threads,
-                                   .progress = [&](double done) { return report(0.8 * done); }});
+                                   .progress = [&](double done) { return report(0.8 * done); },
+                                   .stop = options.stop});
   out.modes = std::move(found.modes);
   out.climbs = found.climbs;
+  out.spacing = found.spacing;
   out.calls.search += found.likelihood_evaluations;
 }
 
@@ -398,10 +407,12 @@ Annealed anneal(const Problem& problem, int model, const ExplorationOptions& opt
                             .path = brief ? TmcmcPath::growing : TmcmcPath::better,
                             .most_evaluations = brief ? kBriefCalls : 0,
                             .threads = options.threads,
-                            .progress = [&](double share) {
-                              done += share;
-                              return report(brief ? 0.2 * done : 0.2 + 0.7 * done);
-                            }});
+                            .progress =
+                                [&](double share) {
+                                  done += share;
+                                  return report(brief ? 0.2 * done : 0.2 + 0.7 * done);
+                                },
+                            .stop = options.stop});
     found.annealed = annealed.evidence;
     found.calls.anneal += annealed.evidence.likelihood_evaluations;
     if (!annealed.cut) {
@@ -448,7 +459,7 @@ ModelExploration survey_model(const Problem& problem, int model,
     return out;
   }
   if (out.modes.empty() && options.draws.rows() == 0) return out;
-  weigh(problem, model, options, options.draws, out);
+  if (!weigh(problem, model, options, options.draws, out)) take_laplace(model, options, out);
   report(1.0);
   return out;
 }
@@ -466,9 +477,10 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
     const Matrix starts = outlying(brief.draws, found.modes);
     const bool another =
         climb_from(problem, model, options, brief.cut ? far_apart(starts) : some_of(starts), found);
+    if (report.stopped()) return;
     if (another || !settled) {
       append(brief.draws, draws);
-      weigh(problem, model, options, draws, found);
+      if (!weigh(problem, model, options, draws, found)) return;
     }
     if ((problem.shortened && found.settled() && confirmed(brief, another, found)) ||
         how == Annealing::brief) {
@@ -479,9 +491,8 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
   append(anneal(problem, model, options, false, report, found).draws, draws);
   if (report.stopped()) return;
   climb_from(problem, model, options, some_of(draws), found);
-  if (found.modes.empty() && draws.rows() == 0) return;
-  weigh(problem, model, options, draws, found);
-  report(1.0);
+  if (report.stopped() || (found.modes.empty() && draws.rows() == 0)) return;
+  if (weigh(problem, model, options, draws, found)) report(1.0);
 }
 
 ModelExploration explore_model(const Problem& problem, int model,

@@ -31,6 +31,8 @@ struct ExplorationOptions {
   /// Called, from one thread at a time, with the share done since the last call; returning false
   /// ends the exploration.
   std::function<bool(double share)> progress = nullptr;
+  /// Asked between two likelihoods, by any thread; true ends the exploration.
+  std::function<bool()> stop = nullptr;
 };
 
 /// What exploring spent, in likelihood calls.
@@ -45,6 +47,7 @@ struct ModelExploration {
   std::vector<Mode> modes;     ///< the weightiest first
   std::vector<double> shares;  ///< of the posterior's probability, one a mode
   long climbs = 0;
+  double spacing = 0.0;        ///< ModeSearch::spacing of these
   bool glanced = false;        ///< ExplorationOptions::climbs_only: climbed in, not weighed
   bool passed_over = false;    ///< one of very many, outside Occam's window: never looked at
   Eigen::MatrixXd population;  ///< equally weighted draws, dimension × n; none: nothing was found

@@ -64,6 +64,10 @@ struct Options {
   /// Called from one thread at a time, a few times a second. Returning false stops the run early:
   /// what has been drawn is kept, and before anything was, draws of what the searches have found.
   std::function<bool(const Progress&)> progress = nullptr;
+  /// Asked between two likelihoods, by any thread: true once the run is to stop. An expensive
+  /// likelihood then delays the end by a few calls, not until the next call of `progress`. It must
+  /// stay true.
+  std::function<bool()> stop = nullptr;
 
   /// What a run can be taken up again from, bit for bit.
   struct Checkpoints {

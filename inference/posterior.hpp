@@ -38,6 +38,7 @@ struct FoundMode {
 /// What is known of one model beside the draws: searches and evidence.
 struct ModelFindings {
   long climbs = 0;       ///< to modes, each from a draw of the prior
+  double spacing = 0.0;  ///< of the points that these evaluated (ModeSearch::spacing)
   bool glanced = false;  ///< one of many models, of which this alone is known
   /// One of very many nested models, never looked at: all that were looked at of those one step
   /// from it are below Occam's window (stages/occams_window.hpp).

@@ -57,7 +57,9 @@ class ProgressMonitor {
     return !stopped();
   }
   /// As far as this thread may know (base::is_to_stop).
-  [[nodiscard]] bool stopped() const { return base::is_to_stop(stop_); }
+  [[nodiscard]] bool stopped() const {
+    return base::is_to_stop(stop_ || (options_.stop && options_.stop()));
+  }
 
  private:
   const Options& options_;

@@ -7,6 +7,7 @@
 
 #include "base/number.hpp"
 #include "inference/checkpoint.hpp"
+#include "inference/run_plan.hpp"
 #include "inference/stages/explore.hpp"
 #include "inference/stages/run_context.hpp"
 #include "inference/stages/salvage.hpp"
@@ -16,17 +17,6 @@
 namespace wheeltap::inference {
 
 namespace {
-
-// The work of a look: some 16 climbs a model, a thousand draws from the normals about their modes,
-// 4 x 300 draws.
-Options as_a_look(Options options) {
-  constexpr int kClimbs = 16, kWarmup = 600, kDraws = 300;
-  if (options.searches == 0) options.searches = kClimbs;
-  if (options.warmup == 0) options.warmup = kWarmup;
-  if (options.draws == 0) options.draws = kDraws;
-  if (options.thin == 0) options.thin = 1;
-  return options;
-}
 
 // Those that are kept apart come before those of the checkpoint.
 void take_up_draws(const Options::Checkpoints& from, const std::filesystem::path& folder,

@@ -49,7 +49,8 @@ std::vector<Laplace> climb_with_record(const Problem& problem, const Options& op
                                  .samples = kParticles,
                                  .path = TmcmcPath::growing,
                                  .threads = 1,
-                                 .progress = [&](double) { return monitor.advance(0.0); }});
+                                 .progress = [&](double) { return monitor.advance(0.0); },
+                                 .stop = [&] { return monitor.stopped(); }});
     long evaluations = samples.evidence.likelihood_evaluations;
     ModeOptions mode_options{.check = false};
     double top = -std::numeric_limits<double>::infinity();

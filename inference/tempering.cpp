@@ -129,7 +129,8 @@ void TemperedChain::start() {
   }
 }
 
-void TemperedChain::scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe) {
+bool TemperedChain::scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe,
+                         const std::function<bool()>& leave) {
   const auto stream = [&](long rung, base::Purpose p) {
     return base::Random(seed_, static_cast<std::uint64_t>(chain_),
                         static_cast<std::uint64_t>(ladder_.scans * kMaxRungs + rung), p);
@@ -151,6 +152,7 @@ void TemperedChain::scan(int steps, bool adapting, base::Purpose purpose, const 
     }
     target_.set_model_bias(ladder_.weights[r]);
     for (int s = 0; s < steps; ++s) {
+      if (leave && leave()) return false;
       Kernel::Outcome outcome;
       const int from = ladder_.states[r].model;
       const int kernel = kernels_[r]->step(ladder_.states[r],
@@ -188,6 +190,7 @@ void TemperedChain::scan(int steps, bool adapting, base::Purpose purpose, const 
   bottom = 1;
   if (top == 1) top = -1;
   ++ladder_.scans;
+  return true;
 }
 
 double TemperedChain::barrier() const {

@@ -72,8 +72,10 @@ class TemperedChain {
   /// Puts the replica at β = 1 there.
   void set_cold(const State& state) { ladder_.states.back() = state; }
 
-  /// `steps` kernel steps in every rung, then one round of swaps.
-  void scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe = nullptr);
+  /// `steps` kernel steps in every rung, then one round of swaps. `leave`, if any, is asked before
+  /// every step; where it says yes the scan ends there: false, and the ladder is good for nothing.
+  bool scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe = nullptr,
+            const std::function<bool()>& leave = nullptr);
 
   /// Moves the ladder so that neighbours reject swaps equally often (ibid., algorithm 4), with
   /// `rungs` rungs, from the rejections since the last call. Replicas keep their rung or its

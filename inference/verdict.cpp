@@ -328,6 +328,8 @@ class Judge {
         continue;
       }
       if (climbs == 0 && standing(m).probability < kLimits.judged_model) continue;
+      if (m < posterior_.found.size())
+        out_.resolved_width = std::max(out_.resolved_width, posterior_.found[m].spacing);
       resolution = std::max(
           resolution, climbs > 0 ? 1.0 - std::pow(0.01, 1.0 / static_cast<double>(climbs)) : 1.0);
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "inference/mixing.hpp"
+#include "inference/mode_search.hpp"
 #include "inference/posterior.hpp"
 #include "inference/reason.hpp"
 #include "inference/standing.hpp"
@@ -24,6 +25,10 @@ struct Verdict {
   /// where nothing was searched. Of many models those below kLimits.searched_model do not count
   /// where they had a glance only.
   double resolution = 1.0;
+  /// That holds of modes that are at least so wide, in standard deviations of the prior: the
+  /// climbs' largest ModeSearch::spacing; 0: not known. Steepest ascent may lead to narrower ones
+  /// from a larger share, and they would still not have been seen (resolution_of).
+  double resolved_width = 0.0;
   int glanced = 0;      ///< models that do not count towards it
   int passed_over = 0;  ///< nor these, which were not even glanced at (ModelFindings::passed_over)
   double rhat_max = std::numeric_limits<double>::quiet_NaN();
@@ -36,6 +41,11 @@ struct Verdict {
   /// have.
   double ess_model = 0.0;
   double ess_log_posterior = 0.0;  ///< the smaller of bulk and tail
+
+  /// `resolution` of modes so wide, in standard deviations of the prior (search_resolution).
+  [[nodiscard]] double resolution_of(double width) const {
+    return search_resolution(resolution, resolved_width, width);
+  }
 };
 
 /// Judges draws and what the searches found (Posterior::found) together. Converged needs all of

@@ -44,6 +44,15 @@ Discretisation discretise(const LumpedChain& chain) {
   // Which masses hang together, and which of these to the ground: 0 is the ground's group.
   std::vector<int> group(static_cast<std::size_t>(n) + 1);
   std::iota(group.begin(), group.end(), 0);
+  // Disjoint sets as trees, each rooted at its lowest member; paths are halved on the way.
+  const auto root_of = [&group](int i) {
+    auto at = static_cast<std::size_t>(i);
+    while (group[at] != static_cast<int>(at)) {
+      group[at] = group[static_cast<std::size_t>(group[at])];
+      at = static_cast<std::size_t>(group[at]);
+    }
+    return static_cast<int>(at);
+  };
   for (const LumpedChain::Link& link : chain.links) {
     SparseRow row;
     const auto [low, high] = std::minmax(link.between[0], link.between[1]);
@@ -58,10 +67,10 @@ Discretisation discretise(const LumpedChain& chain) {
       for (std::size_t j = 0; j < row.dofs.size(); ++j)
         stiffness.emplace_back(row.dofs[i], row.dofs[j], row.coefficients[i] * row.coefficients[j]);
     d.strains.push_back({std::move(row), 1.0});
-    const int from = group[static_cast<std::size_t>(high)],
-              to = group[static_cast<std::size_t>(low)];
-    std::ranges::replace(group, std::max(from, to), std::min(from, to));
+    const int from = root_of(high), to = root_of(low);
+    group[static_cast<std::size_t>(std::max(from, to))] = std::min(from, to);
   }
+  for (int i = 0; i <= static_cast<int>(n); ++i) group[static_cast<std::size_t>(i)] = root_of(i);
   d.stiffness.resize(n, n);
   d.stiffness.setFromTriplets(stiffness.begin(), stiffness.end());
   d.mass.resize(n, n);
@@ -72,10 +81,11 @@ Discretisation discretise(const LumpedChain& chain) {
   free.erase(std::unique(free.begin(), free.end()), free.end());
   std::erase(free, 0);
   d.rigid_motions = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(free.size()));
-  for (std::size_t r = 0; r < free.size(); ++r)
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (group[static_cast<std::size_t>(i) + 1] == free[r])
-        d.rigid_motions(i, static_cast<Eigen::Index>(r)) = 1.0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto at = std::ranges::lower_bound(free, group[static_cast<std::size_t>(i) + 1]);
+    if (at != free.end() && *at == group[static_cast<std::size_t>(i) + 1])
+      d.rigid_motions(i, at - free.begin()) = 1.0;
+  }
   return d;
 }
 

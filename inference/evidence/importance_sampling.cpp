@@ -13,7 +13,8 @@ namespace wheeltap::inference {
 
 std::vector<double> log_importance_ratios(const Problem& problem, int model,
                                           const NormalMixture& proposal, int n, std::uint64_t seed,
-                                          int threads, long& evaluations) {
+                                          int threads, long& evaluations,
+                                          const std::function<bool()>& stop) {
   constexpr int kBlock = 1000;  // draws a job: the stream belongs to the block, not to the thread
   const int blocks = (n + kBlock - 1) / kBlock;
   std::vector<double> ratios(static_cast<std::size_t>(n));
@@ -26,7 +27,7 @@ std::vector<double> log_importance_ratios(const Problem& problem, int model,
                             static_cast<std::uint64_t>(model), base::Purpose::evidence);
         std::vector<double> z(static_cast<std::size_t>(posterior.dimension()));
         const int end = std::min(n, (block + 1) * kBlock);
-        for (int i = block * kBlock; i < end; ++i) {
+        for (int i = block * kBlock; i < end && !(stop && stop()); ++i) {
           proposal.sample(random, z);
           const double log_posterior = posterior(z).log_posterior();
           ratios[static_cast<std::size_t>(i)] = log_posterior - proposal.log_density(z);

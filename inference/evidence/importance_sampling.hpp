@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -29,11 +30,13 @@ struct ImportanceSampling {
                                                      const NormalMixture& proposal,
                                                      const ImportanceOptions& options);
 
-/// ln π(z) - ln q(z) of n draws from q. Adds to `evaluations`.
+/// ln π(z) - ln q(z) of n draws from q. Adds to `evaluations`. `stop`, if any, is asked before each
+/// of them, by any thread: once it is true, the ratios are worthless.
 [[nodiscard]] std::vector<double> log_importance_ratios(const Problem& problem, int model,
                                                         const NormalMixture& proposal, int n,
                                                         std::uint64_t seed, int threads,
-                                                        long& evaluations);
+                                                        long& evaluations,
+                                                        const std::function<bool()>& stop = {});
 
 /// Shape k̂ of the generalised Pareto distribution fitted to the largest 3√n weights (Zhang &
 /// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): the weights have 1/k

@@ -11,7 +11,8 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kBlock = 250;  // draws a job
+constexpr int kBlock = 250;            // draws a job
+constexpr std::size_t kTogether = 32;  // likelihoods at a time: a few vectors full
 
 void accumulate(double& sum, double term) {
   sum = log_sum_exp(sum, term);
@@ -39,7 +40,12 @@ void MultipleImportanceSampler::add(const NormalMixture& proposal, int n) {
         const auto end = std::min(begin + kBlock, total);
         for (std::size_t i = begin; i < end; ++i) proposal.sample(random, {z_.data() + i * d, d});
         std::vector<ModelPosterior::Value> values(end - begin);
-        posterior.evaluate({z_.data() + begin * d, (end - begin) * d}, values);
+        for (std::size_t i = begin; i < end; i += kTogether) {
+          const std::size_t n_here = std::min(kTogether, end - i);
+          if (stop_ && stop_()) return;
+          posterior.evaluate({z_.data() + i * d, n_here * d},
+                             std::span(values).subspan(i - begin, n_here));
+        }
         for (std::size_t i = begin; i < end; ++i)
           log_posterior_[i] = values[i - begin].log_posterior();
         counted[static_cast<std::size_t>(block)] = posterior.evaluations();

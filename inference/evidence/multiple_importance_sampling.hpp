@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/eigen.hpp"
@@ -23,8 +25,10 @@ namespace wheeltap::inference {
 class MultipleImportanceSampler {
  public:
   /// Keeps a reference to `problem`. Draws depend on the seed alone, not on the threads.
-  MultipleImportanceSampler(const Problem& problem, int model, std::uint64_t seed, int threads)
-      : problem_(problem), model_(model), seed_(seed), threads_(threads) {}
+  /// `stop` is asked between likelihoods, by any thread: once it is true, the sample is worthless.
+  MultipleImportanceSampler(const Problem& problem, int model, std::uint64_t seed, int threads,
+                            std::function<bool()> stop = nullptr)
+      : problem_(problem), model_(model), seed_(seed), threads_(threads), stop_(std::move(stop)) {}
 
   /// n more draws, of this proposal; all weights are renewed.
   void add(const NormalMixture& proposal, int n);
@@ -50,6 +54,7 @@ class MultipleImportanceSampler {
   int model_;
   std::uint64_t seed_;
   int threads_;
+  std::function<bool()> stop_;
   std::vector<double> z_, log_posterior_, log_proposals_, weights_;
   std::vector<NormalMixture> proposals_;
   std::vector<int> sizes_;

@@ -109,6 +109,7 @@ class Replicate {
     return std::make_unique<Record>(std::move(part), problem, model_);
   }
 
+  [[nodiscard]] bool is_to_stop() const { return stopped_ || (options_.stop && options_.stop()); }
   [[nodiscard]] bool ended() const { return stopped_ || cut_ || !std::isnan(stalled_at_); }
   [[nodiscard]] bool spent() const {
     return options_.most_evaluations > 0 &&
@@ -133,6 +134,7 @@ class Replicate {
         to_->posterior.draw_prior(random, p.z);
       }
       evaluate();
+      if (stopped_) return 0.0;
       for (Particle& p : particles_) {
         if (enough()) break;
         ++drawn;
@@ -158,6 +160,7 @@ class Replicate {
     for (long step = std::min(n, problem_.samples - n);; step /= 2) {
       to_ = open(n + step);
       evaluate();
+      if (stopped_) return;
       if (step <= n / kLeastGrowth + 1 || weights(particles_, 1.0).cov <= options_.weight_cov)
         return;
       before_ += to_->posterior.evaluations();
@@ -194,7 +197,7 @@ class Replicate {
     const double from = from_ ? static_cast<double>(from_->samples()) : 0.0;
     const double to = std::max(1.0, static_cast<double>(to_->samples()));
     const double done = (from + beta * (to - from)) / whole;
-    stopped_ = !options_.progress((done - reported_) / options_.replicates);
+    stopped_ = !options_.progress((done - reported_) / options_.replicates) || is_to_stop();
     reported_ = done;
   }
 
@@ -202,7 +205,12 @@ class Replicate {
     std::vector<double> zs;
     for (const Particle& p : particles_) zs.insert(zs.end(), p.z.begin(), p.z.end());
     std::vector<ModelPosterior::Value> values(particles_.size());
-    evaluate(zs, values);
+    const auto d = static_cast<std::size_t>(to_->posterior.dimension());
+    for (std::size_t i = 0; i < values.size(); i += kBatch) {
+      const std::size_t n = std::min(kBatch, values.size() - i);
+      if ((stopped_ = is_to_stop())) return;
+      evaluate(std::span<const double>(zs).subspan(i * d, n * d), std::span(values).subspan(i, n));
+    }
     for (std::size_t i = 0; i < values.size(); ++i) {
       particles_[i].log_base = values[i].log_base;
       particles_[i].log_gain = values[i].log_gain;
@@ -287,10 +295,11 @@ class Replicate {
     std::vector<ModelPosterior::Value> values(kBatch);
     double moved = 0.0;
     const double least = (from_ ? 0.5 : 1.0) * options_.acceptances * n;
-    for (int sweep = 0; moved < least && sweep < kMostSweeps; ++sweep) {
+    for (int sweep = 0; moved < least && sweep < kMostSweeps && !stopped_; ++sweep) {
       const bool renew = sweep % 2 == 0;
       double accepted = 0.0;
       for (std::size_t begin = 0; begin < particles.size(); begin += kBatch) {
+        if ((stopped_ = is_to_stop())) return;
         const auto batch = particles.subspan(begin, std::min(kBatch, particles.size() - begin));
         for (std::size_t k = 0; k < batch.size(); ++k) {
           const Particle& p = batch[k];

@@ -28,6 +28,8 @@ struct TmcmcOptions {
   /// Called, from one thread at a time, with the share of the whole that was done since the call
   /// before. Returning false ends the run: ln Z is then NaN.
   std::function<bool(double share)> progress = nullptr;
+  /// Asked between two likelihoods, by any thread; true ends the run likewise.
+  std::function<bool()> stop = nullptr;
 };
 
 struct Tmcmc {

@@ -9,6 +9,7 @@
 #include "base/constants.hpp"
 #include "inference/convergence.hpp"
 #include "inference/model_exploration.hpp"
+#include "inference/run_plan.hpp"
 #include "inference/stages/model_probabilities.hpp"
 #include "inference/stages/nested_starts.hpp"
 #include "inference/stages/occams_window.hpp"
@@ -112,7 +113,8 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
         .particles = static_cast<int>(
             std::clamp(brief * 12000.0 / static_cast<double>(with_parameters + 1), 400.0, 1200.0)),
         .threads = run.options.threads,
-        .progress = [&](double share) { return run.monitor.advance(share); }};
+        .progress = [&](double share) { return run.monitor.advance(share); },
+        .stop = [&] { return run.monitor.stopped(); }};
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
     if (nested) how.starts = nested_starts(problem.space, m, state.explorations, kNestedStarts);
     // What a first glance found is not to be found again by chance.
@@ -180,7 +182,8 @@ void glance(RunContext& run, RunState& state, int m, const ModelLattice* lattice
       .budget = kLeastBudget,
       .anneal = false,
       .climbs_only = true,
-      .threads = run.options.threads};
+      .threads = run.options.threads,
+      .stop = [&] { return run.monitor.stopped(); }};
   // The least of a nested list is where the others begin.
   if (nested && how.starts.empty() && run.options.searches == 0) how.climbs = 0;
   if (nested) {
@@ -274,7 +277,9 @@ void explore_many(RunContext& run, RunState& state) {
                        : by_dimension(problem.space);
   }
   if (at.explore == Part::glance) {
-    run.monitor.begin("searching", static_cast<double>(run.models()));
+    run.monitor.begin("searching", static_cast<double>(run.models()),
+                      planned_searches(problem, run.options) + planned_tuning(run) +
+                          planned_draws(run) + planned_evidence(run));
     run.monitor.advance(at.model);
     if (nested) {
       if (!glance_in_window(run, state, *lattice)) return;

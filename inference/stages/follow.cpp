@@ -66,7 +66,7 @@ Walk walk(const RunContext& run, const RunState& state, int model, const Beyond&
   target.evaluate(at);
   Walk out;
   const auto stream = static_cast<std::uint64_t>(model) << 32U | static_cast<std::uint64_t>(number);
-  for (int i = 0; i < kSteps; ++i) {
+  for (int i = 0; i < kSteps && !run.monitor.stopped(); ++i) {
     base::Random random(run.options.seed, stream, static_cast<std::uint64_t>(i),
                         base::Purpose::following);
     Kernel::Outcome outcome;
@@ -134,6 +134,7 @@ std::vector<Eigen::MatrixXd> follow_annealed(RunContext& run, RunState& state) {
     state.shared_evaluations += calls;
     state.posterior.calls.evidence += calls;
     run.monitor.evaluated(calls);
+    if (run.monitor.stopped()) return met;
     found.annealed_beyond *= static_cast<double>(stayed) / static_cast<double>(looks);
     met[m] = Eigen::Map<const Eigen::MatrixXd>(z.data(), drawn.rows(),
                                                static_cast<Eigen::Index>(z.size()) / drawn.rows());

@@ -1,6 +1,7 @@
 #include "inference/stages/salvage.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "inference/stages/model_probabilities.hpp"
@@ -11,6 +12,10 @@
 
 namespace wheeltap::inference {
 namespace {
+
+// Who stopped a run waits: after so long, a chain repeats the draws that it has. Without any it
+// goes on, but not much longer.
+constexpr std::chrono::milliseconds kPatience{400}, kMostPatience{2000};
 
 // Of each model, what is nearest to its posterior, dimension × n.
 std::vector<Eigen::MatrixXd> populations(const RunContext& run, const RunState& state) {
@@ -59,7 +64,18 @@ void salvage(RunContext& run, RunState& state) {
     Chain& out = posterior.chains[static_cast<std::size_t>(c)];
     out.clear();
     base::Random random(run.options.seed, static_cast<std::uint64_t>(c), 2, base::Purpose::start);
+    std::vector<State> drawn;
+    const auto began = std::chrono::steady_clock::now();
     for (int tries = 0; out.size() < kSalvaged && tries < 10 * kSalvaged; ++tries) {
+      if (const auto took = std::chrono::steady_clock::now() - began; took > kPatience) {
+        if (drawn.empty() && took > kMostPatience) break;
+        if (!drawn.empty()) {
+          chain.state =
+              drawn[static_cast<std::size_t>(random.index(static_cast<int>(drawn.size())))];
+          record(run, state, target, -1, false, chain, out);
+          continue;
+        }
+      }
       const double u = sum * random.uniform();
       const auto m =
           static_cast<std::size_t>(std::ranges::upper_bound(cumulative, u) - cumulative.begin());
@@ -74,6 +90,7 @@ void salvage(RunContext& run, RunState& state) {
       target.evaluate(at);
       if (!std::isfinite(at.log_likelihood)) continue;
       chain.state = std::move(at);
+      drawn.push_back(chain.state);
       record(run, state, target, -1, false, chain, out);
     }
   });

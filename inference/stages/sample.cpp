@@ -63,8 +63,9 @@ class Sampler {
     if (tempered_) chain_.ladder = tempered_->ladder();
   }
 
+  // A stopped run makes no use of the rest.
   void settle(int iterations) {
-    for (int i = 0; i < iterations; ++i) {
+    for (int i = 0; i < iterations && !run_.monitor.stopped(); ++i) {
       if (tempered_) {
         if (i % kStepsAScan == 0) tempered_->scan(1, false, base::Purpose::settling);
         continue;
@@ -371,6 +372,7 @@ void sample(RunContext& run, RunState& state) {
     }
     if (part == Part::settle) {
       settle(run, state);
+      if (run.monitor.stopped()) return;
       part = Part::draw;
       run.safe_points.pass(state);
     }

@@ -1,7 +1,10 @@
 #include "inference/stages/temper.hpp"
+#include "inference/run_plan.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <optional>
 
 namespace wheeltap::inference {
 namespace {
@@ -10,6 +13,16 @@ constexpr int kExplorationRungs = 10;
 constexpr int kMaxRungs = 30;
 constexpr int kFewestScans = 620;
 constexpr int kFirstScans = 20;
+// A scan that takes longer may be left in its middle: from what was kept before it, it is done
+// again.
+constexpr std::chrono::milliseconds kLongScan{100};
+
+// All that a scan changes.
+struct BeforeScan {
+  Ladder ladder;
+  std::vector<std::vector<double>> learnt;
+  Target::Memory target;
+};
 
 }  // namespace
 
@@ -19,8 +32,12 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
   const int scans = options.warmup > 0
                         ? std::max(60, options.warmup / (2 * kExplorationRungs * kStepsAScan))
                         : how.scans;
+  const double later = planned_draws(run) + planned_evidence(run) +
+                       (how.fitted || options.prior_only
+                            ? 0.0
+                            : planned_searches(run.problem, options) + planned_tuning(run));
   run.monitor.begin(how.fitted ? "setting up the ladder" : "exploring",
-                    static_cast<double>(scans) * options.chains);
+                    static_cast<double>(scans) * options.chains, later);
   for (const ChainState& chain : state.chains)
     if (state.at.tempering) run.monitor.advance(chain.lesson.scans + chain.lesson.steps);
   if (!state.at.tempering) {
@@ -50,13 +67,24 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
       at.begun = true;
       at.round_scans = kFirstScans;
     }
+    std::optional<BeforeScan> before_scan;  // where scans are long
+    bool left = false;                      // in the middle of a scan
     while (!at.ended && !run.monitor.stopped()) {
       const int n = std::min(at.round_scans, scans - at.scans);
       if (at.steps == 0)
         chain.by_rung.assign(static_cast<std::size_t>(tempered.rungs()), PilotSamples(run.space()));
       while (at.steps < n) {
+        using Clock = std::chrono::steady_clock;
         const long before = target.evaluations();
-        tempered.scan(kStepsAScan, true, base::Purpose::exploration);
+        const auto began = Clock::now();
+        if (before_scan) before_scan = {tempered.ladder(), tempered.learnt(), target.memory()};
+        const auto leave = [&] { return before_scan && run.monitor.stopped(); };
+        if (!tempered.scan(kStepsAScan, true, base::Purpose::exploration, nullptr, leave)) {
+          left = true;
+          break;
+        }
+        if (!before_scan && Clock::now() - began > kLongScan)
+          before_scan = {tempered.ladder(), tempered.learnt(), target.memory()};
         for (int r = 0; r < tempered.rungs(); ++r) {
           chain.by_rung[static_cast<std::size_t>(r)].add(tempered.state(r));
         }
@@ -79,6 +107,12 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
         tempered.adapt_ladder(
             std::clamp(static_cast<int>(std::ceil(2.0 * at.barrier)) + 2, 6, kMaxRungs));
       }
+    }
+    if (left) {
+      chain.ladder = std::move(before_scan->ladder);
+      at.learnt = std::move(before_scan->learnt);
+      target.set_memory(before_scan->target);
+      return false;
     }
     chain.ladder = tempered.ladder();
     at.learnt = at.ended ? std::vector<std::vector<double>>{} : tempered.learnt();

@@ -109,6 +109,7 @@ void weigh(RunContext& run, RunState& state) {
     ModelFindings& found = state.posterior.found[at];
     found.annealed = explored.annealed;
     found.climbs = explored.climbs;
+    found.spacing = explored.spacing;
     found.glanced = explored.glanced;
     found.passed_over = explored.passed_over;
     describe_modes(run, state, m, found);
@@ -117,9 +118,6 @@ void weigh(RunContext& run, RunState& state) {
       found.bridged = explored.sampled;
       continue;
     }
-    // A model that was never evaluated has no mixture of its own to weigh it by: draws about the
-    // prior's middle would give it an evidence far too low, with a small error.
-    if (explored.passed_over && log_ratios_at_draws(state, m).empty()) continue;
     found.sampled = explored.sampled;
     // Of many models most had a glance only, and are as improbable as that says.
     const bool matters =
@@ -129,12 +127,17 @@ void weigh(RunContext& run, RunState& state) {
     std::vector<double>& at_mixture = state.at_mixture[at];
     if (at_mixture.empty()) {
       long calls = 0;
-      at_mixture = log_importance_ratios(run.problem, m, *state.pilot.fit->density[at],
-                                         run.options.quick ? kLookDraws : kEvidenceDraws,
-                                         run.options.seed, run.options.threads, calls);
+      at_mixture =
+          log_importance_ratios(run.problem, m, *state.pilot.fit->density[at],
+                                run.options.quick ? kLookDraws : kEvidenceDraws, run.options.seed,
+                                run.options.threads, calls, [&] { return run.monitor.stopped(); });
       state.shared_evaluations += calls;
       state.posterior.calls.evidence += calls;
       run.monitor.evaluated(calls);
+      if (run.monitor.stopped()) {
+        at_mixture.clear();
+        continue;
+      }
     }
     // The exploration's own sample may be the better one.
     const Evidence sampled = by_importance(at_mixture);

@@ -41,5 +41,29 @@ TEST(TimeLeft, WhatWasDoneBeforeAResumeCountsForNothing) {
   EXPECT_DOUBLE_EQ(*seconds, 2.0);
 }
 
+// Climbs on the first samples of a record cost little; what follows does not.
+TEST(TimeLeft, CallsToComeTakeNoLessThanALikelihoodWasMeasuredToTake) {
+  TimeLeft left(0.01);
+  static_cast<void>(left.estimate(progress("searching", 0.0, 0, 6000.0), 0.0));
+  const auto seconds = left.estimate(progress("searching", 0.5, 10000, 6000.0), 2.0);
+  ASSERT_TRUE(seconds);
+  EXPECT_DOUBLE_EQ(*seconds, 2.0 + 60.0);
+}
+
+// 60 % were shown while the time left grew from 74 s to 20 min.
+TEST(TimeLeft, ShareAndTimeLeftBelongTogether) {
+  TimeLeft left;
+  EXPECT_FALSE(left.of_run(progress("exploring", 0.6, 0, 4000.0), 0.5).left);
+  EXPECT_EQ(left.of_run(progress("exploring", 0.6, 0, 4000.0), 0.5).fraction, 0.0);
+  const auto first = left.of_run(progress("exploring", 0.75, 500, 4000.0), 5.5);
+  ASSERT_TRUE(first.left);
+  EXPECT_NEAR(first.fraction, 5.5 / (5.5 + *first.left), 1e-12);
+  // A new stage has not shown its pace yet: the time goes on.
+  const auto next = left.of_run(progress("tuning", 0.0, 500, 4000.0), 6.5);
+  ASSERT_TRUE(next.left);
+  EXPECT_NEAR(*next.left, *first.left - 1.0, 1e-9);
+  EXPECT_GT(next.fraction, first.fraction);
+}
+
 }  // namespace
 }  // namespace wheeltap::apps

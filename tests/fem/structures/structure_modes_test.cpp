@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <ctime>
 
 #include "base/constants.hpp"
 #include "fem/modal_analysis.hpp"
@@ -293,6 +294,32 @@ TEST(StructureModes, AFreeChainMovesRigidly) {
   EXPECT_EQ(modes.rigid_body_modes, 1);
   EXPECT_EQ(modes.frequencies_hz[0], 0.0);
   EXPECT_GT(modes.frequencies_hz[1], 0.0);
+}
+
+// Which masses hang together was found in steps that grow with the square of their number: 20 000
+// masses took a minute to be prepared.
+TEST(StructureModes, LongChainsAreAssembledInLinearTime) {
+  const auto seconds = [](int n) {
+    LumpedChain chain;
+    chain.masses.assign(static_cast<std::size_t>(n), 1.0);
+    for (int i = n; i-- > 1;)
+      chain.links.push_back({"", {i, i + 1}, 1.0});  // the ground comes last
+    chain.links.push_back({"", {0, 1}, 1.0});
+    const std::clock_t began = std::clock();
+    EXPECT_EQ(discretise(chain).rigid_motions.cols(), 0);
+    return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+  };
+  const double few = seconds(10'000);
+  EXPECT_LT(seconds(160'000), 64.0 * few + 0.1) << "linear: 16 times as long";
+}
+
+TEST(StructureModes, GroupsOfMassesMoveRigidlyEachByItself) {
+  LumpedChain chain{.masses = {1.0, 1.0, 1.0, 1.0, 1.0},
+                    .links = {{"a", {4, 5}, 1.0}, {"b", {2, 4}, 1.0}, {"c", {0, 1}, 1.0}}};
+  const Eigen::MatrixXd motions = discretise(chain).rigid_motions;
+  ASSERT_EQ(motions.cols(), 2);
+  EXPECT_EQ(motions.col(0), (Eigen::VectorXd(5) << 0, 1, 0, 1, 1).finished());
+  EXPECT_EQ(motions.col(1), (Eigen::VectorXd(5) << 0, 0, 1, 0, 0).finished());
 }
 
 TEST(StructureModes, MatricesAreTheStructureTheyAreOf) {
