@@ -21,6 +21,7 @@
 #include "apps/stored_run.hpp"
 #include "apps/structure_case.hpp"
 #include "apps/structure_command.hpp"
+#include "apps/structure_words.hpp"
 #include "apps/terminal.hpp"
 #include "apps/update_command.hpp"
 #include "apps/whole_number.hpp"
@@ -28,6 +29,7 @@
 #include "emulator/journal.hpp"
 #include "fem/modal_analysis.hpp"
 #include "fem/structures/structure_modes.hpp"
+#include "identification/structure_plausibility.hpp"
 #include "io/atomic_file.hpp"
 #include "io/text.hpp"
 
@@ -136,11 +138,12 @@ FoundModes find_modes(CaseFile file, const ModesOptions& options) {
   }
   text << (modes.certified ? "\nA Sturm count certifies that no mode below the last is missing.\n"
                            : "\nNot certified: a mode may be missing.\n");
-  return {.report = std::move(report), .text = text.str()};
+  return {.report = std::move(report), .text = text.str(), .doubts = implausible(damage_case.beam)};
 }
 
 void run_modes(const CommonOptions& common, const ModesOptions& options) {
   const FoundModes found = find_modes(read_case(common.case_path, common.overrides), options);
+  warn_of(found.doubts);
   std::cout << (options.json ? found.report.dump() + "\n" : found.text);
 }
 

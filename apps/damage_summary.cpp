@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/baseline_words.hpp"
+#include "apps/damage_words.hpp"
 #include "apps/posterior_file.hpp"
 #include "apps/report/answer.hpp"
 #include "apps/structure_drawing.hpp"
@@ -32,6 +33,28 @@ Report by_member(const DamageCase& damage_case, const DamageFindings& findings) 
   return out;
 }
 
+// The count with neighbouring damages counted as one, and the longer damages that they are.
+Report merged_report(const DefectKind& kind, const DamageFindings& findings,
+                     const MergedFinding& merged) {
+  Report counts = Report::object(), models = Report::object();
+  for (std::size_t n = 0; n < merged.count.size(); ++n) counts[std::to_string(n)] = merged.count[n];
+  for (const MergedModel& m : merged.models) {
+    const ModelFinding& model = findings.models[static_cast<std::size_t>(m.model)];
+    const int damages = model.counts[static_cast<std::size_t>(merged.kind)];
+    Report& one = models[model.name] = {{"merged", m.merged},
+                                        {"count", m.count},
+                                        {"location", json(m.location)},
+                                        {"extent", json(m.length)},
+                                        {kind.severity_name(), json(m.reduction)},
+                                        {"log_likelihood_gain", finite(m.gain)},
+                                        {"statement", longer_in_words(kind, damages, m)}};
+    if (!kind.line.is_beam())
+      one[kind.site_name()] = kind.line.stretches()[static_cast<std::size_t>(m.stretch)].name;
+  }
+  return {
+      {"probability_of_count", counts}, {"probability_merged", merged.merged}, {"models", models}};
+}
+
 Report where(const DamageCase& damage_case, const DamageFindings& findings) {
   Report by_element = Report::object(), all_places = Report::object();
   const bool several = damage_case.kinds.size() > 1;
@@ -51,11 +74,16 @@ Report where(const DamageCase& damage_case, const DamageFindings& findings) {
         place[kind.site_name()] = on.name;
       }
       if (p.severity) place[kind.severity_name()] = json(*p.severity);
+      if (p.extent) place["extent"] = json(*p.extent);
       places.push_back(std::move(place));
     }
     all_places[kind.name] = places;
   }
   Report out = {{"inclusion_by_element", by_element}, {"places", all_places}};
+  for (const MergedFinding& merged : findings.merged) {
+    const DefectKind& kind = damage_case.kinds[static_cast<std::size_t>(merged.kind)];
+    (several ? out["merged"][kind.name] : out["merged"]) = merged_report(kind, findings, merged);
+  }
   if (damage_case.structure) out["inclusion_by_member"] = by_member(damage_case, findings);
   if (!findings.folded.empty()) {
     Report folded = Report::object();
@@ -198,6 +226,12 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
   return out;
 }
 
+// What one defect covers: "element", metres, or null where it is inferred or there is no length.
+Report extent_of(const DefectKind& kind) {
+  if (kind.extent) return *kind.extent;
+  return has_fixed_extent(kind) ? Report("element") : Report();
+}
+
 Report kinds_of(const DamageCase& damage_case) {
   Report kinds = Report::array();
   for (const DefectKind& kind : damage_case.kinds) {
@@ -219,6 +253,7 @@ Report kinds_of(const DamageCase& damage_case) {
                      {"severity", kind.severity_prior() ? Report(kind.severity_name()) : Report()},
                      {"unit", kind.severity_unit()},
                      {"share", kind.type->percent},
+                     {"extent", extent_of(kind)},
                      {"truth", truth}});
   }
   return kinds;

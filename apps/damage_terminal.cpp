@@ -8,6 +8,7 @@
 
 #include "apps/baseline_words.hpp"
 #include "apps/damage_summary.hpp"
+#include "apps/damage_words.hpp"
 #include "apps/terminal.hpp"
 
 namespace wheeltap::apps {
@@ -246,6 +247,14 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
     page.heading(damage_case.kinds.size() > 1 ? "What is there?"
                                               : "How many " + damage_case.kinds[0].plural + "?");
     print_models(page, findings.models);
+    for (const MergedFinding& merged : findings.merged) {
+      constexpr double kWorthSaying = 0.005;
+      if (merged.merged < kWorthSaying) continue;
+      const DefectKind& kind = damage_case.kinds[static_cast<std::size_t>(merged.kind)];
+      page.wrapped("Neighbouring " + kind.plural +
+                       " counted as one: " + merged_counts_in_words(kind, merged) + ".",
+                   "  ", "  ");
+    }
   }
 
   for (std::size_t m = 0; m < findings.models.size(); ++m) {

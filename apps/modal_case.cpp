@@ -237,9 +237,25 @@ bool same_sensor(const MeasuredSensor& a, const MeasuredSensor& b) {
          a.elevation == b.elevation;
 }
 
+/// Two channels of a record at one node in one direction: perhaps on purpose, perhaps a slip.
+void tell_of_twins(SetUp& s) {
+  for (std::size_t i = 0; i < s.sensors.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      if (s.responses || s.sensors[i].node.empty() || !same_sensor(s.sensors[i], s.sensors[j]))
+        continue;
+      s.oddities.push_back("The channels " + io::printable(s.sensors[j].name) + " and " +
+                           io::printable(s.sensors[i].name) + " measure at one node (" +
+                           io::printable(s.sensors[i].node) +
+                           ") in one direction. Is a node or a direction wrong? Two sensors there "
+                           "count one motion twice in the shapes.");
+      break;
+    }
+}
+
 void collect_sensors(ModalCaseFile& out) {
   if (out.set_ups.size() == 1) {
     SetUp& only = out.set_ups[0];
+    tell_of_twins(only);
     out.sensors = only.sensors;
     for (std::size_t c = 0; c < only.sensors.size(); ++c) only.which.push_back(static_cast<int>(c));
     return;

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/damage_words.hpp"
 #include "apps/fit_words.hpp"
 #include "apps/sid_words.hpp"
+#include "apps/structure_words.hpp"
 #include "apps/verdict_words.hpp"
 #include "apps/words.hpp"
 
@@ -92,6 +94,12 @@ class Speaker {
            ". Such a posterior repeats what the case assumed; do not report it as a finding.";
   }
 
+  std::string operator()(const remark::ImplausibleMaterial& r) const { return sentence(r); }
+  std::string operator()(const remark::DeepSection& r) const { return sentence(r); }
+  std::string operator()(const remark::TwinMembers& r) const { return sentence(r); }
+  std::string operator()(const remark::UnusedNodes& r) const { return sentence(r); }
+  std::string operator()(const remark::CrossingMembers& r) const { return sentence(r); }
+  std::string operator()(const remark::SensorsAtOnePlace& r) const { return sentence(r); }
   std::string operator()(const remark::FrequenciesOutOfReach& r) const {
     return "The measured frequencies are far from anything that this model does, whatever its "
            "damage: mode " +
@@ -158,6 +166,23 @@ class Speaker {
   std::string operator()(const remark::NoModelFits& r) const {
     return "No model here fits the data well within the stated noise" +
            what_to_check(r.off, r.emulated);
+  }
+  std::string operator()(const remark::NeighbouringDamages& r) const {
+    const DefectKind& kind = kind_of(r.kind);
+    const MergedFinding& merged = *context_.damage->merged_of(r.kind);
+    const MergedModel& most = merged.models.front();
+    const auto& model = context_.damage->models[static_cast<std::size_t>(most.model)];
+    const int damages = model.counts[static_cast<std::size_t>(r.kind)];
+    double longest = 0.0;
+    for (const SiteLine::Stretch& s : kind.line.stretches()) longest = std::max(longest, s.size);
+    return "If " + model.name + ": " + longer_in_words(kind, damages, most) + " Neighbouring " +
+           kind.plural + " counted as one: " + merged_counts_in_words(kind, merged) +
+           ". The case fixes what one " + kind.name + " covers (" + length_in_words(most.fixed) +
+           (kind.extent ? "" : ", one element") +
+           "), so that its count depends on that length. Infer the length: \"extent\": "
+           "{\"uniform\": [0, " +
+           significant(0.2 * longest, 2) + "]} in " +
+           context_.kinds[static_cast<std::size_t>(r.kind)] + ".";
   }
   std::string operator()(const remark::LargestCount& r) const {
     const DefectKind& kind = kind_of(r.kind);
@@ -389,6 +414,12 @@ namespace {
 // What to doubt first: answers that are wrong, then ones that are too sure, then what the data
 // leave open, then what the case may mean otherwise.
 struct Rank {
+  int operator()(const remark::ImplausibleMaterial&) const { return 0; }
+  int operator()(const remark::DeepSection&) const { return 0; }
+  int operator()(const remark::TwinMembers&) const { return 5; }
+  int operator()(const remark::UnusedNodes&) const { return 5; }
+  int operator()(const remark::CrossingMembers&) const { return 5; }
+  int operator()(const remark::SensorsAtOnePlace&) const { return 5; }
   int operator()(const remark::FrequenciesOutOfReach&) const { return 0; }
   int operator()(const remark::NoiseHidesDamage&) const { return 0; }
   int operator()(const remark::ResponsesOutOfReach&) const { return 0; }
@@ -413,6 +444,7 @@ struct Rank {
   int operator()(const remark::RivalPlaces&) const { return 2; }
   int operator()(const remark::WindowsUnsound&) const { return 3; }
   int operator()(const remark::NearlyPrior&) const { return 4; }
+  int operator()(const remark::NeighbouringDamages&) const { return 1; }
   int operator()(const remark::LargestCount&) const { return 4; }
   int operator()(const remark::SeverityAtBound&) const { return 4; }
   int operator()(const remark::SpuriousMode&) const { return 2; }

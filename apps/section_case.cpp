@@ -248,6 +248,11 @@ MeshedSection analyse(const CaseFile& file, const Pointer& where, const SectionM
   } catch (const std::invalid_argument& error) {
     file.refuse(where, error.what());
   }
+  if (!result.analysis.finite())
+    file.refuse(where,
+                "its figures are not finite numbers: the outline has details that are lost beside "
+                "its size. Leave out corners that lie on each other and parts thinner than a "
+                "millionth of the section");
   return result;
 #else
   file.refuse(where,

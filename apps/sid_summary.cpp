@@ -259,6 +259,8 @@ Report bayes_factors_report(const SidFindings& findings) {
                     {"mcse", finite(factor.error)},
                     {"basis", factor.basis == inference::Basis::evidence ? "evidence" : "draws"},
                     {"never_visited", never.empty() ? Report() : Report(never)}});
+    if (findings.models[static_cast<std::size_t>(factor.model)].standing.passed_over)
+      rows.back()["evaluated"] = false;
   }
   return rows;
 }

@@ -21,6 +21,8 @@ void print_bayes_factors(std::ostream& out, const SidFindings& findings) {
       out << fixed(*b.log, 2)
           << (std::isfinite(b.error) ? " ± " + significant(b.error, 2) : std::string())
           << (b.basis == inference::Basis::evidence ? " (by their evidences)" : "") << '\n';
+    } else if (findings.models[static_cast<std::size_t>(b.model)].standing.passed_over) {
+      out << "not evaluated\n";
     } else {
       out << "not known (never drawn, and of no known evidence: " << never_visited(findings, b)
           << ")\n";

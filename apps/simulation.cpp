@@ -2,8 +2,11 @@
 
 #include "apps/damage_case.hpp"
 #include "apps/sid_command.hpp"
+#include "apps/structure_words.hpp"
 #include "apps/update_case.hpp"
+#include "identification/plausibility.hpp"
 #include "identification/sid_simulation.hpp"
+#include "identification/structure_plausibility.hpp"
 
 namespace wheeltap::apps {
 
@@ -22,6 +25,7 @@ Json json_rows(const Eigen::MatrixXd& matrix) {
 
 SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed) {
   const UpdateCaseFile parsed = parse_update_case(std::move(file), UpdateNeeds::truth, seed);
+  warn_of(implausible(parsed.update));
   const ModalData& data = parsed.update.data;
   Json json = parsed.file.json;
   Json& out = json["data"];
@@ -62,6 +66,8 @@ SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed)
   const DamageCaseFile parsed = parse_damage_case(std::move(file), Needs::structure);
   const auto& simulation = parsed.damage.simulation;
   const std::uint64_t used = seed.value_or(simulation ? simulation->seed : 1);
+  warn_of(parsed.damage.structure ? implausible(parsed.damage.structure->nominal)
+                                  : implausible(parsed.damage.beam));
   const FrequencyData data = explained(parsed, [&] { return simulate(parsed.damage, used); });
   return {.json = with_simulated(parsed, data, used), .modes = data.modes(), .origin = data.origin};
 }

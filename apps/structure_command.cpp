@@ -11,6 +11,7 @@
 #include "apps/summary.hpp"
 #include "apps/update_case.hpp"
 #include "apps/words.hpp"
+#include "identification/structure_plausibility.hpp"
 
 namespace wheeltap::apps {
 
@@ -122,7 +123,7 @@ FoundModes find_structure_modes(CaseFile file, const ModesOptions& options) {
   text << (modes.certified ? "\nCertified: no mode below the last is missing.\n"
                            : "\nNot certified: a mode may be missing.\n");
   for (const std::string& remark : remarks) text << "Note: " << remark << ".\n";
-  return {.report = std::move(report), .text = text.str()};
+  return {.report = std::move(report), .text = text.str(), .doubts = implausible(model.nominal)};
 }
 
 }  // namespace wheeltap::apps

@@ -10,6 +10,7 @@
 #include "apps/update_terminal.hpp"
 #include "apps/words.hpp"
 #include "base/parallel.hpp"
+#include "identification/plausibility.hpp"
 #include "identification/update_findings.hpp"
 
 namespace wheeltap::apps {
@@ -149,6 +150,8 @@ std::optional<FinishedRun> sample_update(std::shared_ptr<const UpdateCaseFile> p
     watch.warn(std::to_string(basis.beyond) + " of " + std::to_string(basis.points) +
                " draws of the prior are beyond the basis and solved in full: this may take long");
   if (parsed->outside) tell_of_outside(*parsed, *problem, watch);
+  if (!parsed->outside)
+    for (const Remark& doubt : implausible(problem->update_case)) watch.warn(sentence(doubt, {}));
   const auto posterior = std::make_shared<const inference::Posterior>(
       watch.sample(problem->problem, engine_options(common, options)));
   if (parsed->outside) warn_of_the_box(*problem, *posterior, watch);

@@ -29,9 +29,9 @@ std::string share_of(double share) {
   return significant(100.0 * share, 2) + " %";
 }
 
+// Of a model in no draw: some jump may have entered it between two draws that were kept.
 std::string jumps(long proposed) {
-  return proposed > 0 ? "was not entered in " + grouped(proposed) + " proposals"
-                      : "was never entered";
+  return proposed > 0 ? "has no draws after " + grouped(proposed) + " proposals" : "has no draws";
 }
 
 std::string implied(const inference::Estimate& p) {

@@ -95,16 +95,25 @@ std::string name_modes(const std::vector<int>& modes) {
   return (modes.size() == 1 ? "mode " : "modes ") + in_words(parts);
 }
 
+std::string entered_in_words(long entered, long proposed) {
+  if (proposed == 0 && entered == 0) return "never entered";
+  const std::string of = grouped(proposed) + (proposed == 1 ? " proposal" : " proposals");
+  if (entered == 0) return "not entered in " + of;
+  return "entered " + (entered == 1 ? std::string("once") : grouped(entered) + " times") + " in " +
+         of + ", but in no draw that was kept";
+}
+
 std::string told_by_evidence(const ModelFinding& model) {
   const inference::ModelStanding& s = model.standing;
   const bool known = s.basis == inference::Basis::evidence;
   if (s.passed_over)
-    return "never entered, nor looked at: what has one term less or more is improbable";
+    return s.entered > 0
+               ? entered_in_words(s.entered, s.proposed) + "; its evidence was not evaluated"
+               : "not evaluated: the models with one term less or more are improbable";
   if (s.visited != 0 && !known) return {};
   std::string text = s.visited != 0
                          ? "drawn by " + std::to_string(s.visited) + " of the chains only; "
-                     : s.proposed > 0 ? "not entered in " + grouped(s.proposed) + " proposals; "
-                                      : "never entered; ";
+                         : entered_in_words(s.entered, s.proposed) + "; ";
   if (!known) return text + "nothing is known of its evidence";
   if (model.prior == 0.0) return "has no prior probability";
   if (!(s.probability > 1e-300)) return text + "its evidence puts it at P < 1e-300";
@@ -135,7 +144,7 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
     text += "; " +
             (verdict.passed_over == 1 ? "1 model was"
                                       : std::to_string(verdict.passed_over) + " models were") +
-            " not looked at, since those that were with one term less or more are improbable";
+            " not evaluated, since the models with one term less or more are improbable";
   }
   return text;
 }

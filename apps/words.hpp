@@ -39,6 +39,9 @@ using base::grouped;
 /// "modes 5 to 20", "modes 3, 7 and 9".
 [[nodiscard]] std::string name_modes(const std::vector<int>& modes);
 
+/// "never entered", "not entered in 786 proposals", "entered once in 786 proposals, but in no draw
+/// that was kept": of a model without draws.
+[[nodiscard]] std::string entered_in_words(long entered, long proposed);
 /// "not entered in 123 456 proposals; its evidence puts it at P ≈ 0.21 ± 0.02"; empty for a model
 /// that its draws speak for.
 [[nodiscard]] std::string told_by_evidence(const identification::ModelFinding& model);

@@ -12,9 +12,6 @@ namespace {
 
 using Point = Eigen::Vector2d;
 
-/// Two regions whose corners and edges are this close, against the section's size, touch.
-constexpr double kTouch = 1e-9;
-
 std::string text(double value) {
   std::ostringstream out;
   out.precision(12);
@@ -95,14 +92,23 @@ void each_pair(const std::vector<Segment>& all, const Visit& visit) {
       visit(all[i], all[j]);
 }
 
-/// The ring without repeated corners.
-Ring cleaned(const Ring& given, const std::string& name) {
+void refuse_infinite(const Ring& ring, const std::string& name) {
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    if (!ring[i].allFinite()) refuse(corner(name, i), text(ring[i]) + ": must be finite");
+}
+
+/// The ring without corners that repeat the one before, to `near`.
+Ring cleaned(const Ring& given, const std::string& name, double near) {
+  const auto same = [&](const Point& a, const Point& b) { return (a - b).norm() <= near; };
   Ring ring;
-  for (std::size_t i = 0; i < given.size(); ++i) {
-    if (!given[i].allFinite()) refuse(corner(name, i), text(given[i]) + ": must be finite");
-    if (ring.empty() || ring.back() != given[i]) ring.push_back(given[i]);
-  }
-  while (ring.size() > 1 && ring.back() == ring.front()) ring.pop_back();
+  for (const Point& p : given)
+    if (ring.empty() || !same(ring.back(), p)) ring.push_back(p);
+  while (ring.size() > 1 && same(ring.back(), ring.front())) ring.pop_back();
+  const auto exact = std::ranges::count_if(given, [&](const Point& p) { return p != given[0]; });
+  if (ring.size() < 3 && exact > 2)
+    refuse(name,
+           "is lost beside the size of the outline, of which its corners are within a billionth of "
+           "each other: it keeps fewer than 3 different corners, but a polygon has at least 3");
   if (ring.size() < 3)
     refuse(name, std::to_string(ring.size()) + " different corners: a polygon has at least 3");
   for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -187,17 +193,14 @@ std::vector<Point> just_inside(const Region& region, const Region& other, double
 }
 
 void refuse_overlap(const Outline& outline) {
-  double size = 0.0;
   std::vector<const Ring*> rings;
   std::vector<std::size_t> owner;
   for (std::size_t r = 0; r < outline.regions.size(); ++r) {
     rings.push_back(&outline.regions[r].outer);
     for (const Ring& hole : outline.regions[r].holes) rings.push_back(&hole);
     owner.resize(rings.size(), r);
-    for (const Point& p : outline.regions[r].outer)
-      size = std::max(size, (p - outline.regions[0].outer[0]).norm());
   }
-  const double near = kTouch * size;
+  const double near = kSameCorner * outline_size(outline);
   const auto name = [](std::size_t r) { return "regions[" + std::to_string(r) + "]"; };
   each_pair(segments_of(rings), [&](const Segment& s, const Segment& t) {
     const std::size_t p = owner[s.ring], q = owner[t.ring];
@@ -219,6 +222,17 @@ void refuse_overlap(const Outline& outline) {
 
 }  // namespace
 
+double outline_size(const Outline& outline) {
+  const Point* first = nullptr;
+  double size = 0.0;
+  for (const Region& region : outline.regions)
+    for (const Point& p : region.outer) {
+      if (first == nullptr) first = &p;
+      size = std::max(size, (p - *first).norm());
+    }
+  return size;
+}
+
 double signed_area(std::span<const Point> ring) {
   double twice = 0.0;
   for (std::size_t i = 1; i + 1 < ring.size(); ++i)
@@ -238,6 +252,13 @@ bool contains(std::span<const Point> ring, const Point& point) {
 
 Outline checked(const Outline& outline) {
   if (outline.regions.empty()) refuse("regions", "there are none: a section has at least 1");
+  for (std::size_t r = 0; r < outline.regions.size(); ++r) {
+    const std::string name = "regions[" + std::to_string(r) + "]";
+    refuse_infinite(outline.regions[r].outer, name + ".outer");
+    for (std::size_t h = 0; h < outline.regions[r].holes.size(); ++h)
+      refuse_infinite(outline.regions[r].holes[h], name + ".holes[" + std::to_string(h) + "]");
+  }
+  const double near = kSameCorner * outline_size(outline);
   Outline result;
   for (std::size_t r = 0; r < outline.regions.size(); ++r) {
     const Region& given = outline.regions[r];
@@ -249,11 +270,11 @@ Outline checked(const Outline& outline) {
       refuse(name + ".density", text(given.density) + ": must be positive");
     if (!(given.poisson > -1.0 && given.poisson <= 0.5))
       refuse(name + ".poisson", text(given.poisson) + ": must be above -1 and at most 0.5");
-    region.outer = cleaned(given.outer, name + ".outer");
+    region.outer = cleaned(given.outer, name + ".outer", near);
     std::vector<std::string> names = {name + ".outer"};
     for (std::size_t h = 0; h < given.holes.size(); ++h) {
       names.push_back(name + ".holes[" + std::to_string(h) + "]");
-      region.holes[h] = cleaned(given.holes[h], names.back());
+      region.holes[h] = cleaned(given.holes[h], names.back(), near);
     }
     std::vector<const Ring*> rings = {&region.outer};
     for (const Ring& hole : region.holes) rings.push_back(&hole);

@@ -29,7 +29,15 @@ struct Outline {
   std::vector<Region> regions;
 };
 
-/// Rings without repeated corners, outer ones counter-clockwise and holes clockwise. Throws
+/// Corners this close to each other, against the section's size, are one corner; a corner this
+/// close to an edge of another region lies on it.
+inline constexpr double kSameCorner = 1e-9;
+
+/// The largest distance of a corner from the outline's first one [m].
+[[nodiscard]] double outline_size(const Outline& outline);
+
+/// Rings without repeated corners, outer ones counter-clockwise and holes clockwise. Neighbouring
+/// corners of a ring within kSameCorner of the section's size are one corner. Throws
 /// std::invalid_argument, naming place and value, for
 /// - coordinates that are not finite, fewer than 3 corners, no area;
 /// - a ring that crosses or touches itself, or a hole that leaves its region or meets another hole;

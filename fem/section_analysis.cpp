@@ -276,7 +276,28 @@ SectionErrors change(const SectionProperties& coarse, const SectionProperties& f
                                          share(a.yz, b.yz, 0.05 * std::sqrt(b.yy * b.zz))})};
 }
 
+/// Whether the last two changes, continued to the largest mesh allowed, stay far above the
+/// tolerance: its solution takes most of a minute and would not settle the figures either.
+bool is_hopeless(double before, double now, int nodes, const SectionAnalysisOptions& options) {
+  constexpr double kFar = 10.0;
+  const double left = std::floor(std::log(options.most_nodes / static_cast<double>(nodes)) /
+                                 std::log(4.0));  // halvings
+  return now * std::pow(std::min(now / before, 1.0), left) > kFar * options.tolerance;
+}
+
 }  // namespace
+
+bool SectionAnalysis::finite() const {
+  const SectionProperties& p = properties;
+  const SecondMoments& i = p.second_moments;
+  const ShearFlexibility& s = p.shear_flexibility;
+  return std::ranges::all_of(
+      std::array{p.area, p.geometric_area, p.shear_area, p.mass_per_length, p.centroid.x(),
+                 p.centroid.y(), i.yy, i.zz, i.yz, p.torsion_constant, p.warping_constant,
+                 p.shear_centre.x(), p.shear_centre.y(), p.trefftz_centre.x(), p.trefftz_centre.y(),
+                 s.yy, s.zz, s.yz},
+      [](double x) { return std::isfinite(x); });
+}
 
 double SectionErrors::largest() const {
   return std::max({torsion_constant, warping_constant, shear_centre, shear_flexibility});
@@ -322,21 +343,25 @@ SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regio
   }
   SectionAnalysis result{};
   result.errors = {INFINITY, INFINITY, INFINITY, INFINITY};
+  double before = INFINITY;
   while (true) {
     const int nodes = nodes_of(mesh);
     result.levels.push_back(
         {.triangles = static_cast<int>(mesh.triangles.size()),
          .nodes = nodes,
          .properties = section_properties(mesh, regions, options.reference_poisson)});
+    result.properties = result.levels.back().properties;
     const std::size_t n = result.levels.size();
     if (n > 1)
       result.errors = change(result.levels[n - 2].properties, result.levels[n - 1].properties);
-    result.converged = result.errors.largest() <= options.tolerance;
+    const double now = result.errors.largest();
+    result.converged = result.finite() && now <= options.tolerance;
     const bool enough = static_cast<int>(n) >= options.least_levels;
-    if ((result.converged && enough) || 4.0 * nodes > options.most_nodes) break;
+    if (!result.finite() || (result.converged && enough) || 4.0 * nodes > options.most_nodes) break;
+    if (n > 2 && is_hopeless(before, now, nodes, options)) break;
+    before = now;
     mesh = refined(mesh, shares);
   }
-  result.properties = result.levels.back().properties;
   return result;
 }
 

@@ -81,8 +81,9 @@ struct SectionErrors {
 struct SectionAnalysis {
   SectionProperties properties;  ///< of the finest mesh
   SectionErrors errors;
-  std::vector<SectionLevel> levels;  ///< from the coarsest mesh to the finest
-  bool converged;                    ///< errors.largest() <= tolerance
+  std::vector<SectionLevel> levels;   ///< from the coarsest mesh to the finest
+  bool converged;                     ///< every figure is finite, and errors.largest() <= tolerance
+  [[nodiscard]] bool finite() const;  ///< every figure of the finest mesh is a finite number
 };
 
 struct SectionAnalysisOptions {
@@ -100,7 +101,8 @@ struct SectionAnalysisOptions {
                                                    std::span<const Region> regions,
                                                    double reference_poisson);
 
-/// Halves the mesh, graded to its corners, until the figures stay. Throws as section_properties
+/// Halves the mesh, graded to its corners, until the figures stay; or until one is not finite, or
+/// their changes show that the meshes left would not settle them. Throws as section_properties
 /// does, and for options out of range.
 [[nodiscard]] SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regions,
                                               const SectionAnalysisOptions& options = {});

@@ -26,8 +26,6 @@ struct Corner {
 constexpr int kOutside = -1, kUnknown = -2;
 /// Edges shorter than this, against the section's size, are not split: rounding is near.
 constexpr double kShortest = 1e-10;
-/// A region's corners this close to another region's edge lie on it, against the section's size.
-constexpr double kTouch = 1e-9;
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Corner, Kernel>;
@@ -93,18 +91,17 @@ std::vector<Ring> joined_rings(const Outline& outline, double near) {
 class Refinement {
  public:
   Refinement(const Outline& outline, const SectionMeshOptions& options) : options_(options) {
-    double area = 0.0, size = 0.0;
+    double area = 0.0;
+    const double size = outline_size(outline);
     for (const Region& region : outline.regions) {
       area += signed_area(region.outer);
       for (const Ring& hole : region.holes) area += signed_area(hole);
-      for (const auto& p : region.outer)
-        size = std::max(size, (p - outline.regions[0].outer[0]).norm());
     }
     longest_squared_ = std::pow(options.coarseness, 2) * area;
     const double sine = std::sin(options.angle * std::numbers::pi / 180.0);
     ratio_squared_ = 0.25 / (sine * sine);  // (R / shortest edge)² = 1 / (2 sin angle)²
     shortest_squared_ = std::pow(kShortest * size, 2);
-    for (const Ring& ring : joined_rings(outline, kTouch * size)) insert(ring);
+    for (const Ring& ring : joined_rings(outline, kSameCorner * size)) insert(ring);
     if (triangulation_.dimension() < 2)
       throw std::invalid_argument("outline: all its corners are on one line");
     mark_sharp_corners();

@@ -77,7 +77,7 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
            line.stretch_of_cell(static_cast<int>(end)) == stretch)
       expected += overall[end++];
     if (expected >= kTenth) {
-      std::vector<double> location, severity, weight;
+      std::vector<double> location, severity, extent, weight;
       draws.for_each([&](std::size_t c, std::size_t i) {
         for (const Component& component : draws.at(c, i)) {
           if (component.kind != kind) continue;
@@ -85,6 +85,7 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
           if (at < e || at >= end) continue;
           location.push_back(line.is_beam() ? component.location : line.spot(component.location).s);
           severity.push_back(component.severity);
+          extent.push_back(component.extent);
           weight.push_back(draws.weight(c, i));
         }
       });
@@ -100,6 +101,7 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
                   .severity = {}};
       const DefectKind& k = problem.damage_case.kinds[static_cast<std::size_t>(kind)];
       if (k.severity_prior()) place.severity = marginal({severity}, weights);
+      if (k.extent_prior) place.extent = marginal({extent}, weights);
       list.push_back(std::move(place));
     }
     e = end;
@@ -497,6 +499,14 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     out.kinds.push_back(where(draws, static_cast<int>(k)));
     out.kinds.back().places = places(draws, static_cast<int>(k), out.kinds.back().expected);
+  }
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    constexpr double kWorthSaying = 0.2;
+    auto merged = merged_damages(draws, out.models, static_cast<int>(k));
+    if (!merged) continue;
+    if (merged->merged > kWorthSaying)
+      remarks.push_back(remark::NeighbouringDamages{static_cast<int>(k)});
+    out.merged.push_back(std::move(*merged));
   }
   if (problem.symmetric) out.folded = folded(draws);
   tell_rivals(draws, symmetric, remarks);

@@ -1,6 +1,7 @@
 // What a damage run found: how many, where on the beam and how bad, and what the data cannot say.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "identification/damage_problem.hpp"
 #include "identification/emulator_check.hpp"
 #include "identification/findings.hpp"
+#include "identification/merged_damages.hpp"
 #include "identification/mode_contributions.hpp"
 
 namespace wheeltap::identification {
@@ -20,7 +22,8 @@ struct Place {
   double from, to;  ///< [m]
   double expected;  ///< number of defects
   Marginal location;
-  std::optional<Marginal> severity;  ///< where it is not known
+  std::optional<Marginal> severity;     ///< where it is not known
+  std::optional<Marginal> extent = {};  ///< [m], where it is not known
 };
 
 /// Where the defects of one kind are.
@@ -93,11 +96,17 @@ struct DamageFindings : Findings {
   /// For a symmetric beam, one entry a model: locations counted from the nearer end, and the
   /// components ordered by that, since the plain estimates average over mirror images.
   std::vector<std::vector<ParameterFinding>> folded;
+  std::vector<MergedFinding> merged;  ///< of kinds whose damages cover a fixed length
   std::optional<SymmetryFinding> symmetry;
   std::optional<FitFinding> fit;
   std::optional<EmulatorFinding> emulator;
   std::optional<BaselineFindings> baseline;  ///< where there are states
 
+  /// Of one kind; nullptr where there is nothing to merge.
+  [[nodiscard]] const MergedFinding* merged_of(int kind) const {
+    const auto found = std::ranges::find(merged, kind, &MergedFinding::kind);
+    return found == merged.end() ? nullptr : &*found;
+  }
   /// Estimates of a model's defects to be shown: folded where there are any.
   [[nodiscard]] const std::vector<ParameterFinding>& shown(std::size_t model) const {
     return !folded.empty() && !folded[model].empty() ? folded[model] : models[model].parameters;

@@ -6,6 +6,7 @@
 
 #include "base/random.hpp"
 #include "identification/sid_predictive.hpp"
+#include "identification/structure_plausibility.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -121,6 +122,12 @@ void judge_truth(const SidCase& sid_case, std::vector<Remark>& remarks) {
 }  // namespace
 
 std::vector<Remark> implausible(const DamageProblem& problem) {
+  const DamageCase& damage_case = problem.damage_case;
+  std::vector<Remark> remarks = damage_case.structure ? implausible(damage_case.structure->nominal)
+                                                      : implausible(damage_case.beam);
+  if (damage_case.modal)
+    for (Remark& remark : implausible(damage_case.modal->sensors))
+      remarks.push_back(std::move(remark));
   const FrequencyData& data = problem.damage_case.data;
   const auto& space = problem.problem.space;
   const auto modes = static_cast<std::size_t>(data.modes());
@@ -161,7 +168,6 @@ std::vector<Remark> implausible(const DamageProblem& problem) {
     }
     if (sd > 0.0) effects.push_back((range.high - range.low) / sd);
   }
-  std::vector<Remark> remarks;
   if (!ratios.empty() && 2 * static_cast<int>(ratios.size()) >= measured) {
     away.ratio = median(ratios);
     remarks.push_back(away);
@@ -172,6 +178,12 @@ std::vector<Remark> implausible(const DamageProblem& problem) {
       remarks.push_back(remark::NoiseHidesDamage{data.cv.value_or(std::nan("")), *most});
     }
   }
+  return remarks;
+}
+
+std::vector<Remark> implausible(const UpdateCase& update_case) {
+  std::vector<Remark> remarks = implausible(update_case.structure->nominal);
+  for (Remark& remark : implausible(update_case.data.sensors)) remarks.push_back(std::move(remark));
   return remarks;
 }
 

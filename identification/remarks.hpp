@@ -2,6 +2,7 @@
 // the writers'.
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <variant>
@@ -44,6 +45,50 @@ struct NearlyPrior {
     double overlap;
   };
   std::vector<Parameter> parameters;
+};
+
+// ---- of structures ---------------------------------------------------------------------------
+
+/// A material that no one builds with: most likely a number in another unit.
+struct ImplausibleMaterial {
+  enum class Property { young, density, speed_of_sound };
+
+  std::string of;  ///< "the beam", "member \"left post\""
+  Property property;
+  double value, lowest, highest;  ///< SI
+  std::string unit = {};          ///< in which the number would be plausible; empty: none known
+  double converted = 0.0;         ///< it then is, SI
+};
+/// A section higher than its beam is long, or far higher than its member.
+struct DeepSection {
+  std::string of;
+  double height, length;  ///< [m]
+};
+struct TwinMembers {
+  std::string first, second, from, to;
+};
+/// Joined by neither a member nor a spring.
+struct UnusedNodes {
+  std::vector<std::string> nodes = {};
+};
+/// Members that meet between their nodes, where the model does not join them.
+struct CrossingMembers {
+  struct Pair {
+    std::string first, second;
+    std::array<double, 3> at;  ///< [m]
+    bool between;              ///< nodes, of one of them at least; else two nodes are in one place
+  };
+  std::vector<Pair> pairs = {};  ///< the first few
+  int count = 0;                 ///< of all
+  int dimension = 3;
+};
+/// Sensors, numbered from 1, of one place and direction.
+struct SensorsAtOnePlace {
+  struct Pair {
+    int first, second;
+    std::string name;
+  };
+  std::vector<Pair> pairs = {};
 };
 
 // ---- of damages ------------------------------------------------------------------------------
@@ -111,6 +156,10 @@ struct CannotExclude {
 struct NoModelFits {
   std::vector<int> off;
   bool emulated;
+};
+/// Damages of a fixed extent stand beside each other and act as one longer damage (MergedFinding).
+struct NeighbouringDamages {
+  int kind;  ///< its place in the case's list
 };
 /// Half the probability or more is at the largest count allowed.
 struct LargestCount {
@@ -283,18 +332,19 @@ struct SpuriousMode {
 /// From this probability on it is said.
 inline constexpr double kSpurious = 0.05;
 
-using Remark =
-    std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
-                 remark::NearlyPrior, remark::FrequenciesOutOfReach, remark::NoiseHidesDamage,
-                 remark::MirrorImages, remark::StructureImages, remark::RivalPlaces,
-                 remark::FittedNotTested, remark::CannotExclude, remark::NoModelFits,
-                 remark::LargestCount, remark::SeverityAtBound, remark::EmulatorBlind,
-                 remark::EmulatorMoved, remark::TruthOutsidePriors, remark::ResponsesOutOfReach,
-                 remark::NoiseAboveResponse, remark::PeculiarWindow, remark::LinearExcitation,
-                 remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
-                 remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
-                 remark::NoiseMisstated, remark::MostProbableFails, remark::ColouredResiduals,
-                 remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound,
-                 remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
+using Remark = std::variant<
+    remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
+    remark::NearlyPrior, remark::ImplausibleMaterial, remark::DeepSection, remark::TwinMembers,
+    remark::UnusedNodes, remark::CrossingMembers, remark::SensorsAtOnePlace,
+    remark::FrequenciesOutOfReach, remark::NoiseHidesDamage, remark::MirrorImages,
+    remark::StructureImages, remark::RivalPlaces, remark::FittedNotTested, remark::CannotExclude,
+    remark::NoModelFits, remark::NeighbouringDamages, remark::LargestCount, remark::SeverityAtBound,
+    remark::EmulatorBlind, remark::EmulatorMoved, remark::TruthOutsidePriors,
+    remark::ResponsesOutOfReach, remark::NoiseAboveResponse, remark::PeculiarWindow,
+    remark::LinearExcitation, remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
+    remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
+    remark::NoiseMisstated, remark::MostProbableFails, remark::ColouredResiduals,
+    remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound,
+    remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
 
 }  // namespace wheeltap::identification

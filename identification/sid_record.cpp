@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/number.hpp"
 #include "identification/invalid_input.hpp"
 #include "signals/spectra.hpp"
 
@@ -129,6 +130,22 @@ class RecordTaker {
     return factor;
   }
 
+  /// A response that never changes is no measurement: any model that barely moves explains it.
+  void refuse_constant(std::size_t i) const {
+    const SidChannel& channel = out_.channels[i];
+    const std::vector<double>& x = channel.signal.samples;
+    if (channel.role != Role::response || out_.simulated ||
+        !std::ranges::all_of(x, [&](double value) { return value == x.front(); }))
+      return;
+    throw InvalidInput(Part::channel,
+                       "the response is " + base::number(x.front()) + " in every sample from " +
+                           std::to_string(out_.begin - out_.lead_in) + " to " +
+                           std::to_string(out_.end) +
+                           ": it says nothing of the motion. Choose other samples, give the "
+                           "channel the role \"ignore\", or repair its sensor",
+                       static_cast<int>(i));
+  }
+
   void load_channel(std::size_t i) {
     SidChannel& channel = out_.channels[i];
     if (channel.role == Role::ignore || channel.role == Role::time) return;
@@ -136,6 +153,7 @@ class RecordTaker {
     channel.take_unit(source.unit);
     const int begin = out_.begin - out_.lead_in;
     channel.signal.samples = window(i);
+    refuse_constant(i);
     const bool whole =
         std::ranges::all_of(source.values, [](double x) { return std::isfinite(x); });
     const bool part = out_.begin > 0 || out_.end < record_.samples();

@@ -10,6 +10,7 @@
 #include "base/constants.hpp"
 #include "base/random.hpp"
 #include "identification/mode_contributions.hpp"
+#include "identification/plausibility.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -419,6 +420,7 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
                                const std::vector<MethodEvidence>& evidence, std::uint64_t seed) {
   UpdateFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior), seed);
+  if (!problem.outside) out.remarks = implausible(problem.update_case);
   out.numbers = problem.measured();
   judge_parameters(problem, posterior, out);
   const Examined seen = examine(problem, posterior, out);

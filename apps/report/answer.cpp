@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "apps/damage_words.hpp"
 #include "apps/fit_words.hpp"
 
 namespace wheeltap::apps {
@@ -40,6 +41,22 @@ std::string counted(const DamageCase& damage_case, const ModelFinding& model) {
   return text;
 }
 
+// What the count comes to where neighbours are one damage: " These two stand beside each other …;
+// counted as one: 1 damage 99 % and 2 damages 1 %."
+std::string neighbours(const DamageCase& damage_case, const DamageFindings& findings,
+                       std::size_t model) {
+  constexpr double kMost = 0.5;  // of the model's draws
+  std::string text;
+  for (const MergedFinding& merged : findings.merged) {
+    const auto k = static_cast<std::size_t>(merged.kind);
+    const MergedModel* of = merged.of(static_cast<int>(model));
+    if (of == nullptr || of->merged < kMost) continue;
+    text += " " + longer_in_words(damage_case.kinds[k], findings.models[model].counts[k], *of) +
+            " Counted as one: " + merged_counts_in_words(damage_case.kinds[k], merged) + ".";
+  }
+  return text;
+}
+
 std::string percent_of(double fraction) {
   return fixed(100.0 * fraction, 0) + " %";
 }
@@ -63,8 +80,8 @@ std::string metres(const Marginal& x) {
 std::string how_bad(const DefectKind& kind, const Marginal& severity);
 
 // One component: "near 0.095 m (95 % interval 0.09 to 0.1 m) or its mirror image 0.905 m, …".
-std::string place(const Marginal& x, const Marginal* severity, const DefectKind& kind,
-                  double length, bool mirrored) {
+std::string place(const Marginal& x, const Marginal* severity, const Marginal* extent,
+                  const DefectKind& kind, double length, bool mirrored) {
   std::string text;
   if (x.width() > kLocated * length) {
     text = "not located: anywhere from " + metres(x) +
@@ -77,6 +94,8 @@ std::string place(const Marginal& x, const Marginal* severity, const DefectKind&
   }
   if (severity == nullptr) return text;
   text += ", " + how_bad(kind, *severity);
+  if (const std::string over = extent_in_words(kind, x.q50, extent); !over.empty())
+    text += " " + over;
   return text;
 }
 
@@ -112,6 +131,10 @@ std::string places_in_structure(const DamageCase& damage_case, const DamageFindi
       else
         text += " (expected number " + fixed(p.expected, 2) + ")";
       if (p.severity) text += ", " + how_bad(kind, *p.severity);
+      const double at = kind.line.x_of(on.site, p.location.q50);
+      if (const std::string over = extent_in_words(kind, at, p.extent ? &*p.extent : nullptr);
+          p.severity && !over.empty())
+        text += " " + over;
       all.push_back({p.expected, text});
     }
   }
@@ -145,8 +168,11 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
     if (u.kind < 0 || u.parameter != 0) continue;
     const DefectKind& kind = damage_case.kinds[static_cast<std::size_t>(u.kind)];
     const Marginal* severity = kind.severity_prior() ? &shown[p + 1].estimate : nullptr;
-    places.push_back((several ? kind.name + " " : "") +
-                     place(shown[p].estimate, severity, kind, damage_case.beam.length, mirrored));
+    const Marginal* extent =
+        kind.extent_prior ? &shown[p + (kind.severity_prior() ? 2 : 1)].estimate : nullptr;
+    places.push_back((several ? kind.name + " " : "") + place(shown[p].estimate, severity, extent,
+                                                              kind, damage_case.beam.length,
+                                                              mirrored));
   }
   if (places.empty()) return {};
   std::string text;
@@ -257,6 +283,7 @@ Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
   const ModelFinding& best = findings.models[at];
   const bool none = std::ranges::all_of(best.counts, [](int n) { return n == 0; });
   if (!none) {
+    out.headline += neighbours(damage_case, findings, at);
     out.detail = where_and_how_bad(damage_case, findings, at);
     if (best.probability() < kDecided && !out.detail.empty()) {
       out.detail = "If " + said(best) + ": " + out.detail;

@@ -5,7 +5,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
     const shown = all.length <= 14 ? all : [...all].sort((a, b) => b.probability - a.probability).slice(0, 14);
     const keys = [...new Set(all.flatMap((m) => Object.keys(m)))].filter((k) => all.every((m) => typeof m[k] !== 'object' || m[k] === null));
     // Values stand in a column of their own: beside a bar they would be read as the prior's.
-    const label = (m) => (m.mcse === null && m.basis ? 'not known' : percent(m.probability) + (m.basis === 'evidence' ? ' ᵉ' : ''));
+    const label = (m) => (m.passed_over ? 'not evaluated' : m.mcse === null && m.basis ? 'not known' : percent(m.probability) + (m.basis === 'evidence' ? ' ᵉ' : ''));
     const room = 14 + 7 * Math.max(...shown.map((m) => label(m).length));
     return {
       id: 'model-probabilities', section: 'models', wide: true, title: 'Probability of each model',

@@ -176,7 +176,7 @@
   function bayesFactors() {
     const rows = summary.log_bayes_factors || [];
     if (!rows.length) return [];
-    const said = (r) => (typeof r.log_bayes_factor === 'number' ? { value: r.log_bayes_factor, text: r.log_bayes_factor.toFixed(2) } : 'not known');
+    const said = (r) => (typeof r.log_bayes_factor === 'number' ? { value: r.log_bayes_factor, text: r.log_bayes_factor.toFixed(2) } : r.evaluated === false ? 'not evaluated' : 'not known');
     return [element('h3', { class: 'apart' }, 'Bayes factors'),
       copyable({ head: ['model', 'against', 'ln Bayes factor', 'Monte Carlo error', 'from', 'never visited'], caption: 'Above zero the data favour the model named first',
         rows: rows.map((r) => [r.model, r.against, said(r), typeof r.mcse === 'number' ? { value: r.mcse, text: number(r.mcse, 2) } : null, r.basis, r.never_visited]) })];
@@ -233,6 +233,15 @@
     return [element('h3', { class: 'apart' }, 'The intact structure'), ...(rows.length ? [table] : []),
       element('p', { class: 'lead' }, [summary.baseline.check.statement, error].filter(Boolean).join(' '))];
   }
+  // The count with neighbouring damages counted as one, where that changes it.
+  function mergedCounts() {
+    const all = summary.damage?.merged;
+    const kinds = !all ? [] : all.probability_of_count ? [[null, all]] : Object.entries(all);
+    const rows = kinds.filter(([, m]) => m.probability_merged >= 0.005).flatMap(([kind, m]) => Object.entries(m.probability_of_count)
+      .map(([n, p]) => [kind === null ? n : `${n} (${kind})`, { value: p, text: charts.probability(p) }]));
+    return rows.length ? [element('h3', { class: 'apart' }, 'Neighbouring damages counted as one'),
+      copyable({ head: ['count', 'probability'], rows, caption: 'Damages that one longer damage explains as well are one' })] : [];
+  }
   // Models that the draws cannot speak for.
   function toldByEvidence() {
     if (!told.length) return [];
@@ -262,7 +271,7 @@
       warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'),
       ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, ...prose(n))), ...caseNotes());
 
-    const evidences = [...toldByEvidence(), ...bayesFactors(), ...evidenceTable()];
+    const evidences = [...mergedCounts(), ...toldByEvidence(), ...bayesFactors(), ...evidenceTable()];
     if (several || evidences.length) section('models', summary.damage ? 'How many' : several ? 'Which model' : 'Evidence', null, grid(of('models')), ...evidences);
 
     const mirrored = d.symmetry?.statement;

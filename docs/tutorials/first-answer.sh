@@ -31,7 +31,7 @@ ls results/my-beam
 # with ten modes known to 0.1 %.
 # %%
 wheeltap simulate my-beam/damage.json -o my-beam/feared.json --set 'data={"modes": 10, "cov": 0.001}' \
-  --set 'damage.truth=[{"location": 0.5, "reduction": 0.05}]'
+  --set 'damage.truth=[{"location": 0.5, "reduction": 0.05, "extent": 0.03}]'
 wheeltap damage my-beam/feared.json -o results/feared --seed 1 --quiet | head -n 12
 # %% [markdown]
 # Read its probability of no damage: it is what a sound verdict would have been worth. Where it is not small, such a damage

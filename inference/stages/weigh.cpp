@@ -118,6 +118,9 @@ void weigh(RunContext& run, RunState& state) {
       found.bridged = explored.sampled;
       continue;
     }
+    // A model that was never evaluated has no mixture of its own to weigh it by: draws about the
+    // prior's middle would give it an evidence far too low, with a small error.
+    if (explored.passed_over && log_ratios_at_draws(state, m).empty()) continue;
     found.sampled = explored.sampled;
     // Of many models most had a glance only, and are as improbable as that says.
     const bool matters =

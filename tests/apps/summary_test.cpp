@@ -101,6 +101,17 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_EQ(table[1]["log_evidence"], -12.0);
   EXPECT_EQ(table[1].value("told", ""),
             "not entered in 12 345 proposals; its evidence puts it at P ≈ 0.119 ± 0.01");
+  Posterior entered = posterior;
+  entered.jumps_accepted[0][1] = 1;
+  EXPECT_EQ(model_table(found_in(entered))[1].value("told", ""),
+            "entered once in 12 345 proposals, but in no draw that was kept; its evidence puts it "
+            "at P ≈ 0.119 ± 0.01");
+  Posterior passed_over = posterior;
+  passed_over.jumps_proposed = {{0, 0}, {0, 0}};
+  passed_over.found[1] = {.passed_over = true};
+  EXPECT_EQ(model_table(found_in(passed_over))[1].value("told", ""),
+            "not evaluated: the models with one term less or more are improbable");
+  EXPECT_TRUE(model_table(found_in(passed_over))[1]["log_evidence"].is_null());
   Posterior hopeless = posterior;
   hopeless.found[1] = found(-2000.0);  // was "P ≈ 0 ± 0"
   EXPECT_EQ(model_table(found_in(hopeless))[1].value("told", ""),
@@ -108,7 +119,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_FALSE(parameter_tables(found_in(posterior)).contains("1 damage"));
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
-  EXPECT_THAT(d["warnings"][0].get<std::string>(), HasSubstr("'1 damage' was not entered"));
+  EXPECT_THAT(d["warnings"][0].get<std::string>(), HasSubstr("'1 damage' has no draws"));
   EXPECT_EQ(d["warnings"][0], d["not_established"][0]);
   // Then why nothing explains the data; then the remarks by their gravity, alike ones in one.
   ASSERT_EQ(d["warnings"].size(), d["not_established"].size() + 3);

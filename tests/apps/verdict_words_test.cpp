@@ -27,10 +27,10 @@ std::string sentence(const Reason& reason) {
 TEST(VerdictWords, OfEachReason) {
   EXPECT_EQ(sentence(ModelNotEntered{
                 .model = 1, .proposed = 2469134, .by_evidence = {.value = 0.25, .mcse = 0.019}}),
-            "Model 'two' was not entered in 2 469 134 proposals; its evidence puts it at "
+            "Model 'two' has no draws after 2 469 134 proposals; its evidence puts it at "
             "P ≈ 0.25 ± 0.02. Search more (--search), or run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelNotEntered{.model = 1, .proposed = 0, .by_evidence = {.value = 0.25}}),
-            "Model 'two' was never entered; its evidence puts it at P ≈ 0.25. Search more "
+            "Model 'two' has no draws; its evidence puts it at P ≈ 0.25. Search more "
             "(--search), or run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelNotInEveryChain{.model = 0, .visited = 3, .chains = 4}),
             "Model 'one' was drawn by 3 of 4 chains only. Run longer (--warmup, --draws).");
@@ -40,7 +40,7 @@ TEST(VerdictWords, OfEachReason) {
       "Model 'one' was drawn by 3 of 4 chains only; its evidence puts it at P ≈ 0.1 ± 0.01. "
       "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelUnknown{.model = 1, .proposed = 12}),
-            "Model 'two' was not entered in 12 proposals; nothing is known of its evidence. Run "
+            "Model 'two' has no draws after 12 proposals; nothing is known of its evidence. Run "
             "longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 3, .chains = 4}),
             "A mode of model 'one' that the searches found, about 30 % of that model, is in the "

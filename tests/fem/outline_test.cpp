@@ -22,6 +22,15 @@ TEST(Outline, RingsAreTurnedAndClosed) {
   EXPECT_NEAR(signed_area(region.holes[0]), -0.04, 1e-16);
 }
 
+TEST(Outline, CornersWithinABillionthOfTheSizeAreOne) {
+  for (const double gap : {0.0, 6e-18, 1e-15, 1e-12, 1.9e-10}) {
+    const Ring repeated = {{0, 0}, {0.1, 0}, {0.1, 0.2}, {gap, 0.2}, {0, 0.2}, {0, gap}};
+    EXPECT_EQ(checked(of_one(repeated, 0.3)).regions[0].outer.size(), 4u) << gap;
+  }
+  const Ring chamfered = {{0, 0}, {0.1, 0}, {0.1, 0.2}, {1e-9, 0.2}, {0, 0.2}};
+  EXPECT_EQ(checked(of_one(chamfered, 0.3)).regions[0].outer.size(), 5u);
+}
+
 TEST(Outline, PointsInside) {
   const Ring c = channel(8, 18, 1);
   EXPECT_TRUE(contains(c, {0.5, 9}));

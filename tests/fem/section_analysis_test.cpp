@@ -335,5 +335,60 @@ TEST(SectionAnalysis, Refuses) {
                  {"reference_poisson", "0.7", "0.5"});
 }
 
+// Fault: corners closer than rounding gave NaN, a torsion constant 2.5 % off after 53 s, or no
+// factorisation.
+TEST(SectionAnalysis, NearlyRepeatedCornersChangeNothing) {
+  const SectionProperties right = properties(rectangle(0, 0, 0.1, 0.2), 0.3);
+  for (const double gap : {1e-17, 1e-15, 1e-14, 1e-12, 1e-10, 3e-10, 1e-9, 1e-8, 1e-6}) {
+    const Ring ring = {{0, 0}, {0.1, 0}, {0.1, 0.2}, {gap, 0.2}, {0, 0.2}};
+    const SectionProperties p = properties(ring, 0.3);
+    expect_close(p.torsion_constant, right.torsion_constant, 1e-4, "J");
+    expect_close(p.shear_flexibility.zz, right.shear_flexibility.zz, 1e-4, "α");
+  }
+}
+
+TEST(SectionAnalysis, AQuarterDiscMayEndInRounding) {
+  const auto quarter = [](double last_y) {
+    Ring ring = {{0, 0}};
+    for (int i = 0; i <= 8; ++i)
+      ring.emplace_back(0.1 * std::cos(i * kPi / 16), 0.1 * std::sin(i * kPi / 16));
+    ring.back().x() = last_y;
+    if (last_y != 0.0) ring.emplace_back(0.0, 0.1);
+    return ring;
+  };
+  const SectionProperties right = properties(quarter(0.0), 0.3);
+  for (const double rounding : {6.123233995736766e-18, -6e-18, 1e-16, -1e-16}) {
+    const SectionProperties p = properties(quarter(rounding), 0.3);
+    expect_close(p.torsion_constant, right.torsion_constant, 1e-5, "J");
+    expect_close(p.shear_centre.x(), right.shear_centre.x(), 1e-3, "centre");
+  }
+}
+
+TEST(SectionAnalysis, RegionsWhoseCornersDifferByRoundingAreJoined) {
+  const auto halves = [](double gap) {
+    Outline outline;
+    outline.regions.push_back({.outer = rectangle(0, 0, 0.05, 0.2)});
+    outline.regions.push_back(
+        {.outer = {{0.05 + gap, 0}, {0.1, 0}, {0.1, 0.2}, {0.05 + gap, 0.2}, {0.05, 0.2 - gap}}});
+    return outline;
+  };
+  const double right = properties(rectangle(0, 0, 0.1, 0.2), 0.3).torsion_constant;
+  for (const double gap : {1e-17, 1e-15, 1e-12, 1e-10}) {
+    const Outline outline = checked(halves(gap));
+    const SectionAnalysis a = analyse_section(section_mesh(outline), outline.regions);
+    EXPECT_TRUE(a.converged) << gap;
+    expect_close(a.properties.torsion_constant, right, 1e-4, "J");
+  }
+}
+
+TEST(SectionAnalysis, WhatWouldNotSettleEndsBeforeTheLargestMesh) {
+  const Outline outline = checked(of_one(channel(8, 18, 1), 0.3));
+  const SectionAnalysis a =
+      analyse_section(section_mesh(outline), outline.regions, {.tolerance = 1e-13});
+  EXPECT_FALSE(a.converged);
+  EXPECT_TRUE(a.finite());
+  EXPECT_LE(a.levels.size(), 3U);
+}
+
 }  // namespace
 }  // namespace wheeltap::fem

@@ -245,5 +245,24 @@ TEST(OccamsWindow, ARunThatPassesOverModelsHasTheOthersProbabilities) {
   }
 }
 
+// Fault: of few models each had an evidence, those that were never evaluated one that was far off.
+TEST(OccamsWindow, OfFewModelsThosePassedOverHaveNoEvidence) {
+  const ModelSpace space = subsets(5);
+  const Regression data = regression(space, 0b00101, 0.7, 11);
+  const Posterior posterior =
+      reversible_jump(problem_of(space, data, data.y.size()),
+                      {.seed = 4, .chains = 4, .warmup = 2000, .draws = 2000});
+  const Verdict verdict = judge(posterior);
+  EXPECT_GT(verdict.passed_over, 2);
+  for (int m = 0; m < space.size(); ++m) {
+    const ModelStanding& standing = verdict.models[static_cast<std::size_t>(m)];
+    if (standing.passed_over) {
+      EXPECT_TRUE(std::isnan(standing.log_evidence)) << m;
+      continue;
+    }
+    EXPECT_NEAR(standing.log_evidence, data.explored(space[m]).log_evidence(), 3.5) << m;
+  }
+}
+
 }  // namespace
 }  // namespace wheeltap::inference

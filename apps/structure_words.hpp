@@ -1,0 +1,21 @@
+// Words on what a case says of its structure that can hardly be meant.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identification/remarks.hpp"
+
+namespace wheeltap::apps {
+
+[[nodiscard]] std::string sentence(const identification::remark::ImplausibleMaterial& r);
+[[nodiscard]] std::string sentence(const identification::remark::DeepSection& r);
+[[nodiscard]] std::string sentence(const identification::remark::TwinMembers& r);
+[[nodiscard]] std::string sentence(const identification::remark::UnusedNodes& r);
+[[nodiscard]] std::string sentence(const identification::remark::CrossingMembers& r);
+[[nodiscard]] std::string sentence(const identification::remark::SensorsAtOnePlace& r);
+
+/// Prints each remark on standard error, for commands that have no run to report it.
+void warn_of(const std::vector<identification::Remark>& remarks);
+
+}  // namespace wheeltap::apps
