@@ -28,6 +28,7 @@ DamageFindings found_in(const DamageProblem& problem, int model,
   posterior.space = std::make_shared<const inference::ModelSpace>(problem.problem.space);
   posterior.dimension = problem.problem.space.max_dimension();
   posterior.draws = static_cast<int>(draws.size());
+  posterior.likelihood_evaluations = 1;
   for (int c = 0; c < 2; ++c) {
     inference::Chain chain;
     for (std::size_t i = 0; i < draws.size(); ++i) {
@@ -35,7 +36,7 @@ DamageFindings found_in(const DamageProblem& problem, int model,
       chain.theta.append(draws[i].begin(), draws[i].end());
       chain.theta.resize((i + 1) * static_cast<std::size_t>(posterior.dimension), std::nan(""));
       chain.log_prior.push_back(0.0);
-      chain.log_likelihood.push_back(0.0);
+      chain.log_likelihood.push_back(-1.0);  // none of them 0: a run with data
     }
     posterior.chains.push_back(std::move(chain));
   }
