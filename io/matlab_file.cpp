@@ -171,6 +171,16 @@ void add_columns(const std::vector<Array>& arrays, std::size_t length, Columns& 
   }
 }
 
+/// An array of another length, and how a case names it.
+std::string other_length(const Array& array) {
+  Columns own;
+  add_columns({array}, array.longer(), own);
+  std::string names = "'" + own.columns.front().name + "'";
+  if (own.columns.size() > 1) names += " to '" + own.columns.back().name + "'";
+  return array.name + " (" + std::to_string(array.rows) + " x " + std::to_string(array.columns) +
+         ", of another length: a case names " + names + ")";
+}
+
 /// The columns of the length that most numbers have; or of another, where more of those that are
 /// wanted are of it.
 void choose_columns(const std::vector<Array>& arrays, const Wanted& wanted, Columns& table) {
@@ -181,11 +191,12 @@ void choose_columns(const std::vector<Array>& arrays, const Wanted& wanted, Colu
     add_columns(arrays, length, table);
     std::size_t count = 0;
     for (std::size_t c = 0; wanted && c < table.columns.size(); ++c) count += wanted(table, c);
+    const bool all = count == table.columns.size();
     if (!chosen || count > best) {
       chosen = std::move(table.columns);
       best = count;
     }
-    if (!wanted) break;
+    if (!wanted || all) break;
   }
   if (chosen) table.columns = std::move(*chosen);
 }
@@ -236,6 +247,11 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted) {
   for (const Array& a : arrays)
     if (a.values.size() == 1) table.scalars[a.name] = a.values[0];
   choose_columns(arrays, wanted, table);
+  table.others = others;
+  for (const Array& a : arrays)
+    if (a.values.size() > 1 && a.rows != table.columns.front().values.size() &&
+        a.columns != table.columns.front().values.size())
+      table.others.push_back(other_length(a));
   if (table.columns.empty()) {
     std::string there;
     for (std::size_t i = 0; i < std::min(others.size(), kMostNamed); ++i)

@@ -78,6 +78,7 @@ TEST(MatlabFile, AColumnOfAnotherLengthIsReadByItsName) {
   Mat_Close(file);
   Columns t = read_columns(path);
   EXPECT_EQ(t.rows(), 4) << "the length that most numbers have";
+  EXPECT_THAT(t.others, testing::ElementsAre("idx (5 x 1, of another length: a case names 'idx')"));
   t = read_matlab_file(path,
                        [](const Columns& c, std::size_t i) { return c.columns[i].name == "idx"; });
   EXPECT_EQ(t.columns.at(static_cast<std::size_t>(t.find("idx"))).values,
