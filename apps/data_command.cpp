@@ -75,6 +75,8 @@ void print(const MeasuredFile& file) {
       for (const std::string& text : oddities(table, c))
         std::cout << "! " << io::printable(c.name) << " " << text << ".\n";
   }
+  if (!file.others.empty()) std::cout << "\nAlso in the file, not among these channels:\n";
+  for (const std::string& text : file.others) std::cout << "  " << io::printable(text) << "\n";
 }
 
 // ---- conversion ------------------------------------------------------------------------------
@@ -174,7 +176,7 @@ void convert(const MeasuredFile& file, const std::string& to) {
     throw Failure(Exit::usage, "--to " + to + ": must be csv, nc or uff, or a file that ends so");
   }
   write_text(path, text);
-  std::cout << "\nConverted: " << path.string() << "\n";
+  std::cout << "\nConverted: " << io::printable(path.string()) << "\n";
 }
 
 }  // namespace
@@ -217,7 +219,10 @@ Report data_report(const MeasuredFile& file) {
          {"sampling_fault", table.sampling_fault},
          {"channels", channels}});
   }
-  return {{"file", io::printable(file.path.string())}, {"format", file.format}, {"tables", tables}};
+  return {{"file", io::printable(file.path.string())},
+          {"format", file.format},
+          {"tables", tables},
+          {"others", file.others}};
 }
 
 void run_data(const DataOptions& options) {

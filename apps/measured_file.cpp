@@ -136,7 +136,9 @@ MeasuredFile look_at(const std::filesystem::path& path, std::optional<double> sa
     out.universal = io::read_universal_file(path);
     out.tables = tables_of(*out.universal, path);
   } else {
-    out.tables.push_back(table_of(io::read_columns(path), sample_rate_hz));
+    io::Columns columns = io::read_columns(path);
+    out.others = std::move(columns.others);
+    out.tables.push_back(table_of(std::move(columns), sample_rate_hz));
   }
   return out;
 }

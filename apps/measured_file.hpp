@@ -36,6 +36,7 @@ struct MeasuredFile {
   std::filesystem::path path = {};
   std::string format = {};
   std::vector<MeasuredTable> tables = {};
+  std::vector<std::string> others = {};  ///< what is no channel of the table, in words
   std::optional<io::UniversalFile> universal = {};
 };
 

@@ -32,6 +32,8 @@ struct Columns {
   std::string file = {};
   std::vector<Column> columns = {};  ///< of equal length, but for those that were not wanted
   std::map<std::string, double> scalars = {};
+  /// What else a file of arrays holds, in words: "note (text)".
+  std::vector<std::string> others = {};
   int first_line = 0;             ///< line of row 0; 0 for binary files
   std::vector<int> skipped = {};  ///< rows before which a comment stands, increasing
 
@@ -58,7 +60,7 @@ void carry(Parcel& parcel, Of& table) {
     names.push_back(name);
     values.push_back(value);
   }
-  parcel(table.file, table.columns, table.first_line, table.skipped, names, values);
+  parcel(table.file, table.columns, table.first_line, table.skipped, names, values, table.others);
   if constexpr (!std::is_const_v<Of>)
     for (std::size_t i = 0; i < names.size(); ++i) table.scalars[names[i]] = values[i];
 }

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "io/matlab_elements.hpp"
@@ -21,57 +24,55 @@ namespace wheeltap::io {
 namespace {
 
 template <class T>
-void append(const matvar_t& variable, std::vector<double>& out) {
-  const auto* data = static_cast<const T*>(variable.data);
-  const std::size_t count = variable.nbytes / static_cast<std::size_t>(variable.data_size);
+std::vector<double> numbers(const void* data, std::size_t count) {
+  const auto* from = static_cast<const T*>(data);
+  std::vector<double> out;
   out.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) out.push_back(static_cast<double>(data[i]));
+  for (std::size_t i = 0; i < count; ++i) out.push_back(static_cast<double>(from[i]));
+  return out;
 }
 
-/// The values of a real numeric array, column by column; empty for anything else.
-std::vector<double> real_values(const matvar_t& variable) {
-  std::vector<double> values;
-  if (variable.isComplex || variable.rank != 2 || variable.data == nullptr) return values;
-  switch (variable.class_type) {
+/// Of an array of this class; empty for any that holds no numbers.
+std::vector<double> numbers_of(matio_classes type, const void* data, std::size_t count) {
+  if (data == nullptr) return {};
+  switch (type) {
     case MAT_C_DOUBLE:
-      append<double>(variable, values);
-      break;
+      return numbers<double>(data, count);
     case MAT_C_SINGLE:
-      append<float>(variable, values);
-      break;
+      return numbers<float>(data, count);
     case MAT_C_INT64:
-      append<std::int64_t>(variable, values);
-      break;
+      return numbers<std::int64_t>(data, count);
     case MAT_C_INT32:
-      append<std::int32_t>(variable, values);
-      break;
+      return numbers<std::int32_t>(data, count);
     case MAT_C_INT16:
-      append<std::int16_t>(variable, values);
-      break;
+      return numbers<std::int16_t>(data, count);
     case MAT_C_INT8:
-      append<std::int8_t>(variable, values);
-      break;
+      return numbers<std::int8_t>(data, count);
     case MAT_C_UINT64:
-      append<std::uint64_t>(variable, values);
-      break;
+      return numbers<std::uint64_t>(data, count);
     case MAT_C_UINT32:
-      append<std::uint32_t>(variable, values);
-      break;
+      return numbers<std::uint32_t>(data, count);
     case MAT_C_UINT16:
-      append<std::uint16_t>(variable, values);
-      break;
+      return numbers<std::uint16_t>(data, count);
     case MAT_C_UINT8:
-      append<std::uint8_t>(variable, values);
-      break;
+      return numbers<std::uint8_t>(data, count);
     default:
-      break;
+      return {};
   }
-  return values;
 }
 
-/// Real, two-dimensional, and of numbers.
+/// A two-dimensional array of numbers, column by column.
+struct Array {
+  std::string name;
+  std::size_t rows = 0, columns = 0;
+  std::vector<double> values = {};
+
+  [[nodiscard]] std::size_t longer() const { return std::max(rows, columns); }
+};
+
+/// Two-dimensional, and of numbers.
 bool is_numeric(const matvar_t& variable) {
-  return variable.rank == 2 && variable.isComplex == 0 && variable.class_type >= MAT_C_DOUBLE &&
+  return variable.rank == 2 && variable.class_type >= MAT_C_DOUBLE &&
          variable.class_type <= MAT_C_UINT64;
 }
 
@@ -94,7 +95,7 @@ std::string class_name(const matvar_t& variable) {
     case MAT_C_SPARSE:
       return "sparse matrix";
     default:
-      return variable.isComplex != 0 ? "complex" : std::to_string(variable.rank) + "-d array";
+      return std::to_string(variable.rank) + "-d array";
   }
 }
 
@@ -114,28 +115,93 @@ void for_each_array(const std::string& name, matvar_t& variable, int depth, cons
       for_each_array(name + "." + in_utf8(names[i]), *field, depth + 1, visit);
 }
 
-/// False where the values are not there.
-bool take(const std::string& name, const matvar_t& variable, Columns& table) {
-  const std::vector<double> values = real_values(variable);
-  const std::size_t rows = variable.dims[0], columns = variable.dims[1];
-  if (values.empty() || rows * columns != values.size()) return false;
-  if (values.size() == 1) {
-    table.scalars[name] = values[0];
-    return true;
-  }
-  const bool is_vector = rows == 1 || columns == 1;
-  const std::size_t length = is_vector ? values.size() : rows;
-  for (std::size_t j = 0; j < (is_vector ? 1 : columns); ++j) {
-    const std::string header = is_vector ? name : name + "(:," + std::to_string(j + 1) + ")";
-    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(j * length);
-    table.columns.push_back({.header = header,
-                             .name = header,
-                             .values = {begin, begin + static_cast<std::ptrdiff_t>(length)}});
-  }
-  return true;
+/// Adds it, of a complex one the real and the imaginary part. False where the values are not there.
+bool take(const std::string& name, const matvar_t& variable, std::vector<Array>& arrays) {
+  const std::size_t rows = variable.dims[0], columns = variable.dims[1], count = rows * columns;
+  if (variable.data == nullptr || variable.data_size <= 0 ||
+      variable.nbytes / static_cast<std::size_t>(variable.data_size) != count)
+    return false;
+  const auto add = [&](const char* part, const void* data) {
+    Array out{name + part, rows, columns, numbers_of(variable.class_type, data, count)};
+    const bool whole = out.values.size() == count;
+    if (whole) arrays.push_back(std::move(out));
+    return whole;
+  };
+  if (variable.isComplex == 0) return add("", variable.data);
+  const auto& parts = *static_cast<const mat_complex_split_t*>(variable.data);
+  return add(", real", parts.Re) && add(", imaginary", parts.Im);
 }
 
-Columns read_here(const std::filesystem::path& path) {
+/// The lengths of channels that the arrays may have, those that most numbers have first.
+std::vector<std::size_t> lengths_of(const std::vector<Array>& arrays) {
+  std::map<std::size_t, std::size_t> counts;
+  for (const Array& a : arrays)
+    if (a.values.size() > 1) counts[a.longer()] += a.values.size();
+  std::vector<std::pair<std::size_t, std::size_t>> order;
+  for (const auto& [length, count] : counts) order.emplace_back(count, length);
+  std::ranges::sort(order, std::greater());
+  std::vector<std::size_t> out;
+  for (const auto& [count, length] : order) out.push_back(length);
+  return out;
+}
+
+/// "X(:,2), real" of "X, real".
+std::string indexed(const std::string& name, const std::string& index) {
+  const std::size_t part = std::min(name.find(", "), name.size());
+  return name.substr(0, part) + index + name.substr(part);
+}
+
+/// The channels of this length: a matrix's columns, or its rows where they have it.
+void add_columns(const std::vector<Array>& arrays, std::size_t length, Columns& table) {
+  for (const Array& a : arrays) {
+    if (a.values.size() == 1 || (a.rows != length && a.columns != length)) continue;
+    const bool down = a.rows == length;
+    const std::size_t channels = down ? a.columns : a.rows;
+    for (std::size_t c = 0; c < channels; ++c) {
+      const std::string number = std::to_string(c + 1);
+      const std::string name =
+          channels == 1 ? a.name
+                        : indexed(a.name, down ? "(:," + number + ")" : "(" + number + ",:)");
+      Column column{.header = name, .name = name};
+      column.values.reserve(length);
+      for (std::size_t i = 0; i < length; ++i)
+        column.values.push_back(a.values[down ? c * a.rows + i : i * a.rows + c]);
+      table.columns.push_back(std::move(column));
+    }
+  }
+}
+
+/// An array of another length, and how a case names it.
+std::string other_length(const Array& array) {
+  Columns own;
+  add_columns({array}, array.longer(), own);
+  std::string names = "'" + own.columns.front().name + "'";
+  if (own.columns.size() > 1) names += " to '" + own.columns.back().name + "'";
+  return array.name + " (" + std::to_string(array.rows) + " x " + std::to_string(array.columns) +
+         ", of another length: a case names " + names + ")";
+}
+
+/// The columns of the length that most numbers have; or of another, where more of those that are
+/// wanted are of it.
+void choose_columns(const std::vector<Array>& arrays, const Wanted& wanted, Columns& table) {
+  std::size_t best = 0;
+  std::optional<std::vector<Column>> chosen;
+  for (const std::size_t length : lengths_of(arrays)) {
+    table.columns.clear();
+    add_columns(arrays, length, table);
+    std::size_t count = 0;
+    for (std::size_t c = 0; wanted && c < table.columns.size(); ++c) count += wanted(table, c);
+    const bool all = count == table.columns.size();
+    if (!chosen || count > best) {
+      chosen = std::move(table.columns);
+      best = count;
+    }
+    if (!wanted || all) break;
+  }
+  if (chosen) table.columns = std::move(*chosen);
+}
+
+Columns read_here(const std::filesystem::path& path, const Wanted& wanted) {
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   if (!file)
@@ -146,6 +212,7 @@ Columns read_here(const std::filesystem::path& path) {
   const double most =
       kMostInflated * static_cast<double>(std::filesystem::file_size(path, ignored));
   constexpr std::size_t kMostNamed = 6;
+  std::vector<Array> arrays;
   std::vector<std::string> others;  // what is there and cannot be taken
   const std::size_t stored = whole_matlab_elements(path);
   std::size_t seen = 0;
@@ -168,7 +235,7 @@ Columns read_here(const std::filesystem::path& path) {
                             std::to_string(array.dims[1]) +
                             " numbers, more than a file of its size can hold");
       if (array.dims[0] == 0 || array.dims[1] == 0) return;
-      if (Mat_VarReadDataAll(file.get(), &array) != 0 || !take(of, array, table))
+      if (Mat_VarReadDataAll(file.get(), &array) != 0 || !take(of, array, arrays))
         throw FileError(FileError::Kind::corrupt, path, of + " cannot be read: it is damaged");
     });
   }
@@ -177,10 +244,14 @@ Columns read_here(const std::filesystem::path& path) {
     throw FileError(FileError::Kind::corrupt, path,
                     "is damaged: of its " + std::to_string(stored) + " variables only the first " +
                         std::to_string(seen) + " can be read");
-  const int longest = table.rows();
-  std::erase_if(table.columns, [&](const Column& c) {
-    return c.values.size() != static_cast<std::size_t>(longest);
-  });
+  for (const Array& a : arrays)
+    if (a.values.size() == 1) table.scalars[a.name] = a.values[0];
+  choose_columns(arrays, wanted, table);
+  table.others = others;
+  for (const Array& a : arrays)
+    if (a.values.size() > 1 && a.rows != table.columns.front().values.size() &&
+        a.columns != table.columns.front().values.size())
+      table.others.push_back(other_length(a));
   if (table.columns.empty()) {
     std::string there;
     for (std::size_t i = 0; i < std::min(others.size(), kMostNamed); ++i)
@@ -188,7 +259,7 @@ Columns read_here(const std::filesystem::path& path) {
     if (others.size() > kMostNamed)
       there += " and " + std::to_string(others.size() - kMostNamed) + " more";
     throw FileError(FileError::Kind::corrupt, path,
-                    seen > 0 ? "no real numeric arrays" + there
+                    seen > 0 ? "no arrays of numbers" + there
                              : "no variables: it is empty, cut off, or not written by MATLAB");
   }
   return table;
@@ -198,7 +269,7 @@ Columns read_here(const std::filesystem::path& path) {
 
 Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted) {
   const NetcdfLock lock;  // a v7.3 file is an HDF5 one
-  auto table = read_apart_as<Columns>(path, [&] { return read_here(path); });
+  auto table = read_apart_as<Columns>(path, [&] { return read_here(path, wanted); });
   for (std::size_t c = 0; wanted && c < table.columns.size(); ++c)
     if (!wanted(table, c)) table.columns[c].values = {};
   return table;

@@ -81,6 +81,14 @@ TEST_F(DataCommand, ConvertsWithoutLoss) {
   EXPECT_GT(std::filesystem::file_size(path("a.nc")), 90000U);
 }
 
+// A file's name may hold what a terminal would obey.
+TEST_F(DataCommand, ConvertedNamesAreShownWithoutControlCharacters) {
+  const Outcome ran = run(path("record.csv") + " --to \"" + path("a\x1b[31m.csv") + "\"");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("a\\x1b[31m.csv"));
+  EXPECT_THAT(ran.out, Not(HasSubstr("\x1b")));
+}
+
 TEST_F(DataCommand, DrawsAPage) {
   ASSERT_EQ(run(path("record.csv") + " -o " + path("page.html")).exit_code, 0);
   const std::string page = read_all(path("page.html"));

@@ -55,6 +55,55 @@ TEST(MatlabFile, VectorsMatricesAndScalars) {
   EXPECT_EQ(read_columns(directory / "r.csv").rows(), 3);
 }
 
+TEST(MatlabFile, LongRowsOfAMatrixAreChannels) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "rows.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  put(file, "acc", {1, 5, 2, 6, 3, 7, 4, 8}, 2, 4);
+  put(file, "t", {0.0, 0.1, 0.2, 0.3}, 1, 4);
+  Mat_Close(file);
+  const Columns t = read_columns(path);
+  ASSERT_EQ(t.columns.size(), 3U);
+  EXPECT_EQ(t.columns[0].name, "acc(1,:)");
+  EXPECT_EQ(t.columns[0].values, (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(t.columns[1].values, (std::vector<double>{5, 6, 7, 8}));
+}
+
+TEST(MatlabFile, AColumnOfAnotherLengthIsReadByItsName) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "bridge.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  put(file, "idx", {1, 0, 1, 1, 0}, 5, 1);
+  put(file, "data", {1, 2, 3, 4, 5, 6, 7, 8}, 4, 2);
+  Mat_Close(file);
+  Columns t = read_columns(path);
+  EXPECT_EQ(t.rows(), 4) << "the length that most numbers have";
+  EXPECT_THAT(t.others, testing::ElementsAre("idx (5 x 1, of another length: a case names 'idx')"));
+  t = read_matlab_file(path,
+                       [](const Columns& c, std::size_t i) { return c.columns[i].name == "idx"; });
+  EXPECT_EQ(t.columns.at(static_cast<std::size_t>(t.find("idx"))).values,
+            (std::vector<double>{1, 0, 1, 1, 0}));
+}
+
+TEST(MatlabFile, ComplexArraysAreTwoColumns) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "frf.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  std::vector<double> real = {1, 2, 3, 4, 5, 6}, imaginary = {-1, -2, -3, -4, -5, -6};
+  mat_complex_split_t parts{real.data(), imaginary.data()};
+  std::size_t dims[] = {3, 2};
+  matvar_t* h = Mat_VarCreate("H", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &parts, MAT_F_COMPLEX);
+  ASSERT_EQ(Mat_VarWrite(file, h, MAT_COMPRESSION_NONE), 0);
+  Mat_VarFree(h);
+  Mat_Close(file);
+  const Columns t = read_columns(path);
+  ASSERT_EQ(t.columns.size(), 4U);
+  EXPECT_EQ(t.columns[static_cast<std::size_t>(t.find("H(:,2), real"))].values,
+            (std::vector<double>{4, 5, 6}));
+  EXPECT_EQ(t.columns[static_cast<std::size_t>(t.find("H(:,1), imaginary"))].values,
+            (std::vector<double>{-1, -2, -3}));
+}
+
 matvar_t* array(const char* name, std::vector<double> values) {
   std::size_t dims[] = {values.size(), 1};
   return Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0);
@@ -101,7 +150,7 @@ TEST(MatlabFile, WhatIsThereInsteadOfArraysIsSaid) {
     (void)read_columns(path);
     FAIL();
   } catch (const FileError& error) {
-    EXPECT_NE(std::string(error.what()).find("no real numeric arrays: there are note (text)"),
+    EXPECT_NE(std::string(error.what()).find("no arrays of numbers: there are note (text)"),
               std::string::npos)
         << error.what();
   }
