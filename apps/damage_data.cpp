@@ -29,6 +29,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
   FrequencyData data;
   if (d.contains("modes") && d["modes"].is_array())
     file.refuse(where / "modes", "a list of modes goes with \"from\" only");
+  if (d.contains("model_modes")) file.refuse(where / "model_modes", "goes with \"from\" only");
   if (d.contains("frequencies") && d.contains("file")) {
     file.refuse(where / "file", "data have either \"frequencies\" or a \"file\", not both");
   }

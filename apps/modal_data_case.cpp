@@ -45,6 +45,7 @@ class ModalDataParser {
     } else {
       if (has("modes") && json_.at("modes").is_array())
         file_.refuse(where_ / "modes", "a list of modes goes with \"from\" only");
+      if (has("model_modes")) file_.refuse(where_ / "model_modes", "goes with \"from\" only");
       parse_frequencies();
       parse_sensors();
       parse_shapes();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/constants.hpp"
 #include "identification/real_shape.hpp"
 
 namespace wheeltap::apps {
@@ -19,28 +20,56 @@ namespace {
   throw Failure(Exit::bad_input, taken.path.string() + ": " + where.to_string() + ": " + message);
 }
 
-std::string numbers_in_words(const std::vector<int>& modes) {
+std::string in_a_row(const std::vector<int>& numbers) {
   std::string text;
-  for (std::size_t i = 0; i < modes.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == modes.size() ? " and " : ", ") + std::to_string(modes[i] + 1);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == numbers.size() ? " and " : ", ") + std::to_string(numbers[i]);
   return text;
 }
 
-std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, int all) {
+/// The numbers in `file` of these rows.
+std::vector<int> numbers_of(const MeasuredModes& file, const std::vector<int>& rows) {
+  std::vector<int> out;
+  for (const int row : rows) out.push_back(file.numbers[static_cast<std::size_t>(row)]);
+  return out;
+}
+
+/// Rows of `modes`, ascending.
+std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, const MeasuredModes& modes) {
   const Json& given = file.json.at(at);
+  const std::size_t all = modes.numbers.size();
   std::vector<int> out;
   if (given.is_number()) {
-    const int count = given;
+    const auto count = given.get<std::size_t>();
     if (count > all) file.refuse(at, "\"from\" has " + std::to_string(all) + " modes");
-    out.resize(static_cast<std::size_t>(count));
+    out.resize(count);
     std::iota(out.begin(), out.end(), 0);
     return out;
   }
   for (std::size_t i = 0; i < given.size(); ++i) {
-    const int mode = given[i];
-    if (mode > all) file.refuse(at / i, "\"from\" has " + std::to_string(all) + " modes, from 1");
-    if (std::ranges::find(out, mode - 1) != out.end()) file.refuse(at / i, "stands twice");
-    out.push_back(mode - 1);
+    const auto found = std::ranges::find(modes.numbers, given[i].get<int>());
+    if (found == modes.numbers.end())
+      file.refuse(at / i, "\"from\" has no such mode: it has modes " + in_a_row(modes.numbers));
+    const auto row = static_cast<int>(found - modes.numbers.begin());
+    if (std::ranges::find(out, row) != out.end()) file.refuse(at / i, "is listed twice");
+    out.push_back(row);
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
+/// "model_modes": the structure's mode that each of the modes taken is.
+std::vector<int> model_modes(const CaseFile& file, const Pointer& at, std::size_t taken) {
+  const Json& given = file.json.at(at);
+  if (given.size() != taken)
+    file.refuse(at, "must have one number for each of the " + std::to_string(taken) +
+                        " modes taken, has " + std::to_string(given.size()));
+  std::vector<int> out;
+  for (std::size_t i = 0; i < taken; ++i) {
+    const int number = given[i];
+    if (!out.empty() && number <= out.back())
+      file.refuse(at / i, "must increase: modes are taken in the order of their frequencies");
+    out.push_back(number);
   }
   return out;
 }
@@ -77,38 +106,51 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
       refuse_file(out, Pointer("/frequencies_hz") / static_cast<std::size_t>(i),
                   "must be positive, in Hz");
   if (data.contains("modes")) {
-    out.modes = listed_modes(file, where / "modes", all);
-    return out;
+    out.modes = listed_modes(file, where / "modes", out.file);
+  } else {
+    for (int i = 0; i < all; ++i)
+      (out.file.doubtful[static_cast<std::size_t>(i)] ? out.doubtful : out.modes).push_back(i);
+    if (out.modes.empty())
+      file.refuse(where / "from",
+                  "all of its modes are doubtful: name those to be used, \"modes\": [1, ...]");
   }
-  for (int i = 0; i < all; ++i)
-    (out.file.doubtful[static_cast<std::size_t>(i)] ? out.doubtful : out.modes).push_back(i);
-  if (out.modes.empty())
-    file.refuse(where / "from",
-                "all of its modes are doubtful: name those to be used, \"modes\": [1, ...]");
+  out.numbers = data.contains("model_modes")
+                    ? model_modes(file, where / "model_modes", out.modes.size())
+                    : numbers_of(out.file, out.modes);
+  for (int& number : out.numbers) --number;
   return out;
 }
 
 void fill(const TakenModes& taken, const std::vector<Index>& channels, ModalData& out) {
   const MeasuredModes& file = taken.file;
   const auto n = static_cast<Index>(taken.modes.size());
-  for (const int mode : taken.modes) out.frequencies_hz.push_back(file.frequencies_hz[mode]);
-  out.covariance = file.covariance(taken.modes, taken.modes);
+  const Index rows = taken.numbers.back() + 1;
+  out.frequencies_hz.assign(static_cast<std::size_t>(rows), kNaN);
+  for (std::size_t i = 0; i < taken.modes.size(); ++i)
+    out.frequencies_hz[static_cast<std::size_t>(taken.numbers[i])] =
+        file.frequencies_hz[taken.modes[i]];
+  MatrixXd covariance = file.covariance(taken.modes, taken.modes);
   const double factor = estimated_covariance_factor(static_cast<int>(n), file.blocks);
   bool correlated = factor > 0.0;
   if (correlated)
-    out.covariance *= factor;
+    covariance *= factor;
   else
-    out.covariance = MatrixXd(out.covariance.diagonal().asDiagonal());
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(out.covariance, Eigen::EigenvaluesOnly);
-  if (!(solver.eigenvalues()[0] > 1e-14 * out.covariance.diagonal().cwiseAbs().maxCoeff()))
+    covariance = MatrixXd(covariance.diagonal().asDiagonal());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(covariance, Eigen::EigenvaluesOnly);
+  if (!(solver.eigenvalues()[0] > 1e-14 * covariance.diagonal().cwiseAbs().maxCoeff()))
     refuse_file(taken, Pointer("/covariance"), "must be positive definite");
+  out.covariance = MatrixXd::Zero(rows, rows);
+  out.covariance(taken.numbers, taken.numbers) = covariance;
 
   const auto sensors = static_cast<Index>(channels.size());
   if (sensors >= 2) {
     const auto size = static_cast<Index>(file.sensors.size());
-    out.shapes = MatrixXd::Constant(n, sensors, std::numeric_limits<double>::quiet_NaN());
-    for (Index i = 0; i < n; ++i) {
-      const auto mode = static_cast<std::size_t>(taken.modes[static_cast<std::size_t>(i)]);
+    out.shapes = MatrixXd::Constant(rows, sensors, kNaN);
+    out.shape_covariances.assign(static_cast<std::size_t>(rows),
+                                 MatrixXd::Identity(sensors, sensors));
+    for (std::size_t i = 0; i < taken.modes.size(); ++i) {
+      const auto mode = static_cast<std::size_t>(taken.modes[i]);
+      const int row = taken.numbers[i];
       // Set-ups that were merged leave gaps where one of them lacks the mode.
       std::vector<Index> told, entries, imaginary;
       for (Index s = 0; s < sensors; ++s) {
@@ -118,15 +160,14 @@ void fill(const TakenModes& taken, const std::vector<Index>& channels, ModalData
         entries.push_back(channel);
         imaginary.push_back(size + channel);
       }
-      out.shape_covariances.emplace_back(MatrixXd::Identity(sensors, sensors));
       if (told.size() < 2) continue;
       std::vector<Index> both = entries;  // real parts, then imaginary parts
       both.insert(both.end(), imaginary.begin(), imaginary.end());
       try {
         const RealShape shape = real_shape(file.shapes.col(static_cast<Index>(mode))(entries),
                                            file.shape_covariance[mode](both, both), file.blocks);
-        out.shapes.row(i)(told) = shape.values.transpose();
-        out.shape_covariances.back()(told, told) = shape.covariance;
+        out.shapes.row(row)(told) = shape.values.transpose();
+        out.shape_covariances[static_cast<std::size_t>(row)](told, told) = shape.covariance;
         correlated = correlated && shape.correlated;
       } catch (const std::invalid_argument& error) {
         refuse_file(taken, Pointer("/shape_covariance") / mode, error.what());
@@ -135,12 +176,26 @@ void fill(const TakenModes& taken, const std::vector<Index>& channels, ModalData
   } else {
     out.sensors.clear();
   }
+  const std::vector<int> measured = numbers_of(file, taken.modes);
   out.origin = "from " + taken.name + ": " + std::to_string(n) + " of " +
                std::to_string(file.frequencies_hz.size()) + " modes";
   if (!taken.doubtful.empty())
-    out.origin += " (without the doubtful " + numbers_in_words(taken.doubtful) + ")";
-  out.origin += sensors >= 2 ? ", with shapes at " + std::to_string(sensors) + " sensors"
-                             : std::string(", without shapes");
+    out.origin += " (without the doubtful " + in_a_row(numbers_of(file, taken.doubtful)) + ")";
+  std::vector<int> structural = taken.numbers;
+  for (int& number : structural) ++number;
+  if (sensors >= 2) {
+    out.origin += ", with shapes at " + std::to_string(sensors) +
+                  " sensors, matched to the model's modes by frequency and shape";
+  } else {
+    out.origin += ", without shapes: ";
+    if (measured == structural)
+      out.origin += std::string(n == 1 ? "mode " : "modes ") + in_a_row(structural) +
+                    (n == 1 ? " keeps its number" : " keep their numbers");
+    else
+      out.origin += std::string(n == 1 ? "mode " : "modes ") + in_a_row(measured) +
+                    (n == 1 ? " is the model's mode " : " are the model's modes ") +
+                    in_a_row(structural);
+  }
   if (!correlated)
     out.origin += ", of scatters without their correlations (too few blocks for these)";
   out.origin += "; damping is not used";

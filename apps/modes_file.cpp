@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace wheeltap::apps {
@@ -83,6 +84,29 @@ MeasuredSensor read_sensor(const CaseFile& file, const Pointer& where) {
   return out;
 }
 
+/// Modes that are numbered from 1.
+MeasuredModes numbered(MeasuredModes modes) {
+  modes.numbers.resize(static_cast<std::size_t>(modes.frequencies_hz.size()));
+  std::iota(modes.numbers.begin(), modes.numbers.end(), 1);
+  return modes;
+}
+
+/// A file that was shortened by hand says which of the modes are left.
+std::vector<int> read_numbers(const CaseFile& file, const Pointer& where, Index count) {
+  const Json& list = file.json.at(where);
+  if (!list.is_array() || static_cast<Index>(list.size()) != count)
+    file.refuse(where, "must be a list of " + std::to_string(count) + " whole numbers, one a mode");
+  std::vector<int> out;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    constexpr std::uint64_t kMost = 100'000;
+    if (!list[i].is_number_unsigned() || list[i].get<std::uint64_t>() < 1 ||
+        list[i].get<std::uint64_t>() > kMost || (i > 0 && list[i].get<int>() <= out.back()))
+      file.refuse(where / i, "must be a whole number, 1 or more, larger than the one before it");
+    out.push_back(list[i].get<int>());
+  }
+  return out;
+}
+
 }  // namespace
 
 MeasuredModes measured_modes(const signals::ModalResult& result,
@@ -102,7 +126,7 @@ MeasuredModes measured_modes(const signals::ModalResult& result,
     out.doubtful.push_back(!mode.doubts.empty());
   }
   out.blocks = result.blocks;
-  return out;
+  return numbered(std::move(out));
 }
 
 MeasuredModes measured_modes(const signals::MergedModes& merged,
@@ -121,7 +145,7 @@ MeasuredModes measured_modes(const signals::MergedModes& merged,
     out.shape_covariance.push_back(mode.shape_covariance);
     out.doubtful.push_back(!mode.doubts.empty());
   }
-  return out;
+  return numbered(std::move(out));
 }
 
 Report modes_json(const MeasuredModes& modes) {
@@ -138,7 +162,9 @@ Report modes_json(const MeasuredModes& modes) {
   Report shapes = Report::array();
   for (const Eigen::MatrixXd& c : modes.shape_covariance) shapes.push_back(rows_of(c));
   const bool scatter = modes.covariance.size() > 0 || modes.frequencies_hz.size() == 0;
+  if (modes.numbers.empty() && modes.frequencies_hz.size() > 0) return modes_json(numbered(modes));
   return {{"title", modes.title},
+          {"numbers", modes.numbers},
           {"frequencies_hz", list_of(modes.frequencies_hz)},
           {"damping", list_of(modes.damping)},
           {"covariance", scatter ? rows_of(modes.covariance) : Report()},
@@ -157,6 +183,9 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
   MeasuredModes out{.title = file.json.value("title", "")};
   out.frequencies_hz = read.vector(Pointer("/frequencies_hz"), -1);
   const Index count = out.frequencies_hz.size();
+  out = numbered(std::move(out));
+  const Pointer numbers("/numbers");
+  if (file.json.contains(numbers)) out.numbers = read_numbers(file, numbers, count);
   out.damping = read.vector(Pointer("/damping"), count, true);
   const bool scatter = !read.at(Pointer("/covariance")).is_null();
   if (scatter) out.covariance = read.covariance(Pointer("/covariance"), 2 * count);

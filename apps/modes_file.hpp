@@ -23,6 +23,7 @@ struct MeasuredSensor {
 struct MeasuredModes {
   std::string title = {};
   std::vector<MeasuredSensor> sensors = {};
+  std::vector<int> numbers = {};  ///< of the modes, ascending from 1 or more; empty: 1, 2, …
   Eigen::VectorXd frequencies_hz = {}, damping = {};  ///< damping NaN where not known
   /// Of all frequencies, then all damping ratios; empty where the method says nothing of scatter.
   Eigen::MatrixXd covariance = {};

@@ -148,7 +148,7 @@ class Speaker {
     return "The " + unknowns_of(r.unknowns) + " of " + r.model + " are fitted to " +
            frequencies_of(r.frequencies) +
            ", not tested by them: how bad the fit of a wrong model would be cannot be seen, and "
-           "the intervals lean on the priors. Measure more frequencies.";
+           "the intervals are dominated by the priors. Measure more frequencies.";
   }
   std::string operator()(const remark::CannotExclude& r) const {
     std::string text = frequencies_of(r.frequencies) + " cannot exclude " + r.model + " (" +
@@ -193,9 +193,9 @@ class Speaker {
   }
   std::string operator()(const remark::SeverityAtBound& r) const {
     const DefectKind& kind = kind_of(r.kind);
-    return "The " + kind.severity_name() + " leans on the end of its prior, " +
-           kind.severity_prior()->describe() +
-           ": the data would go beyond it. Widen the prior if that is possible.";
+    return "The posterior of the " + kind.severity_name() +
+           " piles up at the upper bound of its prior, " + kind.severity_prior()->describe() +
+           ": larger values would fit as well. Widen the prior if they are possible.";
   }
   std::string operator()(const remark::EmulatorBlind& r) const {
     return emulator_warning(r.damages, r.modes);
@@ -363,9 +363,9 @@ class Speaker {
                                          " other models they are much the same.");
   }
   std::string operator()(const remark::ParameterAtBound& r) const {
-    return "Under \"" + r.model + "\" the parameter " + r.parameter + " leans on the " +
-           (r.upper ? "upper" : "lower") + " end of its prior, " + r.prior +
-           ": widen it unless that end is certain.";
+    return "Under \"" + r.model + "\" the posterior of " + r.parameter + " piles up at the " +
+           (r.upper ? "upper" : "lower") + " bound of its prior, " + r.prior +
+           ": widen the prior unless that bound is certain.";
   }
   std::string operator()(const remark::StopNotReached& r) const {
     const auto end = [](int mass) {

@@ -108,7 +108,8 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
                        ", the elastic modes that the structure has");
     };
     // Of modes that are doubted some may be none of the structure's.
-    if (out.data.modes() > most && out.data.doubt == 0.0) refuse(kData, out.data.modes());
+    if (out.data.least_modes() > most && out.data.doubt == 0.0)
+      refuse(kData, out.data.least_modes());
     if (out.data.modes() + out.data.predict > most && out.data.predict > 0)
       refuse(kData / "predict", out.data.modes() + out.data.predict);
     if (out.simulation && out.simulation->modes > most) {

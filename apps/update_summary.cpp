@@ -38,6 +38,29 @@ Report untold_of(const UpdateFindings& findings) {
   return {{"sentences", cannot_tell(findings)}, {"entangled", pairs}, {"untouched", directions}};
 }
 
+Report solutions_of(const UpdateFindings& findings) {
+  Report rows = Report::array();
+  const auto& parameters = findings.models[0].parameters;
+  for (const Solution& s : findings.solutions) {
+    Report values = Report::object(), best = Report::object();
+    for (std::size_t p = 0; p < parameters.size(); ++p) {
+      const Marginal& e = s.parameters[p];
+      values[parameters[p].unknown.label] = {{"mean", e.mean},
+                                             {"sd", e.sd},
+                                             {"q2.5", e.q2_5},
+                                             {"q50", e.q50},
+                                             {"q97.5", e.q97_5}};
+      best[parameters[p].unknown.label] = s.best[p];
+    }
+    rows.push_back({{"probability", s.probability},
+                    {"mcse", finite(s.mcse)},
+                    {"parameters", values},
+                    {"best_draw", best},
+                    {"chi_square", finite(s.chi_square)}});
+  }
+  return rows;
+}
+
 Report modes_of(const UpdateFindings& findings) {
   Report rows = Report::array();
   for (const ModeFinding& m : findings.modes) {
@@ -78,6 +101,15 @@ Report data_of(const UpdateCaseFile& parsed, const UpdateFindings& findings) {
                 {"modes", modes_of(findings)},
                 {"posterior_predictive_p", findings.fit.p},
                 {"sensors", sensors}};
+  if (const auto& n = findings.numbering)
+    out["numbering"] = {{"modes", n->measured},
+                        {"probability", n->probability},
+                        {"likeliest_other",
+                         n->likeliest.modes.empty()
+                             ? Report()
+                             : Report({{"modes", n->likeliest.modes},
+                                       {"probability", n->likeliest.probability}})},
+                        {"draws", n->draws}};
   if (data.has_shapes()) {
     out["shapes"] = rows_of(data.shapes);
     out["computed_shapes"] = rows_of(findings.best_shapes);
@@ -143,6 +175,7 @@ Report update_summary(const UpdateCaseFile& parsed, const UpdateProblem& problem
                     {"answer", json(answer(findings))},
                     {"models", model_table(findings)},
                     {"parameters", parameter_tables(findings)},
+                    {"solutions", solutions_of(findings)},
                     {"contraction", contractions_of(findings)},
                     {"cannot_tell", untold_of(findings)},
                     {"unknowns", unknowns_of(parsed, findings)},

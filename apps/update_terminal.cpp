@@ -6,6 +6,7 @@
 #include "apps/report/answer.hpp"
 #include "apps/terminal.hpp"
 #include "apps/update_words.hpp"
+#include "apps/words.hpp"
 
 namespace wheeltap::apps {
 
@@ -19,8 +20,8 @@ std::string interval(const Marginal& e) {
 
 std::string standing(const Contraction& c) {
   using Bound = Contraction::Bound;
-  if (c.bound == Bound::upper) return "leans on its upper bound";
-  if (c.bound == Bound::lower) return "leans on its lower bound";
+  if (c.bound == Bound::upper) return "piles up at its upper bound";
+  if (c.bound == Bound::lower) return "piles up at its lower bound";
   return c.at_prior() ? "left at its prior" : "";
 }
 
@@ -39,6 +40,23 @@ void print_parameters(const Page& page, const UpdateFindings& findings) {
   page.table(rows);
   page.out << "Contraction: 1 - posterior variance over prior variance, in the prior's standard "
               "normal\ncoordinate. 0 % was not measured, 100 % was not assumed.\n";
+}
+
+void print_solutions(const Page& page, const UpdateFindings& findings) {
+  if (findings.solutions.empty()) return;
+  page.heading("Separate solutions");
+  std::vector<std::vector<std::string>> rows = {{"parameter"}};
+  for (std::size_t s = 0; s < findings.solutions.size(); ++s)
+    rows[0].push_back("solution " + std::to_string(s + 1) + " (" +
+                      percent(findings.solutions[s].probability) + ")");
+  const auto& parameters = findings.models[0].parameters;
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    rows.push_back({parameters[p].unknown.label});
+    for (const Solution& s : findings.solutions)
+      rows.back().push_back(resolved(s.parameters[p].q50, s.parameters[p].width()) + " (" +
+                            interval(s.parameters[p]) + ")");
+  }
+  page.table(rows);
 }
 
 void print_modes(const Page& page, const UpdateFindings& findings) {
@@ -96,14 +114,19 @@ void print_update(std::ostream& out, const UpdateCaseFile& parsed, const UpdateF
   const Page page{out, colour};
   page.heading(parsed.update.title);
   const ModalData& data = parsed.update.data;
-  out << "Data: " << data.modes() << (data.modes() == 1 ? " mode" : " modes") << ", "
+  const int modes = data.measured_modes();
+  out << "Data: " << modes << (modes == 1 ? " mode" : " modes") << ", "
       << data.origin;
   if (data.has_shapes())
     out << "; shapes at " << data.sensors.size()
         << (data.sensors.size() == 1 ? " sensor" : " sensors");
   out << "; " << findings.numbers << " numbers\n";
+  if (findings.numbering)
+    out << "Modes without shapes are paired by number, "
+        << probability_is(findings.numbering->probability) << " under the priors\n";
   print_answer(page, answer(findings));
   print_parameters(page, findings);
+  print_solutions(page, findings);
   print_modes(page, findings);
   print_predictions(page, findings);
   print_evidence(page, findings);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "apps/words.hpp"
 
@@ -46,6 +47,64 @@ std::string one_mode(const ModeFinding& m) {
   return text + " (" + in_words(why) + ")";
 }
 
+/// Parameters by how far the solutions lie apart in them, in terms of their intervals.
+std::vector<std::size_t> by_separation(const std::vector<Solution>& solutions) {
+  const std::size_t n = solutions.front().parameters.size();
+  std::vector<double> apart(n, 0.0);
+  for (std::size_t p = 0; p < n; ++p)
+    for (const Solution& a : solutions)
+      for (const Solution& b : solutions) {
+        const Marginal &x = a.parameters[p], &y = b.parameters[p];
+        const double width = std::max(x.width() + y.width(), 1e-12 * std::abs(x.q50));
+        if (width > 0.0) apart[p] = std::max(apart[p], std::abs(x.q50 - y.q50) / width);
+      }
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t p) { return apart[p]; });
+  return order;
+}
+
+/// Names of the parameters in which solutions differ most.
+std::vector<std::string> separated(const UpdateFindings& findings) {
+  std::vector<std::size_t> order = by_separation(findings.solutions);
+  if (order.size() > kMostNamed) order.resize(kMostNamed);
+  std::ranges::sort(order);
+  std::vector<std::string> names;
+  for (const std::size_t p : order)
+    names.push_back(findings.models[0].parameters[p].unknown.label);
+  return names;
+}
+
+/// "[1, 3, 4]".
+std::string listed(const std::vector<int>& numbers) {
+  std::string text;
+  for (const int n : numbers) text += (text.empty() ? "" : ", ") + std::to_string(n);
+  return "[" + text + "]";
+}
+
+std::string probabilities(const std::vector<Solution>& solutions) {
+  std::vector<std::string> out;
+  for (const Solution& s : solutions) out.push_back(percent(s.probability));
+  return in_words(out);
+}
+
+std::string one_solution(const UpdateFindings& findings, std::size_t which) {
+  const Solution& solution = findings.solutions[which];
+  std::vector<std::size_t> order = by_separation(findings.solutions);
+  const std::size_t left = order.size() > kMostNamed ? order.size() - kMostNamed : 0;
+  order.resize(order.size() - left);
+  std::ranges::sort(order);
+  std::vector<std::string> parts;
+  for (const std::size_t p : order) {
+    const Marginal& e = solution.parameters[p];
+    parts.push_back(findings.models[0].parameters[p].unknown.label + " = " +
+                    resolved(e.q50, e.width()) + " (" + interval(e) + ")");
+  }
+  if (left > 0) parts.emplace_back("others, tabulated below");
+  return "Solution " + std::to_string(which + 1) + " (" + percent(solution.probability) +
+         "): " + in_words(parts) + ".";
+}
+
 /// One or two shapes of several that are none of the model's, and no doubt allowed.
 bool may_be_spurious(const UpdateFindings& findings) {
   std::size_t strange = 0;
@@ -69,6 +128,7 @@ std::string in_words(const UntouchedDirection& direction) {
 
 std::string matched_in_words(const ModeFinding& mode) {
   const int number = mode.state.empty() ? mode.mode : mode.mode_of_state;
+  if (!mode.is_measured()) return {};
   if ((mode.computed == number && mode.matched > 0.999) || mode.spurious > 0.5) return {};
   return "mode " + std::to_string(number) + (mode.state.empty() ? "" : " of " + mode.state) +
          " is the model's mode " + std::to_string(mode.computed) +
@@ -143,8 +203,41 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
   return out;
 }
 
+std::vector<std::string> solution_sentences(const UpdateFindings& findings) {
+  if (findings.solutions.empty()) return {};
+  return {"The posterior has " + std::to_string(findings.solutions.size()) +
+          " separate solutions (" + probabilities(findings.solutions) +
+          "): an interval over all of them contains values that no solution has. To tell them "
+          "apart, measure mode shapes at two or more sensors or further modes, or state narrower "
+          "priors of " +
+          in_words(separated(findings)) + "."};
+}
+
+std::string numbering_sentence(const UpdateFindings& findings) {
+  if (!findings.numbering || !findings.numbering->is_doubtful()) return {};
+  const NumberingFinding& n = *findings.numbering;
+  std::string nulls;
+  for (int mode = 1, i = 0; mode <= n.likeliest.modes.back(); ++mode) {
+    const bool measured = n.likeliest.modes[static_cast<std::size_t>(i)] == mode;
+    nulls += (mode == 1 ? "" : ", ") +
+             (measured ? "f" + std::to_string(n.measured[static_cast<std::size_t>(i)])
+                       : std::string("null"));
+    if (measured) ++i;
+  }
+  return "The numbering of the modes is doubtful: without shapes each measured mode is taken for "
+         "the model's mode of its number (" +
+         name_modes(n.measured) + "), which has " + probability_is(n.probability) +
+         " under the priors; that they are the model's " + name_modes(n.likeliest.modes) + " has " +
+         probability_is(n.likeliest.probability) +
+         ". If that is right, state \"model_modes\": " + listed(n.likeliest.modes) +
+         " beside \"from\", or \"frequencies\": [" + nulls +
+         "]; mode shapes at two or more sensors settle it.";
+}
+
 std::vector<std::string> update_warnings(const UpdateFindings& findings) {
   std::vector<std::string> out = misfit_sentences(findings);
+  if (std::string one = numbering_sentence(findings); !one.empty()) out.push_back(std::move(one));
+  for (std::string& one : solution_sentences(findings)) out.push_back(std::move(one));
   for (std::string& one : warnings(findings, {})) out.push_back(std::move(one));
   for (std::string& one : cannot_tell(findings)) out.push_back(std::move(one));
   std::vector<std::string> elsewhere;
@@ -172,6 +265,14 @@ Answer answer(const UpdateFindings& findings) {
                            " of the " + std::to_string(all) + " parameters; " +
                            (unmoved == 1 ? "one stays" : std::to_string(unmoved) + " stay") +
                            " at " + (unmoved == 1 ? "its prior." : "their priors.");
+  if (!findings.solutions.empty())
+    out.headline = "The " + numbers + " have " + std::to_string(findings.solutions.size()) +
+                   " separate solutions, with probabilities of " +
+                   probabilities(findings.solutions) + ".";
+  if (findings.numbering && findings.numbering->probability < 0.5)
+    out.headline = "The modes are probably numbered wrongly (" +
+                   probability_is(findings.numbering->probability) +
+                   " that their numbers are the model's). " + out.headline;
   if (!findings.fit.ok()) {
     out.misfit = true;
     const bool fits = findings.fit.p >= kMisfit && findings.fit.best_p >= kMisfit;
@@ -184,6 +285,12 @@ Answer answer(const UpdateFindings& findings) {
                                 : std::string(" (mode") + (off.size() == 1 ? " " : "s ") +
                                       in_words(off) + ")") +
                    ". " + out.headline;
+  }
+  if (!findings.solutions.empty()) {
+    out.detail = "With 95 % intervals:";
+    for (std::size_t s = 0; s < findings.solutions.size(); ++s)
+      out.detail += " " + one_solution(findings, s);
+    return out;
   }
   // What the data tell best comes first.
   std::vector<std::size_t> order;

@@ -15,8 +15,12 @@ namespace wheeltap::apps {
 /// Why the structure does not explain the modes: empty where it does.
 [[nodiscard]] std::vector<std::string> misfit_sentences(
     const identification::UpdateFindings& findings);
-/// What the data cannot tell: parameters left at their priors, or leaning on a bound, those that
-/// cannot be told apart, and directions in which nothing was learnt.
+/// That the posterior has separate solutions, and how to tell them apart; empty where it has one.
+[[nodiscard]] std::vector<std::string> solution_sentences(
+    const identification::UpdateFindings& findings);
+/// That the numbers of modes without shapes are doubtful, and what to do; empty where they are not.
+[[nodiscard]] std::string numbering_sentence(const identification::UpdateFindings& findings);
+/// What the data cannot tell: parameters left at their priors, those that cannot be told apart, and directions in which nothing was learnt.
 [[nodiscard]] std::vector<std::string> cannot_tell(const identification::UpdateFindings& findings);
 /// All that a reader should keep in mind, the gravest first.
 [[nodiscard]] std::vector<std::string> update_warnings(

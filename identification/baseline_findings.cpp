@@ -48,23 +48,20 @@ std::vector<double> ranks(const std::vector<double>& x) {
 }  // namespace
 
 Contraction contraction_of(std::string name, const inference::Prior& prior,
-                           std::span<const double> z, std::span<const double> weights) {
-  double sum = 0.0, mean = 0.0, squares = 0.0, above = 0.0, below = 0.0;
+                           std::span<const double> x, std::span<const double> z,
+                           std::span<const double> weights) {
+  double sum = 0.0, mean = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < z.size(); ++i) {
     sum += weights[i];
     mean += weights[i] * z[i];
-    above += z[i] > 1.645 ? weights[i] : 0.0;
-    below += z[i] < -1.645 ? weights[i] : 0.0;
   }
   mean /= sum;
   for (std::size_t i = 0; i < z.size(); ++i)
     squares += weights[i] * (z[i] - mean) * (z[i] - mean) / sum;
-  using Bound = Contraction::Bound;
-  Contraction out{.name = std::move(name), .contraction = 1.0 - squares, .shift = mean};
-  if (above > 0.25 * sum && std::isfinite(prior.upper())) out.bound = Bound::upper;
-  if (below > 0.25 * sum && std::isfinite(prior.lower()) && prior.lower() != 0.0)
-    out.bound = Bound::lower;
-  return out;
+  return {.name = std::move(name),
+          .contraction = 1.0 - squares,
+          .shift = mean,
+          .bound = bound_of(prior, x, weights)};
 }
 
 BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior& posterior) {
@@ -84,7 +81,7 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
       z.push_back(bounded(prior.to_standard_normal(x.back())));
     });
     const std::string name = space.parameter_name(0, p);
-    out.contractions.push_back(contraction_of(name, prior, z, weights));
+    out.contractions.push_back(contraction_of(name, prior, x, z, weights));
     out.marginals.push_back(marginal(
         {x}, posterior.log_weight.empty() ? inference::ChainsOf{} : inference::ChainsOf{weights}));
     out.priors.push_back(prior.describe());

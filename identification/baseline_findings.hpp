@@ -27,10 +27,9 @@ struct BaselineFindings {
 [[nodiscard]] BaselineFindings baseline_findings(const DamageProblem& problem,
                                                  const inference::Posterior& posterior);
 
-/// 1 - variance and mean of z, and which bound of the prior it leans on: a quarter of the weight in
-/// the outer twentieth of a finite end.
+/// 1 - variance and mean of z, and at which bound of the prior the draws x pile up.
 [[nodiscard]] Contraction contraction_of(std::string name, const inference::Prior& prior,
-                                         std::span<const double> z,
+                                         std::span<const double> x, std::span<const double> z,
                                          std::span<const double> weights);
 
 }  // namespace wheeltap::identification

@@ -9,6 +9,7 @@
 #include "base/constants.hpp"
 #include "identification/damage_modes.hpp"
 #include "identification/plausibility.hpp"
+#include "identification/prior_bound.hpp"
 #include "identification/rival_places.hpp"
 #include "identification/symmetry_finding.hpp"
 
@@ -336,7 +337,7 @@ void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>
     remarks.push_back(remark::ChangesTakenForExact{sum / weights});
 }
 
-// Posteriors that lean on the end of a prior, or counts on the largest allowed.
+// Severities that pile up at the upper bound of their prior, or counts at the largest allowed.
 void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
             std::vector<Remark>& remarks) {
   const auto& kinds = draws.problem().damage_case.kinds;
@@ -350,16 +351,16 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
     }
     const inference::Prior* severity = kinds[k].severity_prior();
     if (severity == nullptr || !std::isfinite(severity->upper())) continue;
-    double near = 0.0, all = 0.0;
-    const double edge = severity->from_standard_normal(2.0);  // the prior's upper 2.3 %
+    std::vector<double> severities, weights;
     draws.for_each([&](std::size_t c, std::size_t i) {
       for (const Component& component : draws.at(c, i)) {
         if (component.kind != static_cast<int>(k)) continue;
-        all += draws.weight(c, i);
-        near += component.severity > edge ? draws.weight(c, i) : 0.0;
+        severities.push_back(component.severity);
+        weights.push_back(draws.weight(c, i));
       }
     });
-    if (near > 0.25 * all) remarks.push_back(remark::SeverityAtBound{static_cast<int>(k)});
+    if (bound_of(*severity, severities, weights) == PriorBound::upper)
+      remarks.push_back(remark::SeverityAtBound{static_cast<int>(k)});
   }
 }
 

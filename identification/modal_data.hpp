@@ -1,6 +1,7 @@
 // What was measured of a structure's modes, and how far from the model's they may be.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,9 @@ struct Scatter {
   [[nodiscard]] bool none() const { return known() && value == 0.0; }
 };
 
-/// Modes in the order in which they are given.
+/// Modes in the order in which they are given. Without shapes row i is mode i + 1 of the structure.
+/// A row without frequency and shape is a gap: it holds the number of a mode that was not measured,
+/// or that was measured and is not used.
 struct ModalData {
   std::vector<double> frequencies_hz = {};  ///< NaN where there is none
   /// Of the frequencies [Hz²], modes × modes; of those that are NaN, anything. Empty where `cov` is
@@ -62,6 +65,18 @@ struct ModalData {
 
   [[nodiscard]] int modes() const { return static_cast<int>(frequencies_hz.size()); }
   [[nodiscard]] bool has_shapes() const { return shapes.size() > 0; }
+  [[nodiscard]] bool is_gap(int mode) const {
+    return std::isnan(frequencies_hz[static_cast<std::size_t>(mode)]) &&
+           !(mode < shapes.rows() && (shapes.row(mode).array() == shapes.row(mode).array()).any());
+  }
+  /// Rows that are no gaps.
+  [[nodiscard]] int measured_modes() const {
+    int count = 0;
+    for (int i = 0; i < modes(); ++i) count += is_gap(i) ? 0 : 1;
+    return count;
+  }
+  /// Modes that the structure must have: with shapes, gaps are matched to none.
+  [[nodiscard]] int least_modes() const { return has_shapes() ? measured_modes() : modes(); }
 };
 
 }  // namespace wheeltap::identification

@@ -192,8 +192,13 @@ std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& cova
   if (!data_.has_shapes()) return out;
   const Index computed = modes.eigenvalues.size();
   const bool doubt = data_.doubt > 0.0;
+  // Gaps take no computed mode.
+  std::vector<int> rows;
+  for (int i = 0; i < n; ++i)
+    if (!data_.is_gap(i)) rows.push_back(i);
+  for (int& j : out) j = std::min(j, static_cast<int>(computed) - 1);
   MatrixXd costs = MatrixXd::Zero(n, computed + (doubt ? n : 0));
-  for (int i = 0; i < n; ++i) {
+  for (const int i : rows) {
     const double f = data_.frequencies_hz[static_cast<std::size_t>(i)];
     for (Index j = 0; j < computed; ++j) {
       const double r = f - frequency_of(modes, j);
@@ -206,14 +211,16 @@ std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& cova
     costs(i, computed + i) = -log_spurious(i) + std::log1p(-data_.doubt) -
                              (std::isnan(f) ? 0.0 : 0.5 * std::log(kTwoPi * covariance(i, i)));
   }
-  std::vector<int> matched = least_cost_assignment(costs);
-  if (!doubt) return matched;
+  const std::vector<int> assigned = least_cost_assignment(costs(rows, Eigen::all));
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    out[static_cast<std::size_t>(rows[k])] = assigned[k];
+  if (!doubt) return out;
   // A mode that is none of them is compared with the one that is left and comes nearest.
   std::vector<bool> taken(static_cast<std::size_t>(computed));
-  for (const int j : matched)
+  for (const int j : assigned)
     if (j < computed) taken[static_cast<std::size_t>(j)] = true;
-  for (int i = 0; i < n; ++i) {
-    int& j = matched[static_cast<std::size_t>(i)];
+  for (const int i : rows) {
+    int& j = out[static_cast<std::size_t>(i)];
     if (j < computed) continue;
     j = -1;
     for (int k = 0; k < computed; ++k)
@@ -223,7 +230,7 @@ std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& cova
     costs.row(i).head(computed).minCoeff(&nearest);
     j = static_cast<int>(nearest);
   }
-  return matched;
+  return out;
 }
 
 double ModalLikelihood::log_spurious(int mode) const {
@@ -248,6 +255,10 @@ ModalLikelihood::Score ModalLikelihood::score_with_doubt(const Modes& modes,
     const auto at = static_cast<std::size_t>(i);
     const Index j = matched[at];
     Match m{.computed = static_cast<int>(j), .frequency_hz = frequency_of(modes, j)};
+    if (data_.is_gap(i)) {
+      out.matches.push_back(std::move(m));
+      continue;
+    }
     double real = std::log1p(-data_.doubt), chi_square = 0.0;
     int freedoms = 0;
     if (const double f = data_.frequencies_hz[at]; !std::isnan(f)) {

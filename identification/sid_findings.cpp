@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "identification/prior_bound.hpp"
 #include "identification/sid_fit_verdict.hpp"
 #include "identification/sid_record.hpp"
 #include "identification/sid_units.hpp"
@@ -141,30 +142,23 @@ double share_beyond(const SidProblem& problem, const Posterior& posterior, int m
   return share;
 }
 
-/// Posteriors that lean on an end of their prior.
+/// Posteriors that pile up at a bound of their prior.
 void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
   const auto& space = problem.problem.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
   for (const int m : told(findings)) {
     for (int p = 0; p < space[m].dimension; ++p) {
-      long above = 0, below = 0, all = 0;
       const inference::Prior& prior = space.prior(m, p);
-      const double high = prior.from_standard_normal(2.326),
-                   low = prior.from_standard_normal(-2.326);
-      for (const auto& chain : posterior.chains) {
-        for (std::size_t i = 0; i < chain.model.size(); ++i) {
-          if (chain.model[i] != m) continue;
-          const double x = chain.theta[i * width + static_cast<std::size_t>(p)];
-          ++all, above += x > high ? 1 : 0, below += x < low ? 1 : 0;
-        }
-      }
-      const bool leans_up = above > all / 4 && std::isfinite(prior.upper());
-      const bool leans_down = below > all / 4 && std::isfinite(prior.lower()) && prior.lower() != 0;
-      if (leans_up || leans_down) {
+      std::vector<double> draws;
+      for (const auto& chain : posterior.chains)
+        for (std::size_t i = 0; i < chain.model.size(); ++i)
+          if (chain.model[i] == m)
+            draws.push_back(chain.theta[i * width + static_cast<std::size_t>(p)]);
+      if (const PriorBound bound = bound_of(prior, draws); bound != PriorBound::none) {
         findings.remarks.push_back(remark::ParameterAtBound{.model = space[m].name,
                                                             .parameter = space.parameter_name(m, p),
                                                             .prior = prior.describe(),
-                                                            .upper = leans_up});
+                                                            .upper = bound == PriorBound::upper});
       }
     }
   }

@@ -93,7 +93,7 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
         static_cast<int>(fem::mode_count(d) - d.rigid_motions.cols()) - (state.damaged ? held : 0);
     int modes = 1;
     for (const int s : group.states)
-      modes = std::max({modes, of(s).candidates(available), of(s).data().modes()});
+      modes = std::max({modes, of(s).candidates(available), of(s).data().least_modes()});
     if (modes > available)
       throw std::invalid_argument(state.name + ": " + std::to_string(modes) +
                                   " modes: must be at most " + std::to_string(available) +

@@ -60,7 +60,7 @@ MatrixXd coordinates(const UpdateProblem& problem, const Posterior& posterior) {
 }
 
 void judge_parameters(const UpdateProblem& problem, const Posterior& posterior,
-                      UpdateFindings& out) {
+                      const MatrixXd& within, UpdateFindings& out) {
   const auto& space = problem.problem.space;
   const MatrixXd z = coordinates(problem, posterior);
   const VectorXd mean = z.colwise().mean();
@@ -72,15 +72,12 @@ void judge_parameters(const UpdateProblem& problem, const Posterior& posterior,
   for (Index p = 0; p < z.cols(); ++p) {
     Contraction c{.name = name(p), .contraction = 1.0 - covariance(p, p), .shift = mean[p]};
     const inference::Prior& prior = space.prior(0, static_cast<int>(p));
-    // A quarter of the draws in the outer twentieth of the prior.
-    const auto beyond = [&](double sign) {
-      return static_cast<double>((sign * z.col(p).array() > 1.645).count()) >
-             0.25 * static_cast<double>(z.rows());
-    };
+    std::vector<double> x;
+    for (std::size_t chain = 0; chain < posterior.chains.size(); ++chain)
+      for (std::size_t i = 0; i < posterior.chains[chain].size(); ++i)
+        x.push_back(draw_of(posterior, chain, i)[static_cast<std::size_t>(p)]);
     using Bound = Contraction::Bound;
-    if (beyond(1.0) && std::isfinite(prior.upper())) c.bound = Bound::upper;
-    if (beyond(-1.0) && std::isfinite(prior.lower()) && prior.lower() != 0.0)
-      c.bound = Bound::lower;
+    c.bound = bound_of(prior, x);
     if (c.bound != Bound::none)
       out.remarks.push_back(remark::ParameterAtBound{.model = space[0].name,
                                                      .parameter = c.name,
@@ -90,7 +87,9 @@ void judge_parameters(const UpdateProblem& problem, const Posterior& posterior,
   }
   for (Index a = 0; a < z.cols(); ++a)
     for (Index b = a + 1; b < z.cols(); ++b) {
-      const double r = covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
+      // Separate solutions correlate parameters that each of them tells apart.
+      const MatrixXd& c = within.size() > 0 ? within : covariance;
+      const double r = c(a, b) / std::sqrt(c(a, a) * c(b, b));
       if (std::abs(r) > kEntangled) out.entangled.push_back({name(a), name(b), r});
     }
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(covariance.topLeftCorner(d, d));
@@ -231,7 +230,7 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
       }
       f.shape_p = p;
     }
-    if (f.spurious > kSpurious)
+    if (f.spurious > kSpurious && f.is_measured())
       out.remarks.push_back(
           remark::SpuriousMode{.mode = f.mode, .hz = f.measured_hz, .probability = f.spurious});
     out.modes.push_back(std::move(f));
@@ -360,7 +359,8 @@ void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t s
   const ModalData& data = problem.update_case.data;
   int first = 0;
   for (const ModeFinding& m : out.modes)
-    if (m.spurious < 0.5) first = std::max(first, m.computed);
+    if (m.spurious < 0.5 && (m.is_measured() || !data.has_shapes()))
+      first = std::max(first, m.computed);
   for (int k = 0; k < data.predict && first + k < problem.candidates(); ++k) {
     const Index at = first + k;
     Prediction p{.mode = first + k + 1};
@@ -422,9 +422,19 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior), seed);
   if (!problem.outside) out.remarks = implausible(problem.update_case);
   out.numbers = problem.measured();
-  judge_parameters(problem, posterior, out);
+  SeparateSolutions solutions = separate_solutions(posterior, 0);
+  judge_parameters(problem, posterior, solutions.covariance_within, out);
+  out.solutions = std::move(solutions.list);
+  ModePredictor predictor(problem);
+  for (Solution& solution : out.solutions)
+    if (predictor.solve(solution.best))
+      solution.chi_square = predictor.score(solution.best).chi_square;
   const Examined seen = examine(problem, posterior, out);
   judge_modes(problem, seen, out);
+  if (!problem.states && !problem.outside)
+    out.numbering =
+        numbering_of(*problem.update_case.structure, problem.update_case.data,
+                     problem.covariance(problem.noise(seen.x[seen.best])));
   leave_one_out(problem, seen, out);
   predict(problem, seen, seed, out);
   judge_fit(problem, seen, out);

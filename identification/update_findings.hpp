@@ -1,11 +1,15 @@
 // What the modes of a structure say of its parameters, and what they do not.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "identification/findings.hpp"
+#include "identification/mode_numbering.hpp"
+#include "identification/prior_bound.hpp"
+#include "identification/solutions.hpp"
 #include "identification/update_problem.hpp"
 
 namespace wheeltap::identification {
@@ -15,13 +19,14 @@ struct Contraction {
   std::string name;
   double contraction = 0.0;  ///< 1 - Var(z | data)
   double shift = 0.0;        ///< mean of z: how many prior sd the posterior has moved
-  enum class Bound { none, lower, upper } bound = Bound::none;  ///< of its prior, that it leans on
+  using Bound = PriorBound;
+  Bound bound = Bound::none;  ///< of its prior, at which the draws pile up
 
   /// The data leave it at the prior.
   [[nodiscard]] bool at_prior() const;
 };
 
-/// Two parameters that cannot be told apart: their correlation, of z.
+/// Two parameters that cannot be told apart: their correlation, of z, within one solution.
 struct Entangled {
   std::string a, b;
   double correlation = 0.0;
@@ -60,6 +65,8 @@ struct ModeFinding {
   std::string state = {};  ///< where there are several
   int mode_of_state = 0;   ///< as measured in it, from 1
 
+  /// A gap (ModalData) is none.
+  [[nodiscard]] bool is_measured() const { return !std::isnan(measured_hz) || has_shape; }
   /// Off by more than the stated scatter allows: 3 sd, or p below 1e-3; spurious ones are not.
   [[nodiscard]] bool is_off() const;
 };
@@ -94,7 +101,10 @@ struct UpdateFindings : Findings {
   std::vector<Contraction> contractions;
   std::vector<Entangled> entangled;
   std::vector<UntouchedDirection> untouched;
+  /// Separate regions of the posterior, the most probable first; empty where there is one.
+  std::vector<Solution> solutions;
   std::vector<ModeFinding> modes;
+  std::optional<NumberingFinding> numbering;  ///< of data without shapes, where it was judged
   Eigen::MatrixXd mac;  ///< measured × computed modes, at the best draw; empty without shapes
   /// Modes × sensors, at the best draw, scaled to the measured ones; NaN where not measured.
   Eigen::MatrixXd best_shapes;

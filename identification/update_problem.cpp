@@ -96,7 +96,7 @@ std::shared_ptr<const fem::ParametricModes> reduced_basis(const UpdateCase& upda
   return std::make_shared<const fem::ParametricModes>(
       std::move(structure), draws,
       fem::ParametricModesOptions{
-          .modes = data.doubt > 0.0 ? candidates : std::max(data.modes(), candidates),
+          .modes = data.doubt > 0.0 ? candidates : std::max(data.least_modes(), candidates),
           .motions = std::move(motions),
           .tolerance = tolerances.eigenvalue,
           .shape_tolerance = tolerances.shape,

@@ -17,6 +17,7 @@ constexpr double kLeastThreshold = 0.005, kLargestThreshold = 0.08;
 constexpr std::size_t kLeastMembers = 3;
 constexpr double kGoodScatter = 1.1, kLucky = 1.25;
 constexpr double kWorse = 2.0, kSameShape = 0.9;
+constexpr double kUncertain = 3.0;  // standard deviations
 constexpr double kSteady = 0.5;  // share of orders of a mode that every other one must wait for
 constexpr double kOverlap =
     5.0;  // half-power half widths, of modes that lie in each other's skirts
@@ -126,7 +127,7 @@ bool is_splinter(const Stabilisation& of, const ModeCluster& c, const ModeCluste
              &b = of.poles[static_cast<std::size_t>(whole.chosen)];
   return c.members.size() < whole.members.size() && scatter(a) > kWorse * scatter(b) &&
          std::abs(a.frequency_hz - b.frequency_hz) <
-             3.0 * std::hypot(a.frequency_sd, b.frequency_sd) &&
+             kUncertain * std::hypot(a.frequency_sd, b.frequency_sd) &&
          modal_assurance(a.shape, b.shape) > kSameShape;
 }
 
@@ -139,6 +140,63 @@ void drop_splinters(Stabilisation& of) {
     if (splinter) of.rejected.push_back({.cluster = c, .why = Rejection::splinter});
     return splinter;
   });
+}
+
+/// Two clusters that explain one peak of the spectrum: poles of one shape, nearer than both are
+/// uncertain, within their half-power widths, and as much damped.
+bool explain_one_peak(const std::vector<Pole>& poles, const ModeCluster& one,
+                      const ModeCluster& other) {
+  const Pole &a = poles[static_cast<std::size_t>(one.chosen)],
+             &b = poles[static_cast<std::size_t>(other.chosen)];
+  const double apart = std::abs(a.frequency_hz - b.frequency_hz);
+  const double width =
+      std::abs(a.damping) * a.frequency_hz + std::abs(b.damping) * b.frequency_hz;
+  return apart < width && apart < kUncertain * std::hypot(a.frequency_sd, b.frequency_sd) &&
+         std::abs(a.damping - b.damping) < kUncertain * std::hypot(a.damping_sd, b.damping_sd) &&
+         modal_assurance(a.shape, b.shape) > kSameShape;
+}
+
+/// The poles of both; of an order that has two, the one that is known better.
+ModeCluster joined(const std::vector<Pole>& poles, const ModeCluster& one,
+                   const ModeCluster& other) {
+  ModeCluster out{.members = one.members, .orders = std::max(one.orders, other.orders)};
+  for (const int m : other.members) {
+    const Pole& p = poles[static_cast<std::size_t>(m)];
+    const auto same = std::ranges::find_if(out.members, [&](int k) {
+      return poles[static_cast<std::size_t>(k)].order == p.order;
+    });
+    if (same == out.members.end())
+      out.members.push_back(m);
+    else if (scatter(p) < scatter(poles[static_cast<std::size_t>(*same)]))
+      *same = m;
+  }
+  std::ranges::sort(out.members);
+  out.chosen = representative(poles, out.members);
+  return out;
+}
+
+/// A pole that moves from order to order by more than neighbours do, but within its uncertainty,
+/// falls into several clusters: they are joined, the nearest first.
+void join_clusters_of_one_peak(const std::vector<Pole>& poles, std::vector<ModeCluster>& clusters) {
+  while (true) {
+    std::size_t first = 0, second = 0;
+    double least = kNever;
+    for (std::size_t i = 0; i < clusters.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        if (!explain_one_peak(poles, clusters[i], clusters[j])) continue;
+        const double distance =
+            pole_distance(poles[static_cast<std::size_t>(clusters[i].chosen)],
+                          poles[static_cast<std::size_t>(clusters[j].chosen)]);
+        if (distance < least) {
+          least = distance;
+          first = j;
+          second = i;
+        }
+      }
+    if (least == kNever) return;
+    clusters[first] = joined(poles, clusters[first], clusters[second]);
+    clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(second));
+  }
 }
 
 /// Leaves out what lies beyond the band.
@@ -241,14 +299,19 @@ Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
   const auto distance = [&](int i, int j) {
     return pole_distance(hard[static_cast<std::size_t>(i)], hard[static_cast<std::size_t>(j)]);
   };
+  std::vector<ModeCluster> clusters;
   for (const std::vector<int>& found : average_linkage(orders, distance, out.threshold)) {
+    if (found.size() < kLeastMembers) continue;
     ModeCluster cluster;
     cluster.orders = (largest - hard[static_cast<std::size_t>(found.front())].order) / 2 + 1;
     for (const int m : found) cluster.members.push_back(place[static_cast<std::size_t>(m)]);
-    if (found.size() < kLeastMembers) continue;
     cluster.chosen = representative(out.poles, cluster.members);
+    clusters.push_back(std::move(cluster));
+  }
+  join_clusters_of_one_peak(out.poles, clusters);
+  for (ModeCluster& cluster : clusters) {
     if (cluster.share() < options.least_share ||
-        static_cast<double>(found.size()) < 0.1 * out.orders)
+        static_cast<double>(cluster.members.size()) < 0.1 * out.orders)
       out.rejected.push_back({.cluster = std::move(cluster), .why = Rejection::few_orders});
     else
       out.modes.push_back(std::move(cluster));

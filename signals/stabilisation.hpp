@@ -55,6 +55,11 @@ struct Stabilisation {
   std::vector<RejectedCluster> rejected = {};  ///< of three poles and more
 };
 
+/// Clusters that explain one peak of the spectrum are joined: poles of one shape (MAC above 0.9)
+/// whose frequencies and damping ratios differ by less than three of their standard deviations, and
+/// whose frequencies lie within their half-power widths. Modes of other shapes stay apart, however
+/// close they are.
+///
 /// A mode is a cluster in at least `least_share` of the orders from its first on, and in three; one
 /// that another holds within three standard deviations, with the same shape, in more orders and
 /// twice as well known, is a splinter of that. It

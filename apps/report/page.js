@@ -195,7 +195,12 @@
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
     const foretold = summary.predictions || [];
     const inside = (p) => (p.inside === null ? '–' : p.inside ? 'inside' : 'outside');
-    return [element('h3', { class: 'apart' }, 'Each measured mode'), copyable({
+    const solutions = summary.solutions || [];
+    const range = (e) => ({ value: e.q50, text: `${digits(e, 'q50')} (${digits(e, 'q2.5')} to ${digits(e, 'q97.5')})` });
+    return [...(solutions.length ? [element('h3', { class: 'apart' }, 'Separate solutions'), copyable({
+      head: ['parameter', ...solutions.map((s, i) => `solution ${i + 1} (${percent(s.probability)})`)],
+      rows: Object.keys(solutions[0].parameters).map((name) => [name, ...solutions.map((s) => range(s.parameters[name]))]), caption: 'Median and 95 % interval of each parameter within each solution, and the probability of the solution' })] : []),
+    element('h3', { class: 'apart' }, 'Each measured mode'), copyable({
       head: ['mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]', 'computed mode', 'MAC', 'p of the shape', 'information [nats]', 'without it moves', 'by [posterior sd]'],
       rows: (summary.data?.modes || []).map((m) => [m.mode, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3), m.spurious > 0.5 ? `none (P ${number(m.spurious, 3)})` : m.computed_mode, of(m.shape?.mac?.q50, 4), of(m.shape?.p, 3),
         of(m.without_it?.information_nats, 3), (m.without_it?.reliable && m.without_it.moves) || '–', m.without_it?.reliable ? of(m.without_it.by_sd, 2) : null]), caption: 'Frequencies and shapes, and what the posterior would lose without each' }),

@@ -13,6 +13,7 @@
 #include <unordered_map>
 
 #include "base/index.hpp"
+#include "fem/structures/mechanisms.hpp"
 
 namespace wheeltap::fem {
 namespace {
@@ -269,9 +270,11 @@ ResidualFlexibility::ResidualFlexibility(std::shared_ptr<const Discretisation> d
   for (Index i = 0; i < n; ++i)
     if (impl.held[index(i)]) k.coeffRef(i, i) = 1.0;
   impl.ldlt.compute(k);
-  if (impl.ldlt.info() != Eigen::Success)
+  if (impl.ldlt.info() != Eigen::Success) {
+    refuse_mechanisms(*impl.d);
     throw InvalidStructure(InvalidStructure::Part::whole, 0,
-                           "is a mechanism: its stiffness cannot be factored");
+                           "its stiffness is not positive: it cannot be factored");
+  }
   const std::size_t boundary = impl.parts->boundary().size();
   const std::size_t column_bytes =
       sizeof(double) * kTerms * (index(shapes.cols()) + 3 * index(StaticCondensation::kLargest));

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <optional>
 
+#include "fem/structures/mechanisms.hpp"
+
 namespace wheeltap::fem {
 namespace {
 
@@ -23,8 +25,6 @@ constexpr Index kDense = 120;
 constexpr Index kMostDense = 3000;
 /// Modes that are found beyond those wanted, so that the count is taken in a gap.
 constexpr Index kExtra = 6;
-/// Energy over what it would be had no strain cancelled: below it a motion strains nothing.
-constexpr double kNoStrain = 1e-22;
 /// Where a gap begins, relative.
 constexpr double kGap = 1e-6;
 
@@ -47,11 +47,6 @@ class Factor {
  private:
   Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt_;
 };
-
-std::string place_of(const Discretisation& d, Index dof) {
-  const DofName& name = d.names[static_cast<std::size_t>(dof)];
-  return name.place + ", " + name.direction;
-}
 
 /// Columns made M-orthonormal to each other and to those of `against`, which are so already, twice
 /// over; those that depend on earlier ones are dropped.
@@ -83,7 +78,9 @@ struct Ritz {
   MatrixXd shapes;
 };
 
-[[noreturn]] void refuse_spread() {
+/// What no solver can factor: a mechanism, which is named, or numbers that differ by too much.
+[[noreturn]] void refuse_spread(const Discretisation& d) {
+  refuse_mechanisms(d);
   throw InvalidStructure(Part::whole, 0,
                          "its masses or stiffnesses differ by too many powers of ten for its "
                          "eigenvalues to be told apart in double precision");
@@ -94,7 +91,7 @@ Ritz rayleigh_ritz(const Discretisation& d, const MatrixXd& basis) {
   const MatrixXd energy = d.projected_stiffness(basis);
   const MatrixXd gram = basis.transpose() * (d.mass * basis);
   // Where stiffness is lost in rounding the search is left with nothing, or with no numbers.
-  if (basis.cols() == 0 || !energy.allFinite() || !gram.allFinite()) refuse_spread();
+  if (basis.cols() == 0 || !energy.allFinite() || !gram.allFinite()) refuse_spread(d);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(energy, gram);
   return {.values = solver.eigenvalues(), .shapes = basis * solver.eigenvectors()};
 }
@@ -234,34 +231,35 @@ Ritz refined(const Search& s, const MatrixXd& vectors, Index count, Index wanted
   return {.values = ritz.values.head(kept), .shapes = ritz.shapes.leftCols(kept)};
 }
 
-void refuse_mechanisms(const Discretisation& d, const Ritz& ritz) {
+/// Motions of no stiffness, or of less.
+void refuse_unresisted(const Discretisation& d, const Ritz& ritz) {
   for (Index i = 0; i < ritz.shapes.cols(); ++i) {
     const VectorXd shape = ritz.shapes.col(i);
     const double all = d.uncancelled_energy(shape);
-    Index largest = 0;
-    shape.cwiseAbs().maxCoeff(&largest);
     const bool compressed =
         std::ranges::any_of(d.strains, [](const Strain& s) { return s.factor < 0.0; });
     if (ritz.values[i] < -1e-12 * all && compressed)
       throw InvalidStructure(Part::members, 0,
                              "the axial forces exceed buckling: a motion largest at " +
-                                 place_of(d, largest) + " has negative stiffness");
+                                 motion_in_words(d, shape) + " has negative stiffness");
     if (ritz.values[i] < -1e-12 * all && d.rest.nonZeros() > 0)
       throw InvalidStructure(
           Part::whole, 0,
-          "its stiffness is negative for a motion that is largest at " + place_of(d, largest));
-    if (ritz.values[i] < -1e-12 * all) refuse_spread();
-    if (std::abs(ritz.values[i]) <= kNoStrain * all)
-      throw InvalidStructure(
-          Part::whole, 0,
-          "is a mechanism: nothing resists a motion that is largest at " + place_of(d, largest));
+          "its stiffness is negative for a motion that is largest at " + motion_in_words(d, shape));
+    if (ritz.values[i] < -1e-12 * all) refuse_spread(d);
+    if (std::abs(ritz.values[i]) <= no_strain(d) * all) {
+      refuse_mechanisms(d);
+      throw InvalidStructure(Part::whole, 0,
+                             "is a mechanism: nothing resists a motion that is largest at " +
+                                 motion_in_words(d, shape));
+    }
   }
 }
 
 void refuse_empty_pivots(const Discretisation& d) {
   for (Index i = 0; i < d.size(); ++i)
     if (!(d.stiffness.coeff(i, i) > 0.0) && !(d.mass.coeff(i, i) > 0.0))
-      throw InvalidStructure(Part::whole, 0, "has neither stiffness nor mass at " + place_of(d, i));
+      throw InvalidStructure(Part::whole, 0, "has neither stiffness nor mass at " + d.names[static_cast<std::size_t>(i)].place + ", " + d.names[static_cast<std::size_t>(i)].direction);
 }
 
 }  // namespace
@@ -337,8 +335,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
                       .rigid = rigid,
                       .mass = d.mass * unit,
                       .shifted = Factor(Sparse(d.stiffness + unit * d.mass))};
-  if (!search.shifted.ok())
-    throw InvalidStructure(Part::whole, 0, "is a mechanism: its stiffness cannot be factored");
+  if (!search.shifted.ok()) refuse_spread(d);
 
   StructureModes out;
   out.rigid_body_modes = static_cast<int>(rigid.cols());
@@ -357,7 +354,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
       MatrixXd all(n, ritz.shapes.cols() + more.cols());
       all << ritz.shapes, more;
       ritz = refined(search, all, elastic, modes - rigid.cols());
-      refuse_mechanisms(d, ritz);
+      refuse_unresisted(d, ritz);
       out.certified = certified(d, ritz, modes - rigid.cols());
       if (!out.certified) {
         const MatrixXd taken = orthonormal(d.mass, MatrixXd(n, 0), ritz.shapes);
@@ -372,13 +369,13 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
   }
   if (elastic > 0 && densely) {
     ritz = refined(search, dense(search, available), elastic, modes - rigid.cols());
-    refuse_mechanisms(d, ritz);
+    refuse_unresisted(d, ritz);
     const bool all = ritz.values.size() == available - rigid.cols();
     out.certified = all || certified(d, ritz, modes - rigid.cols());
   }
 
   const Index rigid_wanted = std::min<Index>(modes, rigid.cols());
-  if (ritz.shapes.cols() < modes - rigid_wanted) refuse_spread();  // some were lost in rounding
+  if (ritz.shapes.cols() < modes - rigid_wanted) refuse_spread(d);  // some were lost in rounding
   out.eigenvalues = VectorXd::Zero(modes);
   out.residuals = VectorXd::Zero(modes);
   out.shapes.resize(n, modes);
@@ -389,7 +386,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
     shape /= std::sqrt(shape.dot(d.mass * shape));
     out.shapes.col(i) = shape;
     out.eigenvalues[i] = d.energy(shape);
-    if (!(out.eigenvalues[i] > 0.0 && std::isfinite(out.eigenvalues[i]))) refuse_spread();
+    if (!(out.eigenvalues[i] > 0.0 && std::isfinite(out.eigenvalues[i]))) refuse_spread(d);
     const VectorXd residual = d.stiffness_times(shape) - out.eigenvalues[i] * (d.mass * shape);
     const VectorXd moved = search.shifted.solve(residual);
     out.residuals[i] = std::sqrt(std::max(0.0, residual.dot(moved)) / out.eigenvalues[i]);

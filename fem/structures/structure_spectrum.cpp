@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem/structures/mechanisms.hpp"
 #include "fem/structures/structure_modes.hpp"
 
 namespace wheeltap::fem {
@@ -92,9 +93,11 @@ StructureSpectrum::Matrix massless_shapes(const Discretisation& d, Index count) 
       without_mass(d, count).cast<long double>().sparseView();
   const Matrix held = basis.transpose() * dense_stiffness<long double>(d);
   const Eigen::LLT<Matrix> llt(held * basis);
-  if (llt.info() != Eigen::Success)
+  if (llt.info() != Eigen::Success) {
+    refuse_mechanisms(d);
     throw InvalidStructure(InvalidStructure::Part::whole, 0,
                            "is a mechanism: nothing resists a motion that has no mass");
+  }
   return llt.matrixL().solve(Matrix(basis.transpose())).transpose();
 }
 

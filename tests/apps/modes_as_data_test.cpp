@@ -116,16 +116,21 @@ TEST(ModesAsData, TakesFrequenciesShapesAndTheirCovariances) {
   const Workspace where;
   where.write("m.json", modes_json(three()).dump());
   const auto doubtless = parsed(where, {{"from", "m.json"}});
-  EXPECT_EQ(doubtless.frequencies_hz, (std::vector<double>{2.1, 8.6}));
-  EXPECT_EQ(doubtless.covariance(0, 1), 5e-5);
+  EXPECT_EQ(doubtless.modes(), 3);
+  EXPECT_EQ(doubtless.frequencies_hz[0], 2.1);
+  EXPECT_TRUE(doubtless.is_gap(1));
+  EXPECT_EQ(doubtless.frequencies_hz[2], 8.6);
+  EXPECT_EQ(doubtless.covariance(0, 2), 5e-5);
   EXPECT_THAT(doubtless.origin, HasSubstr("without the doubtful 2"));
   ASSERT_EQ(doubtless.shapes.cols(), 3);
   EXPECT_EQ(doubtless.sensors[1].motion.coefficients, std::vector<double>{-1.0});
   EXPECT_EQ(doubtless.sensors[2].motion.dofs, std::vector<int>{2});
   EXPECT_EQ(parsed(where, {{"from", "m.json"}, {"modes", 2}}).frequencies_hz,
             (std::vector<double>{2.1, 6.0}));
-  EXPECT_EQ(parsed(where, {{"from", "m.json"}, {"modes", {3, 2}}}).frequencies_hz,
-            (std::vector<double>{8.6, 6.0}));
+  const auto listed = parsed(where, {{"from", "m.json"}, {"modes", {3, 2}}});
+  EXPECT_TRUE(listed.is_gap(0));
+  EXPECT_EQ(listed.frequencies_hz[1], 6.0);
+  EXPECT_EQ(listed.frequencies_hz[2], 8.6);
   // The case's own sensors, one of them left out.
   const json placed = {{"from", "m.json"}, {"sensors", {{{"mass", 3}}, nullptr, {{"mass", 1}}}}};
   const auto two = parsed(where, placed);
@@ -145,13 +150,84 @@ TEST(ModesAsData, GapsOfShapesAreNotMeasured) {
   modes.shapes(0, 2) = modes.shapes(1, 2) = {none, none};
   where.write("m.json", modes_json(modes).dump());
   const auto data = parsed(where, {{"from", "m.json"}});
-  ASSERT_EQ(data.shapes.rows(), 2);
+  ASSERT_EQ(data.shapes.rows(), 3);
   EXPECT_FALSE(std::isnan(data.shapes(0, 0)));
   EXPECT_TRUE(std::isnan(data.shapes(0, 1)));
   EXPECT_FALSE(std::isnan(data.shapes(0, 2)));
   // A single entry is no shape.
-  for (Eigen::Index s = 0; s < 3; ++s) EXPECT_TRUE(std::isnan(data.shapes(1, s))) << s;
-  EXPECT_EQ(data.shape_covariances.size(), 2U);
+  for (Eigen::Index s = 0; s < 3; ++s) EXPECT_TRUE(std::isnan(data.shapes(2, s))) << s;
+  EXPECT_EQ(data.shape_covariances.size(), 3U);
+}
+
+/// Five equal storeys of 1 kg and 16 N/m, measured by one channel; `exact` frequencies.
+MeasuredModes one_channel() {
+  MeasuredModes out{.sensors = {{.name = "L2", .node = "2", .direction = "x"}},
+                    .frequencies_hz = Eigen::VectorXd(5),
+                    .damping = Eigen::VectorXd::Constant(5, 0.01)};
+  for (int j = 0; j < 5; ++j)
+    out.frequencies_hz[j] = 8.0 / (2.0 * M_PI) * std::sin((2 * j + 1) * M_PI / 22.0);
+  out.covariance = Eigen::MatrixXd::Identity(10, 10) * 1e-6;
+  out.shapes = Eigen::MatrixXcd::Ones(1, 5);
+  out.shape_covariance.assign(5, Eigen::MatrixXd::Identity(2, 2) * 1e-6);
+  out.doubtful = {false, true, false, false, false};
+  return out;
+}
+
+json five_storeys(const json& data) {
+  json c = {{"kind", "update"}, {"data", data}, {"parameters", json::object()}};
+  for (int i = 1; i <= 5; ++i) {
+    const std::string k = "k" + std::to_string(i);
+    c["structure"]["chain"]["masses"].push_back(1);
+    c["structure"]["chain"]["links"].push_back({{"between", {i - 1, i}}, {"stiffness", k}});
+    c["parameters"][k] = {{"log_normal", {std::log(16.0), 0.6}}};
+  }
+  return c;
+}
+
+// One channel has no shapes: a mode that is left out leaves a gap, and the others keep their
+// numbers.
+TEST(ModesAsData, DoubtfulModesOfOneChannelLeaveAGap) {
+  const Workspace where;
+  where.write("m.json", modes_json(one_channel()).dump());
+  const json doubtful = {{"from", "m.json"}}, listed = {{"from", "m.json"}, {"modes", {1, 3, 4, 5}}};
+  for (const json& data : {doubtful, listed}) {
+    const std::string file = where.write_json("update.json", five_storeys(data)).string();
+    const auto taken = parse_update_case(read_case(file)).update.data;
+    ASSERT_EQ(taken.modes(), 5) << data;
+    EXPECT_TRUE(taken.is_gap(1));
+    EXPECT_FALSE(taken.has_shapes());
+    EXPECT_THAT(taken.origin, HasSubstr("modes 1, 3, 4 and 5 keep their numbers"));
+  }
+  const std::string file = where.write_json("update.json", five_storeys(doubtful)).string();
+  const Outcome ran = wheeltap(where, "update " + file + " -o " + (where / "out").string() +
+                                          " --quiet --quick");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const json summary = json::parse(read_all(where / "out/summary.json"));
+  for (const auto& [name, k] : summary["parameters"]["the structure"].items()) {
+    EXPECT_LT(k["q2.5"], 16.0) << name;
+    EXPECT_GT(k["q97.5"], 16.0) << name;
+  }
+  EXPECT_EQ(summary["data"]["modes"][2]["computed_mode"], 3);
+  EXPECT_EQ(summary["data"]["numbering"]["modes"], json({1, 3, 4, 5}));
+  EXPECT_GT(summary["data"]["numbering"]["probability"], 0.5);
+}
+
+// A file that was shortened by hand keeps the numbers that it states; a case may give others.
+TEST(ModesAsData, ModesAreTakenByTheirNumbers) {
+  const Workspace where;
+  json file = json::parse(modes_json(one_channel()).dump());
+  file["numbers"] = {2, 3, 4, 6, 7};
+  where.write("m.json", file.dump());
+  const auto frequencies = [&](const json& data) {
+    return parsed(where, data).frequencies_hz;
+  };
+  const double f = one_channel().frequencies_hz[0];
+  auto found = frequencies({{"from", "m.json"}, {"modes", {2}}});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_TRUE(std::isnan(found[0]));
+  EXPECT_EQ(found[1], f);
+  found = frequencies({{"from", "m.json"}, {"modes", {2}}, {"model_modes", {1}}});
+  EXPECT_EQ(found, std::vector<double>{f});
 }
 
 TEST(ModesAsData, CovariancesOfFewBlocksAreRaised) {
@@ -218,6 +294,8 @@ TEST(ModesAsData, Refusals) {
   refused(with("modes", 4), "/data/modes");
   refused(with("modes", {1, 4}), "/data/modes/1");
   refused(with("modes", {1, 1}), "/data/modes/1");
+  refused(with("model_modes", {1}), "/data/model_modes: must have one number for each of the 2");
+  refused(with("model_modes", {2, 1}), "/data/model_modes/1: must increase");
   refused(with("sensors", {{{"mass", 1}}}), "/data/sensors");
   refused({{"frequencies", {2.1}}, {"cov", 0.01}, {"modes", {1}}}, "/data/modes");
   where.write("m.json", "{\"frequencies_hz\": [1, ");

@@ -115,5 +115,50 @@ TEST(Stabilisation, OneGoodOrderIsEnough) {
   }
 }
 
+// A well damped mode whose pole moves at order 22, by less than it is uncertain and by more than
+// neighbouring orders differ, is one mode.
+TEST(Stabilisation, JoinsClustersThatExplainOnePeak) {
+  std::vector<std::vector<Pole>> by_order;
+  for (int order = 10; order <= 50; order += 2) {
+    const bool late = order >= 22;
+    Pole p = pole_of(order, (late ? 0.1830 : 0.1840) + 1e-6 * order, late ? 0.502 : 0.5, 9e-3);
+    p.damping = late ? 0.0476 : 0.0488;
+    p.damping_sd = 0.008;
+    by_order.push_back({p});
+  }
+  const Stabilisation found = stabilise(std::move(by_order), {.smallest_order = 10});
+  const Pole& chosen = only_mode(found);
+  EXPECT_NEAR(chosen.frequency_hz, 0.1835, 0.001);
+  EXPECT_EQ(found.modes[0].members.size(), 21U);
+  EXPECT_EQ(found.modes[0].orders, 21);
+}
+
+// Two modes as close as that stay two where their shapes differ, and where they are known better
+// than they are apart.
+TEST(Stabilisation, KeepsCloseModesApart) {
+  for (const bool by_shape : {true, false}) {
+    std::vector<std::vector<Pole>> by_order;
+    for (int order = 4; order <= 40; order += 2) {
+      const double sd = by_shape ? 9e-3 : 5e-4;
+      by_order.push_back({pole_of(order, 1.000, 0.5, sd),
+                          pole_of(order, by_shape ? 1.004 : 1.010, by_shape ? -2.0 : 0.5, sd)});
+    }
+    EXPECT_EQ(stabilise(std::move(by_order), {.smallest_order = 4}).modes.size(), 2U) << by_shape;
+  }
+}
+
+// A square frame sways in two directions at nearly one frequency.
+TEST(Stabilisation, KeepsTheTwoModesOfASquareFrame) {
+  VibratingStructure square = chain(2, 1.0, 200.0);
+  square.stiffness << 200.0, 0.0, 0.0, 200.0 * 1.01 * 1.01;
+  const StochasticSubspace subspace = subspace_of(square, 18000, 0.05);
+  const Stabilisation found = stabilise(subspace, {.lowest_hz = 0.3});
+  ASSERT_EQ(found.modes.size(), 2U);
+  const auto shape = [&](std::size_t m) {
+    return found.poles[static_cast<std::size_t>(found.modes[m].chosen)].shape;
+  };
+  EXPECT_LT(modal_assurance(shape(0), shape(1)), 0.5);
+}
+
 }  // namespace
 }  // namespace wheeltap::signals

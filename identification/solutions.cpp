@@ -1,0 +1,242 @@
+#include "identification/solutions.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/constants.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using inference::Posterior;
+
+constexpr double kFarthest = 8.0;        // of a standard normal coordinate
+constexpr double kOverlap = 0.05;        // of the draws of the smaller of two modes
+constexpr Index kEnough = 10;            // draws a parameter, for a covariance of their own
+constexpr std::size_t kCompared = 5000;  // draws, for overlaps
+constexpr double kLeastVariance = 1e-12;
+constexpr std::size_t kMostDraws = 200'000;  // of more, every n-th
+
+struct Normal {
+  VectorXd mean;
+  Eigen::LLT<MatrixXd> llt;
+
+  Normal(VectorXd at, MatrixXd covariance) : mean(std::move(at)) {
+    covariance.diagonal().array() += kLeastVariance;
+    llt.compute(covariance);
+  }
+  [[nodiscard]] VectorXd scaled(const VectorXd& z) const { return llt.matrixL().solve(z - mean); }
+  [[nodiscard]] double square(const VectorXd& z) const { return scaled(z).squaredNorm(); }
+  [[nodiscard]] double log_density(const VectorXd& z) const {
+    return -0.5 * square(z) - llt.matrixLLT().diagonal().array().log().sum();
+  }
+};
+
+/// The draws of a model in standard normal coordinates, a column each, and their log posterior.
+struct Draws {
+  MatrixXd z;
+  std::vector<double> log_posterior;
+  std::vector<std::size_t> of_chain;  // where each chain begins, and the end
+};
+
+Draws draws_of_model(const Posterior& posterior, int model) {
+  const inference::ModelSpace& space = *posterior.space;
+  const auto d = static_cast<Index>(space[model].dimension);
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  std::size_t all = 0, count = 0;
+  for (const auto& chain : posterior.chains) all += chain.size();
+  const std::size_t step = std::max<std::size_t>(1, (all + kMostDraws - 1) / kMostDraws);
+  for (const auto& chain : posterior.chains)
+    for (std::size_t i = 0; i < chain.size(); i += step) count += chain.model[i] == model ? 1 : 0;
+  Draws out{.z = MatrixXd(d, static_cast<Index>(count)), .log_posterior = {}, .of_chain = {0}};
+  Index at = 0;
+  for (const auto& chain : posterior.chains) {
+    for (std::size_t i = 0; i < chain.size(); i += step) {
+      if (chain.model[i] != model) continue;
+      for (Index p = 0; p < d; ++p)
+        out.z(p, at) = std::clamp(space.prior(model, static_cast<int>(p))
+                                      .to_standard_normal(
+                                          chain.theta[i * width + static_cast<std::size_t>(p)]),
+                                  -kFarthest, kFarthest);
+      out.log_posterior.push_back(chain.log_prior[i] + chain.log_likelihood[i]);
+      ++at;
+    }
+    out.of_chain.push_back(static_cast<std::size_t>(at));
+    chain.let_go();
+  }
+  return out;
+}
+
+VectorXd mean_of(const Draws& draws, const std::vector<int>& of, int which, double& count) {
+  VectorXd mean = VectorXd::Zero(draws.z.rows());
+  count = 0.0;
+  for (std::size_t i = 0; i < of.size(); ++i)
+    if (of[i] == which) mean += draws.z.col(static_cast<Index>(i)), ++count;
+  return mean / std::max(1.0, count);
+}
+
+/// Of all draws about the mean of their own group.
+MatrixXd covariance_within(const Draws& draws, const std::vector<int>& of, int groups) {
+  MatrixXd sum = MatrixXd::Zero(draws.z.rows(), draws.z.rows());
+  for (int k = 0; k < groups; ++k) {
+    double count = 0.0;
+    const VectorXd mean = mean_of(draws, of, k, count);
+    for (std::size_t i = 0; i < of.size(); ++i)
+      if (of[i] == k) {
+        const VectorXd off = draws.z.col(static_cast<Index>(i)) - mean;
+        sum += off * off.transpose();
+      }
+  }
+  return sum / static_cast<double>(of.size());
+}
+
+/// Which mode each draw belongs to: the nearest in the covariance of draws about their own mode,
+/// which starts as that of all draws. Only modes that have draws are numbered, from 0.
+std::vector<int> nearest_modes(const Posterior& posterior, int model, const Draws& draws,
+                               int& groups) {
+  constexpr int kRounds = 8;
+  const inference::ModelSpace& space = *posterior.space;
+  std::vector<VectorXd> centres;
+  for (const auto& mode : posterior.found[static_cast<std::size_t>(model)].modes) {
+    VectorXd z(draws.z.rows());
+    for (Index p = 0; p < z.size(); ++p)
+      z[p] = std::clamp(space.prior(model, static_cast<int>(p))
+                            .to_standard_normal(mode.x[static_cast<std::size_t>(p)]),
+                        -kFarthest, kFarthest);
+    centres.push_back(std::move(z));
+  }
+  std::vector<int> of(draws.log_posterior.size(), 0);
+  const auto modes = static_cast<int>(centres.size());
+  for (int round = 0; round < kRounds; ++round) {
+    const Normal metric(VectorXd::Zero(draws.z.rows()), covariance_within(draws, of, modes));
+    std::vector<VectorXd> scaled;
+    for (const VectorXd& centre : centres) scaled.emplace_back(metric.scaled(centre));
+    bool settled = round > 0;
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      const VectorXd z = metric.scaled(draws.z.col(static_cast<Index>(i)));
+      const auto nearest = std::ranges::min_element(
+          scaled, {}, [&](const VectorXd& centre) { return (z - centre).squaredNorm(); });
+      const auto k = static_cast<int>(nearest - scaled.begin());
+      settled = settled && k == of[i];
+      of[i] = k;
+    }
+    if (settled) break;
+  }
+  std::vector<int> number(centres.size(), -1);
+  groups = 0;
+  for (int& k : of) {
+    int& own = number[static_cast<std::size_t>(k)];
+    if (own < 0) own = groups++;
+    k = own;
+  }
+  return of;
+}
+
+/// Modes that overlap are one: of each, the number of its solution.
+std::vector<int> overlapping(const Draws& draws, const std::vector<int>& of,
+                        int groups) {
+  const auto modes = static_cast<std::size_t>(groups);
+  const MatrixXd pooled = covariance_within(draws, of, groups);
+  std::vector<Normal> normals;
+  std::vector<double> log_weight;
+  for (std::size_t k = 0; k < modes; ++k) {
+    double count = 0.0;
+    const VectorXd mean = mean_of(draws, of, static_cast<int>(k), count);
+    MatrixXd covariance = MatrixXd::Zero(mean.size(), mean.size());
+    for (std::size_t i = 0; i < of.size(); ++i)
+      if (of[i] == static_cast<int>(k)) {
+        const VectorXd off = draws.z.col(static_cast<Index>(i)) - mean;
+        covariance += off * off.transpose() / count;
+      }
+    const bool enough = count >= static_cast<double>(kEnough * mean.size());
+    normals.emplace_back(mean, enough ? covariance : pooled);
+    log_weight.push_back(std::log(count));
+  }
+  const std::size_t stride = std::max<std::size_t>(1, of.size() / kCompared);
+  MatrixXd overlap = MatrixXd::Zero(static_cast<Index>(modes), static_cast<Index>(modes));
+  VectorXd compared = VectorXd::Zero(static_cast<Index>(modes));
+  for (std::size_t i = 0; i < of.size(); i += stride) {
+    VectorXd share(static_cast<Index>(modes));
+    for (std::size_t k = 0; k < modes; ++k)
+      share[static_cast<Index>(k)] =
+          log_weight[k] + normals[k].log_density(draws.z.col(static_cast<Index>(i)));
+    share = (share.array() - share.maxCoeff()).exp();
+    share /= share.sum();
+    compared[of[i]] += 1.0;
+    for (Index a = 0; a < share.size(); ++a)
+      for (Index b = 0; b < a; ++b) overlap(a, b) += std::min(share[a], share[b]);
+  }
+  std::vector<int> group(modes);
+  std::iota(group.begin(), group.end(), 0);
+  for (Index a = 0; a < overlap.rows(); ++a)
+    for (Index b = 0; b < a; ++b)
+      if (overlap(a, b) > kOverlap * std::min(compared[a], compared[b])) {
+        const int from = group[static_cast<std::size_t>(a)], to = group[static_cast<std::size_t>(b)];
+        std::ranges::replace(group, from, to);
+      }
+  return group;
+}
+
+}  // namespace
+
+SeparateSolutions separate_solutions(const Posterior& posterior, int model) {
+  SeparateSolutions out;
+  if (static_cast<std::size_t>(model) >= posterior.found.size() ||
+      posterior.found[static_cast<std::size_t>(model)].modes.size() < 2)
+    return out;
+  const Draws draws = draws_of_model(posterior, model);
+  if (draws.log_posterior.empty()) return out;
+  int groups = 0;
+  std::vector<int> of = nearest_modes(posterior, model, draws, groups);
+  const std::vector<int> group = overlapping(draws, of, groups);
+  for (int& k : of) k = group[static_cast<std::size_t>(k)];
+  const auto all = static_cast<double>(of.size());
+  for (int k = 0; k < groups; ++k) {
+    const auto count = static_cast<double>(std::ranges::count(of, k));
+    if (count == 0.0) continue;
+    Solution solution{.probability = count / all, .chi_square = kNaN};
+    inference::ChainsOf indicator;
+    std::size_t best = 0;
+    double most = -kInfinity;
+    for (std::size_t c = 0; c + 1 < draws.of_chain.size(); ++c) {
+      indicator.emplace_back();
+      for (std::size_t i = draws.of_chain[c]; i < draws.of_chain[c + 1]; ++i) {
+        indicator.back().push_back(of[i] == k ? 1.0 : 0.0);
+        if (of[i] != k) continue;
+        if (draws.log_posterior[i] > most) {
+          most = draws.log_posterior[i];
+          best = i;
+        }
+      }
+    }
+    if (solution.probability < kWorthListing) continue;
+    solution.mcse = inference::mcse_mean(indicator);
+    for (Index p = 0; p < draws.z.rows(); ++p) {
+      const inference::Prior& prior = posterior.space->prior(model, static_cast<int>(p));
+      inference::ChainsOf chains;
+      for (std::size_t c = 0; c + 1 < draws.of_chain.size(); ++c) {
+        chains.emplace_back();
+        for (std::size_t i = draws.of_chain[c]; i < draws.of_chain[c + 1]; ++i)
+          if (of[i] == k)
+            chains.back().push_back(prior.from_standard_normal(draws.z(p, static_cast<Index>(i))));
+      }
+      std::erase_if(chains, [](const std::vector<double>& chain) { return chain.empty(); });
+      solution.parameters.push_back(marginal(chains));
+      solution.best.push_back(
+          prior.from_standard_normal(draws.z(p, static_cast<Index>(best))));
+    }
+    out.list.push_back(std::move(solution));
+  }
+  if (out.list.size() < 2) return {};
+  out.covariance_within = covariance_within(draws, of, groups);
+  std::ranges::stable_sort(out.list, std::ranges::greater{}, &Solution::probability);
+  return out;
+}
+
+}  // namespace wheeltap::identification
