@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "identification/real_shape.hpp"
+#include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
 
@@ -63,6 +64,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
                           "shapes", "shape_sd", "shape_covariance", "seed"})
     if (data.contains(key)) file.refuse(where / key, "does not go with \"from\", which says it");
   TakenModes out{.name = data.at("from")};
+  io::finish_commit(file.place_of(out.name).parent_path());
   out.path = file.resolve(out.name);
   out.file = read_modes_file(out.path);
   const auto all = static_cast<int>(out.file.frequencies_hz.size());

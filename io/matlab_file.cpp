@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "io/hdf5_storage.hpp"
 #include "io/matlab_elements.hpp"
 #include "io/netcdf_library.hpp"
 #include "io/read_apart.hpp"
@@ -136,6 +137,7 @@ bool take(const std::string& name, const matvar_t& variable, Columns& table) {
 }
 
 Columns read_here(const std::filesystem::path& path) {
+  require_own_storage(path);
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   if (!file)

@@ -1,0 +1,83 @@
+#include "apps/batch_folders.hpp"
+
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "apps/batch_table.hpp"
+#include "apps/running.hpp"
+#include "io/bytes.hpp"
+#include "io/file_error.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;
+
+/// Where a path leads, as far as it is there.
+fs::path whole(const fs::path& path) {
+  std::error_code error;
+  fs::path out = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? path.lexically_normal() : out;
+}
+
+}  // namespace
+
+BatchFolders::BatchFolders(fs::path folder, bool resume)
+    : folder_(std::move(folder)), taken_{kBatchTable, kBatchFolders} {
+  const fs::path path = folder_ / kBatchFolders;
+  if (!fs::exists(path)) return;
+  const Json kept = Json::parse(io::read_bytes(path), nullptr, false);
+  try {
+    if (kept.at("format") != kFormat) throw Json::other_error::create(501, "format", &kept);
+    for (const Json& one : kept.at("folders")) {
+      const auto name = one.at("folder").get<std::string>();
+      if (!resume) continue;
+      of_[one.at("case").get<std::string>()].push_back(name);
+      taken_.insert(name);
+    }
+  } catch (const Json::exception&) {
+    throw io::FileError(io::FileError::Kind::foreign, path,
+                        "is in the way: it does not say which folder belongs to which case of a "
+                        "batch; remove it, or choose another folder");
+  }
+}
+
+std::string BatchFolders::place_of(const fs::path& path) const {
+  const fs::path from = whole(folder_), to = whole(path);
+  const fs::path relative = to.lexically_relative(from);
+  return (relative.empty() ? to : relative).string();
+}
+
+std::string BatchFolders::new_name(const fs::path& path) {
+  std::string stem = path.stem().string();
+  if (stem.empty() || stem == "." || stem == "..") stem = "case";
+  if (taken_.insert(stem).second) return stem;
+  // From where the last of this stem was found: a fleet's cases may all be called alike.
+  for (int& n = last_.try_emplace(stem, 1).first->second;;) {
+    std::string name = stem + "-" + std::to_string(++n);
+    if (taken_.insert(name).second) return name;
+  }
+}
+
+void BatchFolders::give(BatchCase& one) {
+  one.place = place_of(one.path);
+  std::vector<std::string>& folders = of_[one.place];
+  const std::size_t at = given_[one.place]++;
+  if (at == folders.size()) folders.push_back(new_name(one.path));
+  one.name = folders[at];
+}
+
+void BatchFolders::keep() const {
+  Json folders = Json::array();
+  for (const auto& [place, names] : of_)
+    for (const std::string& name : names) folders.push_back({{"case", place}, {"folder", name}});
+  write_text(folder_ / kBatchFolders,
+             Json{{"format", kFormat}, {"folders", folders}}.dump(1, ' ', false,
+                                                                Json::error_handler_t::replace) +
+                 "\n");
+}
+
+}  // namespace wheeltap::apps
