@@ -1,10 +1,11 @@
 #include "apps/batch_folders.hpp"
 
-#include <nlohmann/json.hpp>
+
 #include <system_error>
 
 #include "apps/batch_table.hpp"
 #include "apps/running.hpp"
+#include "apps/summary.hpp"
 #include "io/bytes.hpp"
 #include "io/file_error.hpp"
 
@@ -12,7 +13,6 @@ namespace wheeltap::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
 
@@ -29,16 +29,16 @@ BatchFolders::BatchFolders(fs::path folder, bool resume)
     : folder_(std::move(folder)), taken_{kBatchTable, kBatchFolders} {
   const fs::path path = folder_ / kBatchFolders;
   if (!fs::exists(path)) return;
-  const Json kept = Json::parse(io::read_bytes(path), nullptr, false);
+  const Report kept = Report::parse(io::read_bytes(path), nullptr, false);
   try {
-    if (kept.at("format") != kFormat) throw Json::other_error::create(501, "format", &kept);
-    for (const Json& one : kept.at("folders")) {
+    if (kept.at("format") != kFormat) throw Report::other_error::create(501, "format", &kept);
+    for (const Report& one : kept.at("folders")) {
       const auto name = one.at("folder").get<std::string>();
       if (!resume) continue;
       of_[one.at("case").get<std::string>()].push_back(name);
       taken_.insert(name);
     }
-  } catch (const Json::exception&) {
+  } catch (const Report::exception&) {
     throw io::FileError(io::FileError::Kind::foreign, path,
                         "is in the way: it does not say which folder belongs to which case of a "
                         "batch; remove it, or choose another folder");
@@ -71,12 +71,12 @@ void BatchFolders::give(BatchCase& one) {
 }
 
 void BatchFolders::keep() const {
-  Json folders = Json::array();
+  Report folders = Report::array();
   for (const auto& [place, names] : of_)
     for (const std::string& name : names) folders.push_back({{"case", place}, {"folder", name}});
   write_text(folder_ / kBatchFolders,
-             Json{{"format", kFormat}, {"folders", folders}}.dump(1, ' ', false,
-                                                                Json::error_handler_t::replace) +
+             Report{{"format", kFormat}, {"folders", folders}}.dump(1, ' ', false,
+                                                                Report::error_handler_t::replace) +
                  "\n");
 }
 
