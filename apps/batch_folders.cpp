@@ -1,6 +1,5 @@
 #include "apps/batch_folders.hpp"
 
-
 #include <system_error>
 
 #include "apps/batch_table.hpp"
@@ -29,9 +28,12 @@ BatchFolders::BatchFolders(fs::path folder, bool resume)
     : folder_(std::move(folder)), taken_{kBatchTable, kBatchFolders} {
   const fs::path path = folder_ / kBatchFolders;
   if (!fs::exists(path)) return;
+  const io::FileError not_ours(io::FileError::Kind::foreign, path,
+                               "is in the way: it does not say which folder belongs to which case "
+                               "of a batch; remove it, or choose another folder");
   const Report kept = Report::parse(io::read_bytes(path), nullptr, false);
   try {
-    if (kept.at("format") != kFormat) throw Report::other_error::create(501, "format", &kept);
+    if (kept.at("format") != kFormat) throw not_ours;
     for (const Report& one : kept.at("folders")) {
       const auto name = one.at("folder").get<std::string>();
       if (!resume) continue;
@@ -39,9 +41,7 @@ BatchFolders::BatchFolders(fs::path folder, bool resume)
       taken_.insert(name);
     }
   } catch (const Report::exception&) {
-    throw io::FileError(io::FileError::Kind::foreign, path,
-                        "is in the way: it does not say which folder belongs to which case of a "
-                        "batch; remove it, or choose another folder");
+    throw not_ours;
   }
 }
 

@@ -325,9 +325,9 @@ std::filesystem::path CaseFile::place_of(const std::string& name) const {
 }
 
 std::filesystem::path CaseFile::resolve(const std::string& name) const {
-  std::filesystem::path path = place_of(name);
-  inputs->add(name, path);
-  return path;
+  std::filesystem::path place = place_of(name);
+  inputs->add(name, place);
+  return place;
 }
 
 CaseFile read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides) {

@@ -366,12 +366,12 @@ void ModalRun::keep(const std::filesystem::path& folder, const CommonOptions& co
   const std::string text = modes_json(modes).dump(1) + "\n";
   const std::string page = modal_page(kept, modes);
   kept["files"]["modes.json"] = seal(text);
-  io::AtomicFile found(folder / "modes.json"), report(folder / "report.html"),
-      about(folder / "summary.json");
-  found.write(text);
+  io::AtomicFile identified(folder / "modes.json"), report(folder / "report.html"),
+      whole(folder / "summary.json");
+  identified.write(text);
   report.write(page);
-  about.write(kept.dump(1) + "\n");
-  io::AtomicFile* const files[] = {&found, &report, &about};
+  whole.write(kept.dump(1) + "\n");
+  io::AtomicFile* const files[] = {&identified, &report, &whole};
   io::commit_together(files);
 }
 
