@@ -11,7 +11,7 @@
 #include <mutex>
 #include <type_traits>
 
-#include "apps/batch_list.hpp"
+#include "apps/batch_folders.hpp"
 #include "apps/batch_table.hpp"
 #include "apps/case_file.hpp"
 #include "apps/child_program.hpp"
@@ -78,6 +78,7 @@ std::vector<std::string> arguments(const std::string& command, const std::filesy
   precise("--max-hours", common.max_hours);
   if (common.max_disk_gb) precise("--max-disk", *common.max_disk_gb);
   if (common.allow_commands) out.emplace_back("--allow-commands");
+  for (const std::string& host : common.allow_hosts) out.push_back("--allow-hosts=" + host);
   if (sampling.prior_only) out.emplace_back("--prior-only");
   if (sampling.quick) out.emplace_back("--quick");
   if (!sampling.evidence.empty()) out.push_back("--evidence=" + sampling.evidence);
@@ -186,7 +187,7 @@ class Batch {
       free_ -= threads;
     }
     const auto& one = cases_[static_cast<std::size_t>(at)];
-    BatchRow row{.name = one.name};
+    BatchRow row{.name = one.name, .path = one.place};
     bool ended = true;
     try {
       const CaseFile file = read_case(one.path, common_.overrides);
@@ -265,6 +266,8 @@ class Batch {
 void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   static_cast<void>(evidence_methods(sampling.evidence));  // refuse before anything runs
   std::vector<BatchCase> cases = read_batch_list(common.case_path);
+  BatchFolders folders(common.output, common.resume);
+  for (BatchCase& one : cases) folders.give(one);
   std::string names;
   for (const BatchCase& one : cases) names += one.name + '\n';
   if (common.dry_run) return estimate_batch(cases, common, sampling);
@@ -273,6 +276,7 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   on_first_rank([&] {
     claim_output_folder(common.output);
     const io::AtomicFile writable(common.output / kBatchTable);
+    folders.keep();
   });
   const StopOnInterrupt stop;
   Batch batch(std::move(cases), common, sampling);

@@ -1,12 +1,9 @@
 #include "apps/batch_list.hpp"
 
 #include <climits>
-#include <map>
-#include <set>
 #include <string_view>
 #include <system_error>
 
-#include "apps/batch_table.hpp"
 #include "apps/failure.hpp"
 #include "io/bytes.hpp"
 #include "io/text.hpp"
@@ -23,31 +20,11 @@ std::string_view trimmed(std::string_view line) {
   return line.substr(first, line.find_last_not_of(kBlank) - first + 1);
 }
 
-/// Names that no case before has, and that are no file of the batch itself.
-class UniqueNames {
- public:
-  std::string of(const std::filesystem::path& path) {
-    std::string stem = path.stem().string();
-    if (stem.empty() || stem == "." || stem == "..") stem = "case";
-    if (taken_.insert(stem).second) return stem;
-    // From where the last of this stem was found: a fleet's cases may all be called alike.
-    for (int& n = last_.try_emplace(stem, 1).first->second;;) {
-      std::string name = stem + "-" + std::to_string(++n);
-      if (taken_.insert(name).second) return name;
-    }
-  }
-
- private:
-  std::set<std::string> taken_{kBatchTable};
-  std::map<std::string, int> last_;
-};
-
 }  // namespace
 
 std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
   const std::string text = io::read_bytes(list);
   std::vector<BatchCase> cases;
-  UniqueNames names;
   int number = 0;
   for (std::size_t at = text.starts_with(io::kByteOrderMark) ? io::kByteOrderMark.size() : 0;
        at < text.size(); ++number) {
@@ -72,7 +49,7 @@ std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
                                          std::to_string(line.size()) + " bytes: a path has " +
                                          std::to_string(kLongestPath) + " at most");
     }
-    cases.push_back({path, names.of(path)});
+    cases.push_back({.path = path});
   }
   if (cases.empty()) {
     throw Failure(Exit::bad_input, list.string() + ": names no case: one path a line");

@@ -5,10 +5,19 @@
 
 #include "apps/stored_run.hpp"
 #include "apps/words.hpp"
+#include "io/delimited_text.hpp"
 #include "io/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
+
+/// Spreadsheets take what begins so for a formula, and run it: names, and words of programs, are
+/// anybody's.
+std::string inert(const std::string& cell) {
+  constexpr std::string_view kFormula = "=+-@\t\r";
+  const bool formula = !cell.empty() && kFormula.find(cell[0]) != std::string_view::npos;
+  return formula && !io::parse_number(cell) ? "'" + cell : cell;
+}
 
 std::string quoted(const std::string& cell) {
   if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
@@ -90,17 +99,17 @@ bool stopped_early(const std::filesystem::path& folder) {
 }
 
 std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows) {
-  std::string text = "case,kind,exit,model,probability,converged,wall_seconds,folder,error\n";
+  std::string text = "case,kind,exit,model,probability,converged,wall_seconds,folder,error,path\n";
   for (const auto& row : rows) {
     if (!row) continue;
     const std::string converged = row->converged ? (*row->converged ? "1" : "0") : "";
     const std::string probability = row->probability ? significant(*row->probability, 8) : "";
     const std::string cells[] = {row->name,   row->kind, std::to_string(row->exit),    row->model,
                                  probability, converged, significant(row->seconds, 4), row->name,
-                                 row->error};
+                                 row->error,  row->path};
     const char* between = "";
     for (const std::string& cell : cells) {
-      text += between + quoted(cell);
+      text += between + quoted(inert(cell));
       between = ",";
     }
     text += '\n';

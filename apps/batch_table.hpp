@@ -21,6 +21,7 @@ struct BatchRow {
   std::optional<bool> converged{};
   double seconds = 0.0;  ///< wall time of the run itself, however many sessions it took
   std::string error{};   ///< one line, where exit is not 0
+  std::string path{};    ///< of the case, from the batch's folder
 };
 
 /// For ranks (base/parcel.hpp), both ways.
@@ -28,7 +29,7 @@ template <class Parcel, class Row>
 requires std::same_as<std::remove_const_t<Row>, BatchRow>
 void carry(Parcel& parcel, Row& row) {
   parcel(row.name, row.kind, row.exit, row.model, row.probability, row.converged, row.seconds,
-         row.error);
+         row.error, row.path);
 }
 
 /// What summary.json in `folder` says of a run that ended well; of a sweep, whether all its rows
@@ -38,8 +39,9 @@ void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
 /// Whether the run in `folder` was stopped before its end.
 [[nodiscard]] bool stopped_early(const std::filesystem::path& folder);
 
-/// Columns case, kind, exit, model, probability, converged, wall_seconds, folder, error (RFC 4180),
-/// one line for each row that there is.
+/// Columns case, kind, exit, model, probability, converged, wall_seconds, folder, error, path (RFC
+/// 4180), one line for each row that there is. A cell that a spreadsheet would compute, for it
+/// begins with = + - or @ and is no number, has an apostrophe before it.
 [[nodiscard]] std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows);
 
 /// "[ 3/10] name  2 damages, P = 97 %  converged  12 s": a line without its end.

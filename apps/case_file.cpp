@@ -200,6 +200,8 @@ std::optional<Complaint> explain(const Json& root, const Json& reference, const 
   }
   if (value.is_array()) {
     const std::string many = " elements, has " + std::to_string(value.size());
+    if (rule.value("minItems", 0) == 1 && value.empty())
+      return complain("is empty: at least one is needed");
     if (rule.contains("minItems") && value.size() < rule["minItems"].get<std::size_t>()) {
       return complain("must have at least " + number(rule["minItems"]) + many);
     }
@@ -313,13 +315,19 @@ void CaseFile::refuse(const Pointer& where, const std::string& message) const {
   throw Failure(Exit::bad_input, io::printable(line + message));
 }
 
-std::filesystem::path CaseFile::resolve(const std::string& name) const {
+std::filesystem::path CaseFile::place_of(const std::string& name) const {
   std::filesystem::path beside = path.parent_path() / name;
   std::error_code ignored;
   if (!std::filesystem::exists(beside, ignored) && std::filesystem::exists(name, ignored)) {
     return name;
   }
   return beside;
+}
+
+std::filesystem::path CaseFile::resolve(const std::string& name) const {
+  std::filesystem::path place = place_of(name);
+  inputs->add(name, place);
+  return place;
 }
 
 CaseFile read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
@@ -343,6 +351,10 @@ CaseFile parse_case(const std::filesystem::path& path, const std::string& text,
   for (const std::string& override : overrides) apply_override(path, file.json, override);
   check_texts(file, file.json, Pointer());
   return file;
+}
+
+std::string identity_of(const CaseFile& file) {
+  return file.json.dump() + file.inputs->json().dump();
 }
 
 std::vector<std::string> schema_names() {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "apps/failure.hpp"
+#include "apps/input_files.hpp"
 #include "inference/prior.hpp"
 
 namespace wheeltap::apps {
@@ -22,12 +24,16 @@ struct CaseFile {
   Json json;
   /// Where /record stands in the file itself: elsewhere for one of several records.
   std::string record_place = "/record";
+  /// The files that have been resolved so far, with their content. Copies share it.
+  std::shared_ptr<InputFiles> inputs = std::make_shared<InputFiles>();
 
   /// Throws Failure (65): "FILE: /pointer: VALUE: message", the value being what stands there.
   [[noreturn]] void refuse(const Pointer& where, const std::string& message) const;
 
-  /// A file that the case names: in the case's own folder or, where it is not there, in the current
-  /// one.
+  /// Where a name in the case leads: to the case's own folder or, where it is not there, to the
+  /// current one.
+  [[nodiscard]] std::filesystem::path place_of(const std::string& name) const;
+  /// The same of a file that is to be read: its content is recorded in `inputs`.
   [[nodiscard]] std::filesystem::path resolve(const std::string& name) const;
 };
 
@@ -37,6 +43,9 @@ struct CaseFile {
 /// that hold control characters, 64 for an override that leads nowhere.
 [[nodiscard]] CaseFile read_case(const std::filesystem::path& path,
                                  const std::vector<std::string>& overrides = {});
+
+/// The case and the content of the files that it has resolved, as text: what results belong to.
+[[nodiscard]] std::string identity_of(const CaseFile& file);
 
 /// Kinds of case that have a schema.
 [[nodiscard]] std::vector<std::string> schema_names();

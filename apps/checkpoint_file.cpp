@@ -12,6 +12,7 @@
 #include "io/fingerprint.hpp"
 #include "io/netcdf_reader.hpp"
 #include "io/netcdf_writer.hpp"
+#include "io/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -112,6 +113,15 @@ std::string difference(const Json& was, const Json& is) {
   return place + " was " + at(was, pointer) + " and is " + at(is, pointer);
 }
 
+// The first file that is another, new or gone; none where all are the same.
+std::optional<std::string> changed_input(const Json& was, const Json& is) {
+  for (const auto& [name, content] : was.items())
+    if (!is.contains(name) || is[name] != content) return name;
+  for (const auto& [name, content] : is.items())
+    if (!was.contains(name)) return name;
+  return {};
+}
+
 Report place_of(const std::optional<identification::StepsRefined>& refined) {
   if (!refined) return nullptr;
   return {{"repeats", refined->repeats},
@@ -208,6 +218,12 @@ void CheckpointFile::read(std::string bytes, bool others_pass) {
       if (others_pass) return;
       differs(path_, how);
     }
+    if (const auto changed = changed_input(Json::parse(text("inputs")), of_.inputs)) {
+      if (base::is_first_rank())
+        std::cerr << "wheeltap: " << io::printable(*changed)
+                  << " is not what the checkpoint was made from: a new run begins\n";
+      return;
+    }
     refined_ = refined_of(Report::parse(text("repeat")));
     for (const Json& part : Json::parse(text("parts")))
       seals_[part.at(0).get<long>()] = part.at(1).get<std::string>();
@@ -232,6 +248,7 @@ void CheckpointFile::save(const Checkpoint& checkpoint) {
     text("seed", std::to_string(of_.seed));
     text("options", of_.options.dump());
     text("case", of_.case_json.dump());
+    text("inputs", of_.inputs.dump());
     text("repeat", place_of(refined_).dump());
     const auto [first_part, parts] = inference::parts_of(checkpoint);
     const long first = first_ + first_part;

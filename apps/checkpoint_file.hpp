@@ -22,10 +22,11 @@ struct CheckpointOf {
   std::uint64_t seed = 1;
   Report options;  ///< options_report
   Json case_json;  ///< with what the command line overrode
+  Json inputs;     ///< the content of the files that the case reads, InputFiles::json
 };
 
-/// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case, what
-/// of it a sid run is repeating, and the seals of the parts), a group "state"
+/// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case, the
+/// content of its input files, what of it a sid run is repeating, and the seals of the parts), a group "state"
 /// (inference::Checkpoint), and behind it 16 hexadecimal digits, the fingerprint of all bytes
 /// before. Where there are many draws, FOLDER/checkpoint-N.nc has a part of them, in the same way,
 /// without "run".
@@ -36,7 +37,9 @@ class CheckpointFile {
   /// With `resume`, reads what is there: throws io::FileError for a file that is truncated or
   /// damaged (corrupt), none of ours (foreign), of another version of the format (version), or of
   /// another run (mismatch, the difference said; where `others_pass`, one of another case is passed
-  /// over). Without, removes it, unless it is none of ours (unwritable).
+  /// over). One whose case reads files of another content now is passed over: a line on standard
+  /// error says which file, and a new run begins. Without, removes it, unless it is none of ours
+  /// (unwritable).
   CheckpointFile(const std::filesystem::path& folder, CheckpointOf of, const CommonOptions& common,
                  bool others_pass = false);
 

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <optional>
@@ -38,7 +39,16 @@ constexpr int kNoProgram = 127, kNotRunnable = 126;  // as the shell says it
 constexpr std::size_t kLongest = 200;                // characters of a program's own words
 
 fs::path own_directory() {
-  std::string name = (fs::temp_directory_path() / "wheeltap-XXXXXX").string();
+  std::error_code error;
+  const fs::path temporary = fs::temp_directory_path(error);
+  if (error) {
+    const char* said = std::getenv("TMPDIR");
+    throw OutsideModelError(Kind::unreachable,
+                            (said != nullptr ? "TMPDIR=" + std::string(said) : "/tmp") +
+                                ": is no folder that can be used, and a program needs one for its "
+                                "files: set TMPDIR to one");
+  }
+  std::string name = (temporary / "wheeltap-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr)
     throw OutsideModelError(Kind::unreachable, name + ": cannot be made: " + std::strerror(errno));
   return name;

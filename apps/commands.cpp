@@ -346,10 +346,10 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
     if (tables.likelihoods > 0.0) common.dry_run("table", tables);
     return common.dry_run("run", measured(cost, parsed, common, options, *log));
   }
-  require_same_on_all_ranks("case", parsed->file.json.dump());
+  require_same_on_all_ranks("case", identity_of(parsed->file));
   if (common.resume) {
     const auto text = first_rank_says([&] {
-      return finished_run(common.output, parsed->file.json, seed, "options",
+      return finished_run(common.output, parsed->file, seed, "options",
                           options_report(options));
     });
     if (text && !base::is_first_rank()) return;
@@ -364,7 +364,8 @@ void run_damage(const CommonOptions& common, const SamplingOptions& options) {
                             {.command = "damage",
                              .seed = seed,
                              .options = options_report(options),
-                             .case_json = parsed->file.json},
+                             .case_json = parsed->file.json,
+                             .inputs = parsed->file.inputs->json()},
                             common);
   TerminalWatch watch(common, *log);
   watch.keep(checkpoint);

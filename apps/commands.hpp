@@ -32,6 +32,7 @@ struct CommonOptions {
   double max_hours = 100.0;
   std::optional<double> max_disk_gb;  ///< none: what is free in the folder of the results
   bool allow_commands = false;        ///< cases may run programs
+  std::vector<std::string> allow_hosts = {};  ///< other machines that cases may reach
   std::string command_line;
 };
 

@@ -11,6 +11,7 @@
 #include "apps/stored_run.hpp"
 #include "apps/words.hpp"
 #include "inference/standard_normal.hpp"
+#include "io/atomic_file.hpp"
 #include "io/text.hpp"
 
 namespace wheeltap::apps {
@@ -38,24 +39,49 @@ double number_at(const Report& object, const char* key) {
   return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
 }
 
-/// What was measured, without what a case believes of it: its scatter, and where its own model has
-/// the sensors.
-Report measured_in(const Report& block) {
-  Report out = Report::object();
-  for (const char* key : {"frequencies", "shapes", "from", "file", "columns", "row", "modes",
-                          "samples", "sample_rate", "temperature"})
-    if (block.contains(key)) out[key] = block[key];
-  for (const char* list : {"states", "channels"}) {
-    if (!block.contains(list) || !block[list].is_array()) continue;
-    for (const Report& one : block[list]) {
-      Report kept = measured_in(one);
-      for (const char* key : {"column", "role", "quantity", "scale", "frame"})
-        if (one.contains(key)) kept[key] = one[key];
-      out[list].push_back(std::move(kept));
+/// What was measured, without what a case believes of it (its scatter, and where its own model has
+/// the sensors). A file is told by what it held when the run read it, whatever its name.
+class Measured {
+ public:
+  explicit Measured(const std::string& run, const Report& about)
+      : run_(run), inputs_(about.value("inputs", Report::object())) {}
+
+  [[nodiscard]] Report in(const Report& block) const {
+    Report out = Report::object();
+    for (const char* key : {"frequencies", "shapes", "columns", "row", "modes", "samples",
+                            "sample_rate", "temperature", "repeats", "decimal", "separator", "skip",
+                            "header", "units_row", "time_format", "time_unit"})
+      if (block.contains(key)) out[key] = block[key];
+    for (const char* key : {"from", "file"})
+      if (block.contains(key)) out[key] = content_of(block[key]);
+    for (const char* list : {"states", "channels"}) {
+      if (!block.contains(list) || !block[list].is_array()) continue;
+      for (const Report& one : block[list]) {
+        Report kept = in(one);
+        for (const char* key : {"column", "role", "quantity", "scale", "offset", "unit", "frame"})
+          if (one.contains(key)) kept[key] = one[key];
+        out[list].push_back(std::move(kept));
+      }
     }
+    if (const auto repeats = out.find("repeats");
+        repeats != out.end() && repeats->is_object() && repeats->contains("file"))
+      (*repeats)["file"] = content_of((*repeats)["file"]);
+    return out;
   }
-  return out;
-}
+
+ private:
+  [[nodiscard]] Report content_of(const Report& name) const {
+    const auto found = name.is_string() ? inputs_.find(name.get<std::string>()) : inputs_.end();
+    if (found == inputs_.end())
+      refuse(run_, "does not say what its data file " + name.dump() +
+                       " held, so it cannot be told whether others explain the same data: run it "
+                       "again");
+    return *found;
+  }
+
+  const std::string& run_;
+  Report inputs_;
+};
 
 Report measured_of(const std::string& name, const Report& summary) {
   const Report& given = summary["wheeltap"]["case"];
@@ -65,12 +91,13 @@ Report measured_of(const std::string& name, const Report& summary) {
       (given.contains("truth") && given.contains("record") && !given["record"].contains("file"));
   if (own_data)
     refuse(name, "its data were simulated by its own model: write them first (wheeltap simulate)");
+  const Measured measured(name, summary["wheeltap"]);
   Report out = Report::object();
   for (const char* key : {"data", "record"})
-    if (given.contains(key)) out[key] = measured_in(given[key]);
-  if (given.contains("baseline")) out["baseline"] = measured_in(given["baseline"].at("data"));
+    if (given.contains(key)) out[key] = measured.in(given[key]);
+  if (given.contains("baseline")) out["baseline"] = measured.in(given["baseline"].at("data"));
   for (const Report& record : given.value("records", Report::array()))
-    out["records"].push_back(measured_in(record));
+    out["records"].push_back(measured.in(record));
   return out;
 }
 
@@ -101,6 +128,7 @@ Compared compared(const std::string& name, const Report& s) {
 
 Compared read_run(const std::filesystem::path& folder) {
   const std::string name = folder.lexically_normal().string();
+  io::finish_commit(folder);
   const std::optional<Report> summary = stored_summary(folder);
   if (!summary || !summary->contains("wheeltap") || !(*summary)["wheeltap"].contains("case"))
     throw Failure(Exit::no_input, io::printable(name) + ": holds no finished run");
@@ -109,6 +137,17 @@ Compared read_run(const std::filesystem::path& folder) {
   } catch (const nlohmann::json::exception& error) {
     refuse(name, std::string("summary.json does not hold what a run writes: ") + error.what());
   }
+}
+
+/// Weights that add up to 1, all alike where none are given. Only their ratios count: their sum may
+/// be beyond the largest number.
+std::vector<double> shares(std::vector<double> weights, std::size_t count) {
+  if (weights.empty()) weights.assign(count, 1.0);
+  const double largest = *std::ranges::max_element(weights);
+  for (double& w : weights) w /= largest;
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (double& w : weights) w /= sum;
+  return weights;
 }
 
 void weigh(std::vector<Compared>& runs) {
@@ -190,10 +229,8 @@ void run_compare(const CompareOptions& options) {
       refuse(run.name, "is of other data than " + io::printable(runs[0].name) +
                            ": evidences compare what explains the same numbers");
   }
-  const double sum = std::accumulate(options.prior.begin(), options.prior.end(), 0.0);
-  for (std::size_t i = 0; i < runs.size(); ++i)
-    runs[i].prior =
-        options.prior.empty() ? 1.0 / static_cast<double>(runs.size()) : options.prior[i] / sum;
+  const std::vector<double> prior = shares(options.prior, runs.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].prior = prior[i];
   weigh(runs);
   if (options.json) return print_json(runs);
   print(runs);

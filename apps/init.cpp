@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 #include <set>
 
 #include "apps/case_file.hpp"
@@ -14,6 +15,7 @@
 #include "apps/starter_texts.hpp"
 #include "apps/summary.hpp"
 #include "identification/sid_simulation.hpp"
+#include "io/atomic_file.hpp"
 #include "io/text.hpp"
 
 namespace wheeltap::apps {
@@ -239,9 +241,24 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
     }
   }
   make_output_folder(folder);
+  // All of them or none: a case without its record does not run.
+  std::vector<std::unique_ptr<io::AtomicFile>> written;
   for (const File& file : files) {
     if (file.path.has_parent_path()) make_output_folder(file.path.parent_path());
-    write_text(file.path, file.text);
+    written.push_back(std::make_unique<io::AtomicFile>(file.path));
+    written.back()->write(file.text);
+    written.back()->settle();
+  }
+  std::vector<fs::path> named;
+  try {
+    for (const auto& file : written) {
+      named.push_back(file->path());
+      file->commit();
+    }
+  } catch (const io::FileError&) {
+    std::error_code ignored;
+    for (const fs::path& path : named) fs::remove(path, ignored);
+    throw;
   }
   std::cout << "Written:\n";
   const auto shown = [](const std::filesystem::path& path) { return io::printable(path.string()); };

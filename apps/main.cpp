@@ -225,9 +225,16 @@ int run(int argc, char** argv) {
         "say what the run would take, and do nothing else");
     command->get_option("--output")->required(false);  // unless it runs
   };
-  const auto add_allow_commands = [&](CLI::App* command) {
+  const auto add_permissions = [&](CLI::App* command) {
     command->add_flag("--allow-commands", common.allow_commands,
                       "let the case run programs (\"predictor\": {\"command\": ...})");
+    command
+        ->add_option("--allow-hosts", common.allow_hosts,
+                     "let the case reach this host, once for each (\"predictor\": {\"umbridge\": "
+                     "...}); this machine needs no leave")
+        ->type_name("NAME")
+        ->take_all()
+        ->allow_extra_args(false);
   };
   std::string simd;  // obeyed before
   const auto add_threads = [&](CLI::App* command) {
@@ -327,7 +334,7 @@ int run(int argc, char** argv) {
   add_seed(damage_command, "of the chains (default 1)");
   add_threads(damage_command);
   add_sampling(damage_command);
-  add_allow_commands(damage_command);
+  add_permissions(damage_command);
   add_limits(damage_command);
   add_dry_run(damage_command);
   damage_command->add_flag("--resume", common.resume,
@@ -363,7 +370,7 @@ int run(int argc, char** argv) {
   add_seed(batch_command, "of every run's chains (default 1)");
   add_threads(batch_command);
   add_sampling(batch_command);
-  add_allow_commands(batch_command);
+  add_permissions(batch_command);
   add_limits(batch_command);
   add_dry_run(batch_command);
   batch_command->add_flag("--resume", common.resume,
@@ -376,7 +383,7 @@ int run(int argc, char** argv) {
   add_seed(update_command, "of the chains (default 1)");
   add_threads(update_command);
   add_sampling(update_command);
-  add_allow_commands(update_command);
+  add_permissions(update_command);
   add_limits(update_command);
   add_dry_run(update_command);
   update_command->add_flag("--resume", common.resume,
@@ -393,7 +400,7 @@ int run(int argc, char** argv) {
                             "whoever reaches it)");
   serve_command->add_flag("--quiet", common.quiet, "no progress on standard error");
   add_threads(serve_command);
-  add_allow_commands(serve_command);
+  add_permissions(serve_command);
 
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");

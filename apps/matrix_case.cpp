@@ -24,7 +24,11 @@ const Pointer kStructure("/structure");
 io::SparseMatrix matrix_at(const CaseFile& file, const std::filesystem::path& path,
                            const Pointer& where) {
   try {
-    io::SparseMatrix matrix = io::read_sparse_matrix(path, file.json.at(where).get<std::string>());
+    const auto name = file.json.at(where).get<std::string>();
+    for (const std::string& one : {name, name + ".mtx"})  // of a folder of Matrix Market files
+      file.inputs->add(file.json.at(kStructure / "matrices").get<std::string>() + "/" + one,
+                       path / one);
+    io::SparseMatrix matrix = io::read_sparse_matrix(path, name);
     if (matrix.rows() > kMostDegreesOfFreedom)
       file.refuse(where, "has " + std::to_string(matrix.rows()) + " degrees of freedom: at most " +
                              std::to_string(kMostDegreesOfFreedom) + " are taken");

@@ -15,6 +15,7 @@
 #include "apps/stored_run.hpp"
 #include "apps/summary.hpp"
 #include "apps/terminal.hpp"
+#include "io/atomic_file.hpp"
 #include "io/text.hpp"
 #include "signals/free_decay.hpp"
 #include "signals/frequency_domain_decomposition.hpp"
@@ -360,12 +361,18 @@ void ModalRun::print(std::ostream& out, bool colour) const {
 
 void ModalRun::keep(const std::filesystem::path& folder, const CommonOptions& common) const {
   claim_output_folder(folder);
+  io::finish_commit(folder);
   Report kept = summary(common);
   const std::string text = modes_json(modes).dump(1) + "\n";
-  write_text(folder / "modes.json", text);
-  write_text(folder / "report.html", modal_page(kept, modes));
+  const std::string page = modal_page(kept, modes);
   kept["files"]["modes.json"] = seal(text);
-  write_text(folder / "summary.json", kept.dump(1) + "\n");
+  io::AtomicFile identified(folder / "modes.json"), report(folder / "report.html"),
+      whole(folder / "summary.json");
+  identified.write(text);
+  report.write(page);
+  whole.write(kept.dump(1) + "\n");
+  io::AtomicFile* const files[] = {&identified, &report, &whole};
+  io::commit_together(files);
 }
 
 ModalRun identify_modal(CaseFile file, const CommonOptions& common,

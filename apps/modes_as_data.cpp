@@ -6,6 +6,7 @@
 
 #include "base/constants.hpp"
 #include "identification/real_shape.hpp"
+#include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
 
@@ -92,6 +93,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
                           "shapes", "shape_sd", "shape_covariance", "seed"})
     if (data.contains(key)) file.refuse(where / key, "does not go with \"from\", which says it");
   TakenModes out{.name = data.at("from")};
+  io::finish_commit(file.place_of(out.name).parent_path());
   out.path = file.resolve(out.name);
   out.file = read_modes_file(out.path);
   const auto all = static_cast<int>(out.file.frequencies_hz.size());

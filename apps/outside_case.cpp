@@ -1,6 +1,10 @@
 #include "apps/outside_case.hpp"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
 #include <algorithm>
+#include <regex>
 #include <sstream>
 
 #include "apps/command_model.hpp"
@@ -54,6 +58,19 @@ std::vector<std::string> words_of(const Json& command) {
   return words;
 }
 
+/// The text of the program, and of scripts and models that its command names with a folder: what a
+/// run finds depends on them. A program that is looked for in PATH belongs to the system.
+void record_program(const CaseFile& file, CommandSpec& spec) {
+  constexpr std::string_view kCase = "{case}";
+  for (const std::string& word : spec.words) {
+    if (word.find('/') == std::string::npos) continue;
+    std::string path = word;
+    if (const auto at = path.find(kCase); at != std::string::npos)
+      path.replace(at, kCase.size(), spec.folder.string());
+    for (InputFiles* files : {file.inputs.get(), &spec.files}) files->add(word, spec.folder / path);
+  }
+}
+
 CommandSpec parse_command(const CaseFile& file, const Json& p) {
   CommandSpec out{.words = words_of(p.at("command")),
                   .numbers = p.value("format", "json") == "numbers",
@@ -70,16 +87,36 @@ CommandSpec parse_command(const CaseFile& file, const Json& p) {
               (std::string(place) == "{in}" ? "the parameters" : "the predictions that it writes"));
   if (out.words[0].find('{') != std::string::npos && !out.words[0].starts_with("{case}"))
     file.refuse(kPredictor / "command", "must begin with a program");
+  record_program(file, out);
   return out;
+}
+
+/// HOST of http://HOST:PORT/PATH, an IPv6 address without its brackets.
+std::string host_of(const CaseFile& file, const std::string& url) {
+  static const std::regex form(
+      R"(http://(?:\[([0-9A-Fa-f:.]+)\]|([A-Za-z0-9._-]+))(?::([0-9]{1,5}))?(?:/[^?#@\s]*)?)");
+  std::smatch parts;
+  if (!std::regex_match(url, parts, form))
+    file.refuse(kPredictor / "umbridge",
+                "must be the address of a server, http://HOST:PORT or with a path, like "
+                "\"http://localhost:4242\"");
+  return parts[1].matched ? parts[1].str() : parts[2].str();
+}
+
+/// This machine under its own addresses.
+bool is_loopback(const std::string& host) {
+  in_addr four{};
+  if (inet_pton(AF_INET, host.c_str(), &four) == 1) return ntohl(four.s_addr) >> 24U == 127U;
+  in6_addr six{};
+  if (inet_pton(AF_INET6, host.c_str(), &six) == 1) return IN6_IS_ADDR_LOOPBACK(&six);
+  return host == "localhost";
 }
 
 UmbridgeSpec parse_umbridge(const CaseFile& file, const Json& p) {
   UmbridgeSpec out{.url = p.at("umbridge"),
                    .model = p.value("model", ""),
                    .config = p.value("config", Json::object())};
-  if (!out.url.starts_with("http://") || out.url.size() <= 7)
-    file.refuse(kPredictor / "umbridge",
-                "must be the address of a server, like \"http://localhost:4242\"");
+  out.host = host_of(file, out.url);
   return out;
 }
 
@@ -141,7 +178,7 @@ OutsideSpec parse_outside(const CaseFile& file, const std::vector<std::string>& 
   take_order(file, unknowns, out);
   if (p.contains("emulator") && file.json.value("kind", "") == "update")
     out.emulator = parse_front(p.at("emulator"));
-  if (p.contains("memory")) out.memory = file.resolve(p.at("memory").get<std::string>());
+  if (p.contains("memory")) out.memory = file.place_of(p.at("memory").get<std::string>());
   return out;
 }
 
@@ -151,6 +188,13 @@ std::shared_ptr<RememberedModel> open_outside(const CaseFile& file, const Outsid
     throw Failure(Exit::usage, file.path.string() + ": " + (kPredictor / "command").to_string() +
                                    ": runs \"" + spec.command->words[0] +
                                    "\", and cases may run programs only with --allow-commands");
+  if (spec.umbridge && !is_loopback(spec.umbridge->host) &&
+      std::ranges::find(common.allow_hosts, spec.umbridge->host) == common.allow_hosts.end())
+    throw Failure(Exit::usage, file.path.string() + ": " + (kPredictor / "umbridge").to_string() +
+                                   ": asks the server \"" + spec.umbridge->host +
+                                   "\", and cases may reach other machines than this one only with "
+                                   "--allow-hosts " +
+                                   spec.umbridge->host);
   std::unique_ptr<OutsideModel> model;
   if (spec.umbridge) {
     model = umbridge_model(*spec.umbridge, static_cast<int>(spec.order.size()), outputs);
@@ -166,6 +210,8 @@ std::shared_ptr<RememberedModel> open_outside(const CaseFile& file, const Outsid
   Json identity = file.json.at(kPredictor);
   for (const char* key : {"timeout", "retries", "memory", "emulator"}) identity.erase(key);
   identity["inputs"] = spec.names;
+  if (spec.command && !spec.command->files.json().empty())
+    identity["files"] = spec.command->files.json();
   return std::make_shared<RememberedModel>(std::make_shared<InOrder>(std::move(model), spec.order),
                                            memory, identity.dump());
 }

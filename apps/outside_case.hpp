@@ -23,6 +23,7 @@ struct Patience {
 /// A model that a UM-Bridge server offers.
 struct UmbridgeSpec {
   std::string url;    ///< http://host:port, with a path or without
+  std::string host{};  ///< of it
   std::string model;  ///< empty: the only one, or "forward"
   Json config = Json::object();
   Patience patience = {.retries = 4};
@@ -33,6 +34,7 @@ struct CommandSpec {
   std::vector<std::string> words;  ///< program and arguments; {in}, {out} and {case} stand in them
   bool numbers = false;            ///< plain numbers in its files, not JSON
   std::filesystem::path folder;    ///< of the case
+  InputFiles files{};              ///< the program and what its command names with a folder
   Patience patience = {.retries = 1};
 };
 
@@ -57,7 +59,8 @@ inline constexpr const char* kModelRuns = "model-runs.journal";
 
 /// The model with these outputs, asked for its sizes where it can be, and what it has said before:
 /// in the user's file, or, with --resume, in the run's. Its inputs are the unknowns in their own
-/// order. Throws Failure (64 where a program may not be run: --allow-commands), io::FileError and
+/// order. Throws Failure (64 where a program may not be run: --allow-commands, or a host may not be
+/// reached: --allow-hosts; this machine always may), io::FileError and
 /// OutsideModelError.
 [[nodiscard]] std::shared_ptr<identification::RememberedModel> open_outside(
     const CaseFile& file, const OutsideSpec& spec, int outputs, const CommonOptions& common);

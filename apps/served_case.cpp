@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 
 #include "base/constants.hpp"
+#include "base/number.hpp"
 #include "identification/sid_predictive.hpp"
 
 namespace wheeltap::apps {
@@ -82,7 +84,81 @@ class StructureForward final : public OutsideModel {
   std::vector<double> x_;
 };
 
-/// Frequencies of a damaged structure by its defects.
+/// ln p(data | x), and ln p(x) with it where it is the posterior's.
+class Density final : public OutsideModel {
+ public:
+  Density(const inference::Problem& problem, int model, bool with_prior)
+      : space_(problem.space),
+        likelihood_(problem.likelihood()),
+        model_(model),
+        with_prior_(with_prior) {}
+  [[nodiscard]] int inputs() const override { return space_[model_].dimension; }
+  [[nodiscard]] int outputs() const override { return 1; }
+  void evaluate(std::span<const double> x, std::span<double> y) override {
+    double prior = 0.0;
+    for (int p = 0; p < inputs(); ++p)
+      prior += space_.prior(model_, p).log_density(x[static_cast<std::size_t>(p)]);
+    // Beyond its prior a parameter may be no structure's.
+    y[0] = std::isfinite(prior) ? likelihood_->log_likelihood(model_, x) : prior;
+    if (with_prior_ && std::isfinite(prior)) y[0] += prior;
+  }
+  bool gradient(std::span<const double> x, std::span<const double> sensitivity,
+                std::span<double> slope) override {
+    if (with_prior_ || !likelihood_->gradient(model_, x, slope)) return false;
+    for (double& s : slope) s *= sensitivity[0];
+    return true;
+  }
+
+ private:
+  const inference::ModelSpace& space_;
+  std::unique_ptr<inference::Likelihood> likelihood_;
+  int model_;
+  bool with_prior_;
+};
+
+/// Numbers that say where a defect is: of a beam the place [m]; of another structure the member, by
+/// its number from 0 in the case's order, and the place [m] from its first node; of joints, storeys
+/// and the like their number alone.
+std::size_t place_numbers(const DefectKind& kind) {
+  return !kind.line.is_beam() && kind.type->sites == DefectType::Sites::members ? 2 : 1;
+}
+
+/// Numbers that say all of a defect.
+std::size_t defect_numbers(const DefectKind& kind) {
+  return place_numbers(kind) + static_cast<std::size_t>(kind.parameters()) - 1;
+}
+
+/// The stretch of the engine's line that is meant. Throws std::invalid_argument where there is none.
+const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const double> said) {
+  for (const SiteLine::Stretch& stretch : kind.line.stretches())
+    if (static_cast<double>(stretch.site) == said[0]) return stretch;
+  std::string allowed;
+  for (const SiteLine::Stretch& stretch : kind.line.stretches())
+    allowed += (allowed.empty() ? "" : ", ") + std::to_string(stretch.site);
+  throw std::invalid_argument(kind.site_name() + " = " + base::number(said[0]) +
+                              ": must be one of " + allowed);
+}
+
+/// A place as the engine has it, one number along the line of all places; and ln of the length on
+/// that line of what is one in these numbers: a metre of a member, or a joint. Throws
+/// std::invalid_argument for a place that the kind does not have.
+struct LinePlace {
+  double x = 0.0, log_measure = 0.0;
+};
+LinePlace line_place(const DefectKind& kind, std::span<const double> said) {
+  if (kind.line.is_beam()) return {.x = said[0]};
+  const SiteLine::Stretch& stretch = stretch_of(kind, said);
+  const double s = place_numbers(kind) > 1 ? said[1] : 0.0;
+  if (!(s >= 0.0 && s <= stretch.size))
+    throw std::invalid_argument("location = " + base::number(s) + ": must lie in [0, " +
+                                base::number(stretch.size) + "] m, the length of member " +
+                                std::to_string(stretch.site));
+  const double one = stretch.size > 0.0 ? stretch.size : 1.0;
+  return {.x = kind.line.x_of(stretch.site, s),
+          .log_measure = std::log((stretch.end - stretch.start) / one)};
+}
+
+/// Frequencies of a damaged structure by its defects, from what the likelihood predicts them with.
 class DamageForward final : public OutsideModel {
  public:
   explicit DamageForward(std::shared_ptr<const DamageProblem> problem)
@@ -92,8 +168,9 @@ class DamageForward final : public OutsideModel {
         throw std::invalid_argument("a " + kind.name +
                                     " has a known severity: there is no number that says that "
                                     "there is none");
-      inputs_ += kind.parameters() * kind.max_count;
+      inputs_ += static_cast<int>(defect_numbers(kind)) * kind.max_count;
     }
+    variance_.resize(static_cast<std::size_t>(outputs()));
   }
   [[nodiscard]] int inputs() const override { return inputs_; }
   [[nodiscard]] int outputs() const override { return problem_->damage_case.modes(); }
@@ -103,13 +180,14 @@ class DamageForward final : public OutsideModel {
     std::vector<int> counts;
     std::vector<double> present;
     for (const DefectKind& kind : kinds) {
-      const auto width = static_cast<std::size_t>(kind.parameters());
+      const std::size_t width = defect_numbers(kind), places = place_numbers(kind);
       counts.push_back(0);
       for (int c = 0; c < kind.max_count; ++c, defects = defects.subspan(width)) {
-        if (defects[1] == 0.0) continue;
+        if (defects[places] == 0.0) continue;
         ++counts.back();
-        present.insert(present.end(), defects.begin(),
-                       defects.begin() + static_cast<std::ptrdiff_t>(width));
+        present.push_back(line_place(kind, defects).x);
+        const auto rest = defects.subspan(places, width - places);
+        present.insert(present.end(), rest.begin(), rest.end());
       }
     }
     int model = 0;
@@ -120,7 +198,10 @@ class DamageForward final : public OutsideModel {
     for (int p = 0; p < problem_->common; ++p)
       x.push_back(space.prior(model, p).from_standard_normal(0.0));
     x.insert(x.end(), present.begin(), present.end());
-    predictor_.solve(model, x, y);
+    if (problem_->emulator && !problem_->exact())
+      predictor_.emulate(model, x, y, variance_);
+    else
+      predictor_.solve(model, x, y);
     if (!std::ranges::all_of(y, [](double f) { return std::isfinite(f); }))
       throw std::invalid_argument("there is no such structure");
   }
@@ -128,6 +209,57 @@ class DamageForward final : public OutsideModel {
  private:
   std::shared_ptr<const DamageProblem> problem_;
   FrequencyPredictor predictor_;
+  std::vector<double> variance_;
+  int inputs_ = 0;
+};
+
+/// ln p(data | x), and ln p(x) with it, of defects that are told as DamageForward has them.
+class DamageDensity final : public OutsideModel {
+ public:
+  DamageDensity(std::shared_ptr<const DamageProblem> problem, int model, bool with_prior)
+      : problem_(std::move(problem)),
+        density_(problem_->problem, model, with_prior),
+        with_prior_(with_prior) {
+    const std::vector<int>& counts = problem_->problem.space[model].counts;
+    inputs_ = problem_->common;
+    for (std::size_t k = 0; k < counts.size(); ++k)
+      for (int c = 0; c < counts[k]; ++c) {
+        defects_.push_back(&problem_->damage_case.kinds[k]);
+        inputs_ += static_cast<int>(defect_numbers(*defects_.back()));
+      }
+  }
+  [[nodiscard]] int inputs() const override { return inputs_; }
+  [[nodiscard]] int outputs() const override { return 1; }
+  void evaluate(std::span<const double> said, std::span<double> y) override {
+    x_.assign(said.begin(), said.begin() + problem_->common);
+    said = said.subspan(x_.size());
+    double log_measure = 0.0;
+    for (const DefectKind* kind : defects_) {
+      const std::size_t places = place_numbers(*kind), width = defect_numbers(*kind);
+      const LinePlace place = line_place(*kind, said);
+      x_.push_back(place.x);
+      log_measure += place.log_measure;
+      const auto rest = said.subspan(places, width - places);
+      x_.insert(x_.end(), rest.begin(), rest.end());
+      said = said.subspan(width);
+    }
+    density_.evaluate(x_, y);
+    if (with_prior_) y[0] += log_measure;
+  }
+  // Of a beam the two speak of the same numbers.
+  bool gradient(std::span<const double> said, std::span<const double> sensitivity,
+                std::span<double> slope) override {
+    const bool alike = std::ranges::all_of(
+        defects_, [](const DefectKind* kind) { return kind->line.is_beam(); });
+    return alike && density_.gradient(said, sensitivity, slope);
+  }
+
+ private:
+  std::shared_ptr<const DamageProblem> problem_;
+  Density density_;
+  bool with_prior_;
+  std::vector<const DefectKind*> defects_;
+  std::vector<double> x_;
   int inputs_ = 0;
 };
 
@@ -173,62 +305,38 @@ class ChainForward final : public OutsideModel {
   std::vector<const SidProblem*> records_;
 };
 
-/// ln p(data | x), and ln p(x) with it where it is the posterior's.
-class Density final : public OutsideModel {
- public:
-  Density(const inference::Problem& problem, int model, bool with_prior)
-      : space_(problem.space),
-        likelihood_(problem.likelihood()),
-        model_(model),
-        with_prior_(with_prior) {}
-  [[nodiscard]] int inputs() const override { return space_[model_].dimension; }
-  [[nodiscard]] int outputs() const override { return 1; }
-  void evaluate(std::span<const double> x, std::span<double> y) override {
-    double prior = 0.0;
-    for (int p = 0; p < inputs(); ++p)
-      prior += space_.prior(model_, p).log_density(x[static_cast<std::size_t>(p)]);
-    // Beyond its prior a parameter may be no structure's.
-    y[0] = std::isfinite(prior) ? likelihood_->log_likelihood(model_, x) : prior;
-    if (with_prior_ && std::isfinite(prior)) y[0] += prior;
-  }
-  bool gradient(std::span<const double> x, std::span<const double> sensitivity,
-                std::span<double> slope) override {
-    if (with_prior_ || !likelihood_->gradient(model_, x, slope)) return false;
-    for (double& s : slope) s *= sensitivity[0];
-    return true;
-  }
+using MakeDensity = std::function<std::unique_ptr<OutsideModel>(int model, bool with_prior)>;
 
- private:
-  const inference::ModelSpace& space_;
-  std::unique_ptr<inference::Likelihood> likelihood_;
-  int model_;
-  bool with_prior_;
-};
-
-/// Whether there are derivatives: at the medians of the priors.
-bool has_gradient(const inference::Problem& problem, int model) {
-  Density trial(problem, model, false);
-  std::vector<double> x, slope(static_cast<std::size_t>(trial.inputs()));
-  for (int p = 0; p < trial.inputs(); ++p)
-    x.push_back(problem.space.prior(model, p).from_standard_normal(0.0));
+/// Whether there are derivatives: at the medians of the priors, which say what the model is asked
+/// for where the numbers are those of its parameters.
+bool has_gradient(const inference::Problem& problem, int model, const MakeDensity& make) {
+  const std::unique_ptr<OutsideModel> trial = make(model, false);
+  const inference::ModelSpace& space = problem.space;
+  if (trial->inputs() != space[model].dimension) return false;
+  std::vector<double> x, slope(static_cast<std::size_t>(trial->inputs()));
+  for (int p = 0; p < trial->inputs(); ++p)
+    x.push_back(space.prior(model, p).from_standard_normal(0.0));
   const double one = 1.0;
-  return !x.empty() && trial.gradient(x, {&one, 1}, slope);
+  return !x.empty() && trial->gradient(x, {&one, 1}, slope);
 }
 
-template <class AnyProblem>
-void add_densities(const std::shared_ptr<const AnyProblem>& problem,
+void add_densities(const inference::Problem& asked, const MakeDensity& make,
                    std::vector<ServedModel>& out) {
-  const inference::Problem& asked = problem->problem;
   for (int m = 0; m < asked.space.size(); ++m) {
     if (asked.space[m].dimension == 0) continue;  // the protocol has no empty vectors
     const std::string name = asked.space.size() > 1 ? " " + asked.space[m].name : "";
     for (const bool with_prior : {false, true})
       out.push_back({.name = (with_prior ? "posterior" : "log_likelihood") + name,
-                     .has_gradient = !with_prior && has_gradient(asked, m),
-                     .make = [problem, m, with_prior] {
-                       return std::make_unique<Density>(problem->problem, m, with_prior);
-                     }});
+                     .has_gradient = !with_prior && has_gradient(asked, m, make),
+                     .make = [make, m, with_prior] { return make(m, with_prior); }});
   }
+}
+
+template <class AnyProblem>
+MakeDensity of_parameters(const std::shared_ptr<const AnyProblem>& problem) {
+  return [problem](int model, bool with_prior) {
+    return std::make_unique<Density>(problem->problem, model, with_prior);
+  };
 }
 
 }  // namespace
@@ -238,14 +346,19 @@ std::vector<ServedModel> served(std::shared_ptr<const UpdateProblem> problem) {
       {.name = "forward", .has_gradient = problem->modes != nullptr, .make = [problem] {
          return std::make_unique<StructureForward>(problem);
        }}};
-  add_densities(problem, out);
+  add_densities(problem->problem, of_parameters(problem), out);
   return out;
 }
 
 std::vector<ServedModel> served(std::shared_ptr<const DamageProblem> problem) {
   std::vector<ServedModel> out = {
       {.name = "forward", .make = [problem] { return std::make_unique<DamageForward>(problem); }}};
-  add_densities(problem, out);
+  add_densities(
+      problem->problem,
+      [problem](int model, bool with_prior) {
+        return std::make_unique<DamageDensity>(problem, model, with_prior);
+      },
+      out);
   return out;
 }
 
@@ -257,7 +370,7 @@ std::vector<ServedModel> served(std::shared_ptr<const SidProblem> problem) {
     out.push_back({.name = space.size() > 1 ? "forward " + space[m].name : "forward",
                    .make = [problem, m] { return std::make_unique<ChainForward>(problem, m); }});
   }
-  add_densities(problem, out);
+  add_densities(problem->problem, of_parameters(problem), out);
   return out;
 }
 

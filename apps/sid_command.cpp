@@ -132,10 +132,10 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   require_affordable(parsed->file, Pointer(), cost, common);
   if (common.dry_run) return common.dry_run("run", cost);
   const Report asked = options_report(options);
-  require_same_on_all_ranks("case", parsed->file.json.dump());
+  require_same_on_all_ranks("case", identity_of(parsed->file));
   if (common.resume) {
     const auto text = first_rank_says([&] {
-      return finished_run(common.output, parsed->file.json, common.seed.value_or(1), "asked",
+      return finished_run(common.output, parsed->file, common.seed.value_or(1), "asked",
                           asked);
     });
     if (text && !base::is_first_rank()) return;
@@ -150,7 +150,8 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
                             {.command = "sid",
                              .seed = common.seed.value_or(1),
                              .options = asked,
-                             .case_json = parsed->file.json},
+                             .case_json = parsed->file.json,
+                             .inputs = parsed->file.inputs->json()},
                             common);
   TerminalWatch watch(common, *log);
   watch.keep(checkpoint);

@@ -137,8 +137,8 @@ std::optional<Report> run_row(const SidCaseFile& one, const Json& value,
 }
 
 /// Finished runs of other values are as good: these are no part of what a row rests on.
-std::string identity_of(const CaseFile& file, const CommonOptions& common,
-                        const SamplingOptions& options) {
+std::string identity_of_rows(const CaseFile& file, const CommonOptions& common,
+                             const SamplingOptions& options) {
   Json fixed = file.json;
   fixed["sweep"].erase("values");
   return std::string(WHEELTAP_VERSION) + fixed.dump() + std::to_string(common.seed.value_or(1)) +
@@ -178,6 +178,7 @@ struct SweepFiles {
 /// The case of one value.
 CaseFile with(const CaseFile& file, const Pointer& where, const Json& value) {
   CaseFile one = file;
+  one.inputs = std::make_shared<InputFiles>(file.inputs->emptied());
   one.json.erase("sweep");
   one.json[where] = value;
   return one;
@@ -209,20 +210,37 @@ RunCost cost_of_sweep(const CaseFile& file, const Pointer& where, const CommonOp
 
 }  // namespace
 
+namespace {
+
+/// The value that a sweep varies. A pointer may have no syntax, name a key that is missing, or an
+/// element beyond what any list has.
+Pointer swept_place(const CaseFile& file, const std::string& path) {
+  const Pointer where("/sweep/path");
+  Pointer pointer;
+  try {
+    pointer = Pointer(path);
+  } catch (const Json::exception&) {
+    file.refuse(where, "must be a JSON pointer, e.g. \"/record/samples/1\"");
+  }
+  bool there = false;
+  try {
+    there = file.json.contains(pointer);
+  } catch (const Json::exception&) {  // an element's number that is none
+  }
+  if (!there) file.refuse(where, "leads nowhere in this case");
+  if (pointer.empty() || path == "/sweep" || path.starts_with("/sweep/"))
+    file.refuse(where, "must lead to one value of the case, outside of \"sweep\"");
+  return pointer;
+}
+
+}  // namespace
+
 void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,
                spdlog::logger& log) {
   validate_against_schema(file, "sid");
   const Json sweep = file.json["sweep"];
   const auto path = sweep["path"].get<std::string>();
-  Pointer pointer;
-  try {
-    pointer = Pointer(path);
-  } catch (const Json::exception&) {
-    file.refuse(Pointer("/sweep/path"), "must be a JSON pointer, e.g. \"/record/samples/1\"");
-  }
-  if (!file.json.contains(pointer)) {
-    file.refuse(Pointer("/sweep/path"), "leads nowhere in this case");
-  }
+  const Pointer pointer = swept_place(file, path);
   const RunCost cost = cost_of_sweep(file, pointer, common, options);
   require_affordable(file, Pointer("/sweep"), cost, common);
   if (common.dry_run) return common.dry_run("sweep", cost);
@@ -234,10 +252,12 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
     require_room_for_truth(one, common);
     cases.push_back(parse_sid_case(std::move(one)));
   }
-  require_same_on_all_ranks("case", file.json.dump());
+  Json inputs = Json::array();  // of each value
+  for (const SidCaseFile& one : cases) inputs.push_back(one.file.inputs->json());
+  require_same_on_all_ranks("case", file.json.dump() + inputs.dump());
   const bool first = base::is_first_rank();
-  const std::string identity = identity_of(file, common, options);
-  const std::string run = io::fingerprint(identity + sweep["values"].dump());
+  const std::string identity = identity_of_rows(file, common, options);
+  const std::string run = io::fingerprint(identity + sweep["values"].dump() + inputs.dump());
   bool whole = false;
   const auto finished = first_rank_says([&]() -> std::optional<std::string> {
     io::finish_commit(common.output);
@@ -266,7 +286,8 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   const StopOnInterrupt stop;
   for (std::size_t i = 0; i < cases.size() && !was_interrupted(); ++i) {
     const Json& value = sweep["values"][i];
-    const Report key = Report::parse(value.dump());
+    const Report key = {{"value", Report::parse(value.dump())},
+                        {"inputs", Report::parse(inputs[i].dump())}};
     std::optional<Report> row;
     const auto found = first_rank_says([&]() -> std::optional<std::string> {
       row = files->journal.find(key);
@@ -277,7 +298,8 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
                                 {.command = "sid",
                                  .seed = common.seed.value_or(1),
                                  .options = options_report(options),
-                                 .case_json = cases[i].file.json},
+                                 .case_json = cases[i].file.json,
+                                 .inputs = cases[i].file.inputs->json()},
                                 common, true);
       row = run_row(cases[i], value, common, options, checkpoint, log);
       within = checkpoint.kept();

@@ -130,7 +130,7 @@ std::optional<Report> stored_summary(const fs::path& folder) {
   }
 }
 
-std::optional<std::string> finished_run(const fs::path& folder, const Json& case_json,
+std::optional<std::string> finished_run(const fs::path& folder, const CaseFile& file,
                                         std::uint64_t seed, const std::string& key,
                                         const Report& options) {
   io::finish_commit(folder);
@@ -148,8 +148,11 @@ std::optional<std::string> finished_run(const fs::path& folder, const Json& case
     return about.contains(name) && about[name] == value;
   };
   const auto& stopped = summary["diagnostics"].value("stopped_early", Report(true));
+  const auto same = [&](const char* name, const Json& value) {
+    return about.contains(name) && Json::parse(about[name].dump()) == value;
+  };
   if (!is("version", WHEELTAP_VERSION) || !is("seed", seed) || !is(key.c_str(), options) ||
-      !about.contains("case") || Json::parse(about["case"].dump()) != case_json ||
+      !same("case", file.json) || !same("inputs", file.inputs->json()) ||
       stopped != false) {
     return {};
   }

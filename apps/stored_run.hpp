@@ -48,11 +48,12 @@ inline constexpr const char* kPosterior = "a posterior of wheeltap";
                                                      const std::string& name,
                                                      const Report& summary);
 
-/// The text that the finished run in `folder` printed, if it is one of this case, seed and options
-/// (as /wheeltap/KEY has them) and all its draws are there. Throws io::FileError where a file is
+/// The text that the finished run in `folder` printed, if it is one of this case, of the same
+/// content of the files that it reads, of this seed and these options (as /wheeltap/KEY has them),
+/// and all its draws are there. Throws io::FileError where a file is
 /// not what the run wrote.
 [[nodiscard]] std::optional<std::string> finished_run(const std::filesystem::path& folder,
-                                                      const Json& case_json, std::uint64_t seed,
+                                                      const CaseFile& file, std::uint64_t seed,
                                                       const std::string& key,
                                                       const Report& options);
 

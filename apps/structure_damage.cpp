@@ -198,6 +198,8 @@ class KindParser {
 
   SiteLine line(const Pointer& where, const DefectType& type, const Places& places) const {
     const Json& b = file_.json.at(where);
+    if (places.names.empty())
+      file_.refuse(where / "kind", "the structure has no " + places.what + " that it could be on");
     std::vector<int> sites;
     std::vector<double> weights;
     if (!b.contains("on")) {

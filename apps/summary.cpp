@@ -222,7 +222,8 @@ Report about(const std::string& command, const RunInfo& info, const CaseFile& fi
           {"seed", info.seed},
           {"machine", machine()},
           {"case_file", io::printable(file.path.string())},
-          {"case", Report::parse(file.json.dump())}};
+          {"case", Report::parse(file.json.dump())},
+          {"inputs", Report::parse(file.inputs->json().dump())}};
 }
 
 Report cost(const Sampling& sampling) {

@@ -1,15 +1,13 @@
 #include "apps/umbridge_server.hpp"
 
-#ifdef WHEELTAP_WITH_HTTP
-#include <httplib.h>
-#endif
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <semaphore>
 #include <thread>
 
+#include "apps/bounded_server.hpp"
 #include "apps/case_file.hpp"
 #include "apps/json_text.hpp"
 
@@ -129,12 +127,9 @@ Json differentiated(Workers& workers, const Json& question) {
 
 class Server {
  public:
-  Server(const std::vector<ServedModel>& models, const ServerOptions& options) : options_(options) {
+  Server(const std::vector<ServedModel>& models, const ServerOptions& options) : options_(options), at_work_(std::max(1, options.threads)) {
     for (const ServedModel& model : models) models_.push_back(std::make_unique<Workers>(model));
-    const auto threads = static_cast<std::size_t>(std::max(1, options.threads));
-    server_.new_task_queue = [threads] { return new httplib::ThreadPool(threads); };
     server_.set_tcp_nodelay(true);
-    server_.set_payload_max_length(kLargestAnswer);
     server_.set_keep_alive_max_count(std::numeric_limits<int>::max());
     server_.Get("/Info", [this](const httplib::Request&, httplib::Response& response) {
       Json names = Json::array();
@@ -186,9 +181,17 @@ class Server {
 
   void answer(const char* endpoint, const Answer& make) {
     server_.Post(endpoint,
-                 [this, make](const httplib::Request& request, httplib::Response& response) {
+                 [this, make](const httplib::Request&, httplib::Response& response,
+                              const httplib::ContentReader& reader) {
+                   const auto body = server_.body_of(reader);
+                   if (!body)
+                     return refuse(response,
+                                   {"InvalidInput", "the question did not come to its end, or has "
+                                                    "more than " +
+                                                        std::to_string(kLargestAnswer) + " bytes"},
+                                   413);
                    try {
-                     response.set_content(make_answer(request.body, make).dump(), kType);
+                     response.set_content(make_answer(*body, make).dump(), kType);
                    } catch (const Refusal& refusal) {
                      refuse(response, refusal, 400);
                    } catch (const std::invalid_argument& error) {
@@ -206,6 +209,13 @@ class Server {
     const auto found = std::ranges::find_if(
         models_, [&](const auto& model) { return name == model->model().name; });
     if (found == models_.end()) throw Refusal{"ModelNotFound", "there is no model " + name.dump()};
+    // Connections are many; models at work are as many as threads.
+    struct Leave {
+      std::counting_semaphore<>& of;
+      ~Leave() { of.release(); }
+    };
+    at_work_.acquire();
+    const Leave leave{at_work_};
     return make(**found, question);
   }
 
@@ -218,7 +228,8 @@ class Server {
 
   ServerOptions options_;
   std::vector<std::unique_ptr<Workers> > models_;
-  httplib::Server server_;
+  std::counting_semaphore<> at_work_;
+  BoundedServer server_{{.body = kLargestAnswer}};
 };
 
 }  // namespace

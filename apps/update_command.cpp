@@ -32,10 +32,10 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   }
   if (parsed->outside && base::ranks() != nullptr)
     throw Failure(Exit::usage, "a predictor of one's own runs in one process, not under mpirun");
-  require_same_on_all_ranks("case", parsed->file.json.dump());
+  require_same_on_all_ranks("case", identity_of(parsed->file));
   if (common.resume && !common.dry_run) {
     const auto text = first_rank_says([&] {
-      return finished_run(common.output, parsed->file.json, seed, "options",
+      return finished_run(common.output, parsed->file, seed, "options",
                           options_report(options));
     });
     if (text && !base::is_first_rank()) return;
@@ -56,7 +56,8 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
                             {.command = "update",
                              .seed = seed,
                              .options = options_report(options),
-                             .case_json = parsed->file.json},
+                             .case_json = parsed->file.json,
+                             .inputs = parsed->file.inputs->json()},
                             common);
   watch.keep(checkpoint);
   const auto run = sample_update(parsed, problem, common, options, watch);

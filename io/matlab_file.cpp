@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "io/hdf5_storage.hpp"
 #include "io/matlab_elements.hpp"
 #include "io/netcdf_library.hpp"
 #include "io/read_apart.hpp"
@@ -202,6 +203,7 @@ void choose_columns(const std::vector<Array>& arrays, const Wanted& wanted, Colu
 }
 
 Columns read_here(const std::filesystem::path& path, const Wanted& wanted) {
+  require_own_storage(path);
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   if (!file)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/file_error.hpp"
+#include "io/hdf5_storage.hpp"
 #include "io/netcdf_library.hpp"
 
 namespace wheeltap::io {
@@ -24,7 +25,8 @@ struct NetcdfArray {
   }
 };
 
-/// Throws FileError: missing; corrupt where the file is truncated, damaged or no NetCDF-4 file;
+/// Throws FileError: missing; corrupt where the file is truncated, damaged or no NetCDF-4 file, or
+/// takes its numbers from other files (require_own_storage);
 /// foreign where a group or variable that is asked for is not there. `what` says in that message
 /// what the file should have been: "a posterior of wheeltap".
 class NetcdfReader {
@@ -33,12 +35,14 @@ class NetcdfReader {
       : path_(path), what_(std::move(what)) {
     if (!std::filesystem::exists(path))
       throw FileError(FileError::Kind::missing, path, "no such file");
+    require_own_storage(path);
     opened(nc_open(path.c_str(), NC_NOWRITE, &file_.id));
   }
   /// From memory; `name` stands for the file in messages.
   NetcdfReader(std::string bytes, const std::filesystem::path& name,
                std::string what = "the file expected")
       : path_(name), what_(std::move(what)), bytes_(std::move(bytes)) {
+    require_own_storage(bytes_, path_);
     opened(nc_open_mem(path_.c_str(), NC_NOWRITE, bytes_.size(), bytes_.data(), &file_.id));
   }
 

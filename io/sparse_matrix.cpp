@@ -13,6 +13,7 @@
 #ifdef WHEELTAP_MATIO
 #include <matio.h>
 
+#include "io/hdf5_storage.hpp"
 #include "io/matlab_elements.hpp"
 #include "io/netcdf_library.hpp"
 #include "io/read_apart.hpp"
@@ -208,6 +209,7 @@ class MatlabMatrix {
 };
 
 SparseMatrix read_here(const std::filesystem::path& path, const std::string& name) {
+  require_own_storage(path);
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   if (!file) throw FileError(Kind::foreign, path, "is neither a MATLAB file nor a folder");

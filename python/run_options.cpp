@@ -49,6 +49,8 @@ RunOptions run_options(const py::dict& said) {
       out.common.max_memory_gb = positive("max_memory_gb", value);
     } else if (name == "max_hours") {
       out.common.max_hours = positive("max_hours", value);
+    } else if (name == "allow_hosts") {
+      out.common.allow_hosts = value.cast<std::vector<std::string>>();
     } else if (name == "allow_commands") {
       out.common.allow_commands = value.cast<bool>();
     } else if (name == "chains") {

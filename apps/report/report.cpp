@@ -1,12 +1,17 @@
 #include "apps/report/report.hpp"
 
+#include <unistd.h>
+
 #include <cctype>
+#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 
 #include "apps/failure.hpp"
 #include "apps/json_text.hpp"
@@ -319,6 +324,49 @@ void write_report(const fs::path& directory) {
   file.commit();
 }
 
+namespace {
+
+constexpr const char* kFigureList = "figures.txt";
+
+/// A new folder, in which no name is anybody else's; removed with what is in it.
+class Scratch {
+ public:
+  explicit Scratch(const fs::path& in) {
+    std::string name = (in / ".figures-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr)
+      throw FileError(FileError::Kind::unwritable, in, std::generic_category().message(errno));
+    folder_ = name;
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  [[nodiscard]] const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
+void make_figures_folder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_symlink(fs::symlink_status(folder, error)))
+    throw FileError(FileError::Kind::unwritable, folder,
+                    "is a symbolic link, which is not followed: remove it");
+  fs::create_directories(folder, error);
+  if (error) throw FileError(FileError::Kind::unwritable, folder, error.message());
+}
+
+/// Takes the place of whatever has the name, a symbolic link included.
+void put(const fs::path& from, const fs::path& to) {
+  io::AtomicFile file(to);
+  file.write(io::read_bytes(from));
+  file.commit();
+}
+
+}  // namespace
+
 int write_figures(const fs::path& directory) {
   const Report data = trusting(directory, [&] {
     const Report summary = read_summary(directory);
@@ -328,13 +376,9 @@ int write_figures(const fs::path& directory) {
     return content(summary, {}, stored_draws(directory, summary).get());
   });
   const fs::path folder = directory / "figures";
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw FileError(FileError::Kind::unwritable, folder, error.message());
-  const fs::path list = folder / "figures.txt";
-  fs::remove(list, error);
+  const Scratch scratch(directory);
   std::FILE* node =
-      popen(("cd " + for_shell(fs::absolute(folder)) + " && exec node -").c_str(), "w");
+      popen(("cd " + for_shell(fs::absolute(scratch.folder())) + " && exec node -").c_str(), "w");
   if (node == nullptr) throw Failure(Exit::internal, "no process can be started");
   const auto send = [&](std::string_view text) { std::fwrite(text.data(), 1, text.size(), node); };
   send(assets::kVega);
@@ -342,15 +386,18 @@ int write_figures(const fs::path& directory) {
   send("const run = " + script_safe(data) + ";\n");
   send(assets::kFigures);
   const int status = pclose(node);
-  std::ifstream written(list);
+  std::ifstream written(scratch.folder() / kFigureList);
   if (status != 0 || !written) {
     throw Failure(Exit::no_input,
                   "figures need Node.js: `node` is missing or could not draw them. Every figure of "
                   "report.html can also be saved from the page.");
   }
-  int n = 0;
-  for (std::string line; std::getline(written, line);) ++n;
-  return n;
+  std::vector<std::string> names;
+  for (std::string line; std::getline(written, line);) names.push_back(line);
+  make_figures_folder(folder);
+  for (const std::string& name : names) put(scratch.folder() / name, folder / name);
+  put(scratch.folder() / kFigureList, folder / kFigureList);
+  return static_cast<int>(names.size());
 }
 
 void run_report(const fs::path& directory, const ReportOptions& options) {

@@ -10,6 +10,7 @@ void validate(const LumpedChain& chain) {
   using Part = InvalidStructure::Part;
   const auto masses = static_cast<int>(chain.masses.size());
   if (masses == 0) throw InvalidStructure(Part::whole, 0, "has no masses");
+  if (chain.links.empty()) throw InvalidStructure(Part::whole, 0, "has no links");
   const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
   for (int i = 0; i < masses; ++i) {
     const double mass = chain.masses[static_cast<std::size_t>(i)];

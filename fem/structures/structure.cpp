@@ -161,6 +161,8 @@ void validate(const Structure& s) {
     throw InvalidStructure(Part::whole, 0,
                            "dimension = " + std::to_string(s.dimension) + ": must be 2 or 3");
   if (s.nodes.empty()) throw InvalidStructure(Part::whole, 0, "has no nodes");
+  if (s.members.empty() && s.springs.empty())
+    throw InvalidStructure(Part::whole, 0, "has neither members nor springs: nothing is elastic");
   for (std::size_t i = 0; i < s.nodes.size(); ++i)
     for (const double coordinate : s.nodes[i].at)
       require(std::isfinite(coordinate), Part::nodes, i, "node \"" + s.nodes[i].name + "\"",

@@ -205,7 +205,8 @@ def damage(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = No
               stops early, with what it has, where it returns False; False: nothing
     changes   overrides the case: {"data.cov": 0.002}
     folder    where files lie that a dictionary names (the current folder)
-    options   threads, search, quick, prior_only, evidence ("tmcmc+bridge"), max_memory_gb, max_hours, allow_commands
+    options   threads, search, quick, prior_only, evidence ("tmcmc+bridge"), max_memory_gb, max_hours, allow_commands,
+              allow_hosts (a list of names)
 
     Ctrl-C ends the run within a moment, with KeyboardInterrupt and nothing kept. Raises CaseError for what is wrong
     with the case, in the program's words, and FileError for a file that cannot be read.

@@ -3,9 +3,10 @@
 
 #include <chrono>
 
-#include "apps/batch_list.hpp"
+#include "apps/batch_folders.hpp"
 #include "apps/batch_table.hpp"
 #include "apps/failure.hpp"
+#include "io/file_error.hpp"
 #include "sid_cases.hpp"
 
 namespace wheeltap::apps {
@@ -25,12 +26,18 @@ std::vector<std::string> names(const std::vector<BatchCase>& cases) {
   return out;
 }
 
+std::vector<BatchCase> named(std::vector<BatchCase> cases, const std::filesystem::path& folder) {
+  BatchFolders folders(folder, false);
+  for (BatchCase& one : cases) folders.give(one);
+  return cases;
+}
+
 TEST(BatchList, NamesAreStemsAndUnique) {
   const Workspace where;
   const auto list = where.write("list.txt",
                                 "# a fleet\n\n a/one.json \r\nb/one.json\nc/one.json\none-2.json\n"
                                 "batch.csv.json\n..json\n   # no case\nlast.json");
-  const auto cases = read_batch_list(list);
+  const auto cases = named(read_batch_list(list), where / "out");
   EXPECT_THAT(names(cases),
               ElementsAre("one", "one-2", "one-3", "one-2-2", "batch.csv-2", "case", "last"));
   EXPECT_EQ(cases[0].path, where / "a/one.json");
@@ -43,7 +50,7 @@ TEST(BatchList, ManyOfOneNameAreNamedSoon) {
   std::string text;
   for (int i = 0; i < kMany; ++i) text += "hour-" + std::to_string(i) + "/case.json\n";
   const auto began = std::chrono::steady_clock::now();
-  const auto cases = read_batch_list(where.write("list.txt", text));
+  const auto cases = named(read_batch_list(where.write("list.txt", text)), where / "out");
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
   EXPECT_EQ(cases.back().name, "case-" + std::to_string(kMany));
 }
@@ -82,12 +89,52 @@ TEST(BatchTable, CellsAreQuotedAsRfc4180Asks) {
                .model = "1 \"crack\"",
                .probability = 0.75,
                .converged = true,
-               .seconds = 1.25},
+               .seconds = 1.25,
+               .path = "../a.json"},
       std::nullopt, BatchRow{.name = "c", .exit = 65, .error = "no, \"x\""}};
   EXPECT_EQ(batch_csv(rows),
-            "case,kind,exit,model,probability,converged,wall_seconds,folder,error\n"
-            "\"a,b\",damage,0,\"1 \"\"crack\"\"\",0.75,1,1.25,\"a,b\",\n"
-            "c,,65,,,,0,c,\"no, \"\"x\"\"\"\n");
+            "case,kind,exit,model,probability,converged,wall_seconds,folder,error,path\n"
+            "\"a,b\",damage,0,\"1 \"\"crack\"\"\",0.75,1,1.25,\"a,b\",,../a.json\n"
+            "c,,65,,,,0,c,\"no, \"\"x\"\"\",\n");
+}
+
+TEST(BatchTable, NoCellIsAFormula) {
+  const std::vector<std::optional<BatchRow>> rows = {
+      BatchRow{.name = "=1+2", .model = "+x", .probability = -1e-3, .error = "@a", .path = "-b"}};
+  EXPECT_EQ(batch_csv(rows),
+            "case,kind,exit,model,probability,converged,wall_seconds,folder,error,path\n"
+            "'=1+2,,0,'+x,-0.001,,0,'=1+2,'@a,'-b\n");
+}
+
+TEST(BatchFolders, ACaseKeepsItsFolderWhereverItStandsInTheList) {
+  const Workspace where;
+  const auto give = [&](const std::string& text, bool resume) {
+    std::filesystem::create_directories(where / "out");
+    BatchFolders folders(where / "out", resume);
+    auto cases = read_batch_list(where.write("list.txt", text));
+    for (BatchCase& one : cases) folders.give(one);
+    folders.keep();
+    return cases;
+  };
+  EXPECT_THAT(names(give("A/case.json\nB/case.json\n", false)), ElementsAre("case", "case-2"));
+  const auto more = give("C/case.json\n./A/../A/case.json\nB/case.json\n", true);
+  EXPECT_THAT(names(more), ElementsAre("case-3", "case", "case-2"));
+  EXPECT_EQ(more[1].place, "../A/case.json");
+  EXPECT_THAT(names(give("B/case.json\n", true)), ElementsAre("case-2"));
+  EXPECT_THAT(names(give("D/case.json\nA/case.json\nA/case.json\n", true)),
+              ElementsAre("case-4", "case", "case-5"));
+  EXPECT_THAT(names(give("B/case.json\n", false)), ElementsAre("case"));
+}
+
+TEST(BatchFolders, RejectsAnotherProgramsFile) {
+  const Workspace where;
+  std::filesystem::create_directories(where / "out");
+  for (const char* text : {"", "[1, 2]", "{\"format\": 2, \"folders\": []}",
+                           "{\"format\": 1, \"folders\": [{\"case\": 3}]}"}) {
+    static_cast<void>(where.write("out/batch.json", text));
+    EXPECT_THROW(BatchFolders(where / "out", true), io::FileError) << text;
+    EXPECT_THROW(BatchFolders(where / "out", false), io::FileError) << text;
+  }
 }
 
 class Batch : public testing::Test {
@@ -196,6 +243,39 @@ TEST_F(Batch, ResumeKeepsWhatIsFinishedAndRunsTheRest) {
   const Outcome damaged = run(list, "--resume");
   EXPECT_EQ(damaged.exit_code, 65);
   EXPECT_THAT(read_all(where / "out/batch.csv"), HasSubstr("\nbeam,damage,65,"));
+}
+
+TEST_F(Batch, ResumeKnowsACaseByItsPathAndByTheContentOfItsFiles) {
+  const auto record = [&](const std::string& name, double amplitude) {
+    std::filesystem::create_directories(where / "cases" / name);
+    json chain = small_sid_case();
+    const json truth = chain["truth"];
+    chain["truth"]["parameters"]["k"] = amplitude;
+    static_cast<void>(where.write_json("cases/" + name + "/truth.json", chain));
+    const std::string folder = (where / "cases" / name).string();
+    ASSERT_EQ(wheeltap(where, "simulate " + folder + "/truth.json -o " + folder + "/sid.csv --quiet")
+                  .exit_code,
+              0);
+    chain.erase("truth");
+    chain["record"]["file"] = "sid.csv";
+    static_cast<void>(where.write_json("cases/" + name + "/case.json", chain));
+  };
+  record("A", 40.0);
+  record("B", 60.0);
+  const auto stiffness = [&](const std::string& folder) {
+    return summary(folder)["parameters"].front()["k"]["mean"].get<double>();
+  };
+  ASSERT_EQ(run("A/case.json\n").exit_code, 0);
+  const double of_a = stiffness("case");
+  ASSERT_EQ(run("B/case.json\nA/case.json\n", "--resume").exit_code, 0);
+  EXPECT_EQ(stiffness("case"), of_a);
+  EXPECT_GT(stiffness("case-2"), of_a + 10.0);
+  EXPECT_THAT(read_all(where / "out/batch.json"), HasSubstr("../cases/B/case.json"));
+  // The same path with another record is a new run.
+  std::filesystem::copy_file(where / "cases/B/sid.csv", where / "cases/A/sid.csv",
+                             std::filesystem::copy_options::overwrite_existing);
+  ASSERT_EQ(run("B/case.json\nA/case.json\n", "--resume").exit_code, 0);
+  EXPECT_EQ(stiffness("case"), stiffness("case-2"));
 }
 
 TEST_F(Batch, ALineThatBeginsWithADashIsAPath) {

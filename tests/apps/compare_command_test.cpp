@@ -125,6 +125,32 @@ TEST_F(Compare, OfOtherDataIsRefused) {
       66);
 }
 
+TEST_F(Compare, DataAreToldByTheirContentAndNotByTheNamesOfFiles) {
+  const auto with_file = [&](double ratio, const std::string& file, double second) {
+    std::filesystem::create_directories(where / (file + ".d"));
+    std::ofstream(where / (file + ".d") / file)
+        << "frequency [Hz],sd [Hz]\n6.2,0.124\n" << second << ",0.33\n";
+    json one = two_storeys(ratio);
+    one["data"] = {{"file", file + ".d/" + file}};
+    return one;
+  };
+  run(with_file(1.0, "a.csv", 16.4), "same");
+  run(with_file(2.0, "b.csv", 16.4), "other");
+  EXPECT_EQ(compare("").exit_code, 0);
+  run(with_file(2.0, "a.csv", 16.5), "other");  // the same name, another content
+  const Outcome ran = compare("");
+  EXPECT_EQ(ran.exit_code, 65);
+  EXPECT_THAT(ran.err, HasSubstr("is of other data than"));
+}
+
+TEST_F(Compare, OnlyTheRatiosOfPriorWeightsCount) {
+  run(two_storeys(1.0), "same");
+  run(two_storeys(2.0), "other");
+  const Outcome small = compare("--prior 1,1"), large = compare("--prior 1e308,1e308");
+  EXPECT_EQ(large.exit_code, 0) << large.err;
+  EXPECT_EQ(small.out, large.out);
+}
+
 TEST_F(Compare, DataThatEachCaseSimulatedAreNone) {
   for (const char* name : {"same", "other"}) {
     json one = two_storeys(1.0);

@@ -8,6 +8,7 @@ Kills at random instants: `durable.py PROGRAM PRELOAD kills --kills 200` takes s
 import argparse
 import errno
 import json
+import math
 import os
 import pathlib
 import random
@@ -212,6 +213,66 @@ def check_failed_calls(bench):
                     (out / name).write_bytes(content)
                 if again[0] == 0 and first[0] == 0:
                     break  # there are no more such calls (or they do not matter: folders, links)
+
+
+def check_init_writes_all_or_nothing(bench):
+    """A disk that fills up while a case to start from is written leaves no case without its record."""
+    for call in ('write', 'rename', 'fsync', 'open', 'ftruncate'):
+        for n in range(1, 30):
+            out = bench.folder / 'start'
+            fail = {'FAIL_CALL': call, 'FAIL_AT': n, 'FAIL_UNDER': bench.folder}
+            code, _, err = bench.run('init', 'sid', '-o', out, fail=fail, code=None)
+            found = sorted(files(out))
+            shutil.rmtree(out, ignore_errors=True)
+            if code == 0:
+                expect('sid.json' in found and len(found) == 3, found)
+                break
+            expect(code == 73, f'{call} {n}: {code}: {err}')
+            one_line(err)
+            expect(found == [], f'{call} {n}: {found}')
+        expect(code == 0, f'{call} is never done without')
+
+
+def vibration(path, frequencies):
+    """Two channels of a record [m/s2] at 50 Hz, each of two lightly damped modes that noise drives."""
+    randomly, rows, states = random.Random(1), ['a [m/s2],b [m/s2]'], [(0.0, 0.0)] * len(frequencies)
+    for _ in range(3000):
+        for i, f in enumerate(frequencies):
+            radius, angle = math.exp(-0.02 * 2 * math.pi * f / 50), 2 * math.pi * f / 50
+            x, before = states[i]
+            states[i] = 2 * radius * math.cos(angle) * x - radius**2 * before + randomly.gauss(0, 1), x
+        rows.append(f'{states[0][0] + states[1][0]:.6g},{states[0][0] - states[1][0]:.6g}')
+    path.write_text('\n'.join(rows) + '\n')
+
+
+def check_modes_are_kept_as_a_whole(bench):
+    """Killed before any of its renames, a modal run leaves the files of the run before, or its own: of no two runs."""
+    record = {'file': 'record.csv', 'sample_rate': 50,
+              'channels': [{'column': c + ' [m/s2]', 'role': 'response', 'node': c, 'direction': 'x'} for c in 'ab']}
+    case = bench.case('modal', {'kind': 'modal', 'record': record, 'band': [1, 15], 'order': {'max': 20}})
+    out, runs = bench.folder / 'run', []
+    for frequencies in ([3.0, 8.0], [4.0, 9.0]):
+        vibration(bench.folder / 'record.csv', frequencies)
+        bench.run('modal', case, '-o', out, '--quiet')
+        runs.append(timeless(files(out)))
+    expect(sorted(runs[0]) == ['modes.json', 'report.html', 'summary.json'], sorted(runs[0]))
+    expect(runs[0]['modes.json'] != runs[1]['modes.json'], 'two runs')
+    seen = set()
+    for n in range(1, 20):
+        vibration(bench.folder / 'record.csv', [3.0, 8.0])
+        bench.run('modal', case, '-o', out, '--quiet')
+        vibration(bench.folder / 'record.csv', [4.0, 9.0])
+        fail = {'FAIL_CALL': 'rename', 'FAIL_AT': n, 'FAIL_UNDER': bench.folder, 'FAIL_KILL': 1}
+        code, _, _ = bench.run('modal', case, '-o', out, '--quiet', fail=fail, code=None)
+        bench.run('report', out)
+        found = timeless({name: content for name, content in files(out).items() if name in runs[0]})
+        which = [i for i, run in enumerate(runs) if found['modes.json'] == run['modes.json']]
+        expect(len(which) == 1 and found['summary.json'] == runs[which[0]]['summary.json'], f'killed at rename {n}')
+        seen.add(which[0])
+        if code == 0:
+            break
+        expect(code == -signal.SIGKILL, f'{code}')
+    expect(seen == {0, 1} and n > 3, f'{seen}, {n}')
 
 
 def check_threads_that_are_refused(bench):
@@ -513,7 +574,7 @@ def check_kills_of_batches(bench, kills=6 if LONG else 4):
             process.communicate()
             killed += 1
         same(runs_of(out), whole)
-        expect(sorted(p.name for p in out.iterdir()) == ['batch.csv', 'beam', 'beam2', 'chain', 'sweep'], 'no stray file')
+        expect(sorted(p.name for p in out.iterdir()) == ['batch.csv', 'batch.json', 'beam', 'beam2', 'chain', 'sweep'], 'no stray file')
     print(f'{killed} kills')
 
 

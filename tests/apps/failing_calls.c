@@ -1,13 +1,15 @@
 /* Preloaded by tests: the n-th call of a kind that touches files below a folder fails.
  *   FAIL_CALL=write|rename|fsync|open|link|ftruncate|posix_fallocate  FAIL_AT=n (from 1)
  *   FAIL_CALL=pthread_create|fork: anywhere, FAIL_ERRNO=11 (EAGAIN)
- *   FAIL_UNDER=folder  FAIL_ERRNO=28 (default: ENOSPC)  FAIL_AFTER=1: all later ones too */
+ *   FAIL_UNDER=folder  FAIL_ERRNO=28 (default: ENOSPC)  FAIL_AFTER=1: all later ones too
+ *   FAIL_KILL=1: the process is killed there instead, before the call */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,6 +38,7 @@ static int fails(const char* call, int touches) {
   if (!touches || which == NULL || strcmp(which, call) != 0) return 0;
   const int at = atoi(getenv("FAIL_AT")), now = __sync_add_and_fetch(&calls, 1);
   if (now != at && !(now > at && getenv("FAIL_AFTER") != NULL)) return 0;
+  if (getenv("FAIL_KILL") != NULL) kill(getpid(), SIGKILL);
   errno = getenv("FAIL_ERRNO") != NULL ? atoi(getenv("FAIL_ERRNO")) : ENOSPC;
   return 1;
 }

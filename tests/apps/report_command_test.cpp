@@ -70,6 +70,32 @@ TEST_F(ReportCommand, FiguresAreDrawnInAFolderOfAnyName) {
   EXPECT_GT(n, 0);
 }
 
+TEST_F(ReportCommand, FiguresFollowNoSymbolicLink) {
+  if (std::system("node --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no Node.js";
+  const std::string draw = "report --figures " + run_.string();
+  ASSERT_EQ(wheeltap(where_, draw).exit_code, 0);
+  std::vector<std::filesystem::path> links = {run_ / "figures" / "figures.txt"};
+  std::ifstream list(links[0]);
+  for (std::string name; std::getline(list, name);) links.push_back(run_ / "figures" / name);
+  const auto mine = where_.write("mine", "my notes");
+  for (const auto& link : links) {
+    std::filesystem::remove(link);
+    std::filesystem::create_symlink(mine, link);
+  }
+  EXPECT_EQ(wheeltap(where_, draw).exit_code, 0);
+  EXPECT_EQ(read_all(mine), "my notes");
+  for (const auto& link : links) EXPECT_FALSE(std::filesystem::is_symlink(link)) << link;
+  EXPECT_THAT(read_all(links[1]), HasSubstr("<svg"));
+  // Nor does a folder.
+  std::filesystem::remove_all(run_ / "figures");
+  std::filesystem::create_directory(where_ / "elsewhere");
+  std::filesystem::create_symlink(where_ / "elsewhere", run_ / "figures");
+  const Outcome outcome = wheeltap(where_, draw);
+  EXPECT_EQ(outcome.exit_code, 73);
+  EXPECT_THAT(outcome.err, HasSubstr("figures: is a symbolic link"));
+  EXPECT_TRUE(std::filesystem::is_empty(where_ / "elsewhere"));
+}
+
 TEST_F(ReportCommand, MissingEndsWith66) {
   std::filesystem::remove(run_ / "posterior.nc");
   expect_refusal(66, "posterior.nc: no such file");

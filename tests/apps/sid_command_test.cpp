@@ -224,6 +224,76 @@ TEST(SidCommand, SweepsWriteOneTable) {
   EXPECT_EQ(wheeltap(where, "sid " + wrong.string() + " -o " + out.string()).exit_code, 65);
 }
 
+TEST(SidCommand, RejectsASweepThatLeadsNowhere) {
+  const Workspace where;
+  for (const char* path : {"/models/99999999999999999999", "/models/2", "/models/-", "/models/01",
+                           "/models/x", "models", "/models/~2", "/truth/parameters/k/0", "",
+                           "/sweep", "/sweep/values/0"}) {
+    json c = small_sid_case();
+    c["sweep"] = {{"path", path}, {"values", {100, 2000}}};
+    const Outcome run = wheeltap(where, "sid " + where.write_json("case.json", c).string() +
+                                            " --dry-run");
+    EXPECT_EQ(run.exit_code, 65) << path << ": " << run.err;
+    EXPECT_THAT(run.err, HasSubstr("/sweep/path")) << path;
+  }
+}
+
+/// A case whose record is a file, with this stiffness; the case's file is the same each time.
+std::string written_case(const Workspace& where, double stiffness, const json& sweep = {}) {
+  json c = small_sid_case();
+  c["truth"]["parameters"]["k"] = stiffness;
+  const auto truth = where.write_json("truth.json", c);
+  EXPECT_EQ(wheeltap(where, "simulate " + truth.string() + " -o " +
+                                (where / "record.csv").string() + " --quiet")
+                .exit_code,
+            0);
+  c.erase("truth");
+  c["record"]["file"] = "record.csv";
+  if (!sweep.is_null()) c["sweep"] = sweep;
+  return where.write_json("case.json", c).string();
+}
+
+double stiffness_of(const json& run) {
+  return run["parameters"]["duffing"]["k"]["mean"].get<double>();
+}
+
+TEST(SidCommand, ResumeBelongsToTheContentOfTheRecord) {
+  const Workspace where;
+  const auto out = where / "out";
+  const auto run = [&](double stiffness) {
+    const Outcome ran = wheeltap(where, "sid " + written_case(where, stiffness) + " -o " +
+                                            out.string() + kShort + " --resume");
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    return json::parse(read_all(out / "summary.json"));
+  };
+  const json first = run(40.0), again = run(40.0), other = run(60.0);
+  EXPECT_EQ(first, again);
+  EXPECT_GT(stiffness_of(other), stiffness_of(first) + 10.0);
+  EXPECT_EQ(first["wheeltap"]["case"], other["wheeltap"]["case"]);
+  EXPECT_NE(first["wheeltap"]["inputs"]["record.csv"]["checksum"],
+            other["wheeltap"]["inputs"]["record.csv"]["checksum"]);
+}
+
+TEST(SidCommand, ResumeOfASweepBelongsToTheContentOfTheRecord) {
+  const Workspace where;
+  const auto out = where / "out";
+  const json sweep = {{"path", "/record/samples/1"}, {"values", {150, 200}}};
+  const auto run = [&](double stiffness) {
+    std::string c = written_case(where, stiffness, sweep);
+    json with_samples = json::parse(read_all(c));
+    with_samples["record"]["samples"] = {0, 200};
+    where.write_json("case.json", with_samples);
+    const Outcome ran =
+        wheeltap(where, "sid " + c + " -o " + out.string() + kShort + " --resume");
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    return json::parse(read_all(out / "summary.json"))["sweep"]["rows"];
+  };
+  const json first = run(40.0), again = run(40.0), other = run(60.0);
+  EXPECT_EQ(first, again);
+  for (const std::size_t row : {0U, 1U})
+    EXPECT_GT(stiffness_of(other[row]), stiffness_of(first[row]) + 10.0);
+}
+
 TEST(SidCommand, SimulatesWithUnitsInTheHeader) {
   const Workspace where;
   const auto c = where.write_json("case.json", small_sid_case());

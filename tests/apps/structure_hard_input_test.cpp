@@ -11,6 +11,51 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
+/// What a command says of a case: 65 and one line with these words.
+void expect_refused(const Workspace& where, const std::string& command, const json& c,
+                    const std::string& words) {
+  const Outcome ran = wheeltap(where, command + " " + where.write_json("c.json", c).string());
+  EXPECT_EQ(ran.exit_code, 65) << command << ": " << ran.err;
+  EXPECT_EQ(std::ranges::count(ran.err, '\n'), 1) << ran.err;
+  EXPECT_THAT(ran.err, HasSubstr(words)) << command;
+}
+
+// Was a segmentation fault, which also ended a batch; `modes` showed four modes at 0 Hz.
+TEST(EmptyStructures, RejectsEmptyLinksAndMembers) {
+  const Workspace where;
+  const std::string out = " -o " + (where / "out").string();
+  json chain = json::parse(R"({
+    "kind": "damage", "structure": {"chain": {"masses": [1, 1, 1, 1], "links": []}},
+    "data": {"frequencies": [1.0], "cov": 0.01},
+    "damage": {"kind": "storey", "count": {"min": 0, "max": 1}, "reduction": {"uniform": [0, 0.9]},
+               "truth": []}})");
+  json frame = json::parse(R"({
+    "kind": "damage", "structure": {"nodes": {"A": [0, 0], "B": [0, 1]}, "members": []},
+    "data": {"frequencies": [1.0], "cov": 0.01},
+    "damage": {"kind": "reduction", "count": {"min": 0, "max": 1},
+               "reduction": {"uniform": [0, 0.9]}, "truth": []}})");
+  for (const std::string command : {"modes", "modes --truth", "damage --quick" + out, "serve",
+                                    "simulate -o " + (where / "s.json").string()}) {
+    expect_refused(where, command, chain, "/structure/chain/links: []: is empty: at least one");
+    expect_refused(where, command, frame, "/structure/members: []: is empty: at least one");
+  }
+  for (json* c : {&chain, &frame}) {
+    (*c)["kind"] = "update";
+    c->erase("damage");
+    expect_refused(where, "update" + out, *c, "is empty: at least one is needed");
+  }
+  frame["kind"] = "damage";
+  frame["damage"] = {{"kind", "reduction"},
+                     {"count", {{"max", 1}}},
+                     {"reduction", {{"uniform", {0, 0.9}}}}};
+  frame["structure"].erase("members");
+  expect_refused(where, "modes", frame, "has neither members nor springs");
+  frame["structure"]["springs"] =
+      json::parse(R"([{"node": "A", "direction": "x", "stiffness": 1e5}])");
+  frame["structure"]["masses"] = json::parse(R"([{"node": "A", "mass": 1}])");
+  expect_refused(where, "damage" + out, frame, "/damage/kind: \"reduction\": the structure has no");
+}
+
 class StructureHardInput : public testing::Test {
  protected:
   /// A column and a beam on it, few elements, with one kind of defect.
