@@ -33,6 +33,8 @@ struct CommonOptions {
   std::optional<double> max_disk_gb;  ///< none: what is free in the folder of the results
   bool allow_commands = false;        ///< cases may run programs
   std::string command_line;
+  /// Set with --json: takes what the command prints, as JSON text, in place of standard output.
+  std::function<void(const std::string& json)> as_json;
 };
 
 struct ModesOptions {

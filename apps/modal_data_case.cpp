@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "apps/case_remedies.hpp"
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_parts.hpp"
 #include "apps/modes_as_data.hpp"
@@ -191,7 +192,8 @@ class ModalDataParser {
       if (f < before)
         file_.refuse(has("file") ? where_ / "file" : where_ / "frequencies" / i,
                      "without shapes frequencies must increase: the first is the lowest elastic "
-                     "mode, and null stands for one that was not measured");
+                     "mode, and null stands for one that was not measured" +
+                         increasing(out_.frequencies_hz));
       before = f;
     }
   }
@@ -237,7 +239,7 @@ class ModalDataParser {
     } else if (n > 0) {
       file_.refuse(where_ / "cov",
                    "is missing: say how exact the frequencies are, by \"cov\", \"sd\" or "
-                   "\"covariance\"");
+                   "\"covariance\"; write \"cov\": 0.005 for 0.5 % of each, for example");
     }
     if (!has("covariance")) return;
     std::vector<Index> measured;
@@ -368,9 +370,7 @@ class ModalDataParser {
     }
     if (!there.empty())
       file_.refuse(at / "direction", "no such direction here: " + place + " has " + listed(there));
-    const std::string meant = nearest(place, places);
-    file_.refuse(at / "node", "no degree of freedom has this place" +
-                                  (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+    file_.refuse(at / "node", "no degree of freedom has this place" + did_you_mean(place, places));
   }
 
   template <class List>
@@ -381,9 +381,7 @@ class ModalDataParser {
       if (list[i].name == name) return static_cast<int>(i);
       names.push_back(list[i].name);
     }
-    const std::string meant = nearest(name, names);
-    file_.refuse(at, "no " + what + " has this name" +
-                         (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+    file_.refuse(at, "no " + what + " has this name" + did_you_mean(name, names));
   }
 
   struct Along {
