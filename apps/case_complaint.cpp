@@ -192,8 +192,8 @@ Json uniform_prior(const Json& bounds) {
 /// The two numbers of {"min": 0, "max": 1} and the like in their order; null where there are none.
 Json pair_of(const Json& object) {
   if (object.size() != 2) return {};
-  static constexpr std::array kFirst = {"min", "low", "lower", "a",  "mean", "mu",
-                                        "from", "lo", "shape", "loc", "left"};
+  static constexpr std::array kFirst = {"min",  "low", "lower", "a",   "mean", "mu",
+                                        "from", "lo",  "shape", "loc", "left"};
   Json first, second;
   for (const auto& [key, value] : object.items()) {
     if (!value.is_number()) return {};
@@ -244,8 +244,9 @@ class Examination {
     }
     if (!type_matches(rule, value)) return complain("must be " + rule_in_words(rule));
     if (rule.contains("enum") && std::ranges::find(rule["enum"], value) == rule["enum"].end()) {
-      return complain("must be " + (rule["enum"].size() > 1 ? "one of " + listed_values(rule["enum"])
-                                                            : listed_values(rule["enum"])));
+      return complain("must be " + (rule["enum"].size() > 1
+                                        ? "one of " + listed_values(rule["enum"])
+                                        : listed_values(rule["enum"])));
     }
     if (value.is_number()) {
       const double x = value;

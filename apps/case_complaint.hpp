@@ -16,7 +16,8 @@ struct Complaint {
 /// The first fault of `json` by the rules of `schema_name` (schema(schema_name) is `rules`), in an
 /// engineer's words; none where there is no fault. Where a correction satisfies the rules, the
 /// message ends with it.
-[[nodiscard]] std::optional<Complaint> first_complaint(const Json& rules, const std::string& schema_name,
+[[nodiscard]] std::optional<Complaint> first_complaint(const Json& rules,
+                                                       const std::string& schema_name,
                                                        const Json& json);
 
 }  // namespace wheeltap::apps

@@ -18,6 +18,7 @@
 #include "apps/schema_lists.hpp"
 #include "apps/schema_texts.hpp"
 #include "apps/whole_number.hpp"
+#include "apps/written_number.hpp"
 #include "inference/tabulated_prior.hpp"
 #include "io/bytes.hpp"
 #include "io/file_error.hpp"
@@ -39,6 +40,14 @@ void apply_override(const std::filesystem::path& path, Json& json, const std::st
   const auto equals = override.find('=');
   if (equals == std::string::npos || equals == 0) fail("must read path.to.key=VALUE");
   const std::string value_text = override.substr(equals + 1);
+  const std::string path_text = override.substr(0, equals);
+  if (path_text.find('/') != std::string::npos &&
+      !json.contains(path_text.substr(0, path_text.find('.')))) {
+    std::string with_points = path_text;
+    std::ranges::replace(with_points, '/', '.');
+    if (with_points.starts_with('.')) with_points.erase(0, 1);
+    fail("keys are separated by points: write --set " + with_points + "=" + value_text);
+  }
   Json value = value_text;
   // A text that is no JSON is meant as it is; "accept" builds nothing, so no depth is too much.
   if (Json::accept(value_text)) value = parse_json<Json>("--set", value_text);
@@ -305,7 +314,12 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
     if (family != "beta" || on.size() != 2) throw std::invalid_argument("is no prior");
     return Prior(Beta{a[0], a[1], on[0], on[1]});
   } catch (const std::invalid_argument& error) {
-    file.refuse(where / family, error.what());
+    const Json& list = prior.at(family);
+    const bool reversed = (family == "uniform" || family == "log_uniform") && list.is_array() &&
+                          list.size() == 2 && list[0] > list[1];
+    file.refuse(where / family, error.what() + (reversed ? "; write [" + pasted(list[1]) + ", " +
+                                                               pasted(list[0]) + "]"
+                                                         : std::string()));
   }
 }
 

@@ -13,8 +13,7 @@ std::string unknown_parameter(const std::string& text, const std::vector<std::st
   if (const std::string number = number_to_write(text); !number.empty())
     return "is a text, and no parameter has this name; " + number;
   const std::string meant = nearest(text, names);
-  return "no parameter has this name" +
-         (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
+  return "no parameter has this name" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
          " (/parameters holds: " + listed(names) + ")" +
          (meant.empty() ? "; write a number here, or add \"" + text +
                               "\": {\"uniform\": [lowest, highest]} to /parameters"
@@ -44,8 +43,8 @@ std::string kept_within(const CaseFile& file, const Pointer& where, double lower
   };
   if (given.contains("normal")) return truncated(given["normal"][0], given["normal"][1]);
   if (given.contains("half_normal"))
-    return truncated(0.0, given["half_normal"].is_number() ? given["half_normal"]
-                                                           : given["half_normal"][0]);
+    return truncated(
+        0.0, given["half_normal"].is_number() ? given["half_normal"] : given["half_normal"][0]);
   if (given.contains("student_t")) return truncated(given["student_t"][1], given["student_t"][2]);
   if (given.contains("truncated_normal"))
     return truncated(given["truncated_normal"][0], given["truncated_normal"][1]);

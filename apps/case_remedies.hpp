@@ -18,8 +18,8 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string kept_within(const CaseFile& file, const Pointer& where, double lower,
                                       double upper);
 
-/// "; write [13.85, 55.4]": these frequencies in increasing order, or read with decimal commas where
-/// that makes them increase ([13, 85, 55, 4] is 13.85 and 55.4).
+/// "; write [13.85, 55.4]": these frequencies in increasing order, or read with decimal commas
+/// where that makes them increase ([13, 85, 55, 4] is 13.85 and 55.4).
 [[nodiscard]] std::string increasing(const std::vector<double>& frequencies);
 
 }  // namespace wheeltap::apps

@@ -282,8 +282,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   }
   if (!trained) {
     if (common.as_json)
-      common.as_json(
-          Report({{"table", common.output.string()}, {"part", options.part}}).dump(1));
+      common.as_json(Report({{"table", common.output.string()}, {"part", options.part}}).dump(1));
     std::cout << "Part " << options.part << ": " << io::printable(common.output.string())
               << "  (join the parts with wheeltap table CASE -o TABLE.nc --merge PART...)\n";
     return;

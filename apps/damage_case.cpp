@@ -559,7 +559,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     out.data.cv_prior = cv_prior;
     out.data.discrepancy_cv = discrepancy;
     if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
-      f.refuse(at("/data/sd"), "must have one value a mode: " + std::to_string(out.data.modes()));
+      f.refuse(at("/data/sd"), "must have one value per mode: " + std::to_string(out.data.modes()));
     }
     if (!sd.empty()) out.data.sd_hz = sd;
     if (out.modal)

@@ -93,7 +93,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
   if (d.contains("sd")) {
     const Json& sd = d["sd"];
     if (!data.frequencies_hz.empty() && sd.size() != data.frequencies_hz.size()) {
-      file.refuse(where / "sd", "must have one value a mode: " + std::to_string(data.modes()) +
+      file.refuse(where / "sd", "must have one value per mode: " + std::to_string(data.modes()) +
                                     ", has " + std::to_string(sd.size()));
     }
     for (const Json& s : sd) data.sd_hz.push_back(s.is_null() ? kNaN : s.get<double>());
@@ -163,7 +163,8 @@ void take_baseline(const CaseFile& f, DamageCase& out) {
     f.refuse(where / "frequencies", "is missing: those of the undamaged structure");
   if (baseline.cv_prior) f.refuse(where / "cov", "must be a number");
   if (baseline.sd_hz.empty())
-    f.refuse(where / "cov", "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
+    f.refuse(where / "cov",
+             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
              "0.005 for 0.5 % of each, for example");
   try {
     compare_with_baseline(out, baseline);

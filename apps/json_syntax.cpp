@@ -58,10 +58,10 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
   if ((here == ']' || here == '}') && last_before(text, at) != std::string_view::npos &&
       text[last_before(text, at)] == ',')
     return std::string("; remove the comma before the ") + here;
-  for (const auto& [other, json] : {std::pair{"True", "true"}, std::pair{"False", "false"},
-                                    std::pair{"None", "null"}, std::pair{"yes", "true"},
-                                    std::pair{"no", "false"}, std::pair{"NaN", "null"},
-                                    std::pair{"nan", "null"}, std::pair{"NA", "null"}})
+  for (const auto& [other, json] :
+       {std::pair{"True", "true"}, std::pair{"False", "false"}, std::pair{"None", "null"},
+        std::pair{"yes", "true"}, std::pair{"no", "false"}, std::pair{"NaN", "null"},
+        std::pair{"nan", "null"}, std::pair{"NA", "null"}})
     if (word == other) return std::string("; write ") + json;
   // "length": 0,9 is a number, a comma, and a number where a key should be.
   if (is_digit(here) || here == '-') {
@@ -95,8 +95,8 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
   const std::size_t value_end =
       here == '"' && start != std::string_view::npos ? last_before(text, start) : previous;
   if (here == '"' && value_end != std::string_view::npos &&
-      (is_digit(text[value_end]) || std::string_view("\"]}el").find(text[value_end]) !=
-                                        std::string_view::npos))
+      (is_digit(text[value_end]) ||
+       std::string_view("\"]}el").find(text[value_end]) != std::string_view::npos))
     return "; a comma is missing before it";
   if ((here == '{' || here == '[') && last_before(text, at) != std::string_view::npos &&
       std::string_view("]}").find(text[last_before(text, at)]) != std::string_view::npos)

@@ -218,8 +218,7 @@ class JsonOutput {
       std::cout << said_[0] << (said_[0].ends_with('\n') ? "" : "\n");
       return;
     }
-    for (std::size_t i = 0; i < said_.size(); ++i)
-      std::cout << (i == 0 ? "[" : ",\n ") << said_[i];
+    for (std::size_t i = 0; i < said_.size(); ++i) std::cout << (i == 0 ? "[" : ",\n ") << said_[i];
     std::cout << "]\n";
   }
 
@@ -368,7 +367,7 @@ int run(int argc, char** argv) {
       app.add_subcommand("section", "properties of the case's cross-section, from its outline");
   add_case(section_command);
   section_command->add_option("-o,--output", common.output, "draw the section into this file")
-      ->type_name("FILE.svg");
+      ->type_name("FILE.svg|FILE.html");
   section_command->add_option("--name", section.name, "which of a structure's sections");
   section_command->add_flag("--json", section.json, "as JSON");
 

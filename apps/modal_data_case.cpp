@@ -224,7 +224,7 @@ class ModalDataParser {
       out_.covariance = square(at, n);
     } else if (!sd.empty()) {
       if (static_cast<Index>(sd.size()) != n)
-        file_.refuse(at, "must have one value a mode: " + std::to_string(n) + ", has " +
+        file_.refuse(at, "must have one value per mode: " + std::to_string(n) + ", has " +
                              std::to_string(sd.size()));
       out_.covariance = MatrixXd::Zero(n, n);
       for (Index i = 0; i < n; ++i) {

@@ -21,6 +21,14 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
+  const auto small = [](std::string_view text) {
+    std::string out(text);
+    for (char& c : out)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return out;
+  };
+  for (const std::string& candidate : candidates)
+    if (candidate != word && small(candidate) == small(word)) return candidate;
   std::string found;
   std::size_t best = word.size() / 3 + 2;
   for (const std::string& candidate : candidates) {

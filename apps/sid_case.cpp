@@ -582,8 +582,11 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
     for (std::size_t other = 0; other < used.size(); ++other)
       if (used[other]) names.push_back(out.sid.parameters[other].name);
     const std::string& name = out.sid.parameters[p].name;
-    out.file.refuse(Pointer("/parameters") / name,
-                    "this parameter is used nowhere; used are " + listed(names));
+    out.file.refuse(
+        Pointer("/parameters") / name,
+        "this parameter is used nowhere: write its name in place of a number, or remove it "
+        "(used are: " +
+            listed(names) + ")");
   }
   if (needs == SidNeeds::record) check_windows(out);
   return out;

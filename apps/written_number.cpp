@@ -141,10 +141,9 @@ std::optional<WrittenNumber> written_number(std::string_view text) {
   std::size_t end = all.find_first_not_of("+-0123456789.,_' ");
   // An exponent, where digits follow it.
   if (end != std::string_view::npos && end > 0 && (all[end] == 'e' || all[end] == 'E')) {
-    const std::size_t sign = end + 1 + ((end + 1 < all.size() && (all[end + 1] == '-' ||
-                                                                  all[end + 1] == '+'))
-                                            ? 1U
-                                            : 0U);
+    const std::size_t sign =
+        end + 1 +
+        ((end + 1 < all.size() && (all[end + 1] == '-' || all[end + 1] == '+')) ? 1U : 0U);
     if (sign < all.size() && all[sign] >= '0' && all[sign] <= '9')
       end = all.find_first_not_of("0123456789", sign);
   }

@@ -12,8 +12,8 @@ struct WrittenNumber {
   std::string unit;  ///< the SI unit; empty where the text has none, or is a percentage
 };
 
-/// The number that all of `text` states: digits with a decimal point or a decimal comma, and perhaps
-/// a unit or a percent sign. None where it states no number, or one in an unknown unit.
+/// The number that all of `text` states: digits with a decimal point or a decimal comma, and
+/// perhaps a unit or a percent sign. None where it states no number, or one in an unknown unit.
 [[nodiscard]] std::optional<WrittenNumber> written_number(std::string_view text);
 
 /// `value` as a case may hold it, 15 digits: "0.001", "210e9", "-2.5e-7".
