@@ -129,6 +129,7 @@ void estimate_batch(const std::vector<BatchCase>& cases, const CommonOptions& co
   std::ranges::sort(bytes, std::greater{});
   bytes.resize(std::min(bytes.size(), static_cast<std::size_t>(at_a_time)));
   for (const double b : bytes) all.bytes += b;
+  if (common.as_json) common.as_json(estimate_json("batch", all));
   std::cout << "All " << cases.size() << ", " << at_a_time << " at a time: " << in_words(all)
             << "\n";
   if (first)
@@ -288,6 +289,7 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
     throw Failure(Exit::interrupted, "stopped after " + std::to_string(batch.done()) + " of " +
                                          all + " cases; the same command with --resume goes on");
   }
+  if (common.as_json) common.as_json(batch_json(rows));
   std::cout << "Results: " << io::printable((common.output / kBatchTable).string())
             << " (the table), a folder for each case beside it\n";
   const auto failed = [](const std::optional<BatchRow>& row) { return row->exit != 0; };

@@ -117,6 +117,26 @@ std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows) {
   return text;
 }
 
+std::string batch_json(const std::vector<std::optional<BatchRow>>& rows) {
+  const auto text_or_null = [](const std::string& text) {
+    return text.empty() ? Report() : Report(text);
+  };
+  Report list = Report::array();
+  for (const auto& row : rows) {
+    if (!row) continue;
+    list.push_back({{"case", row->name},
+                    {"kind", text_or_null(row->kind)},
+                    {"exit", row->exit},
+                    {"model", text_or_null(row->model)},
+                    {"probability", row->probability ? Report(*row->probability) : Report()},
+                    {"converged", row->converged ? Report(*row->converged) : Report()},
+                    {"wall_seconds", row->seconds},
+                    {"folder", row->name},
+                    {"error", text_or_null(row->error)}});
+  }
+  return list.dump(1, ' ', false, Report::error_handler_t::replace);
+}
+
 std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all) {
   const std::string total = std::to_string(all);
   std::string count = std::to_string(done);

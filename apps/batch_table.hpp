@@ -44,6 +44,9 @@ void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
 /// begins with = + - or @ and is no number, has an apostrophe before it.
 [[nodiscard]] std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows);
 
+/// The same as JSON text: a list of objects with the columns as keys; null where a cell is empty.
+[[nodiscard]] std::string batch_json(const std::vector<std::optional<BatchRow>>& rows);
+
 /// "[ 3/10] name  2 damages, P = 97 %  converged  12 s": a line without its end.
 [[nodiscard]] std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all);
 

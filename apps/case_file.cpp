@@ -12,12 +12,13 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include "apps/case_complaint.hpp"
 #include "apps/case_text.hpp"
 #include "apps/json_text.hpp"
-#include "apps/nearest.hpp"
 #include "apps/schema_lists.hpp"
 #include "apps/schema_texts.hpp"
 #include "apps/whole_number.hpp"
+#include "apps/written_number.hpp"
 #include "inference/tabulated_prior.hpp"
 #include "io/bytes.hpp"
 #include "io/file_error.hpp"
@@ -39,6 +40,14 @@ void apply_override(const std::filesystem::path& path, Json& json, const std::st
   const auto equals = override.find('=');
   if (equals == std::string::npos || equals == 0) fail("must read path.to.key=VALUE");
   const std::string value_text = override.substr(equals + 1);
+  const std::string path_text = override.substr(0, equals);
+  if (path_text.find('/') != std::string::npos &&
+      !json.contains(path_text.substr(0, path_text.find('.')))) {
+    std::string with_points = path_text;
+    std::ranges::replace(with_points, '/', '.');
+    if (with_points.starts_with('.')) with_points.erase(0, 1);
+    fail("keys are separated by points: write --set " + with_points + "=" + value_text);
+  }
   Json value = value_text;
   // A text that is no JSON is meant as it is; "accept" builds nothing, so no depth is too much.
   if (Json::accept(value_text)) value = parse_json<Json>("--set", value_text);
@@ -67,181 +76,9 @@ void apply_override(const std::filesystem::path& path, Json& json, const std::st
   *at = std::move(value);
 }
 
-// ---- why a value does not satisfy a schema, in an engineer's words
-// --------------------------------
-
-struct Complaint {
-  Pointer where;
-  std::string message;
-};
-
-std::string unknown_key(const std::string& key, const Json& properties, const std::string& hint) {
-  std::vector<std::string> names;
-  std::string list;
-  for (const auto& [name, ignored] : properties.items()) {
-    names.push_back(name);
-    list += (list.empty() ? "" : ", ") + name;
-  }
-  const std::string meant = nearest(key, names);
-  return "unknown key" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
-         " (allowed here: " + list + ")" + (hint.empty() ? "" : "; " + hint);
-}
-
-bool has_type(const Json& value, const std::string& type) {
-  if (type == "number") return value.is_number();
-  if (type == "integer") {
-    return value.is_number_integer() ||
-           (value.is_number_float() && std::trunc(value.get<double>()) == value.get<double>());
-  }
-  if (type == "string") return value.is_string();
-  if (type == "boolean") return value.is_boolean();
-  if (type == "array") return value.is_array();
-  if (type == "object") return value.is_object();
-  return value.is_null();
-}
-
 const Json& resolved(const Json& root, const Json& rule) {
   if (!rule.contains("$ref")) return rule;
   return resolved(root, root.at(Pointer(rule["$ref"].get<std::string>().substr(1))));
-}
-
-bool type_matches(const Json& rule, const Json& value) {
-  if (!rule.contains("type")) return true;
-  if (rule["type"].is_string()) return has_type(value, rule["type"]);
-  return std::ranges::any_of(rule["type"], [&](const Json& t) { return has_type(value, t); });
-}
-
-std::string joined(const Json& list) {
-  std::string text;
-  for (const Json& item : list) text += (text.empty() ? "" : ", ") + item.dump();
-  return text;
-}
-
-std::string article(const std::string& type) {
-  if (type == "array") return "a list";
-  return (std::string("aeio").find(type[0]) != std::string::npos ? "an " : "a ") + type;
-}
-
-// What would be right: the schema's own words where it has any.
-std::string wanted(const Json& rule) {
-  if (rule.contains("description")) return rule["description"];
-  if (rule.contains("enum")) {
-    return (rule["enum"].size() > 1 ? "one of " : "") + joined(rule["enum"]);
-  }
-  if (!rule.contains("type")) return "something else";
-  if (rule["type"].is_string()) return article(rule["type"]);
-  std::string text;
-  for (const Json& t : rule["type"]) text += (text.empty() ? "" : " or ") + article(t);
-  return text;
-}
-
-std::string number(const Json& bound) {
-  return bound.dump();
-}
-
-std::optional<Complaint> explain(const Json& root, const Json& reference, const Json& value,
-                                 const Pointer& where) {
-  const Json& rule = resolved(root, reference);
-  const auto complain = [&](const std::string& message) { return Complaint{where, message}; };
-
-  if (rule.contains("anyOf")) {
-    std::vector<const Json*> fitting;
-    for (const Json& alternative : rule["anyOf"]) {
-      const Json& candidate = resolved(root, alternative);
-      if (!explain(root, candidate, value, where)) return {};
-      if (type_matches(candidate, value) && (value.is_object() || value.is_array() ||
-                                             (value.is_number() && candidate.contains("type")))) {
-        fitting.push_back(&candidate);
-      }
-    }
-    // Objects of several kinds are told by the keys that each must have.
-    const auto named = [&](const Json* candidate) {
-      const Json required = candidate->value("required", Json::array());
-      return value.is_object() && !required.empty() &&
-             std::ranges::all_of(
-                 required, [&](const Json& key) { return value.contains(key.get<std::string>()); });
-    };
-    if (fitting.size() > 1) {
-      if (std::ranges::any_of(fitting, named)) {
-        std::erase_if(fitting, [&](const Json* candidate) { return !named(candidate); });
-      } else {
-        std::erase_if(fitting,
-                      [](const Json* candidate) { return candidate->contains("x-named"); });
-      }
-    }
-    if (fitting.size() == 1) return explain(root, *fitting[0], value, where);
-    return complain("must be " + wanted(rule));
-  }
-  if (!type_matches(rule, value)) return complain("must be " + wanted(rule));
-  if (rule.contains("enum") && std::ranges::find(rule["enum"], value) == rule["enum"].end()) {
-    return complain("must be " + (rule["enum"].size() > 1 ? "one of " + joined(rule["enum"])
-                                                          : joined(rule["enum"])));
-  }
-  if (value.is_number()) {
-    const double x = value;
-    const std::string unit =
-        rule.contains("description") ? " (" + rule["description"].get<std::string>() + ")" : "";
-    if (rule.contains("minimum") && !(x >= rule["minimum"].get<double>())) {
-      return complain("must be >= " + number(rule["minimum"]) + unit);
-    }
-    if (rule.contains("exclusiveMinimum") && !(x > rule["exclusiveMinimum"].get<double>())) {
-      return complain("must be > " + number(rule["exclusiveMinimum"]) + unit);
-    }
-    if (rule.contains("maximum") && !(x <= rule["maximum"].get<double>())) {
-      return complain("must be <= " + number(rule["maximum"]) + unit);
-    }
-    if (rule.contains("exclusiveMaximum") && !(x < rule["exclusiveMaximum"].get<double>())) {
-      return complain("must be < " + number(rule["exclusiveMaximum"]) + unit);
-    }
-  }
-  if (value.is_string() && rule.contains("minLength") &&
-      value.get<std::string>().size() < rule["minLength"].get<std::size_t>()) {
-    return complain("must not be empty");
-  }
-  if (value.is_array()) {
-    const std::string many = " elements, has " + std::to_string(value.size());
-    if (rule.value("minItems", 0) == 1 && value.empty())
-      return complain("is empty: at least one is needed");
-    if (rule.contains("minItems") && value.size() < rule["minItems"].get<std::size_t>()) {
-      return complain("must have at least " + number(rule["minItems"]) + many);
-    }
-    if (rule.contains("maxItems") && value.size() > rule["maxItems"].get<std::size_t>()) {
-      return complain("must have at most " + number(rule["maxItems"]) + many);
-    }
-    if (rule.contains("items")) {
-      for (std::size_t i = 0; i < value.size(); ++i) {
-        if (auto c = explain(root, rule["items"], value[i], where / i)) return c;
-      }
-    }
-  }
-  if (value.is_object()) {
-    const Json properties = rule.value("properties", Json::object());
-    const Json others = rule.value("additionalProperties", Json(true));
-    if (others == false) {
-      for (const auto& [key, ignored] : value.items()) {
-        if (!properties.contains(key)) {
-          return Complaint{where / key, unknown_key(key, properties, rule.value("x-hint", ""))};
-        }
-      }
-    }
-    for (const Json& key : rule.value("required", Json::array())) {
-      if (!value.contains(key.get<std::string>())) {
-        const Json& missing = resolved(root, properties.at(key.get<std::string>()));
-        return Complaint{where / key.get<std::string>(), "is missing: must be " + wanted(missing)};
-      }
-    }
-    if (rule.contains("minProperties") && value.size() < rule["minProperties"].get<std::size_t>()) {
-      return complain("must be " + wanted(rule));
-    }
-    for (const auto& [key, item] : value.items()) {
-      if (properties.contains(key)) {
-        if (auto c = explain(root, properties[key], item, where / key)) return c;
-      } else if (others.is_object()) {
-        if (auto c = explain(root, others, item, where / key)) return c;
-      }
-    }
-  }
-  return {};
 }
 
 std::string place(const Pointer& where, const std::string& record_place) {
@@ -422,7 +259,7 @@ void validate_against_schema(CaseFile& file, std::string_view schema_name) {
   if (validator.validate(compiled, valijson::adapters::NlohmannJsonAdapter(file.json), &results)) {
     return;
   }
-  if (const auto complaint = explain(rules, rules, file.json, Pointer())) {
+  if (const auto complaint = first_complaint(rules, std::string(schema_name), file.json)) {
     file.refuse(complaint->where, complaint->message);
   }
   valijson::ValidationResults::Error error;
@@ -487,7 +324,12 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
     if (family != "beta" || on.size() != 2) throw std::invalid_argument("is no prior");
     return Prior(Beta{a[0], a[1], on[0], on[1]});
   } catch (const std::invalid_argument& error) {
-    file.refuse(where / family, error.what());
+    const Json& list = prior.at(family);
+    const bool reversed = (family == "uniform" || family == "log_uniform") && list.is_array() &&
+                          list.size() == 2 && list[0] > list[1];
+    file.refuse(where / family, error.what() + (reversed ? "; write [" + pasted(list[1]) + ", " +
+                                                               pasted(list[0]) + "]"
+                                                         : std::string()));
   }
 }
 

@@ -10,6 +10,7 @@
 #include "apps/checkpoint_file.hpp"
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_run.hpp"
+#include "apps/damage_summary.hpp"
 #include "apps/damage_terminal.hpp"
 #include "apps/found_modes.hpp"
 #include "apps/run_cost.hpp"
@@ -283,14 +284,22 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     }
   }
   if (!trained) {
+    if (common.as_json)
+      common.as_json(Report({{"table", common.output.string()}, {"part", options.part}}).dump(1));
     std::cout << "Part " << options.part << ": " << io::printable(common.output.string())
               << "  (join the parts with wheeltap table CASE -o TABLE.nc --merge PART...)\n";
     return;
   }
   const auto intact = reanalysis.intact_frequencies_hz().subspan(
       static_cast<std::size_t>(damage_case.rigid_body_modes));
-  print_emulator(std::cout, emulator_finding(*trained, measurement_noise(damage_case, intact)),
-                 colour_wanted(), true);
+  const EmulatorFinding finding =
+      emulator_finding(*trained, measurement_noise(damage_case, intact));
+  if (common.as_json) {
+    common.as_json(
+        Report({{"table", common.output.string()}, {"emulator", emulator_report(finding)}})
+            .dump(1));
+  }
+  print_emulator(std::cout, finding, colour_wanted(), true);
   std::cout << "\nTable: " << io::printable(common.output.string())
             << "  (use it with \"predictor\": {\"table\": \""
             << io::printable(common.output.filename().string()) << "\"})\n";
@@ -403,6 +412,9 @@ void run_simulate(const CommonOptions& common) {
                              ", seed " + std::to_string(seed));
   }
   write_text(common.output, text);
+  if (common.as_json)
+    common.as_json(
+        written_data(common.output, data.origin, static_cast<std::size_t>(data.modes()), "modes"));
   if (!common.quiet) {
     const bool shapes = damage_case.modal && !damage_case.modal->sensors.empty();
     std::cout << data.modes() << (shapes ? " frequencies and shapes (" : " frequencies (")

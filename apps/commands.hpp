@@ -34,6 +34,8 @@ struct CommonOptions {
   bool allow_commands = false;        ///< cases may run programs
   std::vector<std::string> allow_hosts = {};  ///< other machines that cases may reach
   std::string command_line;
+  /// Set with --json: takes what the command prints, as JSON text, in place of standard output.
+  std::function<void(const std::string& json)> as_json;
 };
 
 struct ModesOptions {

@@ -174,8 +174,7 @@ void print(const std::vector<Compared>& runs) {
   std::cout << "\n\n";
   for (const Compared& run : runs) {
     std::cout << "  " << std::left << std::setw(static_cast<int>(widest)) << io::printable(run.name)
-              << "  P = " << percent(run.probability) << " ± "
-              << significant(100.0 * run.probability_error, 1) << " %"
+              << "  P = " << percent(run.probability, run.probability_error)
               << "  ln Z = " << with_error(run.log_evidence, run.error);
     if (!run.model.empty()) std::cout << "  (most of it: " << io::printable(run.model) << ')';
     if (!run.fits) std::cout << "  does not fit";

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "apps/beam_parameters.hpp"
+#include "apps/case_remedies.hpp"
 #include "apps/damage_data.hpp"
 #include "apps/damage_parts.hpp"
 #include "apps/modal_data_case.hpp"
@@ -49,7 +50,7 @@ inference::Prior bounded_prior(const CaseFile& file, const Pointer& where, doubl
   const inference::Prior prior = parse_prior(file, where);
   if (!(prior.lower() >= lower && prior.upper() <= upper)) {
     file.refuse(where, "reaches from " + number(prior.lower()) + " to " + number(prior.upper()) +
-                           ", but " + allowed);
+                           ", but " + allowed + kept_within(file, where, lower, upper));
   }
   return prior;
 }
@@ -366,10 +367,17 @@ void DamageCaseFile::refuse(const InvalidInput& error) const {
       file.refuse(at("/damage/truth"), error.what());
     case Part::emulator:
       file.refuse(at("/predictor"), error.what());
-    case Part::location:
-      file.refuse(kinds[kind] / (damage.structure ? "on" : "location"), error.what());
-    case Part::severity:
-      file.refuse(kinds[kind] / damage.kinds[kind].severity_name(), error.what());
+    case Part::location: {
+      if (damage.structure) file.refuse(kinds[kind] / "on", error.what());
+      const Pointer place = kinds[kind] / "location";
+      file.refuse(place,
+                  error.what() + kept_within(file, place, 0.0, damage.kinds[kind].line.length()));
+    }
+    case Part::severity: {
+      const identification::DefectType& type = *damage.kinds[kind].type;
+      const Pointer place = kinds[kind] / damage.kinds[kind].severity_name();
+      file.refuse(place, error.what() + kept_within(file, place, type.lower, type.upper));
+    }
     default:
       file.refuse(at("/data"), error.what());
   }
@@ -551,7 +559,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     out.data.cv_prior = cv_prior;
     out.data.discrepancy_cv = discrepancy;
     if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
-      f.refuse(at("/data/sd"), "must have one value a mode: " + std::to_string(out.data.modes()));
+      f.refuse(at("/data/sd"), "must have one value per mode: " + std::to_string(out.data.modes()));
     }
     if (!sd.empty()) out.data.sd_hz = sd;
     if (out.modal)
@@ -563,7 +571,8 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   }
   if (out.data.sd_hz.empty() && !out.data.cv_prior) {
     f.refuse(at("/data/cov"),
-             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"");
+             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
+             "0.005 for 0.5 % of each, for example");
   }
   if (json.contains("baseline")) {
     if (out.data.simulated)

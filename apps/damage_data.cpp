@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "apps/case_remedies.hpp"
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_parts.hpp"
 #include "apps/modal_data_case.hpp"
@@ -68,7 +69,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
     if (f < previous) {
       file.refuse(d.contains("frequencies") ? where / "frequencies" / i : where / "file",
                   "frequencies must increase; mode " + std::to_string(i + 1) + " at " + number(f) +
-                      " Hz lies below the one before it");
+                      " Hz lies below the one before it" + increasing(data.frequencies_hz));
     }
     previous = f;
   }
@@ -93,7 +94,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
   if (d.contains("sd")) {
     const Json& sd = d["sd"];
     if (!data.frequencies_hz.empty() && sd.size() != data.frequencies_hz.size()) {
-      file.refuse(where / "sd", "must have one value a mode: " + std::to_string(data.modes()) +
+      file.refuse(where / "sd", "must have one value per mode: " + std::to_string(data.modes()) +
                                     ", has " + std::to_string(sd.size()));
     }
     for (const Json& s : sd) data.sd_hz.push_back(s.is_null() ? kNaN : s.get<double>());
@@ -163,7 +164,9 @@ void take_baseline(const CaseFile& f, DamageCase& out) {
     f.refuse(where / "frequencies", "is missing: those of the undamaged structure");
   if (baseline.cv_prior) f.refuse(where / "cov", "must be a number");
   if (baseline.sd_hz.empty())
-    f.refuse(where / "cov", "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"");
+    f.refuse(where / "cov",
+             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
+             "0.005 for 0.5 % of each, for example");
   try {
     compare_with_baseline(out, baseline);
   } catch (const InvalidInput& error) {

@@ -81,26 +81,59 @@ std::string spectrum(const MeasuredChannel& channel) {
       envelope(plot, level, [&](std::size_t i) { return s.frequencies_hz[i]; }), marks);
 }
 
+std::string table_in_words(const MeasuredTable& table) {
+  const std::size_t channels = table.channels.size();
+  std::string text = std::to_string(channels) + (channels == 1 ? " channel, " : " channels, ") +
+                     base::grouped(table.rows()) + (table.is_time ? " samples" : " rows");
+  if (table.sample_rate_hz)
+    text += " at " + base::significant(*table.sample_rate_hz, 6) + " Hz (" +
+            base::significant(static_cast<double>(table.rows()) / *table.sample_rate_hz, 4) + " s)";
+  return text;
+}
+
+std::string headline_of(const MeasuredFile& file) {
+  if (file.tables.empty()) return "No table of measured channels";
+  std::string text = table_in_words(file.tables[0]);
+  if (file.tables.size() > 1)
+    text += ", and " + std::to_string(file.tables.size() - 1) + " further tables";
+  return text;
+}
+
+std::vector<std::string> details_of(const MeasuredFile& file) {
+  std::size_t odd = 0;
+  std::vector<std::string> names;
+  for (const MeasuredTable& table : file.tables) {
+    for (const MeasuredChannel& channel : table.channels) {
+      if (oddities(table, channel).empty()) continue;
+      ++odd;
+      if (names.size() < 5) names.push_back(channel.name);
+    }
+  }
+  std::vector<std::string> out{"Format: " + file.format + "."};
+  if (odd == 0)
+    out.emplace_back("No dropouts, spikes, offsets or drift were found.");
+  else
+    out.push_back(std::to_string(odd) + (odd == 1 ? " channel has" : " channels have") +
+                  " a remark: " + in_words(names) + (odd > names.size() ? ", and others." : "."));
+  return out;
+}
+
 }  // namespace
 
 std::string data_page(const MeasuredFile& file) {
   const std::string title = file.path.filename().string();
-  std::string out = page_head(title) + "<p>" + escaped(file.format) + "</p>\n";
+  std::string out = page_head(title, headline_of(file), details_of(file));
   for (const MeasuredTable& table : file.tables) {
-    std::string about = base::grouped(table.rows()) + " rows";
-    if (table.sample_rate_hz)
-      about += " at " + base::significant(*table.sample_rate_hz, 6) + " Hz (" +
-               base::significant(static_cast<double>(table.rows()) / *table.sample_rate_hz, 4) +
-               " s)";
-    out += "<p>" + about + ".</p>\n";
+    if (file.tables.size() > 1) out += "<p>" + table_in_words(table) + ".</p>\n";
     if (!table.sampling_fault.empty())
       out += "<p class=\"odd\">" + escaped(table.sampling_fault) + "</p>\n";
     for (const MeasuredChannel& channel : table.channels) {
       const signals::ChannelQuality& q = channel.quality;
       out += "<h2>" + escaped(with_unit(channel.name, channel.unit)) + "</h2>\n";
-      out += "<p>Root mean square " + base::significant(q.rms, 4) + ", mean " +
-             base::significant(q.mean, 3) + ", from " + base::significant(q.lowest, 4) + " to " +
-             base::significant(q.highest, 4) + ".</p>\n";
+      const std::string unit = channel.unit.empty() ? "" : " " + escaped(channel.unit);
+      out += "<p>Root mean square " + base::significant(q.rms, 4) + unit + ", mean " +
+             base::significant(q.mean, 3) + unit + ", from " + base::significant(q.lowest, 4) +
+             " to " + base::significant(q.highest, 4) + unit + ".</p>\n";
       const auto odd = oddities(table, channel);
       if (!odd.empty()) {
         out += "<ul class=\"odd\">";
@@ -119,7 +152,7 @@ std::string data_page(const MeasuredFile& file) {
       }
     }
   }
-  return out + "</body>\n</html>\n";
+  return out + page_end();
 }
 
 }  // namespace wheeltap::apps

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/failure.hpp"
+#include "apps/json_syntax.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -61,7 +62,8 @@ class Watch : public nlohmann::json_sax<json> {
     }
     const bool nan = text_.find("NaN") != std::string_view::npos;
     refuse(":" + std::to_string(line) + ":" + std::to_string(column) + ": not JSON: " + what +
-           (nan ? " (JSON has no NaN; null is a mode not measured)" : ""));
+           (nan ? " (JSON has no NaN; null is a mode not measured)" : "") +
+           syntax_remedy(text_, at > 0 ? at - 1 : 0));
   }
 
  private:

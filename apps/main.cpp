@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "apps/batch_command.hpp"
+#include "apps/command_line_faults.hpp"
 #include "apps/commands.hpp"
 #include "apps/compare_command.hpp"
 #include "apps/data_command.hpp"
@@ -20,7 +21,6 @@
 #include "apps/init.hpp"
 #include "apps/law_page.hpp"
 #include "apps/modal_command.hpp"
-#include "apps/nearest.hpp"
 #include "apps/program_text.hpp"
 #include "apps/report/report.hpp"
 #include "apps/run_cost.hpp"
@@ -30,6 +30,7 @@
 #include "apps/update_command.hpp"
 #include "apps/whole_number.hpp"
 #include "base/simd.hpp"
+#include "io/bytes.hpp"
 #include "io/date_of_files.hpp"
 #include "io/text.hpp"
 
@@ -171,6 +172,72 @@ apps::ProgramText text_of(const CLI::App& app) {
   return program;
 }
 
+constexpr const char* kSummary = "print summary.json in place of the text";
+
+/// "--output is required: …", with its own help and an example.
+std::string output_is_missing(const CLI::App& command) {
+  const CLI::Option* output = command.get_option("--output");
+  std::string what = output->get_description();
+  if (const std::string prefix = "required: "; what.starts_with(prefix))
+    what.erase(0, prefix.size());
+  const std::string type = output->get_type_name();
+  return "--output is required: " + what + ", e.g. -o results" +
+         (type.starts_with("FILE") ? type.substr(4) : "");
+}
+
+/// With --json: standard output holds one JSON value, in place of all that commands print.
+class JsonOutput {
+ public:
+  JsonOutput(bool wanted, apps::CommonOptions& common) : common_(common) {
+    if (!wanted) return;
+    common.as_json = [this](const std::string& json) { said_.push_back(json); };
+    if (common.dry_run) {
+      common.dry_run = [this](const std::string& what, const apps::RunCost& cost) {
+        said_.push_back(apps::estimate_json(what, cost));
+      };
+    }
+    terminal_ = std::cout.rdbuf(&silence_);
+  }
+  JsonOutput(const JsonOutput&) = delete;
+  JsonOutput& operator=(const JsonOutput&) = delete;
+  ~JsonOutput() { give_back(); }
+
+  /// What the command said before it failed, if anything.
+  void print_said() {
+    if (said_.empty()) return give_back();
+    print();
+  }
+  /// What the command said, else the summary in its folder.
+  void print() {
+    if (terminal_ == nullptr) return;
+    give_back();
+    if (!base::is_first_rank()) return;
+    if (said_.empty())
+      said_.push_back(io::read_bytes(common_.output / "summary.json", std::size_t{1} << 31U));
+    if (said_.size() == 1) {
+      std::cout << said_[0] << (said_[0].ends_with('\n') ? "" : "\n");
+      return;
+    }
+    for (std::size_t i = 0; i < said_.size(); ++i) std::cout << (i == 0 ? "[" : ",\n ") << said_[i];
+    std::cout << "]\n";
+  }
+
+ private:
+  struct Silence : std::streambuf {
+    int overflow(int c) override { return traits_type::not_eof(c); }
+    std::streamsize xsputn(const char*, std::streamsize n) override { return n; }
+  };
+  void give_back() {
+    if (terminal_ != nullptr) std::cout.rdbuf(terminal_);
+    terminal_ = nullptr;
+  }
+
+  const apps::CommonOptions& common_;
+  Silence silence_;
+  std::streambuf* terminal_ = nullptr;
+  std::vector<std::string> said_;
+};
+
 int run(int argc, char** argv) {
   // A file that may not grow is an error of writing, which has a line and an exit code.
   std::signal(SIGXFSZ, SIG_IGN);
@@ -184,6 +251,7 @@ int run(int argc, char** argv) {
   app.get_formatter()->column_width(34);
 
   apps::CommonOptions common;
+  bool as_json = false;
   common.command_line = joined(argc, argv);
   apps::ModesOptions modes;
   apps::SamplingOptions sampling;
@@ -197,9 +265,17 @@ int run(int argc, char** argv) {
         ->take_all()
         ->allow_extra_args(false);
   };
-  const auto add_output = [&](CLI::App* command, const char* what) {
-    command->add_option("-o,--output", common.output, what)->required();
+  // `type` is what the help calls the value: FOLDER, FILE.nc.
+  const auto add_output = [&](CLI::App* command, const char* type, const char* what) {
+    command->add_option("-o,--output", common.output, std::string("required: ") + what)
+        ->required()
+        ->type_name(type);
     command->add_flag("--quiet", common.quiet, "no progress on standard error");
+  };
+  constexpr const char* kResults =
+      "the folder for the results: summary.json, posterior.nc and report.html";
+  const auto add_json = [&](CLI::App* command, const char* what) {
+    command->add_flag("--json", as_json, what);
   };
   const auto add_seed = [&](CLI::App* command, const char* what) {
     command->add_option("--seed", common.seed, what)->transform(whole(0, kLargestSeed));
@@ -222,7 +298,7 @@ int run(int argc, char** argv) {
   const auto add_dry_run = [&](CLI::App* command) {
     command->add_flag_callback(
         "--dry-run", [&] { common.dry_run = apps::print_estimate; },
-        "say what the run would take, and do nothing else");
+        "print the estimated run time and memory, and stop; needs no --output");
     command->get_option("--output")->required(false);  // unless it runs
   };
   const auto add_permissions = [&](CLI::App* command) {
@@ -297,7 +373,8 @@ int run(int argc, char** argv) {
   CLI::App* section_command =
       app.add_subcommand("section", "properties of the case's cross-section, from its outline");
   add_case(section_command);
-  section_command->add_option("-o,--output", common.output, "draw it into this file, SVG");
+  section_command->add_option("-o,--output", common.output, "draw the section into this file")
+      ->type_name("FILE.svg|FILE.html");
   section_command->add_option("--name", section.name, "which of a structure's sections");
   section_command->add_flag("--json", section.json, "as JSON");
 
@@ -306,7 +383,8 @@ int run(int argc, char** argv) {
       app.add_subcommand("data", "what a measured file holds, and what is odd about it");
   data_command->add_option("FILE", measured.file, "delimited text, MATLAB or universal file")
       ->required();
-  data_command->add_option("-o,--output", measured.page, "draw it into this file, HTML");
+  data_command->add_option("-o,--output", measured.page, "draw the record into this file")
+      ->type_name("FILE.html");
   data_command->add_option("--to", measured.to,
                            "convert: csv, nc or uff, or the file to write with such an ending");
   data_command
@@ -317,7 +395,8 @@ int run(int argc, char** argv) {
   CLI::App* table_command = app.add_subcommand(
       "table", "run a design of experiments, train the emulator, measure its error");
   add_case(table_command);
-  add_output(table_command, "the table file to write, NetCDF");
+  add_output(table_command, "FILE.nc", "the table file to write, NetCDF");
+  add_json(table_command, "print the emulator's errors as JSON");
   add_seed(table_command, "of the fresh FE runs that measure the error (default 1)");
   add_threads(table_command);
   add_limits(table_command);
@@ -330,7 +409,8 @@ int run(int argc, char** argv) {
 
   CLI::App* damage_command = app.add_subcommand("damage", "how many damages, where, how bad");
   add_case(damage_command);
-  add_output(damage_command, "the folder to write results into");
+  add_output(damage_command, "FOLDER", kResults);
+  add_json(damage_command, kSummary);
   add_seed(damage_command, "of the chains (default 1)");
   add_threads(damage_command);
   add_sampling(damage_command);
@@ -342,7 +422,8 @@ int run(int argc, char** argv) {
 
   CLI::App* sid_command = app.add_subcommand("sid", "which equation of motion a record obeys");
   add_case(sid_command);
-  add_output(sid_command, "the folder to write results into");
+  add_output(sid_command, "FOLDER", kResults);
+  add_json(sid_command, kSummary);
   add_seed(sid_command, "of the chains (default 1)");
   add_threads(sid_command);
   add_sampling(sid_command);
@@ -355,7 +436,9 @@ int run(int argc, char** argv) {
   CLI::App* modal_command =
       app.add_subcommand("modal", "modes with their uncertainty, from records of a vibration");
   add_case(modal_command);
-  add_output(modal_command, "the folder to write results into");
+  add_output(modal_command, "FOLDER",
+             "the folder for the results: modes.json, summary.json and report.html");
+  add_json(modal_command, kSummary);
   add_threads(modal_command);
   add_dry_run(modal_command);
 
@@ -366,7 +449,9 @@ int run(int argc, char** argv) {
   batch_command->add_option("--set", common.overrides, "override every case: path.to.key=VALUE")
       ->take_all()
       ->allow_extra_args(false);
-  add_output(batch_command, "the folder to write into: batch.csv, and a folder a case");
+  add_output(batch_command, "FOLDER",
+             "the folder for the results: batch.csv, and one folder per case");
+  add_json(batch_command, "print the table as JSON");
   add_seed(batch_command, "of every run's chains (default 1)");
   add_threads(batch_command);
   add_sampling(batch_command);
@@ -379,7 +464,8 @@ int run(int argc, char** argv) {
   CLI::App* update_command =
       app.add_subcommand("update", "a structure's parameters from its measured modes");
   add_case(update_command);
-  add_output(update_command, "the folder to write results into");
+  add_output(update_command, "FOLDER", kResults);
+  add_json(update_command, kSummary);
   add_seed(update_command, "of the chains (default 1)");
   add_threads(update_command);
   add_sampling(update_command);
@@ -405,8 +491,9 @@ int run(int argc, char** argv) {
   CLI::App* simulate_command =
       app.add_subcommand("simulate", "synthetic data from the case's truth");
   add_case(simulate_command);
-  add_output(simulate_command,
+  add_output(simulate_command, "FILE",
              "the file to write: .csv, or .json for a complete damage or update case");
+  add_json(simulate_command, "print what was written as JSON");
   add_limits(simulate_command);
   add_seed(simulate_command, "of the noise (default: the case's, or 1)");
 
@@ -436,7 +523,9 @@ int run(int argc, char** argv) {
   init_command->add_option("KIND", starting, "damage, sid, update or modal")->required();
   init_command->add_option("--structure", start_structure,
                            "of damage: beam (unless given), frame, building or matrices");
-  init_command->add_option("-o,--output", start_in, "the folder to write into (default: this one)");
+  init_command
+      ->add_option("-o,--output", start_in, "the folder for the files (default: this folder)")
+      ->type_name("FOLDER");
 
   apps::LawsOptions laws;
   CLI::App* laws_command =
@@ -468,11 +557,14 @@ int run(int argc, char** argv) {
     const auto chosen = app.get_subcommands();
     std::string what = error.what();
     if (chosen.empty() && argc > 1 && argv[1][0] != '-') {
-      std::vector<std::string> names;
-      for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-      const std::string meant = apps::nearest(argv[1], names);
-      what = std::string("there is no command \"") + argv[1] + "\"" +
-             (meant.empty() ? "" : "; did you mean \"" + meant + "\"?");
+      what = apps::unknown_command(app, argv[1]);
+    }
+    if (!chosen.empty()) {
+      if (const std::string words = apps::unexpected_words(app, *chosen[0]); !words.empty())
+        what = words;
+      if (what == "CASE is required")
+        what += ": the path of a case file, e.g. wheeltap " + chosen[0]->get_name() + " case.json";
+      if (what == "--output is required") what = output_is_missing(*chosen[0]);
     }
     // The number may be the environment's, which nobody typed.
     const bool typed = std::any_of(argv + 1, argv + argc, [](const char* word) {
@@ -494,14 +586,15 @@ int run(int argc, char** argv) {
       base::ranks() = nullptr;
     }
   }
+  JsonOutput json(as_json, common);
   try {
     check_date_of_files();
     if (base::ranks() != nullptr) apps::require_equal_processors();
     for (const CLI::App* runs : {table_command, damage_command, sid_command, update_command,
                                  modal_command, batch_command}) {
       if (runs->parsed() && common.output.empty() && !common.dry_run) {
-        throw apps::Failure(Exit::usage,
-                            "--output is required (see wheeltap " + runs->get_name() + " --help)");
+        throw apps::Failure(Exit::usage, output_is_missing(*runs) + " (see wheeltap " +
+                                             runs->get_name() + " --help)");
       }
     }
     if (modes_command->parsed()) apps::run_modes(common, modes);
@@ -523,10 +616,12 @@ int run(int argc, char** argv) {
     if (explain_command->parsed()) std::cout << apps::explanation(key);
     if (completion_command->parsed()) std::cout << apps::completion(text_of(app), shell);
     if (man_command->parsed()) std::cout << apps::man_page(text_of(app));
+    json.print();
     return printed();
   } catch (const apps::FailedOnFirstRank&) {
     return static_cast<int>(Exit::done);  // that one says and returns what it was
   } catch (const std::exception&) {
+    json.print_said();
     const apps::Failure failure = apps::failure_of(std::current_exception(), common.case_path);
     return report(failure.exit(), failure.what());
   }

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "apps/case_remedies.hpp"
 #include "apps/csv_frequencies.hpp"
 #include "apps/damage_parts.hpp"
 #include "apps/modes_as_data.hpp"
@@ -192,7 +193,8 @@ class ModalDataParser {
       if (f < before)
         file_.refuse(has("file") ? where_ / "file" : where_ / "frequencies" / i,
                      "without shapes frequencies must increase: the first is the lowest elastic "
-                     "mode, and null stands for one that was not measured");
+                     "mode, and null stands for one that was not measured" +
+                         increasing(out_.frequencies_hz));
       before = f;
     }
   }
@@ -223,7 +225,7 @@ class ModalDataParser {
       out_.covariance = square(at, n);
     } else if (!sd.empty()) {
       if (static_cast<Index>(sd.size()) != n)
-        file_.refuse(at, "must have one value a mode: " + std::to_string(n) + ", has " +
+        file_.refuse(at, "must have one value per mode: " + std::to_string(n) + ", has " +
                              std::to_string(sd.size()));
       out_.covariance = MatrixXd::Zero(n, n);
       for (Index i = 0; i < n; ++i) {
@@ -238,7 +240,7 @@ class ModalDataParser {
     } else if (n > 0) {
       file_.refuse(where_ / "cov",
                    "is missing: say how exact the frequencies are, by \"cov\", \"sd\" or "
-                   "\"covariance\"");
+                   "\"covariance\"; write \"cov\": 0.005 for 0.5 % of each, for example");
     }
     if (!has("covariance")) return;
     std::vector<Index> measured;
@@ -369,9 +371,7 @@ class ModalDataParser {
     }
     if (!there.empty())
       file_.refuse(at / "direction", "no such direction here: " + place + " has " + listed(there));
-    const std::string meant = nearest(place, places);
-    file_.refuse(at / "node", "no degree of freedom has this place" +
-                                  (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+    file_.refuse(at / "node", "no degree of freedom has this place" + did_you_mean(place, places));
   }
 
   template <class List>
@@ -382,9 +382,7 @@ class ModalDataParser {
       if (list[i].name == name) return static_cast<int>(i);
       names.push_back(list[i].name);
     }
-    const std::string meant = nearest(name, names);
-    file_.refuse(at, "no " + what + " has this name" +
-                         (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+    file_.refuse(at, "no " + what + " has this name" + did_you_mean(name, names));
   }
 
   struct Along {

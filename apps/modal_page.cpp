@@ -71,7 +71,7 @@ std::string spectrum_path(const Report& spectrum, const Plot& plot, double top) 
   for (std::size_t i = 0; i < f.size(); ++i)
     path += (path.empty() ? "M" : "L") + fixed(plot.x(number(f.at(i))), 1) + " " +
             fixed(plot.y(top * (number(level.at(i)) - low) / std::max(high - low, 1e-9)), 1);
-  return "<path class=\"grid\" d=\"" + path + "\"/>\n";
+  return "<path class=\"spectrum\" d=\"" + path + "\"/>\n";
 }
 
 std::string diagram(const Report& set_up) {
@@ -239,9 +239,49 @@ std::string of_record(const Report& set_up, const std::string& level, bool alone
                   "spectra, in decibels; lines mark the modes.</p>\n";
   if (std::ranges::any_of(modes, [](const Report& m) { return !m.at("damping").is_null(); }))
     out += headed(level, "Damping, with 95 % intervals") + damping(modes, band_of(set_up));
-  out += rejected(set_up, level);
+  return out;
+}
+
+/// How the record was analysed.
+std::string procedure(const Report& set_up) {
+  std::string out;
   for (const Report& text : list_at(set_up.at("procedure"), "in_words"))
     out += "<p>" + escaped(text.get<std::string>()) + "</p>\n";
+  return out;
+}
+
+std::string headline_of(const Report& modes) {
+  if (modes.empty()) return "No modes were identified";
+  const auto hz = [](const Report& m) { return significant(number(m, "frequency_hz"), 4); };
+  if (modes.size() == 1) return "One mode at " + hz(modes.front()) + " Hz";
+  return std::to_string(modes.size()) + " modes from " + hz(modes.front()) + " to " +
+         hz(modes.back()) + " Hz";
+}
+
+std::vector<std::string> details_of(const Report& modes, std::size_t warnings) {
+  constexpr std::size_t kMost = 6;
+  std::vector<std::string> parts, doubtful;
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    const Report& m = modes.at(i);
+    std::string part = with_sd(number(m, "frequency_hz"), number(m, "frequency_sd")) + " Hz";
+    if (!m.at("damping").is_null())
+      part += " (damping " +
+              with_sd(100.0 * number(m, "damping"), 100.0 * number(m, "damping_sd")) + " %)";
+    if (i < kMost) parts.push_back(part);
+    if (!m.at("doubts").empty()) doubtful.push_back(std::to_string(i + 1));
+  }
+  std::vector<std::string> out;
+  if (!parts.empty())
+    out.push_back(
+        (modes.size() > kMost ? "The first " + std::to_string(kMost) + ": " : std::string()) +
+        in_words(parts) + ".");
+  if (!doubtful.empty())
+    out.push_back((doubtful.size() == 1 ? "Doubtful: mode " : "Doubtful: modes ") +
+                  in_words(doubtful) + ".");
+  if (warnings > 0)
+    out.push_back(std::to_string(warnings) +
+                  (warnings == 1 ? " warning stands" : " warnings stand") +
+                  " near the end of this page.");
   return out;
 }
 
@@ -259,12 +299,9 @@ std::string moving(const Report& drawing) {
          script_safe(drawing) + ", element));\n}\n</script>\n";
 }
 
-std::string shapes(const Report& summary, const MeasuredModes& modes) {
+std::string shapes(const MeasuredModes& modes) {
   if (modes.frequencies_hz.size() == 0) return {};
-  std::string out = "<h2>Mode shapes</h2>\n";
-  if (summary.contains("geometry"))
-    out += moving(modal_drawing(geometry_of(summary.at("geometry")), modes));
-  out += bar_figures(modes);
+  std::string out = "<h2>Mode shapes by channel</h2>\n" + bar_figures(modes);
   out +=
       "<p>Bars: shapes by channel, the largest entry 1, turned in the complex plane to be as "
       "real as they can be";
@@ -287,23 +324,38 @@ std::string shapes(const Report& summary, const MeasuredModes& modes) {
 
 std::string modal_page(const Report& summary, const MeasuredModes& modes) {
   const Report& list_of_modes = list_at(summary, "modes");
-  std::string out = page_head(modes.title) + list(list_at(summary.at("diagnostics"), "warnings"));
+  const Report& warnings = list_at(summary.at("diagnostics"), "warnings");
+  std::string out = page_head(modes.title, headline_of(list_of_modes),
+                              details_of(list_of_modes, warnings.size()));
   const bool merged = summary.contains("set_ups");
+  if (summary.contains("geometry") && modes.frequencies_hz.size() > 0)
+    out += "<h2>Mode shapes</h2>\n" +
+           moving(modal_drawing(geometry_of(summary.at("geometry")), modes));
   if (!list_of_modes.empty())
     out += "<h2>Modes</h2>\n" + (merged ? merged_table(list_of_modes) : table(list_of_modes));
   out += modes.covariance.size() > 0 ? "<p>± is one standard deviation." : "<p>";
   if (merged) out += " " + escaped(summary.at("merging").at("in_words").get<std::string>());
-  out += "</p>\n" + shapes(summary, modes);
-  if (!merged) return out + of_record(summary, "h2", true) + "</body>\n</html>\n";
-  const Report& set_ups = list_at(summary, "set_ups");
-  if (!list_of_modes.empty())
-    out += "<h2>Damping, with 95 % intervals</h2>\n" +
-           damping(list_of_modes, band_of(set_ups.at(0))) + "<h2>Set-ups against the whole</h2>\n" +
-           agreement(list_of_modes, set_ups);
-  for (const Report& set_up : set_ups)
-    out += "<h2>" + escaped(set_up.at("file").get<std::string>()) + "</h2>\n" +
-           of_record(set_up, "h3", false);
-  return out + "</body>\n</html>\n";
+  out += "</p>\n";
+  if (!merged) {
+    out += of_record(summary, "h2", true) + shapes(modes);
+  } else {
+    const Report& set_ups = list_at(summary, "set_ups");
+    if (!list_of_modes.empty())
+      out += "<h2>Damping, with 95 % intervals</h2>\n" +
+             damping(list_of_modes, band_of(set_ups.at(0))) +
+             "<h2>Set-ups against the whole</h2>\n" + agreement(list_of_modes, set_ups);
+    out += shapes(modes);
+    for (const Report& set_up : set_ups)
+      out += "<h2>" + escaped(set_up.at("file").get<std::string>()) + "</h2>\n" +
+             of_record(set_up, "h3", false);
+  }
+  out += "<h2 id=\"warnings\">Warnings</h2>\n" +
+         (warnings.empty() ? std::string("<p>No warnings.</p>\n") : list(warnings));
+  if (!merged) return out + rejected(summary, "h2") + procedure(summary) + page_end();
+  for (const Report& set_up : list_at(summary, "set_ups"))
+    out += "<h2>" + escaped(set_up.at("file").get<std::string>()) + ": diagnostics</h2>\n" +
+           rejected(set_up, "h3") + procedure(set_up);
+  return out + page_end();
 }
 
 }  // namespace wheeltap::apps

@@ -21,13 +21,40 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
+  const auto small = [](std::string_view text) {
+    std::string out(text);
+    for (char& c : out)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return out;
+  };
+  for (const std::string& candidate : candidates)
+    if (candidate != word && small(candidate) == small(word)) return candidate;
   std::string found;
   std::size_t best = word.size() / 3 + 2;
   for (const std::string& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
     if (distance < best) best = distance, found = candidate;
   }
+  if (!found.empty()) return found;
+  constexpr std::size_t kFewest = 4;  // letters that say enough
+  for (const std::string& candidate : candidates) {
+    const bool within = candidate.size() >= kFewest && word.find(candidate) != word.npos;
+    const bool begun = word.size() >= kFewest && std::string_view(candidate).starts_with(word);
+    if ((within || begun) && candidate.size() > found.size()) found = candidate;
+  }
   return found;
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 20;
+  const std::string meant = nearest(word, names);
+  std::string text = meant.empty() ? "" : "; did you mean \"" + meant + "\"?";
+  if (names.empty()) return text;
+  text += meant.empty() ? "; there are: " : " (there are: ";
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+    text += (i == 0 ? "" : ", ") + names[i];
+  if (names.size() > kMost) text += ", ...";
+  return meant.empty() ? text : text + ")";
 }
 
 }  // namespace wheeltap::apps

@@ -11,7 +11,13 @@ namespace wheeltap::apps {
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The candidate nearest to `word`; empty where none is nearer than a third of the word and one.
+/// Next to these comes the longest candidate of four letters or more that `word` contains
+/// ("frequencies_hz"), or that begins with `word` ("freq").
 [[nodiscard]] std::string nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);
+
+/// "; did you mean "B"? (there are: A, B, C)": the nearest of the names, and the first twenty.
+[[nodiscard]] std::string did_you_mean(std::string_view word,
+                                       const std::vector<std::string>& names);
 
 }  // namespace wheeltap::apps

@@ -135,9 +135,7 @@ void take_order(const CaseFile& file, const std::vector<std::string>& unknowns, 
   for (std::size_t i = 0; i < out.names.size(); ++i) {
     const auto found = std::ranges::find(unknowns, out.names[i]);
     if (found == unknowns.end()) {
-      const std::string meant = nearest(out.names[i], unknowns);
-      file.refuse(where / i, "no parameter has this name" +
-                                 (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+      file.refuse(where / i, "no parameter has this name" + did_you_mean(out.names[i], unknowns));
     }
     const auto at = static_cast<int>(found - unknowns.begin());
     if (std::ranges::find(out.order, at) != out.order.end())

@@ -62,6 +62,15 @@ void print_estimate(const std::string& what, const RunCost& cost) {
   std::cout << "The " << what << " would take " << in_words(cost) << ".\n";
 }
 
+std::string estimate_json(const std::string& what, const RunCost& cost) {
+  return Json({{"what", what},
+               {"memory_bytes", cost.bytes},
+               {"disk_bytes", cost.disk},
+               {"likelihoods", cost.likelihoods},
+               {"seconds", cost.seconds}})
+      .dump();
+}
+
 void require_affordable(const CaseFile& file, const Pointer& where, const RunCost& cost,
                         const CommonOptions& common) {
   const auto refuse = [&](const std::string& option, double limit, const std::string& unit) {

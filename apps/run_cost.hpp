@@ -29,6 +29,9 @@ struct RunCost {
 /// Says so of a "run", a "table", on standard output: CommonOptions::dry_run of one case.
 void print_estimate(const std::string& what, const RunCost& cost);
 
+/// The same as JSON text: "what", "memory_bytes", "disk_bytes", "likelihoods", "seconds".
+[[nodiscard]] std::string estimate_json(const std::string& what, const RunCost& cost);
+
 /// Throws Failure (65) at `where` for what takes more than --max-memory, --max-hours or --max-disk
 /// allow, with the estimate in words.
 void require_affordable(const CaseFile& file, const Pointer& where, const RunCost& cost,

@@ -247,4 +247,9 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   file.commit();
 }
 
+std::string written_data(const std::filesystem::path& path, const std::string& origin,
+                         std::size_t count, const std::string& key) {
+  return Report({{"file", path.string()}, {"origin", origin}, {key, count}}).dump();
+}
+
 }  // namespace wheeltap::apps

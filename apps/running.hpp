@@ -106,4 +106,8 @@ void claim_output_folder(const std::filesystem::path& directory);
 /// The whole file at once. Throws io::FileError.
 void write_text(const std::filesystem::path& path, const std::string& text);
 
+/// What `simulate --json` prints: {"file", "origin", KEY: count}, as JSON text.
+[[nodiscard]] std::string written_data(const std::filesystem::path& path, const std::string& origin,
+                                       std::size_t count, const std::string& key);
+
 }  // namespace wheeltap::apps

@@ -13,6 +13,7 @@
 #include "apps/section_figure.hpp"
 #include "apps/structure_words.hpp"
 #include "apps/summary.hpp"
+#include "apps/svg_plot.hpp"
 #include "apps/words.hpp"
 #include "fem/section.hpp"
 #include "identification/structure_plausibility.hpp"
@@ -238,6 +239,23 @@ std::string least_settled(const fem::SectionErrors& errors) {
   return std::string("the ") + most.second + " by " + significant(100.0 * most.first, 2) + " %";
 }
 
+/// The figure on a page in the design of the reports.
+std::string section_page(const MeshedSection& section, const std::string& title) {
+  const fem::SectionProperties& p = section.analysis.properties;
+  const auto of = [](double x, const char* unit) { return significant(x, 5) + " " + unit; };
+  const std::string figure = section_figure(section, title);
+  return page_head(title.empty() ? "Cross-section" : title,
+                   "A = " + of(p.area, "m²") + ", I_yy = " + of(p.second_moments.yy, "m⁴") +
+                       ", I_zz = " + of(p.second_moments.zz, "m⁴"),
+                   {"I_yz = " + of(p.second_moments.yz, "m⁴") +
+                    ", torsion constant J = " + of(p.torsion_constant, "m⁴") +
+                    ", warping constant " + of(p.warping_constant, "m⁶") +
+                    "; shear centre from the centroid: (" + significant(p.shear_centre.x(), 5) +
+                    ", " + significant(p.shear_centre.y(), 5) + ") m."}) +
+         "<h2>The section and its mesh</h2>\n<div class=\"panel\">" + figure + "</div>\n" +
+         page_end();
+}
+
 }  // namespace
 
 void run_section(const CommonOptions& common, const SectionOptions& options) {
@@ -258,7 +276,10 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
                             least_settled(a.errors) +
                             ". Leave out details of the outline that "
                             "do not matter, such as very short edges and very thin parts");
-    if (!common.output.empty()) write_text(common.output, section_figure(section, found.title));
+    if (!common.output.empty())
+      write_text(common.output, common.output.extension() == ".html"
+                                    ? section_page(section, found.title)
+                                    : section_figure(section, found.title));
     if (options.json)
       std::cout << as_json(found, section, material).dump(2) << '\n';
     else

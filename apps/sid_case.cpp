@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <map>
 
+#include "apps/case_remedies.hpp"
 #include "apps/draw_columns.hpp"
 #include "apps/law_words.hpp"
+#include "apps/nearest.hpp"
 #include "apps/sid_record.hpp"
 #include "apps/sid_truth.hpp"
 #include "identification/sid_discovery.hpp"
@@ -77,7 +79,7 @@ class Parser {
       names.push_back(out_.parameters[p].name);
       if (names.back() == name) return static_cast<int>(p);
     }
-    file_.refuse(where, "no parameter has this name; /parameters holds: " + listed(names));
+    file_.refuse(where, unknown_parameter(name, names));
   }
 
   /// A number or a parameter, held to the bounds.
@@ -95,19 +97,15 @@ class Parser {
   /// A parameter, held to the bounds of what stands at `where`.
   Coefficient use(int p, const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const inference::Prior& prior = out_.parameters[static_cast<std::size_t>(p)].prior;
-    const auto refuse = [&](const std::string& reaches, const std::string& advice) {
-      file_.refuse(Pointer("/parameters") / out_.parameters[static_cast<std::size_t>(p)].name,
-                   reaches + ", but " + where.to_string() + " must be " + bounds_in_words(bounds) +
-                       ": " + advice);
+    const auto refuse = [&](const std::string& reaches) {
+      const Pointer of_prior =
+          Pointer("/parameters") / out_.parameters[static_cast<std::size_t>(p)].name;
+      file_.refuse(of_prior, reaches + ", but " + where.to_string() + " must be " +
+                                 bounds_in_words(bounds) +
+                                 kept_within(file_, of_prior, bounds.lower, bounds.upper));
     };
-    if (prior.lower() < bounds.lower) {
-      refuse("reaches down to " + plain_number(prior.lower()),
-             "use a prior on [" + plain_number(bounds.lower) +
-                 ", ∞), e.g. \"truncated_normal\" or \"log_normal\"");
-    }
-    if (prior.upper() > bounds.upper) {
-      refuse("reaches up to " + plain_number(prior.upper()), "use a prior that ends there");
-    }
+    if (prior.lower() < bounds.lower) refuse("reaches down to " + plain_number(prior.lower()));
+    if (prior.upper() > bounds.upper) refuse("reaches up to " + plain_number(prior.upper()));
     used_[static_cast<std::size_t>(p)] = true;
     return Coefficient::of_parameter(p);
   }
@@ -332,7 +330,7 @@ class Parser {
     if (info == infos.end()) {
       std::vector<std::string> names;
       for (const auto& other : infos) names.emplace_back(other.name);
-      file_.refuse(where, "no law has this name; there are: " + listed(names));
+      file_.refuse(where, "no law has this name" + did_you_mean(name, names));
     }
     SidTerm term{.link = index, .law = {.kind = static_cast<int>(info - infos.begin())}};
     const Pointer given = where / name;
@@ -584,8 +582,11 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
     for (std::size_t other = 0; other < used.size(); ++other)
       if (used[other]) names.push_back(out.sid.parameters[other].name);
     const std::string& name = out.sid.parameters[p].name;
-    out.file.refuse(Pointer("/parameters") / name,
-                    "this parameter is used nowhere; used are " + listed(names));
+    out.file.refuse(
+        Pointer("/parameters") / name,
+        "this parameter is used nowhere: write its name in place of a number, or remove it "
+        "(used are: " +
+            listed(names) + ")");
   }
   if (needs == SidNeeds::record) check_windows(out);
   return out;

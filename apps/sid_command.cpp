@@ -168,6 +168,9 @@ void simulate_sid(const CommonOptions& common, CaseFile file) {
   write_text(common.output,
              signals::record_csv(record, title + ", simulated by wheeltap " + WHEELTAP_VERSION +
                                              ", seed " + std::to_string(seed)));
+  if (common.as_json)
+    common.as_json(written_data(common.output, "simulated, seed " + std::to_string(seed),
+                                static_cast<std::size_t>(record.samples()), "samples"));
   if (!common.quiet) {
     std::cout << record.samples() << " samples of " << record.columns.size()
               << " columns: " << io::printable(common.output.string()) << '\n';

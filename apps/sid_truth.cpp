@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/nearest.hpp"
 #include "apps/sid_record.hpp"
 #include "base/constants.hpp"
 
@@ -122,7 +123,7 @@ void parse_truth(SidCaseFile& parsed) {
       for (const int used : out.parameters_of(*found))
         names.push_back(out.parameters[static_cast<std::size_t>(used)].name);
       file.refuse(where / "parameters" / name,
-                  "no parameter has this name; the true model has " + listed(names));
+                  "no parameter of the true model has this name" + did_you_mean(name, names));
     }
     truth.theta[static_cast<std::size_t>(p - out.parameters.begin())] = value;
   }

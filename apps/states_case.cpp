@@ -135,9 +135,7 @@ class MassParser {
 
   [[noreturn]] void refuse_name(const Pointer& at, const std::string& name,
                                 const std::vector<std::string>& names) const {
-    const std::string meant = nearest(name, names);
-    file_.refuse(at / "node", "nothing has this name" +
-                                  (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+    file_.refuse(at / "node", "nothing has this name" + did_you_mean(name, names));
   }
 
   const CaseFile& file_;

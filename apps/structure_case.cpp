@@ -100,9 +100,7 @@ class MemberParser {
     if (found != s_.nodes.end()) return static_cast<int>(found - s_.nodes.begin());
     std::vector<std::string> names;
     for (const auto& node : s_.nodes) names.push_back(node.name);
-    const std::string meant = nearest(name, names);
-    file_.refuse(where, "no node has this name" +
-                            (meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+    file_.refuse(where, "no node has this name" + did_you_mean(name, names));
   }
 
   [[nodiscard]] Direction direction(const Pointer& where, const std::string& name) const {

@@ -155,9 +155,8 @@ class KindParser {
   int find(const Pointer& where, const Places& places, const std::string& name) const {
     const auto found = std::ranges::find(places.names, name);
     if (found != places.names.end()) return static_cast<int>(found - places.names.begin());
-    const std::string near = nearest(name, places.names);
-    file_.refuse(where, "there is no " + places.what + " of this name" +
-                            (near.empty() ? std::string() : "; is it \"" + near + "\"?"));
+    file_.refuse(where,
+                 "there is no " + places.what + " of this name" + did_you_mean(name, places.names));
   }
 
   /// A site by its name, or by its number in the case's order.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "apps/case_remedies.hpp"
 #include "apps/law_words.hpp"
-#include "apps/nearest.hpp"
 
 namespace wheeltap::apps {
 
@@ -34,19 +34,16 @@ Coefficient StructureParameters::coefficient(const Pointer& where, const Bounds&
   if (found == parameters_.end()) {
     std::vector<std::string> names;
     for (const auto& parameter : parameters_) names.push_back(parameter.name);
-    const std::string meant = nearest(name, names);
-    file_.refuse(where, "no parameter has this name" +
-                            (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
-                            " (/parameters holds: " + listed(names) + ")");
+    file_.refuse(where, unknown_parameter(name, names));
   }
   const inference::Prior& prior = found->prior;
   const Pointer of_prior = Pointer("/parameters") / name;
-  if (prior.lower() < bounds.lower)
-    file_.refuse(of_prior, "reaches down to " + plain_number(prior.lower()) + ", but " +
-                               where.to_string() + " " + must);
-  if (prior.upper() > bounds.upper)
-    file_.refuse(of_prior, "reaches up to " + plain_number(prior.upper()) + ", but " +
-                               where.to_string() + " " + must);
+  const auto refuse_prior = [&](const std::string& reaches) {
+    file_.refuse(of_prior, reaches + ", but " + where.to_string() + " " + must +
+                               kept_within(file_, of_prior, bounds.lower, bounds.upper));
+  };
+  if (prior.lower() < bounds.lower) refuse_prior("reaches down to " + plain_number(prior.lower()));
+  if (prior.upper() > bounds.upper) refuse_prior("reaches up to " + plain_number(prior.upper()));
   const auto p = found - parameters_.begin();
   used_[static_cast<std::size_t>(p)] = true;
   return {.nominal = prior.from_standard_normal(0.0), .parameter = static_cast<int>(p)};
@@ -80,8 +77,10 @@ std::vector<double> StructureParameters::nominal() const {
 identification::StructureModel StructureParameters::model(AnyStructure nominal) && {
   for (std::size_t p = 0; p < parameters_.size(); ++p)
     if (!used_[p])
-      file_.refuse(Pointer("/parameters") / parameters_[p].name,
-                   "no coefficient of the structure has this name: data cannot tell of it");
+      file_.refuse(
+          Pointer("/parameters") / parameters_[p].name,
+          "no coefficient of the structure has this name, so the data say nothing about it: "
+          "write its name in place of a number, or remove it");
   identification::StructureModel model{.nominal = std::move(nominal),
                                        .parameters = std::move(parameters_)};
   for (auto& places : setters_)

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/report/assets.hpp"
 #include "apps/words.hpp"
 #include "base/number.hpp"
 #include "io/text.hpp"
@@ -9,7 +10,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr double kWidth = 560.0, kLeft = 64.0, kBottom = 34.0, kTop = 10.0;
+constexpr double kWidth = 560.0, kLeft = 64.0, kBottom = 40.0, kTop = 26.0;
 
 /// Round numbers across a range.
 std::vector<double> ticks(double low, double high, int about) {
@@ -28,29 +29,29 @@ std::vector<double> ticks(double low, double high, int about) {
   return out;
 }
 
+// Beside report.css, whose design these pages share.
 constexpr const char* kPageStyle = R"(
-:root { color-scheme: light dark; }
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.5rem; } h2 { font-size: 1.1rem; margin: 2rem 0 .25rem; overflow-wrap: anywhere; }
-p, ul { margin: .25rem 0; } .odd { color: light-dark(#9a3412, #fdba74); }
-.pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(30rem, 100%), 1fr)); gap: 1rem; }
-svg { width: 100%; height: auto; } svg text { font: 11px system-ui, sans-serif; fill: currentColor; }
-.grid { stroke: light-dark(#e2e8f0, #334155); fill: none; }
-.line { stroke: light-dark(#1d4ed8, #93c5fd); fill: none; stroke-width: 1; }
-.pole { fill: light-dark(#94a3b8, #64748b); } .kept { fill: light-dark(#1d4ed8, #93c5fd); stroke: light-dark(#1d4ed8, #93c5fd); }
-.chosen { fill: none; stroke: light-dark(#dc2626, #f87171); }
-table { border-collapse: collapse; } td, th { padding: .2rem .7rem; text-align: right; }
-.line.bar { fill: light-dark(#93b4f5, #3b5b9e); } .doubt.bar { fill: light-dark(#f3c1a5, #7c3a1c); }
-.doubt { stroke: light-dark(#c2410c, #fdba74); fill: none; } .whisker { stroke: currentColor; fill: none; }
-.cell { fill: light-dark(#1d4ed8, #93c5fd); } table { font-variant-numeric: tabular-nums; } td { white-space: nowrap; } td.odd { white-space: normal; min-width: 14rem; text-align: left; }
+.odd { color: var(--caution); }
+ul.odd { list-style: none; padding: 0; margin: .75rem 0; display: grid; gap: .5rem; }
+ul.odd li { color: var(--ink); border-left: 3px solid var(--caution); background: var(--caution-paper); padding: .5rem .9rem;
+  border-radius: 0 6px 6px 0; max-width: 54rem; }
+main h3 { margin: 1.5rem 0 .25rem; }
+.pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr)); gap: 1rem 2rem; }
+main svg { width: 100%; height: auto; } main svg text { font: 11px system-ui, sans-serif; fill: currentColor; }
+svg.plot { max-width: 46rem; display: block; }
+.grid { stroke: var(--line); fill: none; } .spectrum { stroke: var(--soft); fill: none; }
+.line { stroke: var(--accent); fill: none; stroke-width: 1; }
+.pole { fill: var(--soft); } .kept { fill: var(--accent); stroke: var(--accent); }
+.chosen { fill: none; stroke: var(--caution); stroke-width: 1.5; }
+.line.bar { fill: var(--accent); fill-opacity: .45; } .doubt.bar { fill: var(--caution); fill-opacity: .35; }
+.doubt { stroke: var(--caution); fill: none; } .whisker { stroke: currentColor; fill: none; }
+.cell { fill: var(--accent); }
+td.odd { white-space: normal; min-width: 14rem; text-align: left; }
 .small { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(11rem, 100%), 1fr)); gap: .5rem; }
-.scroll { overflow-x: auto; } figure { margin: 0; } figcaption { font-size: .9rem; }
-.tools { display: flex; flex-wrap: wrap; gap: .25rem 1rem; } svg.shape { display: block; max-height: 26rem; }
-svg.shape path { fill: none; stroke-linejoin: round; stroke-linecap: round; }
-svg.shape .rest { stroke: light-dark(#94a3b8, #64748b); stroke-width: var(--unit); }
-svg.shape .moving { stroke: light-dark(#1d4ed8, #93c5fd); stroke-width: calc(2.5 * var(--unit)); }
-svg.turns { cursor: grab; touch-action: none; } select, button { font: inherit; max-width: 100%; }
-.mark { stroke: light-dark(#dc2626, #f87171); fill: none; stroke-dasharray: 3 3; }
+.mark { stroke: var(--caution); fill: none; stroke-dasharray: 3 3; }
+.panel { background: #fff; border-radius: 10px; padding: .5rem; max-width: 40rem; }
+.panel svg text { fill: #222; }
+@media (max-width: 40rem) { svg.plot text { font-size: 16px; } svg.plot .between { display: none; } }
 )";
 
 }  // namespace
@@ -66,12 +67,25 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string page_head(const std::string& title) {
-  return "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\">"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
-         "<title>" +
-         escaped(title) + "</title><style>" + kPageStyle + "</style></head>\n<body>\n<h1>" +
-         escaped(title) + "</h1>\n";
+std::string page_head(const std::string& title, const std::string& headline,
+                      const std::vector<std::string>& details) {
+  std::string out =
+      "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
+      "<meta name=\"color-scheme\" content=\"light dark\"><link rel=\"icon\" href=\"data:,\">"
+      "<title>" +
+      escaped(title) + "</title><style>" + std::string(assets::kStyle) + kPageStyle +
+      "</style></head>\n<body>\n<header>\n<p class=\"brand\">Wheeltap report</p>\n"
+      "<h1 dir=\"auto\">" +
+      escaped(title) + "</h1>\n<section class=\"answer\" aria-label=\"The answer\">\n" +
+      "<p class=\"headline\">" + escaped(headline) + "</p>\n";
+  for (const std::string& detail : details)
+    out += "<p class=\"detail\">" + escaped(detail) + "</p>\n";
+  return out + "</section>\n</header>\n<main>\n";
+}
+
+std::string page_end() {
+  return "</main>\n</body>\n</html>\n";
 }
 
 Plot::Plot(double x0, double x1, double y0, double y1, double height)
@@ -93,13 +107,16 @@ double Plot::y(double value) const {
 
 std::string Plot::framed(const std::string& label, const std::string& horizontal,
                          const std::string& vertical, const std::string& inside) const {
-  std::string out = "<svg role=\"img\" aria-label=\"" + escaped(label) + "\" viewBox=\"0 0 " +
-                    fixed(kWidth, 0) + " " + fixed(height_, 0) + "\">\n";
+  std::string out = "<svg class=\"plot\" role=\"img\" aria-label=\"" + escaped(label) +
+                    "\" viewBox=\"0 0 " + fixed(kWidth, 0) + " " + fixed(height_, 0) + "\">\n";
+  // On narrow screens every second label goes (class "between"), so that larger ones have room.
+  int number = 0;
   for (const double t : ticks(x0_, x1_, 6))
     out += "<path class=\"grid\" d=\"M" + fixed(x(t), 1) + " " + fixed(kTop, 1) + "V" +
-           fixed(height_ - kBottom, 1) + "\"/><text text-anchor=\"middle\" x=\"" + fixed(x(t), 1) +
-           "\" y=\"" + fixed(height_ - kBottom + 13.0, 1) + "\">" + base::significant(t, 4) +
-           "</text>\n";
+           fixed(height_ - kBottom, 1) + "\"/><text" +
+           (number++ % 2 == 1 ? " class=\"between\"" : "") + " text-anchor=\"middle\" x=\"" +
+           fixed(x(t), 1) + "\" y=\"" + fixed(height_ - kBottom + 15.0, 1) + "\">" +
+           base::significant(t, 4) + "</text>\n";
   for (const double t : ticks(y0_, y1_, 4))
     out += "<path class=\"grid\" d=\"M" + fixed(kLeft, 1) + " " + fixed(y(t), 1) + "H" +
            fixed(kWidth - 8.0, 1) + "\"/><text text-anchor=\"end\" x=\"" + fixed(kLeft - 5.0, 1) +
@@ -107,8 +124,7 @@ std::string Plot::framed(const std::string& label, const std::string& horizontal
   out += inside;
   out += "<text text-anchor=\"middle\" x=\"" + fixed(0.5 * (kLeft + kWidth), 1) + "\" y=\"" +
          fixed(height_ - 5.0, 1) + "\">" + escaped(horizontal) + "</text>\n";
-  out += "<text transform=\"translate(12 " + fixed(0.5 * (height_ - kBottom), 1) +
-         ") rotate(-90)\" text-anchor=\"middle\">" + escaped(vertical) + "</text>\n";
+  out += "<text x=\"4\" y=\"14\">" + escaped(vertical) + "</text>\n";
   return out + "</svg>\n";
 }
 

@@ -9,13 +9,16 @@ namespace wheeltap::apps {
 /// Text for HTML, one printable line.
 [[nodiscard]] std::string escaped(const std::string& text);
 
-/// A page's head up to its heading, and the classes that Plot uses.
-[[nodiscard]] std::string page_head(const std::string& title);
+/// A page in the design of the reports, up to its answer: a headline, and paragraphs below it; and
+/// the classes that Plot uses.
+[[nodiscard]] std::string page_head(const std::string& title, const std::string& headline,
+                                    const std::vector<std::string>& details);
+[[nodiscard]] std::string page_end();
 
 /// Axes over a range; a range without extent is widened.
 class Plot {
  public:
-  Plot(double x0, double x1, double y0, double y1, double height = 180.0);
+  Plot(double x0, double x1, double y0, double y1, double height = 200.0);
 
   /// Places on the drawing.
   [[nodiscard]] double x(double value) const;

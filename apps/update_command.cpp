@@ -71,6 +71,9 @@ void simulate_update(const CommonOptions& common, CaseFile file) {
                                    ".json");
   const SimulatedCase simulated = simulated_update(std::move(file), common.seed);
   write_text(common.output, simulated.json.dump(2) + "\n");
+  if (common.as_json)
+    common.as_json(written_data(common.output, simulated.origin,
+                                static_cast<std::size_t>(simulated.modes), "modes"));
   if (!common.quiet)
     std::cout << simulated.modes << " modes (" << simulated.origin
               << "): " << io::printable(common.output.string()) << '\n';

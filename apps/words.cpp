@@ -48,6 +48,18 @@ std::string percent(double probability) {
   return significant(100.0 * probability, probability < 0.0995 ? 2 : 3) + " %";
 }
 
+std::string percent(double probability, double error) {
+  if (!std::isfinite(error)) return percent(probability);
+  if (probability > 0.999 || probability < 0.001) {
+    if (2.0 * error <= 0.001) return percent(probability);
+    const double least = std::floor(100.0 * std::max(0.0, probability - 2.0 * error));
+    const double most = std::ceil(100.0 * std::min(1.0, probability + 2.0 * error));
+    return probability > 0.5 ? "> " + fixed(std::min(least, 99.0), 0) + " %"
+                             : "< " + fixed(std::max(most, 1.0), 0) + " %";
+  }
+  return percent(probability) + " ± " + significant(100.0 * error, 2) + " %";
+}
+
 std::string probability_is(double probability) {
   const std::string text = percent(probability);
   return text[0] == '<' || text[0] == '>' ? "P " + text : "P = " + text;

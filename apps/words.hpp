@@ -25,6 +25,9 @@ using base::grouped;
 [[nodiscard]] std::string rounded_count(double x);
 /// "75 %", "> 99.9 %", "< 0.1 %".
 [[nodiscard]] std::string percent(double probability);
+/// "75 % ± 2 %" with its Monte Carlo error; near 0 and 1 a bound alone, two errors away where these
+/// exceed 0.1 %: "> 99.9 %", "> 72 %".
+[[nodiscard]] std::string percent(double probability, double error);
 /// "P = 75 %", "P > 99.9 %".
 [[nodiscard]] std::string probability_is(double probability);
 /// "p 0.03", "p < 1e-15".

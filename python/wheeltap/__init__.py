@@ -6,6 +6,10 @@
 
 Cases are files or dictionaries of the same content. The page docs/python.md shows every function at work.
 """
+from ._compiled import require_compiled_module
+
+require_compiled_module()
+
 from ._cases import (beam, beta, gamma, half_normal, inverse_gamma, log_normal, log_uniform, normal, rectangle, schema,
                      student_t, table, truncated_normal, uniform)
 from ._core import CaseError, Chain, FileError, Progress, __version__

@@ -3,6 +3,7 @@ import _thread
 import json
 import os
 import pickle
+import shutil
 import signal
 import subprocess
 import sys
@@ -24,6 +25,15 @@ class Errors(unittest.TestCase):
         with open(path, "w") as f:
             json.dump(case, f)
         return path
+
+    def test_an_import_without_the_compiled_module_names_the_build_command(self):
+        package = os.path.join(self.folder.name, "wheeltap")
+        shutil.copytree(os.path.dirname(wt.__file__), package, ignore=shutil.ignore_patterns("_core*.so", "__pycache__"))
+        run = subprocess.run([sys.executable, "-c", "import wheeltap"], capture_output=True, text=True,
+                             env={**os.environ, "PYTHONPATH": self.folder.name})
+        self.assertNotEqual(run.returncode, 0)
+        self.assertIn("scripts/build release wheeltap_python", run.stderr)
+        self.assertNotIn("circular", run.stderr)
 
     def test_case_errors_are_the_programs_line(self):
         wrong = []
