@@ -60,7 +60,7 @@ TEST_F(Formats, UnknownOnesAreRefusedWithThoseThatAreKnown) {
   EXPECT_EQ(
       error("r.xlsx", Kind::foreign),
       "no format with the ending '.xlsx' is known, there are delimited text (.csv, .tsv, "
-      ".txt, .dat, .asc, .data, .tab, .prn, no ending); MATLAB (.mat); universal file (.uff, .unv, "
+      ".txt, .dat, .asc, .data, .tab, .prn, .log, .ascii, .out, no ending); MATLAB (.mat); universal file (.uff, .unv, "
       ".uf); LabVIEW (.lvm); NetCDF or HDF5 (.nc, .h5, .hdf5, .hdf, .cdf)");
 }
 
