@@ -93,6 +93,7 @@ std::string data_page(const MeasuredFile& file) {
                base::significant(static_cast<double>(table.rows()) / *table.sample_rate_hz, 4) +
                " s)";
     out += "<p>" + about + ".</p>\n";
+    for (const std::string& text : reading_in_words(table)) out += "<p>" + escaped(text) + "</p>\n";
     if (!table.sampling_fault.empty())
       out += "<p class=\"odd\">" + escaped(table.sampling_fault) + "</p>\n";
     for (const MeasuredChannel& channel : table.channels) {

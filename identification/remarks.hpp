@@ -9,6 +9,7 @@
 
 #include "identification/fit_verdict.hpp"
 #include "inference/evidence/evidence_warning.hpp"
+#include "signals/record.hpp"
 
 namespace wheeltap::identification {
 
@@ -176,6 +177,10 @@ struct UnknownUnits {
   };
   std::vector<Channel> channels;
 };
+/// Time steps differ by less than what is refused.
+struct UnevenTime {
+  signals::Sampling sampling;
+};
 /// Responses are absolute, and the base's displacement was integrated from its acceleration.
 struct BaseIntegrated {};
 /// The most probable model does not explain the record, and another that is still possible does.
@@ -291,10 +296,11 @@ using Remark =
                  remark::LargestCount, remark::SeverityAtBound, remark::EmulatorBlind,
                  remark::EmulatorMoved, remark::TruthOutsidePriors, remark::ResponsesOutOfReach,
                  remark::NoiseAboveResponse, remark::PeculiarWindow, remark::LinearExcitation,
-                 remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
-                 remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
-                 remark::NoiseMisstated, remark::MostProbableFails, remark::ColouredResiduals,
-                 remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound,
-                 remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
+                 remark::UnevenTime, remark::UnknownUnits, remark::BaseIntegrated,
+                 remark::MostlyNoise, remark::InitialStateInferred, remark::StepsTooLong,
+                 remark::MeansDoNotGoTogether, remark::NoiseMisstated, remark::MostProbableFails,
+                 remark::ColouredResiduals, remark::ParameterAtBound, remark::ScatterBetweenWindows,
+                 remark::WindowsUnsound, remark::ChangesTakenForExact, remark::SpuriousMode,
+                 remark::StopNotReached>;
 
 }  // namespace wheeltap::identification
