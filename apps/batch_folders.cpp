@@ -74,10 +74,9 @@ void BatchFolders::keep() const {
   Report folders = Report::array();
   for (const auto& [place, names] : of_)
     for (const std::string& name : names) folders.push_back({{"case", place}, {"folder", name}});
-  write_text(folder_ / kBatchFolders,
-             Report{{"format", kFormat}, {"folders", folders}}.dump(1, ' ', false,
-                                                                Report::error_handler_t::replace) +
-                 "\n");
+  write_text(folder_ / kBatchFolders, Report{{"format", kFormat}, {"folders", folders}}.dump(
+                                          1, ' ', false, Report::error_handler_t::replace) +
+                                          "\n");
 }
 
 }  // namespace wheeltap::apps

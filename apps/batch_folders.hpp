@@ -17,8 +17,8 @@ inline constexpr const char* kBatchFolders = "batch.json";
 /// {"format": 1, "folders": [{"case": "../a/case.json", "folder": "case"}, …]}.
 class BatchFolders {
  public:
-  /// With `resume`, begins with what `folder` keeps. Throws io::FileError (foreign) where batch.json
-  /// is none of ours, which is not written over.
+  /// With `resume`, begins with what `folder` keeps. Throws io::FileError (foreign) where
+  /// batch.json is none of ours, which is not written over.
   BatchFolders(std::filesystem::path folder, bool resume);
 
   /// Sets name and place: the folder that the path has, of the n-th time that it is in the list the

@@ -14,8 +14,9 @@ struct BatchCase {
 };
 
 /// One path a line, relative to the list's own folder; blank lines and lines that begin with # are
-/// passed over. The cases have no folders yet. Throws io::FileError for a list that cannot be read, Failure (65) with the line for
-/// one that holds control characters or no UTF-8, and for a list without cases.
+/// passed over. The cases have no folders yet. Throws io::FileError for a list that cannot be read,
+/// Failure (65) with the line for one that holds control characters or no UTF-8, and for a list
+/// without cases.
 [[nodiscard]] std::vector<BatchCase> read_batch_list(const std::filesystem::path& list);
 
 }  // namespace wheeltap::apps

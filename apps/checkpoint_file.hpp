@@ -26,10 +26,10 @@ struct CheckpointOf {
 };
 
 /// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case, the
-/// content of its input files, what of it a sid run is repeating, and the seals of the parts), a group "state"
-/// (inference::Checkpoint), and behind it 16 hexadecimal digits, the fingerprint of all bytes
-/// before. Where there are many draws, FOLDER/checkpoint-N.nc has a part of them, in the same way,
-/// without "run".
+/// content of its input files, what of it a sid run is repeating, and the seals of the parts), a
+/// group "state" (inference::Checkpoint), and behind it 16 hexadecimal digits, the fingerprint of
+/// all bytes before. Where there are many draws, FOLDER/checkpoint-N.nc has a part of them, in the
+/// same way, without "run".
 class CheckpointFile {
  public:
   static constexpr const char* kName = "checkpoint.nc";

@@ -30,8 +30,8 @@ struct CommonOptions {
   std::function<void(const std::string& what, const RunCost& cost)> dry_run;
   double max_memory_gb = 4.0;  ///< estimates beyond these are refused
   double max_hours = 100.0;
-  std::optional<double> max_disk_gb;  ///< none: what is free in the folder of the results
-  bool allow_commands = false;        ///< cases may run programs
+  std::optional<double> max_disk_gb;          ///< none: what is free in the folder of the results
+  bool allow_commands = false;                ///< cases may run programs
   std::vector<std::string> allow_hosts = {};  ///< other machines that cases may reach
   std::string command_line;
   /// Set with --json: takes what the command prints, as JSON text, in place of standard output.

@@ -8,6 +8,7 @@
 #include "io/bytes.hpp"
 #include "io/delimited_text.hpp"
 #include "io/file_error.hpp"
+#include "signals/units.hpp"
 
 namespace wheeltap::apps {
 
@@ -40,6 +41,15 @@ FrequencyTable parse_frequency_csv(std::string bytes, const std::filesystem::pat
     for (const io::Column& c : headers) list += (list.empty() ? "" : ", ") + c.header;
     return list;
   };
+  const auto in_hz = [&](std::size_t column) {
+    const std::string unit = signals::unit_of(headers[column]);
+    const signals::Conversion found = signals::conversion_of(unit, signals::Dimension::frequency);
+    if (found.basis == signals::Conversion::Basis::foreign)
+      refuse(text.header_line(), column + 1,
+             "the unit of \"" + headers[column].header + "\" must be one of " +
+                 signals::known_units(signals::Dimension::frequency) + ", or left out for Hz");
+    return found.factor;
+  };
   const auto cell = [&](int row, std::size_t column) {
     const std::vector<std::string> found = text.cells(row);
     if (column >= found.size()) {
@@ -48,7 +58,8 @@ FrequencyTable parse_frequency_csv(std::string bytes, const std::filesystem::pat
                  std::to_string(headers.size()));
     }
     if (found[column].empty()) return std::numeric_limits<double>::quiet_NaN();
-    const double value = io::parse_number(found[column]).value_or(-1.0);
+    const double value = text.number(found[column]).value_or(-1.0) * in_hz(column);
+    if (std::isnan(value)) return value;
     if (!std::isfinite(value) || value <= 0.0) {
       refuse(text.line(row), column + 1,
              "\"" + found[column] +

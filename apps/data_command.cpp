@@ -7,6 +7,7 @@
 
 #include "apps/data_page.hpp"
 #include "apps/measured_file.hpp"
+#include "apps/record_reading.hpp"
 #include "apps/running.hpp"
 #include "apps/summary.hpp"
 #include "apps/terminal.hpp"
@@ -59,6 +60,8 @@ void print(const MeasuredFile& file) {
     else if (table.sampling_fault.empty())
       std::cout << "; no column is called time: say the rate by --sample-rate to see spectra";
     std::cout << "\n";
+    for (const std::string& text : reading_in_words(table))
+      std::cout << io::printable(text) << "\n";
     if (!table.sampling_fault.empty()) std::cout << io::printable(table.sampling_fault) << "\n";
     std::vector<std::vector<std::string>> rows = {
         {"channel", "rms", "mean", "lowest", "highest", "peaks [Hz]"}};
@@ -194,6 +197,7 @@ Report data_report(const MeasuredFile& file) {
       for (const signals::Stretch& d : q.dropouts) dropouts.push_back({d.begin, d.end});
       channels.push_back({{"name", c.name},
                           {"unit", c.unit},
+                          {"si", conversion_json(signals::conversion_of(c.unit))},
                           {"missing", q.missing},
                           {"rms", q.rms},
                           {"mean", q.mean},
@@ -217,6 +221,9 @@ Report data_report(const MeasuredFile& file) {
          {"time_history", table.is_time},
          {"sample_rate_hz", table.sample_rate_hz ? Report(*table.sample_rate_hz) : Report()},
          {"sampling_fault", table.sampling_fault},
+         {"sampling", table.sampling.rate_hz > 0.0 ? sampling_json(table.sampling) : Report()},
+         {"layout", table.layout ? layout_json(*table.layout) : Report()},
+         {"left_out", table.left_out},
          {"channels", channels}});
   }
   return {{"file", io::printable(file.path.string())},
@@ -226,7 +233,8 @@ Report data_report(const MeasuredFile& file) {
 }
 
 void run_data(const DataOptions& options) {
-  const MeasuredFile file = look_at(options.file, options.sample_rate_hz);
+  const MeasuredFile file =
+      look_at(options.file, options.sample_rate_hz, options.layout, options.resample);
   if (options.json) {
     std::cout << data_report(file).dump() << "\n";
   } else {

@@ -16,6 +16,8 @@ struct DataOptions {
   std::string to;                        ///< csv, nc or uff, or a file with such an ending: convert
   std::optional<double> sample_rate_hz;  ///< where the file says none
   bool json = false;
+  io::TextLayout layout = {};  ///< of delimited text, as stated
+  bool resample = false;       ///< uneven records are interpolated at an even rate
 };
 
 /// {file, format, tables: [{rows, sample_rate_hz, channels: [{name, unit, rms, peaks, …}, …]}, …]}.

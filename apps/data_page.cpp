@@ -125,6 +125,7 @@ std::string data_page(const MeasuredFile& file) {
   std::string out = page_head(title, headline_of(file), details_of(file));
   for (const MeasuredTable& table : file.tables) {
     if (file.tables.size() > 1) out += "<p>" + table_in_words(table) + ".</p>\n";
+    for (const std::string& text : reading_in_words(table)) out += "<p>" + escaped(text) + "</p>\n";
     if (!table.sampling_fault.empty())
       out += "<p class=\"odd\">" + escaped(table.sampling_fault) + "</p>\n";
     for (const MeasuredChannel& channel : table.channels) {

@@ -40,6 +40,26 @@ std::size_t place_of(const io::UniversalDof& dof, std::vector<io::UniversalDof>&
   return place;
 }
 
+/// What a function's numerator is of, by its unit or its quantity.
+signals::Conversion conversion_of(const io::UniversalFunction& f) {
+  using signals::Dimension;
+  std::optional<Dimension> wanted;
+  if (f.numerator.quantity == 8) wanted = Dimension::length;
+  if (f.numerator.quantity == 11) wanted = Dimension::velocity;
+  if (f.numerator.quantity == 12) wanted = Dimension::acceleration;
+  signals::Conversion out = signals::conversion_of(f.numerator.unit, {});
+  // "g" or "(m/s^2)/N": the numerator's unit where it stands alone.
+  if (out.basis == signals::Conversion::Basis::foreign) out = {.unit = out.unit};
+  if (!out.dimension) out.dimension = wanted;
+  return out;
+}
+
+int order_of(signals::Dimension dimension) {
+  return dimension == signals::Dimension::acceleration ? 2
+         : dimension == signals::Dimension::velocity   ? 1
+                                                       : 0;
+}
+
 }  // namespace
 
 MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
@@ -78,11 +98,29 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
                                           : first->x[static_cast<std::size_t>(k)];
   const auto rows = static_cast<Index>(outputs.size()), columns = static_cast<Index>(inputs.size());
   out.responses.h.assign(static_cast<std::size_t>(lines), Eigen::MatrixXcd(rows, columns));
-  for (const auto& [which, f] : found)
+  bool any = false, all = true, dimensions = true;
+  for (const auto& [which, f] : found) {
+    const signals::Conversion c = conversion_of(*f);
+    const bool known = c.basis == signals::Conversion::Basis::unit;
+    any = any || known;
+    all = all && known;
+    dimensions = dimensions && c.dimension.has_value();
+  }
+  if (any && !all)
+    refuse(
+        "the units of some frequency responses' numerators are known and of others not: shapes "
+        "cannot compare them");
+  for (const auto& [which, f] : found) {
+    const signals::Conversion conversion = conversion_of(*f);
     for (Index k = 0; k < lines; ++k)
       out.responses.h[static_cast<std::size_t>(k)](static_cast<Index>(which.first),
                                                    static_cast<Index>(which.second)) =
-          f->y[static_cast<std::size_t>(k)];
+          conversion.factor * f->y[static_cast<std::size_t>(k)];
+    if (which.second != 0 || out.transposed) continue;
+    // In the order of the outputs, as the map is.
+    out.channels.push_back({.column = io::dof_in_words(f->response), .conversion = conversion});
+    if (dimensions) out.orders.push_back(order_of(*conversion.dimension));
+  }
   if (out.transposed) {
     for (Eigen::MatrixXcd& h : out.responses.h) h = h.transpose().eval();
     std::swap(outputs, inputs);

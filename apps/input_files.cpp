@@ -11,8 +11,7 @@ void InputFiles::add(const std::string& name, const std::filesystem::path& path)
   if (files_.contains(name) || !std::filesystem::is_regular_file(path, ignored)) return;
   try {
     auto known = read_->find(path);
-    if (known == read_->end())
-      known = read_->emplace(path, io::fingerprint_of_file(path)).first;
+    if (known == read_->end()) known = read_->emplace(path, io::fingerprint_of_file(path)).first;
     files_.emplace(name, known->second);
   } catch (const io::FileError&) {  // its reader says why
   }

@@ -33,6 +33,8 @@
 #include "io/bytes.hpp"
 #include "io/date_of_files.hpp"
 #include "io/text.hpp"
+#include "io/text_layout.hpp"
+#include "io/time_stamp.hpp"
 
 namespace {
 
@@ -111,6 +113,45 @@ CLI::Validator positive() {
 CLI::Validator seconds() {
   return number("a number from 0 to 1e9", "NUMBER in [0 - 1e9]",
                 [](double x) { return x >= 0.0 && x <= 1e9; });
+}
+
+// How a delimited text is laid out, by the keys of a case's record.
+void add_layout(CLI::App* command, io::TextLayout& layout) {
+  const std::string rest = " of delimited text; detected unless given";
+  command
+      ->add_option_function<std::string>(
+          "--decimal", [&layout](const std::string& text) { layout.decimal = text.at(0); },
+          "the decimal mark" + rest)
+      ->check(CLI::IsMember({".", ","}));
+  command->add_option_function<std::string>(
+      "--separator",
+      [&layout](const std::string& text) {
+        layout.separator = io::parse_separator(text);
+        if (!layout.separator)
+          throw CLI::ValidationError("--separator", text + ": must be ',', ';', tab, '|' or blank");
+      },
+      "what stands between the columns (or comma, semicolon, tab, bar, blank)" + rest);
+  const auto add_line = [&](const std::string& names, std::optional<int>& into,
+                            const std::string& what) {
+    command
+        ->add_option_function<int>(
+            names, [&into](const int& line) { into = line; }, what + rest)
+        ->transform(whole(0, 1'000'000'000));
+  };
+  add_line("--skip", layout.skip, "how many lines at the top are passed over");
+  add_line("--header", layout.header, "the line of names, from 1; 0 where there is none");
+  add_line("--units-row,--units_row", layout.units_row,
+           "the line of units, from 1; 0 where there is none");
+  command->add_option_function<std::string>(
+      "--time-format,--time_format",
+      [&layout](const std::string& text) {
+        layout.time_format = text;
+        if (!io::parse_time_format(text))
+          throw CLI::ValidationError(
+              "--time-format",
+              text + ": must be day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
+      },
+      "the form of time stamps: day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
 }
 
 // Before there is anything to lose.
@@ -391,6 +432,9 @@ int run(int argc, char** argv) {
       ->add_option("--sample-rate", measured.sample_rate_hz, "in Hz, where the file does not say")
       ->check(positive());
   data_command->add_flag("--json", measured.json, "as JSON");
+  add_layout(data_command, measured.layout);
+  data_command->add_flag("--resample", measured.resample,
+                         "interpolate a record of uneven time steps at an even rate");
 
   CLI::App* table_command = app.add_subcommand(
       "table", "run a design of experiments, train the emulator, measure its error");

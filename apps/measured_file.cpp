@@ -4,10 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "apps/record_reading.hpp"
 #include "apps/words.hpp"
 #include "base/number.hpp"
 #include "io/bytes.hpp"
 #include "io/formats.hpp"
+#include "signals/units.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -40,28 +42,53 @@ void add_spectrum(MeasuredChannel& channel, double rate) {
   channel.peaks = signals::spectrum_peaks(rest, kPeaks);
 }
 
-MeasuredTable table_of(io::Columns columns, std::optional<double> stated) {
+// Columns of texts are named; so are further time stamps, which are no channels.
+std::vector<std::string> left_out(const signals::Record& record, int time) {
+  std::vector<std::string> out;
+  for (std::size_t c = 0; c < record.columns.size(); ++c) {
+    const io::Column& column = record.columns[c];
+    if (static_cast<int>(c) == time || column.cells == io::CellKind::number) continue;
+    out.push_back("Column " + std::to_string(c + 1) + " (" + column.header + ") holds " +
+                  (column.cells == io::CellKind::text ? "texts" : "further time stamps") +
+                  " and is left out" +
+                  (column.cells == io::CellKind::text && time < 0
+                       ? "; if they are times, state their form by --time-format"
+                       : "") +
+                  ".");
+  }
+  return out;
+}
+
+MeasuredTable table_of(io::Columns columns, std::optional<double> stated, bool resample = false) {
   signals::Record record;
   static_cast<io::Columns&>(record) = std::move(columns);
   MeasuredTable out;
   out.sample_rate_hz = stated;
+  out.layout = record.layout;
   const int time = record.find_time();
+  out.left_out = left_out(record, time);
+  if (resample && time >= 0) record = signals::resampled(record, time, stated);
   if (time >= 0) {
     const io::Column& column = record.columns[static_cast<std::size_t>(time)];
     out.abscissa = column.name;
     out.abscissa_unit = column.unit;
     out.x = column.values;
     try {
-      out.sample_rate_hz = signals::sample_rate_hz(record, time, stated);
+      out.sampling = signals::sampling_of(record, time, stated);
+      out.sample_rate_hz = out.sampling.rate_hz;
+      if (out.abscissa_unit.empty()) out.abscissa_unit = out.sampling.unit;
     } catch (const io::FileError& error) {
       out.sampling_fault = error.what();
       out.sample_rate_hz.reset();
     }
   }
   for (std::size_t c = 0; c < record.columns.size(); ++c) {
-    if (static_cast<int>(c) == time || record.columns[c].values.empty()) continue;
+    if (static_cast<int>(c) == time || record.columns[c].values.empty() ||
+        record.columns[c].cells != io::CellKind::number)
+      continue;
     io::Column& column = record.columns[c];
-    out.channels.push_back(channel_of(column.name, column.unit, std::move(column.values)));
+    std::string unit = signals::unit_of(column);
+    out.channels.push_back(channel_of(column.name, unit, std::move(column.values)));
     if (out.sample_rate_hz) add_spectrum(out.channels.back(), *out.sample_rate_hz);
   }
   return out;
@@ -125,7 +152,8 @@ long MeasuredTable::rows() const {
                     : (channels.empty() ? 0 : static_cast<long>(channels[0].values.size()));
 }
 
-MeasuredFile look_at(const std::filesystem::path& path, std::optional<double> sample_rate_hz) {
+MeasuredFile look_at(const std::filesystem::path& path, std::optional<double> sample_rate_hz,
+                     const io::TextLayout& layout, bool resample) {
   if (sample_rate_hz && !(*sample_rate_hz > 0.0))
     throw std::invalid_argument("sample rate = " + base::number(*sample_rate_hz) +
                                 ": must be positive");
@@ -136,10 +164,35 @@ MeasuredFile look_at(const std::filesystem::path& path, std::optional<double> sa
     out.universal = io::read_universal_file(path);
     out.tables = tables_of(*out.universal, path);
   } else {
-    io::Columns columns = io::read_columns(path);
+    const io::Wanted no_texts = [](const io::Columns& table, std::size_t column) {
+      return table.columns[column].cells != io::CellKind::text;
+    };
+    io::Columns columns = io::read_columns(path, no_texts, io::formats(), layout);
     out.others = std::move(columns.others);
-    out.tables.push_back(table_of(std::move(columns), sample_rate_hz));
+    out.tables.push_back(table_of(std::move(columns), sample_rate_hz, resample));
   }
+  return out;
+}
+
+std::vector<std::string> reading_in_words(const MeasuredTable& table) {
+  std::vector<std::string> out;
+  if (table.layout) out.push_back(layout_in_words(*table.layout));
+  for (const std::string& text :
+       {sampling_in_words(table.sampling), jitter_in_words(table.sampling)})
+    if (!text.empty()) out.push_back(text);
+  std::vector<std::string> units;
+  for (const MeasuredChannel& c : table.channels) {
+    const signals::Conversion conversion = signals::conversion_of(c.unit);
+    if (conversion.basis != signals::Conversion::Basis::unit || conversion.factor == 1.0) continue;
+    std::string text = conversion_in_words(conversion);
+    if (std::ranges::find(units, text) == units.end()) units.push_back(std::move(text));
+  }
+  if (!units.empty()) {
+    std::string text = "Cases convert to SI: ";
+    for (std::size_t i = 0; i < units.size(); ++i) text += (i > 0 ? "; " : "") + units[i];
+    out.push_back(text + ".");
+  }
+  for (const std::string& text : table.left_out) out.push_back(text);
   return out;
 }
 

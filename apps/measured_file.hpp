@@ -26,6 +26,10 @@ struct MeasuredTable {
   std::vector<double> x = {};                     ///< of the abscissa; empty where there is none
   bool is_time = true;                            ///< otherwise a spectrum or the like
   std::optional<double> sample_rate_hz = {};
+  signals::Sampling sampling = {};             ///< where there is a time and no fault
+  std::optional<io::FoundLayout> layout = {};  ///< of delimited text
+  /// Columns that hold no numbers, in sentences.
+  std::vector<std::string> left_out = {};
   std::string sampling_fault = {};  ///< why there is no rate, though there is a time: a sentence
   std::vector<MeasuredChannel> channels = {};
 
@@ -40,9 +44,14 @@ struct MeasuredFile {
   std::optional<io::UniversalFile> universal = {};
 };
 
-/// Throws io::FileError, and std::invalid_argument for a rate that is not positive.
+/// `layout` of a delimited text as stated; with `resample`, records are interpolated at an even
+/// rate. Throws io::FileError, and std::invalid_argument for a rate that is not positive.
 [[nodiscard]] MeasuredFile look_at(const std::filesystem::path& path,
-                                   std::optional<double> sample_rate_hz);
+                                   std::optional<double> sample_rate_hz,
+                                   const io::TextLayout& layout = {}, bool resample = false);
+
+/// How a table was read, a sentence each: layout, times, units, what was left out.
+[[nodiscard]] std::vector<std::string> reading_in_words(const MeasuredTable& table);
 
 /// What is odd about a channel of a table, each the rest of a sentence that begins with its name.
 [[nodiscard]] std::vector<std::string> oddities(const MeasuredTable& table,

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/frequency_response_file.hpp"
+#include "apps/record_reading.hpp"
 #include "apps/sid_record.hpp"
 #include "base/number.hpp"
 #include "io/text.hpp"
@@ -20,11 +21,20 @@ bool of_decays(const CaseFile& file) {
   return file.json.value("method", "ssi-cov") == "era";
 }
 
+/// What the case says of a channel's numbers.
+struct StatedUnit {
+  Pointer where{};
+  std::optional<std::string> unit = {};
+  std::optional<double> scale = {};
+  std::optional<signals::Dimension> quantity = {};
+};
+
 struct Channels {
   std::vector<std::string> columns = {};  ///< of responses
-  std::vector<double> scales = {};
+  std::vector<StatedUnit> units = {};     ///< of responses
   std::vector<std::string> forces = {};
-  std::vector<double> force_scales = {};
+  std::vector<StatedUnit> force_units = {};
+  std::vector<std::string> ignored = {};
   std::string time = {};
   std::optional<double> time_scale = {};
 };
@@ -40,6 +50,144 @@ void refuse_keys(const CaseFile& file, const Pointer& where) {
     file.refuse(where / "reference", "goes with the role \"response\" only");
   if (c.contains("scale") && !of_time && !force)
     file.refuse(where / "scale", "does not go with the role \"ignore\"");
+  if (c.contains("unit") && !force)
+    file.refuse(where / "unit", "goes with the roles \"response\" and \"force\" only");
+  if (c.contains("quantity"))
+    file.refuse(where / "quantity", "goes with the role \"response\" only");
+}
+
+StatedUnit parse_unit(const CaseFile& file, const Pointer& where) {
+  const Json& c = file.json.at(where);
+  StatedUnit out{.where = where};
+  if (c.contains("unit")) {
+    if (c.contains("scale"))
+      file.refuse(where / "unit", "goes without \"scale\", which says what its numbers are");
+    out.unit = c.at("unit").get<std::string>();
+  }
+  if (c.contains("scale")) out.scale = c.at("scale").get<double>();
+  const std::string quantity = c.value("quantity", "");
+  if (quantity == "displacement") out.quantity = signals::Dimension::length;
+  if (quantity == "velocity") out.quantity = signals::Dimension::velocity;
+  if (quantity == "acceleration") out.quantity = signals::Dimension::acceleration;
+  return out;
+}
+
+bool is_motion(signals::Dimension dimension) {
+  using signals::Dimension;
+  return dimension == Dimension::length || dimension == Dimension::velocity ||
+         dimension == Dimension::acceleration;
+}
+
+std::string quantity_name(signals::Dimension dimension) {
+  return dimension == signals::Dimension::length     ? "displacement"
+         : dimension == signals::Dimension::velocity ? "velocity"
+                                                     : "acceleration";
+}
+
+/// How a column's numbers become SI. Throws Failure for a unit that contradicts the case.
+signals::Conversion convert(const CaseFile& file, const io::Column& column,
+                            const StatedUnit& stated, std::optional<signals::Dimension> wanted) {
+  using Basis = signals::Conversion::Basis;
+  const std::string unit = stated.unit ? *stated.unit : signals::unit_of(column);
+  if (stated.scale) {
+    signals::Conversion out = signals::conversion_of(unit, {});
+    out.basis = Basis::stated_scale;
+    out.factor = *stated.scale;
+    if (wanted) out.dimension = wanted;
+    return out;
+  }
+  signals::Conversion out = signals::conversion_of(unit, wanted);
+  const std::optional<signals::Unit> known = signals::find_unit(unit);
+  if (out.basis == Basis::foreign && wanted && known)
+    file.refuse(stated.where / (stated.unit ? "unit" : "quantity"),
+                "is in " + unit + ", " + std::string(signals::name(known->dimension)) + ", where " +
+                    std::string(signals::name(*wanted)) + " is wanted: correct \"" +
+                    (stated.quantity ? "quantity" : "unit") + "\", or give \"scale\"");
+  if (stated.unit && !known && unit != "1")
+    file.refuse(stated.where / "unit",
+                "is not known: give \"scale\" instead, or one of " +
+                    (wanted ? signals::known_units(*wanted)
+                            : signals::known_units(signals::Dimension::acceleration) + ", " +
+                                  signals::known_units(signals::Dimension::velocity) + ", " +
+                                  signals::known_units(signals::Dimension::length)));
+  return out;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return out;
+}
+
+/// Shapes compare channels with each other: their numbers must be of one unit, or of quantities
+/// that can be converted.
+void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
+  using Basis = signals::Conversion::Basis;
+  std::vector<std::string> none, known;
+  std::optional<std::size_t> foreign;
+  for (std::size_t i = 0; i < channels.columns.size(); ++i) {
+    const signals::Conversion& c = out.channels[i].conversion;
+    const std::string& column = out.channels[i].column;
+    if (c.basis == Basis::foreign) {
+      if (foreign && out.channels[*foreign].conversion.unit != c.unit)
+        file.refuse(out.places[i] / "scale",
+                    "is missing: the channel is in " + c.unit + ", and " +
+                        out.channels[*foreign].column + " in " +
+                        out.channels[*foreign].conversion.unit +
+                        ", so that shapes cannot compare them. Give \"scale\" and \"quantity\" "
+                        "to both, or \"role\": \"ignore\" to one");
+      foreign = i;
+    } else if (c.basis == Basis::none) {
+      none.push_back(column);
+    } else {
+      known.push_back(column);
+    }
+  }
+  if (foreign && !known.empty())
+    file.refuse(out.places[*foreign] / "scale",
+                "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
+                    ", which is not known, and " + known.front() +
+                    " in a known unit, so that shapes cannot compare them. Give \"scale\" and "
+                    "\"quantity\", or \"role\": \"ignore\"");
+  if (!none.empty() && (!known.empty() || foreign))
+    out.oddities.push_back(
+        "No unit is known of " + io::printable(listed(none)) +
+        ", whose numbers are used as they are, beside channels that have one: shapes are wrong "
+        "unless these are in SI units. State \"unit\" in the channel.");
+  // Quantities: by the case, else by the unit; of channels that say neither, that of the others.
+  std::optional<signals::Dimension> common;
+  bool mixed = false;
+  for (std::size_t i = 0; i < channels.columns.size(); ++i) {
+    const auto& d = out.channels[i].conversion.dimension;
+    if (!d) continue;
+    if (!is_motion(*d))
+      file.refuse(out.places[i] / "role",
+                  "is a response in " + out.channels[i].conversion.unit + ", " +
+                      std::string(signals::name(*d)) +
+                      ": responses are displacements, velocities or accelerations");
+    mixed = mixed || (common && *common != *d);
+    common = d;
+  }
+  if (!common) return;
+  std::vector<std::string> unsaid;
+  for (std::size_t i = 0; i < channels.columns.size(); ++i) {
+    const auto& d = out.channels[i].conversion.dimension;
+    if (!d) unsaid.push_back(out.channels[i].column);
+    const signals::Dimension used = d.value_or(*common);
+    out.orders.push_back(used == signals::Dimension::length     ? 0
+                         : used == signals::Dimension::velocity ? 1
+                                                                : 2);
+    out.sensors[i].quantity = quantity_name(used);
+  }
+  if (mixed && !unsaid.empty())
+    file.refuse(out.where / "channels",
+                "measure unlike quantities, and nothing says which " + listed(unsaid) +
+                    " measures: state \"quantity\" or \"unit\" in the channel");
+  if (mixed && file.json.value("method", "ssi-cov") == "bayoma")
+    file.refuse(out.where / "channels",
+                "measure unlike quantities, and the method \"bayoma\" takes one: \"ignore\" the "
+                "others, or take the method \"ssi-cov\"");
 }
 
 Channels parse_channels(const CaseFile& file, SetUp& out) {
@@ -56,7 +204,7 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
                   "or the method \"plscf\"");
     if (role == "force") {
       found.forces.push_back(column);
-      found.force_scales.push_back(c.value("scale", 1.0));
+      found.force_units.push_back(parse_unit(file, where));
       std::string name = column;
       if (c.contains("node")) name = text_or_number(c.at("node")) + ":" + c.value("direction", "");
       out.inputs.push_back(std::move(name));
@@ -67,6 +215,7 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
       found.time = column;
       if (c.contains("scale")) found.time_scale = c.at("scale").get<double>();
     }
+    if (role == "ignore") found.ignored.push_back(column);
     if (role != "response") continue;
     MeasuredSensor sensor{.name = column};
     if (c.contains("node")) sensor.node = text_or_number(c.at("node"));
@@ -82,7 +231,7 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
     out.sensors.push_back(std::move(sensor));
     out.places.push_back(where);
     found.columns.push_back(column);
-    found.scales.push_back(c.value("scale", 1.0));
+    found.units.push_back(parse_unit(file, where));
   }
   if (found.columns.empty())
     file.refuse(list, "holds no channel with the role \"response\": there is nothing to identify");
@@ -94,19 +243,37 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
   return found;
 }
 
-void read_rate(const CaseFile& file, SetUp& out, const signals::Record& record,
+int time_column(const signals::Record& record, const Channels& channels) {
+  if (!channels.time.empty()) return record.find(channels.time);
+  const int time = record.find_time();
+  if (time < 0 || record.columns[static_cast<std::size_t>(time)].values.empty()) return -1;
+  for (const std::string& column : channels.columns)
+    if (record.find(column) == time) return -1;
+  return time;
+}
+
+/// The record at an even rate where the case asks for it, and its sampling.
+void read_rate(const CaseFile& file, SetUp& out, signals::Record& record,
                const Channels& channels) {
   const Json& r = file.json.at(out.where);
   std::optional<double> stated;
   if (r.contains("sample_rate")) stated = r.at("sample_rate").get<double>();
-  int time = channels.time.empty() ? record.find_time() : record.find(channels.time);
-  for (const std::string& column : channels.columns)
-    if (channels.time.empty() && record.find(column) == time) time = -1;
+  const int time = time_column(record, channels);
   if (time < 0 && !stated)
     file.refuse(out.where / "sample_rate",
                 "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
-  out.options.sample_rate_hz =
-      time < 0 ? *stated : signals::sample_rate_hz(record, time, stated, channels.time_scale);
+  out.layout = record.layout;
+  out.sampling = {.rate_hz = stated.value_or(0.0)};
+  if (r.value("resample", false)) {
+    if (time < 0) file.refuse(out.where / "resample", "needs a column of times");
+    record = signals::resampled(record, time, stated, channels.time_scale);
+    out.sampling = signals::sampling_of(record, time, stated);
+  } else if (time >= 0) {
+    out.sampling = signals::sampling_of(record, time, stated, channels.time_scale);
+  }
+  out.options.sample_rate_hz = out.sampling.rate_hz;
+  if (std::string text = jitter_in_words(out.sampling); !text.empty())
+    out.oddities.push_back(std::move(text));
 }
 
 void read_responses(const CaseFile& file, SetUp& out) {
@@ -119,6 +286,8 @@ void read_responses(const CaseFile& file, SetUp& out) {
           "There are more references than responses: by reciprocity the two are exchanged, and "
           "shapes are over the references.");
     out.responses = std::move(measured.responses);
+    out.channels = std::move(measured.channels);
+    out.orders = std::move(measured.orders);
     out.places.assign(out.sensors.size(), out.where / "file");
   } catch (const io::FileError& error) {
     throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
@@ -174,8 +343,8 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
   std::vector<std::string> columns = channels.columns;
   columns.insert(columns.end(), channels.forces.begin(), channels.forces.end());
   if (!channels.time.empty()) columns.push_back(channels.time);
-  const signals::Record record =
-      given ? std::move(*given) : read_record(file, where / "file", columns);
+  signals::Record record =
+      given ? std::move(*given) : read_record(file, where / "file", columns, channels.ignored);
   try {
     read_rate(file, out, record, channels);
     const Json& r = file.json.at(where);
@@ -198,8 +367,12 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
       if (i == 0)
         out.records.resize(static_cast<Eigen::Index>(channels.columns.size()),
                            static_cast<Eigen::Index>(x.size()));
+      const signals::Conversion conversion =
+          convert(file, source, channels.units[i], channels.units[i].quantity);
+      out.channels.push_back({.column = source.name, .conversion = conversion});
+      out.sensors[i].unit = conversion.unit;
       out.records.row(static_cast<Eigen::Index>(i)) =
-          channels.scales[i] *
+          conversion.factor *
           Eigen::Map<const Eigen::RowVectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
       out.sensors[i].name = source.name;
       const MeasuredChannel channel{
@@ -210,14 +383,19 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
       for (const std::string& text : oddities(table, channel))
         out.oddities.push_back("The channel " + io::printable(source.name) + " " + text + ".");
     }
+    compare_units(file, out, channels);
     if (of_decays(file)) cut_decays(file, out);
     if (!channels.forces.empty()) {
       Eigen::MatrixXd forces(static_cast<Eigen::Index>(channels.forces.size()), out.records.cols());
       for (std::size_t i = 0; i < channels.forces.size(); ++i) {
-        const std::vector<double> x =
-            signals::window(record, record.find(channels.forces[i]), begin, end);
+        const int column = record.find(channels.forces[i]);
+        const std::vector<double> x = signals::window(record, column, begin, end);
+        const io::Column& source = record.columns[static_cast<std::size_t>(column)];
+        const signals::Conversion conversion =
+            convert(file, source, channels.force_units[i], signals::Dimension::force);
+        out.channels.push_back({.column = source.name, .is_force = true, .conversion = conversion});
         forces.row(static_cast<Eigen::Index>(i)) =
-            channels.force_scales[i] *
+            conversion.factor *
             Eigen::Map<const Eigen::RowVectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
       }
       estimate_responses(file, out, forces);
@@ -378,6 +556,40 @@ void take_merging(ModalCaseFile& out) {
   }
 }
 
+/// Of all set-ups: what their shapes are of.
+void take_quantity(ModalCaseFile& out) {
+  int highest = -1, lowest = 3;
+  bool all = true;
+  for (const SetUp& s : out.set_ups) {
+    all = all && !s.orders.empty();
+    for (const int order : s.orders) {
+      highest = std::max(highest, order);
+      lowest = std::min(lowest, order);
+    }
+  }
+  if (highest < 0) return;
+  if (highest != lowest && !all)
+    out.file.refuse(Pointer("/records"),
+                    "measure unlike quantities, and nothing says which some of them measure: state "
+                    "\"quantity\" or \"unit\" in their channels");
+  if (highest != lowest && out.pre_merged)
+    for (std::size_t k = 0; k < out.sensors.size(); ++k) {
+      std::optional<int> order;
+      for (const SetUp& s : out.set_ups)
+        for (std::size_t c = 0; c < s.which.size(); ++c) {
+          if (s.which[c] != static_cast<int>(k)) continue;
+          if (order && *order != s.orders[c])
+            out.file.refuse(s.places[c] / "quantity",
+                            "is another one than in an earlier record: \"preger\" needs one "
+                            "quantity a sensor");
+          order = s.orders[c];
+        }
+    }
+  out.quantity = quantity_name(highest == 0   ? signals::Dimension::length
+                               : highest == 1 ? signals::Dimension::velocity
+                                              : signals::Dimension::acceleration);
+}
+
 void take_geometry(ModalCaseFile& out) {
   out.geometry = parse_geometry(out.file);
   for (const SetUp& s : out.set_ups)
@@ -412,6 +624,7 @@ ModalCaseFile parse_modal_case(CaseFile file, std::optional<signals::Record> giv
   collect_sensors(out);
   for (SetUp& s : out.set_ups) take_band(out, s);
   take_merging(out);
+  take_quantity(out);
   if (json.contains("geometry")) take_geometry(out);
   out.title =
       json.value("title", out.set_ups.size() == 1

@@ -9,6 +9,7 @@
 #include "apps/measured_file.hpp"
 #include "apps/modal_geometry.hpp"
 #include "apps/modes_file.hpp"
+#include "apps/record_reading.hpp"
 #include "identification/bayesian_modes.hpp"
 #include "signals/frequency_responses.hpp"
 #include "signals/merged_modes.hpp"
@@ -25,6 +26,11 @@ struct SetUp {
   std::vector<Pointer> places = {};          ///< of their blocks in the case
   Eigen::MatrixXd records = {};              ///< a response a row
   std::vector<std::string> oddities = {};    ///< of channels, in sentences
+  std::vector<ChannelUse> channels = {};     ///< responses, then forces
+  /// Orders of differentiation of the responses (0: displacements); empty where none is known.
+  std::vector<int> orders = {};
+  signals::Sampling sampling = {};
+  std::optional<io::FoundLayout> layout = {};  ///< of a record in delimited text
   signals::ModalOptions options = {};
   /// Of the method plscf, where they are measured, and then there are no records; or made of them.
   std::optional<signals::FrequencyResponses> responses = {};
@@ -40,7 +46,8 @@ struct ModalCaseFile {
   std::vector<SetUp> set_ups = {};
   std::vector<MeasuredSensor> sensors = {};  ///< of all set-ups, each once
   std::optional<Geometry> geometry = {};
-  bool pre_merged = false;  ///< set-ups are merged before they are identified
+  bool pre_merged = false;    ///< set-ups are merged before they are identified
+  std::string quantity = {};  ///< of the shapes, as modes.json says it
   /// Of pre-merged set-ups: channels at the sensors that all have, in one order.
   std::vector<std::vector<int>> references = {};
 };

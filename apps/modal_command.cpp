@@ -10,6 +10,7 @@
 #include "apps/modal_case.hpp"
 #include "apps/modal_page.hpp"
 #include "apps/modal_words.hpp"
+#include "apps/record_reading.hpp"
 #include "apps/run_cost.hpp"
 #include "apps/running.hpp"
 #include "apps/stored_run.hpp"
@@ -20,6 +21,7 @@
 #include "signals/free_decay.hpp"
 #include "signals/frequency_domain_decomposition.hpp"
 #include "signals/polyreference.hpp"
+#include "signals/shape_quantities.hpp"
 #include "signals/spectra.hpp"
 
 namespace wheeltap::apps {
@@ -71,6 +73,12 @@ ModalResult identify(const CaseFile& file, const SetUp& set_up, std::uint64_t se
   }
 }
 
+/// Shapes of one quantity.
+void unite_quantities(const std::vector<int>& orders, ModalResult& result) {
+  // A set-up that measures one quantity alone has the shapes of any other, but for a factor.
+  signals::convert_shapes(result, orders);
+}
+
 /// Set-ups that are merged before they are identified.
 ModalResult identify_together(const ModalCaseFile& modal) {
   std::vector<Eigen::MatrixXd> records;
@@ -92,6 +100,11 @@ IdentifiedModes identify(const ModalCaseFile& modal, const CommonOptions& common
   IdentifiedModes out;
   if (modal.pre_merged) {
     out.set_ups.push_back(identify_together(modal));
+    std::vector<int> orders(modal.sensors.size(), 0);
+    for (const SetUp& s : modal.set_ups)
+      for (std::size_t c = 0; c < s.orders.size(); ++c)
+        orders[static_cast<std::size_t>(s.which[c])] = s.orders[c];
+    if (!modal.quantity.empty()) unite_quantities(orders, out.set_ups.back());
     return out;
   }
   ProgressBar bar(common.quiet || modal.set_ups.size() == 1);
@@ -101,6 +114,7 @@ IdentifiedModes identify(const ModalCaseFile& modal, const CommonOptions& common
              static_cast<double>(pieces.size()) / static_cast<double>(modal.set_ups.size()),
              io::printable(set_up.name));
     out.set_ups.push_back(identify(modal.file, set_up, common.seed.value_or(1)));
+    unite_quantities(set_up.orders, out.set_ups.back());
     pieces.push_back({.modes = out.set_ups.back().modes,
                       .covariance = out.set_ups.back().covariance,
                       .sensors = set_up.which});
@@ -223,6 +237,24 @@ Report spectrum_json(const SetUp& set_up, const ModalResult& result) {
   return {{"frequencies_hz", frequencies}, {"level_db", level}};
 }
 
+/// How the record was read: units of its channels, sampling, layout of its text.
+Report record_json(const SetUp& set_up) {
+  Report channels = Report::array();
+  for (std::size_t i = 0; i < set_up.channels.size(); ++i) {
+    const ChannelUse& use = set_up.channels[i];
+    Report one = {{"channel", use.column}, {"role", use.is_force ? "force" : "response"}};
+    if (!use.is_force && i < set_up.sensors.size() && !set_up.sensors[i].quantity.empty())
+      one["quantity"] = set_up.sensors[i].quantity;
+    one.update(conversion_json(use.conversion));
+    channels.push_back(std::move(one));
+  }
+  Report out = {{"file", set_up.name}, {"channels", channels}};
+  if (!set_up.responses || set_up.sampling.rate_hz > 0.0)
+    out["sampling"] = sampling_json(set_up.sampling);
+  if (set_up.layout) out["layout"] = layout_json(*set_up.layout);
+  return out;
+}
+
 /// "modes", "procedure", "spectrum", "stabilisation" and what was rejected, of one record.
 Report set_up_json(const SetUp& set_up, const ModalResult& result) {
   Report modes = Report::array();
@@ -263,7 +295,9 @@ Report set_up_json(const SetUp& set_up, const ModalResult& result) {
                       {"references", result.references}});
   }
   procedure["in_words"] = procedure_in_words(result);
+  for (const std::string& text : record_in_words(set_up)) procedure["in_words"].push_back(text);
   return {{"modes", modes},
+          {"record", record_json(set_up)},
           {"procedure", procedure},
           {"spectrum", spectrum_json(set_up, result)},
           {"stabilisation", poles_json(result.diagram)},
@@ -357,6 +391,11 @@ void ModalRun::print(std::ostream& out, bool colour) const {
   } else {
     for (const std::string& text : procedure_in_words(found.set_ups[0])) page.wrapped(text, "", "");
   }
+  for (const SetUp& set_up : modal.set_ups)
+    for (const std::string& text : record_in_words(set_up))
+      page.wrapped(
+          (modal.set_ups.size() > 1 ? io::printable(set_up.name) + ": " : "") + io::printable(text),
+          "", "");
 }
 
 void ModalRun::keep(const std::filesystem::path& folder, const CommonOptions& common) const {
@@ -385,6 +424,7 @@ ModalRun identify_modal(CaseFile file, const CommonOptions& common,
   run.modes = run.found.merged ? measured_modes(*run.found.merged, run.modal.sensors)
                                : measured_modes(run.found.set_ups[0], run.modal.sensors);
   run.modes.title = run.modal.title;
+  run.modes.quantity = run.modal.quantity;
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return run;
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "apps/record_reading.hpp"
 #include "apps/words.hpp"
 #include "base/number.hpp"
 
@@ -72,6 +73,35 @@ std::vector<std::string> doubts_in_words(const signals::MergedMode& mode) {
         break;
     }
   }
+  return out;
+}
+
+std::vector<std::string> record_in_words(const SetUp& set_up) {
+  std::vector<std::string> out;
+  // Channels of one unit are named together.
+  std::vector<std::pair<std::string, std::vector<std::string>>> units;
+  for (const ChannelUse& use : set_up.channels) {
+    const std::string words = conversion_in_words(use.conversion);
+    auto same = std::ranges::find(units, words, &decltype(units)::value_type::first);
+    if (same == units.end()) same = units.insert(units.end(), {words, {}});
+    same->second.push_back(use.column);
+  }
+  std::string text;
+  for (const auto& [words, columns] : units) {
+    text += text.empty() ? "Units: " : "; ";
+    text += (columns.size() > 4
+                 ? columns.front() + " and " + std::to_string(columns.size() - 1) + " others"
+                 : in_words(columns)) +
+            ": " + words;
+  }
+  if (!text.empty()) out.push_back(text + ".");
+  if (!set_up.orders.empty() && std::ranges::min(set_up.orders) != std::ranges::max(set_up.orders))
+    out.emplace_back(
+        "Channels measure unlike quantities: each mode's shape is taken to that of the highest "
+        "derivative, by the mode's own frequency and damping.");
+  if (std::string words = sampling_in_words(set_up.sampling); !words.empty())
+    out.push_back(std::move(words));
+  if (set_up.layout) out.push_back(layout_in_words(*set_up.layout));
   return out;
 }
 

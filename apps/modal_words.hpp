@@ -24,6 +24,9 @@ namespace wheeltap::apps {
 /// What was done, a sentence each: decimation, lags, blocks, orders.
 [[nodiscard]] std::vector<std::string> procedure_in_words(const signals::ModalResult& result);
 
+/// How the record was read, a sentence each: units of its channels, times, layout of its text.
+[[nodiscard]] std::vector<std::string> record_in_words(const SetUp& set_up);
+
 /// What a reader should keep in mind of the whole.
 [[nodiscard]] std::vector<std::string> warnings(const signals::ModalResult& result);
 

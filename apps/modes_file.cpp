@@ -71,8 +71,11 @@ MeasuredSensor read_sensor(const CaseFile& file, const Pointer& where) {
   const Json& s = file.json.at(where);
   if (!s.is_object()) file.refuse(where, "must be an object");
   MeasuredSensor out;
-  for (const auto& [key, text] :
-       {std::pair{"name", &out.name}, {"node", &out.node}, {"direction", &out.direction}})
+  for (const auto& [key, text] : {std::pair{"name", &out.name},
+                                  {"node", &out.node},
+                                  {"direction", &out.direction},
+                                  {"unit", &out.unit},
+                                  {"quantity", &out.quantity}})
     if (s.contains(key)) *text = text_or_number(s.at(key));
   for (const auto& [key, angle] :
        {std::pair{"azimuth", &out.azimuth}, {"elevation", &out.elevation}}) {
@@ -157,6 +160,8 @@ Report modes_json(const MeasuredModes& modes) {
     if (s.azimuth) one["azimuth"] = *s.azimuth;
     if (s.elevation) one["elevation"] = *s.elevation;
     if (s.reference) one["reference"] = true;
+    if (!s.unit.empty()) one["unit"] = s.unit;
+    if (!s.quantity.empty()) one["quantity"] = s.quantity;
     sensors.push_back(std::move(one));
   }
   Report shapes = Report::array();
@@ -169,6 +174,7 @@ Report modes_json(const MeasuredModes& modes) {
           {"damping", list_of(modes.damping)},
           {"covariance", scatter ? rows_of(modes.covariance) : Report()},
           {"sensors", sensors},
+          {"quantity", modes.quantity.empty() ? Report() : Report(modes.quantity)},
           {"shapes",
            {{"real", rows_of(modes.shapes.real().transpose())},
             {"imaginary", rows_of(modes.shapes.imag().transpose())}}},
@@ -181,6 +187,8 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
   const CaseFile file = read_case(path);
   const Reader read(file);
   MeasuredModes out{.title = file.json.value("title", "")};
+  if (file.json.contains("quantity") && file.json["quantity"].is_string())
+    out.quantity = file.json["quantity"];
   out.frequencies_hz = read.vector(Pointer("/frequencies_hz"), -1);
   const Index count = out.frequencies_hz.size();
   out = numbered(std::move(out));

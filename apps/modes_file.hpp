@@ -18,6 +18,8 @@ struct MeasuredSensor {
   std::string node = {}, direction = {};
   std::optional<double> azimuth = {}, elevation = {};  ///< [degrees]
   bool reference = false;
+  std::string unit = {};      ///< of the numbers that were measured; empty: not known
+  std::string quantity = {};  ///< "displacement", "velocity", "acceleration"; empty: not known
 };
 
 struct MeasuredModes {
@@ -30,6 +32,7 @@ struct MeasuredModes {
   Eigen::MatrixXcd shapes = {};  ///< a mode a column, largest entry 1; NaN where not measured
   /// Of real parts, then imaginary parts; empty as the covariance is.
   std::vector<Eigen::MatrixXd> shape_covariance = {};
+  std::string quantity = {};  ///< that all shapes are of; empty: not known
   std::vector<bool> doubtful = {};
   int blocks = 0;  ///< that the covariances were estimated from; 0: not said
 };

@@ -22,9 +22,9 @@ struct Patience {
 
 /// A model that a UM-Bridge server offers.
 struct UmbridgeSpec {
-  std::string url;    ///< http://host:port, with a path or without
+  std::string url;     ///< http://host:port, with a path or without
   std::string host{};  ///< of it
-  std::string model;  ///< empty: the only one, or "forward"
+  std::string model;   ///< empty: the only one, or "forward"
   Json config = Json::object();
   Patience patience = {.retries = 4};
 };

@@ -4,6 +4,7 @@
 
 #include "apps/damage_words.hpp"
 #include "apps/fit_words.hpp"
+#include "apps/record_reading.hpp"
 #include "apps/sid_words.hpp"
 #include "apps/structure_words.hpp"
 #include "apps/verdict_words.hpp"
@@ -286,6 +287,7 @@ class Speaker {
            "were in SI units: " +
            in_words(list) + ".";
   }
+  std::string operator()(const remark::UnevenTime& r) const { return jitter_in_words(r.sampling); }
   std::string operator()(const remark::BaseIntegrated&) const {
     return "Responses are absolute and only the base's acceleration was measured, so its motion "
            "was integrated, less a drift of second order in time that the responses do not have: "
@@ -453,6 +455,7 @@ struct Rank {
   int operator()(const remark::StopNotReached&) const { return 4; }
   int operator()(const remark::InitialStateInferred&) const { return 5; }
   int operator()(const remark::BaseIntegrated&) const { return 5; }
+  int operator()(const remark::UnevenTime&) const { return 5; }
   int operator()(const remark::UnknownUnits&) const { return 5; }
   int operator()(const remark::LinearExcitation&) const { return 5; }
   int operator()(const remark::PeculiarWindow&) const { return 5; }

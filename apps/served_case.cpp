@@ -128,7 +128,8 @@ std::size_t defect_numbers(const DefectKind& kind) {
   return place_numbers(kind) + static_cast<std::size_t>(kind.parameters()) - 1;
 }
 
-/// The stretch of the engine's line that is meant. Throws std::invalid_argument where there is none.
+/// The stretch of the engine's line that is meant. Throws std::invalid_argument where there is
+/// none.
 const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const double> said) {
   for (const SiteLine::Stretch& stretch : kind.line.stretches())
     if (static_cast<double>(stretch.site) == said[0]) return stretch;
@@ -249,8 +250,8 @@ class DamageDensity final : public OutsideModel {
   // Of a beam the two speak of the same numbers.
   bool gradient(std::span<const double> said, std::span<const double> sensitivity,
                 std::span<double> slope) override {
-    const bool alike = std::ranges::all_of(
-        defects_, [](const DefectKind* kind) { return kind->line.is_beam(); });
+    const bool alike =
+        std::ranges::all_of(defects_, [](const DefectKind* kind) { return kind->line.is_beam(); });
     return alike && density_.gradient(said, sensitivity, slope);
   }
 

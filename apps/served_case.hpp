@@ -19,11 +19,11 @@ namespace wheeltap::apps {
 
 /// "forward": of each kind of defect, as many as there may be at the most, place and severity (and
 /// extent [m], where it is unknown) of each; a severity of 0 is none. The place is that of
-/// posterior.nc: on a beam location [m]; on other structures member (its number from 0) and location
-/// [m from its first node], or the number of a node, link or substructure. An emulator predicts
-/// where the likelihood uses it. For each model with its name, "log_likelihood NAME" and "posterior
-/// NAME", of the same numbers for the defects that there are. Throws std::invalid_argument where a kind has
-/// no severity to be 0.
+/// posterior.nc: on a beam location [m]; on other structures member (its number from 0) and
+/// location [m from its first node], or the number of a node, link or substructure. An emulator
+/// predicts where the likelihood uses it. For each model with its name, "log_likelihood NAME" and
+/// "posterior NAME", of the same numbers for the defects that there are. Throws
+/// std::invalid_argument where a kind has no severity to be 0.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::DamageProblem> problem);
 

@@ -180,7 +180,7 @@ class Parser {
         channel.unit = c["unit"];
         channel.unit_given = true;
       }
-      channel.take_unit(io::column_of_header(channel.column).unit);
+      channel.take_unit(signals::unit_of(io::column_of_header(channel.column)));
       if (c.contains("offset")) channel.signal.offset = coefficient(where / "offset");
       if (channel.role == Role::time && out_.find(Role::time) != nullptr) {
         file_.refuse(where, "there is a time channel already");

@@ -135,8 +135,7 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   require_same_on_all_ranks("case", identity_of(parsed->file));
   if (common.resume) {
     const auto text = first_rank_says([&] {
-      return finished_run(common.output, parsed->file, common.seed.value_or(1), "asked",
-                          asked);
+      return finished_run(common.output, parsed->file, common.seed.value_or(1), "asked", asked);
     });
     if (text && !base::is_first_rank()) return;
     if (text) return print_finished(common.output, *text, *log);

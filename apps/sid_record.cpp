@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/record_reading.hpp"
 #include "identification/base_integration.hpp"
 #include "identification/sid_record.hpp"
 #include "identification/sid_simulation.hpp"
@@ -25,6 +26,7 @@ RecordUse parse_use(const CaseFile& file) {
   if (r.contains("sample_rate")) use.sample_rate_hz = r["sample_rate"].get<double>();
   if (r.contains("samples")) use.samples = {r["samples"][0], r["samples"][1]};
   use.lead_in = r.value("lead_in", 0);
+  use.resample = r.value("resample", false);
   use.band_limited = r.value("between_samples", "linear") == "band-limited";
   if (r.contains("upsample")) {
     if (!use.band_limited) {
@@ -38,10 +40,12 @@ RecordUse parse_use(const CaseFile& file) {
 }  // namespace
 
 signals::Record read_record(const CaseFile& file, const Pointer& where,
-                            std::vector<std::string> columns) {
+                            std::vector<std::string> columns, std::vector<std::string> ignored) {
   const auto path = file.resolve(file.json.at(where).get<std::string>());
   try {
-    return signals::read_record(path, std::move(columns));
+    return signals::read_record(path, {.columns = std::move(columns),
+                                       .ignored = std::move(ignored),
+                                       .layout = parse_layout(file, where.parent_pointer())});
   } catch (const io::FileError& error) {
     throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
                   error.what());
@@ -54,11 +58,10 @@ void load_record(SidCaseFile& parsed) {
   SidCase& out = parsed.sid;
   signals::Record record;
   if (r.contains("file")) {
-    std::vector<std::string> columns;
-    for (const SidChannel& channel : out.channels) {
-      if (channel.role != Role::ignore) columns.push_back(channel.column);
-    }
-    record = read_record(file, Pointer("/record/file"), std::move(columns));
+    std::vector<std::string> columns, ignored;
+    for (const SidChannel& channel : out.channels)
+      (channel.role == Role::ignore ? ignored : columns).push_back(channel.column);
+    record = read_record(file, Pointer("/record/file"), std::move(columns), std::move(ignored));
     out.origin = "measured, " + r["file"].get<std::string>();
   } else if (out.truth) {
     record = explained(parsed, [&] { return simulate_record(out, seed_of(out)); });

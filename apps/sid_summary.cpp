@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/record_reading.hpp"
 #include "apps/report/answer.hpp"
 #include "apps/report/digest_draws.hpp"
 #include "apps/sid_posterior_file.hpp"
@@ -181,7 +182,13 @@ Report predictive_of(const SidCase& sid_case, const SidFindings& findings) {
 
 Report data_of(const SidCaseFile& parsed) {
   const SidCase& sid_case = parsed.sid;
-  Report responses = Report::array(), window = Report::array();
+  Report responses = Report::array(), window = Report::array(), channels = Report::array();
+  for (const SidChannel& channel : sid_case.channels) {
+    if (!channel.is_excitation() && channel.role != SidChannel::Role::response) continue;
+    Report one = {{"channel", channel.name()}};
+    one.update(conversion_json(channel.conversion()));
+    channels.push_back(std::move(one));
+  }
   for (const SidChannel* channel : sid_case.responses()) {
     responses.push_back(
         {{"channel", channel->name()}, {"mass", channel->mass}, {"unit", channel->used_unit()}});
@@ -201,8 +208,11 @@ Report data_of(const SidCaseFile& parsed) {
       {"samples", {sid_case.begin, sid_case.end}},
       {"lead_in", sid_case.lead_in},
       {"responses", responses},
+      {"channels", channels},
       {"units", system ? Report({{"force", system->force}, {"length", system->length}}) : Report()},
       {"window_against_record", window}};
+  if (!sid_case.simulated) out["sampling"] = sampling_json(sid_case.sampling);
+  if (sid_case.layout) out["layout"] = layout_json(*sid_case.layout);
   if (sid_case.truth && sid_case.simulated) {
     out["truth"] = Report::parse(parsed.file.json["truth"].dump());
   }

@@ -76,7 +76,7 @@ std::vector<double> read_excitation(const SidCaseFile& parsed, const Json& e,
     const int column = record.find(name);
     std::vector<double> x = signals::window(record, column, 0, parsed.sid.truth->samples);
     SidChannel channel{.column = name, .role = role_of(e)};
-    channel.take_unit(record.columns[static_cast<std::size_t>(column)].unit);
+    channel.take_unit(signals::unit_of(record.columns[static_cast<std::size_t>(column)]));
     for (double& sample : x) sample *= e.value("scale", channel.signal.scale.value);
     return x;
   } catch (const io::FileError& error) {

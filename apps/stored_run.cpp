@@ -152,8 +152,7 @@ std::optional<std::string> finished_run(const fs::path& folder, const CaseFile& 
     return about.contains(name) && Json::parse(about[name].dump()) == value;
   };
   if (!is("version", WHEELTAP_VERSION) || !is("seed", seed) || !is(key.c_str(), options) ||
-      !same("case", file.json) || !same("inputs", file.inputs->json()) ||
-      stopped != false) {
+      !same("case", file.json) || !same("inputs", file.inputs->json()) || stopped != false) {
     return {};
   }
   if (!is_sealed(folder, "posterior.nc", summary)) return {};

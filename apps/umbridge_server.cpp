@@ -127,7 +127,8 @@ Json differentiated(Workers& workers, const Json& question) {
 
 class Server {
  public:
-  Server(const std::vector<ServedModel>& models, const ServerOptions& options) : options_(options), at_work_(std::max(1, options.threads)) {
+  Server(const std::vector<ServedModel>& models, const ServerOptions& options)
+      : options_(options), at_work_(std::max(1, options.threads)) {
     for (const ServedModel& model : models) models_.push_back(std::make_unique<Workers>(model));
     server_.set_tcp_nodelay(true);
     server_.set_keep_alive_max_count(std::numeric_limits<int>::max());
@@ -180,26 +181,26 @@ class Server {
   using Answer = std::function<Json(Workers&, const Json&)>;
 
   void answer(const char* endpoint, const Answer& make) {
-    server_.Post(endpoint,
-                 [this, make](const httplib::Request&, httplib::Response& response,
-                              const httplib::ContentReader& reader) {
-                   const auto body = server_.body_of(reader);
-                   if (!body)
-                     return refuse(response,
-                                   {"InvalidInput", "the question did not come to its end, or has "
-                                                    "more than " +
-                                                        std::to_string(kLargestAnswer) + " bytes"},
-                                   413);
-                   try {
-                     response.set_content(make_answer(*body, make).dump(), kType);
-                   } catch (const Refusal& refusal) {
-                     refuse(response, refusal, 400);
-                   } catch (const std::invalid_argument& error) {
-                     refuse(response, {"InvalidInput", error.what()}, 400);
-                   } catch (const std::exception& error) {
-                     refuse(response, {"InvalidOutput", error.what()}, 500);
-                   }
-                 });
+    server_.Post(endpoint, [this, make](const httplib::Request&, httplib::Response& response,
+                                        const httplib::ContentReader& reader) {
+      const auto body = server_.body_of(reader);
+      if (!body)
+        return refuse(response,
+                      {"InvalidInput",
+                       "the question did not come to its end, or has "
+                       "more than " +
+                           std::to_string(kLargestAnswer) + " bytes"},
+                      413);
+      try {
+        response.set_content(make_answer(*body, make).dump(), kType);
+      } catch (const Refusal& refusal) {
+        refuse(response, refusal, 400);
+      } catch (const std::invalid_argument& error) {
+        refuse(response, {"InvalidInput", error.what()}, 400);
+      } catch (const std::exception& error) {
+        refuse(response, {"InvalidOutput", error.what()}, 500);
+      }
+    });
   }
 
   Json make_answer(const std::string& body, const Answer& make) {

@@ -35,8 +35,7 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   require_same_on_all_ranks("case", identity_of(parsed->file));
   if (common.resume && !common.dry_run) {
     const auto text = first_rank_says([&] {
-      return finished_run(common.output, parsed->file, seed, "options",
-                          options_report(options));
+      return finished_run(common.output, parsed->file, seed, "options", options_report(options));
     });
     if (text && !base::is_first_rank()) return;
     if (text) return print_finished(common.output, *text, *log);

@@ -45,11 +45,8 @@ Report solutions_of(const UpdateFindings& findings) {
     Report values = Report::object(), best = Report::object();
     for (std::size_t p = 0; p < parameters.size(); ++p) {
       const Marginal& e = s.parameters[p];
-      values[parameters[p].unknown.label] = {{"mean", e.mean},
-                                             {"sd", e.sd},
-                                             {"q2.5", e.q2_5},
-                                             {"q50", e.q50},
-                                             {"q97.5", e.q97_5}};
+      values[parameters[p].unknown.label] = {
+          {"mean", e.mean}, {"sd", e.sd}, {"q2.5", e.q2_5}, {"q50", e.q50}, {"q97.5", e.q97_5}};
       best[parameters[p].unknown.label] = s.best[p];
     }
     rows.push_back({{"probability", s.probability},
@@ -102,14 +99,14 @@ Report data_of(const UpdateCaseFile& parsed, const UpdateFindings& findings) {
                 {"posterior_predictive_p", findings.fit.p},
                 {"sensors", sensors}};
   if (const auto& n = findings.numbering)
-    out["numbering"] = {{"modes", n->measured},
-                        {"probability", n->probability},
-                        {"likeliest_other",
-                         n->likeliest.modes.empty()
-                             ? Report()
-                             : Report({{"modes", n->likeliest.modes},
-                                       {"probability", n->likeliest.probability}})},
-                        {"draws", n->draws}};
+    out["numbering"] = {
+        {"modes", n->measured},
+        {"probability", n->probability},
+        {"likeliest_other",
+         n->likeliest.modes.empty()
+             ? Report()
+             : Report({{"modes", n->likeliest.modes}, {"probability", n->likeliest.probability}})},
+        {"draws", n->draws}};
   if (data.has_shapes()) {
     out["shapes"] = rows_of(data.shapes);
     out["computed_shapes"] = rows_of(findings.best_shapes);

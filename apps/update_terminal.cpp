@@ -115,8 +115,7 @@ void print_update(std::ostream& out, const UpdateCaseFile& parsed, const UpdateF
   page.heading(parsed.update.title);
   const ModalData& data = parsed.update.data;
   const int modes = data.measured_modes();
-  out << "Data: " << modes << (modes == 1 ? " mode" : " modes") << ", "
-      << data.origin;
+  out << "Data: " << modes << (modes == 1 ? " mode" : " modes") << ", " << data.origin;
   if (data.has_shapes())
     out << "; shapes at " << data.sensors.size()
         << (data.sensors.size() == 1 ? " sensor" : " sensors");

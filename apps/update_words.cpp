@@ -70,8 +70,7 @@ std::vector<std::string> separated(const UpdateFindings& findings) {
   if (order.size() > kMostNamed) order.resize(kMostNamed);
   std::ranges::sort(order);
   std::vector<std::string> names;
-  for (const std::size_t p : order)
-    names.push_back(findings.models[0].parameters[p].unknown.label);
+  for (const std::size_t p : order) names.push_back(findings.models[0].parameters[p].unknown.label);
   return names;
 }
 

@@ -20,7 +20,8 @@ namespace wheeltap::apps {
     const identification::UpdateFindings& findings);
 /// That the numbers of modes without shapes are doubtful, and what to do; empty where they are not.
 [[nodiscard]] std::string numbering_sentence(const identification::UpdateFindings& findings);
-/// What the data cannot tell: parameters left at their priors, those that cannot be told apart, and directions in which nothing was learnt.
+/// What the data cannot tell: parameters left at their priors, those that cannot be told apart, and
+/// directions in which nothing was learnt.
 [[nodiscard]] std::vector<std::string> cannot_tell(const identification::UpdateFindings& findings);
 /// All that a reader should keep in mind, the gravest first.
 [[nodiscard]] std::vector<std::string> update_warnings(

@@ -84,7 +84,7 @@ Table parse_runs_csv(std::string bytes, const fs::path& name, std::vector<Factor
            " column names");
     std::vector<double> point(factors.size());
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      const double value = io::parse_number(cells[c]).value_or(kNoNumber);
+      const double value = text.number(cells[c]).value_or(kNoNumber);
       if (!std::isfinite(value))
         fail("column \"" + columns[c].name + "\" holds \"" + cells[c] +
              "\", which is not a finite number");

@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 constexpr double kMissed = 0.05, kNoMode = 0.1;
 constexpr double kModelError = 0.02;
-constexpr int kFurther = 3;                 // modes that may have been missed
+constexpr int kFurther = 3;                  // modes that may have been missed
 constexpr std::size_t kMostOthers = 20'000;  // numberings that are compared
 constexpr int kDraws = 400, kFewDraws = 60;
 constexpr double kAffordableSeconds = 2.0;
@@ -117,8 +117,7 @@ std::optional<NumberingFinding> numbering_of(const StructureModel& model, const 
       continue;  // no such structure
     }
   }
-  if (static_cast<int>(found.size()) < std::max(kFewDraws, 3 * modes) ||
-      measured.back() >= modes)
+  if (static_cast<int>(found.size()) < std::max(kFewDraws, 3 * modes) || measured.back() >= modes)
     return {};
   MatrixXd ln_f(static_cast<Index>(found.size()), modes);
   for (std::size_t s = 0; s < found.size(); ++s)
@@ -128,9 +127,8 @@ std::optional<NumberingFinding> numbering_of(const StructureModel& model, const 
     ln_measured[static_cast<Index>(i)] =
         std::log(data.frequencies_hz[static_cast<std::size_t>(measured[i])]);
   const VectorXd f = ln_measured.array().exp();
-  return judge_numbering(
-      ln_f, measured, ln_measured,
-      frequency_covariance(measured, measured).cwiseQuotient(f * f.transpose()));
+  return judge_numbering(ln_f, measured, ln_measured,
+                         frequency_covariance(measured, measured).cwiseQuotient(f * f.transpose()));
 }
 
 }  // namespace wheeltap::identification

@@ -10,6 +10,7 @@
 
 #include "identification/fit_verdict.hpp"
 #include "inference/evidence/evidence_warning.hpp"
+#include "signals/record.hpp"
 
 namespace wheeltap::identification {
 
@@ -225,6 +226,10 @@ struct UnknownUnits {
   };
   std::vector<Channel> channels;
 };
+/// Time steps differ by less than what is refused.
+struct UnevenTime {
+  signals::Sampling sampling;
+};
 /// Responses are absolute, and the base's displacement was integrated from its acceleration.
 struct BaseIntegrated {};
 /// The most probable model does not explain the record, and another that is still possible does.
@@ -332,19 +337,21 @@ struct SpuriousMode {
 /// From this probability on it is said.
 inline constexpr double kSpurious = 0.05;
 
-using Remark = std::variant<
-    remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
-    remark::NearlyPrior, remark::ImplausibleMaterial, remark::DeepSection, remark::TwinMembers,
-    remark::UnusedNodes, remark::CrossingMembers, remark::SensorsAtOnePlace,
-    remark::FrequenciesOutOfReach, remark::NoiseHidesDamage, remark::MirrorImages,
-    remark::StructureImages, remark::RivalPlaces, remark::FittedNotTested, remark::CannotExclude,
-    remark::NoModelFits, remark::NeighbouringDamages, remark::LargestCount, remark::SeverityAtBound,
-    remark::EmulatorBlind, remark::EmulatorMoved, remark::TruthOutsidePriors,
-    remark::ResponsesOutOfReach, remark::NoiseAboveResponse, remark::PeculiarWindow,
-    remark::LinearExcitation, remark::UnknownUnits, remark::BaseIntegrated, remark::MostlyNoise,
-    remark::InitialStateInferred, remark::StepsTooLong, remark::MeansDoNotGoTogether,
-    remark::NoiseMisstated, remark::MostProbableFails, remark::ColouredResiduals,
-    remark::ParameterAtBound, remark::ScatterBetweenWindows, remark::WindowsUnsound,
-    remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
+using Remark =
+    std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
+                 remark::NearlyPrior, remark::ImplausibleMaterial, remark::DeepSection,
+                 remark::TwinMembers, remark::UnusedNodes, remark::CrossingMembers,
+                 remark::SensorsAtOnePlace, remark::FrequenciesOutOfReach, remark::NoiseHidesDamage,
+                 remark::MirrorImages, remark::StructureImages, remark::RivalPlaces,
+                 remark::FittedNotTested, remark::CannotExclude, remark::NoModelFits,
+                 remark::NeighbouringDamages, remark::LargestCount, remark::SeverityAtBound,
+                 remark::EmulatorBlind, remark::EmulatorMoved, remark::TruthOutsidePriors,
+                 remark::ResponsesOutOfReach, remark::NoiseAboveResponse, remark::PeculiarWindow,
+                 remark::LinearExcitation, remark::UnevenTime, remark::UnknownUnits,
+                 remark::BaseIntegrated, remark::MostlyNoise, remark::InitialStateInferred,
+                 remark::StepsTooLong, remark::MeansDoNotGoTogether, remark::NoiseMisstated,
+                 remark::MostProbableFails, remark::ColouredResiduals, remark::ParameterAtBound,
+                 remark::ScatterBetweenWindows, remark::WindowsUnsound,
+                 remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
 
 }  // namespace wheeltap::identification

@@ -33,33 +33,28 @@ void SidChannel::take_unit(const std::string& header_unit) {
   if (!unit_given) unit = header_unit;
   const bool untouched = signal.scale.is_constant() && signal.scale.value == 1.0;
   if (role == Role::ignore || scale_given || !untouched) return;
-  const auto known = signals::find_unit(unit);
-  if (known && known->dimension == dimension()) signal.scale = known->si;
+  const signals::Conversion found = signals::conversion_of(unit, dimension());
+  if (found.basis == signals::Conversion::Basis::unit) signal.scale = found.factor;
 }
 
 std::string SidChannel::foreign_unit() const {
   if (!is_excitation() && role != Role::response) return {};
-  const auto known = signals::find_unit(unit);
-  const bool converted = known && known->dimension == dimension();
-  return converted || scale_given || unit == "1" ? std::string() : unit;
+  const signals::Conversion found = signals::conversion_of(unit, dimension());
+  const bool foreign = found.basis == signals::Conversion::Basis::foreign;
+  return foreign && !scale_given ? unit : std::string();
+}
+
+signals::Conversion SidChannel::conversion() const {
+  signals::Conversion out = signals::conversion_of(unit, dimension());
+  if (!scale_given) return out;
+  out.basis = signals::Conversion::Basis::stated_scale;
+  out.factor = signal.scale.is_constant() ? signal.scale.value : 1.0;
+  return out;
 }
 
 std::string SidChannel::used_unit() const {
-  using signals::Dimension;
   if (const std::string foreign = foreign_unit(); !foreign.empty()) return foreign;
-  switch (dimension()) {
-    case Dimension::time:
-      return "s";
-    case Dimension::force:
-      return "N";
-    case Dimension::length:
-      return "m";
-    case Dimension::velocity:
-      return "m/s";
-    case Dimension::acceleration:
-      return "m/s^2";
-  }
-  return {};
+  return std::string(signals::si_unit(dimension()));
 }
 
 using dynamics::Coefficient;

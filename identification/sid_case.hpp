@@ -10,6 +10,7 @@
 #include "dynamics/simulate.hpp"
 #include "inference/model_space.hpp"
 #include "signals/excitation.hpp"
+#include "signals/record.hpp"
 #include "signals/spectra.hpp"
 #include "signals/units.hpp"
 
@@ -51,6 +52,9 @@ struct SidChannel {
   [[nodiscard]] std::string foreign_unit() const;
   /// What its values are in once scaled: "m", or a foreign unit.
   [[nodiscard]] std::string used_unit() const;
+  /// The unit of its raw numbers and what was made of them; a factor of 1 where the scale is a
+  /// parameter.
+  [[nodiscard]] signals::Conversion conversion() const;
   /// The column is called by its number.
   [[nodiscard]] bool is_numbered() const {
     return column.find_first_not_of("0123456789") == std::string::npos;
@@ -159,11 +163,13 @@ struct SidCase {
   int number = 1;  ///< of this record
 
   double sample_rate_hz = 0.0;
-  int begin = 0, end = 0;  ///< samples scored, in the record
-  int lead_in = 0;         ///< samples before those
-  int stride = 1;          ///< excitation samples a response sample
-  int beyond = 0;          ///< samples kept of what follows the window, to predict
-  int windows = 0;         ///< to be fitted each by itself, too; 0: none
+  signals::Sampling sampling = {};             ///< how that was found
+  std::optional<io::FoundLayout> layout = {};  ///< of a record in delimited text
+  int begin = 0, end = 0;                      ///< samples scored, in the record
+  int lead_in = 0;                             ///< samples before those
+  int stride = 1;                              ///< excitation samples a response sample
+  int beyond = 0;   ///< samples kept of what follows the window, to predict
+  int windows = 0;  ///< to be fitted each by itself, too; 0: none
   bool simulated = false;
   /// Why the initial state is inferred though the case does not ask: how far the responses move at
   /// the window's start (moves_at_start).

@@ -59,11 +59,14 @@ class RecordTaker {
           Part::sample_rate,
           "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
     }
-    std::optional<double> seconds;  // that one of time is, where the case says so
-    if (time != nullptr && time->scale_given) seconds = time->signal.scale.value;
-    out_.sample_rate_hz =
-        column < 0 ? *use_.sample_rate_hz
-                   : signals::sample_rate_hz(record_, column, use_.sample_rate_hz, seconds);
+    // That one of time is, where the case says so; a record that was resampled is in seconds.
+    std::optional<double> seconds;
+    if (time != nullptr && time->scale_given && !use_.resample) seconds = time->signal.scale.value;
+    out_.sampling = {.rate_hz = use_.sample_rate_hz.value_or(0.0)};
+    if (column >= 0)
+      out_.sampling = signals::sampling_of(record_, column, use_.sample_rate_hz, seconds);
+    out_.sample_rate_hz = column < 0 ? *use_.sample_rate_hz : out_.sampling.rate_hz;
+    out_.layout = record_.layout;
   }
 
   void read_window() {
@@ -150,7 +153,7 @@ class RecordTaker {
     SidChannel& channel = out_.channels[i];
     if (channel.role == Role::ignore || channel.role == Role::time) return;
     const auto& source = record_.columns[static_cast<std::size_t>(columns_[i])];
-    channel.take_unit(source.unit);
+    channel.take_unit(signals::unit_of(source));
     const int begin = out_.begin - out_.lead_in;
     channel.signal.samples = window(i);
     refuse_constant(i);
@@ -246,7 +249,17 @@ void doubt_channel(const SidCase& record, const SidChannel& channel,
 }  // namespace
 
 void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use) {
-  RecordTaker(sid_case, record, use).take();
+  if (!use.resample) {
+    RecordTaker(sid_case, record, use).take();
+    return;
+  }
+  const SidChannel* time = sid_case.find(Role::time);
+  const int column = time != nullptr ? record.find(time->column) : record.find_time();
+  if (column < 0) throw InvalidInput(Part::sample_rate, "\"resample\" needs a column of times");
+  std::optional<double> seconds;
+  if (time != nullptr && time->scale_given) seconds = time->signal.scale.value;
+  RecordTaker(sid_case, signals::resampled(record, column, use.sample_rate_hz, seconds), use)
+      .take();
 }
 
 std::vector<Remark> record_remarks(const SidCase& sid_case) {
@@ -261,6 +274,7 @@ std::vector<Remark> record_remarks(const SidCase& sid_case) {
       doubt_channel(*record, channel, peculiar, unknown, linear);
     }
     base_integrated = base_integrated || record->base_integrated;
+    if (record->sampling.jitter > 0.0) out.emplace_back(remark::UnevenTime{record->sampling});
     if (record->starts_moving) moving = std::max(moving.value_or(0.0), *record->starts_moving);
   }
   if (base_integrated) out.emplace_back(remark::BaseIntegrated{});

@@ -20,6 +20,7 @@ struct RecordUse {
   /// Excitations held no frequency above half the rate: they are upsampled by a sinc. Else they are
   /// linear between their samples.
   bool band_limited = false;
+  bool resample = false;  ///< time steps are uneven: the record is interpolated at an even rate
   std::optional<int> upsample =
       {};  ///< none: until linear interpolation loses 0.3 % of the amplitude
 };

@@ -60,10 +60,10 @@ Draws draws_of_model(const Posterior& posterior, int model) {
     for (std::size_t i = 0; i < chain.size(); i += step) {
       if (chain.model[i] != model) continue;
       for (Index p = 0; p < d; ++p)
-        out.z(p, at) = std::clamp(space.prior(model, static_cast<int>(p))
-                                      .to_standard_normal(
-                                          chain.theta[i * width + static_cast<std::size_t>(p)]),
-                                  -kFarthest, kFarthest);
+        out.z(p, at) = std::clamp(
+            space.prior(model, static_cast<int>(p))
+                .to_standard_normal(chain.theta[i * width + static_cast<std::size_t>(p)]),
+            -kFarthest, kFarthest);
       out.log_posterior.push_back(chain.log_prior[i] + chain.log_likelihood[i]);
       ++at;
     }
@@ -139,8 +139,7 @@ std::vector<int> nearest_modes(const Posterior& posterior, int model, const Draw
 }
 
 /// Modes that overlap are one: of each, the number of its solution.
-std::vector<int> overlapping(const Draws& draws, const std::vector<int>& of,
-                        int groups) {
+std::vector<int> overlapping(const Draws& draws, const std::vector<int>& of, int groups) {
   const auto modes = static_cast<std::size_t>(groups);
   const MatrixXd pooled = covariance_within(draws, of, groups);
   std::vector<Normal> normals;
@@ -177,7 +176,8 @@ std::vector<int> overlapping(const Draws& draws, const std::vector<int>& of,
   for (Index a = 0; a < overlap.rows(); ++a)
     for (Index b = 0; b < a; ++b)
       if (overlap(a, b) > kOverlap * std::min(compared[a], compared[b])) {
-        const int from = group[static_cast<std::size_t>(a)], to = group[static_cast<std::size_t>(b)];
+        const int from = group[static_cast<std::size_t>(a)],
+                  to = group[static_cast<std::size_t>(b)];
         std::ranges::replace(group, from, to);
       }
   return group;
@@ -228,8 +228,7 @@ SeparateSolutions separate_solutions(const Posterior& posterior, int model) {
       }
       std::erase_if(chains, [](const std::vector<double>& chain) { return chain.empty(); });
       solution.parameters.push_back(marginal(chains));
-      solution.best.push_back(
-          prior.from_standard_normal(draws.z(p, static_cast<Index>(best))));
+      solution.best.push_back(prior.from_standard_normal(draws.z(p, static_cast<Index>(best))));
     }
     out.list.push_back(std::move(solution));
   }

@@ -7,8 +7,8 @@
 //
 //   Σ_draws min(r_a, r_b) > 0.05 min(n_a, n_b),
 //
-// so that a curved or a rough ridge stays one. Coordinates z are those in which the prior is standard
-// normal.
+// so that a curved or a rough ridge stays one. Coordinates z are those in which the prior is
+// standard normal.
 #pragma once
 
 #include <vector>

@@ -432,9 +432,8 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
   const Examined seen = examine(problem, posterior, out);
   judge_modes(problem, seen, out);
   if (!problem.states && !problem.outside)
-    out.numbering =
-        numbering_of(*problem.update_case.structure, problem.update_case.data,
-                     problem.covariance(problem.noise(seen.x[seen.best])));
+    out.numbering = numbering_of(*problem.update_case.structure, problem.update_case.data,
+                                 problem.covariance(problem.noise(seen.x[seen.best])));
   leave_one_out(problem, seen, out);
   predict(problem, seen, seed, out);
   judge_fit(problem, seen, out);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/file_error.hpp"
+#include "io/text_layout.hpp"
 
 namespace wheeltap::io {
 
@@ -22,6 +23,9 @@ struct Column {
   /// digits. Negative for binary files.
   int decimals = -1;
   int digits = -1;
+  /// What the file holds there: numbers; time stamps, whose values are seconds since the first one;
+  /// or texts, which have no values.
+  CellKind cells = CellKind::number;
 };
 
 /// "force [N]" and "force (N)" are the name "force" and the unit "N". A bracket that holds an index
@@ -34,8 +38,9 @@ struct Columns {
   std::map<std::string, double> scalars = {};
   /// What else a file of arrays holds, in words: "note (text)".
   std::vector<std::string> others = {};
-  int first_line = 0;             ///< line of row 0; 0 for binary files
-  std::vector<int> skipped = {};  ///< rows before which a comment stands, increasing
+  int first_line = 0;                      ///< line of row 0; 0 for binary files
+  std::vector<int> skipped = {};           ///< rows before which a comment stands, increasing
+  std::optional<FoundLayout> layout = {};  ///< of delimited text
 
   [[nodiscard]] int rows() const;
   /// Index of the column with this header, or this name, or (a number) at this place from 1. Throws

@@ -1,8 +1,6 @@
 #include "io/delimited_text.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cstdint>
 #include <cstring>
 #include <limits>
 
@@ -11,12 +9,12 @@
 namespace wheeltap::io {
 namespace {
 
+constexpr int kHeadRows = 1000;  // rows among which the first one is looked for
+constexpr std::size_t kHeadComments = 5000;
+constexpr int kBodyRows = 100;  // of a long text, from its middle
+
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
-}
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -25,115 +23,120 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                              1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                              1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-
-/// Reads the decimal number at the start of [p, end) and how finely it is printed. Returns one past
-/// it; null where there is none, or it is not a plain one (nan, inf, beyond the range).
-///
-/// Digits without point and powers of ten up to 10²² are doubles where the former stay below 2⁵³:
-/// their product or quotient is then rounded once, to the nearest double (Clinger 1990, "How to
-/// read floating point numbers accurately", section 3). All others go to std::from_chars.
-const char* read_number(const char* p, const char* end, double& value, Column& column) {
-  const bool negative = p < end && *p == '-';
-  if (p < end && (*p == '-' || *p == '+')) ++p;
-  const char* const start = p;
-  std::uint64_t mantissa = 0;
-  int significant = 0, after_point = 0, digits = 0;
-  bool point = false;
-  for (; p < end; ++p) {
-    if (is_digit(*p)) {
-      ++digits;
-      if (significant > 0 || *p != '0') {
-        // Nineteen digits fit; more are left to from_chars.
-        if (++significant <= 19) mantissa = 10 * mantissa + static_cast<std::uint64_t>(*p - '0');
-      }
-      if (point) ++after_point;
-    } else if (*p == '.' && !point) {
-      point = true;
-    } else {
-      break;
-    }
-  }
-  if (digits == 0) return nullptr;
-  int exponent = 0;
-  if (p < end && (*p == 'e' || *p == 'E')) {
-    const char* q = p + 1;
-    const bool down = q < end && *q == '-';
-    if (q < end && (*q == '-' || *q == '+')) ++q;
-    if (q == end || !is_digit(*q)) return nullptr;
-    for (; q < end && is_digit(*q); ++q) exponent = std::min(10 * exponent + (*q - '0'), 100'000);
-    if (down) exponent = -exponent;
-    p = q;
-  }
-  const int power = exponent - after_point;
-  if (significant <= 19 && mantissa <= (std::uint64_t{1} << 53) && power >= -22 && power <= 22) {
-    const auto whole = static_cast<double>(mantissa);
-    value = power < 0 ? whole / kPowers[-power] : whole * kPowers[power];
-  } else {
-    const auto [last, error] = std::from_chars(start, p, value);
-    if (error != std::errc() || last != p) return nullptr;
-  }
-  if (negative) value = -value;
-  column.decimals = std::max(column.decimals, -power);
-  column.digits = std::max(column.digits, significant);
-  return p;
-}
-
-/// Takes the next cell off the front of a line, with the separator behind it; blanks and quotes
-/// are still on it. Returns whether there is another.
-bool take(std::string_view& line, char separator, std::string_view& cell) {
-  std::size_t at = 0;
-  const std::size_t first = line.find_first_not_of(" \t");
-  if (first != std::string_view::npos && line[first] == '"') {
-    // To the closing quote; "" is a quote within.
-    for (at = first + 1; at < line.size(); ++at) {
-      if (line[at] != '"') continue;
-      if (at + 1 == line.size() || line[at + 1] != '"') break;
-      ++at;
-    }
-  }
-  const std::size_t end = separator == ' ' ? line.find_first_of(" \t", std::min(at, line.size()))
-                                           : line.find(separator, std::min(at, line.size()));
-  cell = line.substr(0, end);
-  if (end == std::string_view::npos) return false;
-  line.remove_prefix(end + 1);
-  if (separator == ' ') line = line.substr(std::min(line.find_first_not_of(" \t"), line.size()));
-  return true;
-}
-
 std::string shown(std::string_view text) {
   constexpr std::size_t kShown = 40;
-  return "'" + std::string(text.substr(0, kShown)) + "'";
+  return "'" + printable(in_utf8(text.substr(0, kShown))) + "'";
 }
 
-/// Whether a bracket of a header is still to be closed.
-bool is_open(std::string_view header) {
-  return std::ranges::count(header, '[') > std::ranges::count(header, ']') ||
-         std::ranges::count(header, '(') > std::ranges::count(header, ')');
+/// "1,5": a number with a decimal comma.
+bool has_decimal_comma(std::string_view text) {
+  return std::count(text.begin(), text.end(), ',') == 1 && parse_number(text, ',');
 }
 
-/// "1,5" → "1.5": how a number with a decimal comma must be written.
-std::string with_point(std::string_view text) {
-  std::string out(text);
-  if (std::count(out.begin(), out.end(), ',') != 1) return {};
-  std::replace(out.begin(), out.end(), ',', '.');
-  return parse_number(out) ? out : std::string();
+/// UTF-16 with a byte order mark, or with a zero in every other byte, as UTF-8. Halves of
+/// characters beyond the first plane that are alone become U+FFFD.
+std::string without_utf16(std::string text) {
+  const bool little = text.starts_with("\xFF\xFE"), big = text.starts_with("\xFE\xFF");
+  bool swapped = big;
+  std::size_t at = 2;
+  if (!little && !big) {
+    if (text.size() < 8) return text;
+    const std::size_t looked = std::min<std::size_t>(text.size() / 2 * 2, 64);
+    bool low = true, high = true;
+    for (std::size_t i = 0; i < looked; i += 2) {
+      low = low && text[i + 1] == '\0' && text[i] != '\0';
+      high = high && text[i] == '\0' && text[i + 1] != '\0';
+    }
+    if (!low && !high) return text;
+    swapped = high;
+    at = 0;
+  }
+  const auto unit = [&](std::size_t i) -> char32_t {
+    const auto a = static_cast<unsigned char>(text[i]), b = static_cast<unsigned char>(text[i + 1]);
+    return swapped ? static_cast<char32_t>(a << 8U | b) : static_cast<char32_t>(b << 8U | a);
+  };
+  std::string out;
+  out.reserve(text.size() / 2);
+  for (; at + 1 < text.size(); at += 2) {
+    char32_t code = unit(at);
+    if (code >= 0xD800 && code < 0xE000) {
+      const char32_t next = at + 3 < text.size() ? unit(at + 2) : 0;
+      if (code < 0xDC00 && next >= 0xDC00 && next < 0xE000) {
+        code = 0x10000 + ((code - 0xD800) << 10U) + (next - 0xDC00);
+        at += 2;
+      } else {
+        code = 0xFFFD;
+      }
+    }
+    const auto put = [&](char32_t byte) { out += static_cast<char>(byte); };
+    if (code < 0x80) {
+      put(code);
+    } else if (code < 0x800) {
+      put(0xC0U | (code >> 6U)), put(0x80U | (code & 0x3FU));
+    } else if (code < 0x10000) {
+      put(0xE0U | (code >> 12U)), put(0x80U | ((code >> 6U) & 0x3FU)), put(0x80U | (code & 0x3FU));
+    } else {
+      put(0xF0U | (code >> 18U)), put(0x80U | ((code >> 12U) & 0x3FU));
+      put(0x80U | ((code >> 6U) & 0x3FU)), put(0x80U | (code & 0x3FU));
+    }
+  }
+  return out;
 }
+
+/// "sep=;", by which a text tells spreadsheets its separator.
+std::optional<char> said_separator(std::string_view line) {
+  line = trimmed(line);
+  if (line.size() > 2 && line.front() == '"' && line.back() == '"')
+    line = line.substr(1, line.size() - 2);
+  if (line.size() < 5 || (line[0] != 's' && line[0] != 'S') || line.substr(1, 3) != "ep=")
+    return std::nullopt;
+  return parse_separator(line.substr(4));
+}
+
+/// Time stamps of a column, which become seconds since the first.
+class Stamps {
+ public:
+  explicit Stamps(const TimeFormat& format) : format_(format) {}
+
+  [[nodiscard]] bool read(std::string_view text, double& value) {
+    std::optional<TimeStamp> stamp;
+    if (format_.pattern.empty()) {
+      stamp = read_stamp(text, format_.order).stamp;
+    } else {
+      stamp = read_stamp(text, format_.pattern);
+    }
+    if (!stamp) return false;
+    if (!first_) {
+      first_ = last_ = stamp;
+      first_text_ = text;
+    }
+    // Times of day begin again at midnight.
+    constexpr std::int64_t kDay = 86'400'000'000'000;
+    stamp->nanoseconds += days_ * kDay;
+    if (!stamp->has_date && stamp->nanoseconds < last_->nanoseconds - kDay / 2) {
+      ++days_;
+      stamp->nanoseconds += kDay;
+    }
+    last_ = stamp;
+    decimals_ = std::max(decimals_, stamp->decimals);
+    value = 1e-9 * static_cast<double>(stamp->nanoseconds - first_->nanoseconds);
+    return true;
+  }
+  [[nodiscard]] const std::optional<TimeStamp>& first() const { return first_; }
+  [[nodiscard]] int decimals() const { return decimals_; }
+  [[nodiscard]] std::string pattern() const {
+    return format_.pattern.empty() ? stamp_pattern(first_text_, format_.order) : format_.pattern;
+  }
+
+ private:
+  TimeFormat format_;
+  std::string first_text_;
+  std::optional<TimeStamp> first_, last_;
+  std::int64_t days_ = 0;
+  int decimals_ = 0;
+};
 
 }  // namespace
-
-std::optional<double> parse_number(std::string_view text) {
-  if (text.starts_with('+')) {
-    text.remove_prefix(1);
-    if (text.starts_with('-')) return std::nullopt;
-  }
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 void DelimitedText::fail(Place place, const std::string& reason) const {
   throw FileError(FileError::Kind::corrupt, name_, std::move(place), reason);
@@ -142,7 +145,7 @@ void DelimitedText::fail(Place place, const std::string& reason) const {
 std::string_view DelimitedText::line_at(std::size_t start) const {
   const std::string_view rest = std::string_view(text_).substr(start);
   std::string_view line = rest.substr(0, rest.find(newline_));
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   return line;
 }
 
@@ -165,54 +168,38 @@ std::string DelimitedText::content(std::string_view raw, const Place& place) con
 
 std::vector<std::string> DelimitedText::split(std::string_view line, int number) const {
   std::vector<std::string> out;
-  if (separator_ == ' ') line = trimmed(line);
+  if (shape_.separator == ' ') line = trimmed(line);
   std::string_view raw;
   for (bool more = true; more;) {
-    more = take(line, separator_, raw);
+    more = take_cell(line, shape_.separator, raw);
     out.push_back(
         content(raw, {.line = number, .column = static_cast<std::ptrdiff_t>(out.size()) + 1}));
   }
+  if (shape_.trailing && out.size() == shape_.columns + 1 && out.back().empty()) out.pop_back();
   return out;
 }
 
-void DelimitedText::choose_separator(std::string_view first, std::string_view second,
-                                     FirstRow first_row) {
-  std::size_t most = 0;
-  for (const char candidate : {',', ';', '\t'}) {
-    std::string_view line = first, cell;
-    std::size_t count = 0;
-    while (take(line, candidate, cell)) ++count;
-    if (count > most) most = count, separator_ = candidate;
-  }
-  if (most > 0 && separator_ != '\t') return;
-  // Blanks separate numbers only: "velocity [m/s]" alone is one column. A tab is one of them where
-  // there are more numbers than it separates.
-  const auto numbers = [](std::string_view line) -> std::size_t {
-    line = trimmed(line);
-    std::string_view cell;
-    std::size_t count = 0;
-    for (bool more = true; more; ++count) {
-      more = take(line, ' ', cell);
-      if (!parse_number(cell)) return 0;
-    }
-    return count;
-  };
-  const bool header = first_row == FirstRow::header || numbers(first) == 0;
-  if (numbers(header ? second : first) > most + 1) separator_ = ' ';
-}
-
-DelimitedText::DelimitedText(std::string bytes, std::filesystem::path name, FirstRow first_row)
-    : text_(std::move(bytes)), name_(std::move(name)) {
-  if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
-    fail({}, "is UTF-16 text; save it as UTF-8");
+DelimitedText::DelimitedText(std::string bytes, std::filesystem::path name, FirstRow first_row,
+                             TextLayout stated)
+    : text_(without_utf16(std::move(bytes))), name_(std::move(name)), stated_(std::move(stated)) {
   if (const std::size_t nul = text_.find('\0'); nul != std::string::npos)
     fail({.line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(nul),
                                  '\n')},
          "is not text: there is a NUL byte");
+  if (!stated_.time_format.empty() && !parse_time_format(stated_.time_format))
+    fail({}, "\"time_format\": \"" + printable(stated_.time_format) +
+                 "\" is no form of time stamps: give \"day-first\", \"month-first\" or a pattern "
+                 "like \"%d.%m.%Y %H:%M:%S\"");
+  scan();
+  if (!starts_.empty()) find_layout(first_row);
+  layout_.first_row = first_line_;
+}
+
+/// Where the rows, comments and empty lines are.
+void DelimitedText::scan() {
   if (text_.find('\n') == std::string::npos && text_.find('\r') != std::string::npos)
     newline_ = '\r';
-
-  int number = 0, empty = 0;
+  int number = 0;
   for (std::size_t at = text_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
        at < text_.size();) {
     const std::size_t start = at;
@@ -224,42 +211,121 @@ DelimitedText::DelimitedText(std::string bytes, std::filesystem::path name, Firs
     ++number;
     std::size_t first = start;
     while (first < end && is_blank(text_[first])) ++first;
-    if (first == end || text_[first] == '#') {
+    const bool is_empty = first == end;
+    const bool is_comment = !is_empty && (text_[first] == '#' || text_[first] == '%');
+    const bool is_skipped = stated_.skip && number <= *stated_.skip;
+    // "sep=;" is the reader's business, wherever "#" stands.
+    if (number == 1 && !is_empty && !is_comment)
+      if (const std::optional<char> said =
+              said_separator(std::string_view(text_).substr(start, end - start))) {
+        if (!stated_.separator) stated_.separator = said;
+        continue;
+      }
+    if (is_empty || is_comment || is_skipped) {
       if (first_line_ > 0) skipped_.push_back(rows());
-      if (first == end && !starts_.empty() && empty == 0) empty = number;
+      if (is_empty) empty_.emplace_back(rows(), number);
+      if (is_comment && !is_skipped && rows() <= kHeadRows && comments_.size() < kHeadComments)
+        comments_.emplace_back(start, number);
       continue;
     }
     if (first_line_ == 0) first_line_ = number;
-    if (empty > 0 && empty_line_ == 0) empty_line_ = empty;
     starts_.push_back(start);
   }
-  if (starts_.empty()) return;
+}
 
-  const std::string_view first = line_at(starts_[0]);
-  choose_separator(first, starts_.size() > 1 ? line_at(starts_[1]) : std::string_view(), first_row);
-  std::vector<std::string> cells = split(first, first_line_);
-  if (first_row == FirstRow::detected && std::ranges::all_of(cells, [](const std::string& cell) {
-        return cell.empty() || parse_number(cell).has_value();
-      })) {
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      headers_.push_back(column_of_header(std::to_string(i + 1)));
-    return;
+void DelimitedText::find_layout(FirstRow first_row) {
+  std::vector<TextLine> head, body;
+  std::vector<int> row_of;  // a line of the head each; of comments, the row that follows
+  const int head_rows = std::min(rows(), kHeadRows);
+  auto comment = comments_.begin();
+  for (int row = 0; row < head_rows; ++row) {
+    const int number = line(row);
+    for (; comment != comments_.end() && comment->second < number; ++comment) {
+      head.push_back({line_at(comment->first), comment->second, true});
+      row_of.push_back(row);
+    }
+    head.push_back({line_at(starts_[static_cast<std::size_t>(row)]), number, false});
+    row_of.push_back(row);
   }
-  for (const std::string& cell : cells) {
-    // A unit stands after a blank that separates: "time [s] force [N]".
-    const bool joins =
-        separator_ == ' ' && !headers_.empty() &&
-        (cell.starts_with('[') || cell.starts_with('(') || is_open(headers_.back().header));
-    if (joins)
-      headers_.back() = column_of_header(headers_.back().header + " " + cell);
-    else
-      headers_.push_back(column_of_header(cell));
+  const int from = std::max(head_rows, rows() / 2);
+  for (int row = from; row < std::min(rows(), from + kBodyRows); ++row)
+    body.push_back({line_at(starts_[static_cast<std::size_t>(row)]), line(row), false});
+  try {
+    shape_ = find_shape(head, body, stated_, first_row == FirstRow::header);
+  } catch (const UnclearLayout& unclear) {
+    fail({.line = unclear.line}, unclear.what());
   }
-  // From here on rows are those below the header.
-  header_line_ = first_line_;
-  starts_.erase(starts_.begin());
-  first_line_ = header_line_ + 1;
-  for (int& row : skipped_) --row;
+  layout_.used = {.separator = shape_.separator,
+                  .decimal = shape_.decimal,
+                  .skip = stated_.skip,
+                  .header = 0,
+                  .units_row = 0,
+                  .time_format = {}};
+  const TextLine* units = shape_.units ? &head[*shape_.units] : nullptr;
+  if (shape_.names) {
+    take_names(head[*shape_.names], units);
+  } else {
+    for (std::size_t c = 0; c < std::max<std::size_t>(shape_.columns, 1); ++c)
+      headers_.push_back(column_of_header(std::to_string(c + 1)));
+  }
+  for (std::size_t c = 0; c < std::min(headers_.size(), shape_.kinds.size()); ++c)
+    headers_[c].cells = shape_.kinds[c];
+  const int first = shape_.first < head.size() ? row_of[shape_.first] : head_rows;
+  if (!stated_.skip) {
+    const int top = std::min(shape_.names ? head[*shape_.names].number : line(first), line(first));
+    layout_.used.skip = std::max(0, top - 1);
+  }
+  drop_rows(first);
+}
+
+void DelimitedText::take_names(const TextLine& names, const TextLine* units) {
+  header_line_ = names.number;
+  layout_.used.header = names.number;
+  std::vector<std::string> cells = names_in(
+      names.is_comment ? trimmed(names.text).substr(trimmed(names.text).find_first_not_of("#% \t"))
+                       : names.text,
+      shape_.separator, shape_.columns);
+  if (!names.is_comment) {
+    // Quotes that are not closed, and names of which there are more or fewer than columns.
+    std::vector<std::string> strict = split(names.text, names.number);
+    if (cells.empty()) {
+      if (shape_.index_unnamed) strict.insert(strict.begin(), "row");
+      cells = std::move(strict);
+    }
+  }
+  std::vector<std::string> unit_cells;
+  if (units != nullptr) {
+    layout_.used.units_row = units->number;
+    unit_cells = loose_cells(units->text, shape_.separator);
+    if (unit_cells.size() < cells.size())
+      unit_cells = names_in(units->is_comment ? units->text.substr(1) : units->text,
+                            shape_.separator, shape_.columns);
+  }
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    std::string name = in_utf8(cells[c]);
+    if (name.empty()) name = std::to_string(c + 1);
+    Column column = column_of_header(name);
+    if (c < unit_cells.size() && column.unit.empty()) {
+      std::string unit = in_utf8(unit_cells[c]);
+      for (const std::string_view brackets : {"[]", "()"})
+        if (unit.size() > 2 && unit.front() == brackets[0] && unit.back() == brackets[1])
+          unit = unit.substr(1, unit.size() - 2);
+      if (unit != "TS" && unit != "RN" && unit != "-") column.unit = unit;
+      if (!column.unit.empty()) column.header = column.name + " [" + column.unit + "]";
+    }
+    headers_.push_back(std::move(column));
+  }
+}
+
+/// From here on rows are those from this one on.
+void DelimitedText::drop_rows(int count) {
+  const int number = line(count);
+  starts_.erase(starts_.begin(), starts_.begin() + count);
+  std::erase_if(skipped_, [&](int row) { return row <= count; });
+  for (int& row : skipped_) row -= count;
+  std::erase_if(empty_, [&](const auto& line) { return line.second < number; });
+  for (auto& line : empty_) line.first -= count;
+  first_line_ = number;
 }
 
 int DelimitedText::line(int row) const {
@@ -271,72 +337,157 @@ std::vector<std::string> DelimitedText::cells(int row) const {
   return split(line_at(starts_.at(static_cast<std::size_t>(row))), line(row));
 }
 
+std::optional<double> DelimitedText::number(std::string_view cell) const {
+  if (is_missing_value(cell)) return std::numeric_limits<double>::quiet_NaN();
+  return parse_number(cell, shape_.decimal);
+}
+
+/// A cell that is not a plain number: nan, inf, a missing value, or a fault.
+double DelimitedText::plain_number(const std::string& text, Place place, Column& column) const {
+  const std::optional<double> found = number(text);
+  if (!found) {
+    std::string reason = shown(text) + " is not a number";
+    if (shape_.decimal == '.' && has_decimal_comma(text))
+      reason += " (decimal commas are read with \"decimal\": \",\")";
+    else if (column.cells == CellKind::number && read_stamp(text).stamp)
+      reason += ", as the cells above are";
+    fail(std::move(place), reason);
+  }
+  PrintedDigits digits{column.decimals, column.digits};
+  double ignored = 0.0;
+  static_cast<void>(
+      read_number(text.data(), text.data() + text.size(), ignored, digits, shape_.decimal));
+  column.decimals = std::max(digits.decimals, 0);
+  column.digits = std::max(digits.digits, 0);
+  return *found;
+}
+
+/// Which of day and month comes first in a column of stamps that do not say; unknown where none of
+/// them does, or none needs to.
+DayOrder DelimitedText::day_order(int column) const {
+  bool unclear = false;
+  for (int row = 0; row < rows(); ++row) {
+    const std::vector<std::string> found = cells(row);
+    if (static_cast<std::size_t>(column) >= found.size()) continue;
+    const std::string& cell = found[static_cast<std::size_t>(column)];
+    const StampReading reading = read_stamp(cell);
+    if (reading.order != DayOrder::unknown) return reading.order;
+    if (reading.stamp && row == 0) return DayOrder::unknown;
+    unclear = unclear || reading.ambiguous;
+  }
+  if (!unclear) return DayOrder::unknown;
+  Columns table{.file = name_.string(), .columns = headers_, .first_line = first_line_};
+  const std::vector<std::string> found = cells(0);
+  fail(table.place(0, column),
+       "the date of " + shown(found[static_cast<std::size_t>(column)]) +
+           " may be in either order: state \"time_format\": \"day-first\" or \"time_format\": "
+           "\"month-first\"");
+}
+
 Columns DelimitedText::columns(const Wanted& wanted) const {
-  Columns table{
-      .file = name_.string(), .columns = headers_, .first_line = first_line_, .skipped = skipped_};
-  if (empty_line_ > 0) fail({.line = empty_line_}, "empty line");
+  Columns table{.file = name_.string(),
+                .columns = headers_,
+                .first_line = first_line_,
+                .skipped = skipped_,
+                .layout = layout_};
+  for (const auto& [row, number] : empty_)
+    if (row > 0 && row < rows()) fail({.line = number}, "empty line");
   if (starts_.empty()) fail({}, "no data");
   std::vector<char> reads(headers_.size(), 1);
   for (std::size_t c = 0; wanted && c < reads.size(); ++c) reads[c] = wanted(table, c) ? 1 : 0;
-  for (std::size_t c = 0; c < reads.size(); ++c)
-    if (reads[c] != 0) table.columns[c].values.resize(starts_.size());
+  const TimeFormat format =
+      stated_.time_format.empty() ? TimeFormat{} : *parse_time_format(stated_.time_format);
+  std::vector<std::optional<Stamps>> stamps(reads.size());
+  for (std::size_t c = 0; c < reads.size(); ++c) {
+    if (reads[c] == 0) continue;
+    table.columns[c].values.resize(starts_.size());
+    if (headers_[c].cells != CellKind::stamp) continue;
+    TimeFormat of_column = format;
+    if (format.pattern.empty() && format.order == DayOrder::unknown)
+      of_column.order = day_order(static_cast<int>(c));
+    stamps[c].emplace(of_column);
+  }
 
-  const auto is_gap = [this](char c) { return c == ' ' || (c == '\t' && separator_ != '\t'); };
+  const char separator = shape_.separator, decimal = shape_.decimal;
+  const auto is_gap = [separator](char c) { return c == ' ' || (c == '\t' && separator != '\t'); };
   for (std::size_t row = 0; row < starts_.size(); ++row) {
     std::string_view line = line_at(starts_[row]);
-    if (separator_ == ' ') line = trimmed(line);
+    if (separator == ' ') line = trimmed(line);
     std::size_t c = 0;
     std::string_view cell;
+    bool last_empty = false;
     for (bool more = true; more; ++c) {
       const bool read = c < reads.size() && reads[c] != 0;
       double value = std::numeric_limits<double>::quiet_NaN();
-      if (read) {
+      if (read && !stamps[c]) {
         // A plain number and what follows it, without looking for the end of the cell first.
         const char* p = line.data();
         const char* const end = p + line.size();
         while (p < end && is_gap(*p)) ++p;
-        const char* q = read_number(p, end, value, table.columns[c]);
+        Column& column = table.columns[c];
+        PrintedDigits digits{column.decimals, column.digits};
+        const char* q = read_number(p, end, value, digits, decimal);
         if (q != nullptr) {
           const char* const past = q;
           while (q < end && is_gap(*q)) ++q;
-          if (q == end || (separator_ == ' ' ? q > past : *q == separator_)) {
-            table.columns[c].values[row] = value;
+          if (q == end || (separator == ' ' ? q > past : *q == separator)) {
+            column.values[row] = value;
+            column.decimals = digits.decimals;
+            column.digits = digits.digits;
             more = q < end;
+            last_empty = false;
             if (more)
               line.remove_prefix(static_cast<std::size_t>(q - line.data()) +
-                                 (separator_ == ' ' ? 0 : 1));
+                                 (separator == ' ' ? 0 : 1));
             continue;
           }
         }
       }
-      more = take(line, separator_, cell);
+      more = take_cell(line, separator, cell);
+      last_empty = trimmed(cell).empty();
       if (!read) continue;
-      const std::string text = content(cell, table.place(row, static_cast<int>(c)));
-      const std::optional<double> number =
-          text.empty() ? std::numeric_limits<double>::quiet_NaN() : parse_number(text);
-      if (!number) {
-        const std::string meant = with_point(text);
-        fail(table.place(row, static_cast<int>(c)),
-             shown(text) + " is not a number" +
-                 (meant.empty() ? "" : " (with a decimal point: " + meant + ")"));
+      const Place place = table.place(row, static_cast<int>(c));
+      const std::string text = content(cell, place);
+      if (stamps[c]) {
+        if (is_missing_value(text)) {
+          table.columns[c].values[row] = value;
+        } else if (!stamps[c]->read(text, table.columns[c].values[row])) {
+          fail(place,
+               shown(text) + " is no time stamp" +
+                   (stated_.time_format.empty() ? std::string(" like those above it")
+                                                : " of the form \"" + stated_.time_format + "\""));
+        }
+        continue;
       }
-      table.columns[c].values[row] = *number;
-      double ignored = 0.0;
-      static_cast<void>(
-          read_number(text.data(), text.data() + text.size(), ignored, table.columns[c]));
-      table.columns[c].decimals = std::max(table.columns[c].decimals, 0);
-      table.columns[c].digits = std::max(table.columns[c].digits, 0);
+      table.columns[c].values[row] = plain_number(text, place, table.columns[c]);
     }
-    if (c != headers_.size())
-      fail(table.place(row), std::to_string(c) + " columns, must be " +
-                                 std::to_string(headers_.size()) + " as in the first line");
+    if (shape_.trailing && last_empty && c == headers_.size() + 1) --c;
+    if (c != headers_.size()) {
+      std::string reason = std::to_string(c) + " columns, must be " +
+                           std::to_string(headers_.size()) + " as in line " +
+                           std::to_string(header_line_ > 0 ? header_line_ : first_line_);
+      // Names that do not fit the first row may be none.
+      if (row == 0 && header_line_ > 0)
+        reason += " (if that line holds no names, state \"header\": 0, or the line that does)";
+      fail(table.place(row), reason);
+    }
+  }
+  for (std::size_t c = 0; c < reads.size(); ++c) {
+    if (!stamps[c] || !stamps[c]->first()) continue;
+    Column& column = table.columns[c];
+    column.unit = "s";
+    column.decimals = stamps[c]->decimals();
+    column.digits = 19;  // as many as are exact
+    if (!table.layout->start.empty()) continue;
+    table.layout->start = text_of(*stamps[c]->first());
+    table.layout->used.time_format = stamps[c]->pattern();
   }
   return table;
 }
 
 Columns parse_delimited_text(std::string bytes, const std::filesystem::path& name,
-                             const Wanted& wanted) {
-  return DelimitedText(std::move(bytes), name).columns(wanted);
+                             const Wanted& wanted, const TextLayout& stated) {
+  return DelimitedText(std::move(bytes), name, FirstRow::detected, stated).columns(wanted);
 }
 
 }  // namespace wheeltap::io

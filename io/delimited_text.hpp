@@ -1,17 +1,21 @@
 // Tables as text, one row a line: the one grammar for all that we read.
 //
 //   file   = [byte order mark] line…              lines end with LF, CR LF or CR
-//   line   = blanks | "#" anything | row          the first two are no rows
-//   row    = cell (separator cell)…
+//   line   = blanks | ("#"|"%") anything | row    the first two are no rows
+//   row    = cell (separator cell)… [separator]
 //   cell   = blanks text blanks | blanks '"' text with "" for " '"' blanks
-//   number = [+|-] digits [. digits] [e [+|-] digits] | nan | inf; an empty cell is NaN
+//   number = [+|-] digits [. digits] [e [+|-] digits] | nan | inf; an empty cell is NaN, and so are
+//            NA, NULL, N/A and the like
+//   stamp  = a date or a time of day (io/time_stamp.hpp)
 //
-// A text that is not UTF-8 is taken for Latin-1, cell by cell.
+// A text that is not UTF-8 is taken for Latin-1, cell by cell; UTF-16 is converted.
 //
-// The separator is the comma, semicolon or tab that the first row has most of. Where it has none,
-// and the first line of numbers holds several, it is any run of blanks. A first row with a cell
-// that is no number is a header: "force [N]" (see io/columns.hpp). What cells must hold, and
-// whether rows may be short, is the reader's to say.
+// What is not stated is detected (io/text_layout.hpp): the separator (comma, semicolon, tab, bar,
+// or any run of blanks) and the decimal mark (point or comma) that explain the most numbers; the
+// first row, from where on all lines hold numbers and stamps where the others do; the line of names
+// above it, a line of units below that, and how many lines of other content precede both. A first
+// line "sep=;" states the separator. "force [N]" is the name force and the unit N (see
+// io/columns.hpp). What cells must hold, and whether rows may be short, is the reader's to say.
 #pragma once
 
 #include <optional>
@@ -20,25 +24,25 @@
 #include <vector>
 
 #include "io/columns.hpp"
+#include "io/text_layout.hpp"
+#include "io/text_number.hpp"
+#include "io/time_stamp.hpp"
 
 namespace wheeltap::io {
 
-/// The number that this text is, all of it; empty text is none. The nearest double, as
-/// std::from_chars has it; text beyond the range of doubles is none.
-[[nodiscard]] std::optional<double> parse_number(std::string_view text);
-
 enum class FirstRow {
-  detected,  ///< a header where one of its cells is no number
-  header
+  detected,
+  header  ///< the first line that is no comment holds the names
 };
 
 /// The lines of a text, split on demand.
 class DelimitedText {
  public:
-  /// Throws FileError (corrupt) for what is no such text: a NUL byte, UTF-16, a header with a quote
-  /// that is not closed. `name` stands for the file in messages.
+  /// Throws FileError (corrupt) for what is no such text: a NUL byte, a header with a quote that is
+  /// not closed; and where its layout is not clear, with what to state. `name` stands for the file
+  /// in messages.
   DelimitedText(std::string bytes, std::filesystem::path name,
-                FirstRow first_row = FirstRow::detected);
+                FirstRow first_row = FirstRow::detected, TextLayout stated = {});
 
   /// One a column, without values; of a file without a header they are called "1", "2", …
   [[nodiscard]] const std::vector<Column>& headers() const { return headers_; }
@@ -46,6 +50,9 @@ class DelimitedText {
   [[nodiscard]] int rows() const { return static_cast<int>(starts_.size()); }
   /// Line of a row, from 1; that after the last for `rows()`.
   [[nodiscard]] int line(int row) const;
+  [[nodiscard]] const FoundLayout& layout() const { return layout_; }
+  /// A cell as a number, with the decimal mark of this text; NaN for a missing value.
+  [[nodiscard]] std::optional<double> number(std::string_view cell) const;
   /// The cells of a row, trimmed and without their quotes. Throws FileError (corrupt) for a quote
   /// that is not closed, or text after one.
   [[nodiscard]] std::vector<std::string> cells(int row) const;
@@ -61,22 +68,31 @@ class DelimitedText {
   [[nodiscard]] std::string content(std::string_view raw, const Place& place) const;
   [[nodiscard]] std::vector<std::string> split(std::string_view line, int number) const;
   [[noreturn]] void fail(Place place, const std::string& reason) const;
-  void choose_separator(std::string_view first, std::string_view second, FirstRow first_row);
+  void scan();
+  void find_layout(FirstRow first_row);
+  void take_names(const TextLine& names, const TextLine* units);
+  void drop_rows(int count);
+  [[nodiscard]] DayOrder day_order(int column) const;
+  [[nodiscard]] double plain_number(const std::string& text, Place place, Column& column) const;
 
   std::string text_;
   std::filesystem::path name_;
+  TextLayout stated_;
+  FoundLayout layout_;
+  TableShape shape_;
   char newline_ = '\n';
-  char separator_ = ',';  ///< ' ' for any run of blanks
   int header_line_ = 0;
   int first_line_ = 0;
-  int empty_line_ = 0;  ///< the first between rows; 0: none
   std::vector<Column> headers_;
-  std::vector<std::size_t> starts_;  ///< of the rows, in the text
-  std::vector<int> skipped_;         ///< rows before which a line stands that is none
+  std::vector<std::size_t> starts_;         ///< of the rows, in the text
+  std::vector<int> skipped_;                ///< rows before which a line stands that is none
+  std::vector<std::pair<int, int>> empty_;  ///< empty lines: the row that follows, the line
+  std::vector<std::pair<std::size_t, int>> comments_;  ///< of the head: start, line
 };
 
 /// The table that a delimited text is. Throws FileError (corrupt).
 [[nodiscard]] Columns parse_delimited_text(std::string bytes, const std::filesystem::path& name,
-                                           const Wanted& wanted = {});
+                                           const Wanted& wanted = {},
+                                           const TextLayout& stated = {});
 
 }  // namespace wheeltap::io

@@ -25,8 +25,9 @@ std::string lower(std::string text) {
 std::span<const Format> formats() {
   static const Format list[] = {
       {.name = "delimited text",
-       .endings = {".csv", ".tsv", ".txt", ".dat", ".asc", ".data", ".tab", ".prn", ""},
-       .parse = parse_delimited_text},
+       .endings = {".csv", ".tsv", ".txt", ".dat", ".asc", ".data", ".tab", ".prn", ".log",
+                   ".ascii", ".out", ""},
+       .parse_text = parse_delimited_text},
       {.name = "MATLAB",
        .endings = {".mat"},
        .magic = {"MATLAB 5.0 MAT-file", "MATLAB 7.3 MAT-file"},
@@ -69,8 +70,15 @@ const Format& format_of(const std::filesystem::path& path, std::string_view begi
 }
 
 Columns read_columns(const std::filesystem::path& path, const Wanted& wanted,
-                     std::span<const Format> known) {
+                     std::span<const Format> known, const TextLayout& stated) {
   const Format& format = format_of(path, first_bytes(path, kBeginning), known);
+  if (format.parse_text != nullptr)
+    return format.parse_text(read_bytes(path), path, wanted, stated);
+  if (stated != TextLayout{})
+    throw FileError(FileError::Kind::mismatch, path,
+                    "is of the format " + std::string(format.name) +
+                        ": leave out decimal, separator, skip, header, units_row and time_format, "
+                        "which are of delimited text");
   if (format.read != nullptr) return format.read(path, wanted);
   return format.parse(read_bytes(path), path, wanted);
 }

@@ -19,6 +19,9 @@ struct Format {
   /// The table that these bytes are; `name` stands for the file in messages. Throws FileError.
   Columns (*parse)(std::string bytes, const std::filesystem::path& name,
                    const Wanted& wanted) = nullptr;
+  /// In place of `parse`, where the layout of a text may be stated.
+  Columns (*parse_text)(std::string bytes, const std::filesystem::path& name, const Wanted& wanted,
+                        const TextLayout& stated) = nullptr;
   /// In place of `parse`, where the library that reads the format needs a path.
   Columns (*read)(const std::filesystem::path& path, const Wanted& wanted) = nullptr;
 };
@@ -31,8 +34,10 @@ struct Format {
 [[nodiscard]] const Format& format_of(const std::filesystem::path& path, std::string_view beginning,
                                       std::span<const Format> known = formats());
 
-/// Reads a file of any of these formats. Throws FileError.
+/// Reads a file of any of these formats. Throws FileError; also where a layout is stated of a file
+/// that is no delimited text.
 [[nodiscard]] Columns read_columns(const std::filesystem::path& path, const Wanted& wanted = {},
-                                   std::span<const Format> known = formats());
+                                   std::span<const Format> known = formats(),
+                                   const TextLayout& stated = {});
 
 }  // namespace wheeltap::io

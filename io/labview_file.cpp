@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/text.hpp"
+#include "io/text_number.hpp"
 
 namespace wheeltap::io {
 namespace {
@@ -157,7 +158,7 @@ class Parser {
       if (f[0] == "X0") out.first = numbers();
       if (f[0] == "Delta_X") out.step = numbers();
       if (f[0] == "Y_Unit_Label")
-        for (std::size_t i = 1; i < f.size(); ++i) out.units.push_back(in_utf8(trimmed(f[i])));
+        for (std::size_t i = 1; i < f.size(); ++i) out.units.emplace_back(in_utf8(trimmed(f[i])));
     } while (lines_.next());
     if (out.channels == 0) corrupt("a segment's header does not say its Channels");
     if (!lines_.next()) corrupt("ends before the names of its columns");
@@ -175,6 +176,11 @@ class Parser {
       std::string name = place < names.size() ? in_utf8(trimmed(names[place])) : "";
       out.names.push_back(name.empty() ? "channel " + std::to_string(c + 1) : name);
     }
+    // Of several X columns a key has a field a column; those of X are empty.
+    bool apart = per == 2 && out.units.size() + 1 >= 2 * out.channels;
+    for (std::size_t c = 1; c < out.channels && apart; ++c) apart = out.units[2 * c - 1].empty();
+    for (std::size_t c = 1; c < out.channels && apart; ++c)
+      out.units[c] = std::move(out.units[2 * c]);
     out.units.resize(out.channels);
     return out;
   }
@@ -205,6 +211,17 @@ class Parser {
     return value;
   }
 
+  /// Times are often printed with fewer digits than they have.
+  void count_digits(std::string_view field, Column& column) const {
+    field = trimmed(field);
+    PrintedDigits digits{column.decimals, column.digits};
+    double ignored = 0.0;
+    static_cast<void>(
+        read_number(field.data(), field.data() + field.size(), ignored, digits, header_.decimal));
+    column.decimals = digits.decimals;
+    column.digits = digits.digits;
+  }
+
   void read_rows(Columns& out, const Segment& segment) {
     const bool multi = header_.x_columns == "Multi", none = header_.x_columns == "No";
     const std::size_t width = multi ? 2 * segment.channels : segment.channels + 1;
@@ -224,6 +241,7 @@ class Parser {
       const bool has_x = !none && !trimmed(f[0]).empty();
       const double x = has_x ? number(f[0]) : from + step * static_cast<double>(row);
       out.columns[0].values.push_back(x);
+      if (has_x) count_digits(f[0], out.columns[0]);
       for (std::size_t c = 0; c < segment.channels; ++c) {
         if (multi && number(f[2 * c]) != x)
           corrupt("channels " + std::to_string(1) + " and " + std::to_string(c + 1) +

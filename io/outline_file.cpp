@@ -71,7 +71,7 @@ Drawing parse_outline_table(const std::string& bytes, const std::filesystem::pat
       if (column >= std::ssize(cells))
         fail({.line = line}, "has " + std::to_string(cells.size()) + " cells, needs y and z");
       const std::string& cell = cells[static_cast<std::size_t>(column)];
-      const auto value = parse_number(cell);
+      const auto value = table.number(cell);
       if (!value || !std::isfinite(*value))
         fail({.line = line, .column = column + 1},
              "'" + cell.substr(0, 40) + "': must be a number");

@@ -1,7 +1,6 @@
 #include "signals/channel_quality.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -72,14 +71,29 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
   if (n < 5) return;
   std::vector<double> off(x.size(), 0.0), sizes;
   const auto at = [&](long i) { return x[static_cast<std::size_t>(i)]; };
+  // x_i less the cubic through x_{i-2}, x_{i-1}, x_{i+1}, x_{i+2}: (-1, 4, 4, -1) / 6.
+  const auto difference = [](double a, double b, double c, double d, double e) {
+    return c - (4.0 * (b + d) - (a + e)) / 6.0;
+  };
   for (long i = 2; i + 2 < n; ++i) {
-    std::array<double, 5> about = {at(i - 2), at(i - 1), at(i), at(i + 1), at(i + 2)};
-    std::ranges::sort(about);
-    off[static_cast<std::size_t>(i)] = at(i) - about[2];
-    sizes.push_back(std::abs(at(i) - about[2]));
+    off[static_cast<std::size_t>(i)] =
+        difference(at(i - 2), at(i - 1), at(i), at(i + 1), at(i + 2));
+    sizes.push_back(std::abs(off[static_cast<std::size_t>(i)]));
   }
+  // Once x_i is replaced, the differences of its neighbours must be ordinary: a pulse of two
+  // samples and more is none of a single one.
+  const auto is_single = [&](long i, double jump) {
+    constexpr double kWeights[] = {-1.0 / 6.0, 4.0 / 6.0};
+    for (const long k : {-2L, -1L, 1L, 2L}) {
+      if (i + k < 2 || i + k + 2 >= n) continue;
+      const double rest =
+          off[static_cast<std::size_t>(i + k)] + kWeights[std::abs(k) == 1 ? 1 : 0] * jump;
+      if (std::abs(rest) > 0.3 * std::abs(jump)) return false;
+    }
+    return true;
+  };
   // The scale is that of the loudest of three blocks about a sample: a burst is no spike. Most
-  // samples of a smooth signal are the median themselves; then those count that are not.
+  // differences of a coarse record may be 0; then those count that are not.
   const auto scale_of = [&](std::size_t from, std::size_t to) {
     std::vector<double> part(sizes.begin() + static_cast<std::ptrdiff_t>(from),
                              sizes.begin() + static_cast<std::ptrdiff_t>(to));
@@ -97,9 +111,7 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
     if (block + 1 < scales.size()) scale = std::max(scale, scales[block + 1]);
     const double jump = off[static_cast<std::size_t>(i)];
     if (scale > 0.0 && std::abs(jump) > kSpike * scale && std::abs(jump) > kSpike * out.step &&
-        std::abs(at(i + 1) - at(i - 1)) < 0.5 * std::abs(jump) &&
-        std::abs(jump) > 3.0 * std::abs(off[static_cast<std::size_t>(i - 1)]) &&
-        std::abs(jump) > 3.0 * std::abs(off[static_cast<std::size_t>(i + 1)]))
+        std::abs(at(i + 1) - at(i - 1)) < 0.5 * std::abs(jump) && is_single(i, jump))
       out.spikes.push_back(i);
   }
   // What is everywhere is the signal.

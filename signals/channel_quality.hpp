@@ -27,9 +27,11 @@ struct ChannelQuality {
   std::vector<Stretch> dropouts = {};
   /// Samples on the highest and the lowest value, where three or more follow each other there.
   long clipped_high = 0, clipped_low = 0;
-  /// Single samples that differ from the median of five about them by more than 12 robust standard
-  /// deviations of that difference in their surroundings, while their neighbours agree. None where
-  /// more than a thousandth of all samples do: that is the signal.
+  /// Single samples that differ from the cubic through two neighbours on either side by more than
+  /// 12 robust standard deviations of that difference in their surroundings, while the record about
+  /// them is ordinary once they are replaced by it. The difference is a linear filter of the
+  /// record, so that it is Gaussian where the record is, however narrow its band. None where more
+  /// than a thousandth of all samples do: that is the signal.
   std::vector<long> spikes = {};
   /// Rise of the fitted line over the whole record, in standard deviations of what is left.
   double drift = 0.0;

@@ -29,7 +29,6 @@ constexpr int kMostRows = 900;  // of H
 constexpr double kKept = 0.4;   // of the new rate, by decimate()
 constexpr double kTone = 1.3;   // amplitude kurtosis below
 constexpr double kToneDamping = 0.002;
-constexpr double kCollinear = 0.8;
 constexpr double kAlike = 1.0 - 1e-9;
 
 /// Two channels that are one and the same would make a mode of their difference.

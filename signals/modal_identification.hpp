@@ -31,6 +31,9 @@ enum class ModeDoubt {
   at_the_edge  ///< within a twentieth of an end of the band
 };
 
+/// Phase collinearity below which a shape is doubtful.
+inline constexpr double kCollinear = 0.8;
+
 struct Mode {
   Pole pole = {};
   double collinearity = 0.0;        ///< modal phase collinearity

@@ -43,57 +43,155 @@ std::string show(double value) {
   return out.str();
 }
 
+/// Names of a time column that do not begin with "time": of other languages, loggers and phones.
 bool is_time(const Column& column) {
   std::string name = column.name;
   for (char& c : name)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return name == "t" || name.starts_with("time");
+  std::erase_if(name, [](char c) { return c == '_' || c == ' ' || c == '-' || c == '/'; });
+  if (name == "t" || name.starts_with("time")) return true;
+  const std::optional<Unit> unit = find_unit(unit_of(column));
+  if (unit && unit->dimension != Dimension::time) return false;
+  static constexpr std::string_view kNames[] = {"ts",
+                                                "datetime",
+                                                "dateandtime",
+                                                "date&time",
+                                                "datumzeit",
+                                                "datumuhrzeit",
+                                                "zeit",
+                                                "uhrzeit",
+                                                "zeitstempel",
+                                                "messzeit",
+                                                "temps",
+                                                "horodatage",
+                                                "tiempo",
+                                                "tempo",
+                                                "tijd",
+                                                "tid",
+                                                "elapsed",
+                                                "elapsedtime",
+                                                "relative time",
+                                                "secondselapsed",
+                                                "seconds",
+                                                "millis",
+                                                "milliseconds",
+                                                "epoch",
+                                                "unixtime",
+                                                "unixtimestamp",
+                                                "loggingtime",
+                                                "sampletime",
+                                                "xvalue",
+                                                "ttime",
+                                                "ms",
+                                                "msec",
+                                                "tms",
+                                                "tus",
+                                                "ts1",
+                                                "epochms",
+                                                "epochus",
+                                                "epochns",
+                                                "utc",
+                                                "reltime",
+                                                "abstime",
+                                                "systime"};
+  if (std::ranges::find(kNames, name) != std::end(kNames)) return true;
+  return name.starts_with("zeit") || name.starts_with("elapsedtime");
+}
+
+bool is_one_of(const std::vector<std::string>& names, const Column& column, std::size_t place) {
+  return std::ranges::any_of(names, [&](const std::string& name) {
+    return name == column.header || name == column.name || name == std::to_string(place + 1);
+  });
 }
 
 /// What a case may call a column by: see Columns::find.
-io::Wanted named(std::vector<std::string> names) {
-  if (names.empty()) return {};
-  return [names = std::move(names)](const io::Columns& table, std::size_t i) {
+io::Wanted named(RecordReading reading) {
+  if (reading.columns.empty() && reading.ignored.empty()) return {};
+  return [reading = std::move(reading)](const io::Columns& table, std::size_t i) {
     const Column& column = table.columns[i];
-    return is_time(column) || std::ranges::any_of(names, [&](const std::string& name) {
-             return name == column.header || name == column.name || name == std::to_string(i + 1);
-           });
+    if (is_one_of(reading.columns, column, i)) return true;
+    if (is_one_of(reading.ignored, column, i)) return false;
+    if (reading.columns.empty()) return true;
+    return column.cells == io::CellKind::stamp ||
+           (is_time(column) && column.cells != io::CellKind::text);
   };
+}
+
+/// How long one of a column's numbers is [s], and why.
+double seconds_in_one(const Record& record, int time_column, double median, Sampling& out) {
+  const Column& column = record.columns[static_cast<std::size_t>(time_column)];
+  if (column.cells == io::CellKind::stamp) {
+    out.basis = Sampling::Basis::stamps;
+    return 1.0;
+  }
+  out.unit = time_unit_of(column);
+  const double first = std::abs(column.values.front());
+  if (out.unit.empty()) {
+    out.basis = Sampling::Basis::epoch;
+    // As seconds these would be dates beyond the year 5000.
+    if (first >= 1e11 && first < 1e14) return out.unit = "ms", 1e-3;
+    if (first >= 1e14 && first < 1e17) return out.unit = "us", 1e-6;
+    if (first >= 1e17 && first < 1e20) return out.unit = "ns", 1e-9;
+    // As seconds these would be sampled at 70 kHz and more, days after the clock began.
+    const bool spreadsheet = first >= 2e4 && first < 8e4, year_zero = first >= 7e5 && first < 8e5;
+    if ((spreadsheet || year_zero) && median > 0.0 && median < 1.2 / 86400.0) {
+      out.basis = Sampling::Basis::days;
+      out.unit = "d";
+      return 86400.0;
+    }
+    out.basis = Sampling::Basis::assumed;
+    out.unit = "s";
+    return 1.0;
+  }
+  const Conversion conversion = conversion_of(out.unit, Dimension::time);
+  if (conversion.basis == Conversion::Basis::none) {
+    out.basis = Sampling::Basis::assumed;
+    return 1.0;
+  }
+  if (conversion.basis != Conversion::Basis::unit)
+    fail(record, {.column = time_column + 1, .header = column.header},
+         "time is in '" + out.unit + "', must be one of " + known_units(Dimension::time) +
+             ", or have a \"scale\" in the case");
+  out.basis = Sampling::Basis::unit;
+  return conversion.factor;
 }
 
 }  // namespace
 
 int Record::find_time() const {
   for (std::size_t i = 0; i < columns.size(); ++i)
-    if (is_time(columns[i])) return static_cast<int>(i);
+    if (is_time(columns[i]) && columns[i].cells != io::CellKind::text) return static_cast<int>(i);
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (columns[i].cells == io::CellKind::stamp && !columns[i].values.empty())
+      return static_cast<int>(i);
   return -1;
 }
 
 Record parse_record(std::string bytes, const std::filesystem::path& name,
                     std::vector<std::string> columns) {
-  return Record{io::parse_delimited_text(std::move(bytes), name, named(std::move(columns)))};
+  return Record{
+      io::parse_delimited_text(std::move(bytes), name, named({.columns = std::move(columns)}))};
 }
 
 Record read_record(const std::filesystem::path& path, std::vector<std::string> columns,
                    std::span<const io::Format> known) {
-  return Record{io::read_columns(path, named(std::move(columns)), known)};
+  return read_record(path, RecordReading{.columns = std::move(columns)}, known);
 }
 
-double sample_rate_hz(const Record& record, int time_column, std::optional<double> stated,
-                      std::optional<double> scale) {
+Record read_record(const std::filesystem::path& path, RecordReading reading,
+                   std::span<const io::Format> known) {
+  const io::TextLayout layout = reading.layout;
+  return Record{io::read_columns(path, named(std::move(reading)), known, layout)};
+}
+
+Sampling sampling_of(const Record& record, int time_column, std::optional<double> stated,
+                     std::optional<double> scale) {
+  constexpr double kEven = 1e-3;        // of a step: not worth a word
+  constexpr double kMostJitter = 1e-2;  // of a step: taken as even
   const Column& column = values_of(record, time_column);
   const std::vector<double>& t = column.values;
   const io::Place whole{.column = time_column + 1, .header = column.header};
   if (t.size() < 2) fail(record, whole, "one sample has no sampling rate");
-  if (!scale && !column.unit.empty()) {
-    const auto unit = find_unit(column.unit);
-    if (!unit || unit->dimension != Dimension::time)
-      fail(record, whole,
-           "time is in '" + column.unit + "', must be one of " + known_units(Dimension::time) +
-               ", or have a \"scale\" in the case");
-    scale = unit->si;
-  }
-  const std::string unit = column.unit.empty() ? "s" : column.unit;
   for (std::size_t n = 0; n < t.size(); ++n)
     if (!std::isfinite(t[n]))
       fail(record, record.place(n, time_column), "time is not a finite number");
@@ -104,11 +202,21 @@ double sample_rate_hz(const Record& record, int time_column, std::optional<doubl
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
                    sorted.end());
   const double median = sorted[sorted.size() / 2];
+  Sampling out;
+  if (scale) {
+    out.basis = Sampling::Basis::scale;
+  } else {
+    scale = seconds_in_one(record, time_column, median, out);
+  }
+  const std::string unit = out.unit.empty() ? "s" : out.unit;
   bool uneven = !(mean > 0.0);
   for (std::size_t n = 1; n < t.size() && !uneven; ++n) {
     const double off = std::abs(t[n] - t[n - 1] - mean);
     // The digits are asked only where it matters: their powers of ten take longer than all else.
-    uneven = off > 1e-3 * mean && off > 1e-3 * mean + 1.01 * resolution(column, t[n]);
+    if (off <= kEven * mean) continue;
+    const double printed = 1.01 * resolution(column, t[n]);
+    uneven = off > kMostJitter * mean + printed;
+    if (off > kEven * mean + printed) out.jitter = std::max(out.jitter, (off - printed) / mean);
   }
   // Where a step is as small as the digits printed, rounding could explain a missing row; but then
   // not in one step of hundreds only.
@@ -125,15 +233,102 @@ double sample_rate_hz(const Record& record, int time_column, std::optional<doubl
     fail(record, record.place(worst, time_column),
          "time goes from " + show(t[worst - 1]) + " to " + show(t[worst]) + " " + unit +
              ", must advance by the same step everywhere (" + show(median) + " " + unit +
-             " elsewhere)");
+             " elsewhere); state \"resample\": true to interpolate at an even rate");
   }
-  const double rate = 1.0 / (mean * scale.value_or(1.0));
+  if (out.jitter > 0.0)
+    for (std::size_t n = 1; n < t.size(); ++n)
+      out.off_grid =
+          std::max(out.off_grid, std::abs((t[n] - t.front()) / mean - static_cast<double>(n)));
+  out.rate_hz = 1.0 / (mean * *scale);
   const double rounding = 2.0 * resolution(column, t.back()) / (steps * mean);
-  if (stated && !(std::abs(*stated / rate - 1.0) <= 1e-3 + rounding))
+  if (stated && !(std::abs(*stated / out.rate_hz - 1.0) <= 1e-3 + rounding))
     fail(record, whole,
-         "says " + show(rate) + " Hz, which contradicts the stated sampling rate of " +
+         "says " + show(out.rate_hz) + " Hz, which contradicts the stated sampling rate of " +
              show(*stated) + " Hz");
-  return rate;
+  return out;
+}
+
+double sample_rate_hz(const Record& record, int time_column, std::optional<double> stated,
+                      std::optional<double> scale) {
+  return sampling_of(record, time_column, stated, scale).rate_hz;
+}
+
+namespace {
+
+/// Second derivatives of the natural cubic spline through (x, y): a tridiagonal system, diagonally
+/// dominant, by elimination.
+std::vector<double> curvatures(const std::vector<double>& x, const std::vector<double>& y) {
+  const std::size_t n = x.size();
+  std::vector<double> m(n, 0.0), above(n, 0.0);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double left = x[i] - x[i - 1], right = x[i + 1] - x[i];
+    const double slope = (y[i + 1] - y[i]) / right - (y[i] - y[i - 1]) / left;
+    const double pivot = 2.0 * (left + right) - left * above[i - 1];
+    above[i] = right / pivot;
+    m[i] = (6.0 * slope - left * m[i - 1]) / pivot;
+  }
+  for (std::size_t i = n - 1; i-- > 1;) m[i] -= above[i] * m[i + 1];
+  return m;
+}
+
+}  // namespace
+
+Record resampled(const Record& record, int time_column, std::optional<double> rate_hz,
+                 std::optional<double> scale) {
+  constexpr double kLongestGap = 5.0;  // median steps
+  const Column& column = values_of(record, time_column);
+  std::vector<double> t = column.values;
+  if (t.size() < 4) fail(record, {}, "too few samples to interpolate");
+  std::vector<double> steps(t.size() - 1);
+  for (std::size_t n = 1; n < t.size(); ++n) {
+    steps[n - 1] = t[n] - t[n - 1];
+    if (!(steps[n - 1] > 0.0))
+      fail(record, record.place(n, time_column), "time does not increase: leave the row out");
+  }
+  std::vector<double> sorted = steps;
+  std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
+  const double median = sorted[sorted.size() / 2];
+  for (std::size_t n = 1; n < t.size(); ++n)
+    if (steps[n - 1] > kLongestGap * median)
+      fail(record, record.place(n, time_column),
+           "a gap of " + show(steps[n - 1] / median) +
+               " steps is too long to interpolate: take a part of the file without it");
+  Sampling ignored;
+  const double seconds = scale ? *scale : seconds_in_one(record, time_column, median, ignored);
+  const double begin = t.front();
+  for (double& x : t) x = (x - begin) * seconds;
+  const double rate = rate_hz.value_or(static_cast<double>(t.size() - 1) / t.back());
+  const auto count = static_cast<std::size_t>(std::floor(t.back() * rate * (1.0 + 1e-12))) + 1;
+  Record out = record;
+  for (std::size_t c = 0; c < out.columns.size(); ++c) {
+    Column& to = out.columns[c];
+    if (to.values.empty()) continue;
+    std::vector<double> from = std::move(to.values);
+    to.values.assign(count, 0.0);
+    to.decimals = to.digits = -1;
+    if (static_cast<int>(c) == time_column) {
+      for (std::size_t n = 0; n < count; ++n) to.values[n] = static_cast<double>(n) / rate;
+      to.unit = "s";
+      to.cells = io::CellKind::number;
+      continue;
+    }
+    for (std::size_t n = 0; n < from.size(); ++n)
+      if (!std::isfinite(from[n]))
+        fail(record, record.place(n, static_cast<int>(c)), "not a finite number");
+    const std::vector<double> m = curvatures(t, from);
+    std::size_t i = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+      const double x = std::min(static_cast<double>(n) / rate, t.back());
+      while (i + 2 < t.size() && t[i + 1] < x) ++i;
+      const double h = t[i + 1] - t[i], a = (t[i + 1] - x) / h, b = (x - t[i]) / h;
+      to.values[n] = a * from[i] + b * from[i + 1] +
+                     ((a * a * a - a) * m[i] + (b * b * b - b) * m[i + 1]) * h * h / 6.0;
+    }
+  }
+  // Lines of the file are no longer samples.
+  out.first_line = 0;
+  out.skipped.clear();
+  return out;
 }
 
 std::vector<double> window(const Record& record, int column, int begin, int end) {

@@ -14,8 +14,17 @@ namespace wheeltap::signals {
 /// A table whose row n is sample n.
 struct Record : io::Columns {
   [[nodiscard]] int samples() const { return rows(); }
-  /// The column called time or t, or with a name that begins with "time"; -1 if there is none.
+  /// The column called time or t, or with a name that begins with "time" or is a usual one for it
+  /// in another language or logger; else the first of time stamps; -1 if there is none. A column of
+  /// texts is none.
   [[nodiscard]] int find_time() const;
+};
+
+/// What of a file is read, and how it is laid out.
+struct RecordReading {
+  std::vector<std::string> columns = {};  ///< as io::Columns::find knows them; all where empty
+  std::vector<std::string> ignored = {};  ///< not read, not even as time
+  io::TextLayout layout = {};             ///< of delimited text
 };
 
 /// A record as delimited text (io/delimited_text.hpp). Of the columns only those called so (see
@@ -28,12 +37,45 @@ struct Record : io::Columns {
 [[nodiscard]] Record read_record(const std::filesystem::path& path,
                                  std::vector<std::string> columns = {},
                                  std::span<const io::Format> known = io::formats());
+[[nodiscard]] Record read_record(const std::filesystem::path& path, RecordReading reading,
+                                 std::span<const io::Format> known = io::formats());
 
-/// The sampling rate [Hz] that a time column says. Its unit is the header's, seconds where there is
-/// none, unless `scale` [s] says how long one is. Every step must equal the mean one within 0.1 %
-/// and the digits printed. Throws io::FileError (corrupt), naming the line, for NaN, time running
-/// backwards, gaps and uneven steps; for a unit that is no known one of time; and if `stated`
-/// differs by more than 0.1 %.
+/// What a time column says of the sampling.
+struct Sampling {
+  enum class Basis {
+    unit,     ///< of the column's header or name
+    scale,    ///< the caller's
+    stamps,   ///< dates and times of day
+    epoch,    ///< counts since 1970 so large that they must be of this unit
+    days,     ///< a spreadsheet's dates: days since 1900, or since year 0
+    assumed,  ///< no unit: seconds
+    stated    ///< no time column: the rate was stated
+  };
+  double rate_hz = 0.0;
+  Basis basis = Basis::stated;
+  std::string unit = {};  ///< of the column's numbers
+  /// Largest difference of a step from the mean one, over the latter, that the digits printed do
+  /// not explain; 0 where it is below 0.1 %.
+  double jitter = 0.0;
+  double off_grid = 0.0;  ///< how far a time stamp is off an even grid, in steps; 0 without jitter
+};
+
+/// Its unit is the header's or the name's, else seconds (or what Sampling::Basis has), unless
+/// `scale` [s] says how long one is. Every step must equal the mean one within 1 % and the digits
+/// printed. Throws io::FileError (corrupt), naming the line, for NaN, time running backwards, gaps
+/// and uneven steps; for a unit that is no known one of time; and if `stated` differs by more than
+/// 0.1 %.
+[[nodiscard]] Sampling sampling_of(const Record& record, int time_column,
+                                   std::optional<double> stated = std::nullopt,
+                                   std::optional<double> scale = std::nullopt);
+
+/// The record at an even rate: all columns that were read, by natural cubic splines through their
+/// samples, at `rate_hz` or the mean rate. Throws io::FileError (corrupt), naming the line, where
+/// time does not increase, a step is longer than five median ones, or a value is not finite.
+[[nodiscard]] Record resampled(const Record& record, int time_column, std::optional<double> rate_hz,
+                               std::optional<double> scale = std::nullopt);
+
+/// The rate [Hz] of that.
 [[nodiscard]] double sample_rate_hz(const Record& record, int time_column,
                                     std::optional<double> stated = std::nullopt,
                                     std::optional<double> scale = std::nullopt);

@@ -18,7 +18,7 @@ constexpr std::size_t kLeastMembers = 3;
 constexpr double kGoodScatter = 1.1, kLucky = 1.25;
 constexpr double kWorse = 2.0, kSameShape = 0.9;
 constexpr double kUncertain = 3.0;  // standard deviations
-constexpr double kSteady = 0.5;  // share of orders of a mode that every other one must wait for
+constexpr double kSteady = 0.5;     // share of orders of a mode that every other one must wait for
 constexpr double kOverlap =
     5.0;  // half-power half widths, of modes that lie in each other's skirts
 
@@ -149,8 +149,7 @@ bool explain_one_peak(const std::vector<Pole>& poles, const ModeCluster& one,
   const Pole &a = poles[static_cast<std::size_t>(one.chosen)],
              &b = poles[static_cast<std::size_t>(other.chosen)];
   const double apart = std::abs(a.frequency_hz - b.frequency_hz);
-  const double width =
-      std::abs(a.damping) * a.frequency_hz + std::abs(b.damping) * b.frequency_hz;
+  const double width = std::abs(a.damping) * a.frequency_hz + std::abs(b.damping) * b.frequency_hz;
   return apart < width && apart < kUncertain * std::hypot(a.frequency_sd, b.frequency_sd) &&
          std::abs(a.damping - b.damping) < kUncertain * std::hypot(a.damping_sd, b.damping_sd) &&
          modal_assurance(a.shape, b.shape) > kSameShape;
@@ -162,9 +161,8 @@ ModeCluster joined(const std::vector<Pole>& poles, const ModeCluster& one,
   ModeCluster out{.members = one.members, .orders = std::max(one.orders, other.orders)};
   for (const int m : other.members) {
     const Pole& p = poles[static_cast<std::size_t>(m)];
-    const auto same = std::ranges::find_if(out.members, [&](int k) {
-      return poles[static_cast<std::size_t>(k)].order == p.order;
-    });
+    const auto same = std::ranges::find_if(
+        out.members, [&](int k) { return poles[static_cast<std::size_t>(k)].order == p.order; });
     if (same == out.members.end())
       out.members.push_back(m);
     else if (scatter(p) < scatter(poles[static_cast<std::size_t>(*same)]))
@@ -184,9 +182,8 @@ void join_clusters_of_one_peak(const std::vector<Pole>& poles, std::vector<ModeC
     for (std::size_t i = 0; i < clusters.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
         if (!explain_one_peak(poles, clusters[i], clusters[j])) continue;
-        const double distance =
-            pole_distance(poles[static_cast<std::size_t>(clusters[i].chosen)],
-                          poles[static_cast<std::size_t>(clusters[j].chosen)]);
+        const double distance = pole_distance(poles[static_cast<std::size_t>(clusters[i].chosen)],
+                                              poles[static_cast<std::size_t>(clusters[j].chosen)]);
         if (distance < least) {
           least = distance;
           first = j;

@@ -1,6 +1,7 @@
 #include "signals/units.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace wheeltap::signals {
 namespace {
@@ -52,13 +53,63 @@ constexpr Unit kUnits[] = {
     {"g", Dimension::acceleration, kGravity},
     {"mg", Dimension::acceleration, 1e-3 * kGravity},
     {"Gal", Dimension::acceleration, 1e-2},
+    {"Hz", Dimension::frequency, 1.0},
+    {"kHz", Dimension::frequency, 1e3},
+    {"mHz", Dimension::frequency, 1e-3},
+    {"MHz", Dimension::frequency, 1e6},
+    {"rad/s", Dimension::frequency, 0.5 / std::numbers::pi},
+    {"rpm", Dimension::frequency, 1.0 / 60.0},
+    {"1/s", Dimension::frequency, 1.0},
+    {"1/min", Dimension::frequency, 1.0 / 60.0},
 };
 
 /// Other spellings of whole units.
 constexpr std::pair<std::string_view, std::string_view> kSynonyms[] = {
-    {"S", "s"},     {"sec", "s"},   {"secs", "s"},          {"second", "s"},    {"seconds", "s"},
-    {"msec", "ms"}, {"usec", "us"}, {"milliseconds", "ms"}, {"minutes", "min"}, {"hours", "h"},
-    {"hr", "h"},    {"days", "d"},  {"microseconds", "us"}, {"inch", "in"},     {"gal", "Gal"},
+    {"S", "s"},
+    {"sec", "s"},
+    {"secs", "s"},
+    {"second", "s"},
+    {"seconds", "s"},
+    {"msec", "ms"},
+    {"usec", "us"},
+    {"milliseconds", "ms"},
+    {"minutes", "min"},
+    {"hours", "h"},
+    {"hr", "h"},
+    {"days", "d"},
+    {"microseconds", "us"},
+    {"inch", "in"},
+    {"gal", "Gal"},
+    {"millis", "ms"},
+    {"millisecond", "ms"},
+    {"nanoseconds", "ns"},
+    {"nsec", "ns"},
+    {"micros", "us"},
+    {"nanos", "ns"},
+    {"minute", "min"},
+    {"hour", "h"},
+    {"newton", "N"},
+    {"newtons", "N"},
+    {"metre", "m"},
+    {"meter", "m"},
+    {"meters", "m"},
+    {"metres", "m"},
+    {"g's", "g"},
+    {"gn", "g"},
+    {"g_n", "g"},
+    {"G", "g"},
+    {"hertz", "Hz"},
+    {"hz", "Hz"},
+    {"HZ", "Hz"},
+    {"khz", "kHz"},
+    {"kn", "kN"},
+    {"KN", "kN"},
+    {"RPM", "rpm"},
+    {"Inch", "in"},
+    {"lbs", "lbf"},
+    {"milli-g", "mg"},
+
+    {"kips", "kip"},
 };
 
 void replace(std::string& text, std::string_view from, std::string_view to) {
@@ -82,6 +133,9 @@ std::string canonical(std::string_view text) {
     out += quotient;
   }
   std::erase(out, ' ');
+  for (const std::string_view second : {"/sec^2", "/sec2", "/sec/sec"})
+    replace(out, second, "/s^2");
+  if (out.ends_with("/sec")) out.resize(out.size() - 2);
   replace(out, "/s/s", "/s^2");
   if (out.ends_with("/s2")) out.replace(out.size() - 3, 3, "/s^2");
   std::string small = out;
@@ -106,6 +160,26 @@ std::string_view name(Dimension dimension) {
       return "a velocity";
     case Dimension::acceleration:
       return "an acceleration";
+    case Dimension::frequency:
+      return "a frequency";
+  }
+  return "";
+}
+
+std::string_view si_unit(Dimension dimension) {
+  switch (dimension) {
+    case Dimension::time:
+      return "s";
+    case Dimension::force:
+      return "N";
+    case Dimension::length:
+      return "m";
+    case Dimension::velocity:
+      return "m/s";
+    case Dimension::acceleration:
+      return "m/s^2";
+    case Dimension::frequency:
+      return "Hz";
   }
   return "";
 }
@@ -124,6 +198,60 @@ std::string known_units(Dimension dimension) {
     list += (list.empty() ? "" : ", ") + std::string(unit.name);
   }
   return list;
+}
+
+Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted) {
+  Conversion out{.unit = std::string(unit), .dimension = wanted};
+  // "1" says that the numbers are what they should be, "-" that nobody knows.
+  if (unit.empty() || unit == "-" || unit == "1") {
+    if (unit == "-") out.unit.clear();
+    return out;
+  }
+  const std::optional<Unit> known = find_unit(unit);
+  if (!known || (wanted && known->dimension != *wanted)) {
+    out.basis = Conversion::Basis::foreign;
+    return out;
+  }
+  out.basis = Conversion::Basis::unit;
+  out.factor = known->si;
+  out.dimension = known->dimension;
+  return out;
+}
+
+std::string unit_of(const io::Column& column) {
+  if (column.unit == "-") return {};
+  if (!column.unit.empty()) return column.unit;
+  const std::string_view name = column.name;
+  for (const std::string_view before : {" / ", ", ", " in "}) {
+    const std::size_t at = name.rfind(before);
+    if (at == std::string_view::npos || at == 0) continue;
+    std::string_view unit = name.substr(at + before.size());
+    if (unit.size() > 2 && unit.front() == '(' && unit.back() == ')')
+      unit = unit.substr(1, unit.size() - 2);
+    if (find_unit(unit)) return std::string(unit);
+  }
+  return {};
+}
+
+std::string time_unit_of(const io::Column& column) {
+  if (std::string unit = unit_of(column); !unit.empty()) return unit;
+  // The last word, where a new one begins with a capital as well.
+  const std::string_view name = column.name;
+  const auto is_time = [](std::string_view word) {
+    const std::optional<Unit> unit = find_unit(word);
+    return unit && unit->dimension == Dimension::time;
+  };
+  const std::size_t mark = name.find_last_of("_ .-:/");
+  const std::string_view last = mark == std::string_view::npos ? name : name.substr(mark + 1);
+  if (mark != std::string_view::npos && is_time(last)) return std::string(last);
+  if (mark == std::string_view::npos && last.size() > 1 && is_time(last)) return std::string(last);
+  std::size_t capital = last.size();
+  while (capital > 1 && last[capital - 1] >= 'a' && last[capital - 1] <= 'z') --capital;
+  if (capital < 2 || capital == last.size()) return {};
+  std::string word(last.substr(capital - 1));
+  if (word.front() < 'A' || word.front() > 'Z') return {};
+  word.front() = static_cast<char>(word.front() - 'A' + 'a');
+  return word.size() > 1 && is_time(word) ? word : std::string();
 }
 
 }  // namespace wheeltap::signals

@@ -7,9 +7,11 @@
 #include <string>
 #include <string_view>
 
+#include "io/columns.hpp"
+
 namespace wheeltap::signals {
 
-enum class Dimension { time, force, length, velocity, acceleration };
+enum class Dimension { time, force, length, velocity, acceleration, frequency };
 
 /// "a time", "a force", …: for messages.
 [[nodiscard]] std::string_view name(Dimension dimension);
@@ -26,5 +28,34 @@ struct Unit {
 
 /// "s, ms, …": what a message may say is known.
 [[nodiscard]] std::string known_units(Dimension dimension);
+
+/// "s", "N", "m", "m/s", "m/s^2", "Hz".
+[[nodiscard]] std::string_view si_unit(Dimension dimension);
+
+/// How the numbers of a column become SI: SI value = factor · number. The one rule for all commands
+/// and formats.
+struct Conversion {
+  enum class Basis {
+    none,          ///< no unit: numbers are used as they are
+    unit,          ///< of the file's header, its line of units, or the case
+    foreign,       ///< the unit is not known, or not of the dimension wanted: used as it is
+    stated_scale,  ///< the case says the factor
+  };
+  Basis basis = Basis::none;
+  std::string unit = {};  ///< as the file or the case has it
+  double factor = 1.0;
+  std::optional<Dimension> dimension = {};  ///< of the unit; where none is known, the one wanted
+};
+
+/// Of numbers in this unit that should be of this dimension; of any, where none is wanted.
+[[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
+
+/// The unit of a column: that in brackets or in the line of units, else a known one that ends its
+/// name behind " / ", ", " or " in " ("Kraft / N", "force, N", "a in m/s²"). Empty: none.
+[[nodiscard]] std::string unit_of(const io::Column& column);
+
+/// The unit of a column of times: as above, else one of time that is the last word of its name:
+/// "Time_ms", "t.us", "timeMillis", "Time since start in ms". Empty: none.
+[[nodiscard]] std::string time_unit_of(const io::Column& column);
 
 }  // namespace wheeltap::signals

@@ -102,9 +102,7 @@ std::vector<VectorXd> mechanisms(const Discretisation& d) {
 }
 
 std::string motion_in_words(const Discretisation& d, const VectorXd& motion) {
-  const auto name = [&](Index i) -> const DofName& {
-    return d.names[static_cast<std::size_t>(i)];
-  };
+  const auto name = [&](Index i) -> const DofName& { return d.names[static_cast<std::size_t>(i)]; };
   const auto turns = [&](Index i) { return name(i).direction.starts_with('r'); };
   // Rotations are in other units: they are named where nothing is displaced.
   constexpr double kDisplaced = 1e-6;
@@ -136,9 +134,9 @@ void refuse_mechanisms(const Discretisation& d) {
       text += ", at " + motion_in_words(d, found[i]);
     if (found.size() > kNamed) text += ", …";
   }
-  throw InvalidStructure(InvalidStructure::Part::whole, 0,
-                         text +
-                             ": hold it by a support, a spring or a member, or make a hinge rigid");
+  throw InvalidStructure(
+      InvalidStructure::Part::whole, 0,
+      text + ": hold it by a support, a spring or a member, or make a hinge rigid");
 }
 
 }  // namespace wheeltap::fem

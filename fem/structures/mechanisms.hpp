@@ -15,8 +15,8 @@
 
 namespace wheeltap::fem {
 
-/// A basis of the mechanisms' motions, each scaled to a largest entry of 1: of k motions each has an
-/// entry of 1 where the others are 0. Empty: every motion but the rigid ones is resisted.
+/// A basis of the mechanisms' motions, each scaled to a largest entry of 1: of k motions each has
+/// an entry of 1 where the others are 0. Empty: every motion but the rigid ones is resisted.
 [[nodiscard]] std::vector<Eigen::VectorXd> mechanisms(const Discretisation& d);
 
 /// Energy of a motion over what it would be had no strain cancelled: at most this, of a motion that

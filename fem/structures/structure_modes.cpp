@@ -259,7 +259,10 @@ void refuse_unresisted(const Discretisation& d, const Ritz& ritz) {
 void refuse_empty_pivots(const Discretisation& d) {
   for (Index i = 0; i < d.size(); ++i)
     if (!(d.stiffness.coeff(i, i) > 0.0) && !(d.mass.coeff(i, i) > 0.0))
-      throw InvalidStructure(Part::whole, 0, "has neither stiffness nor mass at " + d.names[static_cast<std::size_t>(i)].place + ", " + d.names[static_cast<std::size_t>(i)].direction);
+      throw InvalidStructure(Part::whole, 0,
+                             "has neither stiffness nor mass at " +
+                                 d.names[static_cast<std::size_t>(i)].place + ", " +
+                                 d.names[static_cast<std::size_t>(i)].direction);
 }
 
 }  // namespace

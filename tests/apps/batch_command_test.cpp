@@ -253,9 +253,10 @@ TEST_F(Batch, ResumeKnowsACaseByItsPathAndByTheContentOfItsFiles) {
     chain["truth"]["parameters"]["k"] = amplitude;
     static_cast<void>(where.write_json("cases/" + name + "/truth.json", chain));
     const std::string folder = (where / "cases" / name).string();
-    ASSERT_EQ(wheeltap(where, "simulate " + folder + "/truth.json -o " + folder + "/sid.csv --quiet")
-                  .exit_code,
-              0);
+    ASSERT_EQ(
+        wheeltap(where, "simulate " + folder + "/truth.json -o " + folder + "/sid.csv --quiet")
+            .exit_code,
+        0);
     chain.erase("truth");
     chain["record"]["file"] = "sid.csv";
     static_cast<void>(where.write_json("cases/" + name + "/case.json", chain));

@@ -128,8 +128,8 @@ TEST_F(Compare, OfOtherDataIsRefused) {
 TEST_F(Compare, DataAreToldByTheirContentAndNotByTheNamesOfFiles) {
   const auto with_file = [&](double ratio, const std::string& file, double second) {
     std::filesystem::create_directories(where / (file + ".d"));
-    std::ofstream(where / (file + ".d") / file)
-        << "frequency [Hz],sd [Hz]\n6.2,0.124\n" << second << ",0.33\n";
+    std::ofstream(where / (file + ".d") / file) << "frequency [Hz],sd [Hz]\n6.2,0.124\n"
+                                                << second << ",0.33\n";
     json one = two_storeys(ratio);
     one["data"] = {{"file", file + ".d/" + file}};
     return one;

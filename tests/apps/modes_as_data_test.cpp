@@ -189,7 +189,8 @@ json five_storeys(const json& data) {
 TEST(ModesAsData, DoubtfulModesOfOneChannelLeaveAGap) {
   const Workspace where;
   where.write("m.json", modes_json(one_channel()).dump());
-  const json doubtful = {{"from", "m.json"}}, listed = {{"from", "m.json"}, {"modes", {1, 3, 4, 5}}};
+  const json doubtful = {{"from", "m.json"}},
+             listed = {{"from", "m.json"}, {"modes", {1, 3, 4, 5}}};
   for (const json& data : {doubtful, listed}) {
     const std::string file = where.write_json("update.json", five_storeys(data)).string();
     const auto taken = parse_update_case(read_case(file)).update.data;
@@ -199,8 +200,8 @@ TEST(ModesAsData, DoubtfulModesOfOneChannelLeaveAGap) {
     EXPECT_THAT(taken.origin, HasSubstr("modes 1, 3, 4 and 5 keep their numbers"));
   }
   const std::string file = where.write_json("update.json", five_storeys(doubtful)).string();
-  const Outcome ran = wheeltap(where, "update " + file + " -o " + (where / "out").string() +
-                                          " --quiet --quick");
+  const Outcome ran =
+      wheeltap(where, "update " + file + " -o " + (where / "out").string() + " --quiet --quick");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
   const json summary = json::parse(read_all(where / "out/summary.json"));
   for (const auto& [name, k] : summary["parameters"]["the structure"].items()) {
@@ -218,9 +219,7 @@ TEST(ModesAsData, ModesAreTakenByTheirNumbers) {
   json file = json::parse(modes_json(one_channel()).dump());
   file["numbers"] = {2, 3, 4, 6, 7};
   where.write("m.json", file.dump());
-  const auto frequencies = [&](const json& data) {
-    return parsed(where, data).frequencies_hz;
-  };
+  const auto frequencies = [&](const json& data) { return parsed(where, data).frequencies_hz; };
   const double f = one_channel().frequencies_hz[0];
   auto found = frequencies({{"from", "m.json"}, {"modes", {2}}});
   ASSERT_EQ(found.size(), 2U);

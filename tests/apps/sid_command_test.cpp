@@ -226,13 +226,13 @@ TEST(SidCommand, SweepsWriteOneTable) {
 
 TEST(SidCommand, RejectsASweepThatLeadsNowhere) {
   const Workspace where;
-  for (const char* path : {"/models/99999999999999999999", "/models/2", "/models/-", "/models/01",
-                           "/models/x", "models", "/models/~2", "/truth/parameters/k/0", "",
-                           "/sweep", "/sweep/values/0"}) {
+  for (const char* path :
+       {"/models/99999999999999999999", "/models/2", "/models/-", "/models/01", "/models/x",
+        "models", "/models/~2", "/truth/parameters/k/0", "", "/sweep", "/sweep/values/0"}) {
     json c = small_sid_case();
     c["sweep"] = {{"path", path}, {"values", {100, 2000}}};
-    const Outcome run = wheeltap(where, "sid " + where.write_json("case.json", c).string() +
-                                            " --dry-run");
+    const Outcome run =
+        wheeltap(where, "sid " + where.write_json("case.json", c).string() + " --dry-run");
     EXPECT_EQ(run.exit_code, 65) << path << ": " << run.err;
     EXPECT_THAT(run.err, HasSubstr("/sweep/path")) << path;
   }
@@ -283,8 +283,7 @@ TEST(SidCommand, ResumeOfASweepBelongsToTheContentOfTheRecord) {
     json with_samples = json::parse(read_all(c));
     with_samples["record"]["samples"] = {0, 200};
     where.write_json("case.json", with_samples);
-    const Outcome ran =
-        wheeltap(where, "sid " + c + " -o " + out.string() + kShort + " --resume");
+    const Outcome ran = wheeltap(where, "sid " + c + " -o " + out.string() + kShort + " --resume");
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     return json::parse(read_all(out / "summary.json"))["sweep"]["rows"];
   };

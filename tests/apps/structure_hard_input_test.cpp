@@ -45,9 +45,8 @@ TEST(EmptyStructures, RejectsEmptyLinksAndMembers) {
     expect_refused(where, "update" + out, *c, "is empty: at least one is needed");
   }
   frame["kind"] = "damage";
-  frame["damage"] = {{"kind", "reduction"},
-                     {"count", {{"max", 1}}},
-                     {"reduction", {{"uniform", {0, 0.9}}}}};
+  frame["damage"] = {
+      {"kind", "reduction"}, {"count", {{"max", 1}}}, {"reduction", {{"uniform", {0, 0.9}}}}};
   frame["structure"].erase("members");
   expect_refused(where, "modes", frame, "has neither members nor springs");
   frame["structure"]["springs"] =

@@ -57,11 +57,11 @@ TEST_F(Formats, AToyFormatIsOneLineInTheList) {
 
 TEST_F(Formats, UnknownOnesAreRefusedWithThoseThatAreKnown) {
   test::put_bytes(directory / "r.xlsx", "PK");
-  EXPECT_EQ(
-      error("r.xlsx", Kind::foreign),
-      "no format with the ending '.xlsx' is known, there are delimited text (.csv, .tsv, "
-      ".txt, .dat, .asc, .data, .tab, .prn, no ending); MATLAB (.mat); universal file (.uff, .unv, "
-      ".uf); LabVIEW (.lvm); NetCDF or HDF5 (.nc, .h5, .hdf5, .hdf, .cdf)");
+  EXPECT_EQ(error("r.xlsx", Kind::foreign),
+            "no format with the ending '.xlsx' is known, there are delimited text (.csv, .tsv, "
+            ".txt, .dat, .asc, .data, .tab, .prn, .log, .ascii, .out, no ending); MATLAB (.mat); "
+            "universal file (.uff, .unv, "
+            ".uf); LabVIEW (.lvm); NetCDF or HDF5 (.nc, .h5, .hdf5, .hdf, .cdf)");
 }
 
 TEST_F(Formats, EndingsOfText) {

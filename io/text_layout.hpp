@@ -1,0 +1,93 @@
+// How a delimited text is laid out: as stated by its reader, and as found.
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace wheeltap::io {
+
+/// What is not stated is detected. Lines are counted from 1, in the file.
+struct TextLayout {
+  std::optional<char> separator = {};  ///< ',', ';', '\t', '|' or ' ' for any run of blanks
+  std::optional<char> decimal = {};    ///< '.' or ','
+  std::optional<int> skip = {};        ///< lines before anything that is looked at
+  std::optional<int> header = {};      ///< line of the columns' names; 0: there is none
+  std::optional<int> units_row = {};   ///< line of the columns' units; 0: there is none
+  std::string time_format = {};        ///< of time stamps (io/time_stamp.hpp); empty: detected
+
+  bool operator==(const TextLayout&) const = default;
+};
+
+/// What was found in a text.
+struct FoundLayout {
+  TextLayout used = {};    ///< every member is set; `time_format` where there are time stamps
+  int first_row = 0;       ///< line of the first row of numbers
+  std::string start = {};  ///< the first time stamp
+};
+
+/// How a separator is written in cases and in sentences: "comma", "semicolon", "tab", "bar",
+/// "blank".
+[[nodiscard]] std::string_view separator_name(char separator);
+/// The separator that this text states: its name, or itself (",", ";", "\t", "|", " ").
+[[nodiscard]] std::optional<char> parse_separator(std::string_view text);
+
+/// The lines of a text from which its layout is found.
+struct TextLine {
+  std::string_view text;
+  int number = 0;           ///< from 1
+  bool is_comment = false;  ///< begins with '#' or '%'
+};
+
+enum class CellKind {
+  number,  ///< or a missing value
+  stamp,   ///< a date or time of day
+  text
+};
+
+/// What the sniffer says of a text: how its rows are split, and where they begin.
+struct TableShape {
+  char separator = ',';
+  char decimal = '.';
+  std::size_t columns = 0;
+  bool trailing = false;             ///< rows end with a separator that separates nothing
+  std::vector<CellKind> kinds = {};  ///< a column each
+  std::size_t first = 0;             ///< index of the first row among the lines
+  std::optional<std::size_t> names;  ///< index of the line of names
+  std::optional<std::size_t> units;  ///< index of the line of units
+  bool names_in_comment = false;
+  bool index_unnamed = false;  ///< names leave out the first column, which counts the rows
+};
+
+/// Takes the next cell off the front of a line, with the separator behind it; blanks and quotes
+/// are still on it. Returns whether there is another.
+bool take_cell(std::string_view& line, char separator, std::string_view& cell);
+
+/// The cells of a line, trimmed and without quotes that enclose them.
+[[nodiscard]] std::vector<std::string> loose_cells(std::string_view line, char separator);
+
+/// Column names that stand in a line of `columns` names by this separator: of names separated by
+/// blanks, a unit in brackets belongs to the name before it. Empty where there are not as many.
+[[nodiscard]] std::vector<std::string> names_in(std::string_view line, char separator,
+                                                std::size_t columns);
+
+/// Why a text's layout cannot be found, and what would settle it.
+struct UnclearLayout : std::runtime_error {
+  UnclearLayout(int at, const std::string& reason) : std::runtime_error(reason), line(at) {}
+  int line;  ///< 0: of the whole text
+};
+
+/// Finds how a text is laid out from its first lines and a sample of its later ones. `head` holds
+/// all lines, comments included, before and some after the first row; `body` further rows. With
+/// `header_first` the first line that is no comment holds the names. Throws UnclearLayout.
+[[nodiscard]] TableShape find_shape(const std::vector<TextLine>& head,
+                                    const std::vector<TextLine>& body, const TextLayout& stated,
+                                    bool header_first);
+
+/// Whether a text is how a unit is spelled: "m/s^2", "[kN]", "(-)". Of no other meaning than to
+/// tell a line of units from a line of names; signals/units.hpp knows what units are.
+[[nodiscard]] bool spells_unit(std::string_view text);
+
+}  // namespace wheeltap::io
