@@ -1,6 +1,5 @@
 #include "apps/modal_data_case.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,6 +12,7 @@
 #include "apps/nearest.hpp"
 #include "apps/structure_case.hpp"
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/mesh.hpp"
 
 namespace wheeltap::apps {

@@ -1,9 +1,10 @@
 #include "apps/modal_geometry.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::apps {
 namespace {

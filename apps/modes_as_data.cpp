@@ -1,10 +1,10 @@
 #include "apps/modes_as_data.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <numeric>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "identification/real_shape.hpp"
 #include "io/atomic_file.hpp"
 

@@ -1,10 +1,10 @@
 #include "apps/update_posterior_file.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 
 #include "apps/draw_columns.hpp"
 #include "apps/posterior_file.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 #include "io/netcdf_writer.hpp"
 

@@ -11,7 +11,7 @@
 // it the sizes are the same everywhere.
 #pragma once
 
-#include <Eigen/Core>
+#include "base/eigen_products.hpp"
 
 #if !defined(EIGEN_NO_CPUID)
 #error \

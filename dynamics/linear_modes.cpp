@@ -1,9 +1,10 @@
 #include "dynamics/linear_modes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::dynamics {
 

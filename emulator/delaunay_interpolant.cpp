@@ -3,13 +3,14 @@
 #include <CGAL/Delaunay_triangulation.h>
 #include <CGAL/Epick_d.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 #include <stdexcept>
 #include <string>
+
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::emulator {
 namespace {

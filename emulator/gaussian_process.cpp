@@ -1,6 +1,5 @@
 #include "emulator/gaussian_process.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "base/eigen_solvers.hpp"
 #include "base/parallel.hpp"
 
 namespace wheeltap::emulator {

@@ -1,12 +1,13 @@
 #include "fem/lowest_modes.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::fem {
 namespace {

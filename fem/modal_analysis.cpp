@@ -3,7 +3,6 @@
 #include <Spectra/MatOp/SparseSymMatProd.h>
 #include <Spectra/SymGEigsShiftSolver.h>
 #include <Eigen/CholmodSupport>
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/eigen_solvers.hpp"
 #include "fem/assembly.hpp"
 #include "fem/lowest_modes.hpp"
 

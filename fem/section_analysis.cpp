@@ -1,7 +1,6 @@
 #include "fem/section_analysis.hpp"
 
 #include <Eigen/CholmodSupport>
-#include <Eigen/LU>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
@@ -9,6 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::fem {
 namespace {

@@ -1,8 +1,8 @@
 #include "identification/base_integration.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 
+#include "base/eigen_solvers.hpp"
 #include "identification/invalid_input.hpp"
 
 namespace wheeltap::identification {

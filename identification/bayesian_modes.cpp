@@ -1,6 +1,5 @@
 #include "identification/bayesian_modes.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <stdexcept>
 #include <unsupported/Eigen/FFT>
 
+#include "base/eigen_solvers.hpp"
 #include "base/number.hpp"
 #include "inference/reason.hpp"
 #include "inference/reversible_jump.hpp"

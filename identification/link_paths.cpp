@@ -1,12 +1,12 @@
 #include "identification/link_paths.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "base/eigen_solvers.hpp"
 #include "identification/sid_predictive.hpp"
 
 namespace wheeltap::identification {

@@ -1,6 +1,5 @@
 #include "identification/modal_likelihood.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 #include <string>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "identification/mode_matching.hpp"
 
 namespace wheeltap::identification {

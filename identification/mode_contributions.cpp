@@ -1,11 +1,11 @@
 #include "identification/mode_contributions.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::identification {
 

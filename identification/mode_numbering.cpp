@@ -1,11 +1,11 @@
 #include "identification/mode_numbering.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "identification/structure_family.hpp"
 

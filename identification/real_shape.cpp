@@ -1,10 +1,11 @@
 #include "identification/real_shape.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
 #include <string>
+
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::identification {
 

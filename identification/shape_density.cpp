@@ -1,12 +1,12 @@
 #include "identification/shape_density.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/log_gamma.hpp"
 
 namespace wheeltap::identification {

@@ -1,11 +1,11 @@
 #include "identification/sid_windows.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/parallel.hpp"
 #include "inference/evidence/laplace.hpp"
 #include "inference/grouped_scores.hpp"

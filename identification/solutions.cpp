@@ -1,12 +1,12 @@
 #include "identification/solutions.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::identification {
 namespace {

@@ -1,6 +1,5 @@
 #include "identification/states_likelihood.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <stdexcept>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 #include "fem/structures/structure_modes.hpp"
 

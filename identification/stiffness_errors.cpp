@@ -1,9 +1,10 @@
 #include "identification/stiffness_errors.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::identification {
 

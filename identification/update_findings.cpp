@@ -1,6 +1,5 @@
 #include "identification/update_findings.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <map>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 #include "identification/mode_contributions.hpp"
 #include "identification/plausibility.hpp"

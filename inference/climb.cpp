@@ -1,12 +1,11 @@
 #include "inference/climb.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -1,12 +1,12 @@
 #include "inference/grouped_scores.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::inference {

@@ -1,6 +1,5 @@
 #include "inference/mode_search.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
 #include "inference/climb.hpp"

@@ -1,6 +1,5 @@
 #include "inference/model_exploration.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 #include "inference/convergence.hpp"
 #include "inference/evidence/multiple_importance_sampling.hpp"

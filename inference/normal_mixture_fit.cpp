@@ -1,5 +1,4 @@
 // NormalMixture::fit: expectation-maximisation, and the number of components.
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -7,6 +6,7 @@
 #include <string>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "inference/normal_mixture.hpp"
 #include "inference/packed_mixture.hpp"
 

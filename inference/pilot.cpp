@@ -1,9 +1,9 @@
 #include "inference/pilot.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "base/eigen_solvers.hpp"
 #include "base/parallel.hpp"
 #include "inference/moves/birth_death.hpp"
 #include "inference/moves/mirror.hpp"

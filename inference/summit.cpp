@@ -1,9 +1,9 @@
 #include "inference/summit.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -1,6 +1,5 @@
 #include "signals/free_decay.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -10,6 +9,7 @@
 #include <string>
 #include <unsupported/Eigen/FFT>
 
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 #include "base/random.hpp"
 #include "signals/refuse.hpp"

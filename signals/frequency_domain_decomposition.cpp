@@ -1,6 +1,5 @@
 #include "signals/frequency_domain_decomposition.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 

@@ -1,12 +1,12 @@
 #include "signals/frequency_responses.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 #include <unsupported/Eigen/FFT>
 
+#include "base/eigen_solvers.hpp"
 #include "signals/refuse.hpp"
 
 namespace wheeltap::signals {

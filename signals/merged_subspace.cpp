@@ -1,12 +1,11 @@
 #include "signals/merged_subspace.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 
 namespace wheeltap::signals {

@@ -1,12 +1,12 @@
 #include "signals/modal_model.hpp"
 
-#include <Eigen/Dense>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 
 namespace wheeltap::signals {

@@ -1,6 +1,5 @@
 #include "signals/polyreference.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -10,6 +9,7 @@
 #include <string>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"

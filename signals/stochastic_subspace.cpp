@@ -1,9 +1,5 @@
 #include "signals/stochastic_subspace.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/eigen_solvers.hpp"
 #include "base/parallel.hpp"
 #include "signals/refuse.hpp"
 

@@ -1,11 +1,11 @@
 #include "fem/structures/change_columns.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 
 namespace wheeltap::fem::detail {

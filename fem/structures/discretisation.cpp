@@ -1,6 +1,6 @@
 #include "fem/structures/discretisation.hpp"
 
-#include <Eigen/QR>
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::fem {
 

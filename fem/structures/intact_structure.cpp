@@ -1,12 +1,12 @@
 #include "fem/structures/intact_structure.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "fem/structures/structure_reanalysis.hpp"

@@ -1,9 +1,10 @@
 #include "fem/structures/mechanisms.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::fem {
 namespace {

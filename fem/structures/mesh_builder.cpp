@@ -1,9 +1,9 @@
 // From a structure to its mesh: degrees of freedom, strains, masses and rigid motions.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 #include "fem/structures/member_motions.hpp"
 #include "fem/structures/mesh.hpp"

@@ -1,12 +1,12 @@
 #include "fem/structures/parametric_modes.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/structure_modes.hpp"
 
 namespace wheeltap::fem {

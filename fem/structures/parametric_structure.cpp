@@ -1,12 +1,12 @@
 #include "fem/structures/parametric_structure.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::fem {
 namespace {

@@ -1,6 +1,5 @@
 #include "fem/structures/residual_flexibility.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 #include "fem/structures/mechanisms.hpp"
 

@@ -1,12 +1,12 @@
 #include "fem/structures/static_condensation.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <map>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 
 namespace wheeltap::fem {

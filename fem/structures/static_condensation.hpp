@@ -2,11 +2,11 @@
 // by a local motion and forces on its edge.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <vector>
 
 #include "base/eigen.hpp"
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/discretisation.hpp"
 
 namespace wheeltap::fem {

@@ -1,6 +1,5 @@
 #include "fem/structures/structure_defects.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 
 namespace wheeltap::fem {

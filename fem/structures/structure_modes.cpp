@@ -1,13 +1,13 @@
 #include "fem/structures/structure_modes.hpp"
 
 #include <Spectra/SymGEigsShiftSolver.h>
-#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/mechanisms.hpp"
 
 namespace wheeltap::fem {

@@ -1,9 +1,9 @@
 #include "fem/structures/structure_spectrum.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/mechanisms.hpp"
 #include "fem/structures/structure_modes.hpp"
 

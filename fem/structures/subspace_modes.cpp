@@ -1,6 +1,5 @@
 #include "fem/structures/subspace_modes.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/structure_modes.hpp"
 
 namespace wheeltap::fem {

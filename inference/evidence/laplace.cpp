@@ -1,7 +1,5 @@
 #include "inference/evidence/laplace.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 #include <string>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "inference/differential_evolution.hpp"
 #include "inference/evidence/importance_sampling.hpp"
 #include "inference/standard_normal.hpp"

@@ -1,12 +1,12 @@
 #include "inference/evidence/metropolis.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
 
+#include "base/eigen_solvers.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
 #include "inference/diagnostics.hpp"

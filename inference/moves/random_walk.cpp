@@ -1,8 +1,9 @@
 #include "inference/moves/random_walk.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "base/eigen_solvers.hpp"
 
 namespace wheeltap::inference {
 

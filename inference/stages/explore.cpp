@@ -1,12 +1,12 @@
 #include "inference/stages/explore.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "inference/convergence.hpp"
 #include "inference/model_exploration.hpp"
 #include "inference/run_plan.hpp"

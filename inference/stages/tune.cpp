@@ -1,10 +1,10 @@
 #include "inference/stages/tune.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "inference/diagnostics.hpp"
 #include "inference/stages/model_probabilities.hpp"
 

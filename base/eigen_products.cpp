@@ -1,0 +1,2 @@
+#define WHEELTAP_INSTANCE
+#include "base/eigen_products.hpp"

@@ -1,0 +1,2 @@
+#define WHEELTAP_SOLVER_INSTANCE
+#include "base/eigen_solvers.hpp"
