@@ -16,26 +16,23 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using inference::Posterior;
 
-constexpr double kFarthest = 8.0;        // of a standard normal coordinate
-constexpr double kOverlap = 0.05;        // of the draws of the smaller of two modes
-constexpr Index kEnough = 10;            // draws a parameter, for a covariance of their own
-constexpr std::size_t kCompared = 5000;  // draws, for overlaps
+constexpr double kFarthest = 8.0;  // of a standard normal coordinate
+constexpr double kGap = 3.0, kOfNeighbours = 0.95;
+constexpr std::size_t kCompared = 2000;  // draws, for gaps
 constexpr double kLeastVariance = 1e-12;
 constexpr std::size_t kMostDraws = 200'000;  // of more, every n-th
 
-struct Normal {
-  VectorXd mean;
-  Eigen::LLT<MatrixXd> llt;
-
-  Normal(VectorXd at, MatrixXd covariance) : mean(std::move(at)) {
+/// Coordinates in which a covariance is the identity.
+class Metric {
+ public:
+  explicit Metric(MatrixXd covariance) {
     covariance.diagonal().array() += kLeastVariance;
-    llt.compute(covariance);
+    llt_.compute(covariance);
   }
-  [[nodiscard]] VectorXd scaled(const VectorXd& z) const { return llt.matrixL().solve(z - mean); }
-  [[nodiscard]] double square(const VectorXd& z) const { return scaled(z).squaredNorm(); }
-  [[nodiscard]] double log_density(const VectorXd& z) const {
-    return -0.5 * square(z) - llt.matrixLLT().diagonal().array().log().sum();
-  }
+  [[nodiscard]] VectorXd scaled(const VectorXd& z) const { return llt_.matrixL().solve(z); }
+
+ private:
+  Eigen::LLT<MatrixXd> llt_;
 };
 
 /// The draws of a model in standard normal coordinates, a column each, and their log posterior.
@@ -114,7 +111,7 @@ std::vector<int> nearest_modes(const Posterior& posterior, int model, const Draw
   std::vector<int> of(draws.log_posterior.size(), 0);
   const auto modes = static_cast<int>(centres.size());
   for (int round = 0; round < kRounds; ++round) {
-    const Normal metric(VectorXd::Zero(draws.z.rows()), covariance_within(draws, of, modes));
+    const Metric metric(covariance_within(draws, of, modes));
     std::vector<VectorXd> scaled;
     for (const VectorXd& centre : centres) scaled.emplace_back(metric.scaled(centre));
     bool settled = round > 0;
@@ -138,49 +135,49 @@ std::vector<int> nearest_modes(const Posterior& posterior, int model, const Draw
   return of;
 }
 
-/// Modes that overlap are one: of each, the number of its solution.
-std::vector<int> overlapping(const Draws& draws, const std::vector<int>& of, int groups) {
+/// Modes between which draws leave no gap are one: of each, the number of its solution.
+std::vector<int> connected(const Draws& draws, const std::vector<int>& of, int groups) {
   const auto modes = static_cast<std::size_t>(groups);
-  const MatrixXd pooled = covariance_within(draws, of, groups);
-  std::vector<Normal> normals;
-  std::vector<double> log_weight;
+  const Metric metric(covariance_within(draws, of, groups));
+  const std::size_t step = std::max<std::size_t>(1, of.size() / kCompared);
+  std::vector<VectorXd> points;
+  std::vector<std::size_t> mode;
+  for (std::size_t i = 0; i < of.size(); i += step) {
+    points.emplace_back(metric.scaled(draws.z.col(static_cast<Index>(i))));
+    mode.push_back(static_cast<std::size_t>(of[i]));
+  }
+  // Of each draw the nearest other one of its mode, and of each pair of modes the nearest draws.
+  // Chains that stay where they are repeat draws, which are no neighbours.
+  std::vector<double> nearest(points.size(), kInfinity);
+  std::vector<std::vector<double>> gap(modes, std::vector<double>(modes, kInfinity));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const double distance = (points[i] - points[j]).norm();
+      if (mode[i] != mode[j]) {
+        double& least = gap[std::max(mode[i], mode[j])][std::min(mode[i], mode[j])];
+        least = std::min(least, distance);
+      } else if (distance > 0.0) {
+        nearest[i] = std::min(nearest[i], distance);
+        nearest[j] = std::min(nearest[j], distance);
+      }
+    }
+  std::vector<double> reach(modes, 0.0);
   for (std::size_t k = 0; k < modes; ++k) {
-    double count = 0.0;
-    const VectorXd mean = mean_of(draws, of, static_cast<int>(k), count);
-    MatrixXd covariance = MatrixXd::Zero(mean.size(), mean.size());
-    for (std::size_t i = 0; i < of.size(); ++i)
-      if (of[i] == static_cast<int>(k)) {
-        const VectorXd off = draws.z.col(static_cast<Index>(i)) - mean;
-        covariance += off * off.transpose() / count;
-      }
-    const bool enough = count >= static_cast<double>(kEnough * mean.size());
-    normals.emplace_back(mean, enough ? covariance : pooled);
-    log_weight.push_back(std::log(count));
+    std::vector<double> own;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (mode[i] == k && std::isfinite(nearest[i])) own.push_back(nearest[i]);
+    std::ranges::sort(own);
+    if (!own.empty()) reach[k] = kGap * quantile(own, kOfNeighbours);
   }
-  const std::size_t stride = std::max<std::size_t>(1, of.size() / kCompared);
-  MatrixXd overlap = MatrixXd::Zero(static_cast<Index>(modes), static_cast<Index>(modes));
-  VectorXd compared = VectorXd::Zero(static_cast<Index>(modes));
-  for (std::size_t i = 0; i < of.size(); i += stride) {
-    VectorXd share(static_cast<Index>(modes));
-    for (std::size_t k = 0; k < modes; ++k)
-      share[static_cast<Index>(k)] =
-          log_weight[k] + normals[k].log_density(draws.z.col(static_cast<Index>(i)));
-    share = (share.array() - share.maxCoeff()).exp();
-    share /= share.sum();
-    compared[of[i]] += 1.0;
-    for (Index a = 0; a < share.size(); ++a)
-      for (Index b = 0; b < a; ++b) overlap(a, b) += std::min(share[a], share[b]);
-  }
-  std::vector<int> group(modes);
-  std::iota(group.begin(), group.end(), 0);
-  for (Index a = 0; a < overlap.rows(); ++a)
-    for (Index b = 0; b < a; ++b)
-      if (overlap(a, b) > kOverlap * std::min(compared[a], compared[b])) {
-        const int from = group[static_cast<std::size_t>(a)],
-                  to = group[static_cast<std::size_t>(b)];
-        std::ranges::replace(group, from, to);
+  std::vector<int> solution(modes);
+  std::iota(solution.begin(), solution.end(), 0);
+  for (std::size_t a = 0; a < modes; ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (gap[a][b] <= std::max(reach[a], reach[b])) {
+        const int from = solution[a], to = solution[b];
+        std::ranges::replace(solution, from, to);
       }
-  return group;
+  return solution;
 }
 
 }  // namespace
@@ -194,7 +191,7 @@ SeparateSolutions separate_solutions(const Posterior& posterior, int model) {
   if (draws.log_posterior.empty()) return out;
   int groups = 0;
   std::vector<int> of = nearest_modes(posterior, model, draws, groups);
-  const std::vector<int> group = overlapping(draws, of, groups);
+  const std::vector<int> group = connected(draws, of, groups);
   for (int& k : of) k = group[static_cast<std::size_t>(k)];
   const auto all = static_cast<double>(of.size());
   for (int k = 0; k < groups; ++k) {

@@ -2,13 +2,13 @@
 // values, with little probability between them.
 //
 // Each draw belongs to the nearest mode of the search, in the covariance of draws about their own
-// mode. With N_k the normal of the draws of mode k, w_k their share and
-// r_k(z) = w_k N_k(z) / Σ_l w_l N_l(z), two modes are one solution where
+// mode; distances are in that, and coordinates are those in which the prior is standard normal. Two
+// modes are one solution where some of their draws are no further apart than
 //
-//   Σ_draws min(r_a, r_b) > 0.05 min(n_a, n_b),
+//   3 × the 95 % quantile of the distance of a draw to the nearest other one of its mode,
 //
-// so that a curved or a rough ridge stays one. Coordinates z are those in which the prior is
-// standard normal.
+// the larger of the two: where the density between them falls to about a thirtieth of its height in
+// one dimension. So a curved or a rough ridge is one solution.
 #pragma once
 
 #include <vector>

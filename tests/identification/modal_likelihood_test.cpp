@@ -56,6 +56,26 @@ TEST(ModalLikelihood, EigenvaluesOfFrequenciesLoseNoBit) {
   }
 }
 
+// A gap keeps the numbers of the modes that follow; with shapes it takes no computed mode.
+TEST(ModalLikelihood, GapsKeepTheNumbersOfOtherModes) {
+  const Modes modes = modes_of({1.0, 3.0, 5.0, 7.0}, three_shapes());
+  const ModalLikelihood numbered(data_of({1.0, kNaN, 5.0}, 0.01, MatrixXd(), 0.0));
+  EXPECT_EQ(numbered.score(modes, {}).matches[2].computed, 2);
+  EXPECT_EQ(numbered.score(modes, {}).chi_square, 0.0);
+
+  MatrixXd shapes(5, 3);
+  shapes.setConstant(kNaN);
+  shapes.row(0) = three_shapes().col(1).transpose();
+  shapes.row(4) = three_shapes().col(3).transpose();
+  const ModalData data = data_of({3.0, kNaN, kNaN, kNaN, 7.0}, 0.01, shapes, 0.02);
+  EXPECT_EQ(data.measured_modes(), 2);
+  EXPECT_EQ(data.least_modes(), 2);
+  const ModalLikelihood::Score score = ModalLikelihood(data).score(modes, {});
+  EXPECT_EQ(score.matches[0].computed, 1);
+  EXPECT_EQ(score.matches[4].computed, 3);
+  EXPECT_NEAR(score.chi_square, 0.0, 1e-12);
+}
+
 TEST(ModalLikelihood, AnEmulatorsErrorIsNoiseBesideTheMeasurements) {
   const Modes modes = modes_of({1.02, 2.97, 5.0}, MatrixXd(0, 3));
   const ModalData data = data_of({1.0, kNaN, 5.1}, 0.01, {}, 0.0);

@@ -151,8 +151,10 @@ TEST(Stabilisation, KeepsCloseModesApart) {
 TEST(Stabilisation, KeepsTheTwoModesOfASquareFrame) {
   VibratingStructure square = chain(2, 1.0, 200.0);
   square.stiffness << 200.0, 0.0, 0.0, 200.0 * 1.01 * 1.01;
-  const StochasticSubspace subspace = subspace_of(square, 18000, 0.05);
-  const Stabilisation found = stabilise(subspace, {.lowest_hz = 0.3});
+  const OutputCovariances c =
+      output_covariances(square.accelerations(18000, 0.05, 5), {.lags = 24, .blocks = 50});
+  const Stabilisation found = stabilise(
+      StochasticSubspace(c, {.step = square.step, .largest_order = 20}), {.lowest_hz = 0.3});
   ASSERT_EQ(found.modes.size(), 2U);
   const auto shape = [&](std::size_t m) {
     return found.poles[static_cast<std::size_t>(found.modes[m].chosen)].shape;
