@@ -88,6 +88,8 @@ std::string_view si_name(signals::Dimension dimension) {
       return "m/s";
     case signals::Dimension::acceleration:
       return "m/s2";
+    case signals::Dimension::frequency:
+      return "Hz";
   }
   return "";
 }

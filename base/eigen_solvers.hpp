@@ -2,11 +2,11 @@
 //
 // Include this in place of <Eigen/Dense>, <Eigen/Cholesky>, <Eigen/LU>, <Eigen/QR>, <Eigen/SVD> and
 // <Eigen/Eigenvalues>: a source file that takes a decomposition then does not compile it. Pass the
-// decomposition a matrix, not an expression, where the expression is not needed otherwise.
+// decomposition a matrix, not an expression, where the expression is not needed otherwise. What one
+// or two files use (complex matrices, JacobiSVD, EigenSolver) is compiled there.
 #pragma once
 
 #include <Eigen/Dense>
-#include <complex>
 
 #include "base/eigen.hpp"
 
@@ -27,27 +27,11 @@ WHEELTAP_SOLVER_INSTANCE template class PartialPivLU<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template class FullPivLU<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template class HouseholderQR<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template class ColPivHouseholderQR<MatrixXd>;
-WHEELTAP_SOLVER_INSTANCE template class CompleteOrthogonalDecomposition<MatrixXd>;
-WHEELTAP_SOLVER_INSTANCE template class JacobiSVD<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template class BDCSVD<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template class SelfAdjointEigenSolver<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template SelfAdjointEigenSolver<MatrixXd>&
 SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int);
 WHEELTAP_SOLVER_INSTANCE template class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
-WHEELTAP_SOLVER_INSTANCE template class EigenSolver<MatrixXd>;
-WHEELTAP_SOLVER_INSTANCE template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(
-    const EigenBase<MatrixXd>&, bool);
-
-WHEELTAP_SOLVER_INSTANCE template class PartialPivLU<MatrixXcd>;
-WHEELTAP_SOLVER_INSTANCE template class FullPivLU<MatrixXcd>;
-WHEELTAP_SOLVER_INSTANCE template class HouseholderQR<MatrixXcd>;
-WHEELTAP_SOLVER_INSTANCE template class JacobiSVD<MatrixXcd>;
-WHEELTAP_SOLVER_INSTANCE template class SelfAdjointEigenSolver<MatrixXcd>;
-WHEELTAP_SOLVER_INSTANCE template SelfAdjointEigenSolver<MatrixXcd>&
-SelfAdjointEigenSolver<MatrixXcd>::compute(const EigenBase<MatrixXcd>&, int);
-WHEELTAP_SOLVER_INSTANCE template class ComplexEigenSolver<MatrixXcd>;
-WHEELTAP_SOLVER_INSTANCE template ComplexEigenSolver<MatrixXcd>&
-ComplexEigenSolver<MatrixXcd>::compute(const EigenBase<MatrixXcd>&, bool);
 
 // What the decompositions of expressions come down to.
 namespace internal {

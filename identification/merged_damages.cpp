@@ -11,10 +11,10 @@ namespace {
 
 using Component = DamageProblem::Component;
 
-constexpr double kAsWell = 2.0;       // ln likelihood
-constexpr double kLongest = 0.25;     // of a member
-constexpr std::size_t kDraws = 200;   // of a model
-constexpr double kImprobable = 1e-4;  // models below this change no count
+constexpr double kAsWell = 2.0;            // ln likelihood
+constexpr double kLongestMerged = 0.25;    // of a member
+constexpr std::size_t kMergedDraws = 200;  // of a model
+constexpr double kImprobable = 1e-4;       // models below this change no count
 
 /// A loss of stiffness over a length of a member or beam [m].
 struct Stretched {
@@ -117,7 +117,7 @@ class Merger {
 
  private:
   [[nodiscard]] double longest(int stretch) const {
-    return kLongest * kind_.line.stretches()[static_cast<std::size_t>(stretch)].size;
+    return kLongestMerged * kind_.line.stretches()[static_cast<std::size_t>(stretch)].size;
   }
 
   // The first of the two neighbours that one damage could be, of the shortest such.
@@ -192,7 +192,7 @@ std::vector<std::pair<std::size_t, std::size_t>> some_draws(const UnpackedDraws&
   for (std::size_t c = 0; c < draws.posterior().chains.size(); ++c)
     for (std::size_t i = 0; i < draws.posterior().chains[c].size(); ++i)
       if (draws.model(c, i) == model) all.emplace_back(c, i);
-  const std::size_t n = std::min(all.size(), kDraws);
+  const std::size_t n = std::min(all.size(), kMergedDraws);
   for (std::size_t i = 0; i < n; ++i) out.push_back(all[i * all.size() / n]);
   return out;
 }

@@ -26,9 +26,9 @@ struct MergedModel {
   int count = 0;        ///< their number then, in most of these
   // Of the longest merged damage of these draws, on the stretch that most of them have it on:
   int stretch = 0;
-  double fixed = 0.0;         ///< what one damage covers there [m]
-  Marginal location, length;  ///< its middle and its extent [m]
-  Marginal reduction;
+  double fixed = 0.0;                   ///< what one damage covers there [m]
+  Marginal location = {}, length = {};  ///< its middle and its extent [m]
+  Marginal reduction = {};
   double gain = 0.0;  ///< ln likelihood, merged less apart, on average
 };
 

@@ -20,7 +20,7 @@ constexpr double kMissed = 0.05, kNoMode = 0.1;
 constexpr double kModelError = 0.02;
 constexpr int kFurther = 3;                  // modes that may have been missed
 constexpr std::size_t kMostOthers = 20'000;  // numberings that are compared
-constexpr int kDraws = 400, kFewDraws = 60;
+constexpr int kNumberingDraws = 400, kFewDraws = 60;
 constexpr double kAffordableSeconds = 2.0;
 
 /// All numberings, the one that is used first, with ln of their weights before the data.
@@ -101,7 +101,7 @@ std::optional<NumberingFinding> numbering_of(const StructureModel& model, const 
   std::vector<VectorXd> found;
   int modes = 0;
   const auto began = std::chrono::steady_clock::now();
-  for (const auto& values : prior_draws(model, kDraws)) {
+  for (const auto& values : prior_draws(model, kNumberingDraws)) {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
     if (took.count() > kAffordableSeconds) break;
     try {
