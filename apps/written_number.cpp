@@ -76,24 +76,6 @@ void substitute(std::string& text, std::string_view from, std::string_view to) {
     text.replace(at, from.size(), to);
 }
 
-std::string_view si_name(signals::Dimension dimension) {
-  switch (dimension) {
-    case signals::Dimension::time:
-      return "s";
-    case signals::Dimension::force:
-      return "N";
-    case signals::Dimension::length:
-      return "m";
-    case signals::Dimension::velocity:
-      return "m/s";
-    case signals::Dimension::acceleration:
-      return "m/s2";
-    case signals::Dimension::frequency:
-      return "Hz";
-  }
-  return "";
-}
-
 std::optional<CaseUnit> find_case_unit(std::string_view text) {
   std::string plain(text);
   for (const auto& [power, digit] :
@@ -104,7 +86,7 @@ std::optional<CaseUnit> find_case_unit(std::string_view text) {
       found != std::end(kCaseUnits))
     return *found;
   if (const auto unit = signals::find_unit(text))
-    return CaseUnit{unit->name, si_name(unit->dimension), unit->si};
+    return CaseUnit{unit->name, signals::si_unit(unit->dimension), unit->si};
   return {};
 }
 

@@ -76,8 +76,9 @@ void bind_cases(py::module_& m) {
       "read_record",
       [](const std::string& path, const std::vector<std::string>& columns,
          std::optional<double> sample_rate) {
-        return guarded(path,
-                       [&] { return record_of(signals::read_record(path, columns), sample_rate); });
+        return guarded(path, [&] {
+          return record_of(signals::read_record(path, {.columns = columns}), sample_rate);
+        });
       },
       py::arg("path"), py::arg("columns"), py::arg("sample_rate"));
   m.def(

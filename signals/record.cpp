@@ -173,11 +173,6 @@ Record parse_record(std::string bytes, const std::filesystem::path& name,
       io::parse_delimited_text(std::move(bytes), name, named({.columns = std::move(columns)}))};
 }
 
-Record read_record(const std::filesystem::path& path, std::vector<std::string> columns,
-                   std::span<const io::Format> known) {
-  return read_record(path, RecordReading{.columns = std::move(columns)}, known);
-}
-
 Record read_record(const std::filesystem::path& path, RecordReading reading,
                    std::span<const io::Format> known) {
   const io::TextLayout layout = reading.layout;

@@ -34,10 +34,7 @@ struct RecordReading {
                                   std::vector<std::string> columns = {});
 
 /// The same of a file in any format that is known.
-[[nodiscard]] Record read_record(const std::filesystem::path& path,
-                                 std::vector<std::string> columns = {},
-                                 std::span<const io::Format> known = io::formats());
-[[nodiscard]] Record read_record(const std::filesystem::path& path, RecordReading reading,
+[[nodiscard]] Record read_record(const std::filesystem::path& path, RecordReading reading = {},
                                  std::span<const io::Format> known = io::formats());
 
 /// What a time column says of the sampling.

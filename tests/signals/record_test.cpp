@@ -166,14 +166,15 @@ TEST_F(RecordFile, OnlyTheColumnsOfALongRecordThatAreNeededAreRead) {
   for (int n = 0; n < 1000; ++n)
     text += std::to_string(n) + ",at " + std::to_string(n) + "," + std::to_string(2 * n) + ",1\n";
   const auto path = write(text);
-  const Record r = read_record(path, {"force"});
+  const Record r = read_record(path, {.columns = {"force"}});
   EXPECT_EQ(r.samples(), 1000);
   EXPECT_EQ(window(r, r.find("force"), 2, 4), (std::vector<double>{4, 6}));
   EXPECT_EQ(sample_rate_hz(r, r.find_time()), 1.0) << "time is always read";
   EXPECT_TRUE(r.columns[1].values.empty());
   EXPECT_THROW((void)window(r, r.find("x"), 2, 4), std::invalid_argument);
   EXPECT_TRUE(contains(message([&] { (void)read_record(path); }), "line 2, column 2 ('remark')"));
-  EXPECT_EQ(read_record(path, {"4"}).columns[3].values.size(), 1000U) << "by its number";
+  EXPECT_EQ(read_record(path, {.columns = {"4"}}).columns[3].values.size(), 1000U)
+      << "by its number";
 }
 
 TEST_F(RecordFile, ARecordInAFormatOfOnesOwn) {
