@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   common.resume = true;
   try {
     const apps::CheckpointFile checkpoint(
-        folder, {.command = "damage", .options = {}, .case_json = {}}, common);
+        folder, {.command = "damage", .options = {}, .case_json = {}, .inputs = {}}, common);
   } catch (const io::FileError&) {
   }
   return 0;
