@@ -50,7 +50,7 @@ class Measured {
     Report out = Report::object();
     for (const char* key : {"frequencies", "shapes", "columns", "row", "modes", "samples",
                             "sample_rate", "temperature", "repeats", "decimal", "separator", "skip",
-                            "header", "units_row", "time_format", "time_unit"})
+                            "header", "units_row", "time_format", "time_unit", "rows_are_channels"})
       if (block.contains(key)) out[key] = block[key];
     for (const char* key : {"from", "file"})
       if (block.contains(key)) out[key] = content_of(block[key]);

@@ -62,6 +62,14 @@ io::TextLayout parse_layout(const CaseFile& file, const Pointer& where) {
   return out;
 }
 
+io::ArrayLayout parse_array_layout(const CaseFile& file, const Pointer& where) {
+  const Json& r = file.json.at(where);
+  io::ArrayLayout out;
+  if (r.is_object() && r.contains("rows_are_channels"))
+    out.rows_are_channels = r["rows_are_channels"].get<bool>();
+  return out;
+}
+
 std::string layout_in_words(const io::FoundLayout& layout) {
   const io::TextLayout& used = layout.used;
   std::string out = "Columns separated by " + std::string(io::separator_name(*used.separator)) +

@@ -20,6 +20,8 @@ struct ChannelUse {
 /// decimal, separator, skip, header, units_row and time_format of the block at `where`. Throws
 /// Failure.
 [[nodiscard]] io::TextLayout parse_layout(const CaseFile& file, const Pointer& where);
+/// rows_are_channels of the block at `where`.
+[[nodiscard]] io::ArrayLayout parse_array_layout(const CaseFile& file, const Pointer& where);
 
 /// "Columns are separated by semicolons, …": what was found in a text, a sentence.
 [[nodiscard]] std::string layout_in_words(const io::FoundLayout& layout);

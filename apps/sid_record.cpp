@@ -42,10 +42,12 @@ RecordUse parse_use(const CaseFile& file) {
 signals::Record read_record(const CaseFile& file, const Pointer& where,
                             std::vector<std::string> columns, std::vector<std::string> ignored) {
   const auto path = file.resolve(file.json.at(where).get<std::string>());
+  const Pointer block = where.parent_pointer();
   try {
     return signals::read_record(path, {.columns = std::move(columns),
                                        .ignored = std::move(ignored),
-                                       .layout = parse_layout(file, where.parent_pointer())});
+                                       .layout = parse_layout(file, block),
+                                       .arrays = parse_array_layout(file, block)});
   } catch (const io::FileError& error) {
     throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
                   error.what());

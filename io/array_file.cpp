@@ -1,10 +1,8 @@
 #include "io/array_file.hpp"
 
-#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <limits>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -17,58 +15,26 @@
 namespace wheeltap::io {
 namespace {
 
-constexpr int kDeepest = 8;                   // groups within groups
-constexpr std::size_t kMostColumns = 10'000;  // of one matrix
+constexpr int kDeepest = 8;  // groups within groups
+constexpr int kMostDimensions = 4;
+
+/// A part of a complex number, as h5py and others store it: a compound of two real ones.
+struct Part {
+  std::size_t size = 0;    ///< of the compound
+  std::size_t offset = 0;  ///< in it
+  nc_type type = NC_DOUBLE;
+};
 
 struct Found {
-  std::string name;
+  ArrayShape array;
   int group = 0, id = 0;
-  std::vector<std::size_t> shape;
-
-  [[nodiscard]] std::size_t size() const {
-    constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
-    std::size_t n = 1;
-    for (const std::size_t d : shape) n = d != 0 && n > kMost / d ? kMost : n * d;
-    return n;
-  }
+  std::optional<Part> part = {};
 };
 
 bool numeric(nc_type type) {
   return type == NC_BYTE || type == NC_UBYTE || type == NC_SHORT || type == NC_USHORT ||
          type == NC_INT || type == NC_UINT || type == NC_INT64 || type == NC_UINT64 ||
          type == NC_FLOAT || type == NC_DOUBLE;
-}
-
-void look(int group, const std::string& prefix, int depth, std::vector<Found>& out) {
-  int count = 0;
-  if (nc_inq_varids(group, &count, nullptr) != NC_NOERR) return;
-  std::vector<int> ids(static_cast<std::size_t>(count));
-  nc_inq_varids(group, &count, ids.data());
-  for (const int id : ids) {
-    char name[NC_MAX_NAME + 1] = {};
-    nc_type type = NC_NAT;
-    int rank = 0;
-    if (nc_inq_var(group, id, name, &type, &rank, nullptr, nullptr) != NC_NOERR || !numeric(type) ||
-        rank > 2)
-      continue;
-    std::vector<int> dimensions(static_cast<std::size_t>(rank));
-    nc_inq_vardimid(group, id, dimensions.data());
-    Found one{.name = prefix + in_utf8(name), .group = group, .id = id, .shape = {}};
-    for (const int d : dimensions) {
-      std::size_t length = 0;
-      nc_inq_dimlen(group, d, &length);
-      one.shape.push_back(length);
-    }
-    out.push_back(std::move(one));
-  }
-  if (depth == 0 || nc_inq_grps(group, &count, nullptr) != NC_NOERR) return;
-  std::vector<int> groups(static_cast<std::size_t>(count));
-  nc_inq_grps(group, &count, groups.data());
-  for (const int inner : groups) {
-    char name[NC_MAX_NAME + 1] = {};
-    if (nc_inq_grpname(inner, name) == NC_NOERR)
-      look(inner, prefix + in_utf8(name) + "/", depth - 1, out);
-  }
 }
 
 std::optional<double> number(const Found& of, const char* attribute) {
@@ -98,20 +64,109 @@ std::string unit_of(const Found& of) {
   return in_utf8(std::string_view(out).substr(0, out.find('\0')));
 }
 
+/// The real and imaginary part of a compound type; none of any other.
+std::vector<Part> parts_of(int group, nc_type type) {
+  std::size_t size = 0, fields = 0;
+  int kind = 0;
+  if (type <= NC_MAX_ATOMIC_TYPE ||
+      nc_inq_user_type(group, type, nullptr, &size, nullptr, &fields, &kind) != NC_NOERR ||
+      kind != NC_COMPOUND || fields != 2)
+    return {};
+  std::vector<Part> out(2, {.size = size});
+  for (int i = 0; i < 2; ++i) {
+    Part& part = out[static_cast<std::size_t>(i)];
+    int rank = 0;
+    if (nc_inq_compound_field(group, type, i, nullptr, &part.offset, &part.type, &rank, nullptr) !=
+            NC_NOERR ||
+        rank != 0 || (part.type != NC_FLOAT && part.type != NC_DOUBLE) ||
+        part.offset + (part.type == NC_FLOAT ? sizeof(float) : sizeof(double)) > size)
+      return {};
+  }
+  return out;
+}
+
+/// What a variable is that holds no array of numbers, in words; empty of one that does.
+std::string other_kind(int group, nc_type type, int rank) {
+  if (rank > kMostDimensions) return std::to_string(rank) + "-d array";
+  if (numeric(type)) return {};
+  if (type == NC_CHAR || type == NC_STRING) return "text";
+  int kind = 0;
+  if (nc_inq_user_type(group, type, nullptr, nullptr, nullptr, nullptr, &kind) == NC_NOERR &&
+      kind == NC_COMPOUND)
+    return "compound: save each member as an array of its own";
+  return "no numbers";
+}
+
+void look(int group, const std::string& prefix, int depth, std::vector<Found>& out,
+          std::vector<std::string>& others) {
+  int count = 0;
+  if (nc_inq_varids(group, &count, nullptr) != NC_NOERR) return;
+  std::vector<int> ids(static_cast<std::size_t>(count));
+  nc_inq_varids(group, &count, ids.data());
+  for (const int id : ids) {
+    char name[NC_MAX_NAME + 1] = {};
+    nc_type type = NC_NAT;
+    int rank = 0;
+    if (nc_inq_var(group, id, name, &type, &rank, nullptr, nullptr) != NC_NOERR) continue;
+    const std::string shown = prefix + in_utf8(name);
+    const std::vector<Part> parts = parts_of(group, type);
+    if (const std::string kind = other_kind(group, type, rank);
+        !kind.empty() && (parts.empty() || rank > kMostDimensions)) {
+      others.push_back(shown + " (" + kind + ")");
+      continue;
+    }
+    std::vector<int> dimensions(static_cast<std::size_t>(rank));
+    nc_inq_vardimid(group, id, dimensions.data());
+    Found one{.array = {.name = shown, .row_major = true}, .group = group, .id = id};
+    for (const int d : dimensions) {
+      std::size_t length = 0;
+      nc_inq_dimlen(group, d, &length);
+      one.array.shape.push_back(length);
+    }
+    one.array.unit = unit_of(one);
+    if (parts.empty()) out.push_back(one);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      out.push_back(one);
+      out.back().array.name += i == 0 ? ", real" : ", imaginary";
+      out.back().part = parts[i];
+    }
+  }
+  if (depth == 0 || nc_inq_grps(group, &count, nullptr) != NC_NOERR) return;
+  std::vector<int> groups(static_cast<std::size_t>(count));
+  nc_inq_grps(group, &count, groups.data());
+  for (const int inner : groups) {
+    char name[NC_MAX_NAME + 1] = {};
+    if (nc_inq_grpname(inner, name) == NC_NOERR)
+      look(inner, prefix + in_utf8(name) + "/", depth - 1, out, others);
+  }
+}
+
 std::vector<double> values_of(const std::filesystem::path& path, const Found& of) {
   std::error_code none;
   const std::uintmax_t bytes = std::filesystem::file_size(path, none);
-  if (!none && static_cast<double>(of.size()) * sizeof(double) > most_bytes(bytes))
+  if (!none && static_cast<double>(of.array.size()) * sizeof(double) > most_bytes(bytes))
     throw FileError(FileError::Kind::corrupt, path,
-                    "\"" + of.name + "\" announces " + std::to_string(of.size()) +
+                    "\"" + of.array.name + "\" announces " + std::to_string(of.array.size()) +
                         " numbers, more than are read of a file of its size (if it is sound and "
                         "merely compressed beyond measure, store it without)");
-  std::vector<double> x(of.size());
-  if (const int status = nc_get_var_double(of.group, of.id, x.data());
+  std::vector<double> x(of.array.size());
+  std::string compounds(of.part ? of.part->size * x.size() : 0, '\0');
+  if (const int status = of.part ? nc_get_var(of.group, of.id, compounds.data())
+                                 : nc_get_var_double(of.group, of.id, x.data());
       status != NC_NOERR && status != NC_ERANGE)
     throw FileError(
         FileError::Kind::corrupt, path,
-        "\"" + of.name + "\" cannot be read, truncated or damaged: " + nc_strerror(status));
+        "\"" + of.array.name + "\" cannot be read, truncated or damaged: " + nc_strerror(status));
+  for (std::size_t i = 0; of.part && i < x.size(); ++i) {
+    const char* from = compounds.data() + i * of.part->size + of.part->offset;
+    float single = 0.0F;
+    if (of.part->type == NC_FLOAT) {
+      std::memcpy(&single, from, sizeof single);
+      x[i] = static_cast<double>(single);
+    } else {
+      std::memcpy(&x[i], from, sizeof x[i]);
+    }
+  }
   const double scale = number(of, "scale_factor").value_or(1.0),
                offset = number(of, "add_offset").value_or(0.0);
   for (const char* attribute : {"_FillValue", "missing_value"})
@@ -121,13 +176,6 @@ std::vector<double> values_of(const std::filesystem::path& path, const Found& of
   if (scale != 1.0 || offset != 0.0)
     for (double& v : x) v = scale * v + offset;
   return x;
-}
-
-/// Which of a variable's dimensions runs along the rows: of that length. -1: none.
-int along(const Found& of, std::size_t rows) {
-  if (of.shape.empty()) return -1;
-  if (of.shape[0] == rows) return 0;
-  return of.shape.size() == 2 && of.shape[1] == rows ? 1 : -1;
 }
 
 void require_whole(const std::filesystem::path& path) {
@@ -145,82 +193,31 @@ void require_whole(const std::filesystem::path& path) {
                         std::to_string(is) + " are there");
 }
 
-Columns read_here(const std::filesystem::path& path, const Wanted& wanted) {
+Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
+                  const ArrayLayout& layout) {
   require_whole(path);
   const NetcdfReader file(path, "a record");
-  std::vector<Found> all;
-  look(file.root(), "", kDeepest, all);
-  // The length that most numbers have.
-  std::map<std::size_t, std::size_t> numbers;
-  for (const Found& v : all)
-    if (!v.shape.empty())
-      numbers[v.shape.size() == 2 ? std::max(v.shape[0], v.shape[1]) : v.shape[0]] += v.size();
-  std::size_t rows = 0, most = 0;
-  for (const auto& [length, count] : numbers)
-    if (length >= 2 && count >= most) {
-      rows = length;
-      most = count;
-    }
-  if (rows == 0) file.foreign("holds no vector of two numbers or more");
   Columns out{.file = path.string()};
-  struct Source {
-    const Found* variable;
-    std::size_t first, step;
-  };
-  std::vector<Source> sources;
+  std::vector<Found> all;
+  look(file.root(), "", kDeepest, all, out.others);
+  std::vector<ArrayShape> arrays;
   for (const Found& v : all) {
-    if (v.size() == 1) {
-      out.scalars[v.name] = values_of(path, v)[0];
-      continue;
-    }
-    const int dimension = along(v, rows);
-    if (dimension < 0) continue;
-    const std::string unit = unit_of(v);
-    const auto add = [&](std::string name, std::size_t first, std::size_t step) {
-      out.columns.push_back(
-          {.header = unit.empty() ? name : name + " [" + unit + "]", .name = name, .unit = unit});
-      sources.push_back({&v, first, step});
-    };
-    if (v.shape.size() == 1) {
-      add(v.name, 0, 1);
-      continue;
-    }
-    const std::size_t others = v.shape[dimension == 0 ? 1 : 0];
-    if (others > kMostColumns)
-      throw FileError(FileError::Kind::corrupt, path,
-                      "\"" + v.name + "\" has " + std::to_string(others) +
-                          " columns: must have at most " + std::to_string(kMostColumns));
-    for (std::size_t c = 0; c < others; ++c) {
-      const std::string index = std::to_string(c + 1);
-      if (others == 1) {
-        add(v.name, 0, 1);
-      } else if (dimension == 0) {
-        add(v.name + "(:," + index + ")", c, others);
-      } else {
-        add(v.name + "(" + index + ",:)", c * rows, 1);
-      }
-    }
+    if (v.array.size() == 1) out.scalars[v.array.name] = values_of(path, v)[0];
+    arrays.push_back(v.array);
   }
-  const Found* held = nullptr;
-  std::vector<double> values;
-  for (std::size_t c = 0; c < out.columns.size(); ++c) {
-    if (wanted && !wanted(out, c)) continue;
-    if (held != sources[c].variable) {
-      held = sources[c].variable;
-      values = values_of(path, *held);
-    }
-    out.columns[c].values.resize(rows);
-    for (std::size_t i = 0; i < rows; ++i)
-      out.columns[c].values[i] = values[sources[c].first + i * sources[c].step];
-  }
+  const ChosenColumns chosen = choose_columns(arrays, layout, wanted, out);
+  if (out.columns.empty()) file.foreign("holds no vector of two numbers or more");
+  fill_columns(
+      chosen, wanted, [&](std::size_t i) { return values_of(path, all[i]); }, out);
   return out;
 }
 
 }  // namespace
 
-Columns read_array_file(const std::filesystem::path& path, const Wanted& wanted) {
+Columns read_array_file(const std::filesystem::path& path, const Wanted& wanted,
+                        const ArrayLayout& layout) {
   const NetcdfLock lock;
-  return read_apart_as<Columns>(path, [&] { return read_here(path, wanted); });
+  return read_apart_as<Columns>(path, [&] { return read_here(path, wanted, layout); });
 }
 
 }  // namespace wheeltap::io

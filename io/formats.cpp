@@ -7,6 +7,9 @@
 #include "io/delimited_text.hpp"
 #include "io/labview_file.hpp"
 #include "io/matlab_file.hpp"
+#include "io/numpy_file.hpp"
+#include "io/strong_motion.hpp"
+#include "io/tdms_file.hpp"
 #include "io/universal_file.hpp"
 
 namespace wheeltap::io {
@@ -44,6 +47,14 @@ std::span<const Format> formats() {
        .endings = {".nc", ".h5", ".hdf5", ".hdf", ".cdf"},
        .magic = {"\x89HDF\r\n\x1a\n", "CDF\x01", "CDF\x02", "CDF\x05"},
        .read = read_array_file},
+      {.name = "NumPy array",
+       .endings = {".npy"},
+       .magic = {"\x93NUMPY"},
+       .parse_arrays = parse_npy},
+      {.name = "TDMS", .endings = {".tdms"}, .magic = {"TDSm"}, .parse = parse_tdms},
+      {.name = "PEER record", .endings = {".at2", ".vt2", ".dt2"}, .parse = parse_peer},
+      {.name = "CSMIP record", .endings = {".v2"}, .parse = parse_csmip},
+      {.name = "NumPy archive", .endings = {".npz"}, .parse_arrays = parse_npz},
   };
   return list;
 }
@@ -70,8 +81,14 @@ const Format& format_of(const std::filesystem::path& path, std::string_view begi
 }
 
 Columns read_columns(const std::filesystem::path& path, const Wanted& wanted,
-                     std::span<const Format> known, const TextLayout& stated) {
+                     std::span<const Format> known, const TextLayout& stated,
+                     const ArrayLayout& arrays) {
   const Format& format = format_of(path, first_bytes(path, kBeginning), known);
+  if (arrays != ArrayLayout{} && format.read == nullptr && format.parse_arrays == nullptr)
+    throw FileError(FileError::Kind::mismatch, path,
+                    "is of the format " + std::string(format.name) +
+                        ": leave out rows_are_channels, which is of MATLAB, NumPy, NetCDF and HDF5 "
+                        "files");
   if (format.parse_text != nullptr)
     return format.parse_text(read_bytes(path), path, wanted, stated);
   if (stated != TextLayout{})
@@ -79,7 +96,9 @@ Columns read_columns(const std::filesystem::path& path, const Wanted& wanted,
                     "is of the format " + std::string(format.name) +
                         ": leave out decimal, separator, skip, header, units_row and time_format, "
                         "which are of delimited text");
-  if (format.read != nullptr) return format.read(path, wanted);
+  if (format.read != nullptr) return format.read(path, wanted, arrays);
+  if (format.parse_arrays != nullptr)
+    return format.parse_arrays(read_bytes(path), path, wanted, arrays);
   return format.parse(read_bytes(path), path, wanted);
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/array_columns.hpp"
 #include "io/columns.hpp"
 
 namespace wheeltap::io {
@@ -23,7 +24,11 @@ struct Format {
   Columns (*parse_text)(std::string bytes, const std::filesystem::path& name, const Wanted& wanted,
                         const TextLayout& stated) = nullptr;
   /// In place of `parse`, where the library that reads the format needs a path.
-  Columns (*read)(const std::filesystem::path& path, const Wanted& wanted) = nullptr;
+  Columns (*read)(const std::filesystem::path& path, const Wanted& wanted,
+                  const ArrayLayout& stated) = nullptr;
+  /// In place of `parse`, of arrays.
+  Columns (*parse_arrays)(std::string bytes, const std::filesystem::path& name,
+                          const Wanted& wanted, const ArrayLayout& stated) = nullptr;
 };
 
 /// All that we know.
@@ -35,9 +40,9 @@ struct Format {
                                       std::span<const Format> known = formats());
 
 /// Reads a file of any of these formats. Throws FileError; also where a layout is stated of a file
-/// that is no delimited text.
+/// that is no delimited text, or of arrays of one that holds none.
 [[nodiscard]] Columns read_columns(const std::filesystem::path& path, const Wanted& wanted = {},
                                    std::span<const Format> known = formats(),
-                                   const TextLayout& stated = {});
+                                   const TextLayout& stated = {}, const ArrayLayout& arrays = {});
 
 }  // namespace wheeltap::io

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/text.hpp"
+#include "io/text_lines.hpp"
 #include "io/text_number.hpp"
 
 namespace wheeltap::io {
@@ -17,26 +18,6 @@ using Fields = std::vector<std::string_view>;
 
 constexpr std::string_view kMagic = "LabVIEW Measurement";
 constexpr std::string_view kEnd = "***End_of_Header***";
-
-/// The lines of a text, counted.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_(text) {}
-  bool next() {
-    if (rest_.empty()) return false;
-    const std::size_t end = rest_.find('\n');
-    line = rest_.substr(0, end);
-    rest_ = end == std::string_view::npos ? std::string_view() : rest_.substr(end + 1);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    ++number;
-    return true;
-  }
-  std::string_view line;
-  int number = 0;
-
- private:
-  std::string_view rest_;
-};
 
 Fields split(std::string_view line, char separator) {
   Fields out;

@@ -176,7 +176,8 @@ Record parse_record(std::string bytes, const std::filesystem::path& name,
 Record read_record(const std::filesystem::path& path, RecordReading reading,
                    std::span<const io::Format> known) {
   const io::TextLayout layout = reading.layout;
-  return Record{io::read_columns(path, named(std::move(reading)), known, layout)};
+  const io::ArrayLayout arrays = reading.arrays;
+  return Record{io::read_columns(path, named(std::move(reading)), known, layout, arrays)};
 }
 
 Sampling sampling_of(const Record& record, int time_column, std::optional<double> stated,

@@ -25,6 +25,7 @@ struct RecordReading {
   std::vector<std::string> columns = {};  ///< as io::Columns::find knows them; all where empty
   std::vector<std::string> ignored = {};  ///< not read, not even as time
   io::TextLayout layout = {};             ///< of delimited text
+  io::ArrayLayout arrays = {};            ///< of files of arrays
 };
 
 /// A record as delimited text (io/delimited_text.hpp). Of the columns only those called so (see

@@ -26,7 +26,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 CHAPTERS = {
     "Begin": ["Build and use <readme>", "guide", "tutorials/index", "gallery", "report", "which-tool"],
     "Structures and damage": ["structures", "sections", "emulators", "updating", "states"],
-    "Records": ["measured-data", "modal", "laws"],
+    "Records": ["measured-data", "file-formats", "modal", "laws"],
     "At home": ["python", "libraries", "models-of-others", "scale"],
     "What it rests on": ["theory", "validation", "comparison", "measured"],
     "Reference": ["reference/commands", "reference/keys", "reference/python", "reference/cpp"],

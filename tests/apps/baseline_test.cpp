@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-DamageCase parsed(const json& c) {
+DamageCase read_back(const json& c) {
   const Workspace where;
   return parse_damage_case(read_case(where.write_json("c.json", c))).damage;
 }
@@ -24,7 +24,7 @@ DamageCase parsed(const json& c) {
 /// Measured on a beam that is stiffer than the model by `stiffer`: healthy, and with a damage.
 json measured(double stiffer) {
   json c = small_case();
-  const fem::Beam beam = parsed(c).beam;
+  const fem::Beam beam = read_back(c).beam;
   std::vector<double> healthy = elastic_frequencies(beam, {}, 4);
   std::vector<double> damaged = elastic_frequencies(beam, {.damages = {{0.33, 0.4}}}, 4);
   for (auto* list : {&healthy, &damaged})
@@ -36,7 +36,7 @@ json measured(double stiffer) {
 
 // A factor of each mode cancels: the data are those of the model's own damaged beam.
 TEST(Baseline, WhatTheModelDoesWrongByAFactorCancels) {
-  const DamageCase damage_case = parsed(measured(1.08));
+  const DamageCase damage_case = read_back(measured(1.08));
   const auto expected = elastic_frequencies(damage_case.beam, {.damages = {{0.33, 0.4}}}, 4);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(damage_case.data.frequencies_hz[i], expected[i], 1e-9 * expected[i]);
@@ -50,7 +50,7 @@ TEST(Baseline, WhatTheModelDoesWrongByAFactorCancels) {
 TEST(Baseline, ModesThatItLacksAreLeftOut) {
   json c = measured(1.0);
   c["baseline"]["data"]["frequencies"][1] = nullptr;
-  const DamageCase damage_case = parsed(c);
+  const DamageCase damage_case = read_back(c);
   EXPECT_EQ(damage_case.data.measured(), 3);
   EXPECT_TRUE(std::isnan(damage_case.data.frequencies_hz[1]));
 }

@@ -282,7 +282,7 @@ TEST(SidCommand, ResumeOfASweepBelongsToTheContentOfTheRecord) {
     std::string c = written_case(where, stiffness, sweep);
     json with_samples = json::parse(read_all(c));
     with_samples["record"]["samples"] = {0, 200};
-    where.write_json("case.json", with_samples);
+    c = where.write_json("case.json", with_samples);
     const Outcome ran = wheeltap(where, "sid " + c + " -o " + out.string() + kShort + " --resume");
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     return json::parse(read_all(out / "summary.json"))["sweep"]["rows"];

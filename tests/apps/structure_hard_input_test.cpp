@@ -34,8 +34,9 @@ TEST(EmptyStructures, RejectsEmptyLinksAndMembers) {
     "data": {"frequencies": [1.0], "cov": 0.01},
     "damage": {"kind": "reduction", "count": {"min": 0, "max": 1},
                "reduction": {"uniform": [0, 0.9]}, "truth": []}})");
-  for (const std::string command : {"modes", "modes --truth", "damage --quick" + out, "serve",
-                                    "simulate -o " + (where / "s.json").string()}) {
+  for (const std::string& command :
+       std::vector<std::string>{"modes", "modes --truth", "damage --quick" + out, "serve",
+                                "simulate -o " + (where / "s.json").string()}) {
     expect_refused(where, command, chain, "/structure/chain/links: []: is empty: at least one");
     expect_refused(where, command, frame, "/structure/members: []: is empty: at least one");
   }

@@ -108,7 +108,8 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
             "at P ≈ 0.119 ± 0.01");
   Posterior passed_over = posterior;
   passed_over.jumps_proposed = {{0, 0}, {0, 0}};
-  passed_over.found[1] = {.passed_over = true};
+  passed_over.found[1] = {};
+  passed_over.found[1].passed_over = true;
   EXPECT_EQ(model_table(found_in(passed_over))[1].value("told", ""),
             "not evaluated: the models with one term less or more are improbable");
   EXPECT_TRUE(model_table(found_in(passed_over))[1]["log_evidence"].is_null());

@@ -91,6 +91,8 @@ TEST_F(ArrayFile, VectorsAndMatricesAreColumns) {
       EXPECT_THAT(values("daq/extra"), ElementsAre(9.0, 8.0, 7.0, 6.0));
     }
     EXPECT_THROW(values("calibration"), FileError) << "of another length";
+    EXPECT_THAT(c.others, ElementsAre("calibration (3 x 1, of another length: a case names "
+                                      "'calibration')"));
   }
 }
 
@@ -101,6 +103,55 @@ TEST_F(ArrayFile, OnlyWhatIsWantedIsRead) {
   });
   EXPECT_EQ(c.columns[0].values.size(), 4U);
   EXPECT_TRUE(c.columns[1].values.empty());
+}
+
+TEST_F(ArrayFile, AVariableOfAnotherLengthIsReadByItsName) {
+  write(directory / "r.nc", NC_CLOBBER);
+  const Columns c = read_columns(directory / "r.nc", [](const Columns& all, std::size_t i) {
+    return all.columns[i].name == "calibration";
+  });
+  EXPECT_THAT(c.columns.at(static_cast<std::size_t>(c.find("calibration"))).values,
+              ElementsAre(1.0, 2.0, 3.0));
+}
+
+TEST_F(ArrayFile, RowsAreChannelsWhereStated) {
+  write(directory / "r.nc", NC_CLOBBER);
+  const auto of_a = [](const Columns& all, std::size_t i) {
+    return all.columns[i].name.starts_with("a(");
+  };
+  const Columns c =
+      read_columns(directory / "r.nc", of_a, formats(), {}, {.rows_are_channels = true});
+  EXPECT_THAT(c.columns.at(static_cast<std::size_t>(c.find("a(2,:)"))).values,
+              ElementsAre(4.0, 5.0, 6.0));
+  test::put_bytes(directory / "r.csv", "a,b\n1,2\n");
+  EXPECT_THROW(
+      (void)read_columns(directory / "r.csv", {}, formats(), {}, {.rows_are_channels = true}),
+      FileError)
+      << "a text has no arrays";
+}
+
+TEST_F(ArrayFile, ArraysOfThreeDimensionsAndComplexOnesAreColumns) {
+  int file = 0, type = 0, id = 0;
+  int dimensions[3] = {};
+  ASSERT_EQ(nc_create((directory / "frf.h5").c_str(), NC_CLOBBER | NC_NETCDF4, &file), NC_NOERR);
+  const std::size_t lengths[] = {2, 1, 4};
+  for (int k = 0; k < 3; ++k)
+    nc_def_dim(file, ("d" + std::to_string(k)).c_str(), lengths[k], &dimensions[k]);
+  ASSERT_EQ(nc_def_compound(file, 16, "complex", &type), NC_NOERR);
+  nc_insert_compound(file, type, "r", 0, NC_DOUBLE);
+  nc_insert_compound(file, type, "i", 8, NC_DOUBLE);
+  ASSERT_EQ(nc_def_var(file, "H", type, 3, dimensions, &id), NC_NOERR);
+  std::vector<double> values;
+  for (int i = 0; i < 8; ++i) values.insert(values.end(), {1.0 * i, -1.0 * i});
+  ASSERT_EQ(nc_put_var(file, id, values.data()), NC_NOERR);
+  ASSERT_EQ(nc_def_var(file, "note", NC_CHAR, 1, dimensions, &id), NC_NOERR);
+  nc_close(file);
+  const Columns c = read_columns(directory / "frf.h5");
+  EXPECT_THAT(c.columns.at(static_cast<std::size_t>(c.find("H(2,1,:), real"))).values,
+              ElementsAre(4.0, 5.0, 6.0, 7.0));
+  EXPECT_THAT(c.columns.at(static_cast<std::size_t>(c.find("H(1,1,:), imaginary"))).values,
+              ElementsAre(0.0, -1.0, -2.0, -3.0));
+  EXPECT_THAT(c.others, ElementsAre("note (text)"));
 }
 
 TEST_F(ArrayFile, WhatIsNoRecordIsRefused) {

@@ -53,13 +53,15 @@ class Hdf5Storage : public testing::Test {
   Hdf5Storage() { std::ofstream(secret_) << "thirty-two bytes of someone else"; }
 
   void rejects(const std::string& words) const {
+    int which = 0;
     for (const auto& read : std::vector<std::function<void()>>{
              [this] { static_cast<void>(read_array_file(path_, {})); },
              [this] { static_cast<void>(NetcdfReader(path_)); },
              [this] { static_cast<void>(NetcdfReader(read_bytes(path_), path_)); }}) {
+      ++which;
       try {
         read();
-        ADD_FAILURE() << "read";
+        ADD_FAILURE() << "read by the reader " << which;
       } catch (const FileError& error) {
         EXPECT_EQ(error.kind(), FileError::Kind::corrupt);
         EXPECT_THAT(error.what(), HasSubstr(words));

@@ -136,6 +136,86 @@ TEST(MatlabFile, FieldsOfStructures) {
   }
 }
 
+TEST(MatlabFile, ElementsOfStructureArraysAndCells) {
+  for (const mat_ft version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
+    const test::TemporaryDirectory directory;
+    const auto path = directory / "runs.mat";
+    mat_t* file = Mat_CreateVer(path.c_str(), nullptr, version);
+    if (file == nullptr && version == MAT_FT_MAT73) continue;  // a libmatio without HDF5
+    ASSERT_NE(file, nullptr);
+    const char* fields[] = {"acc", "fs"};
+    std::size_t two[] = {1, 2};
+    matvar_t* run = Mat_VarCreateStruct("run", 2, two, fields, 2);
+    matvar_t* cells = Mat_VarCreate("c", MAT_C_CELL, MAT_T_CELL, 2, two, nullptr, 0);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double x = 10.0 * static_cast<double>(i);
+      Mat_VarSetStructFieldByName(run, "acc", i, array("acc", {x + 1, x + 2, x + 3}));
+      Mat_VarSetStructFieldByName(run, "fs", i, array("fs", {100.0 + x}));
+      Mat_VarSetCell(cells, static_cast<int>(i), array(nullptr, {x + 4, x + 5, x + 6}));
+    }
+    ASSERT_EQ(Mat_VarWrite(file, run, MAT_COMPRESSION_NONE), 0);
+    ASSERT_EQ(Mat_VarWrite(file, cells, MAT_COMPRESSION_NONE), 0);
+    Mat_VarFree(run);
+    Mat_VarFree(cells);
+    Mat_Close(file);
+    const Columns t = read_columns(path);
+    EXPECT_EQ(t.columns.at(static_cast<std::size_t>(t.find("run(2).acc"))).values,
+              (std::vector<double>{11, 12, 13}));
+    EXPECT_EQ(t.columns.at(static_cast<std::size_t>(t.find("c{1}"))).values,
+              (std::vector<double>{4, 5, 6}));
+    EXPECT_EQ(t.scalars.at("run(2).fs"), 110.0);
+  }
+}
+
+// A table or a datetime is an object of a class, which libmatio cannot read.
+TEST(MatlabFile, ObjectsAreNamedWithTheRemedy) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "table.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  put(file, "acc", {1, 2, 3}, 3, 1);
+  Mat_Close(file);
+  const auto word = [](std::uint32_t x) {
+    return std::string(reinterpret_cast<const char*>(&x), sizeof x);
+  };
+  const auto text = [&](const std::string& x) {
+    std::string out = word(1) + word(static_cast<std::uint32_t>(x.size())) + x;
+    out.resize((out.size() + 7) / 8 * 8, '\0');
+    return out;
+  };
+  const auto object = [&](const std::string& name, const std::string& type) {
+    const std::string body = word(6) + word(8) + word(17) + word(0) + text(name) + text("MCOS") +
+                             text(type) + word(5) + word(0);
+    return word(14) + word(static_cast<std::uint32_t>(body.size())) + body;
+  };
+  const std::string whole = test::bytes_of(path);
+  const std::string header = whole.substr(0, 128), array = whole.substr(128);
+  for (const std::string& content :
+       {array + object("Data", "table") + object("when", "datetime"),
+        object("Data", "table") + object("when", "datetime") + array}) {
+    test::put_bytes(path, header + content);
+    const Columns t = read_columns(path);
+    EXPECT_THAT(t.others, testing::ElementsAre(
+                              testing::HasSubstr("Data = table2struct(Data, 'ToScalar', true)"),
+                              testing::HasSubstr("when = posixtime(when)")));
+    EXPECT_EQ(t.columns.at(static_cast<std::size_t>(t.find("acc"))).values,
+              (std::vector<double>{1, 2, 3}));
+  }
+}
+
+TEST(MatlabFile, RowsAreChannelsWhereStated) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory / "rows.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  put(file, "X", {1, 4, 2, 5, 3, 6, 7, 8}, 4, 2);  // 4 channels of 2 samples
+  Mat_Close(file);
+  Columns t = read_columns(path, {}, formats(), {}, {.rows_are_channels = true});
+  ASSERT_EQ(t.columns.size(), 4U);
+  EXPECT_EQ(t.columns[0].name, "X(1,:)");
+  EXPECT_EQ(t.columns[0].values, (std::vector<double>{1, 3}));
+  t = read_columns(path);
+  EXPECT_EQ(t.columns.size(), 2U) << "along the longer dimension unless stated";
+}
+
 TEST(MatlabFile, WhatIsThereInsteadOfArraysIsSaid) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "text.mat";
