@@ -48,13 +48,14 @@ std::vector<std::string> left_out(const signals::Record& record, int time) {
   for (std::size_t c = 0; c < record.columns.size(); ++c) {
     const io::Column& column = record.columns[c];
     if (static_cast<int>(c) == time || column.cells == io::CellKind::number) continue;
-    out.push_back("Column " + std::to_string(c + 1) + " (" + column.header + ") holds " +
-                  (column.cells == io::CellKind::text ? "texts" : "further time stamps") +
-                  " and is left out" +
-                  (column.cells == io::CellKind::text && time < 0
-                       ? "; if they are times, state their form by --time-format"
-                       : "") +
-                  ".");
+    out.push_back(
+        "Column " + std::to_string(c + 1) + " (" + column.header + ") holds " +
+        (column.cells == io::CellKind::text ? "texts or nothing" : "further time stamps") +
+        " and is left out" +
+        (column.cells == io::CellKind::text && time < 0
+             ? "; if they are times, state their form by --time-format"
+             : "") +
+        ".");
   }
   return out;
 }
@@ -82,12 +83,21 @@ MeasuredTable table_of(io::Columns columns, std::optional<double> stated, bool r
       out.sample_rate_hz.reset();
     }
   }
+  if (time < 0 && !stated)
+    if (const std::optional<signals::Sampling> said = signals::said_sampling(record)) {
+      out.sampling = *said;
+      out.sample_rate_hz = said->rate_hz;
+    }
   for (std::size_t c = 0; c < record.columns.size(); ++c) {
     if (static_cast<int>(c) == time || record.columns[c].values.empty() ||
         record.columns[c].cells != io::CellKind::number)
       continue;
     io::Column& column = record.columns[c];
     std::string unit = signals::unit_of(column);
+    if (std::string possible = signals::possible_unit_of(column); !possible.empty())
+      out.possible_units.push_back(
+          column.name + ": if its numbers are in " + possible + ", state \"unit\": \"" + possible +
+          "\" in its channel, or call it \"" + column.name + " [" + possible + "]\".");
     out.channels.push_back(channel_of(column.name, unit, std::move(column.values)));
     if (out.sample_rate_hz) add_spectrum(out.channels.back(), *out.sample_rate_hz);
   }
@@ -192,6 +202,7 @@ std::vector<std::string> reading_in_words(const MeasuredTable& table) {
     for (std::size_t i = 0; i < units.size(); ++i) text += (i > 0 ? "; " : "") + units[i];
     out.push_back(text + ".");
   }
+  for (const std::string& text : table.possible_units) out.push_back(text);
   for (const std::string& text : table.left_out) out.push_back(text);
   return out;
 }

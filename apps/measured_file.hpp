@@ -30,6 +30,8 @@ struct MeasuredTable {
   std::optional<io::FoundLayout> layout = {};  ///< of delimited text
   /// Columns that hold no numbers, in sentences.
   std::vector<std::string> left_out = {};
+  /// Units that names may mean and that are not applied, in sentences.
+  std::vector<std::string> possible_units = {};
   std::string sampling_fault = {};  ///< why there is no rate, though there is a time: a sentence
   std::vector<MeasuredChannel> channels = {};
 

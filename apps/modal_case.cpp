@@ -155,6 +155,13 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
         "No unit is known of " + io::printable(listed(none)) +
         ", whose numbers are used as they are, beside channels that have one: shapes are wrong "
         "unless these are in SI units. State \"unit\" in the channel.");
+  for (std::size_t i = 0; i < channels.columns.size(); ++i) {
+    if (out.channels[i].conversion.basis != Basis::none || channels.units[i].unit) continue;
+    const std::string& column = out.channels[i].column;
+    if (const std::string unit = signals::possible_unit_of({.name = column}); !unit.empty())
+      out.oddities.push_back("The unit of " + io::printable(column) + " is not known: if it is " +
+                             unit + ", state \"unit\": \"" + unit + "\" in its channel.");
+  }
   // Quantities: by the case, else by the unit; of channels that say neither, that of the others.
   std::optional<signals::Dimension> common;
   bool mixed = false;
@@ -259,11 +266,15 @@ void read_rate(const CaseFile& file, SetUp& out, signals::Record& record,
   std::optional<double> stated;
   if (r.contains("sample_rate")) stated = r.at("sample_rate").get<double>();
   const int time = time_column(record, channels);
-  if (time < 0 && !stated)
-    file.refuse(out.where / "sample_rate",
-                "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
-  out.layout = record.layout;
   out.sampling = {.rate_hz = stated.value_or(0.0)};
+  if (time < 0 && !stated) {
+    const std::optional<signals::Sampling> said = signals::said_sampling(record);
+    if (!said)
+      file.refuse(out.where / "sample_rate",
+                  "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
+    out.sampling = *said;
+  }
+  out.layout = record.layout;
   if (r.value("resample", false)) {
     if (time < 0) file.refuse(out.where / "resample", "needs a column of times");
     record = signals::resampled(record, time, stated, channels.time_scale);
@@ -274,6 +285,7 @@ void read_rate(const CaseFile& file, SetUp& out, signals::Record& record,
   out.options.sample_rate_hz = out.sampling.rate_hz;
   if (std::string text = jitter_in_words(out.sampling); !text.empty())
     out.oddities.push_back(std::move(text));
+  if (out.sampling.doubtful_unit) out.oddities.push_back(sampling_in_words(out.sampling));
 }
 
 void read_responses(const CaseFile& file, SetUp& out) {

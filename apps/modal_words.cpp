@@ -99,7 +99,8 @@ std::vector<std::string> record_in_words(const SetUp& set_up) {
     out.emplace_back(
         "Channels measure unlike quantities: each mode's shape is taken to that of the highest "
         "derivative, by the mode's own frequency and damping.");
-  if (std::string words = sampling_in_words(set_up.sampling); !words.empty())
+  if (std::string words = sampling_in_words(set_up.sampling);
+      !words.empty() && !set_up.sampling.doubtful_unit)
     out.push_back(std::move(words));
   if (set_up.layout) out.push_back(layout_in_words(*set_up.layout));
   return out;

@@ -29,6 +29,8 @@ const char* name(TimeBasis basis) {
       return "dates of a spreadsheet";
     case TimeBasis::assumed:
       return "assumed";
+    case TimeBasis::header:
+      return "header";
     case TimeBasis::stated:
       return "stated";
   }
@@ -72,12 +74,21 @@ io::ArrayLayout parse_array_layout(const CaseFile& file, const Pointer& where) {
 
 std::string layout_in_words(const io::FoundLayout& layout) {
   const io::TextLayout& used = layout.used;
-  std::string out = "Columns separated by " + std::string(io::separator_name(*used.separator)) +
-                    ", decimal " + (used.decimal == ',' ? "comma" : "point") + "; ";
+  std::string out = layout.columns == 1 ? std::string("One column")
+                                        : "Columns separated by " +
+                                              std::string(io::separator_name(*used.separator));
+  out += std::string(", decimal ") + (used.decimal == ',' ? "comma" : "point") + "; ";
   out += *used.header > 0 ? "names in line " + std::to_string(*used.header) : "no line of names";
   if (*used.units_row > 0) out += ", units in line " + std::to_string(*used.units_row);
   out += ", rows from line " + std::to_string(layout.first_row);
   if (used.skip.value_or(0) > 0) out += "; " + in_lines(*used.skip) + " not part of the table";
+  if (layout.tail_from > 0)
+    out += "; " +
+           (layout.tail_from == layout.tail_to
+                ? "line " + std::to_string(layout.tail_from) + " behind the rows is"
+                : "lines " + std::to_string(layout.tail_from) + " to " +
+                      std::to_string(layout.tail_to) + " behind the rows are") +
+           " not part of the table";
   if (!layout.start.empty()) {
     out += "; time stamps";
     if (!used.time_format.empty()) out += " \"" + used.time_format + "\"";
@@ -88,12 +99,14 @@ std::string layout_in_words(const io::FoundLayout& layout) {
 
 Report layout_json(const io::FoundLayout& layout) {
   const io::TextLayout& used = layout.used;
-  Report out = {{"separator", std::string(1, *used.separator)},
-                {"decimal", std::string(1, *used.decimal)},
-                {"skip", used.skip.value_or(0)},
-                {"header", *used.header},
-                {"units_row", *used.units_row},
-                {"first_row", layout.first_row}};
+  Report out = {
+      {"separator", layout.columns == 1 ? Report() : Report(std::string(1, *used.separator))},
+      {"decimal", std::string(1, *used.decimal)},
+      {"skip", used.skip.value_or(0)},
+      {"header", *used.header},
+      {"units_row", *used.units_row},
+      {"first_row", layout.first_row}};
+  if (layout.tail_from > 0) out["left_out_behind"] = {layout.tail_from, layout.tail_to};
   if (!layout.start.empty()) {
     out["time_format"] = used.time_format;
     out["start"] = layout.start;
@@ -110,7 +123,14 @@ std::string sampling_in_words(const signals::Sampling& sampling) {
     case TimeBasis::days:
       return "Times are dates of a spreadsheet, in days.";
     case TimeBasis::assumed:
-      return "Times are taken to be in s: their column names no unit.";
+      return std::string("Times are taken to be in s: their column names no unit.") +
+             (sampling.doubtful_unit
+                  ? " They are whole numbers: if they are milliseconds, call the column \"time "
+                    "[ms]\" or give its channel \"role\": \"time\" and \"scale\": 0.001."
+                  : "");
+    case TimeBasis::header:
+      return base::significant(sampling.rate_hz, 6) + " Hz as line " +
+             std::to_string(sampling.line) + " says.";
     default:
       return {};
   }

@@ -54,7 +54,9 @@ class RecordTaker {
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (out_.channels[i].role != Role::time && column == columns_[i]) column = -1;
     }
-    if (column < 0 && !use_.sample_rate_hz) {
+    std::optional<signals::Sampling> said;
+    if (column < 0 && !use_.sample_rate_hz) said = signals::said_sampling(record_);
+    if (column < 0 && !use_.sample_rate_hz && !said) {
       throw InvalidInput(
           Part::sample_rate,
           "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
@@ -65,7 +67,8 @@ class RecordTaker {
     out_.sampling = {.rate_hz = use_.sample_rate_hz.value_or(0.0)};
     if (column >= 0)
       out_.sampling = signals::sampling_of(record_, column, use_.sample_rate_hz, seconds);
-    out_.sample_rate_hz = column < 0 ? *use_.sample_rate_hz : out_.sampling.rate_hz;
+    if (said) out_.sampling = *said;
+    out_.sample_rate_hz = out_.sampling.rate_hz;
     out_.layout = record_.layout;
   }
 

@@ -151,6 +151,8 @@ std::string_view DelimitedText::line_at(std::size_t start) const {
 
 std::string DelimitedText::content(std::string_view raw, const Place& place) const {
   raw = trimmed(raw);
+  if (raw.size() > 1 && raw.front() == '\'' && raw.back() == '\'')
+    return in_utf8(trimmed(raw.substr(1, raw.size() - 2)));
   if (!raw.starts_with('"')) return in_utf8(raw);
   std::string cell;
   std::size_t at = 1;
@@ -175,13 +177,17 @@ std::vector<std::string> DelimitedText::split(std::string_view line, int number)
     out.push_back(
         content(raw, {.line = number, .column = static_cast<std::ptrdiff_t>(out.size()) + 1}));
   }
-  if (shape_.trailing && out.size() == shape_.columns + 1 && out.back().empty()) out.pop_back();
+  for (std::size_t n = 0; n < shape_.trailing && out.size() > shape_.columns && out.back().empty();
+       ++n)
+    out.pop_back();
   return out;
 }
 
 DelimitedText::DelimitedText(std::string bytes, std::filesystem::path name, FirstRow first_row,
                              TextLayout stated)
     : text_(without_utf16(std::move(bytes))), name_(std::move(name)), stated_(std::move(stated)) {
+  // The end of a text, of old DOS programs.
+  while (text_.ends_with('\x1a')) text_.pop_back();
   if (const std::size_t nul = text_.find('\0'); nul != std::string::npos)
     fail({.line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(nul),
                                  '\n')},
@@ -212,7 +218,8 @@ void DelimitedText::scan() {
     std::size_t first = start;
     while (first < end && is_blank(text_[first])) ++first;
     const bool is_empty = first == end;
-    const bool is_comment = !is_empty && (text_[first] == '#' || text_[first] == '%');
+    const bool is_comment = !is_empty && (text_[first] < '0' || text_[first] > '9') &&
+                            is_comment_line(std::string_view(text_).substr(first, end - first));
     const bool is_skipped = stated_.skip && number <= *stated_.skip;
     // "sep=;" is the reader's business, wherever "#" stands.
     if (number == 1 && !is_empty && !is_comment)
@@ -255,6 +262,7 @@ void DelimitedText::find_layout(FirstRow first_row) {
   } catch (const UnclearLayout& unclear) {
     fail({.line = unclear.line}, unclear.what());
   }
+  layout_.columns = static_cast<int>(shape_.columns);
   layout_.used = {.separator = shape_.separator,
                   .decimal = shape_.decimal,
                   .skip = stated_.skip,
@@ -275,17 +283,58 @@ void DelimitedText::find_layout(FirstRow first_row) {
     const int top = std::min(shape_.names ? head[*shape_.names].number : line(first), line(first));
     layout_.used.skip = std::max(0, top - 1);
   }
+  constexpr std::size_t kAbove = 100;
+  for (std::size_t i = 0; i < std::min({shape_.first, head.size(), kAbove}); ++i)
+    layout_.above.push_back({head[i].number, in_utf8(trimmed(without_comment_mark(head[i].text)))});
+  if (first_row == FirstRow::detected) refuse_wrapped_series();
   drop_rows(first);
+  if (first_row == FirstRow::detected) drop_tail();
+}
+
+/// One series, so many samples a line, is no table of as many channels.
+void DelimitedText::refuse_wrapped_series() const {
+  const auto any = [&](auto&& is) { return std::ranges::any_of(layout_.above, is); };
+  const auto begins = [&](std::string_view key) {
+    return any([&](const HeadLine& line) { return line.text.starts_with(key); });
+  };
+  const bool slist = any([](const HeadLine& line) {
+    return line.text.starts_with("TIMESERIES ") && line.text.find("SLIST") != std::string::npos;
+  });
+  const bool knet = begins("Scale Factor") && begins("Sampling Freq");
+  if (!slist && !knet) return;
+  fail({.line = layout_.above.front().number},
+       std::string("one series in rows of several samples (") + (slist ? "SLIST" : "K-NET") +
+           "), which are no channels: write it with one sample a line" +
+           (slist ? " (TSPAIR)" : ", times its scale factor") + ", or as MATLAB or NumPy file");
+}
+
+/// Remarks behind the rows are no rows. A row that is cut off is none of them.
+void DelimitedText::drop_tail() {
+  constexpr int kMostRemarks = 50;
+  int end = rows();
+  while (end > 1 && rows() - end < kMostRemarks &&
+         is_remark(line_at(starts_[static_cast<std::size_t>(end) - 1]), shape_))
+    --end;
+  if (end == rows() || end == rows() - kMostRemarks) return;
+  layout_.tail_from = line(end);
+  layout_.tail_to = line(rows() - 1);
+  starts_.resize(static_cast<std::size_t>(end));
+  std::erase_if(skipped_, [&](int row) { return row > end; });
+  std::erase_if(empty_, [&](const auto& line) { return line.first >= end; });
 }
 
 void DelimitedText::take_names(const TextLine& names, const TextLine* units) {
   header_line_ = names.number;
   layout_.used.header = names.number;
-  std::vector<std::string> cells = names_in(
-      names.is_comment ? trimmed(names.text).substr(trimmed(names.text).find_first_not_of("#% \t"))
-                       : names.text,
-      shape_.separator, shape_.columns);
-  if (!names.is_comment) {
+  const std::size_t named = shape_.columns - (shape_.date_unnamed ? 1 : 0);
+  const bool empty_first = names.text.starts_with(shape_.separator);
+  std::vector<std::string> cells =
+      names_in(empty_first && !names.is_comment ? names.text : without_comment_mark(names.text),
+               shape_.separator, named);
+  if (cells.empty()) cells = names_in(names.text, shape_.separator, named);
+  if (shape_.date_unnamed && !cells.empty()) cells.insert(cells.begin(), "date");
+  const bool marked = !cells.empty() && std::ranges::count(names.text, '"') % 2 == 1;
+  if (!names.is_comment && !marked) {
     // Quotes that are not closed, and names of which there are more or fewer than columns.
     std::vector<std::string> strict = split(names.text, names.number);
     if (cells.empty()) {
@@ -298,8 +347,7 @@ void DelimitedText::take_names(const TextLine& names, const TextLine* units) {
     layout_.used.units_row = units->number;
     unit_cells = loose_cells(units->text, shape_.separator);
     if (unit_cells.size() < cells.size())
-      unit_cells = names_in(units->is_comment ? units->text.substr(1) : units->text,
-                            shape_.separator, shape_.columns);
+      unit_cells = names_in(without_comment_mark(units->text), shape_.separator, shape_.columns);
   }
   for (std::size_t c = 0; c < cells.size(); ++c) {
     std::string name = in_utf8(cells[c]);
@@ -339,7 +387,12 @@ std::vector<std::string> DelimitedText::cells(int row) const {
 
 std::optional<double> DelimitedText::number(std::string_view cell) const {
   if (is_missing_value(cell)) return std::numeric_limits<double>::quiet_NaN();
-  return parse_number(cell, shape_.decimal);
+  if (const std::optional<double> found = parse_number(cell, shape_.decimal)) return found;
+  if (const std::optional<double> found =
+          parse_grouped_number(cell, shape_.decimal, shape_.grouped))
+    return found;
+  if (is_missing_word(cell)) return std::numeric_limits<double>::quiet_NaN();
+  return std::nullopt;
 }
 
 /// A cell that is not a plain number: nan, inf, a missing value, or a fault.
@@ -349,8 +402,16 @@ double DelimitedText::plain_number(const std::string& text, Place place, Column&
     std::string reason = shown(text) + " is not a number";
     if (shape_.decimal == '.' && has_decimal_comma(text))
       reason += " (decimal commas are read with \"decimal\": \",\")";
+    else if (shape_.decimal == ',' && parse_number(text))
+      reason +=
+          " with a decimal comma, as the others have one (state \"decimal\": \".\" if all have "
+          "points)";
     else if (column.cells == CellKind::number && read_stamp(text).stamp)
       reason += ", as the cells above are";
+    else
+      reason +=
+          ": leave the cell empty if it stands for a missing value, or do not read this column "
+          "(\"role\": \"ignore\")";
     fail(std::move(place), reason);
   }
   PrintedDigits digits{column.decimals, column.digits};
@@ -384,15 +445,36 @@ DayOrder DelimitedText::day_order(int column) const {
            "\"month-first\"");
 }
 
+/// Why a text has no rows, and what to do.
+std::string DelimitedText::no_data() const {
+  if (text_.find_first_not_of(" \t\r\n") == std::string::npos) return "no data";
+  std::string out = "no data: no line holds numbers or times that are separated by ";
+  if (stated_.separator) {
+    out += std::string(separator_name(*stated_.separator)) + "s";
+  } else {
+    out += "commas, semicolons, tabs, bars or blanks";
+  }
+  out += " and stand without a unit";
+  if (stated_.skip)
+    out += " below the " + std::to_string(*stated_.skip) + " lines that are skipped";
+  return out + ". Export the table with one of these between columns";
+}
+
 Columns DelimitedText::columns(const Wanted& wanted) const {
   Columns table{.file = name_.string(),
                 .columns = headers_,
                 .first_line = first_line_,
                 .skipped = skipped_,
                 .layout = layout_};
-  for (const auto& [row, number] : empty_)
-    if (row > 0 && row < rows()) fail({.line = number}, "empty line");
-  if (starts_.empty()) fail({}, "no data");
+  // An empty line behind each row is how some programs end lines.
+  const auto within = std::ranges::count_if(
+      empty_, [&](const auto& line) { return line.first > 0 && line.first < rows(); });
+  if (within != rows() - 1 || rows() < 3)
+    for (const auto& [row, number] : empty_)
+      if (row > 0 && row < rows())
+        fail({.line = number},
+             "empty line: delete it, or cut the file there if another table follows");
+  if (starts_.empty()) fail({}, no_data());
   std::vector<char> reads(headers_.size(), 1);
   for (std::size_t c = 0; wanted && c < reads.size(); ++c) reads[c] = wanted(table, c) ? 1 : 0;
   const TimeFormat format =
@@ -415,11 +497,11 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
     if (separator == ' ') line = trimmed(line);
     std::size_t c = 0;
     std::string_view cell;
-    bool last_empty = false;
+    std::size_t empties = 0;  // cells at the end
     for (bool more = true; more; ++c) {
       const bool read = c < reads.size() && reads[c] != 0;
       double value = std::numeric_limits<double>::quiet_NaN();
-      if (read && !stamps[c]) {
+      if (read && !stamps[c] && separator != decimal) {
         // A plain number and what follows it, without looking for the end of the cell first.
         const char* p = line.data();
         const char* const end = p + line.size();
@@ -435,7 +517,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
             column.decimals = digits.decimals;
             column.digits = digits.digits;
             more = q < end;
-            last_empty = false;
+            empties = 0;
             if (more)
               line.remove_prefix(static_cast<std::size_t>(q - line.data()) +
                                  (separator == ' ' ? 0 : 1));
@@ -444,7 +526,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
         }
       }
       more = take_cell(line, separator, cell);
-      last_empty = trimmed(cell).empty();
+      empties = trimmed(cell).empty() ? empties + 1 : 0;
       if (!read) continue;
       const Place place = table.place(row, static_cast<int>(c));
       const std::string text = content(cell, place);
@@ -461,7 +543,12 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
       }
       table.columns[c].values[row] = plain_number(text, place, table.columns[c]);
     }
-    if (shape_.trailing && last_empty && c == headers_.size() + 1) --c;
+    if (c > headers_.size() && c - headers_.size() <= std::min(empties, shape_.trailing))
+      c = headers_.size();
+    if (shape_.optional_last && c + 1 == headers_.size()) {
+      if (reads[c] != 0) table.columns[c].values[row] = std::numeric_limits<double>::quiet_NaN();
+      ++c;
+    }
     if (c != headers_.size()) {
       std::string reason = std::to_string(c) + " columns, must be " +
                            std::to_string(headers_.size()) + " as in line " +
@@ -469,6 +556,8 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
       // Names that do not fit the first row may be none.
       if (row == 0 && header_line_ > 0)
         reason += " (if that line holds no names, state \"header\": 0, or the line that does)";
+      else if (row + 1 == starts_.size())
+        reason += ": the last row is cut off; delete it";
       fail(table.place(row), reason);
     }
   }

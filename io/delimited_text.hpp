@@ -1,11 +1,12 @@
 // Tables as text, one row a line: the one grammar for all that we read.
 //
 //   file   = [byte order mark] line…              lines end with LF, CR LF or CR
-//   line   = blanks | ("#"|"%") anything | row    the first two are no rows
+//   line   = blanks | mark anything | row         the first two are no rows
+//   mark   = "#" | "%" | "!" | "//" | "$" | "&" | ">" | "~" | "@" | "***"
 //   row    = cell (separator cell)… [separator]
 //   cell   = blanks text blanks | blanks '"' text with "" for " '"' blanks
-//   number = [+|-] digits [. digits] [e [+|-] digits] | nan | inf; an empty cell is NaN, and so are
-//            NA, NULL, N/A and the like
+//   number = [+|-] digits [. digits] [e [+|-] digits] | nan | inf, with separators of thousands or
+//            without; an empty cell is NaN, and so are NA, NULL, "-", "overload" and the like
 //   stamp  = a date or a time of day (io/time_stamp.hpp)
 //
 // A text that is not UTF-8 is taken for Latin-1, cell by cell; UTF-16 is converted.
@@ -13,7 +14,8 @@
 // What is not stated is detected (io/text_layout.hpp): the separator (comma, semicolon, tab, bar,
 // or any run of blanks) and the decimal mark (point or comma) that explain the most numbers; the
 // first row, from where on all lines hold numbers and stamps where the others do; the line of names
-// above it, a line of units below that, and how many lines of other content precede both. A first
+// above it, a line of units below that, and how many lines of other content precede both; remarks
+// behind the rows, which begin with neither a number nor a stamp, are left out. A first
 // line "sep=;" states the separator. "force [N]" is the name force and the unit N (see
 // io/columns.hpp). What cells must hold, and whether rows may be short, is the reader's to say.
 #pragma once
@@ -72,6 +74,9 @@ class DelimitedText {
   void find_layout(FirstRow first_row);
   void take_names(const TextLine& names, const TextLine* units);
   void drop_rows(int count);
+  void drop_tail();
+  void refuse_wrapped_series() const;
+  [[nodiscard]] std::string no_data() const;
   [[nodiscard]] DayOrder day_order(int column) const;
   [[nodiscard]] double plain_number(const std::string& text, Place place, Column& column) const;
 

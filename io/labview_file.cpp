@@ -46,6 +46,7 @@ struct Segment {
   double samples = 0.0;             ///< announced; more may follow, of a file with one header only
   std::vector<std::string> names, units;
   bool comment = false;
+  bool spaced = false;  ///< keys have a field a column, those of X empty, not one a channel
 };
 
 class Parser {
@@ -130,6 +131,8 @@ class Parser {
           corrupt("Channels \"" + printable(f[1]) + "\": must be a whole number from 1 to 10000");
         out.channels = static_cast<std::size_t>(count);
       }
+      if ((f[0] == "Samples" || f[0] == "Delta_X") && f.size() > 3)
+        out.spaced = trimmed(f[2]).empty() && !trimmed(f[3]).empty();
       if (f[0] == "Samples")
         for (const double n : numbers()) {
           if (!(n >= 0.0 && n <= 1e15))
@@ -157,9 +160,13 @@ class Parser {
       std::string name = place < names.size() ? in_utf8(trimmed(names[place])) : "";
       out.names.push_back(name.empty() ? "channel " + std::to_string(c + 1) : name);
     }
-    // Of several X columns a key has a field a column; those of X are empty.
-    bool apart = per == 2 && out.units.size() + 1 >= 2 * out.channels;
-    for (std::size_t c = 1; c < out.channels && apart; ++c) apart = out.units[2 * c - 1].empty();
+    // Of several X columns a key has a field a column; those of X are empty. Every channel has
+    // samples and steps, which show it also where the last ones have no unit.
+    bool apart = out.spaced && per == 2;
+    if (!apart) apart = per == 2 && out.units.size() + 1 >= 2 * out.channels;
+    if (apart) out.units.resize(std::max(out.units.size(), 2 * out.channels));
+    for (std::size_t c = 1; c < out.channels && apart && !out.spaced; ++c)
+      apart = out.units[2 * c - 1].empty();
     for (std::size_t c = 1; c < out.channels && apart; ++c)
       out.units[c] = std::move(out.units[2 * c]);
     out.units.resize(out.channels);

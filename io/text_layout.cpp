@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "io/text.hpp"
 #include "io/text_number.hpp"
 #include "io/time_stamp.hpp"
 
@@ -27,6 +28,13 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
 bool all_digits(std::string_view text) {
   return !text.empty() && std::ranges::all_of(text, is_digit);
 }
@@ -36,44 +44,62 @@ std::string_view without_sign(std::string_view text) {
   return text;
 }
 
-CellKind kind_of(std::string_view cell, char decimal, const std::optional<TimeFormat>& format) {
-  if (is_missing_value(cell) || parse_number(cell, decimal)) return CellKind::number;
+/// "20210301100000": digits that are rather a date.
+bool is_long_stamp(std::string_view cell) {
+  const std::size_t digits = std::min(cell.find_first_not_of("0123456789"), cell.size());
+  return (digits == 14 || digits == 17) && (cell[0] == '1' || cell[0] == '2') &&
+         read_stamp(cell).stamp;
+}
+
+/// How cells are understood.
+struct Reading {
+  char decimal = '.';
+  bool grouped = false;  ///< that commas or points part thousands is stated or proven
+  std::optional<TimeFormat> format = {};
+};
+
+CellKind kind_of(std::string_view cell, const Reading& reading) {
+  const std::optional<TimeFormat>& format = reading.format;
+  if (is_missing_value(cell)) return CellKind::number;
+  if (!is_long_stamp(cell) && (parse_number(cell, reading.decimal) ||
+                               parse_grouped_number(cell, reading.decimal, reading.grouped)))
+    return CellKind::number;
   if (format && !format->pattern.empty())
     return read_stamp(cell, format->pattern) ? CellKind::stamp : CellKind::text;
-  const StampReading reading = read_stamp(cell, format ? format->order : DayOrder::unknown);
-  return reading.stamp || reading.ambiguous ? CellKind::stamp : CellKind::text;
+  const StampReading stamp = read_stamp(cell, format ? format->order : DayOrder::unknown);
+  return stamp.stamp || stamp.ambiguous ? CellKind::stamp : CellKind::text;
 }
 
 /// A line, split in one way.
 struct Split {
   std::vector<std::string> cells;
   std::size_t numbers = 0, stamps = 0, texts = 0;
-  bool trailing = false;  ///< the last cell is empty
+  std::size_t trailing = 0;  ///< how many of the last cells are empty
 
   [[nodiscard]] bool is_row() const { return texts == 0 && numbers + stamps > 0; }
 };
 
-Split split(std::string_view line, char separator, char decimal,
-            const std::optional<TimeFormat>& format) {
+Split split(std::string_view line, char separator, const Reading& reading) {
   Split out{.cells = loose_cells(line, separator)};
   for (const std::string& cell : out.cells) {
-    const CellKind kind = kind_of(cell, decimal, format);
+    const CellKind kind = kind_of(cell, reading);
     if (kind == CellKind::text) ++out.texts;
     if (kind == CellKind::stamp) ++out.stamps;
-    if (kind == CellKind::number && !cell.empty()) ++out.numbers;
+    if (kind == CellKind::number && !is_missing_value(cell)) ++out.numbers;
   }
-  out.trailing = out.cells.size() > 1 && out.cells.back().empty();
+  while (out.trailing + 1 < out.cells.size() &&
+         out.cells[out.cells.size() - 1 - out.trailing].empty())
+    ++out.trailing;
   return out;
 }
 
 /// How well a separator and a decimal mark explain lines: twice the numbers and stamps of lines
 /// that hold nothing else; of the others by how many they are more than the texts.
-long explained_cells(std::span<const TextLine> lines, char separator, char decimal,
-                     const std::optional<TimeFormat>& format) {
+long explained_cells(std::span<const TextLine> lines, char separator, const Reading& reading) {
   long out = 0;
   for (const TextLine& line : lines) {
     if (line.is_comment) continue;
-    const Split s = split(line.text, separator, decimal, format);
+    const Split s = split(line.text, separator, reading);
     const auto found = static_cast<long>(s.numbers + s.stamps);
     out += s.is_row() ? 2 * found : std::max(0L, found - static_cast<long>(s.texts));
   }
@@ -125,13 +151,22 @@ Commas commas_of(const std::vector<Split>& rows, std::size_t columns, std::size_
 /// "TS" and "RN" stand in the line of units of Campbell's loggers.
 bool is_neutral(std::string_view cell) {
   return cell.empty() || cell == "-" || cell == "TS" || cell == "RN" || cell == "[-]" ||
-         cell == "(-)";
+         cell == "(-)" || cell == "[]" || cell == "()";
+}
+
+/// "Unit;s;g": what the line holds, in front of it.
+bool is_units_label(std::string_view cell) {
+  std::string low = lower(cell);
+  if (low.ends_with(':')) low.pop_back();
+  return low == "unit" || low == "units" || low == "einheit" || low == "einheiten" ||
+         low == "unité" || low == "unités" || low == "unidad";
 }
 
 bool is_units_line(const std::vector<std::string>& cells) {
   std::size_t units = 0;
   for (const std::string& cell : cells) {
     if (is_neutral(cell)) continue;
+    if (&cell == &cells.front() && is_units_label(cell)) continue;
     if (!spells_unit(cell)) return false;
     ++units;
   }
@@ -169,16 +204,21 @@ std::vector<std::string> wide_cells(std::string_view line) {
   while (!line.empty()) {
     std::size_t end = std::min(line.find("  "), line.find('\t'));
     end = std::min(end, line.size());
-    out.emplace_back(trimmed(line.substr(0, end)));
+    out.push_back(in_utf8(trimmed(line.substr(0, end))));
     line = trimmed(line.substr(end));
   }
   return out;
 }
 
-std::string_view without_comment_mark(std::string_view text) {
-  text = trimmed(text);
-  while (!text.empty() && (text.front() == '#' || text.front() == '%')) text.remove_prefix(1);
-  return trimmed(text);
+/// Names of a column of remarks, whose cells most rows leave out.
+bool is_remarks_name(std::string_view name) {
+  const std::string low = lower(name);
+  for (const std::string_view known :
+       {"comment", "comments", "remark", "remarks", "note", "notes", "bemerkung", "bemerkungen",
+        "kommentar", "kommentare", "commentaire", "event", "events", "marker", "markers",
+        "annotation", "annotations", "status"})
+    if (low == known) return true;
+  return false;
 }
 
 class Finder {
@@ -186,13 +226,16 @@ class Finder {
   Finder(const std::vector<TextLine>& head, const std::vector<TextLine>& body,
          const TextLayout& stated, bool header_first)
       : head_(head), body_(body), stated_(stated), header_first_(header_first) {
-    if (!stated.time_format.empty()) format_ = parse_time_format(stated.time_format);
+    reading_.grouped = stated.decimal.has_value();
+    if (!stated.time_format.empty()) reading_.format = parse_time_format(stated.time_format);
   }
 
   TableShape find() {
     choose_separator();
     count_columns();
     settle_commas();
+    compare_marks();
+    if (!rows_.empty()) check_quoted_commas();
     find_kinds();
     find_first_row();
     find_names();
@@ -201,7 +244,7 @@ class Finder {
 
  private:
   [[nodiscard]] Split split_line(const TextLine& line) const {
-    return split(line.text, out_.separator, out_.decimal, format_);
+    return split(line.text, out_.separator, reading_);
   }
 
   void choose_separator() {
@@ -221,8 +264,11 @@ class Finder {
       if (stated_.separator && *stated_.separator != separator) continue;
       for (const char decimal : {'.', ','}) {
         if (stated_.decimal && *stated_.decimal != decimal) continue;
-        if (separator == decimal) continue;
-        const long cells = explained_cells(sample, separator, decimal, format_);
+        // Quoted numbers may hold the separator.
+        if (separator == decimal && stated_.separator) continue;
+        Reading reading = reading_;
+        reading.decimal = decimal;
+        const long cells = explained_cells(sample, separator, reading);
         if (cells <= best) continue;
         best = cells;
         out_.separator = separator;
@@ -231,6 +277,7 @@ class Finder {
     }
     if (best < 0)
       throw UnclearLayout(0, "a comma cannot both separate columns and be the decimal mark");
+    reading_.decimal = out_.decimal;
     if (best > 0 || stated_.separator) return;
     // No number anywhere: by the names.
     std::size_t most = 0;
@@ -248,7 +295,6 @@ class Finder {
   void count_columns() {
     rows_.clear();
     std::map<std::size_t, std::size_t> counts;
-    std::size_t trailing = 0;
     // Rows that are mixed with texts count where there are no others.
     for (const bool mixed : {false, true}) {
       bool is_header = header_first_;
@@ -260,7 +306,6 @@ class Finder {
               mixed ? s.numbers + s.stamps > 0 && s.numbers + s.stamps >= s.texts : s.is_row();
           if (!counts_as_row) continue;
           ++counts[s.cells.size()];
-          if (s.trailing) ++trailing;
           rows_.push_back(std::move(s));
         }
       }
@@ -277,12 +322,17 @@ class Finder {
     }
     // Of as many rows of either length, those are right that fit the names.
     if (named && counts.contains(*named) && counts[*named] == most) out_.columns = *named;
-    out_.trailing = trailing == rows_.size() && out_.columns > 1;
-    if (out_.trailing) --out_.columns;
-    // "1,2," below "a,b": the last cell is none. Below "a,b,c" it is a missing value.
-    if (out_.trailing && named && *named == out_.columns + 1 && !names_trail_) {
-      out_.trailing = false;
+    // Empty cells at the end of all rows of this length are none, unless the names have them.
+    out_.trailing = out_.columns - 1;
+    for (const Split& row : rows_)
+      if (row.cells.size() == out_.columns) out_.trailing = std::min(out_.trailing, row.trailing);
+    if (named && *named <= out_.columns && *named + out_.trailing > out_.columns)
+      out_.trailing = out_.columns - *named;
+    out_.columns -= out_.trailing;
+    // "a,b,c" over "1,2": a column of remarks without its separator.
+    if (named && *named == out_.columns + 1 && is_remarks_name(last_name_)) {
       ++out_.columns;
+      out_.optional_last = true;
     }
   }
 
@@ -292,15 +342,64 @@ class Finder {
     for (const TextLine& line : head_) {
       if (line.is_comment) continue;
       const Split s = split_line(line);
-      if (s.is_row() && !(header_first_ && !found)) break;
-      found = joined(s.cells).size();
-      names_trail_ = s.trailing;
+      if (is_data(s) && !(header_first_ && !found)) break;
+      const std::vector<std::string> names = joined(s.cells);
+      found = names.size() - std::min(s.trailing, names.size() - 1);
+      last_name_ = names.at(*found - 1);
     }
     return found;
   }
 
+  /// A row, or one with a text in it: it begins with a number or a stamp, as most of its cells are.
+  [[nodiscard]] bool is_data(const Split& s) const {
+    if (s.is_row()) return true;
+    const auto first =
+        std::ranges::find_if(s.cells, [](const std::string& cell) { return !cell.empty(); });
+    if (first == s.cells.end() || is_missing_value(*first)) return false;
+    return kind_of(*first, reading_) != CellKind::text && s.numbers + s.stamps > 1 &&
+           s.numbers + s.stamps >= s.texts;
+  }
+
   [[nodiscard]] std::vector<std::string> joined(const std::vector<std::string>& cells) const {
     return out_.separator == ' ' ? joined_names(cells) : cells;
+  }
+
+  /// "1,234" within quotes, between commas.
+  void check_quoted_commas() {
+    if (out_.separator != out_.decimal || stated_.decimal) return;
+    for (const Split& row : rows_)
+      for (const std::string& cell : row.cells)
+        if (cell.find(',') != std::string::npos && !parse_grouped_number(cell, '.', true)) return;
+    const auto first = std::ranges::find_if(
+        head_, [&](const TextLine& l) { return !l.is_comment && split_line(l).is_row(); });
+    throw UnclearLayout(first == head_.end() ? 0 : first->number,
+                        "commas within quotes are decimal marks or part thousands. State "
+                        "\"decimal\": \",\" for decimal commas, or \"decimal\": \".\" for "
+                        "thousands");
+  }
+
+  /// "a,b" over "0,1 2": a comma between names that would be a decimal mark in the rows.
+  void compare_marks() {
+    if (out_.decimal != ',' || out_.columns < 2 || stated_.decimal || header_first_) return;
+    std::optional<std::size_t> names;
+    for (std::size_t i = 0; i < head_.size(); ++i) {
+      if (head_[i].is_comment) continue;
+      if (!is_data(split_line(head_[i]))) {
+        names = i;
+        continue;
+      }
+      if (!names) return;
+      const std::string_view line = head_[*names].text;
+      if (line.find(out_.separator == ' ' ? '\t' : out_.separator) != std::string_view::npos)
+        return;
+      const auto by_comma = static_cast<std::size_t>(std::ranges::count(line, ',')) + 1;
+      if (by_comma < 2 || joined(loose_cells(line, out_.separator)).size() == out_.columns) return;
+      throw UnclearLayout(
+          head_[i].number,
+          "commas separate the names in line " + std::to_string(head_[*names].number) +
+              ", and could be decimal marks or separators here. State \"decimal\": \",\" if they "
+              "are decimal marks, or \"separator\": \",\" if they separate columns");
+    }
   }
 
   void settle_commas() {
@@ -322,7 +421,7 @@ class Finder {
         return;
       case Commas::decimal:
         out_.separator = ';';
-        out_.decimal = ',';
+        out_.decimal = reading_.decimal = ',';
         count_columns();
         return;
       case Commas::unclear:
@@ -344,7 +443,7 @@ class Finder {
     for (const Split& row : rows_)
       for (std::size_t c = 0; c < std::min(out_.columns, row.cells.size()); ++c)
         if (!is_missing_value(row.cells[c]))
-          ++counts[c][static_cast<std::size_t>(kind_of(row.cells[c], out_.decimal, format_))];
+          ++counts[c][static_cast<std::size_t>(kind_of(row.cells[c], reading_))];
     // Without rows of pure numbers, lines that hold some texts decide, too.
     for (const auto& count : counts) {
       CellKind kind = CellKind::number;
@@ -352,16 +451,33 @@ class Finder {
       if (count[2] > count[0] + count[1]) kind = CellKind::text;
       out_.kinds.push_back(kind);
     }
+    if (rows_.empty() || header_first_) return;
+    // A column without any value, of remarks, may hold texts in a few rows.
+    std::vector<bool> filled(out_.columns, false);
+    for (const Split& row : rows_)
+      for (std::size_t c = 0; c < std::min(out_.columns, row.cells.size()); ++c)
+        filled[c] = filled[c] || !row.cells[c].empty();
+    for (std::size_t c = 0; c < out_.columns; ++c)
+      if (!filled[c] && out_.columns > 1) out_.kinds[c] = CellKind::text;
+    for (const Split& row : rows_)
+      for (const std::string& cell : row.cells)
+        reading_.grouped = reading_.grouped || parse_grouped_number(cell, out_.decimal).has_value();
+    out_.grouped = reading_.grouped;
   }
 
   [[nodiscard]] bool fits(const Split& s) const {
-    const std::size_t cells = s.cells.size() - (out_.trailing && s.trailing ? 1 : 0);
-    if (cells != out_.columns || s.numbers + s.stamps == 0) return false;
-    for (std::size_t c = 0; c < out_.columns; ++c) {
+    if (!has_length(s) || s.numbers + s.stamps == 0) return false;
+    for (std::size_t c = 0; c < std::min(out_.columns, s.cells.size()); ++c) {
       if (out_.kinds[c] == CellKind::text || s.cells[c].empty()) continue;
-      if (kind_of(s.cells[c], out_.decimal, format_) == CellKind::text) return false;
+      if (kind_of(s.cells[c], reading_) == CellKind::text) return false;
     }
     return true;
+  }
+
+  [[nodiscard]] bool has_length(const Split& s) const {
+    return (s.cells.size() >= out_.columns &&
+            s.cells.size() - out_.columns <= std::min(out_.trailing, s.trailing)) ||
+           (out_.optional_last && s.cells.size() + 1 == out_.columns);
   }
 
   void find_first_row() {
@@ -377,16 +493,27 @@ class Finder {
       const Split s = split_line(head_[i]);
       if (rows_.empty() || !fits(s)) continue;
       out_.first = i;
-      return;
+      break;
+    }
+    // A row above it in which something is no number is none of names.
+    while (out_.first > 0 && out_.first < head_.size()) {
+      const TextLine& above = head_[out_.first - 1];
+      if (above.is_comment) break;
+      const Split s = split_line(above);
+      if (!has_length(s) || !is_data(s)) break;
+      --out_.first;
     }
   }
 
   /// Cells of a line as names of the columns; empty where it has not as many.
   [[nodiscard]] std::vector<std::string> as_names(const TextLine& line) const {
-    std::vector<std::string> names =
-        names_in(line.is_comment ? without_comment_mark(line.text) : line.text, out_.separator,
-                 out_.columns);
-    return names;
+    const std::string_view bare = without_comment_mark(line.text);
+    std::vector<std::string> names = names_in(line.text, out_.separator, out_.columns);
+    if (bare.size() == line.text.size()) return names;
+    // An empty first cell looks like a mark.
+    if (!line.is_comment && !names.empty() && line.text.front() == out_.separator) return names;
+    std::vector<std::string> bare_names = names_in(bare, out_.separator, out_.columns);
+    return bare_names.empty() && !line.is_comment ? names : bare_names;
   }
 
   void find_names() {
@@ -402,7 +529,6 @@ class Finder {
       for (std::size_t i = 0; i < head_.size(); ++i)
         if (head_[i].number == *stated_.header) {
           out_.names = i;
-          out_.names_in_comment = head_[i].is_comment;
           out_.first = std::max(out_.first, i + 1);
         }
       if (!out_.names)
@@ -455,6 +581,12 @@ class Finder {
     if (!out_.units && stated_.units_row.value_or(-1) != 0)
       for (std::size_t b = 0; b < block.size() && !units; ++b)
         if (is_units_line(cells[b])) units = b;
+    // Or right above the only one of names.
+    if (units == 1U && block.size() == 2 && can_name(cells[0])) {
+      out_.units = block[1];
+      out_.names = block[0];
+      return;
+    }
     // A line of units stands below one of names: alone, or below values, it holds the names.
     if (units && (*units + 1 == block.size() || !can_name(cells[*units + 1]))) units.reset();
     if (units) out_.units = block[*units];
@@ -469,7 +601,7 @@ class Finder {
   [[nodiscard]] bool can_name(const std::vector<std::string>& cells) const {
     return std::ranges::none_of(cells, [&](const std::string& cell) {
       return cell.starts_with(':') ||
-             (!cell.empty() && kind_of(cell, out_.decimal, format_) != CellKind::text);
+             (!is_missing_value(cell) && kind_of(cell, reading_) != CellKind::text);
     });
   }
 
@@ -480,6 +612,13 @@ class Finder {
     while (above > 0 && head_[above].is_comment) --above;
     if (head_[above].is_comment || head_[above].number + 1 != head_[out_.first].number) return;
     const std::vector<std::string> cells = joined(loose_cells(head_[above].text, out_.separator));
+    // "Time a b" over "2021-03-01 10:00:00 1 2": one name for a date and a time.
+    if (cells.size() + 1 == out_.columns && out_.separator == ' ' &&
+        out_.kinds[0] == CellKind::stamp && out_.kinds[1] == CellKind::stamp) {
+      out_.names = above;
+      out_.date_unnamed = true;
+      return;
+    }
     if (cells.size() < 2 || out_.separator == ' ') {
       if (out_.columns != 1) return;
       out_.names = above;
@@ -530,7 +669,6 @@ class Finder {
         continue;
       }
       out_.names = i;
-      out_.names_in_comment = true;
       if (units) out_.units = units;
       return;
     }
@@ -540,10 +678,10 @@ class Finder {
   const std::vector<TextLine>& body_;
   const TextLayout& stated_;
   bool header_first_;
-  std::optional<TimeFormat> format_;
+  Reading reading_;
   TableShape out_;
   std::vector<Split> rows_;
-  bool names_trail_ = false;
+  std::string last_name_;
 };
 
 }  // namespace
@@ -570,6 +708,41 @@ std::optional<char> parse_separator(std::string_view text) {
   if (text == "\\t") return '\t';
   if (text == "space") return ' ';
   return std::nullopt;
+}
+
+bool is_comment_line(std::string_view line) {
+  line = trimmed(line);
+  if (line.empty()) return false;
+  if (line.starts_with("//") || line.starts_with("***")) return true;
+  if (std::string_view("#%!$&>~@").find(line.front()) == std::string_view::npos) return false;
+  const std::string_view first = trimmed(line.substr(0, line.find_first_of(",;\t|")));
+  const bool error = first.starts_with('#') && first.find('!') != std::string_view::npos;
+  return !(is_missing_value(first) && (error || first == "#N/A" || first == "#NV"));
+}
+
+std::string_view without_comment_mark(std::string_view text) {
+  text = trimmed(text);
+  if (text.empty()) return text;
+  const std::size_t end = text.find_first_not_of("#%!$&>~@*/;: \t");
+  if (end != 0) {
+    text.remove_prefix(std::min(end, text.size()));
+  } else if (text.starts_with("--")) {
+    text.remove_prefix(std::min(text.find_first_not_of("- \t"), text.size()));
+  } else if ((text.front() == '"' || text.front() == '\'') &&
+             std::ranges::count(text, text.front()) % 2 == 1) {
+    text = trimmed(text.substr(1));
+  }
+  return text;
+}
+
+bool is_remark(std::string_view line, const TableShape& shape) {
+  const std::vector<std::string> cells = loose_cells(line, shape.separator);
+  const auto first =
+      std::ranges::find_if(cells, [](const std::string& cell) { return !cell.empty(); });
+  if (first == cells.end()) return true;
+  if (is_missing_word(*first) || cells.size() == shape.columns) return false;
+  return kind_of(*first, {.decimal = shape.decimal}) == CellKind::text &&
+         first->find_first_not_of("+-.,0123456789eE") != std::string::npos;
 }
 
 bool take_cell(std::string_view& line, char separator, std::string_view& cell) {
@@ -599,9 +772,10 @@ std::vector<std::string> loose_cells(std::string_view line, char separator) {
   for (bool more = true; more;) {
     more = take_cell(line, separator, cell);
     cell = trimmed(cell);
-    if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"')
+    if (cell.size() > 1 && cell.front() == cell.back() &&
+        (cell.front() == '"' || cell.front() == '\''))
       cell = trimmed(cell.substr(1, cell.size() - 2));
-    out.emplace_back(cell);
+    out.push_back(in_utf8(cell));
   }
   return out;
 }
@@ -609,6 +783,12 @@ std::vector<std::string> loose_cells(std::string_view line, char separator) {
 std::vector<std::string> names_in(std::string_view line, char separator, std::size_t columns) {
   const auto fits = [&](std::vector<std::string>& names) {
     if (names.size() == columns + 1 && names.back().empty()) names.pop_back();
+    // "Headers, time, Ax": what the line holds, in front of it.
+    if (names.size() == columns + 1) {
+      const std::string low = lower(names.front());
+      if (low == "headers" || low == "header" || low == "columns" || low == "names")
+        names.erase(names.begin());
+    }
     return names.size() == columns && filled(names) > 0;
   };
   std::vector<std::string> names = loose_cells(line, separator);
@@ -639,16 +819,17 @@ bool spells_unit(std::string_view text) {
     if (text.size() > 2 && text.front() == brackets[0] && text.back() == brackets[1])
       text = trimmed(text.substr(1, text.size() - 2));
   static constexpr std::string_view kKnown[] = {
-      "s",    "ms",   "us",     "µs",    "μs",   "ns",    "sec",     "seconds",  "min",    "h",
-      "hr",   "d",    "days",   "hz",    "khz",  "1/s",   "rpm",     "g",        "mg",     "ug",
-      "µg",   "n",    "kn",     "mn",    "lbf",  "lb",    "kip",     "kips",     "kgf",    "m",
-      "mm",   "cm",   "um",     "µm",    "μm",   "nm",    "km",      "in",       "inch",   "ft",
-      "v",    "mv",   "uv",     "µv",    "a",    "ma",    "w",       "kw",       "pa",     "kpa",
-      "mpa",  "gpa",  "bar",    "mbar",  "psi",  "ksi",   "°c",      "c",        "degc",   "deg c",
-      "°f",   "degf", "k",      "°",     "deg",  "rad",   "mrad",    "%",        "gal",    "kg",
-      "t",    "µm/m", "um/m",   "μm/m",  "µe",   "ue",    "ustrain", "µstrain",  "strain", "mv/v",
-      "none", "cnt",  "counts", "count", "volt", "volts", "ohm",     "db",       "mm/m",   "nm/m",
-      "n·m",  "n*m",  "n-m",    "knm",   "kn·m", "kn*m",  "milli-g", "milli-gs", "gs",     "g's"};
+      "s",     "ms",   "us",   "µs",     "μs",    "ns",   "sec",   "seconds", "second",   "min",
+      "h",     "hr",   "d",    "days",   "hz",    "khz",  "1/s",   "rpm",     "g",        "mg",
+      "ug",    "µg",   "n",    "kn",     "mn",    "lbf",  "lb",    "kip",     "kips",     "kgf",
+      "m",     "mm",   "cm",   "um",     "µm",    "μm",   "nm",    "km",      "in",       "inch",
+      "ft",    "v",    "mv",   "uv",     "µv",    "a",    "ma",    "w",       "kw",       "pa",
+      "kpa",   "mpa",  "gpa",  "bar",    "mbar",  "psi",  "ksi",   "°c",      "c",        "degc",
+      "deg c", "°f",   "degf", "k",      "°",     "deg",  "rad",   "mrad",    "%",        "gal",
+      "kg",    "t",    "µm/m", "um/m",   "μm/m",  "µe",   "ue",    "ustrain", "µstrain",  "strain",
+      "mv/v",  "none", "cnt",  "counts", "count", "volt", "volts", "ohm",     "db",       "mm/m",
+      "nm/m",  "n·m",  "n*m",  "n-m",    "knm",   "kn·m", "kn*m",  "milli-g", "milli-gs", "gs",
+      "g's"};
   std::string low(text);
   for (char& c : low)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');

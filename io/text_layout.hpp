@@ -21,11 +21,21 @@ struct TextLayout {
   bool operator==(const TextLayout&) const = default;
 };
 
+struct HeadLine {
+  int number = 0;
+  std::string text = {};
+};
+
 /// What was found in a text.
 struct FoundLayout {
-  TextLayout used = {};    ///< every member is set; `time_format` where there are time stamps
+  TextLayout used = {};  ///< every member is set; `time_format` where there are time stamps
+  int columns = 0;
   int first_row = 0;       ///< line of the first row of numbers
   std::string start = {};  ///< the first time stamp
+  /// Lines behind the rows that are no part of the table: the first and the last; 0 where there are
+  /// none.
+  int tail_from = 0, tail_to = 0;
+  std::vector<HeadLine> above = {};  ///< lines above the rows, without the marks of comments
 };
 
 /// How a separator is written in cases and in sentences: "comma", "semicolon", "tab", "bar",
@@ -37,8 +47,8 @@ struct FoundLayout {
 /// The lines of a text from which its layout is found.
 struct TextLine {
   std::string_view text;
-  int number = 0;           ///< from 1
-  bool is_comment = false;  ///< begins with '#' or '%'
+  int number = 0;  ///< from 1
+  bool is_comment = false;
 };
 
 enum class CellKind {
@@ -52,14 +62,28 @@ struct TableShape {
   char separator = ',';
   char decimal = '.';
   std::size_t columns = 0;
-  bool trailing = false;             ///< rows end with a separator that separates nothing
+  std::size_t trailing = 0;  ///< rows may end with as many separators that separate nothing
+  /// The last column holds remarks and may be missing, with its separator.
+  bool optional_last = false;
+  bool grouped = false;              ///< numbers have separators of thousands
   std::vector<CellKind> kinds = {};  ///< a column each
   std::size_t first = 0;             ///< index of the first row among the lines
   std::optional<std::size_t> names;  ///< index of the line of names
   std::optional<std::size_t> units;  ///< index of the line of units
-  bool names_in_comment = false;
+  bool date_unnamed = false;   ///< of a date and a time in the first columns, names name the latter
   bool index_unnamed = false;  ///< names leave out the first column, which counts the rows
 };
+
+/// Whether a line is a comment: "#", "%", "!", "//", "$", "&", ">", "~", "@" or "***" before
+/// anything else, unless that is a missing value ("#N/A").
+[[nodiscard]] bool is_comment_line(std::string_view line);
+
+/// A comment or line of names without its mark: those of comments, and ";", ":", "--", and quotes
+/// that are not closed.
+[[nodiscard]] std::string_view without_comment_mark(std::string_view line);
+
+/// Whether a line could be remarks behind the rows: its first cell is neither a number nor a stamp.
+[[nodiscard]] bool is_remark(std::string_view line, const TableShape& shape);
 
 /// Takes the next cell off the front of a line, with the separator behind it; blanks and quotes
 /// are still on it. Returns whether there is another.

@@ -43,7 +43,11 @@ std::optional<double> parse_number(std::string_view text, char decimal) {
     text.remove_prefix(1);
     if (text.starts_with('-')) return std::nullopt;
   }
-  std::string changed;
+  std::string changed, with_minus;
+  if (constexpr std::string_view kMinus = "\xE2\x88\x92"; text.starts_with(kMinus)) {
+    with_minus = "-" + std::string(text.substr(kMinus.size()));
+    text = with_minus;
+  }
   if (decimal != '.' || text.find_first_of("dD") != std::string_view::npos) {
     if (!in_c_notation(text, decimal, changed)) return std::nullopt;
     text = changed;
@@ -54,14 +58,74 @@ std::optional<double> parse_number(std::string_view text, char decimal) {
   return value;
 }
 
+std::optional<double> parse_grouped_number(std::string_view text, char decimal, bool proven) {
+  std::string_view rest = text;
+  std::string plain;
+  if (!rest.empty() && (rest.front() == '-' || rest.front() == '+')) {
+    plain += rest.front();
+    rest.remove_prefix(1);
+  }
+  const auto take_digits = [&] {
+    std::size_t count = 0;
+    while (!rest.empty() && is_digit(rest.front())) {
+      plain += rest.front();
+      rest.remove_prefix(1);
+      ++count;
+    }
+    return count;
+  };
+  const bool zero = rest.starts_with('0');
+  if (const std::size_t first = take_digits(); first < 1 || first > 3 || zero) return std::nullopt;
+  constexpr std::string_view kMarks[] = {
+      "'", ",", ".", " ", "\xC2\xA0", "\xE2\x80\xAF", "\xE2\x80\x89", "\xE2\x80\x99"};
+  const auto* const mark =
+      std::ranges::find_if(kMarks, [&](std::string_view m) { return rest.starts_with(m); });
+  if (mark == std::end(kMarks) || *mark == std::string_view(&decimal, 1)) return std::nullopt;
+  int groups = 0;
+  while (rest.starts_with(*mark)) {
+    rest.remove_prefix(mark->size());
+    if (take_digits() != 3) return std::nullopt;
+    ++groups;
+  }
+  const bool fraction = rest.starts_with(decimal);
+  if (fraction) {
+    plain += '.';
+    rest.remove_prefix(1);
+    if (take_digits() == 0) return std::nullopt;
+  }
+  if (!rest.empty()) return std::nullopt;
+  const bool could_be_decimal = *mark == "," || *mark == ".";
+  if (could_be_decimal && groups == 1 && !fraction && !proven) return std::nullopt;
+  return parse_number(plain);
+}
+
 bool is_missing_value(std::string_view text) {
   if (text.empty()) return true;
   std::string low(text);
   for (char& c : low)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  // "-", "---.--", "****", "#####", "?": signs without a digit or letter.
+  if (low.find_first_not_of("-*#?._ ") == std::string::npos) return true;
   if (low.starts_with('-') || low.starts_with('+')) low.erase(0, 1);
-  for (const std::string_view known : {"na", "n/a", "null", "none", "#n/a", "#num!", "#value!",
-                                       "1.#qnan", "1.#ind", "1.#snan", "1,#qnan", "1.#inf"})
+  for (const std::string_view known :
+       {"na",     "n/a",     "null",    "none",    "<na>",     "nat",      "#n/a",
+        "#na",    "#num!",   "#value!", "#div/0!", "#ref!",    "#name?",   "#null!",
+        "#nv",    "#wert!",  "#zahl!",  "#bezug!", "#valeur!", "#nombre!", "1.#qnan",
+        "1.#ind", "1.#snan", "1,#qnan", "1,#ind",  "1.#inf",   "1,#inf",   "\xE2\x88\x9E"})
+    if (low == known) return true;
+  return false;
+}
+
+bool is_missing_word(std::string_view text) {
+  if (is_missing_value(text)) return true;
+  std::string low;
+  for (const char c : text)
+    if (c != ' ' && c != '_' && c != '-' && c != '+')
+      low += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (const std::string_view known :
+       {"missing", "nodata", "invalid", "bad", "overflow", "overload", "overrange", "underrange",
+        "underflow", "over", "under", "ovl", "ovr", "ol", "err", "error", "fault", "i/otimeout",
+        "timeout"})
     if (low == known) return true;
   return false;
 }

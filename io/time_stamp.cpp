@@ -70,16 +70,36 @@ class Cursor {
   int month_name() {
     static constexpr std::array<std::string_view, 12> kNames = {
         "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"};
-    if (rest.size() < 3) return -1;
-    for (std::size_t m = 0; m < kNames.size(); ++m) {
-      bool same = true;
-      for (std::size_t i = 0; i < 3; ++i) same = same && lower(rest[i]) == kNames[m][i];
-      if (!same) continue;
-      rest.remove_prefix(3);
-      while (!rest.empty() && is_letter(rest.front())) rest.remove_prefix(1);
-      return static_cast<int>(m) + 1;
-    }
+    // German, where it differs.
+    static constexpr std::array<std::pair<std::string_view, int>, 6> kOthers = {
+        {{"m\xC3\xA4r", 3}, {"mrz", 3}, {"mai", 5}, {"okt", 10}, {"dez", 12}, {"m\xE4r", 3}}};
+    for (std::size_t m = 0; m < kNames.size(); ++m)
+      if (take_letters(kNames[m])) return static_cast<int>(m) + 1;
+    for (const auto& [name, month] : kOthers)
+      if (take_letters(name)) return month;
     return -1;
+  }
+  /// "Monday", "Mon", "Mo" and a comma or point behind it.
+  void skip_weekday() {
+    const std::string_view before = rest;
+    for (const std::string_view day : {"mon", "tue", "wed", "thu", "fri", "sat", "sun", "mo", "di",
+                                       "mi", "do", "fr", "sa", "so"}) {
+      if (!take_letters(day)) continue;
+      const bool marked = take_any(",.");
+      if (!marked && !rest.starts_with(' ')) break;
+      skip_blanks();
+      return;
+    }
+    rest = before;
+  }
+  /// A word that begins so.
+  bool take_letters(std::string_view beginning) {
+    if (rest.size() < beginning.size()) return false;
+    for (std::size_t i = 0; i < beginning.size(); ++i)
+      if (lower(rest[i]) != beginning[i]) return false;
+    rest.remove_prefix(beginning.size());
+    while (!rest.empty() && is_letter(rest.front())) rest.remove_prefix(1);
+    return true;
   }
 
   std::string_view rest;
@@ -111,6 +131,15 @@ std::optional<TimeStamp> stamp_of(const Parts& p, bool has_date) {
 int full_year(int year, int digits) {
   if (digits > 2) return year;
   return year + (year < 70 ? 2000 : 1900);
+}
+
+/// Blanks that do not break lines as blanks.
+std::string with_plain_blanks(std::string_view text) {
+  std::string out(text);
+  for (const std::string_view blank : {"\xC2\xA0", "\xE2\x80\xAF", "\xE2\x80\x89"})
+    for (std::size_t i = 0; (i = out.find(blank)) != std::string::npos;)
+      out.replace(i, blank.size(), " ");
+  return out;
 }
 
 /// Digits of a fraction of a second, nine of which count.
@@ -145,7 +174,16 @@ bool read_zone(Cursor& at, Parts& out) {
   const bool named = at.take_word("utc") || at.take_word("gmt");
   char sign = 0;
   if (!at.take_any("+-", &sign)) {
-    if (!named) at.rest = before;
+    if (named) return true;
+    // CET, EDT, JST: the same for all rows, and what differs is all that counts.
+    std::size_t letters = 0;
+    while (letters < at.rest.size() && at.rest[letters] >= 'A' && at.rest[letters] <= 'Z')
+      ++letters;
+    if (letters >= 3 && letters <= 5 && letters == at.rest.size() && before != at.rest) {
+      at.rest = {};
+    } else {
+      at.rest = before;
+    }
     return true;
   }
   const int hours = at.number(named ? 1 : 2, 2);
@@ -160,11 +198,12 @@ bool read_zone(Cursor& at, Parts& out) {
 /// hh:mm[:ss[.fraction]] [AM|PM]; mm:ss.fraction without a date.
 bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
   int hours = at.number(1, 2);
-  if (hours < 0 || !at.take(':')) return false;
+  char between = 0;
+  if (hours < 0 || !at.take_any(after_date ? ":.-" : ":", &between)) return false;
   int minutes = at.number(2, 2), seconds = 0;
   if (minutes < 0) return false;
   char mark = 0;
-  if (at.take(':')) {
+  if (at.take(between)) {
     seconds = at.number(1, 2);
     if (seconds < 0) return false;
     // A colon separates milliseconds in the files of some loggers.
@@ -195,8 +234,14 @@ bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
 
 StampReading read_stamp(std::string_view text, DayOrder order) {
   StampReading none;
+  std::string plain;
+  if (text.find_first_of("\xC2\xE2") != std::string_view::npos) {
+    plain = with_plain_blanks(text);
+    text = plain;
+  }
   Cursor at(text);
   at.skip_blanks();
+  at.skip_weekday();
   if (at.rest.size() < 5 || (!is_digit(at.rest.front()) && !is_letter(at.rest.front())))
     return none;
   Parts out;
@@ -215,6 +260,16 @@ StampReading read_stamp(std::string_view text, DayOrder order) {
     return finished(false, {});
   }
   StampReading reading;
+  if (first_digits == 14 || first_digits == 17) {
+    // 20210301100000[.fraction], 20210301100000123
+    out.year = at.number(4, 4), out.month = at.number(2, 2), out.day = at.number(2, 2);
+    const int hours = at.number(2, 2), minutes = at.number(2, 2), seconds = at.number(2, 2);
+    if (out.year < 1900 || out.year > 2100 || hours > 24 || minutes > 59 || seconds > 60)
+      return none;
+    out.seconds = hours * 3600 + minutes * 60 + seconds;
+    if (first_digits == 17 || at.take_any(".,")) read_fraction(at, out);
+    return finished(true, reading);
+  }
   if (first_digits == 8) {
     out.year = at.number(4, 4), out.month = at.number(2, 2), out.day = at.number(2, 2);
     if (!at.take_any("T_ ")) return none;  // a number otherwise
@@ -232,6 +287,19 @@ StampReading read_stamp(std::string_view text, DayOrder order) {
     return finished(true, reading);
   }
 
+  // 2021-060T10:00:00: the day of the year.
+  if (first_digits == 4 && at.rest.size() > 9 && at.rest[4] == '-' && at.rest[8] == 'T') {
+    const std::string_view before = at.rest;
+    out.year = at.number(4, 4);
+    at.take('-');
+    if (const int day = at.number(3, 3); day >= 1 && day <= 366 && at.take('T')) {
+      out.month = out.day = 1;
+      if (!read_time_of_day(at, out, true)) return none;
+      out.seconds += std::int64_t{86400} * (day - 1);
+      return finished(true, reading);
+    }
+    at.rest = before;
+  }
   // Three parts of a date, with one mark between them.
   char mark = 0;
   std::array<int, 3> value{}, digits{};
@@ -249,10 +317,19 @@ StampReading read_stamp(std::string_view text, DayOrder order) {
     if (value[i] < 0) return none;
     if (i == 2) break;
     char here = 0;
-    if (!at.take_any(named >= 0 || i == 0 ? "-/. " : "-/.", &here)) return none;
-    if (i > 0 && here != mark) return none;
+    if (!at.take_any(named >= 0 ? "-/. ," : (i == 0 ? "-/. " : "-/."), &here)) return none;
+    if (i > 0 && here != mark && named < 0) return none;
     mark = here;
-    if (mark == '.') at.skip_blanks();
+    if (mark == '.' || mark == ',' || named >= 0) at.skip_blanks();
+    // "Mar 1 10:00:00 2021", as C prints times: the year comes last.
+    if (i == 1 && named == 0 && at.digits() <= 2) {
+      at.skip_blanks();
+      if (!read_time_of_day(at, out, false)) return none;
+      at.skip_blanks();
+      if (at.digits() != 4) return none;
+      out.year = at.number(4, 4), out.month = value[0], out.day = value[1];
+      return finished(true, reading);
+    }
   }
   const auto put = [&](std::size_t y, std::size_t m, std::size_t d) {
     out.year = full_year(value[y], digits[y]);

@@ -1,9 +1,12 @@
 // Dates and times of day, as loggers print them.
 //
-//   stamp = date | date (blank | T | _ | ,) time [zone] | time [zone]
+//   stamp = [weekday] date | [weekday] date (blank | T | _ | ,) time [zone] | time [zone]
+//         | [weekday] Mar 1 10:00:00 2021 | yyyymmddhhmmss[fraction]
 //   date  = 2021-03-01 | 2021/3/1 | 20210301 | 01.03.2021 | 01-Mar-2021 | 01/03/2021 (either order)
+//         | 2021-060 (the day of the year, before T)
 //   time  = hh:mm[:ss[(.|,|:)fraction]] [AM|PM] | hhmmss[.fraction] (after a date without marks)
-//   zone  = Z | UTC | GMT | (+|-)hh[[:]mm]
+//         | hh.mm.ss and hh-mm-ss (after a date)
+//   zone  = Z | UTC | GMT | (+|-)hh[[:]mm] | the letters of another, which are passed over
 //
 // A date of which both day and month may come first is read in the order that is stated.
 #pragma once

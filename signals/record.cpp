@@ -14,6 +14,8 @@ namespace {
 using io::Column;
 using io::FileError;
 
+constexpr double kLongestGap = 5.0;  // median steps that are interpolated
+
 [[noreturn]] void fail(const Record& record, io::Place place, const std::string& reason) {
   throw FileError(FileError::Kind::corrupt, record.file, std::move(place), reason);
 }
@@ -52,50 +54,45 @@ bool is_time(const Column& column) {
   if (name == "t" || name.starts_with("time")) return true;
   const std::optional<Unit> unit = find_unit(unit_of(column));
   if (unit && unit->dimension != Dimension::time) return false;
-  static constexpr std::string_view kNames[] = {"ts",
-                                                "datetime",
-                                                "dateandtime",
-                                                "date&time",
-                                                "datumzeit",
-                                                "datumuhrzeit",
-                                                "zeit",
-                                                "uhrzeit",
-                                                "zeitstempel",
-                                                "messzeit",
-                                                "temps",
-                                                "horodatage",
-                                                "tiempo",
-                                                "tempo",
-                                                "tijd",
-                                                "tid",
-                                                "elapsed",
-                                                "elapsedtime",
-                                                "relative time",
-                                                "secondselapsed",
-                                                "seconds",
-                                                "millis",
-                                                "milliseconds",
-                                                "epoch",
-                                                "unixtime",
-                                                "unixtimestamp",
-                                                "loggingtime",
-                                                "sampletime",
-                                                "xvalue",
-                                                "ttime",
-                                                "ms",
-                                                "msec",
-                                                "tms",
-                                                "tus",
-                                                "ts1",
-                                                "epochms",
-                                                "epochus",
-                                                "epochns",
-                                                "utc",
-                                                "reltime",
-                                                "abstime",
-                                                "systime"};
+  static constexpr std::string_view kNames[] = {
+      "ts",           "datetime",     "dateandtime",  "date&time",
+      "datumzeit",    "datumuhrzeit", "zeit",         "uhrzeit",
+      "zeitstempel",  "messzeit",     "temps",        "horodatage",
+      "tiempo",       "tempo",        "tijd",         "tid",
+      "elapsed",      "elapsedtime",  "relativetime", "secondselapsed",
+      "seconds",      "millis",       "micros",       "microseconds",
+      "nanos",        "nanoseconds",  "us",           "usec",
+      "milliseconds", "epoch",        "unixtime",     "unixtimestamp",
+      "loggingtime",  "sampletime",   "xvalue",       "ttime",
+      "ms",           "msec",         "tms",          "tus",
+      "tns",          "t\xC2\xB5s",   "t\xCE\xBCs",   "ts1",
+      "epochms",      "epochus",      "epochns",      "utc",
+      "reltime",      "abstime",      "systime"};
   if (std::ranges::find(kNames, name) != std::end(kNames)) return true;
   return name.starts_with("zeit") || name.starts_with("elapsedtime");
+}
+
+/// "Date" or "Datum" over days since 1900, or since year 0, with fractions.
+bool is_serial_date(const Column& column) {
+  std::string name = column.name;
+  for (char& c : name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if ((name != "date" && name != "datum" && name != "datenum") || column.values.size() < 2)
+    return false;
+  const double first = column.values.front(), last = column.values.back();
+  return ((first >= 2e4 && first < 8e4) || (first >= 7e5 && first < 8e5)) && last > first &&
+         last - first < 1e-3 * static_cast<double>(column.values.size());
+}
+
+bool increases_by_fractions(const Column& column) {
+  const std::vector<double>& t = column.values;
+  if (t.size() < 5 || column.cells != io::CellKind::number) return false;
+  const double mean = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
+  if (!(mean > 0.0) || mean == std::round(mean)) return false;
+  for (std::size_t n = 1; n < t.size(); ++n)
+    if (!(std::abs(t[n] - t[n - 1] - mean) <= 1e-2 * mean + 1.01 * resolution(column, t[n])))
+      return false;
+  return true;
 }
 
 bool is_one_of(const std::vector<std::string>& names, const Column& column, std::size_t place) {
@@ -141,6 +138,9 @@ double seconds_in_one(const Record& record, int time_column, double median, Samp
     }
     out.basis = Sampling::Basis::assumed;
     out.unit = "s";
+    out.doubtful_unit = median >= 2.0 && std::ranges::all_of(column.values, [](double t) {
+                          return t == std::round(t);
+                        });
     return 1.0;
   }
   const Conversion conversion = conversion_of(out.unit, Dimension::time);
@@ -161,10 +161,20 @@ double seconds_in_one(const Record& record, int time_column, double median, Samp
 int Record::find_time() const {
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (is_time(columns[i]) && columns[i].cells != io::CellKind::text) return static_cast<int>(i);
+  // Of a date and a time of day, the latter.
+  int stamps = -1;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (columns[i].cells != io::CellKind::stamp || columns[i].values.empty()) continue;
+    if (stamps < 0) stamps = static_cast<int>(i);
+    if (columns[i].values.back() != columns[i].values.front()) return static_cast<int>(i);
+  }
+  if (stamps >= 0) return stamps;
   for (std::size_t i = 0; i < columns.size(); ++i)
-    if (columns[i].cells == io::CellKind::stamp && !columns[i].values.empty())
-      return static_cast<int>(i);
-  return -1;
+    if (is_serial_date(columns[i])) return static_cast<int>(i);
+  // Of a text without names, a first column that increases evenly, not by whole numbers: those
+  // could count rows.
+  const bool unnamed = layout && layout->used.header.value_or(1) == 0;
+  return unnamed && columns.size() > 1 && increases_by_fractions(columns.front()) ? 0 : -1;
 }
 
 Record parse_record(std::string bytes, const std::filesystem::path& name,
@@ -221,15 +231,39 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
   });
   uneven = uneven || (odd > 0 && 50 * odd < std::ssize(sorted));
   if (uneven) {
+    // Stamps of whole seconds over faster samples: a stated rate must fit how many there are.
+    if (median == 0.0 && mean > 0.0) {
+      const double all = t.back() - t.front(), coarse = *std::ranges::max_element(sorted);
+      const double seconds = *scale;
+      const bool rises = *std::ranges::min_element(sorted) >= 0.0;
+      const bool fits =
+          stated && rises && std::abs(steps / *stated - all * seconds) <= 2.0 * coarse * seconds;
+      if (fits) {
+        out.rate_hz = *stated;
+        out.basis = Sampling::Basis::stated;
+        return out;
+      }
+      fail(record, whole,
+           "several rows in turn have the same time" +
+               (stated ? ", and " + show(*stated) + " Hz do not fit their number"
+                       : ": state \"sample_rate\" (about " + show(steps / (all * seconds)) + ")") +
+               (rises ? "" : "; it also goes backwards"));
+    }
     // A gap shifts the mean, not the median: the step farthest from the median is the one to name.
     std::size_t worst = 1;
     for (std::size_t n = 1; n < t.size(); ++n)
       if (std::abs(t[n] - t[n - 1] - median) > std::abs(t[worst] - t[worst - 1] - median))
         worst = n;
-    fail(record, record.place(worst, time_column),
-         "time goes from " + show(t[worst - 1]) + " to " + show(t[worst]) + " " + unit +
-             ", must advance by the same step everywhere (" + show(median) + " " + unit +
-             " elsewhere); state \"resample\": true to interpolate at an even rate");
+    const std::string what = "time goes from " + show(t[worst - 1]) + " to " + show(t[worst]) +
+                             " " + unit + ", must advance by the same step everywhere (" +
+                             show(median) + " " + unit + " elsewhere)";
+    const double step = t[worst] - t[worst - 1];
+    std::string remedy = "state \"resample\": true to interpolate at an even rate";
+    if (step == 0.0) remedy = "delete the repeated row";
+    if (step < 0.0) remedy = "cut the file there if another run begins, or delete the row";
+    if (step > kLongestGap * median)
+      remedy = "cut the file there: the gap is too long to interpolate";
+    fail(record, record.place(worst, time_column), what + "; " + remedy);
   }
   if (out.jitter > 0.0)
     for (std::size_t n = 1; n < t.size(); ++n)
@@ -271,7 +305,6 @@ std::vector<double> curvatures(const std::vector<double>& x, const std::vector<d
 
 Record resampled(const Record& record, int time_column, std::optional<double> rate_hz,
                  std::optional<double> scale) {
-  constexpr double kLongestGap = 5.0;  // median steps
   const Column& column = values_of(record, time_column);
   std::vector<double> t = column.values;
   if (t.size() < 4) fail(record, {}, "too few samples to interpolate");

@@ -47,7 +47,8 @@ struct Sampling {
     epoch,    ///< counts since 1970 so large that they must be of this unit
     days,     ///< a spreadsheet's dates: days since 1900, or since year 0
     assumed,  ///< no unit: seconds
-    stated    ///< no time column: the rate was stated
+    header,   ///< no time column: a line above the rows says the rate
+    stated    ///< no time column, or one too coarse: the rate was stated
   };
   double rate_hz = 0.0;
   Basis basis = Basis::stated;
@@ -55,6 +56,9 @@ struct Sampling {
   /// Largest difference of a step from the mean one, over the latter, that the digits printed do
   /// not explain; 0 where it is below 0.1 %.
   double jitter = 0.0;
+  /// No unit, and times are whole numbers in steps of two and more: they may be milliseconds.
+  bool doubtful_unit = false;
+  int line = 0;           ///< that says the rate, of Basis::header
   double off_grid = 0.0;  ///< how far a time stamp is off an even grid, in steps; 0 without jitter
 };
 
@@ -66,6 +70,10 @@ struct Sampling {
 [[nodiscard]] Sampling sampling_of(const Record& record, int time_column,
                                    std::optional<double> stated = std::nullopt,
                                    std::optional<double> scale = std::nullopt);
+
+/// The rate that a line above the rows of a text says: "Fs = 100 Hz", "Sample interval (s): 0.01".
+/// Nothing where there is none, or two that differ.
+[[nodiscard]] std::optional<Sampling> said_sampling(const Record& record);
 
 /// The record at an even rate: all columns that were read, by natural cubic splines through their
 /// samples, at `rate_hz` or the mean rate. Throws io::FileError (corrupt), naming the line, where

@@ -222,15 +222,63 @@ std::string unit_of(const io::Column& column) {
   if (column.unit == "-") return {};
   if (!column.unit.empty()) return column.unit;
   const std::string_view name = column.name;
-  for (const std::string_view before : {" / ", ", ", " in "}) {
+  if (find_unit(name)) return {};
+  const auto without_brackets = [](std::string_view unit) {
+    for (const std::string_view brackets : {"()", "[]", "{}", "<>"})
+      if (unit.size() > 2 && unit.front() == brackets[0] && unit.back() == brackets[1])
+        return unit.substr(1, unit.size() - 2);
+    return unit;
+  };
+  for (const std::string_view before : {" / ", ", ", " in ", " - ", ": "}) {
     const std::size_t at = name.rfind(before);
     if (at == std::string_view::npos || at == 0) continue;
-    std::string_view unit = name.substr(at + before.size());
-    if (unit.size() > 2 && unit.front() == '(' && unit.back() == ')')
-      unit = unit.substr(1, unit.size() - 2);
+    const std::string_view unit = without_brackets(name.substr(at + before.size()));
     if (find_unit(unit)) return std::string(unit);
   }
-  return {};
+  // "a{g}", "a <g>".
+  for (const std::string_view brackets : {"{}", "<>"}) {
+    const std::size_t open = name.rfind(brackets[0]);
+    if (open == std::string_view::npos || open == 0 || name.back() != brackets[1]) continue;
+    const std::string_view unit = without_brackets(name.substr(open));
+    if (find_unit(unit)) return std::string(unit);
+  }
+  // "a m/s^2": a quotient as the last word.
+  const std::size_t blank = name.rfind(' ');
+  if (blank == std::string_view::npos || blank == 0) return {};
+  const std::string_view word = name.substr(blank + 1);
+  const bool quotient = word.find('/') != std::string_view::npos;
+  return quotient && find_unit(word) ? std::string(word) : std::string();
+}
+
+std::string possible_unit_of(const io::Column& column) {
+  if (!unit_of(column).empty() || column.unit == "-") return {};
+  const std::string_view name = column.name;
+  // "acc_m_s2", "acc_mps2".
+  static constexpr std::pair<std::string_view, std::string_view> kEndings[] = {
+      {"m_s2", "m/s^2"}, {"m_s^2", "m/s^2"}, {"mps2", "m/s^2"},   {"m_per_s2", "m/s^2"},
+      {"ms2", "m/s^2"},  {"mm_s", "mm/s"},   {"mm_s2", "mm/s^2"}, {"cm_s2", "cm/s^2"},
+      {"m_s", "m/s"},    {"mps", "m/s"},     {"mmps", "mm/s"},    {"in_s", "in/s"},
+      {"ms-2", "m/s^2"}};
+  std::string_view best;
+  std::size_t length = 0;
+  for (const auto& [ending, unit] : kEndings)
+    for (const std::string_view mark : {"_", " ", "."}) {
+      const std::string whole = std::string(mark) + std::string(ending);
+      if (name.size() > whole.size() && name.ends_with(whole) && whole.size() > length) {
+        best = unit;
+        length = whole.size();
+      }
+    }
+  if (!best.empty()) return std::string(best);
+  // "F/N", as DIN 461 has it, could be a path in another file.
+  const std::size_t mark = name.find_last_of("_ ./");
+  if (mark == std::string_view::npos || mark == 0) return {};
+  const std::string_view last = name.substr(mark + 1);
+  const std::optional<Unit> unit = find_unit(last);
+  if (!unit || find_unit(name) || unit->dimension == Dimension::time ||
+      unit->dimension == Dimension::frequency)
+    return {};
+  return std::string(last);
 }
 
 std::string time_unit_of(const io::Column& column) {
@@ -245,6 +293,18 @@ std::string time_unit_of(const io::Column& column) {
   const std::string_view last = mark == std::string_view::npos ? name : name.substr(mark + 1);
   if (mark != std::string_view::npos && is_time(last)) return std::string(last);
   if (mark == std::string_view::npos && last.size() > 1 && is_time(last)) return std::string(last);
+  // "timems", "TimeMS", "tms", "epochus": without a mark.
+  std::string low(last);
+  for (char& c : low)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  for (const std::string_view unit : {"millis", "micros", "nanos", "msec", "usec", "nsec", "ms",
+                                      "us", "\xC2\xB5s", "\xCE\xBCs", "ns"}) {
+    if (!low.ends_with(unit)) continue;
+    const std::string_view rest = std::string_view(low).substr(0, low.size() - unit.size());
+    for (const std::string_view before :
+         {"time", "timestamp", "t", "elapsed", "epoch", "zeit", "elapsedtime", "temps", "unixtime"})
+      if (rest == before) return std::string(unit);
+  }
   std::size_t capital = last.size();
   while (capital > 1 && last[capital - 1] >= 'a' && last[capital - 1] <= 'z') --capital;
   if (capital < 2 || capital == last.size()) return {};

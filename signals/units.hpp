@@ -51,11 +51,16 @@ struct Conversion {
 [[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
 
 /// The unit of a column: that in brackets or in the line of units, else a known one that ends its
-/// name behind " / ", ", " or " in " ("Kraft / N", "force, N", "a in m/s²"). Empty: none.
+/// name behind " / ", ", ", " in ", " - " or ": " ("Kraft / N", "force, N", "a in m/s²"), in {} or
+/// <>, or a quotient that is the last word ("a m/s^2"). Empty: none.
 [[nodiscard]] std::string unit_of(const io::Column& column);
 
+/// The unit that a name without one may mean: "acc_g", "acc_m_s2", "F/N". It is not applied:
+/// "acc_N" may be north. Empty: none.
+[[nodiscard]] std::string possible_unit_of(const io::Column& column);
+
 /// The unit of a column of times: as above, else one of time that is the last word of its name:
-/// "Time_ms", "t.us", "timeMillis", "Time since start in ms". Empty: none.
+/// "Time_ms", "t.us", "timeMillis", "timems", "Time since start in ms". Empty: none.
 [[nodiscard]] std::string time_unit_of(const io::Column& column);
 
 }  // namespace wheeltap::signals

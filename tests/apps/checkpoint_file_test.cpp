@@ -29,7 +29,9 @@ class CheckpointParts : public testing::Test {
   [[nodiscard]] CheckpointFile file(bool resume) const {
     CommonOptions common;
     common.resume = resume;
-    return {directory_ / "", {.command = "damage", .options = {}, .case_json = {}, .inputs = {}}, common};
+    return {directory_ / "",
+            {.command = "damage", .options = {}, .case_json = {}, .inputs = {}},
+            common};
   }
   // Until so many parts have been kept, and a little longer; 0: to the end.
   [[nodiscard]] Posterior run(CheckpointFile& file, int saved = 0) const {
