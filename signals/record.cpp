@@ -243,10 +243,17 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
         out.basis = Sampling::Basis::stated;
         return out;
       }
+      // Rows from one change to another: the first and the last stamp may be cut short.
+      std::size_t from = 1, to = t.size() - 1;
+      while (t[from] == t[from - 1]) ++from;
+      while (t[to] == t[to - 1]) --to;
+      const double rate = to > from && t[to] > t[from]
+                              ? static_cast<double>(to - from) / ((t[to] - t[from]) * seconds)
+                              : steps / (all * seconds);
       fail(record, whole,
            "several rows in turn have the same time" +
                (stated ? ", and " + show(*stated) + " Hz do not fit their number"
-                       : ": state \"sample_rate\" (about " + show(steps / (all * seconds)) + ")") +
+                       : ": state \"sample_rate\" (about " + show(rate) + ")") +
                (rises ? "" : "; it also goes backwards"));
     }
     // A gap shifts the mean, not the median: the step farthest from the median is the one to name.
