@@ -333,7 +333,8 @@ void DelimitedText::take_names(const TextLine& names, const TextLine* units) {
                shape_.separator, named);
   if (cells.empty()) cells = names_in(names.text, shape_.separator, named);
   if (shape_.date_unnamed && !cells.empty()) cells.insert(cells.begin(), "date");
-  const bool marked = !cells.empty() && std::ranges::count(names.text, '"') % 2 == 1;
+  const bool marked = !cells.empty() && trimmed(names.text).starts_with('"') &&
+                      std::ranges::count(names.text, '"') % 2 == 1;
   if (!names.is_comment && !marked) {
     // Quotes that are not closed, and names of which there are more or fewer than columns.
     std::vector<std::string> strict = split(names.text, names.number);

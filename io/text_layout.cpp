@@ -598,11 +598,16 @@ class Finder {
     out_.names = block[names];
   }
 
+  /// Numbers name nothing, but for those of channels: "x-axis,1,2".
   [[nodiscard]] bool can_name(const std::vector<std::string>& cells) const {
-    return std::ranges::none_of(cells, [&](const std::string& cell) {
-      return cell.starts_with(':') ||
-             (!is_missing_value(cell) && kind_of(cell, reading_) != CellKind::text);
-    });
+    const auto is_text = [&](const std::string& cell) {
+      return is_missing_value(cell) || kind_of(cell, reading_) == CellKind::text;
+    };
+    if (std::ranges::any_of(cells, [](const std::string& c) { return c.starts_with(':'); }))
+      return false;
+    return std::ranges::all_of(cells, is_text) ||
+           (cells.size() > 1 && is_text(cells.front()) && !is_missing_value(cells.front()) &&
+            std::all_of(cells.begin() + 1, cells.end(), all_digits));
   }
 
   /// A line above the rows that looks like names and has another number of them.
@@ -657,7 +662,7 @@ class Finder {
       const std::vector<std::string> names = as_names(head_[i]);
       if (names.empty()) continue;
       if (std::ranges::any_of(names, [&](const std::string& n) {
-            return parse_number(n, out_.decimal).has_value();
+            return n.ends_with(':') || parse_number(n, out_.decimal).has_value();
           }))
         continue;
       // One column: a remark is no name.

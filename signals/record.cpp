@@ -144,10 +144,6 @@ double seconds_in_one(const Record& record, int time_column, double median, Samp
     return 1.0;
   }
   const Conversion conversion = conversion_of(out.unit, Dimension::time);
-  if (conversion.basis == Conversion::Basis::none) {
-    out.basis = Sampling::Basis::assumed;
-    return 1.0;
-  }
   if (conversion.basis != Conversion::Basis::unit)
     fail(record, {.column = time_column + 1, .header = column.header},
          "time is in '" + out.unit + "', must be one of " + known_units(Dimension::time) +
