@@ -191,6 +191,10 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
     file.refuse(out.where / "channels",
                 "measure unlike quantities, and nothing says which " + listed(unsaid) +
                     " measures: state \"quantity\" or \"unit\" in the channel");
+  if (!unsaid.empty() && known.empty())
+    out.oddities.push_back("Nothing says which quantity " + io::printable(listed(unsaid)) +
+                           " measures: it is taken for " + std::string(signals::name(*common)) +
+                           ", as the others are. State \"quantity\" or \"unit\" in the channel.");
   if (mixed && file.json.value("method", "ssi-cov") == "bayoma")
     file.refuse(out.where / "channels",
                 "measure unlike quantities, and the method \"bayoma\" takes one: \"ignore\" the "

@@ -63,11 +63,11 @@ bool is_time(const Column& column) {
       "seconds",      "millis",       "micros",       "microseconds",
       "nanos",        "nanoseconds",  "us",           "usec",
       "milliseconds", "epoch",        "unixtime",     "unixtimestamp",
-      "loggingtime",  "sampletime",   "xvalue",       "ttime",
-      "ms",           "msec",         "tms",          "tus",
-      "tns",          "t\xC2\xB5s",   "t\xCE\xBCs",   "ts1",
-      "epochms",      "epochus",      "epochns",      "utc",
-      "reltime",      "abstime",      "systime"};
+      "loggingtime",  "sampletime",   "xvalue",       "xaxis",
+      "ttime",        "ms",           "msec",         "tms",
+      "tus",          "tns",          "t\xC2\xB5s",   "t\xCE\xBCs",
+      "ts1",          "epochms",      "epochus",      "epochns",
+      "utc",          "reltime",      "abstime",      "systime"};
   if (std::ranges::find(kNames, name) != std::end(kNames)) return true;
   return name.starts_with("zeit") || name.starts_with("elapsedtime");
 }
