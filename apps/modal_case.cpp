@@ -98,11 +98,18 @@ signals::Conversion convert(const CaseFile& file, const io::Column& column,
   }
   signals::Conversion out = signals::conversion_of(unit, wanted);
   const std::optional<signals::Unit> known = signals::find_unit(unit);
-  if (out.basis == Basis::foreign && wanted && known)
-    file.refuse(stated.where / (stated.unit ? "unit" : "quantity"),
-                "is in " + unit + ", " + std::string(signals::name(known->dimension)) + ", where " +
-                    std::string(signals::name(*wanted)) + " is wanted: correct \"" +
-                    (stated.quantity ? "quantity" : "unit") + "\", or give \"scale\"");
+  if (out.basis == Basis::foreign && wanted && known) {
+    const std::string what = unit + ", " + std::string(signals::name(known->dimension)) +
+                             ", where " + std::string(signals::name(*wanted)) + " is wanted";
+    if (stated.quantity || stated.unit)
+      file.refuse(stated.where / (stated.unit ? "unit" : "quantity"),
+                  "is in " + what + ": correct \"" + (stated.quantity ? "quantity" : "unit") +
+                      "\", or give \"scale\"");
+    file.refuse(stated.where / "unit", "is missing: the file has its numbers in " + what +
+                                           ". State \"unit\": \"" +
+                                           std::string(signals::si_unit(*wanted)) +
+                                           "\" if the file is wrong, or correct \"role\"");
+  }
   if (stated.unit && !known && unit != "1")
     file.refuse(stated.where / "unit",
                 "is not known: give \"scale\" instead, or one of " +

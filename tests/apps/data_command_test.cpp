@@ -60,6 +60,22 @@ TEST_F(DataCommand, TextsThatAreNotUtf8) {
 }
 
 // Every bit survives, in every format that we write and read.
+// What was detected is said, and what only the user can know is asked.
+TEST_F(DataCommand, SaysHowATextIsRead) {
+  where.write("one.txt", "0,1108\n-0,1845\n0,2598\n0,0751\n");
+  EXPECT_THAT(run(path("one.txt")).out, HasSubstr("One column, decimal comma"));
+  where.write("ms.csv", "Time_ms,acc_g\n0,1\n10,2\n20,1\n30,3\n");
+  const std::string out = run(path("ms.csv")).out;
+  EXPECT_THAT(out, HasSubstr("at 100 Hz"));
+  EXPECT_THAT(out, HasSubstr("state \"unit\": \"g\""));
+  where.write("whole.csv", "time,acc\n0,1\n10,2\n20,1\n30,3\n");
+  EXPECT_THAT(run(path("whole.csv")).out, HasSubstr("\"scale\": 0.001"));
+  where.write("fs.txt", "Fs = 200 Hz\nacc [g]\n1\n2\n1\n3\n");
+  EXPECT_THAT(run(path("fs.txt")).out, HasSubstr("200 Hz as line 1 says"));
+  where.write("tail.csv", "time [s],a [g]\n0,1\n0.1,2\n0.2,3\n\nEnd of test\n");
+  EXPECT_THAT(run(path("tail.csv")).out, HasSubstr("line 6 behind the rows is not part"));
+}
+
 TEST_F(DataCommand, ConvertsWithoutLoss) {
   const signals::Record before = signals::read_record(path("record.csv"));
   ASSERT_EQ(run(path("record.csv") + " --to " + path("a.csv")).exit_code, 0);

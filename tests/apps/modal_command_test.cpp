@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <sstream>
 
 #include "program.hpp"
 
@@ -302,6 +304,45 @@ TEST_F(ModalCommand, SetUpsThatCannotBeMergedAreRefused) {
   refused(c, "/record");
 }
 
+// Faults: units in headers were not applied, so that shapes mixed g and m/s²; a column of dates
+// that the case ignores was read as numbers.
+TEST_F(ModalCommand, UnitsOfHeadersAreAppliedAndIgnoredColumnsAreNotRead) {
+  std::istringstream lines(read_all(where / "record.csv"));
+  std::string line, text = "Time (-),a [g],b [m/s^2]\n";
+  std::getline(lines, line);
+  for (int n = 0; std::getline(lines, line); ++n) {
+    double a = 0.0, b = 0.0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf", &a, &b), 2);
+    char row[120];
+    std::snprintf(row, sizeof row, "2022-11-04 08:36 and %d,%.9g,%.9g\n", n, a / 9.80665, b);
+    text += row;
+  }
+  const json si_modes = [&] {
+    EXPECT_EQ(run(a_case()).exit_code, 0);
+    return json::parse(read_all(where / "out/modes.json"));
+  }();
+  where.write("mixed.csv", text);
+  json c = a_case();
+  c["record"]["file"] = "mixed.csv";
+  c["record"]["channels"].push_back({{"column", "Time (-)"}, {"role", "ignore"}});
+  const Outcome ran = run(c);
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("a: g, times 9.80665 in m/s^2"));
+  const json modes = json::parse(read_all(where / "out/modes.json"));
+  for (std::size_t m = 0; m < 2; ++m)
+    for (std::size_t i = 0; i < 2; ++i)
+      EXPECT_NEAR(modes["shapes"]["real"][m][i].get<double>(),
+                  si_modes["shapes"]["real"][m][i].get<double>(), 1e-4);
+}
+
+TEST_F(ModalCommand, AQuantityThatOnlyOneChannelStatesIsAsked) {
+  std::string text = read_all(where / "record.csv");
+  where.write("record.csv", "a,b,still" + text.substr(text.find('\n')));
+  json c = a_case();
+  c["record"]["channels"][1]["quantity"] = "velocity";
+  EXPECT_THAT(run(c).out, HasSubstr("Nothing says which quantity a measures"));
+}
+
 // A free beam, one response and two places of the hammer: its lines are farther apart than its
 // resonances are wide.
 TEST_F(ModalCommand, FrequencyResponsesOfAUniversalFile) {
@@ -341,6 +382,8 @@ TEST_F(ModalCommand, FrequencyResponsesThatCannotBeAreRefused) {
   c["method"] = "plscf";
   refused(c, "holds no channel with the role \"force\"");
   c["record"]["channels"][0]["role"] = "force";
+  refused(c, "/record/channels/0/unit: is missing");
+  c["record"]["channels"][0]["unit"] = "N";
   c["lags"] = 20;
   refused(c, "/lags");
   c = a_case();
@@ -353,6 +396,7 @@ TEST_F(ModalCommand, ForcesAndResponsesOfARecord) {
   json c = a_case();
   c["method"] = "plscf";
   c["record"]["channels"][0]["role"] = "force";
+  c["record"]["channels"][0]["unit"] = "N";
   const Outcome ran = run(c);
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
   const json summary = json::parse(read_all(where / "out/summary.json"));

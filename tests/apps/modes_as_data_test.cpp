@@ -293,8 +293,9 @@ TEST(ModesAsData, Refusals) {
   refused(with("modes", 4), "/data/modes");
   refused(with("modes", {1, 4}), "/data/modes/1");
   refused(with("modes", {1, 1}), "/data/modes/1");
-  refused(with("model_modes", {1}), "/data/model_modes: must have one number for each of the 2");
-  refused(with("model_modes", {2, 1}), "/data/model_modes/1: must increase");
+  refused(with("model_modes", {1}),
+          "/data/model_modes: [1]: must have one number for each of the 2");
+  refused(with("model_modes", {2, 1}), "/data/model_modes/1: 1: must increase");
   refused(with("sensors", {{{"mass", 1}}}), "/data/sensors");
   refused({{"frequencies", {2.1}}, {"cov", 0.01}, {"modes", {1}}}, "/data/modes");
   where.write("m.json", "{\"frequencies_hz\": [1, ");
