@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
@@ -13,6 +12,7 @@
 
 #include "apps/batch_command.hpp"
 #include "apps/command_line_faults.hpp"
+#include "apps/command_line_options.hpp"
 #include "apps/commands.hpp"
 #include "apps/compare_command.hpp"
 #include "apps/data_command.hpp"
@@ -23,18 +23,17 @@
 #include "apps/modal_command.hpp"
 #include "apps/program_text.hpp"
 #include "apps/report/report.hpp"
+#include "apps/restart.hpp"
 #include "apps/run_cost.hpp"
 #include "apps/section_command.hpp"
 #include "apps/serve_command.hpp"
 #include "apps/several_ranks.hpp"
 #include "apps/update_command.hpp"
-#include "apps/whole_number.hpp"
 #include "base/simd.hpp"
 #include "io/bytes.hpp"
 #include "io/date_of_files.hpp"
 #include "io/text.hpp"
 #include "io/text_layout.hpp"
-#include "io/time_stamp.hpp"
 
 namespace {
 
@@ -77,83 +76,6 @@ std::string joined(int argc, char** argv) {
   return line;
 }
 
-// Whole numbers in [lowest, highest], by the one reader of them; what stands for the option is the
-// number's plain form, so that nothing reads it otherwise.
-CLI::Validator whole(std::int64_t lowest, std::int64_t highest) {
-  return CLI::Validator(
-      [=](std::string& text) -> std::string {
-        if (const auto n = apps::whole_number(text, lowest, highest)) {
-          text = std::to_string(*n);
-          return {};
-        }
-        return text + ": must be a whole number from " + std::to_string(lowest) + " to " +
-               std::to_string(highest);
-      },
-      "INT in [" + std::to_string(lowest) + " - " + std::to_string(highest) + "]");
-}
-
-// Numbers of which `allowed` is true, as `words` say; CLI::Range lets nan pass.
-CLI::Validator number(const char* words, const char* name, bool (*allowed)(double)) {
-  return CLI::Validator(
-      [=](const std::string& text) -> std::string {
-        double x = 0.0;
-        const char* last = text.data() + text.size();
-        const auto [end, error] = std::from_chars(text.data(), last, x);
-        if (error == std::errc() && end == last && allowed(x)) return {};
-        return text + ": must be " + words;
-      },
-      name);
-}
-
-CLI::Validator positive() {
-  return number("a positive number", "NUMBER > 0",
-                [](double x) { return x > 0.0 && std::isfinite(x); });
-}
-
-CLI::Validator seconds() {
-  return number("a number from 0 to 1e9", "NUMBER in [0 - 1e9]",
-                [](double x) { return x >= 0.0 && x <= 1e9; });
-}
-
-// How a delimited text is laid out, by the keys of a case's record.
-void add_layout(CLI::App* command, io::TextLayout& layout) {
-  const std::string rest = " of delimited text; detected unless given";
-  command
-      ->add_option_function<std::string>(
-          "--decimal", [&layout](const std::string& text) { layout.decimal = text.at(0); },
-          "the decimal mark" + rest)
-      ->check(CLI::IsMember({".", ","}));
-  command->add_option_function<std::string>(
-      "--separator",
-      [&layout](const std::string& text) {
-        layout.separator = io::parse_separator(text);
-        if (!layout.separator)
-          throw CLI::ValidationError("--separator", text + ": must be ',', ';', tab, '|' or blank");
-      },
-      "what stands between the columns (or comma, semicolon, tab, bar, blank)" + rest);
-  const auto add_line = [&](const std::string& names, std::optional<int>& into,
-                            const std::string& what) {
-    command
-        ->add_option_function<int>(
-            names, [&into](const int& line) { into = line; }, what + rest)
-        ->transform(whole(0, 1'000'000'000));
-  };
-  add_line("--skip", layout.skip, "how many lines at the top are passed over");
-  add_line("--header", layout.header, "the line of names, from 1; 0 where there is none");
-  add_line("--units-row,--units_row", layout.units_row,
-           "the line of units, from 1; 0 where there is none");
-  command->add_option_function<std::string>(
-      "--time-format,--time_format",
-      [&layout](const std::string& text) {
-        layout.time_format = text;
-        if (!io::parse_time_format(text))
-          throw CLI::ValidationError(
-              "--time-format",
-              text + ": must be day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
-      },
-      "the form of time stamps: day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
-}
-
 // Before there is anything to lose.
 void check_date_of_files() {
   try {
@@ -163,21 +85,6 @@ void check_date_of_files() {
   }
 }
 
-// --simd keeps libraries, which choose by the processor for themselves, to the same instructions:
-// they read these variables when the program starts, so it starts once more.
-void start_with(const std::string& instructions, char** argv) {
-  const char* chosen = std::getenv(base::kInstructionsVariable);
-  if (chosen != nullptr && instructions == chosen) return;
-  const bool baseline = instructions == "baseline";
-  const std::string without =
-      baseline ? "-AVX2,-FMA,-FMA4,-AVX512F,-AVX512VL,-AVX512DQ" : "-AVX512F,-AVX512VL,-AVX512DQ";
-  setenv(base::kInstructionsVariable, instructions.c_str(), 1);
-  if (instructions != "avx512") {
-    setenv("GLIBC_TUNABLES", ("glibc.cpu.hwcaps=" + without).c_str(), 1);
-    setenv("OPENBLAS_CORETYPE", baseline ? "NEHALEM" : "HASWELL", 1);
-  }
-  execv("/proc/self/exe", argv);
-}
 
 // How the program is asked to start, before anything else of the command line is read.
 void obey_simd(int argc, char** argv) {
@@ -187,7 +94,7 @@ void obey_simd(int argc, char** argv) {
     std::string value;
     if (word == kOption && i + 1 < argc) value = argv[i + 1];
     if (word.starts_with(std::string(kOption) + "=")) value = word.substr(kOption.size() + 1);
-    if (value == "baseline" || value == "avx2" || value == "avx512") start_with(value, argv);
+    if (value == "baseline" || value == "avx2" || value == "avx512") apps::restart_with(value, argv);
   }
 }
 
@@ -319,22 +226,22 @@ int run(int argc, char** argv) {
     command->add_flag("--json", as_json, what);
   };
   const auto add_seed = [&](CLI::App* command, const char* what) {
-    command->add_option("--seed", common.seed, what)->transform(whole(0, kLargestSeed));
+    command->add_option("--seed", common.seed, what)->transform(apps::whole(0, kLargestSeed));
   };
   const auto add_limits = [&](CLI::App* command) {
     command
         ->add_option("--max-memory", common.max_memory_gb,
                      "GB: a run is refused that would take more (default 4)")
-        ->check(positive());
+        ->check(apps::positive());
     command
         ->add_option("--max-hours", common.max_hours,
                      "a run is refused that would take longer (default 100)")
-        ->check(positive());
+        ->check(apps::positive());
     command
         ->add_option("--max-disk", common.max_disk_gb,
                      "GB: a run is refused whose draws would take more in the folder of its "
                      "results (default: what is free there)")
-        ->check(positive());
+        ->check(apps::positive());
   };
   const auto add_dry_run = [&](CLI::App* command) {
     command->add_flag_callback(
@@ -363,28 +270,28 @@ int run(int argc, char** argv) {
     command
         ->add_option("--threads", common.threads, "threads (default: all); never changes a result")
         ->envname(apps::kThreadsVariable)
-        ->transform(whole(1, 4096));
+        ->transform(apps::whole(1, 4096));
   };
 
   const auto add_sampling = [&](CLI::App* command) {
     command->add_option("--chains", sampling.chains, "independent chains (default 4)")
-        ->transform(whole(1, 1000));
+        ->transform(apps::whole(1, 1000));
     command
         ->add_option("--warmup", sampling.warmup,
                      "iterations a chain before the first draw (default: chosen)")
-        ->transform(whole(1, kMany));
+        ->transform(apps::whole(1, kMany));
     command
         ->add_option("--draws", sampling.draws,
                      "draws a chain, after warm-up (default: until converged)")
-        ->transform(whole(100, kMany));
+        ->transform(apps::whole(100, kMany));
     command
         ->add_option("--search", sampling.searches,
                      "climbs to modes of each model, from draws of its prior (default: chosen)")
-        ->transform(whole(0, kMany));
+        ->transform(apps::whole(0, kMany));
     command
         ->add_option("--checkpoint", common.checkpoint_seconds,
                      "seconds between two checkpoints for --resume (default 60; 0: none)")
-        ->check(seconds());
+        ->check(apps::seconds());
     CLI::Option* prior_only = command->add_flag("--prior-only", sampling.prior_only,
                                                 "leave the data out: must return the prior");
     command
@@ -403,7 +310,7 @@ int run(int argc, char** argv) {
       app.add_subcommand("modes", "natural frequencies of the case's beam or structure");
   add_case(modes_command);
   modes_command->add_option("--modes", modes.modes, "how many, rigid-body ones included")
-      ->transform(whole(1, kMany));
+      ->transform(apps::whole(1, kMany));
   modes_command->add_flag("--truth", modes.truth, "damaged as damage.truth says");
   modes_command->add_flag("--json", modes.json, "as JSON");
   modes_command->add_flag("--shapes", modes.shapes, "with --json: the shapes too");
@@ -430,9 +337,9 @@ int run(int argc, char** argv) {
                            "convert: csv, nc or uff, or the file to write with such an ending");
   data_command
       ->add_option("--sample-rate", measured.sample_rate_hz, "in Hz, where the file does not say")
-      ->check(positive());
+      ->check(apps::positive());
   data_command->add_flag("--json", measured.json, "as JSON");
-  add_layout(data_command, measured.layout);
+  apps::add_layout(data_command, measured.layout);
   data_command->add_flag("--resample", measured.resample,
                          "interpolate a record of uneven time steps at an even rate");
 
@@ -524,7 +431,7 @@ int run(int argc, char** argv) {
       "serve", "offer the case's predictor to other programs, as a UM-Bridge model");
   add_case(serve_command);
   serve_command->add_option("--port", serving.port, "to listen at (default: one that is free)")
-      ->transform(whole(0, 65535));
+      ->transform(apps::whole(0, 65535));
   serve_command->add_option("--host", serving.host,
                             "address to listen at (default 127.0.0.1, this machine alone; 0.0.0.0: "
                             "whoever reaches it)");
@@ -556,7 +463,7 @@ int run(int argc, char** argv) {
       ->add_option("--prior", comparing.prior,
                    "their prior weights, one a folder, after commas (default: all alike)")
       ->delimiter(',')
-      ->check(positive());
+      ->check(apps::positive());
   compare_command->add_flag("--json", comparing.json, "as JSON");
 
   std::string starting;

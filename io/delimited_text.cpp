@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "io/text.hpp"
+#include "io/text_cells.hpp"
 
 namespace wheeltap::io {
 namespace {

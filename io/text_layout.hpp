@@ -74,28 +74,8 @@ struct TableShape {
   bool index_unnamed = false;  ///< names leave out the first column, which counts the rows
 };
 
-/// Whether a line is a comment: "#", "%", "!", "//", "$", "&", ">", "~", "@" or "***" before
-/// anything else, unless that is a missing value ("#N/A").
-[[nodiscard]] bool is_comment_line(std::string_view line);
-
-/// A comment or line of names without its mark: those of comments, and ";", ":", "--", and quotes
-/// that are not closed.
-[[nodiscard]] std::string_view without_comment_mark(std::string_view line);
-
 /// Whether a line could be remarks behind the rows: its first cell is neither a number nor a stamp.
 [[nodiscard]] bool is_remark(std::string_view line, const TableShape& shape);
-
-/// Takes the next cell off the front of a line, with the separator behind it; blanks and quotes
-/// are still on it. Returns whether there is another.
-bool take_cell(std::string_view& line, char separator, std::string_view& cell);
-
-/// The cells of a line, trimmed and without quotes that enclose them.
-[[nodiscard]] std::vector<std::string> loose_cells(std::string_view line, char separator);
-
-/// Column names that stand in a line of `columns` names by this separator: of names separated by
-/// blanks, a unit in brackets belongs to the name before it. Empty where there are not as many.
-[[nodiscard]] std::vector<std::string> names_in(std::string_view line, char separator,
-                                                std::size_t columns);
 
 /// Why a text's layout cannot be found, and what would settle it.
 struct UnclearLayout : std::runtime_error {
@@ -109,9 +89,5 @@ struct UnclearLayout : std::runtime_error {
 [[nodiscard]] TableShape find_shape(const std::vector<TextLine>& head,
                                     const std::vector<TextLine>& body, const TextLayout& stated,
                                     bool header_first);
-
-/// Whether a text is how a unit is spelled: "m/s^2", "[kN]", "(-)". Of no other meaning than to
-/// tell a line of units from a line of names; signals/units.hpp knows what units are.
-[[nodiscard]] bool spells_unit(std::string_view text);
 
 }  // namespace wheeltap::io

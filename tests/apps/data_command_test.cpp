@@ -59,7 +59,6 @@ TEST_F(DataCommand, TextsThatAreNotUtf8) {
   EXPECT_EQ(out["tables"][0]["channels"][0]["unit"], "µm");
 }
 
-// Every bit survives, in every format that we write and read.
 // What was detected is said, and what only the user can know is asked.
 TEST_F(DataCommand, SaysHowATextIsRead) {
   where.write("one.txt", "0,1108\n-0,1845\n0,2598\n0,0751\n");
@@ -76,6 +75,7 @@ TEST_F(DataCommand, SaysHowATextIsRead) {
   EXPECT_THAT(run(path("tail.csv")).out, HasSubstr("line 6 behind the rows is not part"));
 }
 
+// Every bit survives, in every format that we write and read.
 TEST_F(DataCommand, ConvertsWithoutLoss) {
   const signals::Record before = signals::read_record(path("record.csv"));
   ASSERT_EQ(run(path("record.csv") + " --to " + path("a.csv")).exit_code, 0);

@@ -253,7 +253,7 @@ TEST(OccamsWindow, OfFewModelsThosePassedOverHaveNoEvidence) {
       reversible_jump(problem_of(space, data, data.y.size()),
                       {.seed = 4, .chains = 4, .warmup = 2000, .draws = 2000});
   const Verdict verdict = judge(posterior);
-  EXPECT_GT(verdict.passed_over, 2);
+  ASSERT_GT(verdict.passed_over, 0);
   for (int m = 0; m < space.size(); ++m) {
     const ModelStanding& standing = verdict.models[static_cast<std::size_t>(m)];
     if (standing.passed_over) {
