@@ -73,8 +73,7 @@ void add_layout(CLI::App* command, io::TextLayout& layout) {
   };
   add_line("--skip", layout.skip, "how many lines at the top are passed over");
   add_line("--header", layout.header, "the line of names, from 1; 0 where there is none");
-  add_line("--units-row", layout.units_row,
-           "the line of units, from 1; 0 where there is none");
+  add_line("--units-row", layout.units_row, "the line of units, from 1; 0 where there is none");
   command->add_option_function<std::string>(
       "--time-format",
       [&layout](const std::string& text) {

@@ -85,7 +85,6 @@ void check_date_of_files() {
   }
 }
 
-
 // How the program is asked to start, before anything else of the command line is read.
 void obey_simd(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
@@ -94,7 +93,8 @@ void obey_simd(int argc, char** argv) {
     std::string value;
     if (word == kOption && i + 1 < argc) value = argv[i + 1];
     if (word.starts_with(std::string(kOption) + "=")) value = word.substr(kOption.size() + 1);
-    if (value == "baseline" || value == "avx2" || value == "avx512") apps::restart_with(value, argv);
+    if (value == "baseline" || value == "avx2" || value == "avx512")
+      apps::restart_with(value, argv);
   }
 }
 

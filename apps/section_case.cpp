@@ -155,7 +155,10 @@ void check_sizes(const CaseFile& file, const Pointer& where) {
   const std::string what =
       shape.empty() ? "a section without a shape" : "a \"" + shape + "\" section";
   for (const auto& size : sizes) {
-    if (!s.contains(size)) file.refuse(where / size, "is missing: " + what + " has " + list);
+    if (!s.contains(size))
+      file.refuse(where / size, "is missing: " + what + " has " + list + "; write \"" + size +
+                                    (shape.empty() ? "\" with its value in SI units"
+                                                   : "\": 0.01 with the size in metres"));
   }
   for (const auto& [key, ignored] : s.items()) {
     if (key != "shape" && key != "shear_coefficient" &&

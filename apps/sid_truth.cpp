@@ -111,7 +111,8 @@ void parse_truth(SidCaseFile& parsed) {
   if (found == out.models.end()) {
     std::vector<std::string> names;
     for (const SidModel& model : out.models) names.push_back(model.name);
-    file.refuse(where / "model", "no model has this name; there are: " + listed(names));
+    file.refuse(where / "model",
+                "no model has this name" + did_you_mean(t["model"].get<std::string>(), names));
   }
   truth.model = static_cast<int>(found - out.models.begin());
   truth.theta.assign(out.parameters.size(), kNaN);

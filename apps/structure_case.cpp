@@ -214,7 +214,7 @@ class MemberParser {
         std::vector<std::string> names;
         for (const auto& [one, ignored] : all.items()) names.push_back(one);
         file_.refuse(stands,
-                     std::string("no ") + key + " has this name; there are: " + listed(names));
+                     std::string("no ") + key + " has this name" + did_you_mean(name, names));
       }
       const Pointer place = kStructure / (std::string(key) + "s") / name;
       (key == std::string("material") ? piece.material : piece.section) = name;

@@ -149,7 +149,8 @@ class SectionParser {
   }
   Coefficient needed(const std::string& key, const std::string& what, const Keys& sizes) {
     if (!s_.contains(key))
-      file_.refuse(where_ / key, "is missing: " + what + " has " + listed(sizes));
+      file_.refuse(where_ / key, "is missing: " + what + " has " + listed(sizes) + "; write \"" +
+                                     key + "\" with its value in SI units");
     return take(where_ / key, kPositive);
   }
   std::optional<Coefficient> optional(const char* key, const Bounds& bounds) {

@@ -351,8 +351,14 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
     }
     const inference::Prior* severity = kinds[k].severity_prior();
     if (severity == nullptr || !std::isfinite(severity->upper())) continue;
+    // Shares and quantiles: some ten thousand draws are enough, millions are not held.
+    constexpr std::size_t kEnough = 20'000;
+    std::size_t all = 0;
+    for (const inference::Chain& chain : draws.posterior().chains) all += chain.size();
+    const std::size_t every = std::max<std::size_t>(1, all / kEnough);
     std::vector<double> severities, weights;
     draws.for_each([&](std::size_t c, std::size_t i) {
+      if (i % every != 0) return;
       for (const Component& component : draws.at(c, i)) {
         if (component.kind != static_cast<int>(k)) continue;
         severities.push_back(component.severity);

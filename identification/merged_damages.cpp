@@ -188,12 +188,16 @@ class Merger {
 
 /// Draws of a model, evenly spaced over its chains.
 std::vector<std::pair<std::size_t, std::size_t>> some_draws(const UnpackedDraws& draws, int model) {
-  std::vector<std::pair<std::size_t, std::size_t>> all, out;
-  for (std::size_t c = 0; c < draws.posterior().chains.size(); ++c)
-    for (std::size_t i = 0; i < draws.posterior().chains[c].size(); ++i)
-      if (draws.model(c, i) == model) all.emplace_back(c, i);
-  const std::size_t n = std::min(all.size(), kMergedDraws);
-  for (std::size_t i = 0; i < n; ++i) out.push_back(all[i * all.size() / n]);
+  std::size_t all = 0;
+  draws.for_each([&](std::size_t c, std::size_t i) { all += draws.model(c, i) == model ? 1 : 0; });
+  const std::size_t n = std::min(all, kMergedDraws);
+  std::vector<std::pair<std::size_t, std::size_t>> out;
+  std::size_t number = 0;
+  draws.for_each([&](std::size_t c, std::size_t i) {
+    if (draws.model(c, i) != model) return;
+    if (out.size() < n && number == out.size() * all / n) out.emplace_back(c, i);
+    ++number;
+  });
   return out;
 }
 

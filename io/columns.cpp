@@ -43,9 +43,9 @@ int Columns::find(std::string_view column) const {
       if (columns[i].*field == column) found.push_back(static_cast<int>(i));
     if (found.size() == 1) return found.front();
     if (found.size() > 1)
-      throw FileError(FileError::Kind::corrupt, file,
-                      std::to_string(found.size()) + " columns are called '" + std::string(column) +
-                          "'; use the column's number");
+      throw NoSuchColumn(file, std::string(column),
+                         std::to_string(found.size()) + " columns are called '" +
+                             std::string(column) + "'; use the column's number");
   }
   int place = 0;
   const auto [end, error] = std::from_chars(column.data(), column.data() + column.size(), place);
@@ -54,8 +54,8 @@ int Columns::find(std::string_view column) const {
     return place - 1;
   std::string known;
   for (const Column& c : columns) known += (known.empty() ? "'" : ", '") + c.header + "'";
-  throw FileError(FileError::Kind::corrupt, file,
-                  "no column '" + std::string(column) + "', there are " + known);
+  throw NoSuchColumn(file, std::string(column),
+                     "no column '" + std::string(column) + "', there are " + known);
 }
 
 Place Columns::place(std::size_t row, int column) const {

@@ -60,4 +60,15 @@ class FileError : public std::runtime_error {
   std::string reason_;
 };
 
+/// A column that a file does not have, or has several of.
+class NoSuchColumn : public FileError {
+ public:
+  NoSuchColumn(std::filesystem::path path, std::string column, std::string reason)
+      : FileError(Kind::corrupt, std::move(path), std::move(reason)), column_(std::move(column)) {}
+  [[nodiscard]] const std::string& column() const { return column_; }
+
+ private:
+  std::string column_;
+};
+
 }  // namespace wheeltap::io

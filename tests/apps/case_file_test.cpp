@@ -148,6 +148,8 @@ TEST(CaseFile, SuggestsTheNearestKey) {
   Json json = small_case();
   json["beam"]["lenght"] = 1.0;
   EXPECT_THAT(complaint(json), HasSubstr("/beam/lenght"));
+  EXPECT_THAT(complaint(json), HasSubstr("\"length\" is given already: remove this key"));
+  json["beam"].erase("length");
   EXPECT_THAT(complaint(json), HasSubstr("did you mean \"length\"?"));
   json = small_case();
   json["zzz"] = 1;

@@ -352,13 +352,15 @@ def programs_predict(runs, _):
     line = runs.fails(outside(named), 64, "/predictor/command", "--allow-commands")
     assert "./model" in line
     found = []
-    before = set(os.listdir(tempfile.gettempdir()))
+    scratch = runs.folder / "scratch"
+    scratch.mkdir()
+    os.environ["TMPDIR"] = str(scratch)
     for predictor in [named, {"command": [str(runs.folder / "numbers"), "{in}", "{out}"], "format": "numbers",
                               "inputs": ["N", "E"], "emulator": FRONT}]:
         told = runs.summary(outside(predictor), "--allow-commands")
         assert told["predictor"]["asked"] == 38
         found.append(draws(runs.folder / f"out{runs.made - 1}"))
-    left = {name for name in set(os.listdir(tempfile.gettempdir())) - before if name.startswith("wheeltap-")}
+    left = os.listdir(scratch)
     assert not left, left
     with Server({"strip": Model(2, MODES, strip)}) as server:
         runs.summary(outside({"umbridge": server.url, "emulator": FRONT}))

@@ -323,6 +323,7 @@ json from_units(const Workspace& where, const std::string& header, double time, 
   json c = from_file("record.csv");
   c["record"]["channels"][0]["column"] = "force";
   c["record"]["channels"][1]["column"] = "displacement";
+  c["record"]["initial"] = "rest";
   return c;
 }
 

@@ -398,7 +398,8 @@ TEST(StructureCase, RefusesParametersThatAreNone) {
 TEST(StructureCase, RefusesMixedAndMissingKinds) {
   expect_refused({{"kind", "damage"}, {"structure", json::object()}},
                  "/structure: must have \"nodes\"");
-  expect_refused(changed("/structure/chain", {{"masses", {1}}, {"links", json::array()}}),
+  const json link = {{"between", {0, 1}}, {"stiffness", 1e5}};
+  expect_refused(changed("/structure/chain", {{"masses", {1}}, {"links", {link}}}),
                  "does not go with \"chain\"");
   expect_refused(changed("/structure/dofs", "d.csv"),
                  "/structure/dofs: \"d.csv\": does not go with \"nodes\"");

@@ -12,8 +12,8 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 /// What a command says of a case: 65 and one line with these words.
-void expect_refused(const Workspace& where, const std::string& command, const json& c,
-                    const std::string& words) {
+void expect_refused_by(const Workspace& where, const std::string& command, const json& c,
+                       const std::string& words) {
   const Outcome ran = wheeltap(where, command + " " + where.write_json("c.json", c).string());
   EXPECT_EQ(ran.exit_code, 65) << command << ": " << ran.err;
   EXPECT_EQ(std::ranges::count(ran.err, '\n'), 1) << ran.err;
@@ -37,23 +37,25 @@ TEST(EmptyStructures, RejectsEmptyLinksAndMembers) {
   for (const std::string& command :
        std::vector<std::string>{"modes", "modes --truth", "damage --quick" + out, "serve",
                                 "simulate -o " + (where / "s.json").string()}) {
-    expect_refused(where, command, chain, "/structure/chain/links: []: is empty: at least one");
-    expect_refused(where, command, frame, "/structure/members: []: is empty: at least one");
+    expect_refused_by(where, command, chain, "/structure/chain/links: []: is empty: at least one");
+    expect_refused_by(where, command, frame, "/structure/members: []: is empty: at least one");
   }
   for (json* c : {&chain, &frame}) {
     (*c)["kind"] = "update";
     c->erase("damage");
-    expect_refused(where, "update" + out, *c, "is empty: at least one is needed");
+    (*c)["parameters"] = {{"E", {{"uniform", {190e9, 220e9}}}}};
+    expect_refused_by(where, "update" + out, *c, "is empty: at least one is needed");
   }
   frame["kind"] = "damage";
   frame["damage"] = {
       {"kind", "reduction"}, {"count", {{"max", 1}}}, {"reduction", {{"uniform", {0, 0.9}}}}};
   frame["structure"].erase("members");
-  expect_refused(where, "modes", frame, "has neither members nor springs");
+  expect_refused_by(where, "modes", frame, "has neither members nor springs");
   frame["structure"]["springs"] =
       json::parse(R"([{"node": "A", "direction": "x", "stiffness": 1e5}])");
   frame["structure"]["masses"] = json::parse(R"([{"node": "A", "mass": 1}])");
-  expect_refused(where, "damage" + out, frame, "/damage/kind: \"reduction\": the structure has no");
+  expect_refused_by(where, "damage" + out, frame,
+                    "/damage/kind: \"reduction\": the structure has no");
 }
 
 class StructureHardInput : public testing::Test {

@@ -142,9 +142,10 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
 // Climbs step over what is narrower than the distance of the points that they evaluate.
 TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
   Posterior posterior = made_up(0.5, 1000);
-  for (auto& found : posterior.found) {
-    found.climbs = 200;
-    found.spacing = 0.3;
+  posterior.found = {found(-10.0), found(-12.0)};
+  for (auto& model : posterior.found) {
+    model.climbs = 200;
+    model.spacing = 0.3;
   }
   const Report d = judged(posterior);
   EXPECT_EQ(d["resolution_width"], 0.3);

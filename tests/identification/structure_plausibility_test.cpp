@@ -19,7 +19,7 @@ const R* find(const std::vector<Remark>& remarks) {
 constexpr fem::Material kSteel = {.young = 2.1e11, .poisson = 0.3, .density = 7850.0};
 
 // Nodes at the corners of a square of 1 m, and members between them.
-fem::Structure square(const std::vector<std::array<int, 2>>& members) {
+fem::Structure square_frame(const std::vector<std::array<int, 2>>& members) {
   fem::Structure out{.dimension = 2, .nodes = {}, .members = {}};
   const std::array<fem::Vector3, 4> corners = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
   const std::array<const char*, 4> names = {"A", "B", "C", "D"};
@@ -71,8 +71,8 @@ TEST(StructurePlausibility, ABeamInMillimetresIsSaid) {
 }
 
 TEST(StructurePlausibility, TwinMembersAndUnusedNodesAreSaid) {
-  EXPECT_TRUE(implausible(AnyStructure(square({{0, 1}, {1, 2}, {2, 3}, {3, 0}}))).empty());
-  const auto remarks = implausible(AnyStructure(square({{0, 1}, {1, 2}, {1, 0}})));
+  EXPECT_TRUE(implausible(AnyStructure(square_frame({{0, 1}, {1, 2}, {2, 3}, {3, 0}}))).empty());
+  const auto remarks = implausible(AnyStructure(square_frame({{0, 1}, {1, 2}, {1, 0}})));
   const auto* twins = find<remark::TwinMembers>(remarks);
   ASSERT_NE(twins, nullptr);
   EXPECT_EQ(twins->first, "AB");
@@ -83,7 +83,7 @@ TEST(StructurePlausibility, TwinMembersAndUnusedNodesAreSaid) {
 }
 
 TEST(StructurePlausibility, MembersThatCrossWithoutAJointAreSaid) {
-  fem::Structure crossed = square({{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}});
+  fem::Structure crossed = square_frame({{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}});
   const auto remarks = implausible(AnyStructure(crossed));
   const auto* found = find<remark::CrossingMembers>(remarks);
   ASSERT_NE(found, nullptr);
@@ -91,7 +91,7 @@ TEST(StructurePlausibility, MembersThatCrossWithoutAJointAreSaid) {
   EXPECT_NEAR(found->pairs[0].at[0], 0.5, 1e-12);
   EXPECT_TRUE(found->pairs[0].between);
   // A member that ends on another between its nodes.
-  fem::Structure tee = square({{0, 1}, {2, 3}, {1, 2}, {3, 0}});
+  fem::Structure tee = square_frame({{0, 1}, {2, 3}, {1, 2}, {3, 0}});
   tee.nodes.push_back({.name = "M", .at = {0.5, 0, 0}});
   tee.members.push_back(tee.members[0]);
   tee.members.back().name = "MC";

@@ -42,7 +42,7 @@ class InSlab final : public Likelihood {
   Needle needle_;
 };
 
-NeedleProblem problem_of(const Needle& needle) {
+NeedleProblem needle_problem(const Needle& needle) {
   const int d = needle.dimension;
   std::vector<Parameter> parameters;
   std::vector<std::string> names;
@@ -95,7 +95,7 @@ const std::vector<NeedleProblem>& needle_problems() {
              Needle{"2-d, 1e-6 at .51", 2, 0.5, 0.51, 1e-6, 1e-4},
              Needle{"3-d, 1e-5, one centre", 3, 0.5, 0.5, 1e-5, 1.0},
          })
-      out.push_back(problem_of(needle));
+      out.push_back(needle_problem(needle));
     return out;
   }();
   return all;

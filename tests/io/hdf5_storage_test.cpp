@@ -38,7 +38,7 @@ void write(const std::filesystem::path& path, const Add& add) {
 }
 
 /// A dataset "x" in a group, made by this property list.
-void put(hid_t file, hid_t space, hid_t created) {
+void create(hid_t file, hid_t space, hid_t created) {
   const hid_t group = H5Gcreate2(file, "daq", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   const hid_t data =
       H5Dcreate2(group, "x", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, created, H5P_DEFAULT);
@@ -77,7 +77,7 @@ TEST_F(Hdf5Storage, RejectsExternalStorage) {
   write(path_, [this](hid_t file, hid_t space) {
     const hid_t created = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_external(created, secret_.c_str(), 0, kLength * sizeof(double));
-    put(file, space, created);
+    create(file, space, created);
   });
   rejects("\"daq/x\" keeps its numbers in another file (external storage)");
 }
@@ -86,7 +86,7 @@ TEST_F(Hdf5Storage, RejectsAVirtualDataset) {
   write(path_, [this](hid_t file, hid_t space) {
     const hid_t created = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_virtual(created, space, secret_.c_str(), "x", space);
-    put(file, space, created);
+    create(file, space, created);
   });
   rejects("\"daq/x\" takes its numbers from other files (a virtual dataset)");
 }
@@ -100,7 +100,7 @@ TEST_F(Hdf5Storage, RejectsALinkToAnotherFile) {
 
 TEST_F(Hdf5Storage, TakesAFileThatHoldsItsOwnNumbers) {
   write(path_, [](hid_t file, hid_t space) {
-    put(file, space, H5Pcreate(H5P_DATASET_CREATE));
+    create(file, space, H5Pcreate(H5P_DATASET_CREATE));
     H5Lcreate_soft("/t", file, "again", H5P_DEFAULT, H5P_DEFAULT);
   });
   EXPECT_NO_THROW(require_own_storage(path_));
