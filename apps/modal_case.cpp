@@ -352,6 +352,8 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
       }
       estimate_responses(file, out, forces);
     }
+  } catch (const io::NoSuchColumn& error) {
+    refuse_column(file, where, error);
   } catch (const io::FileError& error) {
     throw Failure(Exit::bad_input, error.what());
   }

@@ -37,6 +37,17 @@ const char* name(TimeBasis basis) {
   return "";
 }
 
+/// Where the block of a record names a column: in one of its channels, or itself.
+Pointer place_of(const CaseFile& file, const Pointer& block, const std::string& column) {
+  const Json& b = file.json.at(block);
+  if (b.contains("channels")) {
+    for (std::size_t i = 0; i < b.at("channels").size(); ++i)
+      if (text_or_number(b.at("channels")[i].at("column")) == column)
+        return block / "channels" / i / "column";
+  }
+  return b.contains("column") ? block / "column" : block / "file";
+}
+
 }  // namespace
 
 io::TextLayout parse_layout(const CaseFile& file, const Pointer& where) {
@@ -70,6 +81,12 @@ io::ArrayLayout parse_array_layout(const CaseFile& file, const Pointer& where) {
   if (r.is_object() && r.contains("rows_are_channels"))
     out.rows_are_channels = r["rows_are_channels"].get<bool>();
   return out;
+}
+
+void refuse_column(const CaseFile& file, const Pointer& block, const io::NoSuchColumn& error) {
+  const Pointer at = place_of(file, block, error.column());
+  file.refuse(at, error.reason() + " in " + error.path().filename().string() +
+                      (file.json.at(at).is_number() ? "; numbers count columns from 1" : ""));
 }
 
 std::string layout_in_words(const io::FoundLayout& layout) {

@@ -23,6 +23,10 @@ struct ChannelUse {
 /// rows_are_channels of the block at `where`.
 [[nodiscard]] io::ArrayLayout parse_array_layout(const CaseFile& file, const Pointer& where);
 
+/// Refuses the channel that names a column which the file of the record at `block` lacks.
+[[noreturn]] void refuse_column(const CaseFile& file, const Pointer& block,
+                                const io::NoSuchColumn& error);
+
 /// "Columns are separated by semicolons, …": what was found in a text, a sentence.
 [[nodiscard]] std::string layout_in_words(const io::FoundLayout& layout);
 [[nodiscard]] Report layout_json(const io::FoundLayout& layout);

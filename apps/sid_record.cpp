@@ -37,17 +37,6 @@ RecordUse parse_use(const CaseFile& file) {
   return use;
 }
 
-/// Where the block of a record names a column: in one of its channels, or itself.
-Pointer place_of(const CaseFile& file, const Pointer& block, const std::string& column) {
-  const Json& b = file.json.at(block);
-  if (b.contains("channels")) {
-    for (std::size_t i = 0; i < b.at("channels").size(); ++i)
-      if (text_or_number(b.at("channels")[i].at("column")) == column)
-        return block / "channels" / i / "column";
-  }
-  return b.contains("column") ? block / "column" : block / "file";
-}
-
 }  // namespace
 
 signals::Record read_record(const CaseFile& file, const Pointer& where,
@@ -60,9 +49,7 @@ signals::Record read_record(const CaseFile& file, const Pointer& where,
                                        .layout = parse_layout(file, block),
                                        .arrays = parse_array_layout(file, block)});
   } catch (const io::NoSuchColumn& error) {
-    const Pointer at = place_of(file, block, error.column());
-    file.refuse(at, error.reason() + " in " + error.path().filename().string() +
-                        (file.json.at(at).is_number() ? "; numbers count columns from 1" : ""));
+    refuse_column(file, block, error);
   } catch (const io::FileError& error) {
     throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
                   error.what());

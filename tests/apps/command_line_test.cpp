@@ -124,7 +124,7 @@ TEST(CommandLine, BadCasesEndWith65AndNameThePlace) {
   const auto broken =
       where.write("broken.json", "{\"kind\": \"damage\",\n  \"beam\": {\"length\": NaN}}");
   expect_refusal(where, "damage " + broken.string() + " -o x", 65, {"broken.json:2:22"});
-  const auto csv = where.write("f.csv", "mode,frequency\n1,13.8\n2,nan\n");
+  const auto csv = where.write("f.csv", "mode,frequency\n1,13.8\n2,abc\n");
   expect_refusal(where, with("data={\"file\":\"f.csv\",\"cov\":0.01}"), 65, {"f.csv:3:2"});
   expect_refusal(where, "modes " + good + " --modes 1000", 65, {"/beam", "1000"});
 }

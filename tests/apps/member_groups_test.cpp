@@ -177,7 +177,7 @@ TEST_F(MemberGroups, Refusals) {
   refused(bad, "/damage/groups: is missing: must be an object with a list of members");
   bad = given;
   bad["damage"]["groups"]["beams"] = {"floor", "rof"};
-  refused(bad, "/damage/groups/beams/1: \"rof\": there is no member of this name; is it \"roof\"?");
+  refused(bad, "/damage/groups/beams/1: \"rof\": there is no member of this name; did you mean \"roof\"?");
   bad = given;
   bad["damage"]["groups"]["beams"] = {"floor", "floor"};
   refused(bad, "/damage/groups/beams/1: \"floor\": is in this substructure already");
@@ -191,7 +191,7 @@ TEST_F(MemberGroups, Refusals) {
   refused(bad, "/damage/groups: goes with \"kind\": \"substructure\" only");
   bad = given;
   bad["damage"]["on"] = {"beam"};
-  refused(bad, "there is no substructure of this name; is it \"beams\"?");
+  refused(bad, "there is no substructure of this name; did you mean \"beams\"?");
 }
 
 }  // namespace

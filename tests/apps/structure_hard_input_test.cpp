@@ -47,6 +47,7 @@ TEST(EmptyStructures, RejectsEmptyLinksAndMembers) {
     expect_refused_by(where, "update" + out, *c, "is empty: at least one is needed");
   }
   frame["kind"] = "damage";
+  frame.erase("parameters");
   frame["damage"] = {
       {"kind", "reduction"}, {"count", {{"max", 1}}}, {"reduction", {{"uniform", {0, 0.9}}}}};
   frame["structure"].erase("members");
