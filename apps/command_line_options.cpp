@@ -49,7 +49,7 @@ CLI::Validator seconds() {
                 [](double x) { return x >= 0.0 && x <= 1e9; });
 }
 
-void add_layout(CLI::App* command, io::TextLayout& layout) {
+void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arrays) {
   const std::string rest = " of delimited text; detected unless given";
   command
       ->add_option_function<std::string>(
@@ -84,6 +84,12 @@ void add_layout(CLI::App* command, io::TextLayout& layout) {
               text + ": must be day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
       },
       "the form of time stamps: day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
+  command->add_option("--sheet", layout.sheet,
+                      "the sheet of an Excel workbook; the first that is not hidden unless given");
+  command->add_option_function<bool>(
+      "--rows-are-channels", [&arrays](const bool& rows) { arrays.rows_are_channels = rows; },
+      "true or false: whether each row of a matrix is a channel, in MATLAB, NumPy, NetCDF and HDF5 "
+      "files; the longer dimension runs along time unless given");
 }
 
 }  // namespace wheeltap::apps

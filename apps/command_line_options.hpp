@@ -20,7 +20,8 @@ namespace wheeltap::apps {
 /// Numbers from 0 to 1e9.
 [[nodiscard]] CLI::Validator seconds();
 
-/// Adds options for how a delimited text is laid out, named as the keys of a case's record are.
-void add_layout(CLI::App* command, io::TextLayout& layout);
+/// Adds options for how a text, a workbook or a file of arrays is laid out, named as the keys of a
+/// case's record are.
+void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arrays);
 
 }  // namespace wheeltap::apps

@@ -48,9 +48,10 @@ class Measured {
 
   [[nodiscard]] Report in(const Report& block) const {
     Report out = Report::object();
-    for (const char* key : {"frequencies", "shapes", "columns", "row", "modes", "samples",
-                            "sample_rate", "temperature", "repeats", "decimal", "separator", "skip",
-                            "header", "units_row", "time_format", "time_unit", "rows_are_channels"})
+    for (const char* key :
+         {"frequencies", "shapes", "columns", "row", "modes", "samples", "sample_rate",
+          "temperature", "repeats", "decimal", "separator", "skip", "header", "units_row",
+          "time_format", "time_unit", "rows_are_channels", "sheet"})
       if (block.contains(key)) out[key] = block[key];
     for (const char* key : {"from", "file"})
       if (block.contains(key)) out[key] = content_of(block[key]);

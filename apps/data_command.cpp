@@ -33,6 +33,8 @@ void print_universal(const io::UniversalFile& file) {
               << significant(file.units->factors[1], 6) << " of the file's)\n";
   if (!file.nodes.empty())
     std::cout << file.nodes.size() << " nodes, " << file.traces.size() << " trace lines\n";
+  if (!file.elements.empty()) std::cout << file.elements.size() << " finite elements\n";
+  if (!file.systems.empty()) std::cout << file.systems.size() << " coordinate systems\n";
   for (const io::UniversalShape& s : file.shapes) {
     std::cout << "Shape at " << s.nodes.size() << " nodes";
     if (std::isfinite(s.frequency_hz()))
@@ -233,8 +235,7 @@ Report data_report(const MeasuredFile& file) {
 }
 
 void run_data(const DataOptions& options) {
-  const MeasuredFile file =
-      look_at(options.file, options.sample_rate_hz, options.layout, options.resample);
+  const MeasuredFile file = look_at(options.file, options.reading);
   if (options.json) {
     std::cout << data_report(file).dump() << "\n";
   } else {

@@ -12,12 +12,10 @@ namespace wheeltap::apps {
 
 struct DataOptions {
   std::filesystem::path file;
-  std::filesystem::path page;            ///< draw it into this HTML file
-  std::string to;                        ///< csv, nc or uff, or a file with such an ending: convert
-  std::optional<double> sample_rate_hz;  ///< where the file says none
+  std::filesystem::path page;  ///< draw it into this HTML file
+  std::string to;              ///< csv, nc or uff, or a file with such an ending: convert
   bool json = false;
-  io::TextLayout layout = {};  ///< of delimited text, as stated
-  bool resample = false;       ///< uneven records are interpolated at an even rate
+  MeasuredReading reading = {};
 };
 
 /// {file, format, tables: [{rows, sample_rate_hz, channels: [{name, unit, rms, peaks, …}, …]}, …]}.

@@ -329,18 +329,21 @@ int run(int argc, char** argv) {
   apps::DataOptions measured;
   CLI::App* data_command =
       app.add_subcommand("data", "what a measured file holds, and what is odd about it");
-  data_command->add_option("FILE", measured.file, "delimited text, MATLAB or universal file")
+  data_command
+      ->add_option("FILE", measured.file,
+                   "delimited text, MATLAB, Excel, universal file or another format")
       ->required();
   data_command->add_option("-o,--output", measured.page, "draw the record into this file")
       ->type_name("FILE.html");
   data_command->add_option("--to", measured.to,
                            "convert: csv, nc or uff, or the file to write with such an ending");
   data_command
-      ->add_option("--sample-rate", measured.sample_rate_hz, "in Hz, where the file does not say")
+      ->add_option("--sample-rate", measured.reading.sample_rate_hz,
+                   "in Hz, where the file does not say")
       ->check(apps::positive());
   data_command->add_flag("--json", measured.json, "as JSON");
-  apps::add_layout(data_command, measured.layout);
-  data_command->add_flag("--resample", measured.resample,
+  apps::add_layout(data_command, measured.reading.layout, measured.reading.arrays);
+  data_command->add_flag("--resample", measured.reading.resample,
                          "interpolate a record of uneven time steps at an even rate");
 
   CLI::App* table_command = app.add_subcommand(

@@ -162,10 +162,9 @@ long MeasuredTable::rows() const {
                     : (channels.empty() ? 0 : static_cast<long>(channels[0].values.size()));
 }
 
-MeasuredFile look_at(const std::filesystem::path& path, std::optional<double> sample_rate_hz,
-                     const io::TextLayout& layout, bool resample) {
-  if (sample_rate_hz && !(*sample_rate_hz > 0.0))
-    throw std::invalid_argument("sample rate = " + base::number(*sample_rate_hz) +
+MeasuredFile look_at(const std::filesystem::path& path, const MeasuredReading& reading) {
+  if (reading.sample_rate_hz && !(*reading.sample_rate_hz > 0.0))
+    throw std::invalid_argument("sample rate = " + base::number(*reading.sample_rate_hz) +
                                 ": must be positive");
   constexpr std::size_t kBeginning = 512;
   const io::Format& format = io::format_of(path, io::first_bytes(path, kBeginning));
@@ -177,9 +176,10 @@ MeasuredFile look_at(const std::filesystem::path& path, std::optional<double> sa
     const io::Wanted no_texts = [](const io::Columns& table, std::size_t column) {
       return table.columns[column].cells != io::CellKind::text;
     };
-    io::Columns columns = io::read_columns(path, no_texts, io::formats(), layout);
+    io::Columns columns =
+        io::read_columns(path, no_texts, io::formats(), reading.layout, reading.arrays);
     out.others = std::move(columns.others);
-    out.tables.push_back(table_of(std::move(columns), sample_rate_hz, resample));
+    out.tables.push_back(table_of(std::move(columns), reading.sample_rate_hz, reading.resample));
   }
   return out;
 }

@@ -27,7 +27,7 @@ struct MeasuredTable {
   bool is_time = true;                            ///< otherwise a spectrum or the like
   std::optional<double> sample_rate_hz = {};
   signals::Sampling sampling = {};             ///< where there is a time and no fault
-  std::optional<io::FoundLayout> layout = {};  ///< of delimited text
+  std::optional<io::FoundLayout> layout = {};  ///< of delimited text and workbooks
   /// Columns that hold no numbers, in sentences.
   std::vector<std::string> left_out = {};
   /// Units that names may mean and that are not applied, in sentences.
@@ -46,11 +46,17 @@ struct MeasuredFile {
   std::optional<io::UniversalFile> universal = {};
 };
 
-/// `layout` of a delimited text as stated; with `resample`, records are interpolated at an even
-/// rate. Throws io::FileError, and std::invalid_argument for a rate that is not positive.
+/// How a file is to be read; what is not stated is detected.
+struct MeasuredReading {
+  std::optional<double> sample_rate_hz = {};  ///< where the file says none
+  io::TextLayout layout = {};                 ///< of delimited text and Excel workbooks
+  io::ArrayLayout arrays = {};                ///< of MATLAB, NumPy, NetCDF and HDF5 files
+  bool resample = false;                      ///< uneven records are interpolated at an even rate
+};
+
+/// Throws io::FileError, and std::invalid_argument for a rate that is not positive.
 [[nodiscard]] MeasuredFile look_at(const std::filesystem::path& path,
-                                   std::optional<double> sample_rate_hz,
-                                   const io::TextLayout& layout = {}, bool resample = false);
+                                   const MeasuredReading& reading = {});
 
 /// How a table was read, a sentence each: layout, times, units, what was left out.
 [[nodiscard]] std::vector<std::string> reading_in_words(const MeasuredTable& table);

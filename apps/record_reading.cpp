@@ -72,6 +72,7 @@ io::TextLayout parse_layout(const CaseFile& file, const Pointer& where) {
       file.refuse(where / "time_format",
                   "must be \"day-first\", \"month-first\" or a pattern like \"%d.%m.%Y %H:%M:%S\"");
   }
+  if (r.contains("sheet")) out.sheet = r["sheet"].get<std::string>();
   return out;
 }
 
@@ -91,9 +92,13 @@ void refuse_column(const CaseFile& file, const Pointer& block, const io::NoSuchC
 
 std::string layout_in_words(const io::FoundLayout& layout) {
   const io::TextLayout& used = layout.used;
-  std::string out = layout.columns == 1 ? std::string("One column")
-                                        : "Columns separated by " +
-                                              std::string(io::separator_name(*used.separator));
+  std::string out;
+  if (!used.sheet.empty())
+    out = "Sheet \"" + used.sheet + "\"";
+  else if (layout.columns == 1)
+    out = "One column";
+  else
+    out = "Columns separated by " + std::string(io::separator_name(*used.separator));
   out += std::string(", decimal ") + (used.decimal == ',' ? "comma" : "point") + "; ";
   out += *used.header > 0 ? "names in line " + std::to_string(*used.header) : "no line of names";
   if (*used.units_row > 0) out += ", units in line " + std::to_string(*used.units_row);
@@ -116,13 +121,15 @@ std::string layout_in_words(const io::FoundLayout& layout) {
 
 Report layout_json(const io::FoundLayout& layout) {
   const io::TextLayout& used = layout.used;
-  Report out = {
-      {"separator", layout.columns == 1 ? Report() : Report(std::string(1, *used.separator))},
-      {"decimal", std::string(1, *used.decimal)},
-      {"skip", used.skip.value_or(0)},
-      {"header", *used.header},
-      {"units_row", *used.units_row},
-      {"first_row", layout.first_row}};
+  Report out = {{"separator", layout.columns == 1 || !used.sheet.empty()
+                                  ? Report()
+                                  : Report(std::string(1, *used.separator))},
+                {"decimal", std::string(1, *used.decimal)},
+                {"skip", used.skip.value_or(0)},
+                {"header", *used.header},
+                {"units_row", *used.units_row},
+                {"first_row", layout.first_row}};
+  if (!used.sheet.empty()) out["sheet"] = used.sheet;
   if (layout.tail_from > 0) out["left_out_behind"] = {layout.tail_from, layout.tail_to};
   if (!layout.start.empty()) {
     out["time_format"] = used.time_format;

@@ -17,8 +17,8 @@ struct ChannelUse {
   signals::Conversion conversion = {};
 };
 
-/// decimal, separator, skip, header, units_row and time_format of the block at `where`. Throws
-/// Failure.
+/// decimal, separator, skip, header, units_row, time_format and sheet of the block at `where`.
+/// Throws Failure.
 [[nodiscard]] io::TextLayout parse_layout(const CaseFile& file, const Pointer& where);
 /// rows_are_channels of the block at `where`.
 [[nodiscard]] io::ArrayLayout parse_array_layout(const CaseFile& file, const Pointer& where);

@@ -44,7 +44,7 @@ ${about}
 This package has the static libraries, their headers, and what
 find_package reads.")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, librandom123-dev")
-set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "pkg-config, libnetcdf-dev, libsuitesparse-dev, libmatio-dev, zlib1g-dev, libcgal-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "pkg-config, libnetcdf-dev, libsuitesparse-dev, libmatio-dev, zlib1g-dev, libexpat1-dev, libcgal-dev")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-wheeltap)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)

@@ -11,6 +11,7 @@
 #include "io/strong_motion.hpp"
 #include "io/tdms_file.hpp"
 #include "io/universal_file.hpp"
+#include "io/workbook_file.hpp"
 
 namespace wheeltap::io {
 namespace {
@@ -31,6 +32,9 @@ std::span<const Format> formats() {
        .endings = {".csv", ".tsv", ".txt", ".dat", ".asc", ".data", ".tab", ".prn", ".log",
                    ".ascii", ".out", ""},
        .parse_text = parse_delimited_text},
+      {.name = "Excel workbook",
+       .endings = {".xlsx", ".xlsm", ".xls"},
+       .parse_text = parse_workbook},
       {.name = "MATLAB",
        .endings = {".mat"},
        .magic = {"MATLAB 5.0 MAT-file", "MATLAB 7.3 MAT-file"},
@@ -89,13 +93,17 @@ Columns read_columns(const std::filesystem::path& path, const Wanted& wanted,
                     "is of the format " + std::string(format.name) +
                         ": leave out rows_are_channels, which is of MATLAB, NumPy, NetCDF and HDF5 "
                         "files");
+  if (!stated.sheet.empty() && format.parse_text != parse_workbook)
+    throw FileError(FileError::Kind::mismatch, path,
+                    "is of the format " + std::string(format.name) +
+                        ": leave out sheet, which is of Excel workbooks");
   if (format.parse_text != nullptr)
     return format.parse_text(read_bytes(path), path, wanted, stated);
   if (stated != TextLayout{})
     throw FileError(FileError::Kind::mismatch, path,
                     "is of the format " + std::string(format.name) +
                         ": leave out decimal, separator, skip, header, units_row and time_format, "
-                        "which are of delimited text");
+                        "which are of delimited text and Excel workbooks");
   if (format.read != nullptr) return format.read(path, wanted, arrays);
   if (format.parse_arrays != nullptr)
     return format.parse_arrays(read_bytes(path), path, wanted, arrays);

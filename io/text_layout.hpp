@@ -17,6 +17,7 @@ struct TextLayout {
   std::optional<int> header = {};      ///< line of the columns' names; 0: there is none
   std::optional<int> units_row = {};   ///< line of the columns' units; 0: there is none
   std::string time_format = {};        ///< of time stamps (io/time_stamp.hpp); empty: detected
+  std::string sheet = {};              ///< of a workbook; empty: the first that is not hidden
 
   bool operator==(const TextLayout&) const = default;
 };

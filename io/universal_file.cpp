@@ -315,30 +315,25 @@ UniversalFunction function(Reader& in, std::string_view number_line) {
   return f;
 }
 
-UniversalShape shape(Reader& in) {
-  UniversalShape s{.line = in.line_number()};
-  for (std::string& id : s.ids) id = text_of(in.next("an ID line"));
+/// The line of six codes that datasets 55 and 2414 share.
+void codes(Reader& in, UniversalShape& s) {
   const std::vector<int> what = in.integers(in.next("what the data are"), 10, "code");
   if (what.size() < 6) in.fail("has " + std::to_string(what.size()) + " codes: must have 6");
   s.model = what[0];
   s.analysis = what[1];
   s.characteristic = what[2];
   s.quantity = what[3];
-  if (what[4] != 2 && what[4] != 5)
+  // 4 and 6 are the double precision of 2414.
+  if (what[4] != 2 && what[4] != 4 && what[4] != 5 && what[4] != 6)
     in.fail("data type " + std::to_string(what[4]) + ": must be 2 (real) or 5 (complex)");
-  s.is_complex = what[4] == 5;
+  s.is_complex = what[4] >= 5;
   s.values_a_node = what[5];
   if (s.values_a_node < 1 || s.values_a_node > 9)
     in.fail(std::to_string(s.values_a_node) + " values a node: must be 1 to 9");
-  std::vector<int> head = in.integers(in.next("how many numbers follow"), 10, "number");
-  if (head.size() < 2) in.fail("says not how many numbers follow");
-  const int integers = head[0], reals = head[1];
-  if (integers < 0 || integers > 1000 || reals < 0 || reals > 1000)
-    in.fail("announces " + std::to_string(integers) + " and " + std::to_string(reals) + " numbers");
-  s.integers.assign(head.begin() + 2, head.end());
-  while (s.integers.size() < static_cast<std::size_t>(integers))
-    for (const int i : in.integers(in.next("numbers"), 10, "number")) s.integers.push_back(i);
-  s.reals = in.numbers(static_cast<std::size_t>(reals), {13}, "numbers");
+}
+
+/// To the dataset's end.
+void values_at_nodes(Reader& in, UniversalShape& s) {
   const auto each = static_cast<std::size_t>(s.values_a_node);
   while (!in.done() && !in.at_separator()) {
     const std::string_view line = in.next("a node");
@@ -350,7 +345,117 @@ UniversalShape shape(Reader& in) {
       s.values.push_back(s.is_complex ? std::complex(values[2 * k], values[2 * k + 1])
                                       : std::complex(values[k], 0.0));
   }
+}
+
+UniversalShape shape(Reader& in) {
+  UniversalShape s{.line = in.line_number()};
+  for (std::string& id : s.ids) id = text_of(in.next("an ID line"));
+  codes(in, s);
+  std::vector<int> head = in.integers(in.next("how many numbers follow"), 10, "number");
+  if (head.size() < 2) in.fail("says not how many numbers follow");
+  const int integers = head[0], reals = head[1];
+  if (integers < 0 || integers > 1000 || reals < 0 || reals > 1000)
+    in.fail("announces " + std::to_string(integers) + " and " + std::to_string(reals) + " numbers");
+  s.integers.assign(head.begin() + 2, head.end());
+  while (s.integers.size() < static_cast<std::size_t>(integers))
+    for (const int i : in.integers(in.next("numbers"), 10, "number")) s.integers.push_back(i);
+  s.reals = in.numbers(static_cast<std::size_t>(reals), {13}, "numbers");
+  values_at_nodes(in, s);
   return s;
+}
+
+/// Dataset 2414; nothing where its values are not at nodes.
+std::optional<UniversalShape> analysis_data(Reader& in) {
+  UniversalShape s{.line = in.line_number()};
+  static_cast<void>(in.next("the dataset's label"));
+  static_cast<void>(in.next("the dataset's name"));
+  const int where = in.integer(field(in.next("where the values are"), 0, 10), "location");
+  for (std::string& id : s.ids) id = text_of(in.next("an ID line"));
+  constexpr int kAtNodes = 1;
+  if (where != kAtNodes) return {};
+  codes(in, s);
+  const std::vector<int> set = in.integers(in.next("the solution's numbers"), 10, "number");
+  static_cast<void>(in.next("how the data were made"));
+  const std::vector<double> first = in.numbers(6, {13}, "numbers of the solution");
+  const std::vector<double> second = in.numbers(6, {13}, "numbers of the solution");
+  const auto number = [&](std::size_t k) { return k < set.size() ? set[k] : 0; };
+  s.integers = {number(4), number(5)};  // load set and mode
+  if (s.analysis == 2)
+    s.reals = {first[1], first[3], first[4], first[5]};  // frequency, modal mass, damping ratios
+  else if (s.analysis == 3 || s.analysis == 7)
+    s.reals = second;  // eigenvalue, modal a, modal b
+  else
+    s.reals = {first[0], first[1]};
+  values_at_nodes(in, s);
+  return s;
+}
+
+void double_nodes(Reader& in, std::vector<UniversalNode>& out) {
+  while (!in.done() && !in.at_separator()) {
+    const std::string_view line = in.next("a node");
+    if (trimmed(line).empty()) continue;
+    const std::vector<int> head = in.integers(line, 10, "number of a node");
+    if (head.size() < 4) in.fail("has " + std::to_string(head.size()) + " numbers: must have 4");
+    const std::vector<double> at = in.numbers(3, {25}, "coordinates");
+    out.push_back({.label = head[0],
+                   .definition = head[1],
+                   .displacement = head[2],
+                   .colour = head[3],
+                   .at = {at[0], at[1], at[2]},
+                   .is_double = true});
+  }
+}
+
+void elements(Reader& in, std::vector<UniversalElement>& out) {
+  while (!in.done() && !in.at_separator()) {
+    const std::string_view line = in.next("an element");
+    if (trimmed(line).empty()) continue;
+    const std::vector<int> head = in.integers(line, 10, "number of an element");
+    if (head.size() < 6) in.fail("has " + std::to_string(head.size()) + " numbers: must have 6");
+    UniversalElement element{.label = head[0],
+                             .descriptor = head[1],
+                             .physical = head[2],
+                             .material = head[3],
+                             .colour = head[4]};
+    const int count = head[5];
+    if (count < 0) in.fail("a negative number of nodes");
+    if (element.is_beam()) {
+      const std::vector<int> beam = in.integers(in.next("a beam's sections"), 10, "number");
+      for (std::size_t k = 0; k < std::min<std::size_t>(3, beam.size()); ++k)
+        element.beam[k] = beam[k];
+    }
+    while (element.nodes.size() < static_cast<std::size_t>(count)) {
+      if (in.done() || in.at_separator())
+        in.fail("only " + std::to_string(element.nodes.size()) + " of " + std::to_string(count) +
+                " nodes are there");
+      for (const int node : in.integers(in.next("nodes"), 10, "node"))
+        element.nodes.push_back(node);
+    }
+    if (element.nodes.size() > static_cast<std::size_t>(count))
+      in.fail("more nodes than the " + std::to_string(count) + " of the element");
+    out.push_back(std::move(element));
+  }
+}
+
+void systems(Reader& in, std::vector<UniversalSystem>& out) {
+  static_cast<void>(in.next("the part's number"));
+  static_cast<void>(in.next("the part's name"));
+  while (!in.done() && !in.at_separator()) {
+    const std::string_view line = in.next("a coordinate system");
+    if (trimmed(line).empty()) continue;
+    UniversalSystem system{.label = in.integer(field(line, 0, 10), "coordinate system"),
+                           .kind = in.integer(field(line, 10, 10), "kind of coordinate system"),
+                           .colour = in.integer(field(line, 20, 10), "colour")};
+    if (system.kind < 0 || system.kind > 2)
+      in.fail("kind of coordinate system " + std::to_string(system.kind) +
+              ": must be 0 (Cartesian), 1 (cylindrical) or 2 (spherical)");
+    system.name = text_of(in.next("the coordinate system's name"));
+    for (std::array<double, 3>& row : system.axes) {
+      const std::vector<double> values = in.numbers(3, {25}, "numbers of a coordinate system");
+      std::ranges::copy(values, row.begin());
+    }
+    out.push_back(std::move(system));
+  }
 }
 
 void nodes(Reader& in, std::vector<UniversalNode>& out) {
@@ -474,6 +579,19 @@ UniversalFile parse_universal_file(const std::string& bytes, const std::filesyst
       out.shapes.push_back(shape(in));
     } else if (word == "15") {
       nodes(in, out.nodes);
+    } else if (word == "2411") {
+      double_nodes(in, out.nodes);
+    } else if (word == "2412") {
+      elements(in, out.elements);
+    } else if (word == "2414") {
+      if (auto s = analysis_data(in); s) {
+        out.shapes.push_back(std::move(*s));
+      } else {
+        ++out.left_out[2414];
+        exact = false;
+      }
+    } else if (word == "2420") {
+      systems(in, out.systems);
     } else if (word == "82") {
       traces(in, out.traces);
     } else if (word == "151") {

@@ -1,4 +1,5 @@
-// Universal files (UFF, UNV): datasets 15, 55, 58, 58b, 82, 151 and 164.
+// Universal files (UFF, UNV): datasets 15, 55, 58, 58b, 82, 151, 164, 2411, 2412,
+// 2414 and 2420.
 //
 // A file is a sequence of datasets, each between two lines that hold "-1"; the line after the first
 // holds its number. Formats: University of Cincinnati SDRL, "Universal File Formats for Modal
@@ -54,7 +55,8 @@ struct UniversalFunction {
   std::ptrdiff_t line = 0;  ///< where its dataset begins in the file it came from
 };
 
-/// Dataset 55: values at nodes, e.g. a mode's shape.
+/// Dataset 55, or 2414 at nodes: values at nodes, e.g. a mode's shape. The numbers of 2414 stand as
+/// those of 55 do.
 struct UniversalShape {
   std::array<std::string, 5> ids = {};
   int model = 0;     ///< 1 structural
@@ -75,12 +77,36 @@ struct UniversalShape {
   [[nodiscard]] double damping() const;
 };
 
-/// Dataset 15.
+/// Dataset 15, or 2411.
 struct UniversalNode {
   int label = 0;
   int definition = 0, displacement = 0;  ///< coordinate systems
   int colour = 0;
   std::array<double, 3> at = {};  ///< in the file's unit of length
+  bool is_double = false;         ///< written to 17 digits (2411)
+};
+
+/// Dataset 2412: a finite element.
+struct UniversalElement {
+  int label = 0;
+  int descriptor = 0;  ///< 11 rod, 21 beam, 41 triangle, 44 quadrilateral, 94 shell, 111 solid, …
+  int physical = 0, material = 0;  ///< numbers of tables
+  int colour = 0;
+  std::array<int, 3> beam = {};  ///< of beams: orientation node, sections at the ends
+  std::vector<int> nodes = {};
+
+  /// Whether it is of the family that has `beam`.
+  [[nodiscard]] bool is_beam() const { return descriptor >= 11 && descriptor <= 24; }
+};
+
+/// Dataset 2420: a coordinate system of a part.
+struct UniversalSystem {
+  int label = 0;
+  int kind = 0;  ///< 0 Cartesian, 1 cylindrical, 2 spherical
+  int colour = 0;
+  std::string name = {};
+  /// Rows: its axes in the part's coordinates, then its origin.
+  std::array<std::array<double, 3>, 4> axes = {};
 };
 
 /// Dataset 82: nodes to be joined by lines; 0 lifts the pen.
@@ -110,9 +136,12 @@ struct UniversalFile {
   std::optional<UniversalUnits> units = {};
   std::vector<UniversalNode> nodes = {};
   std::vector<UniversalTrace> traces = {};
+  std::vector<UniversalElement> elements = {};
+  std::vector<UniversalSystem> systems = {};
   std::vector<UniversalShape> shapes = {};
   std::vector<UniversalFunction> functions = {};
-  std::map<int, int> left_out = {};  ///< how many datasets of each number were not read
+  std::map<int, int> left_out = {};  ///< how many datasets of each number were not read; 2414 where
+                                     ///< its values are not at nodes
 
   /// Metres in the file's unit of length.
   [[nodiscard]] double metres() const { return units ? 1.0 / units->factors[0] : 1.0; }

@@ -1,4 +1,5 @@
 // Writing universal files: the inverse of universal_file.cpp.
+#include <algorithm>
 #include <bit>
 #include <cstdio>
 #include <cstring>
@@ -154,6 +155,31 @@ void add(std::string& out, const UniversalShape& s) {
   out += kSeparator;
 }
 
+/// Eight nodes a line.
+std::string in_rows(const std::vector<int>& nodes) {
+  std::string out;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    out += formatted(i > 0 && i % 8 == 0 ? "\n%10d" : "%10d", nodes[i]);
+  return out + (nodes.empty() ? "" : "\n");
+}
+
+/// Those of double precision as dataset 2411, the others as 15.
+void add(std::string& out, const std::vector<UniversalNode>& nodes) {
+  for (const bool is_double : {false, true}) {
+    if (std::ranges::count(nodes, is_double, &UniversalNode::is_double) == 0) continue;
+    begin(out, is_double ? 2411 : 15);
+    for (const UniversalNode& n : nodes) {
+      if (n.is_double != is_double) continue;
+      out += formatted("%10d%10d%10d%10d", n.label, n.definition, n.displacement, n.colour);
+      if (is_double)
+        out += "\n" + d25(n.at[0]) + d25(n.at[1]) + d25(n.at[2]) + "\n";
+      else
+        out += e13(n.at[0]) + e13(n.at[1]) + e13(n.at[2]) + "\n";
+    }
+    out += kSeparator;
+  }
+}
+
 }  // namespace
 
 std::string universal_text(const UniversalFile& file) {
@@ -171,20 +197,31 @@ std::string universal_text(const UniversalFile& file) {
     out += d25(u.factors[0]) + d25(u.factors[1]) + d25(u.factors[2]) + "\n" +
            d25(u.temperature_offset) + "\n" + kSeparator;
   }
-  if (!file.nodes.empty()) {
-    begin(out, 15);
-    for (const UniversalNode& n : file.nodes)
-      out += formatted("%10d%10d%10d%10d", n.label, n.definition, n.displacement, n.colour) +
-             e13(n.at[0]) + e13(n.at[1]) + e13(n.at[2]) + "\n";
+  if (!file.systems.empty()) {
+    begin(out, 2420);
+    out += formatted("%10d\n", 1) + text_line("");
+    for (const UniversalSystem& s : file.systems) {
+      out += formatted("%10d%10d%10d\n", s.label, s.kind, s.colour) + text_line(s.name);
+      for (const std::array<double, 3>& row : s.axes)
+        out += d25(row[0]) + d25(row[1]) + d25(row[2]) + "\n";
+    }
+    out += kSeparator;
+  }
+  add(out, file.nodes);
+  if (!file.elements.empty()) {
+    begin(out, 2412);
+    for (const UniversalElement& e : file.elements) {
+      out += formatted("%10d%10d%10d%10d%10d%10zu\n", e.label, e.descriptor, e.physical, e.material,
+                       e.colour, e.nodes.size());
+      if (e.is_beam()) out += formatted("%10d%10d%10d\n", e.beam[0], e.beam[1], e.beam[2]);
+      out += in_rows(e.nodes);
+    }
     out += kSeparator;
   }
   for (const UniversalTrace& t : file.traces) {
     begin(out, 82);
     out += formatted("%10d%10zu%10d\n", t.number, t.nodes.size(), t.colour) + text_line(t.id);
-    for (std::size_t i = 0; i < t.nodes.size(); ++i)
-      out += formatted(i > 0 && i % 8 == 0 ? "\n%10d" : "%10d", t.nodes[i]);
-    if (!t.nodes.empty()) out += "\n";
-    out += kSeparator;
+    out += in_rows(t.nodes) + kSeparator;
   }
   for (const UniversalShape& s : file.shapes) add(out, s);
   for (const UniversalFunction& f : file.functions) add(out, f);

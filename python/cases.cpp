@@ -68,8 +68,9 @@ void bind_cases(py::module_& m) {
   m.def(
       "data",
       [](const std::string& path, std::optional<double> sample_rate) {
-        return guarded(path,
-                       [&] { return apps::data_report(apps::look_at(path, sample_rate)).dump(); });
+        return guarded(path, [&] {
+          return apps::data_report(apps::look_at(path, {.sample_rate_hz = sample_rate})).dump();
+        });
       },
       py::arg("path"), py::arg("sample_rate"));
   m.def(

@@ -7,7 +7,7 @@ pkgs.stdenv.mkDerivation {
   src = pkgs.lib.cleanSource ../..;
   nativeBuildInputs = with pkgs; [ cmake ninja pkg-config ];
   buildInputs = with pkgs; [
-    eigen spectra suitesparse boost random123 netcdf hdf5 nlohmann_json valijson cli11 spdlog httplib matio zlib
+    eigen spectra suitesparse boost random123 netcdf hdf5 nlohmann_json valijson cli11 spdlog httplib matio zlib expat
     cgal gmp mpfr
   ];
   cmakeFlags = [

@@ -107,6 +107,90 @@ UniversalFile all_sorts() {
   return file;
 }
 
+TEST(UniversalFile, FiniteElementGeometryReadsAsItWas) {
+  UniversalFile file;
+  file.nodes = {{.label = 7, .displacement = 2, .at = {1.0 / 3.0, -2e-17, 1e20}, .is_double = true},
+                {.label = 8, .at = {0.5, 0, 0}}};
+  file.elements = {
+      {.label = 1, .descriptor = 21, .beam = {0, 3, 4}, .nodes = {7, 8}},
+      {.label = 2,
+       .descriptor = 115,
+       .physical = 5,
+       .material = 6,
+       .colour = 7,
+       .nodes = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20}}};
+  file.systems = {{.label = 2,
+                   .kind = 1,
+                   .name = "skew",
+                   .axes = {{{0.6, 0.8, 0}, {-0.8, 0.6, 0}, {0, 0, 1}, {10, 20, 30}}}}};
+  const std::string text = universal_text(file);
+  const UniversalFile again = parsed(text);
+  EXPECT_EQ(universal_text(again), text) << "byte for byte";
+  ASSERT_THAT(again.nodes, SizeIs(2));
+  EXPECT_EQ(again.nodes[1].at, file.nodes[0].at) << "double precision keeps every digit";
+  EXPECT_EQ(again.nodes[1].displacement, 2);
+  ASSERT_THAT(again.elements, SizeIs(2));
+  EXPECT_EQ(again.elements[0].beam, file.elements[0].beam);
+  EXPECT_EQ(again.elements[0].nodes, file.elements[0].nodes);
+  EXPECT_EQ(again.elements[1].nodes, file.elements[1].nodes);
+  EXPECT_EQ(again.elements[1].material, 6);
+  ASSERT_THAT(again.systems, SizeIs(1));
+  EXPECT_EQ(again.systems[0].axes, file.systems[0].axes);
+  EXPECT_TRUE(again.left_out.empty());
+}
+
+/// Dataset 2414 of these six codes, with a mode's numbers and the values of node 12.
+std::string analysis_data(const std::string& where, const std::string& codes,
+                          const std::string& values) {
+  return "    -1\n  2414\n         1\nModes of a frame\n" + where +
+         "\nID 1\nID 2\nNONE\nNONE\nNONE\n" + codes +
+         "\n         0         0         0         0         1         3         0         0\n"
+         "         0         0\n"
+         "  0.00000E+00  1.25000E+01  6.16850E+03  2.00000E+00  2.50000E-02  0.00000E+00\n"
+         " -1.50000E+00  6.25000E+01  0.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00\n"
+         "        12\n" +
+         values + "\n    -1\n";
+}
+
+TEST(UniversalFile, AnalysisDataAtNodesAreShapes) {
+  const UniversalFile normal = parsed(
+      analysis_data("         1", "         1         2         2         8         2         3",
+                    "  1.00000E+00 -5.00000E-01  2.50000E-01"));
+  ASSERT_THAT(normal.shapes, SizeIs(1));
+  EXPECT_EQ(normal.shapes[0].mode(), 3);
+  EXPECT_EQ(normal.shapes[0].frequency_hz(), 12.5);
+  EXPECT_EQ(normal.shapes[0].damping(), 0.025);
+  EXPECT_EQ(normal.shapes[0].ids[0], "ID 1");
+  EXPECT_EQ(normal.shapes[0].nodes, std::vector<int>{12});
+  EXPECT_EQ(normal.shapes[0].values[1], std::complex(-0.5, 0.0));
+  const UniversalFile again = parsed(universal_text(normal));
+  EXPECT_EQ(again.shapes[0].mode(), 3) << "written as dataset 55";
+  EXPECT_EQ(again.shapes[0].frequency_hz(), 12.5);
+
+  const UniversalFile damped = parsed(
+      analysis_data("         1", "         1         3         2         8         5         1",
+                    "  1.00000E+00 -5.00000E-01"));
+  EXPECT_EQ(damped.shapes[0].values[0], std::complex(1.0, -0.5));
+  EXPECT_NEAR(damped.shapes[0].damping(), 1.5 / std::hypot(1.5, 62.5), 1e-12);
+
+  const UniversalFile elsewhere = parsed(
+      analysis_data("         2", "         1         2         2         8         2         3",
+                    "  1.00000E+00 -5.00000E-01  2.50000E-01"));
+  EXPECT_THAT(elsewhere.shapes, SizeIs(0)) << "values on elements";
+  EXPECT_EQ(elsewhere.left_out.at(2414), 1);
+}
+
+TEST(UniversalFile, CutGeometryIsRefused) {
+  expect_refused("    -1\n  2411\n         1         0         0         0\n    -1\n",
+                 "only 0 of 3 coordinates");
+  expect_refused(
+      "    -1\n  2412\n         1        44         0         0         0         4\n"
+      "         1         2\n    -1\n",
+      "only 2 of 4 nodes");
+  expect_refused("    -1\n  2420\n         1\npart\n         1         5         0\n    -1\n",
+                 "must be 0 (Cartesian)");
+}
+
 TEST(UniversalFile, WhatIsWrittenReadsAsItWas) {
   const UniversalFile file = all_sorts();
   const std::string text = universal_text(file);
