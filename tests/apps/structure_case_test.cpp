@@ -336,7 +336,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
                  "/structure/members/1/elements: is missing");
   expect_refused(
       changed("/structure/members/1/section", "pots"),
-      "/structure/members/1/section: \"pots\": no section has this name; there are: post");
+      "/structure/members/1/section: \"pots\": no section has this name; did you mean \"post\"?");
   expect_refused(without("/structure/members/1/material"),
                  "/structure/members/1/material: is missing");
   expect_refused(changed("/structure/members/1/ends/D", "hinge"),
