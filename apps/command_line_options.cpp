@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/whole_number.hpp"
+#include "io/array_columns.hpp"
 #include "io/text_layout.hpp"
 #include "io/time_stamp.hpp"
 

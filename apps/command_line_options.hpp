@@ -5,6 +5,7 @@
 #include <cstdint>
 
 namespace wheeltap::io {
+struct ArrayLayout;
 struct TextLayout;
 }
 
