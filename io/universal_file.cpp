@@ -2,199 +2,18 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 
 #include "base/constants.hpp"
 #include "io/bytes.hpp"
-#include "io/delimited_text.hpp"
-#include "io/text.hpp"
+#include "io/universal_reader.hpp"
 
 namespace wheeltap::io {
+
+using namespace universal;
+
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\n\0";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-std::string text_of(std::string_view raw) {
-  return in_utf8(trimmed(raw));
-}
-
-std::string none_is_empty(std::string_view text) {
-  std::string word = text_of(text);
-  return word == "NONE" ? std::string() : word;
-}
-
-/// A Fortran number: "1.5E+00", "1.5D+00", "1.5-100", "1.5". None where it is anything else.
-std::optional<double> fortran_number(std::string_view field) {
-  std::string text(trimmed(field));
-  if (text.empty()) return {};
-  if (text[0] == '+') text.erase(0, 1);
-  for (char& c : text)
-    if (c == 'D' || c == 'd') c = 'e';
-  const auto sign = text.find_first_of("+-", 1);  // of an exponent that has lost its letter
-  if (sign != std::string::npos && std::string_view("eE").find(text[sign - 1]) == std::string::npos)
-    text.insert(sign, "e");
-  return parse_number(text);
-}
-
-std::string_view field(std::string_view line, std::size_t from, std::size_t width) {
-  return from >= line.size() ? std::string_view() : line.substr(from, width);
-}
-
-/// The lines of a file, with places for messages; and its bytes, for 58b.
-class Reader {
- public:
-  Reader(const std::string& bytes, const std::filesystem::path& name)
-      : bytes_(bytes), name_(name) {}
-
-  [[nodiscard]] bool done() const { return at_ >= bytes_.size(); }
-  [[nodiscard]] std::ptrdiff_t line_number() const { return number_; }
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw FileError(FileError::Kind::corrupt, name_, {.line = number_}, reason);
-  }
-
-  /// Without its end; LF, CR LF and CR end lines.
-  std::string_view next(const char* what) {
-    if (done()) fail(std::string("the file ends where ") + what + " must follow");
-    const std::size_t end = bytes_.find_first_of("\r\n", at_);
-    const std::string_view line = std::string_view(bytes_).substr(
-        at_, end == std::string::npos ? std::string::npos : end - at_);
-    if (end == std::string::npos) {
-      at_ = bytes_.size();
-    } else {
-      at_ =
-          end + (bytes_[end] == '\r' && end + 1 < bytes_.size() && bytes_[end + 1] == '\n' ? 2 : 1);
-    }
-    ++number_;
-    return line;
-  }
-  /// The next line, without going on to it.
-  [[nodiscard]] std::string_view peek() const {
-    const std::size_t end = bytes_.find_first_of("\r\n", at_);
-    return std::string_view(bytes_).substr(
-        at_, end == std::string::npos ? std::string::npos : end - at_);
-  }
-  [[nodiscard]] bool at_separator() const { return !done() && trimmed(peek()) == "-1"; }
-
-  std::string_view raw(std::size_t count) {
-    if (bytes_.size() - at_ < count)
-      fail("the file ends after " + std::to_string(bytes_.size() - at_) + " of " +
-           std::to_string(count) + " bytes of binary data");
-    const std::string_view out = std::string_view(bytes_).substr(at_, count);
-    at_ += count;
-    return out;
-  }
-  /// Some programs end binary data with a line, some do not.
-  void skip_blanks() {
-    while (!done() && std::string_view(" \t\r\n").find(bytes_[at_]) != std::string_view::npos) {
-      number_ += bytes_[at_] == '\n';
-      ++at_;
-    }
-    // What stands before "-1" on its line was blank.
-  }
-  [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
-
-  int integer(std::string_view text, const char* what) const {
-    const std::string_view word = trimmed(text);
-    if (word.empty()) return 0;
-    int value = 0;
-    const char* first = word.data() + (word[0] == '+' ? 1 : 0);
-    const auto [end, error] = std::from_chars(first, word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size())
-      fail(std::string(what) + " '" + std::string(word) + "' must be a whole number");
-    return value;
-  }
-  double number(std::string_view text, const char* what) const {
-    if (trimmed(text).empty()) return 0.0;
-    const auto value = fortran_number(text);
-    if (!value) fail(std::string(what) + " '" + std::string(trimmed(text)) + "' is no number");
-    return *value;
-  }
-  /// Whole numbers in columns of `width`, or, where those do not fit, between blanks.
-  std::vector<int> integers(std::string_view line, std::size_t width, const char* what) const {
-    std::vector<int> out;
-    const std::vector<std::string_view> words = split(line);
-    bool columns = true;
-    for (std::size_t at = 0; columns && at < line.size(); at += width) {
-      const std::string_view word = trimmed(field(line, at, width));
-      columns = word.find_first_of(" \t") == std::string_view::npos;
-      const std::size_t edge = at + width;  // no number runs over a column's edge
-      if (edge < line.size() && line[edge - 1] != ' ' && line[edge] != ' ' && line[edge] != '-')
-        columns = columns && word.size() == width;
-    }
-    if (columns) {
-      for (std::size_t at = 0; at < line.size(); at += width)
-        if (!trimmed(field(line, at, width)).empty())
-          out.push_back(integer(field(line, at, width), what));
-    } else {
-      for (const std::string_view word : words) out.push_back(integer(word, what));
-    }
-    return out;
-  }
-
-  static std::vector<std::string_view> split(std::string_view line) {
-    std::vector<std::string_view> words;
-    std::size_t at = 0;
-    while ((at = line.find_first_not_of(" \t\r", at)) != std::string_view::npos) {
-      const std::size_t end = std::min(line.find_first_of(" \t\r", at), line.size());
-      words.push_back(line.substr(at, end - at));
-      at = end;
-    }
-    return words;
-  }
-
-  /// `count` numbers over lines, in columns of these widths, again and again; or between blanks
-  /// where columns are not kept. No line needs to be full.
-  std::vector<double> numbers(std::size_t count, const std::vector<std::size_t>& widths,
-                              const char* what) {
-    std::vector<double> out;
-    out.reserve(std::min(count, left()));
-    while (out.size() < count) {
-      if (done() || at_separator())
-        fail(std::string("only ") + std::to_string(out.size()) + " of " + std::to_string(count) +
-             " " + what + " are there");
-      const std::string_view line = next(what);
-      if (trimmed(line).empty()) continue;
-      const std::size_t before = out.size();
-      if (!in_columns(line, widths, out)) {
-        out.resize(before);
-        for (const std::string_view word : split(line)) {
-          const auto value = fortran_number(word);
-          if (!value) fail("'" + std::string(word) + "' is no number");
-          out.push_back(*value);
-        }
-      }
-      if (out.size() > count)
-        fail("has " + std::to_string(out.size() - count) + " more " + what +
-             " than were announced");
-    }
-    return out;
-  }
-
- private:
-  static bool in_columns(std::string_view line, const std::vector<std::size_t>& widths,
-                         std::vector<double>& out) {
-    std::size_t at = 0;
-    const std::string_view text = line.substr(0, line.find_last_not_of(" \t\r") + 1);
-    for (std::size_t i = 0; at < text.size(); at += widths[i], i = (i + 1) % widths.size()) {
-      const auto value = fortran_number(field(text, at, widths[i]));
-      if (!value) return false;
-      out.push_back(*value);
-    }
-    return true;
-  }
-
-  const std::string& bytes_;
-  const std::filesystem::path& name_;
-  std::size_t at_ = 0;
-  std::ptrdiff_t number_ = 0;
-};
 
 UniversalDof dof(const Reader& in, std::string_view line, std::size_t from) {
   return {.entity = none_is_empty(field(line, from, 10)),
@@ -390,113 +209,6 @@ std::optional<UniversalShape> analysis_data(Reader& in) {
   return s;
 }
 
-void double_nodes(Reader& in, std::vector<UniversalNode>& out) {
-  while (!in.done() && !in.at_separator()) {
-    const std::string_view line = in.next("a node");
-    if (trimmed(line).empty()) continue;
-    const std::vector<int> head = in.integers(line, 10, "number of a node");
-    if (head.size() < 4) in.fail("has " + std::to_string(head.size()) + " numbers: must have 4");
-    const std::vector<double> at = in.numbers(3, {25}, "coordinates");
-    out.push_back({.label = head[0],
-                   .definition = head[1],
-                   .displacement = head[2],
-                   .colour = head[3],
-                   .at = {at[0], at[1], at[2]},
-                   .is_double = true});
-  }
-}
-
-void elements(Reader& in, std::vector<UniversalElement>& out) {
-  while (!in.done() && !in.at_separator()) {
-    const std::string_view line = in.next("an element");
-    if (trimmed(line).empty()) continue;
-    const std::vector<int> head = in.integers(line, 10, "number of an element");
-    if (head.size() < 6) in.fail("has " + std::to_string(head.size()) + " numbers: must have 6");
-    UniversalElement element{.label = head[0],
-                             .descriptor = head[1],
-                             .physical = head[2],
-                             .material = head[3],
-                             .colour = head[4]};
-    const int count = head[5];
-    if (count < 0) in.fail("a negative number of nodes");
-    if (element.is_beam()) {
-      const std::vector<int> beam = in.integers(in.next("a beam's sections"), 10, "number");
-      for (std::size_t k = 0; k < std::min<std::size_t>(3, beam.size()); ++k)
-        element.beam[k] = beam[k];
-    }
-    while (element.nodes.size() < static_cast<std::size_t>(count)) {
-      if (in.done() || in.at_separator())
-        in.fail("only " + std::to_string(element.nodes.size()) + " of " + std::to_string(count) +
-                " nodes are there");
-      for (const int node : in.integers(in.next("nodes"), 10, "node"))
-        element.nodes.push_back(node);
-    }
-    if (element.nodes.size() > static_cast<std::size_t>(count))
-      in.fail("more nodes than the " + std::to_string(count) + " of the element");
-    out.push_back(std::move(element));
-  }
-}
-
-void systems(Reader& in, std::vector<UniversalSystem>& out) {
-  static_cast<void>(in.next("the part's number"));
-  static_cast<void>(in.next("the part's name"));
-  while (!in.done() && !in.at_separator()) {
-    const std::string_view line = in.next("a coordinate system");
-    if (trimmed(line).empty()) continue;
-    UniversalSystem system{.label = in.integer(field(line, 0, 10), "coordinate system"),
-                           .kind = in.integer(field(line, 10, 10), "kind of coordinate system"),
-                           .colour = in.integer(field(line, 20, 10), "colour")};
-    if (system.kind < 0 || system.kind > 2)
-      in.fail("kind of coordinate system " + std::to_string(system.kind) +
-              ": must be 0 (Cartesian), 1 (cylindrical) or 2 (spherical)");
-    system.name = text_of(in.next("the coordinate system's name"));
-    for (std::array<double, 3>& row : system.axes) {
-      const std::vector<double> values = in.numbers(3, {25}, "numbers of a coordinate system");
-      std::ranges::copy(values, row.begin());
-    }
-    out.push_back(std::move(system));
-  }
-}
-
-void nodes(Reader& in, std::vector<UniversalNode>& out) {
-  while (!in.done() && !in.at_separator()) {
-    const std::string_view line = in.next("a node");
-    if (trimmed(line).empty()) continue;
-    UniversalNode node{.label = in.integer(field(line, 0, 10), "node"),
-                       .definition = in.integer(field(line, 10, 10), "coordinate system"),
-                       .displacement = in.integer(field(line, 20, 10), "coordinate system"),
-                       .colour = in.integer(field(line, 30, 10), "colour")};
-    for (std::size_t k = 0; k < 3; ++k)
-      node.at[k] = in.number(field(line, 40 + 13 * k, 13), "coordinate");
-    out.push_back(node);
-  }
-}
-
-void traces(Reader& in, std::vector<UniversalTrace>& out) {
-  while (!in.done() && !in.at_separator()) {
-    const std::string_view line = in.next("a trace line");
-    if (trimmed(line).empty()) continue;
-    UniversalTrace trace{.number = in.integer(field(line, 0, 10), "trace line"),
-                         .colour = in.integer(field(line, 20, 10), "colour")};
-    const int count = in.integer(field(line, 10, 10), "number of nodes");
-    if (count < 0) in.fail("a negative number of nodes");
-    trace.id = text_of(in.next("the trace line's name"));
-    while (trace.nodes.size() < static_cast<std::size_t>(count)) {
-      if (in.done() || in.at_separator())
-        in.fail("only " + std::to_string(trace.nodes.size()) + " of " + std::to_string(count) +
-                " nodes are there");
-      for (const int node : in.integers(in.next("nodes"), 10, "node")) {
-        if (node < 0) in.fail("node " + std::to_string(node) + ": must not be negative");
-        if (trace.nodes.size() < static_cast<std::size_t>(count))
-          trace.nodes.push_back(node);
-        else if (node != 0)  // zeros fill a line
-          in.fail("more nodes than the " + std::to_string(count) + " of the trace line");
-      }
-    }
-    out.push_back(std::move(trace));
-  }
-}
-
 UniversalUnits units(Reader& in) {
   UniversalUnits u;
   const std::string_view line = in.next("a unit code");
@@ -578,11 +290,11 @@ UniversalFile parse_universal_file(const std::string& bytes, const std::filesyst
     } else if (word == "55") {
       out.shapes.push_back(shape(in));
     } else if (word == "15") {
-      nodes(in, out.nodes);
+      read_nodes(in, out.nodes);
     } else if (word == "2411") {
-      double_nodes(in, out.nodes);
+      read_double_nodes(in, out.nodes);
     } else if (word == "2412") {
-      elements(in, out.elements);
+      read_elements(in, out.elements);
     } else if (word == "2414") {
       if (auto s = analysis_data(in); s) {
         out.shapes.push_back(std::move(*s));
@@ -591,9 +303,9 @@ UniversalFile parse_universal_file(const std::string& bytes, const std::filesyst
         exact = false;
       }
     } else if (word == "2420") {
-      systems(in, out.systems);
+      read_systems(in, out.systems);
     } else if (word == "82") {
-      traces(in, out.traces);
+      read_traces(in, out.traces);
     } else if (word == "151") {
       out.header.emplace();
       for (std::string& line : out.header->lines)

@@ -271,8 +271,8 @@ TEST(UniversalFile, BinaryDataWithAndWithoutALastNewline) {
 
 TEST(UniversalFile, OthersDatasetsAreCounted) {
   const UniversalFile file = parsed(
-      "    -1\n  2420\n  anything\n    -1\n    -1\n  2420\n    -1\n    -1\n    18\n x\n    -1\n");
-  EXPECT_THAT(file.left_out, ElementsAre(std::pair{18, 1}, std::pair{2420, 2}));
+      "    -1\n  2430\n  anything\n    -1\n    -1\n  2430\n    -1\n    -1\n    18\n x\n    -1\n");
+  EXPECT_THAT(file.left_out, ElementsAre(std::pair{18, 1}, std::pair{2430, 2}));
 }
 
 // A line of text that says -1 ended its dataset when it was read again.
