@@ -7,7 +7,7 @@
 namespace wheeltap::io {
 struct ArrayLayout;
 struct TextLayout;
-}
+}  // namespace wheeltap::io
 
 namespace wheeltap::apps {
 

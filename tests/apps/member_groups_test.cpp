@@ -177,7 +177,9 @@ TEST_F(MemberGroups, Refusals) {
   refused(bad, "/damage/groups: is missing: must be an object with a list of members");
   bad = given;
   bad["damage"]["groups"]["beams"] = {"floor", "rof"};
-  refused(bad, "/damage/groups/beams/1: \"rof\": there is no member of this name; did you mean \"roof\"?");
+  refused(
+      bad,
+      "/damage/groups/beams/1: \"rof\": there is no member of this name; did you mean \"roof\"?");
   bad = given;
   bad["damage"]["groups"]["beams"] = {"floor", "floor"};
   refused(bad, "/damage/groups/beams/1: \"floor\": is in this substructure already");

@@ -180,7 +180,8 @@ TEST_F(SubstructureDamage, Refusals) {
   given["data"]["frequencies"] = {2.0, 6.0};
   json bad = given;
   bad["damage"]["on"] = {"lower", "uper"};
-  refused(bad, "/damage/on/1: \"uper\": there is no substructure of this name; did you mean \"upper\"?");
+  refused(bad,
+          "/damage/on/1: \"uper\": there is no substructure of this name; did you mean \"upper\"?");
   bad = given;
   bad["damage"]["kind"] = "crack";
   refused(bad, "\"matrices\" have \"substructure\"");
