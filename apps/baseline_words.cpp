@@ -15,7 +15,7 @@ namespace {
 /// Modes that the solver may be said to have right.
 constexpr double kExact = 1e-5;
 
-std::string interval(const Marginal& e) {
+std::string baseline_interval(const Marginal& e) {
   return resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width());
 }
 
@@ -145,7 +145,7 @@ void print_baseline(const Page& page, const DamageFindings& findings) {
     for (std::size_t p = 0; p < b.contractions.size(); ++p)
       rows.push_back({b.contractions[p].name, b.priors[p],
                       resolved(b.marginals[p].q50, b.marginals[p].width()),
-                      interval(b.marginals[p]),
+                      baseline_interval(b.marginals[p]),
                       percent(std::max(0.0, b.contractions[p].contraction))});
     page.table(rows);
   }

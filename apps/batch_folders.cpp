@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 constexpr int kFormat = 1;
 
 /// Where a path leads, as far as it is there.
-fs::path whole(const fs::path& path) {
+fs::path whole_path(const fs::path& path) {
   std::error_code error;
   fs::path out = fs::weakly_canonical(fs::absolute(path, error), error);
   return error ? path.lexically_normal() : out;
@@ -46,7 +46,7 @@ BatchFolders::BatchFolders(fs::path folder, bool resume)
 }
 
 std::string BatchFolders::place_of(const fs::path& path) const {
-  const fs::path from = whole(folder_), to = whole(path);
+  const fs::path from = whole_path(folder_), to = whole_path(path);
   const fs::path relative = to.lexically_relative(from);
   return (relative.empty() ? to : relative).string();
 }

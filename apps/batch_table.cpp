@@ -19,25 +19,25 @@ std::string inert(const std::string& cell) {
   return formula && !io::parse_number(cell) ? "'" + cell : cell;
 }
 
-std::string quoted(const std::string& cell) {
+std::string csv_quoted(const std::string& cell) {
   if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
   std::string text = "\"";
   for (const char c : cell) text += c == '"' ? std::string("\"\"") : std::string(1, c);
   return text + "\"";
 }
 
-const Report* at(const Report& object, const char* key) {
+const Report* entry_at(const Report& object, const char* key) {
   if (!object.is_object()) return nullptr;
   const auto found = object.find(key);
   return found == object.end() ? nullptr : &*found;
 }
 
-const Report* at(const Report& object, const char* first, const char* second) {
-  const Report* inner = at(object, first);
-  return inner ? at(*inner, second) : nullptr;
+const Report* entry_at(const Report& object, const char* first, const char* second) {
+  const Report* inner = entry_at(object, first);
+  return inner ? entry_at(*inner, second) : nullptr;
 }
 
-std::optional<double> number(const Report* value) {
+std::optional<double> cell_number(const Report* value) {
   if (value == nullptr || !value->is_number()) return {};
   return value->get<double>();
 }
@@ -51,8 +51,8 @@ void take_models(const Report& models, BatchRow& row) {
   if (!models.is_array()) return;
   double most = -std::numeric_limits<double>::infinity();
   for (const Report& model : models) {
-    const auto p = number(at(model, "probability"));
-    const Report* name = at(model, "name");
+    const auto p = cell_number(entry_at(model, "probability"));
+    const Report* name = entry_at(model, "name");
     if (!p || !(*p > most) || name == nullptr || !name->is_string()) continue;
     most = *p;
     row.model = name->get<std::string>();
@@ -61,10 +61,10 @@ void take_models(const Report& models, BatchRow& row) {
 }
 
 /// "7 modes (1 doubtful)" of modal identification.
-void take_modes(const Report& modes, BatchRow& row) {
+void take_mode_columns(const Report& modes, BatchRow& row) {
   if (!modes.is_array()) return;
   const auto doubtful = std::ranges::count_if(modes, [](const Report& mode) {
-    const Report* doubts = at(mode, "doubts");
+    const Report* doubts = entry_at(mode, "doubts");
     return doubts != nullptr && !doubts->empty();
   });
   row.model = std::to_string(modes.size()) + (modes.size() == 1 ? " mode" : " modes");
@@ -76,8 +76,8 @@ void take_sweep(const Report& rows, BatchRow& row) {
   row.seconds = 0.0;
   row.converged = true;
   for (const Report& one : rows) {
-    row.seconds += number(at(one, "cost", "wall_seconds")).value_or(0.0);
-    if (!truth(at(one, "converged")).value_or(false)) row.converged = false;
+    row.seconds += cell_number(entry_at(one, "cost", "wall_seconds")).value_or(0.0);
+    if (!truth(entry_at(one, "converged")).value_or(false)) row.converged = false;
   }
 }
 
@@ -86,16 +86,16 @@ void take_sweep(const Report& rows, BatchRow& row) {
 void take_from_summary(const std::filesystem::path& folder, BatchRow& row) {
   const std::optional<Report> summary = stored_summary(folder);
   if (!summary) return;
-  if (const Report* rows = at(*summary, "sweep", "rows")) return take_sweep(*rows, row);
-  if (const Report* models = at(*summary, "models")) take_models(*models, row);
-  if (const Report* modes = at(*summary, "modes")) take_modes(*modes, row);
-  row.converged = truth(at(*summary, "diagnostics", "converged"));
-  row.seconds = number(at(*summary, "cost", "wall_seconds")).value_or(row.seconds);
+  if (const Report* rows = entry_at(*summary, "sweep", "rows")) return take_sweep(*rows, row);
+  if (const Report* models = entry_at(*summary, "models")) take_models(*models, row);
+  if (const Report* modes = entry_at(*summary, "modes")) take_mode_columns(*modes, row);
+  row.converged = truth(entry_at(*summary, "diagnostics", "converged"));
+  row.seconds = cell_number(entry_at(*summary, "cost", "wall_seconds")).value_or(row.seconds);
 }
 
 bool stopped_early(const std::filesystem::path& folder) {
   const std::optional<Report> summary = stored_summary(folder);
-  return summary && truth(at(*summary, "diagnostics", "stopped_early")).value_or(false);
+  return summary && truth(entry_at(*summary, "diagnostics", "stopped_early")).value_or(false);
 }
 
 std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows) {
@@ -109,7 +109,7 @@ std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows) {
                                  row->error,  row->path};
     const char* between = "";
     for (const std::string& cell : cells) {
-      text += between + quoted(inert(cell));
+      text += between + csv_quoted(inert(cell));
       between = ",";
     }
     text += '\n';

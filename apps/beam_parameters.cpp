@@ -34,7 +34,7 @@ ParametricBeam parse_parametric_beam(const CaseFile& file) {
   out.beam = parse_beam(medians);
   const Json& section = file.json.at(beam).at("section");
   for (const char* height : {"height", "diameter", "outer_diameter"})
-    if (section.contains(height)) out.depth = section[height];
+    if (section.contains(height)) out.depth = section[height].get<double>();
 
   if (!has_states(file)) return out;
   const auto for_pieces = [](AnyStructure& any, auto&& set) {

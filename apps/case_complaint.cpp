@@ -114,8 +114,8 @@ bool has_type(const Json& value, const std::string& type) {
 
 bool type_matches(const Json& rule, const Json& value) {
   if (!rule.contains("type")) return true;
-  if (rule["type"].is_string()) return has_type(value, rule["type"]);
-  return std::ranges::any_of(rule["type"], [&](const Json& t) { return has_type(value, t); });
+  if (rule["type"].is_string()) return has_type(value, rule["type"].get<std::string>());
+  return std::ranges::any_of(rule["type"], [&](const Json& t) { return has_type(value, t.get<std::string>()); });
 }
 
 std::string listed_values(const Json& list) {
@@ -131,14 +131,14 @@ std::string article(const std::string& type) {
 
 /// What would be right: the schema's own words where it has any.
 std::string rule_in_words(const Json& rule) {
-  if (rule.contains("description")) return rule["description"];
+  if (rule.contains("description")) return rule["description"].get<std::string>();
   if (rule.contains("enum")) {
     return (rule["enum"].size() > 1 ? "one of " : "") + listed_values(rule["enum"]);
   }
   if (!rule.contains("type")) return "something else";
-  if (rule["type"].is_string()) return article(rule["type"]);
+  if (rule["type"].is_string()) return article(rule["type"].get<std::string>());
   std::string text;
-  for (const Json& t : rule["type"]) text += (text.empty() ? "" : " or ") + article(t);
+  for (const Json& t : rule["type"]) text += (text.empty() ? "" : " or ") + article(t.get<std::string>());
   return text;
 }
 
@@ -249,7 +249,7 @@ class Examination {
                                         : listed_values(rule["enum"])));
     }
     if (value.is_number()) {
-      const double x = value;
+      const double x = value.get<double>();
       const std::string unit =
           rule.contains("description") ? " (" + rule["description"].get<std::string>() + ")" : "";
       if (rule.contains("minimum") && !(x >= rule["minimum"].get<double>())) {
@@ -310,7 +310,7 @@ class Examination {
       }
     }
     for (const Json& key : rule.value("required", Json::array())) {
-      const std::string name = key;
+      const std::string name = key.get<std::string>();
       if (value.contains(name)) continue;
       const Json& missing = resolved(properties.at(name));
       return Complaint{where / name,
@@ -431,7 +431,7 @@ class Examination {
         list.push_back(Json::array({word}));
       }
     } else if (value.is_number()) {
-      const double x = value;
+      const double x = value.get<double>();
       if (x == 0.0) list.emplace_back(nullptr);
       list.push_back(Json::array({value}));
       list.push_back(Json::array({Json::array({value})}));
@@ -457,7 +457,7 @@ class Examination {
   void collect_words(const Json& reference, std::vector<std::string>& words) const {
     const Json& rule = resolved(reference);
     for (const Json& word : rule.value("enum", Json::array()))
-      if (word.is_string()) words.push_back(word);
+      if (word.is_string()) words.push_back(word.get<std::string>());
     for (const Json& alternative : rule.value("anyOf", Json::array()))
       collect_words(alternative, words);
     if (rule.contains("items") && rule["items"].is_object()) collect_words(rule["items"], words);

@@ -76,9 +76,9 @@ void apply_override(const std::filesystem::path& path, Json& json, const std::st
   *at = std::move(value);
 }
 
-const Json& resolved(const Json& root, const Json& rule) {
+const Json& resolved_key(const Json& root, const Json& rule) {
   if (!rule.contains("$ref")) return rule;
-  return resolved(root, root.at(Pointer(rule["$ref"].get<std::string>().substr(1))));
+  return resolved_key(root, root.at(Pointer(rule["$ref"].get<std::string>().substr(1))));
 }
 
 std::string place(const Pointer& where, const std::string& record_place) {
@@ -119,7 +119,7 @@ void check_texts(const CaseFile& file, const Json& value, const Pointer& where) 
 
 // Numbers like 5.0 become whole ones where the schema wants these: what reads them need not ask.
 void make_whole(const Json& root, const Json& reference, Json& value) {
-  const Json& rule = resolved(root, reference);
+  const Json& rule = resolved_key(root, reference);
   for (const Json& alternative : rule.value("anyOf", Json::array())) {
     make_whole(root, alternative, value);
   }
@@ -327,8 +327,8 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
     const Json& list = prior.at(family);
     const bool reversed = (family == "uniform" || family == "log_uniform") && list.is_array() &&
                           list.size() == 2 && list[0] > list[1];
-    file.refuse(where / family, error.what() + (reversed ? "; write [" + pasted(list[1]) + ", " +
-                                                               pasted(list[0]) + "]"
+    file.refuse(where / family, error.what() + (reversed ? "; write [" + pasted(list[1].get<double>()) + ", " +
+                                                               pasted(list[0].get<double>()) + "]"
                                                          : std::string()));
   }
 }

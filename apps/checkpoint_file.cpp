@@ -25,7 +25,7 @@ constexpr std::size_t kSeal = 16;  // digits
 constexpr const char* kWhat = "a checkpoint of wheeltap";
 constexpr std::string_view kPartPrefix = "checkpoint-";
 
-bool is_sealed(std::string_view bytes) {
+bool is_sealed_checkpoint(std::string_view bytes) {
   return bytes.starts_with(io::kNetcdfMagic) && bytes.size() > kSeal &&
          io::fingerprint(bytes.substr(0, bytes.size() - kSeal)) ==
              bytes.substr(bytes.size() - kSeal);
@@ -58,7 +58,7 @@ bool remove_part(const fs::path& path) {
   try {
     { const io::AtomicFile writable(path); }
     if (!fs::exists(path)) return true;
-    if (!is_sealed(io::read_bytes(path))) return false;
+    if (!is_sealed_checkpoint(io::read_bytes(path))) return false;
   } catch (const FileError&) {
     return false;
   }
@@ -96,7 +96,7 @@ std::string write_sealed(const fs::path& path, io::NetcdfWriter& file) {
                   "is of another run: " + how + " (without --resume a new one begins)");
 }
 
-std::string at(const Json& json, const Json::json_pointer& pointer) {
+std::string member_at(const Json& json, const Json::json_pointer& pointer) {
   constexpr std::size_t kLong = 40;
   if (!json.contains(pointer)) return "missing";
   std::string text = json[pointer].dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -110,7 +110,7 @@ std::string difference(const Json& was, const Json& is) {
   if (patch.empty()) return {};
   const auto place = patch[0]["path"].get<std::string>();
   const Json::json_pointer pointer(place);
-  return place + " was " + at(was, pointer) + " and is " + at(is, pointer);
+  return place + " was " + member_at(was, pointer) + " and is " + member_at(is, pointer);
 }
 
 // The first file that is another, new or gone; none where all are the same.
@@ -132,10 +132,10 @@ Report place_of(const std::optional<identification::StepsRefined>& refined) {
 
 std::optional<identification::StepsRefined> refined_of(const Report& place) {
   if (place.is_null()) return {};
-  return identification::StepsRefined{.by_series = place.at("by_series"),
-                                      .step_limit = place.at("step_limit"),
-                                      .prefer_series = place.at("prefer_series"),
-                                      .repeats = place.at("repeats")};
+  return identification::StepsRefined{.by_series = place.at("by_series").get<bool>(),
+                                      .step_limit = place.at("step_limit").get<double>(),
+                                      .prefer_series = place.at("prefer_series").get<bool>(),
+                                      .repeats = place.at("repeats").get<int>()};
 }
 
 // f(vector of T) for the column type whose NetCDF type this is.
@@ -173,7 +173,7 @@ CheckpointFile::CheckpointFile(const fs::path& folder, CheckpointOf of, const Co
     const bool there = fs::exists(path_);
     std::string found = there ? io::read_bytes(path_) : std::string();
     if (there && common.resume) return found;
-    if (there && !is_sealed(found)) in_the_way(path_);
+    if (there && !is_sealed_checkpoint(found)) in_the_way(path_);
     for (const long number : parts_in(path_.parent_path()))
       if (!remove_part(part(number))) in_the_way(part(number));
     if (there) remove();
@@ -186,7 +186,7 @@ void CheckpointFile::read(std::string bytes, bool others_pass) {
   if (!bytes.starts_with(io::kNetcdfMagic)) {
     throw FileError(FileError::Kind::foreign, path_, std::string("is not ") + kWhat);
   }
-  if (!is_sealed(bytes)) {
+  if (!is_sealed_checkpoint(bytes)) {
     throw FileError(FileError::Kind::corrupt, path_,
                     std::string("is truncated or damaged, or not ") + kWhat);
   }
@@ -270,7 +270,7 @@ void CheckpointFile::save(const Checkpoint& checkpoint) {
 bool CheckpointFile::save_draws(const Checkpoint& draws, long number) {
   number += first_;
   try {
-    if (fs::exists(part(number)) && !is_sealed(io::read_bytes(part(number))))
+    if (fs::exists(part(number)) && !is_sealed_checkpoint(io::read_bytes(part(number))))
       in_the_way(part(number));
     io::NetcdfWriter file(part(number));
     file.text(file.root(), NC_GLOBAL, "wheeltap_checkpoint", std::to_string(Checkpoint::kFormat));
@@ -295,7 +295,7 @@ Checkpoint CheckpointFile::saved_draws(long number) const {
     if (!fs::exists(path)) throw damaged("is not there");
     return io::read_bytes(path);
   });
-  if (!is_sealed(*bytes) || seal_of(*bytes) != seal->second)
+  if (!is_sealed_checkpoint(*bytes) || seal_of(*bytes) != seal->second)
     throw damaged("is truncated or damaged, or of another checkpoint");
   bytes->resize(bytes->size() - kSeal);
   return read_state(io::NetcdfReader(std::move(*bytes), path, kWhat));
@@ -325,7 +325,7 @@ void CheckpointFile::discard(const fs::path& folder) {
   const fs::path path = folder / kName;
   { const io::AtomicFile writable(path); }
   std::error_code ignored;
-  if (fs::exists(path) && is_sealed(io::read_bytes(path))) fs::remove(path, ignored);
+  if (fs::exists(path) && is_sealed_checkpoint(io::read_bytes(path))) fs::remove(path, ignored);
   for (const long number : parts_in(folder))
     remove_part(folder / (std::string(kPartPrefix) + std::to_string(number) + ".nc"));
 }

@@ -71,7 +71,7 @@ std::string unknown_command(const CLI::App& app, const std::string& word) {
   std::string kind = "damage";
   try {
     const Json given = read_case(word).json.value("kind", Json());
-    if (given.is_string() && has(names, given)) kind = given;
+    if (given.is_string() && has(names, given.get<std::string>())) kind = given.get<std::string>();
   } catch (const Failure&) {
     // Its faults are not the question here.
   }

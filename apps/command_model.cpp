@@ -35,8 +35,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kNoProgram = 127, kNotRunnable = 126;  // as the shell says it
-constexpr std::size_t kLongest = 200;                // characters of a program's own words
+constexpr int kProgramNotFound = 127, kNotRunnable = 126;  // as the shell says it
+constexpr std::size_t kLongestAnswer = 200;                // characters of a program's own words
 
 fs::path own_directory() {
   std::error_code error;
@@ -89,7 +89,7 @@ std::optional<int> run(const std::vector<std::string>& words, const fs::path& di
   if (pid == 0) {
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent || chdir(here.c_str()) != 0) _exit(kNoProgram);
+    if (getppid() != parent || chdir(here.c_str()) != 0) _exit(kProgramNotFound);
     constexpr int kNew = O_WRONLY | O_CREAT | O_TRUNC, kMode = 0644;
     dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
     dup2(open(out.c_str(), kNew, kMode), STDOUT_FILENO);
@@ -97,7 +97,7 @@ std::optional<int> run(const std::vector<std::string>& words, const fs::path& di
     for (const int number : base::kStopSignals) std::signal(number, SIG_DFL);
     for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_DFL);
     execvp(argv[0], argv.data());
-    _exit(errno == ENOENT ? kNoProgram : kNotRunnable);
+    _exit(errno == ENOENT ? kProgramNotFound : kNotRunnable);
   }
   setpgid(pid, pid);  // whichever of the two comes first
   const auto handle = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
@@ -140,7 +140,7 @@ std::string last_words(const fs::path& directory) {
   }
   while (!said.empty() && (said.back() == '\n' || said.back() == ' ')) said.pop_back();
   said.erase(0, said.rfind('\n') + 1);  // npos + 1 = 0
-  if (said.size() > kLongest) said = said.substr(0, kLongest) + "...";
+  if (said.size() > kLongestAnswer) said = said.substr(0, kLongestAnswer) + "...";
   return said.empty() ? "" : ": " + said;
 }
 
@@ -177,7 +177,7 @@ std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) c
       const char* begin = word.data() + (word[0] == '+' ? 1 : 0);
       const auto [end, error] = std::from_chars(begin, word.data() + word.size(), value);
       if (error != std::errc() || end != word.data() + word.size())
-        return "it wrote \"" + word.substr(0, kLongest) + "\", which is no number";
+        return "it wrote \"" + word.substr(0, kLongestAnswer) + "\", which is no number";
       found.push_back(value);
     }
   } else {
@@ -186,13 +186,13 @@ std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) c
     if (said.is_discarded()) {
       if (text.find("NaN") == std::string::npos && text.find("Infinity") == std::string::npos)
         return "it wrote what is no JSON";
-      return "it wrote numbers that are not finite: " + text.substr(0, kLongest);
+      return "it wrote numbers that are not finite: " + text.substr(0, kLongestAnswer);
     }
     if (!said.is_array()) return "it wrote neither a list nor an object with \"predictions\"";
     for (const Json& value : said) {
       if (!value.is_number())
-        return "it wrote " + value.dump().substr(0, kLongest) + ", which is no number";
-      found.push_back(value);
+        return "it wrote " + value.dump().substr(0, kLongestAnswer) + ", which is no number";
+      found.push_back(value.get<double>());
     }
   }
   if (found.size() != y.size())
@@ -226,9 +226,9 @@ std::string CommandModel::attempt(std::span<const double> x, std::span<double> y
               " s (\"timeout\" in the predictor) and was killed";
   } else if (WIFSIGNALED(*status)) {
     trouble = "was ended by signal " + std::to_string(WTERMSIG(*status)) + last_words(directory);
-  } else if (const int code = WEXITSTATUS(*status); code == kNoProgram || code == kNotRunnable) {
+  } else if (const int code = WEXITSTATUS(*status); code == kProgramNotFound || code == kNotRunnable) {
     const std::string words_of_it = last_words(directory);
-    trouble = words_of_it.empty() ? (code == kNoProgram ? "is not there" : "cannot be run")
+    trouble = words_of_it.empty() ? (code == kProgramNotFound ? "is not there" : "cannot be run")
                                   : "ended with exit code " + std::to_string(code) + words_of_it;
   } else if (code != 0) {
     trouble = "ended with exit code " + std::to_string(code) + last_words(directory);

@@ -28,14 +28,14 @@ using namespace identification;
 
 namespace {
 
-std::string number(double x) {
+std::string damage_number(double x) {
   if (std::isinf(x)) return x < 0.0 ? "minus infinity" : "infinity";
   return Json(x).dump();
 }
 
 constexpr int kFreshRunsOfOthers = 50;  // that measure an emulator's error, unless a case says
 
-Pointer at(const char* text) {
+Pointer damage_key(const char* text) {
   return Pointer(text);
 }
 
@@ -49,7 +49,7 @@ inference::Prior bounded_prior(const CaseFile& file, const Pointer& where, doubl
                                double upper, const std::string& allowed) {
   const inference::Prior prior = parse_prior(file, where);
   if (!(prior.lower() >= lower && prior.upper() <= upper)) {
-    file.refuse(where, "reaches from " + number(prior.lower()) + " to " + number(prior.upper()) +
+    file.refuse(where, "reaches from " + damage_number(prior.lower()) + " to " + damage_number(prior.upper()) +
                            ", but " + allowed + kept_within(file, where, lower, upper));
   }
   return prior;
@@ -61,7 +61,7 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
   std::vector<double> weights(n, 1.0);
   const Json& count = file.json.at(where);
   if (count.contains("prior") && count["prior"].is_object()) {
-    const double mean = count["prior"]["poisson"];
+    const double mean = count["prior"]["poisson"].get<double>();
     for (std::size_t i = 0; i < n; ++i) {
       const double k = min + static_cast<double>(i);
       weights[i] = std::exp(k * std::log(mean) - base::log_gamma(k + 1.0) - mean);
@@ -83,11 +83,11 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
 
 Simulation parse_simulation(const CaseFile& file, const Json& truth, Simulation simulation) {
   const Json data = file.json.value("data", Json::object());
-  if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"];
-  if (data.contains("modes") && data["modes"].is_number()) simulation.modes = data["modes"];
+  if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"].get<double>();
+  if (data.contains("modes") && data["modes"].is_number()) simulation.modes = data["modes"].get<int>();
   simulation.seed = data.value("seed", simulation.seed);
   if (data.contains("shape_sd") && data["shape_sd"].is_number())
-    simulation.shape_sd = data["shape_sd"];
+    simulation.shape_sd = data["shape_sd"].get<double>();
   if (truth.is_object()) {
     simulation.modes = truth.value("modes", simulation.modes);
     simulation.cv = truth.value("cov", simulation.cv);
@@ -120,12 +120,12 @@ void parse_truth(const CaseFile& file, const Pointer& block, double length, Defe
     if (!kind.type->may_be_known && !d.contains(severity)) {
       file.refuse(where / i / severity, "is missing: must be a number in [0, 1)");
     }
-    DefectKind::True truth{.location = d.at("location"), .severity = kInfinity};
+    DefectKind::True truth{.location = d.at("location").get<double>(), .severity = kInfinity};
     if (truth.location > length) {
       file.refuse(where / i / "location",
-                  "lies outside the beam, which is " + number(length) + " m long");
+                  "lies outside the beam, which is " + damage_number(length) + " m long");
     }
-    if (d.contains(severity) && d[severity].is_number()) truth.severity = d[severity];
+    if (d.contains(severity) && d[severity].is_number()) truth.severity = d[severity].get<double>();
     truth.extent = true_extent(file, where / i, kind);
     kind.truth.push_back(truth);
   }
@@ -144,7 +144,7 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   }
   const std::string severity(type->severity);
   const int min = b["count"].value("min", 0);
-  const int max = b["count"].at("max");
+  const int max = b["count"].at("max").get<int>();
   if (min > max) {
     file.refuse(where / "count" / "min", "must not exceed max, which is " + std::to_string(max));
   }
@@ -167,7 +167,7 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
       .max_count = max,
       .weights = parse_count_prior(file, where / "count", min, max),
       .location = bounded_prior(file, where / "location", 0.0, length,
-                                "locations lie on the beam, in [0, " + number(length) + "] m"),
+                                "locations lie on the beam, in [0, " + damage_number(length) + "] m"),
       .severity = DefectKind::Rigid{},
       .rotation = type->may_be_rotational && b.contains("fix") && b["fix"][0] == "rotation",
       .truth = {}};
@@ -208,7 +208,7 @@ std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& w
     std::vector<int> sites;
     const Json& list = file.json.at(list_at);
     for (std::size_t i = 0; i < list.size(); ++i) {
-      const int site = list[i];
+      const int site = list[i].get<int>();
       if (site > elements) {
         file.refuse(list_at / i, "the beam has " + std::to_string(elements) + " elements");
       }
@@ -317,7 +317,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
     spec.accuracy = p["accuracy"].get<double>();
   }
   if (p.contains("multipliers")) {
-    for (const double multiplier : p["multipliers"]) {
+    for (const double multiplier : p["multipliers"].get<std::vector<double>>()) {
       spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // 0.6, not 1 - 0.4
     }
     std::ranges::sort(spec.reductions);
@@ -362,11 +362,11 @@ void DamageCaseFile::refuse(const InvalidInput& error) const {
   const auto kind = static_cast<std::size_t>(error.index());
   switch (error.part()) {
     case Part::beam:
-      file.refuse(damage.structure ? at("/structure") : at("/beam"), error.what());
+      file.refuse(damage.structure ? damage_key("/structure") : damage_key("/beam"), error.what());
     case Part::truth:
-      file.refuse(at("/damage/truth"), error.what());
+      file.refuse(damage_key("/damage/truth"), error.what());
     case Part::emulator:
-      file.refuse(at("/predictor"), error.what());
+      file.refuse(damage_key("/predictor"), error.what());
     case Part::location: {
       if (damage.structure) file.refuse(kinds[kind] / "on", error.what());
       const Pointer place = kinds[kind] / "location";
@@ -379,7 +379,7 @@ void DamageCaseFile::refuse(const InvalidInput& error) const {
       file.refuse(place, error.what() + kept_within(file, place, type.lower, type.upper));
     }
     default:
-      file.refuse(at("/data"), error.what());
+      file.refuse(damage_key("/data"), error.what());
   }
 }
 
@@ -387,15 +387,15 @@ namespace {
 
 // A coefficient of variation is "cov" in a case, or "cv".
 void accept_cv(CaseFile& file) {
-  std::vector<Pointer> places = {at("/data"), at("/data/discrepancy"), at("/damage/truth"),
-                                 at("/baseline/data"), at("/baseline/data/discrepancy")};
-  for (const Pointer& block : {at("/data"), at("/baseline/data")})
+  std::vector<Pointer> places = {damage_key("/data"), damage_key("/data/discrepancy"), damage_key("/damage/truth"),
+                                 damage_key("/baseline/data"), damage_key("/baseline/data/discrepancy")};
+  for (const Pointer& block : {damage_key("/data"), damage_key("/baseline/data")})
     if (file.json.contains(block / "states") && file.json.at(block / "states").is_array())
       for (std::size_t i = 0; i < file.json.at(block / "states").size(); ++i)
         places.push_back(block / "states" / i);
   if (file.json.contains("damage") && file.json["damage"].is_array()) {
     for (std::size_t i = 0; i < file.json["damage"].size(); ++i)
-      places.push_back(at("/damage") / i / "truth");
+      places.push_back(damage_key("/damage") / i / "truth");
   }
   for (const Pointer& where : places) {
     if (!file.json.contains(where) || !file.json[where].is_object()) continue;
@@ -415,7 +415,7 @@ namespace {
 
 void check_beam_modes(const CaseFile& f, DamageCase& out) {
   const int free = free_degrees_of_freedom(out.beam);
-  if (free < 1) f.refuse(at("/beam/supports"), "nothing is left to vibrate");
+  if (free < 1) f.refuse(damage_key("/beam/supports"), "nothing is left to vibrate");
   out.rigid_body_modes = rigid_body_modes(out.beam);
   int most_supports = 0;
   for (const DefectKind& kind : out.kinds) {
@@ -425,7 +425,7 @@ void check_beam_modes(const CaseFile& f, DamageCase& out) {
   }
   const int most_modes = free - std::max(out.rigid_body_modes, most_supports);
   if (!out.states && out.modes() > most_modes) {
-    f.refuse(out.data.modes() > 0 ? at("/data") : at("/data/modes"),
+    f.refuse(out.data.modes() > 0 ? damage_key("/data") : damage_key("/data/modes"),
              std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most_modes) +
                  ", the elastic modes of " + std::to_string(out.beam.elements) +
                  " elements; refine beam.elements");
@@ -441,7 +441,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   const bool structure = has_structure(file);
   accept_cv(file);
   validate_against_schema(file, structure ? "structure" : "damage");
-  if (file.json.at("kind") != "damage") file.refuse(at("/kind"), "must be \"damage\" here");
+  if (file.json.at("kind") != "damage") file.refuse(damage_key("/kind"), "must be \"damage\" here");
   DamageCaseFile parsed{.file = std::move(file), .notes = {}, .damage = {}, .kinds = {}};
   DamageCase& out = parsed.damage;
   const CaseFile& f = parsed.file;
@@ -478,19 +478,19 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     parse_structure_kinds(f, out, parsed.kinds);
   } else if (damage.is_array()) {
     for (std::size_t i = 0; i < damage.size(); ++i) {
-      parsed.kinds.push_back(at("/damage") / i);
+      parsed.kinds.push_back(damage_key("/damage") / i);
       out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
     }
   } else {
-    parsed.kinds.push_back(at("/damage"));
+    parsed.kinds.push_back(damage_key("/damage"));
     out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
   }
   double models = 1.0;
   for (const DefectKind& kind : out.kinds) models *= kind.max_count - kind.min_count + 1.0;
   if (models > kMostModels) {
-    f.refuse(at("/damage"), "would be " + number(models) +
+    f.refuse(damage_key("/damage"), "would be " + damage_number(models) +
                                 " models, one a combination of counts: must be at most " +
-                                number(kMostModels) + "; lower the largest counts");
+                                damage_number(kMostModels) + "; lower the largest counts");
   }
   for (std::size_t i = 1; i < out.kinds.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -503,7 +503,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   if (has_outside_model(f)) {
     for (const DefectKind& kind : out.kinds)
       if (kind.severity_prior() == nullptr)
-        f.refuse(at("/predictor"),
+        f.refuse(damage_key("/predictor"),
                  "a " + kind.name + " of known severity cannot be told from none: give it a prior");
     parsed.outside = parse_outside(f, outside_inputs(out));
     const Pointer front("/predictor/emulator");
@@ -517,7 +517,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
       if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kFreshRunsOfOthers;
     }
   } else if (json.contains("predictor") && json["predictor"].is_object()) {
-    out.emulator = parse_emulator(f, at("/predictor"), out);
+    out.emulator = parse_emulator(f, damage_key("/predictor"), out);
   }
   const bool of_low_rank = std::ranges::all_of(
       out.kinds, [](const DefectKind& kind) { return kind.type->has_low_rank; });
@@ -546,7 +546,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
 
   if (out.data.frequencies_hz.empty()) {
     if (!out.simulation) {
-      f.refuse(at("/data"),
+      f.refuse(damage_key("/data"),
                "no data: give \"frequencies\" or a \"file\", or a \"truth\" in damage to simulate "
                "them from");
     }
@@ -559,7 +559,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     out.data.cv_prior = cv_prior;
     out.data.discrepancy_cv = discrepancy;
     if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
-      f.refuse(at("/data/sd"), "must have one value per mode: " + std::to_string(out.data.modes()));
+      f.refuse(damage_key("/data/sd"), "must have one value per mode: " + std::to_string(out.data.modes()));
     }
     if (!sd.empty()) out.data.sd_hz = sd;
     if (out.modal)
@@ -570,19 +570,19 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     if (cv_prior) out.data.sd_hz.clear();
   }
   if (out.data.sd_hz.empty() && !out.data.cv_prior) {
-    f.refuse(at("/data/cov"),
+    f.refuse(damage_key("/data/cov"),
              "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
              "0.005 for 0.5 % of each, for example");
   }
   if (json.contains("baseline")) {
     if (out.data.simulated)
-      f.refuse(at("/baseline"),
+      f.refuse(damage_key("/baseline"),
                "goes with measured data: these are simulated by the model itself, of which nothing "
                "has changed but the truth");
     take_baseline(f, out);
   }
   if (!states && json.contains("data"))
-    require_shapes_to_doubt(f, at("/data"), out.modal && out.modal->has_shapes());
+    require_shapes_to_doubt(f, damage_key("/data"), out.modal && out.modal->has_shapes());
   return parsed;
 }
 

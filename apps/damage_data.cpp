@@ -18,10 +18,10 @@ using namespace identification;
 
 namespace {
 
-Pointer at(const char* place) {
+Pointer data_key(const char* place) {
   return Pointer(place);
 }
-std::string number(double x) {
+std::string data_number(double x) {
   return Json(x).dump();
 }
 
@@ -68,7 +68,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
     if (std::isnan(f)) continue;
     if (f < previous) {
       file.refuse(d.contains("frequencies") ? where / "frequencies" / i : where / "file",
-                  "frequencies must increase; mode " + std::to_string(i + 1) + " at " + number(f) +
+                  "frequencies must increase; mode " + std::to_string(i + 1) + " at " + data_number(f) +
                       " Hz lies below the one before it" + increasing(data.frequencies_hz));
     }
     previous = f;
@@ -89,7 +89,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
       file.refuse(where / "discrepancy" / "mixing", "goes with \"shapes\", or with a baseline");
     if (!d["discrepancy"].contains("cov"))
       file.refuse(where / "discrepancy" / "cov", "is missing: a coefficient of variation");
-    data.discrepancy_cv = d["discrepancy"]["cov"];
+    data.discrepancy_cv = d["discrepancy"]["cov"].get<double>();
   }
   if (d.contains("sd")) {
     const Json& sd = d["sd"];
@@ -135,25 +135,25 @@ void take_data(const CaseFile& f, DamageCase& out) {
       data.contains("discrepancy") && data["discrepancy"].is_object() &&
       std::ranges::any_of(data["discrepancy"], [](const Json& d) { return d.is_object(); });
   if (!shapes && !inferred) {
-    out.data = parse_data(f, at("/data"));
+    out.data = parse_data(f, data_key("/data"));
     return;
   }
   if (out.emulator)
-    f.refuse(at("/predictor"), "an emulator predicts frequencies, not shapes: use \"fe\" here");
+    f.refuse(data_key("/predictor"), "an emulator predicts frequencies, not shapes: use \"fe\" here");
   AnyStructure solved;
   try {
     out.modal = std::make_shared<const ModalData>();  // solved as a structure, then
     solved = out.solved_structure();
   } catch (const std::invalid_argument& error) {
-    f.refuse(at(out.structure ? "/structure" : "/beam"), error.what());
+    f.refuse(data_key(out.structure ? "/structure" : "/beam"), error.what());
   }
-  out.modal = std::make_shared<const ModalData>(parse_modal_data(f, at("/data"), solved));
-  if (out.modal->predict > 0) f.refuse(at("/data/predict"), "goes with \"kind\": \"update\" only");
+  out.modal = std::make_shared<const ModalData>(parse_modal_data(f, data_key("/data"), solved));
+  if (out.modal->predict > 0) f.refuse(data_key("/data/predict"), "goes with \"kind\": \"update\" only");
   out.data = frequencies_of(*out.modal, data);
 }
 
 void take_baseline(const CaseFile& f, DamageCase& out) {
-  const Pointer where = at("/baseline/data");
+  const Pointer where = data_key("/baseline/data");
   for (const auto& [key, ignored] : f.json.at(where).items())
     if (key != "frequencies" && key != "cov" && key != "sd" && key != "file" && key != "columns" &&
         key != "row")
@@ -189,7 +189,7 @@ void take_true_shapes(const CaseFile& f, DamageCase& out) {
   if (!modal.sensors.empty()) {
     const double sd = out.simulation->shape_sd;
     if (!(sd > 0.0))
-      f.refuse(at("/data/shape_sd"),
+      f.refuse(data_key("/data/shape_sd"),
                "is missing: say how exact the simulated shapes are, or leave \"sensors\" out");
     modal.shapes = simulated_shapes(out, static_cast<int>(n), out.simulation->seed);
     const auto sensors = static_cast<Eigen::Index>(modal.sensors.size());

@@ -17,11 +17,11 @@ using namespace identification;
 
 namespace {
 
-std::string metres(double x) {
+std::string place_in_metres(double x) {
   return fixed(x, 3);
 }
 
-std::string interval(const Marginal& e, const std::function<std::string(double)>& text) {
+std::string damage_interval(const Marginal& e, const std::function<std::string(double)>& text) {
   return text(e.q2_5) + " to " + text(e.q97_5);
 }
 
@@ -32,10 +32,10 @@ std::string severity_text(const DefectKind& kind, double x) {
 }
 
 std::string true_place(const DefectKind& kind, double location) {
-  if (kind.line.is_beam()) return metres(location) + " m";
+  if (kind.line.is_beam()) return place_in_metres(location) + " m";
   const SiteLine::Spot spot = kind.line.spot(location);
   const auto& on = kind.line.stretches()[static_cast<std::size_t>(spot.stretch)];
-  return on.size > 0.0 ? on.name + ", " + metres(spot.s) + " m" : on.name;
+  return on.size > 0.0 ? on.name + ", " + place_in_metres(spot.s) + " m" : on.name;
 }
 
 // One line a defect.
@@ -49,14 +49,14 @@ void print_defects(const Page& page, const DamageCase& damage_case,
     const DefectKind& kind = damage_case.kinds[static_cast<std::size_t>(u.kind)];
     const Marginal& x = shown[p].estimate;
     std::vector<std::string> row = {kind.name + " " + std::to_string(u.component + 1),
-                                    metres(x.q50) + " m"};
-    if (folded) row.push_back(metres(damage_case.beam.length - x.q50) + " m");
-    row.push_back(interval(x, metres) + " m");
+                                    place_in_metres(x.q50) + " m"};
+    if (folded) row.push_back(place_in_metres(damage_case.beam.length - x.q50) + " m");
+    row.push_back(damage_interval(x, metres) + " m");
     if (kind.severity_prior()) {
       const Marginal& s = shown[p + 1].estimate;
       const auto text = [&](double value) { return severity_text(kind, value); };
       row.push_back(text(s.q50));
-      row.push_back(interval(s, text));
+      row.push_back(damage_interval(s, text));
       const std::string heading(kind.type->severity_words);
       severity_heading =
           severity_heading.empty() || severity_heading == heading ? heading : "severity";
@@ -84,11 +84,11 @@ void print_places(const Page& page, const DamageCase& damage_case, const DamageF
       const auto& on = kind.line.stretches()[static_cast<std::size_t>(p.stretch)];
       std::vector<std::string> row = {kind.name, on.name, fixed(p.expected, 2)};
       const bool along = on.size > 0.0;
-      row.push_back(along ? metres(p.location.q50) + " m" : "-");
-      row.push_back(along ? interval(p.location, metres) + " m" : "-");
+      row.push_back(along ? place_in_metres(p.location.q50) + " m" : "-");
+      row.push_back(along ? damage_interval(p.location, metres) + " m" : "-");
       const auto text = [&](double value) { return severity_text(kind, value); };
       row.push_back(p.severity ? text(p.severity->q50) : "-");
-      row.push_back(p.severity ? interval(*p.severity, text) : "-");
+      row.push_back(p.severity ? damage_interval(*p.severity, text) : "-");
       rows.push_back(std::move(row));
     }
   }
@@ -274,7 +274,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
     if (const Marginal* cv = model.find("cov")) {
       out << "\nNoise (coefficient of variation) if " << model.name << ": "
           << significant(cv->q50, 3) << ", 95 % "
-          << interval(*cv, [](double x) { return significant(x, 3); }) << '\n';
+          << damage_interval(*cv, [](double x) { return significant(x, 3); }) << '\n';
     }
   }
 

@@ -20,7 +20,7 @@
 namespace wheeltap::apps {
 namespace {
 
-std::string with_unit(const std::string& name, const std::string& unit) {
+std::string channel_with_unit(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + " [" + unit + "]";
 }
 
@@ -57,7 +57,7 @@ void print(const MeasuredFile& file) {
                 << significant(static_cast<double>(table.rows()) / *table.sample_rate_hz, 4)
                 << " s; content up to " << significant(0.5 * *table.sample_rate_hz, 6) << " Hz";
     else if (!table.is_time && !table.x.empty())
-      std::cout << " over " << with_unit(table.abscissa, table.abscissa_unit) << " from "
+      std::cout << " over " << channel_with_unit(table.abscissa, table.abscissa_unit) << " from "
                 << significant(table.x.front(), 5) << " to " << significant(table.x.back(), 5);
     else if (table.sampling_fault.empty())
       std::cout << "; no column is called time: say the rate by --sample-rate to see spectra";
@@ -71,7 +71,7 @@ void print(const MeasuredFile& file) {
       std::string peaks;
       for (const signals::SpectrumPeak& p : c.peaks)
         peaks += (peaks.empty() ? "" : ", ") + significant(p.frequency_hz, 4);
-      rows.push_back({io::printable(with_unit(c.name, c.unit)), significant(c.quality.rms, 4),
+      rows.push_back({io::printable(channel_with_unit(c.name, c.unit)), significant(c.quality.rms, 4),
                       significant(c.quality.mean, 3), significant(c.quality.lowest, 4),
                       significant(c.quality.highest, 4), peaks.empty() ? "-" : peaks});
     }
@@ -99,7 +99,7 @@ signals::Record record_of(const MeasuredTable& table) {
   const auto add = [&](const std::string& name, const std::string& unit,
                        const std::vector<double>& values) {
     record.columns.push_back(
-        {.header = with_unit(name, unit), .name = name, .unit = unit, .values = values});
+        {.header = channel_with_unit(name, unit), .name = name, .unit = unit, .values = values});
   };
   if (!table.x.empty()) {
     add(table.abscissa, table.abscissa_unit, table.x);
@@ -158,7 +158,7 @@ std::string universal(const MeasuredFile& file) {
   return io::universal_text(out);
 }
 
-void convert(const MeasuredFile& file, const std::string& to) {
+void convert_file(const MeasuredFile& file, const std::string& to) {
   std::filesystem::path path(to);
   if (to == "csv" || to == "nc" || to == "uff") path = file.path.stem().string() + "." + to;
   const std::string ending = path.extension().string();
@@ -245,7 +245,7 @@ void run_data(const DataOptions& options) {
     write_text(options.page, data_page(file));
     if (!options.json) std::cout << "\nDrawn: " << options.page.string() << "\n";
   }
-  if (!options.to.empty()) convert(file, options.to);
+  if (!options.to.empty()) convert_file(file, options.to);
 }
 
 }  // namespace wheeltap::apps

@@ -15,20 +15,20 @@ std::string p_is(double p) {
   return p < 0.5 ? p_value(p) : "p " + (1.0 - p < 1e-4 ? std::string("> 0.9999") : fixed(p, 4));
 }
 
-std::string quoted(const std::string& name) {
+std::string quoted_channel(const std::string& name) {
   return "\"" + name + "\"";
 }
 
 struct Brief {
   std::string operator()(const misfit::Unexplained& r) const {
-    return "R² " + fixed(r.r2, 2) + " for " + quoted(r.channel);
+    return "R² " + fixed(r.r2, 2) + " for " + quoted_channel(r.channel);
   }
   std::string operator()(const misfit::NotNoise& r) const {
-    return "what is left of " + quoted(r.channel) + " is " + share_of_response(r.share) +
+    return "what is left of " + quoted_channel(r.channel) + " is " + share_of_response(r.share) +
            ", and no noise";
   }
   std::string operator()(const misfit::WorseBeyond& r) const {
-    return "beyond the window the error of " + quoted(r.channel) + " grows from " +
+    return "beyond the window the error of " + quoted_channel(r.channel) + " grows from " +
            significant(100.0 * r.inside, 2) + " to " + significant(100.0 * r.beyond, 2) + " %";
   }
   std::string operator()(const misfit::BeyondNoise& r) const { return "predictive " + p_is(r.p); }
@@ -42,7 +42,7 @@ struct Sentence {
 
   std::string operator()(const All<misfit::Unexplained>& all) const {
     std::vector<std::string> parts;
-    for (const auto& r : all) parts.push_back(quoted(r.channel) + " (R² " + fixed(r.r2, 2) + ")");
+    for (const auto& r : all) parts.push_back(quoted_channel(r.channel) + " (R² " + fixed(r.r2, 2) + ")");
     return "The model misses most of " + in_words(parts) +
            " and what is left is no noise. Check that channels, signs, units, the initial state "
            "and the "
@@ -54,7 +54,7 @@ struct Sentence {
     std::vector<std::string> parts;
     for (const auto& r : all) {
       std::string text = parts.empty() ? "What the model leaves of " : "of ";
-      text += quoted(r.channel) + (parts.empty() ? " is " + share_of_response(r.share)
+      text += quoted_channel(r.channel) + (parts.empty() ? " is " + share_of_response(r.share)
                                                  : " " + significant(100.0 * r.share, 2) + " %");
       std::vector<std::string> more;
       if (r.lag > 0)
@@ -73,7 +73,7 @@ struct Sentence {
   std::string operator()(const All<misfit::WorseBeyond>& all) const {
     std::vector<std::string> parts;
     for (const auto& r : all) {
-      parts.push_back((parts.empty() ? "" : "of ") + quoted(r.channel) + " by " +
+      parts.push_back((parts.empty() ? "" : "of ") + quoted_channel(r.channel) + " by " +
                       significant(100.0 * r.beyond, 2) +
                       (parts.empty() ? " % of the response, against " : " % against ") +
                       significant(100.0 * r.inside, 2) + " % within");

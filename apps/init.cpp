@@ -227,7 +227,7 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
                        std::string(content)});
     }
   if (const std::string truth = starter(kind + ".truth.json"); !truth.empty()) {
-    const std::string record = Json::parse(text)["record"]["file"];
+    const std::string record = Json::parse(text)["record"]["file"].get<std::string>();
     files.push_back({(folder / record).lexically_normal(),
                      simulated(kind, {.path = folder / (kind + ".json"), .json = Json::parse(text)},
                                Json::parse(truth))});

@@ -47,7 +47,7 @@ class Places {
   void walk(const Json& rule, const Path& path, const std::string& shown,
             std::set<std::string> within) {
     if (rule.contains("$ref")) {
-      const std::string name = rule["$ref"];
+      const std::string name = rule["$ref"].get<std::string>();
       if (!within.insert(name).second) return;
       return walk(root_.at(Pointer(name.substr(1))), path, shown, std::move(within));
     }

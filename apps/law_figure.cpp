@@ -24,7 +24,7 @@ struct Axis {
   double scale = 1.0;  ///< from SI to what the ticks say
 };
 
-constexpr double kWidth = 250.0, kHeight = 180.0;  // of a panel's inside [px]
+constexpr double kFigureWidth = 250.0, kHeight = 180.0;  // of a panel's inside [px]
 constexpr double kLeft = 62.0, kTop = 14.0, kBelow = 44.0, kApart = 28.0;
 
 std::vector<Line> lines_of(const dynamics::LawInfo& info) {
@@ -65,7 +65,7 @@ std::string text_at(double x, double y, const std::string& anchor, const std::st
 
 std::string panel(double left, const Axis& across, const Axis& up, const std::vector<Line>& lines,
                   double CyclePoint::*abscissa) {
-  const auto x = [&](double v) { return left + kWidth * (0.5 + 0.5 * v / across.limit); };
+  const auto x = [&](double v) { return left + kFigureWidth * (0.5 + 0.5 * v / across.limit); };
   const auto y = [&](double v) { return kTop + kHeight * (0.5 - 0.5 * v / up.limit); };
   std::string svg;
   const auto stroke = [&](double x1, double y1, double x2, double y2, const char* colour) {
@@ -84,10 +84,10 @@ std::string panel(double left, const Axis& across, const Axis& up, const std::ve
     svg += text_at(x(v), bottom + 16, "middle", label);
   });
   each_tick(up, [&](double v, const std::string& label) {
-    stroke(left, y(v), left + kWidth, y(v), v == 0.0 ? "#888" : "#e4e4e4");
+    stroke(left, y(v), left + kFigureWidth, y(v), v == 0.0 ? "#888" : "#e4e4e4");
     svg += text_at(left - 6, y(v) + 4, "end", label);
   });
-  svg += text_at(left + kWidth / 2, bottom + 36, "middle", across.title);
+  svg += text_at(left + kFigureWidth / 2, bottom + 36, "middle", across.title);
   const std::string middle = fixed(kTop + kHeight / 2, 1), beside = fixed(left - 46, 1);
   svg += text_at(left - 46, kTop + kHeight / 2, "middle", up.title,
                  " transform=\"rotate(-90 " + beside + " " + middle + ")\"");
@@ -138,12 +138,12 @@ std::string law_figure(const dynamics::LawInfo& info) {
       {.title = "extension e [mm]", .limit = 1.1 * kPictured.amplitude, .step = 5.0, .scale = 1e3},
       tension, lines, &CyclePoint::extension);
   if (two) {
-    body += panel(2 * kLeft + kWidth + kApart,
+    body += panel(2 * kLeft + kFigureWidth + kApart,
                   {.title = "rate ė [m/s]", .limit = 1.1 * speed, .step = round_step(speed)},
                   tension, lines, &CyclePoint::rate);
   }
   const std::string width =
-                        fixed((two ? 2.0 : 1.0) * (kLeft + kWidth) + kApart + (two ? 16 : 0), 0),
+                        fixed((two ? 2.0 : 1.0) * (kLeft + kFigureWidth) + kApart + (two ? 16 : 0), 0),
                     height = fixed(kTop + kHeight + kBelow, 0);
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
          "\" viewBox=\"0 0 " + width + " " + height +

@@ -32,14 +32,14 @@ std::string object(const LawInfo& info, const Value& value, bool everything) {
   return "{" + text + (info.one_sided ? R"(, "side": "opening")" : "") + "}";
 }
 
-std::string quoted(std::string_view text) {
+std::string quoted_law(std::string_view text) {
   return '"' + std::string(text) + '"';
 }
 
 std::string parameter_form(const LawInfo& info) {
-  if (has_short_form(info)) return quoted(info.coefficients[0].symbol);
+  if (has_short_form(info)) return quoted_law(info.coefficients[0].symbol);
   return object(
-      info, [](const LawCoefficient& c) { return quoted(c.symbol); }, false);
+      info, [](const LawCoefficient& c) { return quoted_law(c.symbol); }, false);
 }
 
 /// The ways in which it may be written, one a line.
@@ -47,7 +47,7 @@ std::string forms(const LawInfo& info) {
   const auto number = [](const LawCoefficient& c) {
     return plain_number(c.required() ? c.example : c.otherwise);
   };
-  const std::string key = quoted(info.name) + ": ", known = object(info, number, true);
+  const std::string key = quoted_law(info.name) + ": ", known = object(info, number, true);
   std::vector<std::string> lines;
   if (has_short_form(info)) {
     lines = {number(info.coefficients[0]), parameter_form(info)};
@@ -154,8 +154,8 @@ std::string law_example(const LawInfo& info) {
   std::string priors, values;
   for (const LawCoefficient& c : coefficients(info)) {
     if (!c.required()) continue;
-    priors += ",\n    " + quoted(c.symbol) + ": " + prior(c);
-    values += ", " + quoted(c.symbol) + ": " + plain_number(c.example);
+    priors += ",\n    " + quoted_law(c.symbol) + ": " + prior(c);
+    values += ", " + quoted_law(c.symbol) + ": " + plain_number(c.example);
   }
   return R"({
   "kind": "sid",

@@ -18,7 +18,7 @@ using namespace identification;
 
 namespace {
 
-const Pointer kStructure("/structure");
+const Pointer kMatrixStructure("/structure");
 
 /// Reads the matrix named at `where`; what the file lacks is a complaint about the name.
 io::SparseMatrix matrix_at(const CaseFile& file, const std::filesystem::path& path,
@@ -26,7 +26,7 @@ io::SparseMatrix matrix_at(const CaseFile& file, const std::filesystem::path& pa
   try {
     const auto name = file.json.at(where).get<std::string>();
     for (const std::string& one : {name, name + ".mtx"})  // of a folder of Matrix Market files
-      file.inputs->add(file.json.at(kStructure / "matrices").get<std::string>() + "/" + one,
+      file.inputs->add(file.json.at(kMatrixStructure / "matrices").get<std::string>() + "/" + one,
                        path / one);
     io::SparseMatrix matrix = io::read_sparse_matrix(path, name);
     if (matrix.rows() > kMostDegreesOfFreedom)
@@ -41,7 +41,7 @@ io::SparseMatrix matrix_at(const CaseFile& file, const std::filesystem::path& pa
 
 /// Rows "number, place, direction": the number from 1. What is not named keeps its number.
 std::vector<fem::DofName> read_names(const CaseFile& file, Eigen::Index size) {
-  const Pointer where = kStructure / "dofs";
+  const Pointer where = kMatrixStructure / "dofs";
   std::vector<fem::DofName> names;
   for (Eigen::Index i = 0; i < size; ++i)
     names.push_back({"degree of freedom " + std::to_string(i + 1), ""});
@@ -81,18 +81,18 @@ std::vector<fem::DofName> read_names(const CaseFile& file, Eigen::Index size) {
 }  // namespace
 
 StructureModel parse_matrices(const CaseFile& file) {
-  const Json& s = file.json.at(kStructure);
+  const Json& s = file.json.at(kMatrixStructure);
   const std::filesystem::path path = file.resolve(s.at("matrices").get<std::string>());
   for (const char* key : {"mass", "stiffness"})
     if (!s.contains(key))
-      file.refuse(kStructure / key,
+      file.refuse(kMatrixStructure / key,
                   std::string("is missing: \"matrices\" go with mass (a name) and "
                               "stiffness ({substructure: name or names})"));
   StructureParameters parameters(file);
   fem::MatrixStructure out;
-  out.mass = matrix_at(file, path, kStructure / "mass");
+  out.mass = matrix_at(file, path, kMatrixStructure / "mass");
   for (const auto& [name, matrices] : s.at("stiffness").items()) {
-    const Pointer where = kStructure / "stiffness" / name;
+    const Pointer where = kMatrixStructure / "stiffness" / name;
     fem::MatrixStructure::Part part{.name = name, .stiffness = {}};
     if (matrices.is_string()) {
       part.stiffness = matrix_at(file, path, where);
@@ -113,15 +113,15 @@ StructureModel parse_matrices(const CaseFile& file) {
     }
     const std::size_t index = out.parts.size();
     const auto change = [&](const char* key, const Bounds& bounds, double less) {
-      const Pointer at = kStructure / key / name;
+      const Pointer at = kMatrixStructure / key / name;
       if (!file.json.contains(at)) return;
       part.change = parameters.place(at, bounds, [index, less](AnyStructure& any, double x) {
         std::get<fem::MatrixStructure>(any).parts[index].change = x - less;
       }) - less;
     };
-    if (file.json.contains(kStructure / "scale" / name) &&
-        file.json.contains(kStructure / "change" / name))
-      file.refuse(kStructure / "change" / name, "has a scale already: scale is 1 + change");
+    if (file.json.contains(kMatrixStructure / "scale" / name) &&
+        file.json.contains(kMatrixStructure / "change" / name))
+      file.refuse(kMatrixStructure / "change" / name, "has a scale already: scale is 1 + change");
     change("scale", kPositive, 1.0);
     change("change", {.lower = -1.0, .open = true, .words = "above -1"}, 0.0);
     out.parts.push_back(std::move(part));
@@ -130,7 +130,7 @@ StructureModel parse_matrices(const CaseFile& file) {
     const Json values = s.value(key, Json::object());
     for (const auto& [name, ignored] : values.items())
       if (!s.at("stiffness").contains(name))
-        file.refuse(kStructure / key / name, "no substructure of stiffness has this name");
+        file.refuse(kMatrixStructure / key / name, "no substructure of stiffness has this name");
   }
   if (s.contains("dofs")) out.names = read_names(file, out.mass.rows());
   try {

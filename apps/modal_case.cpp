@@ -143,7 +143,7 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
   for (std::size_t i = 0; i < file.json.at(list).size(); ++i) {
     const Pointer where = list / i;
     const Json& c = file.json.at(where);
-    const std::string role = c.at("role"), column = text_or_number(c.at("column"));
+    const std::string role = c.at("role").get<std::string>(), column = text_or_number(c.at("column"));
     if (c.value("scale", 1.0) == 0.0) file.refuse(where / "scale", "must not be 0");
     if (role == "force" && !of_forces(file))
       file.refuse(where / "role",
@@ -277,7 +277,7 @@ void estimate_responses(const CaseFile& file, SetUp& out, const Eigen::MatrixXd&
 
 SetUp read_set_up(const CaseFile& file, const Pointer& where,
                   std::optional<signals::Record> given) {
-  SetUp out{.where = where, .name = file.json.at(where / "file")};
+  SetUp out{.where = where, .name = file.json.at(where / "file").get<std::string>()};
   if (!file.json.at(where).contains("channels")) {
     if (!of_forces(file))
       file.refuse(where / "channels", "is missing: must say which columns are responses");
@@ -302,8 +302,8 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
     const Json& r = file.json.at(where);
     int begin = 0, end = record.samples();
     if (r.contains("samples")) {
-      begin = r.at("samples")[0];
-      end = r.at("samples")[1];
+      begin = r.at("samples")[0].get<int>();
+      end = r.at("samples")[1].get<int>();
     }
     if (of_decays(file) != r.contains("decays"))
       file.refuse(where / "decays", of_decays(file)
@@ -436,8 +436,8 @@ void take_bands(const CaseFile& file, SetUp& s) {
     if (file.json.contains(key)) file.refuse(Pointer() / std::string(key), "is not of this method");
   for (std::size_t i = 0; i < file.json.at("bands").size(); ++i) {
     const Json& one = file.json.at("bands")[i];
-    identification::ModalBand band{.lowest_hz = one.at("band")[0], .highest_hz = one.at("band")[1]};
-    for (const Json& peak : one.at("modes")) band.peaks_hz.push_back(peak);
+    identification::ModalBand band{.lowest_hz = one.at("band")[0].get<double>(), .highest_hz = one.at("band")[1].get<double>()};
+    for (const Json& peak : one.at("modes")) band.peaks_hz.push_back(peak.get<double>());
     try {
       const identification::BandProblem checked(
           identification::band_lines(s.records, s.options.sample_rate_hz, band), band);
@@ -453,8 +453,8 @@ void take_band(const ModalCaseFile& out, SetUp& s) {
   if (json.value("method", "ssi-cov") == "bayoma") return take_bands(out.file, s);
   if (json.contains("bands")) out.file.refuse(Pointer("/bands"), "goes with the method \"bayoma\"");
   if (json.contains("band")) {
-    s.options.lowest_hz = json.at("band")[0];
-    s.options.highest_hz = json.at("band")[1];
+    s.options.lowest_hz = json.at("band")[0].get<double>();
+    s.options.highest_hz = json.at("band")[1].get<double>();
     if (!(s.options.lowest_hz < s.options.highest_hz))
       out.file.refuse(Pointer("/band"), "must be [lowest, highest] in Hz, ascending");
     if (!s.responses && s.options.highest_hz > 0.5 * s.options.sample_rate_hz)

@@ -31,7 +31,7 @@ using signals::ModalResult;
 using signals::Mode;
 
 /// Channels are numbered by the library from 0; here they have names.
-ModalResult identify(const CaseFile& file, const SetUp& set_up, std::uint64_t seed) {
+ModalResult identify_modes_of(const CaseFile& file, const SetUp& set_up, std::uint64_t seed) {
   try {
     if (set_up.responses)
       return signals::identify_modes(*set_up.responses,
@@ -96,7 +96,7 @@ ModalResult identify_together(const ModalCaseFile& modal) {
   }
 }
 
-IdentifiedModes identify(const ModalCaseFile& modal, const CommonOptions& common) {
+IdentifiedModes identify_modes_of(const ModalCaseFile& modal, const CommonOptions& common) {
   IdentifiedModes out;
   if (modal.pre_merged) {
     out.set_ups.push_back(identify_together(modal));
@@ -113,7 +113,7 @@ IdentifiedModes identify(const ModalCaseFile& modal, const CommonOptions& common
     bar.show("set-ups",
              static_cast<double>(pieces.size()) / static_cast<double>(modal.set_ups.size()),
              io::printable(set_up.name));
-    out.set_ups.push_back(identify(modal.file, set_up, common.seed.value_or(1)));
+    out.set_ups.push_back(identify_modes_of(modal.file, set_up, common.seed.value_or(1)));
     unite_quantities(set_up.orders, out.set_ups.back());
     pieces.push_back({.modes = out.set_ups.back().modes,
                       .covariance = out.set_ups.back().covariance,
@@ -420,7 +420,7 @@ ModalRun identify_modal(CaseFile file, const CommonOptions& common,
   ModalRun run{
       .modal = parse_modal_case(std::move(file), std::move(given)), .found = {}, .modes = {}};
   for (SetUp& set_up : run.modal.set_ups) set_up.options.threads = common.threads;
-  run.found = identify(run.modal, common);
+  run.found = identify_modes_of(run.modal, common);
   run.modes = run.found.merged ? measured_modes(*run.found.merged, run.modal.sensors)
                                : measured_modes(run.found.set_ups[0], run.modal.sensors);
   run.modes.title = run.modal.title;

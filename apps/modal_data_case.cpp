@@ -65,7 +65,7 @@ class ModalDataParser {
         file_.refuse(where_ / "discrepancy" / "mixing",
                      "does not go with \"stiffness\", which mixes modes itself");
     }
-    if (has("doubt")) out_.doubt = json_.at("doubt");
+    if (has("doubt")) out_.doubt = json_.at("doubt").get<double>();
     if (has("predict")) {
       const Json& predict = json_.at("predict");
       if (predict.is_array()) out_.held_out_hz = numbers(predict);
@@ -297,7 +297,7 @@ class ModalDataParser {
     const std::string along = s.value("direction", "deflection");
     if (along != "deflection" && along != "rotation")
       file_.refuse(at / "direction", "must be \"deflection\" or \"rotation\" on a beam");
-    const double x = s.at("at");
+    const double x = s.at("at").get<double>();
     double left = x;
     int member = 0;
     while (member + 1 < static_cast<int>(mesh_->structure().members.size()) &&
@@ -410,7 +410,7 @@ class ModalDataParser {
 
   Sensor on_member(const Pointer& at, const Along& along) const {
     const int member = find(at / "member", mesh_->structure().members, "member");
-    const double s = file_.json.at(at / "at");
+    const double s = file_.json.at(at / "at").get<double>();
     const double length = mesh_->member_length(member);
     if (s > length * (1.0 + 1e-9))
       file_.refuse(at / "at", "lies off the member, which is " + Json(length).dump() + " m long");
@@ -491,7 +491,7 @@ class ModalDataParser {
         out_.shape_covariances.push_back(std::move(c));
       }
     } else if (has("shape_sd")) {
-      const double sd = json_["shape_sd"];
+      const double sd = json_["shape_sd"].get<double>();
       out_.shape_covariances.assign(modes, sd * sd * MatrixXd::Identity(sensors, sensors));
     } else if (has("shape_covariance")) {
       const Json& list = json_["shape_covariance"];

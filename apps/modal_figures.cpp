@@ -55,7 +55,7 @@ double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
 struct Bar {
   double value = 0.0, sd = 0.0;
 };
-Bar bar(const MeasuredModes& modes, Index m, Index channel, double angle) {
+Bar spectrum_bar(const MeasuredModes& modes, Index m, Index channel, double angle) {
   const std::complex<double> entry = modes.shapes(channel, m);
   const double c = std::cos(angle), s = std::sin(angle);
   Bar out{.value = c * entry.real() + s * entry.imag(), .sd = std::nan("")};
@@ -130,7 +130,7 @@ std::string bar_figures(const MeasuredModes& modes) {
     for (Index c = 0; c < channels; ++c) {
       const double x = kLeft + step * (static_cast<double>(c) + 0.5);
       if (step >= 12.0 || c % 5 == 4) out += text(x, kHeight - 3.0, std::to_string(c + 1));
-      const Bar b = bar(modes, m, c, angle);
+      const Bar b = spectrum_bar(modes, m, c, angle);
       if (!std::isfinite(b.value)) continue;
       out += "<rect class=\"" + std::string(kind_of(modes, m)) + " bar\" x=\"" +
              fixed(x - 0.35 * step, 1) + "\" y=\"" + fixed(std::min(y(b.value), zero), 1) +

@@ -22,7 +22,7 @@ Geometry of_nodes(const CaseFile& file, const Pointer& where) {
   Geometry out;
   for (const auto& [name, at] : file.json.at(where / "nodes").items()) {
     Place place{};
-    for (std::size_t k = 0; k < at.size(); ++k) place[k] = at[k];
+    for (std::size_t k = 0; k < at.size(); ++k) place[k] = at[k].get<double>();
     if (at.size() == 3) out.dimension = 3;
     out.nodes[name] = place;
   }
@@ -30,7 +30,7 @@ Geometry of_nodes(const CaseFile& file, const Pointer& where) {
 }
 
 Geometry of_structure(const CaseFile& file) {
-  const CaseFile other = read_case(file.resolve(file.json.at("geometry")));
+  const CaseFile other = read_case(file.resolve(file.json.at("geometry").get<std::string>()));
   const Pointer where("/structure");
   const auto refuse = [&](const std::string& what) {
     file.refuse(Pointer("/geometry"), "names a case " + what);
@@ -41,9 +41,9 @@ Geometry of_structure(const CaseFile& file) {
   try {
     Geometry out = of_nodes(other, where);
     for (const Json& member : other.json.at(where).value("members", Json::array()))
-      out.lines.push_back({member.at("nodes").at(0), member.at("nodes").at(1)});
+      out.lines.push_back({member.at("nodes").at(0).get<std::string>(), member.at("nodes").at(1).get<std::string>()});
     for (const Json& support : other.json.at(where).value("supports", Json::array()))
-      out.fixed.push_back(support.at("node"));
+      out.fixed.push_back(support.at("node").get<std::string>());
     for (const auto& line : out.lines)
       for (const std::string& node : line)
         if (!out.nodes.contains(node)) refuse("whose members have no such node: " + node);
@@ -143,7 +143,7 @@ Report geometry_json(const Geometry& geometry) {
 }
 
 Geometry geometry_of(const Report& json) {
-  Geometry out{.dimension = json.at("dimension")};
+  Geometry out{.dimension = json.at("dimension").get<int>()};
   for (const auto& [name, at] : json.at("nodes").items())
     out.nodes[name] = at.get<std::array<double, 3>>();
   out.lines = json.at("lines").get<std::vector<std::vector<std::string>>>();

@@ -17,7 +17,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr double kInterval = 1.96;
+constexpr double kPageInterval = 1.96;
 
 double number(const Report& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
@@ -85,8 +85,8 @@ std::string diagram(const Report& set_up) {
     const double y = plot.y(number(p.at(0))), f = number(p.at(1)), sd = number(p.at(3));
     const bool kept = !p.at(5).is_null();
     if (kept && std::isfinite(sd))
-      inside += line("kept", plot.x(band.within(f - kInterval * sd)), y,
-                     plot.x(band.within(f + kInterval * sd)), y);
+      inside += line("kept", plot.x(band.within(f - kPageInterval * sd)), y,
+                     plot.x(band.within(f + kPageInterval * sd)), y);
     inside += dot(kept ? "kept" : "pole", plot.x(band.within(f)), y, kept ? 2.0 : 1.2);
   }
   std::vector<double> marks;
@@ -104,7 +104,7 @@ std::string damping(const Report& modes, const Band& band) {
   double highest = 0.0, lowest = 0.0;
   const auto ends = [](const Report& m) {
     const double at = 100.0 * number(m, "damping"), sd = 100.0 * number(m, "damping_sd");
-    const double reach = std::isfinite(sd) ? kInterval * sd : 0.0;
+    const double reach = std::isfinite(sd) ? kPageInterval * sd : 0.0;
     return std::pair{at - reach, at + reach};
   };
   for (const Report& m : modes) {
@@ -148,7 +148,7 @@ std::string table(const Report& modes) {
   for (const Report& m : modes)
     out += first_cells(m, ++mode) +
            fixed(number(m, "phase_deviation") * 180.0 / std::numbers::pi, 1) + "</td><td>" +
-           orders_in_words(m.at("orders").at("present"), m.at("orders").at("possible")) + "</td>" +
+           orders_in_words(m.at("orders").at("present").get<int>(), m.at("orders").at("possible").get<int>()) + "</td>" +
            why(m.at("doubts")) + "</tr>\n";
   return out + "</table></div>\n";
 }
@@ -219,7 +219,7 @@ std::string rejected(const Report& set_up, const std::string& level) {
     for (const Report& r : clusters)
       out += "<tr><td>" + significant(number(r, "frequency_hz"), 5) + "</td><td>" +
              significant(100.0 * number(r, "damping"), 3) + "</td><td>" +
-             orders_in_words(r.at("orders").at("present"), r.at("orders").at("possible")) +
+             orders_in_words(r.at("orders").at("present").get<int>(), r.at("orders").at("possible").get<int>()) +
              "</td><td>" + escaped(r.at("why").get<std::string>()) + "</td></tr>\n";
     out += "</table></div>\n";
   }

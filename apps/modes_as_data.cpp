@@ -67,7 +67,7 @@ std::vector<int> model_modes(const CaseFile& file, const Pointer& at, std::size_
                         " modes taken, has " + std::to_string(given.size()));
   std::vector<int> out;
   for (std::size_t i = 0; i < taken; ++i) {
-    const int number = given[i];
+    const int number = given[i].get<int>();
     if (!out.empty() && number <= out.back())
       file.refuse(at / i, "must increase: modes are taken in the order of their frequencies");
     out.push_back(number);
@@ -92,7 +92,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   for (const char* key : {"frequencies", "file", "columns", "row", "cov", "sd", "covariance",
                           "shapes", "shape_sd", "shape_covariance", "seed"})
     if (data.contains(key)) file.refuse(where / key, "does not go with \"from\", which says it");
-  TakenModes out{.name = data.at("from")};
+  TakenModes out{.name = data.at("from").get<std::string>()};
   io::finish_commit(file.place_of(out.name).parent_path());
   out.path = file.resolve(out.name);
   out.file = read_modes_file(out.path);

@@ -188,7 +188,7 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
   const Reader read(file);
   MeasuredModes out{.title = file.json.value("title", "")};
   if (file.json.contains("quantity") && file.json["quantity"].is_string())
-    out.quantity = file.json["quantity"];
+    out.quantity = file.json["quantity"].get<std::string>();
   out.frequencies_hz = read.vector(Pointer("/frequencies_hz"), -1);
   const Index count = out.frequencies_hz.size();
   out = numbered(std::move(out));
@@ -220,7 +220,7 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
     const Json& blocks = file.json["blocks"];
     if (!blocks.is_number_unsigned() || blocks.get<std::uint64_t>() > 1'000'000)
       file.refuse(Pointer("/blocks"), "must be a whole number, 0 where covariances are exact");
-    out.blocks = blocks;
+    out.blocks = blocks.get<int>();
   }
   return out;
 }

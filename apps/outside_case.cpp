@@ -113,7 +113,7 @@ bool is_loopback(const std::string& host) {
 }
 
 UmbridgeSpec parse_umbridge(const CaseFile& file, const Json& p) {
-  UmbridgeSpec out{.url = p.at("umbridge"),
+  UmbridgeSpec out{.url = p.at("umbridge").get<std::string>(),
                    .model = p.value("model", ""),
                    .config = p.value("config", Json::object())};
   out.host = host_of(file, out.url);

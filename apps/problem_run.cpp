@@ -15,7 +15,7 @@ using namespace identification;
 
 namespace {
 
-void write_posterior(const io::NetcdfWriter& file, const std::string& run,
+void write_problem_posterior(const io::NetcdfWriter& file, const std::string& run,
                      const ProblemFile& parsed, const inference::Posterior& posterior) {
   const std::vector<DrawColumn> columns = parameter_columns(posterior);
   file.about(WHEELTAP_VERSION, run);
@@ -85,9 +85,9 @@ ProblemFile parse_problem(CaseFile file) {
   std::vector<Json> written;  // the table's priors
   for (std::size_t m = 0; m < json["models"].size(); ++m) {
     const Json& model = json["models"][m];
-    listed.push_back({.name = model.at("name"),
+    listed.push_back({.name = model.at("name").get<std::string>(),
                       .weight = model.value("prior", 1.0),
-                      .parameters = model.at("order")});
+                      .parameters = model.at("order").get<std::vector<std::string>>()});
     for (const std::string& name : listed.back().parameters) {
       const Pointer where = models / m / "parameters" / name;
       if (!json.contains(where)) file.refuse(models / m / "order", "names no parameter " + name);
@@ -159,7 +159,7 @@ FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
                                   bool colour) { apps::print(out, colour, *parsed, *findings); },
       .draws =
           [parsed, posterior, run](const io::NetcdfWriter& file) {
-            write_posterior(file, run, *parsed, *posterior);
+            write_problem_posterior(file, run, *parsed, *posterior);
           },
       .columns = [posterior] { return parameter_columns(*posterior); }};
 }

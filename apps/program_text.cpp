@@ -12,7 +12,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 }
 
 /// Within single quotes of a shell.
-std::string quoted(const std::string& text) {
+std::string quoted_argument(const std::string& text) {
   return "'" + replaced(text, "'", "'\\''") + "'";
 }
 
@@ -114,7 +114,7 @@ std::string fish(const ProgramText& program) {
   const std::string begin = "complete -c " + program.name;
   for (const CommandText& command : program.commands) {
     text += begin + " -f -n __fish_use_subcommand -a " + command.name + " -d " +
-            quoted(command.description) + "\n";
+            quoted_argument(command.description) + "\n";
   }
   for (const CommandText& command : program.commands) {
     for (const OptionText& option : command.options) {
@@ -122,7 +122,7 @@ std::string fish(const ProgramText& program) {
       text += begin + " -n '__fish_seen_subcommand_from " + command.name + "'";
       for (const std::string& name : option.names)
         text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-      text += (option.value.empty() ? "" : " -r") + (" -d " + quoted(option.description)) + "\n";
+      text += (option.value.empty() ? "" : " -r") + (" -d " + quoted_argument(option.description)) + "\n";
     }
   }
   return text;

@@ -207,7 +207,7 @@ RunCost cost_of_modes(double numbers) {
 RunCost cost_of_truth(const CaseFile& file) {
   if (!file.json.contains("truth")) return {};
   const Json& truth = file.json["truth"];
-  const double samples = truth["samples"];
+  const double samples = truth["samples"].get<double>();
   std::size_t columns = 0;
   const auto count = [&](const Json& record) {
     columns += record["channels"].size() + truth["excitation"].size();

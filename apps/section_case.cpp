@@ -18,7 +18,7 @@ namespace {
 using Keys = std::vector<std::string>;
 
 /// The keys of each shape; those of a polygon are checked on their own.
-const std::vector<std::pair<std::string, Keys>>& shapes() {
+const std::vector<std::pair<std::string, Keys>>& section_shapes() {
   static const std::vector<std::pair<std::string, Keys>> list = {
       {"rectangle", {"width", "height"}},
       {"circle", {"diameter"}},
@@ -62,7 +62,7 @@ std::vector<fem::Region> regions_of_file(const CaseFile& file, const Pointer& wh
   const Json& s = file.json.at(where);
   const io::Drawing drawing = io::read_outlines(file.resolve(s.at("file").get<std::string>()));
   const double unit = drawing.unit > 0.0 ? drawing.unit : io::metres(s.value("unit", "m"));
-  if (drawing.unit > 0.0 && s.contains("unit") && io::metres(s.at("unit")) != drawing.unit)
+  if (drawing.unit > 0.0 && s.contains("unit") && io::metres(s.at("unit").get<std::string>()) != drawing.unit)
     file.refuse(where / "unit",
                 "the file says that a unit is " + Json(drawing.unit).dump() + " m; leave this out");
   std::vector<fem::Ring> rings;
@@ -119,7 +119,7 @@ fem::Outline sized_outline(const Json& s, double poisson) {
     const double y = 0.5 * width, z = 0.5 * height;
     return {{-y, -z}, {y, -z}, {y, z}, {-y, z}};
   };
-  const std::string shape = s.at("shape");
+  const std::string shape = s.at("shape").get<std::string>();
   fem::Region region{.outer = {}, .poisson = poisson};
   if (shape == "circle") {
     region.outer = fem::circle({0, 0}, 0.5 * size("diameter"));
@@ -149,7 +149,7 @@ void check_sizes(const CaseFile& file, const Pointer& where) {
   const auto shape = s.value("shape", std::string());
   if (shape == "polygon") return check_polygon(file, where);
   const Keys& sizes =
-      std::ranges::find(shapes(), shape, &std::pair<std::string, Keys>::first)->second;
+      std::ranges::find(section_shapes(), shape, &std::pair<std::string, Keys>::first)->second;
   std::string list;
   for (const auto& size : sizes) list += (list.empty() ? "" : ", ") + size;
   const std::string what =
@@ -285,7 +285,7 @@ BeamSection parse_beam_section(const CaseFile& file, const Pointer& where,
   } else {
     beam.section = parse_sized_section(file, where, material.poisson);
   }
-  if (s.contains("shear_coefficient")) beam.section.shear_coefficient = s.at("shear_coefficient");
+  if (s.contains("shear_coefficient")) beam.section.shear_coefficient = s.at("shear_coefficient").get<double>();
   return beam;
 }
 

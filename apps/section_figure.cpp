@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 
 constexpr double kInside = 420.0, kMargin = 46.0, kLegend = 92.0;  // [px]
 
-std::string escaped(const std::string& text) {
+std::string escaped_markup(const std::string& text) {
   std::string out;
   for (const char c : text)
     out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
@@ -136,7 +136,7 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
                     height = fixed(below + kLegend, 0);
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
          "\" viewBox=\"0 0 " + width + " " + height +
-         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" + escaped(title) +
+         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" + escaped_markup(title) +
          "</title>\n<rect width=\"" + width + "\" height=\"" + height + "\" fill=\"#fff\"/>\n" +
          body + "</svg>\n";
 }

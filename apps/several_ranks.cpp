@@ -14,7 +14,7 @@ namespace wheeltap::apps {
 namespace {
 
 constexpr const char* kModule = "wheeltap_mpi.so";
-constexpr double kPatience =
+constexpr double kRankPatience =
     30.0;  // seconds that a rank that failed waits for others to fail alike
 
 // What a launcher tells its processes.
@@ -91,7 +91,7 @@ JoinedRanks::~JoinedRanks() {
 void JoinedRanks::leave(int exit_code, const std::string& last_words) {
   if (all_ == nullptr) return;
   const double forever = std::numeric_limits<float>::max();
-  if (all_->meet(exit_code == 0 ? forever : kPatience)) return;
+  if (all_->meet(exit_code == 0 ? forever : kRankPatience)) return;
   if (said_ >= 0) {
     const std::string line =
         "wheeltap: rank " + std::to_string(all_->rank()) + " alone: " + last_words + '\n';

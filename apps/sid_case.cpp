@@ -26,7 +26,7 @@ using Role = SidChannel::Role;
 
 /// Runs work(); what the libraries complain about becomes a complaint about the case.
 template <class Work>
-auto explained(const CaseFile& file, const Pointer& where, const Work& work) {
+auto explained_case(const CaseFile& file, const Pointer& where, const Work& work) {
   try {
     return work();
   } catch (const std::invalid_argument& error) {
@@ -86,7 +86,7 @@ class Parser {
   Coefficient coefficient(const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const Json& value = file_.json.at(where);
     if (value.is_number()) {
-      const double x = value;
+      const double x = value.get<double>();
       if (!bounds.allows(x)) file_.refuse(where, "must be " + bounds_in_words(bounds));
       return x;
     }
@@ -177,7 +177,7 @@ class Parser {
           file_.refuse(where / "unit", "does not go with this role");
         if (c.contains("scale"))
           file_.refuse(where / "unit", "goes without \"scale\", which says what its numbers are");
-        channel.unit = c["unit"];
+        channel.unit = c["unit"].get<std::string>();
         channel.unit_given = true;
       }
       channel.take_unit(signals::unit_of(io::column_of_header(channel.column)));
@@ -241,13 +241,13 @@ class Parser {
       }
       if (value.value("side", "") == "closing") side = dynamics::Side::closing;
     }
-    return explained(file_, here,
+    return explained_case(file_, here,
                      [&] { return dynamics::make_law(info.name, coefficients, side); });
   }
 
   void parse_model(const Pointer& where) {
     const Json& m = json_.at(where);
-    SidModel model{.name = m["name"], .weight = m.value("prior", 1.0)};
+    SidModel model{.name = m["name"].get<std::string>(), .weight = m.value("prior", 1.0)};
     for (const SidModel& other : out_.models) {
       if (other.name == model.name) file_.refuse(where / "name", "two models have this name");
     }
@@ -258,7 +258,7 @@ class Parser {
     for (std::size_t l = 0; l < m["links"].size(); ++l) {
       const Pointer here = where / "links" / l;
       const Json& between = json_.at(here / "between");
-      dynamics::Link link{.a = between[0], .b = between[1]};
+      dynamics::Link link{.a = between[0].get<int>(), .b = between[1].get<int>()};
       for (std::size_t end = 0; end < 2; ++end) {
         if (between[end] > masses) {
           file_.refuse(here / "between" / end, "no such mass; " + model.name + " has masses 1 to " +
@@ -272,7 +272,7 @@ class Parser {
       parse_laws(here, link);
       model.chain.links.push_back(std::move(link));
     }
-    explained(file_, where / "links", [&] { dynamics::validate(model.chain); });
+    explained_case(file_, where / "links", [&] { dynamics::validate(model.chain); });
 
     const std::size_t responses = out_.responses().size();
     if (m["noise"].is_array()) {
@@ -289,7 +289,7 @@ class Parser {
     const Json order =
         m.value("residuals", json_.value("residuals", Json::object())).value("ar", Json(0));
     model.chooses_order = order == "auto";
-    if (!model.chooses_order) add_autoregression(out_, model, order);
+    if (!model.chooses_order) add_autoregression(out_, model, order.get<int>());
     used_.resize(out_.parameters.size(), true);
     parse_initial(model);
     out_.models.push_back(std::move(model));
@@ -501,7 +501,7 @@ SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, in
   if (needs == SidNeeds::record) load_record(out);
   // Of several records the first sets the scales.
   if (needs == SidNeeds::record && sid_case.discovery && number == 1) {
-    explained(out.file, Pointer("/discover/terms"), [&] { set_term_priors(sid_case); });
+    explained_case(out.file, Pointer("/discover/terms"), [&] { set_term_priors(sid_case); });
   }
   sid_case.windows = json.value("windows", 0);
   sid_case.unite();

@@ -24,7 +24,7 @@ RecordUse parse_use(const CaseFile& file) {
   const Json& r = file.json["record"];
   RecordUse use;
   if (r.contains("sample_rate")) use.sample_rate_hz = r["sample_rate"].get<double>();
-  if (r.contains("samples")) use.samples = {r["samples"][0], r["samples"][1]};
+  if (r.contains("samples")) use.samples = {r["samples"][0].get<int>(), r["samples"][1].get<int>()};
   use.lead_in = r.value("lead_in", 0);
   use.resample = r.value("resample", false);
   use.band_limited = r.value("between_samples", "linear") == "band-limited";

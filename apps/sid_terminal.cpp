@@ -30,7 +30,7 @@ void print_bayes_factors(std::ostream& out, const SidFindings& findings) {
   }
 }
 
-std::string interval(const Interval& i) {
+std::string sid_interval(const Interval& i) {
   const double width = i.q97_5 - i.q2_5;
   return resolved(i.q2_5, width) + " to " + resolved(i.q97_5, width);
 }
@@ -49,7 +49,7 @@ void print_parameters(const Page& page, const std::vector<ParameterFinding>& par
                     resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width())});
     if (!windows) continue;
     const auto& between = p.between_windows;
-    rows.back().push_back(between ? interval(between->next) : "-");
+    rows.back().push_back(between ? sid_interval(between->next) : "-");
     rows.back().emplace_back(between && between->scatters() ? "windows" : "this run");
   }
   if (rows.size() > 1) page.table(rows);
@@ -74,8 +74,8 @@ void print_modes(const Page& page, const std::vector<ChainMode>& modes) {
   };
   for (const ChainMode& mode : modes) {
     const Marginal &f = mode.frequency_hz, &zeta = mode.damping_ratio;
-    rows.push_back({std::to_string(rows.size()), resolved(f.q50, f.width()), interval(f),
-                    resolved(zeta.q50, zeta.width()), interval(zeta)});
+    rows.push_back({std::to_string(rows.size()), resolved(f.q50, f.width()), sid_interval(f),
+                    resolved(zeta.q50, zeta.width()), sid_interval(zeta)});
   }
   if (rows.size() > 1) page.table(rows);
 }

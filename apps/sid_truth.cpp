@@ -104,8 +104,8 @@ void parse_truth(SidCaseFile& parsed) {
   if (!file.json.contains("truth")) return;
   const Json& t = file.json["truth"];
   const Pointer where("/truth");
-  SidTruth truth{.samples = t["samples"],
-                 .sample_rate_hz = t["sample_rate"],
+  SidTruth truth{.samples = t["samples"].get<int>(),
+                 .sample_rate_hz = t["sample_rate"].get<double>(),
                  .seed = t.value("seed", std::uint64_t{1})};
   const auto found = std::ranges::find(out.models, t["model"].get<std::string>(), &SidModel::name);
   if (found == out.models.end()) {
@@ -126,7 +126,7 @@ void parse_truth(SidCaseFile& parsed) {
       file.refuse(where / "parameters" / name,
                   "no parameter of the true model has this name" + did_you_mean(name, names));
     }
-    truth.theta[static_cast<std::size_t>(p - out.parameters.begin())] = value;
+    truth.theta[static_cast<std::size_t>(p - out.parameters.begin())] = value.get<double>();
   }
   for (const int p : out.parameters_of(*found)) {
     const auto at = static_cast<std::size_t>(p);
@@ -148,7 +148,7 @@ void parse_truth(SidCaseFile& parsed) {
                   "must have one value a response channel: " + std::to_string(responses));
     }
   } else if (t.contains("noise")) {
-    truth.noise.assign(responses, t["noise"]);
+    truth.noise.assign(responses, t["noise"].get<double>());
   } else {
     for (const Coefficient& c : found->noise) truth.noise.push_back(c.at(truth.theta));
   }
@@ -174,7 +174,7 @@ void parse_excitations(SidCaseFile& parsed) {
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Pointer where = Pointer("/truth/excitation") / i;
     const Json& e = list[i];
-    const std::string kind = e["kind"];
+    const std::string kind = e["kind"].get<std::string>();
     for (const auto& [name, keys] : kinds) {
       if (name != kind) continue;
       for (const auto& key : keys) {

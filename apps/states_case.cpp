@@ -22,9 +22,9 @@ namespace {
 
 const Pointer kData("/data"), kBaseline("/baseline/data"), kTemperature("/temperature");
 
-using Keys = std::initializer_list<const char*>;
+using KeyList = std::initializer_list<const char*>;
 
-bool has_any(const Json& block, Keys keys) {
+bool has_any(const Json& block, KeyList keys) {
   return std::ranges::any_of(keys, [&](const char* key) { return block.contains(key); });
 }
 
@@ -81,7 +81,7 @@ class MassParser {
         file_.refuse(at / "inertia", "is not used: a mass that is added here has none");
       const std::size_t before = out.size();
       for (fem::SparseRow& motion : motions(at))
-        if (!motion.empty()) out.push_back({.motion = std::move(motion), .mass = m.at("mass")});
+        if (!motion.empty()) out.push_back({.motion = std::move(motion), .mass = m.at("mass").get<double>()});
       if (out.size() == before) file_.refuse(at, "does not move: a support holds it");
     }
     return out;
@@ -123,7 +123,7 @@ class MassParser {
   std::vector<fem::SparseRow> on_beam(const Pointer& at) const {
     const Json& m = file_.json.at(at);
     if (!m.contains("at")) file_.refuse(at / "at", "is missing: metres from the left end");
-    double left = m.at("at");
+    double left = m.at("at").get<double>();
     int member = 0;
     const auto members = static_cast<int>(mesh_->structure().members.size());
     while (member + 1 < members && left >= mesh_->member_length(member))
@@ -221,7 +221,7 @@ CaseFile with_known(const CaseFile& file) {
         const Json& own = file.json.value("parameters", Json::object());
         if (own.contains(name))
           file.refuse(where / "known" / name, "has a prior in /parameters: it is one or the other");
-        const double x = value;
+        const double x = value.get<double>();
         auto [at, first] = range.try_emplace(name, x, x);
         at->second = {std::min(at->second.first, x), std::max(at->second.second, x)};
       }
@@ -304,7 +304,7 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
     for (const std::string& name : known) {
       if (!json.value("known", Json::object()).contains(name))
         given.refuse(where[s] / "known" / name, "is missing: every state must set it");
-      state.known.push_back(json["known"][name]);
+      state.known.push_back(json["known"][name].get<double>());
     }
     out.list.push_back(std::move(state));
   }

@@ -125,7 +125,7 @@ class MemberParser {
       file_.refuse(where,
                    "must have " + std::to_string(s_.dimension) + " numbers, as the nodes have");
     fem::Vector3 out{};
-    for (std::size_t k = 0; k < list.size(); ++k) out[k] = list[k];
+    for (std::size_t k = 0; k < list.size(); ++k) out[k] = list[k].get<double>();
     return out;
   }
 
@@ -172,7 +172,7 @@ class MemberParser {
     for (std::size_t end = 0; end < 2; ++end) member.nodes[end] = find_node(where / "nodes" / end);
     if (member.nodes[0] == member.nodes[1])
       file_.refuse(where / "nodes", "are one and the same: the member has no length");
-    member.elements = m.at("elements");
+    member.elements = m.at("elements").get<int>();
     if (m.contains("up")) {
       if (!space())
         file_.refuse(where / "up", "goes with dimension 3: a plane section stands in it");
@@ -233,7 +233,7 @@ class MemberParser {
       const bool last = p + 1 == m.at("pieces").size();
       Piece piece{.to = length};
       if (at(here).contains("to"))
-        piece.to = at(here).at("to");
+        piece.to = at(here).at("to").get<double>();
       else if (!last)
         file_.refuse(here / "to", "is missing: must be where the piece ends, in m");
       if (!(piece.to > before))
@@ -441,7 +441,7 @@ StructureModel parse_chain(const CaseFile& file) {
                                .stiffness = 0.0};
     if (!names.insert(out.name).second) file.refuse(here / "name", "two links have this name");
     for (std::size_t end = 0; end < 2; ++end) {
-      out.between[end] = link.at("between")[end];
+      out.between[end] = link.at("between")[end].get<int>();
       if (out.between[end] > masses)
         file.refuse(here / "between" / end, "no such mass: there are masses 1 to " +
                                                 std::to_string(masses) + ", and 0 is the ground");

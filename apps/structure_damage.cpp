@@ -21,7 +21,7 @@ namespace {
 using Sites = DefectType::Sites;
 
 /// What defects may be on: names, and the sites that these are.
-struct Places {
+struct DamagePlaces {
   std::string what;  ///< "member"
   std::vector<std::string> names;
 };
@@ -44,7 +44,7 @@ class KindParser {
     if (type == &defects::kSubstructure && mesh_) type = &defects::kMemberGroup;
     if (type == nullptr || type->place_in_structure == nullptr)
       file_.refuse(where / "kind", "this version does not know it; there are " + known());
-    const Places places = places_of(*type, where);
+    const DamagePlaces places = places_of(*type, where);
     const std::string severity(type->severity);
     for (const DefectType* other : defect_types()) {
       const std::string key(other->severity);
@@ -57,7 +57,7 @@ class KindParser {
     refuse_unless(where, "groups", type_name, "substructure");
     if (type == &defects::kSubstructure && b.contains("groups"))
       file_.refuse(where / "groups", "goes with members; the parts of \"matrices\" have names");
-    const int min = b["count"].value("min", 0), max = b["count"].at("max");
+    const int min = b["count"].value("min", 0), max = b["count"].at("max").get<int>();
     if (min > max)
       file_.refuse(where / "count" / "min", "must not exceed max, which is " + std::to_string(max));
     DefectKind kind{.type = type,
@@ -102,8 +102,8 @@ class KindParser {
       file_.refuse(where / key, "goes with \"kind\": \"" + std::string(goes_with) + "\" only");
   }
 
-  Places places_of(const DefectType& type, const Pointer& where) const {
-    Places out;
+  DamagePlaces places_of(const DefectType& type, const Pointer& where) const {
+    DamagePlaces out;
     const auto* chain = std::get_if<fem::LumpedChain>(&out_.structure->nominal);
     if (type.sites == Sites::links) {
       if (chain == nullptr)
@@ -152,7 +152,7 @@ class KindParser {
     return out;
   }
 
-  int find(const Pointer& where, const Places& places, const std::string& name) const {
+  int find(const Pointer& where, const DamagePlaces& places, const std::string& name) const {
     const auto found = std::ranges::find(places.names, name);
     if (found != places.names.end()) return static_cast<int>(found - places.names.begin());
     file_.refuse(where,
@@ -160,7 +160,7 @@ class KindParser {
   }
 
   /// A site by its name, or by its number in the case's order.
-  int site_of(const Pointer& where, const Places& places) const {
+  int site_of(const Pointer& where, const DamagePlaces& places) const {
     const Json& named = file_.json.at(where);
     if (!named.is_number()) return find(where, places, named.get<std::string>());
     const auto last = static_cast<std::int64_t>(places.names.size()) - 1;
@@ -173,7 +173,7 @@ class KindParser {
 
   /// Members of each group, in the order of their names.
   std::vector<std::vector<int>> groups(const Pointer& where) const {
-    Places members{.what = "member", .names = {}};
+    DamagePlaces members{.what = "member", .names = {}};
     for (const auto& member : mesh_->structure().members) members.names.push_back(member.name);
     std::vector<std::vector<int>> out;
     for (const auto& [name, list] : file_.json.at(where)["groups"].items()) {
@@ -195,7 +195,7 @@ class KindParser {
     return out;
   }
 
-  SiteLine line(const Pointer& where, const DefectType& type, const Places& places) const {
+  SiteLine line(const Pointer& where, const DefectType& type, const DamagePlaces& places) const {
     const Json& b = file_.json.at(where);
     if (places.names.empty())
       file_.refuse(where / "kind", "the structure has no " + places.what + " that it could be on");
@@ -267,7 +267,7 @@ class KindParser {
                                            "a \"depth\", or leave the member out of \"on\"");
   }
 
-  void parse_truth(const Pointer& where, DefectKind& kind, const Places& places) {
+  void parse_truth(const Pointer& where, DefectKind& kind, const DamagePlaces& places) {
     const Json& b = file_.json.at(where);
     if (!b.contains("truth")) return;
     const Json& t = b["truth"];

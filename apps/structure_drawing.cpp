@@ -34,7 +34,7 @@ Vector3 values(const std::array<fem::SparseRow, 3>& rows, const Eigen::VectorXd&
   return {rows[0].of(shape), rows[1].of(shape), rows[2].of(shape)};
 }
 
-void measure(StructureDrawing& drawing) {
+void measure_extent(StructureDrawing& drawing) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const auto& point : drawing.points) {
@@ -152,7 +152,7 @@ DrawnStructure drawn(const AnyStructure& structure) {
   else
     out.discretisation = discretise(structure);
   out.drawing.names = out.discretisation.names;
-  measure(out.drawing);
+  measure_extent(out.drawing);
   return out;
 }
 

@@ -22,7 +22,7 @@ Coefficient StructureParameters::coefficient(const Pointer& where, const Bounds&
   const Json& value = file_.json.at(where);
   const std::string must = std::string("must be ") + bounds.words;
   if (value.is_number()) {
-    const double x = value;
+    const double x = value.get<double>();
     const bool inside =
         bounds.open ? x > bounds.lower && x < bounds.upper : x >= bounds.lower && x <= bounds.upper;
     if (!inside) file_.refuse(where, must);

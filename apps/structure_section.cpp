@@ -17,7 +17,7 @@ namespace {
 
 using fem::MemberSection;
 using Values = std::span<const double>;
-using Keys = std::vector<std::string>;
+using OutlineKeys = std::vector<std::string>;
 
 /// Axes whose product of inertia is below this share of the larger moment are principal.
 constexpr double kPrincipal = 1e-6;
@@ -32,7 +32,7 @@ double cube(double x) {
 /// is asked.
 struct Shape {
   std::string name;
-  Keys sizes;
+  OutlineKeys sizes;
   /// A, I_y and Cowper's κ_z.
   fem::Section (*plane)(std::span<const double> sizes, double poisson);
   double (*second_moment_z)(std::span<const double> sizes);
@@ -41,7 +41,7 @@ struct Shape {
   double (*depth)(std::span<const double> sizes);
 };
 
-const std::vector<Shape>& shapes() {
+const std::vector<Shape>& outline_shapes() {
   using S = std::span<const double>;
   static const std::vector<Shape> list = {
       {"rectangle",
@@ -121,7 +121,7 @@ class SectionParser {
       allow("a polygon", {"outline", "holes", "file", "regions", "unit"});
       out = by_outline();
     } else {
-      out = by_sizes(*std::ranges::find(shapes(), shape, &Shape::name));
+      out = by_sizes(*std::ranges::find(outline_shapes(), shape, &Shape::name));
     }
     out.depends = out.depends || depends_;
     const auto nominal = parameters_.nominal();
@@ -135,8 +135,8 @@ class SectionParser {
 
  private:
   /// Refuses keys of other shapes.
-  void allow(const std::string& what, const Keys& sizes) const {
-    static const Keys always = {"shape", "shear_coefficient", "torsion_constant", "depth"};
+  void allow(const std::string& what, const OutlineKeys& sizes) const {
+    static const OutlineKeys always = {"shape", "shear_coefficient", "torsion_constant", "depth"};
     for (const auto& [key, ignored] : s_.items())
       if (std::ranges::find(sizes, key) == sizes.end() &&
           std::ranges::find(always, key) == always.end())
@@ -147,7 +147,7 @@ class SectionParser {
     depends_ = depends_ || !c.known();
     return c;
   }
-  Coefficient needed(const std::string& key, const std::string& what, const Keys& sizes) {
+  Coefficient needed(const std::string& key, const std::string& what, const OutlineKeys& sizes) {
     if (!s_.contains(key))
       file_.refuse(where_ / key, "is missing: " + what + " has " + listed(sizes) + "; write \"" +
                                      key + "\" with its value in SI units");
@@ -179,7 +179,7 @@ class SectionParser {
   }
 
   PieceSection by_stiffnesses() {
-    const Keys sizes = {"area", "second_moment", "second_moments"};
+    const OutlineKeys sizes = {"area", "second_moment", "second_moments"};
     const std::string what = "a section without a shape";
     allow(what, sizes);
     const Coefficient area =

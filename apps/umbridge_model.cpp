@@ -151,7 +151,7 @@ class UmbridgeModel final : public OutsideModel {
                          from[i].dump(-1, ' ', false, Json::error_handler_t::replace) + " at " +
                          text(x) + ", number " + std::to_string(i + 1) +
                          ": must be a finite number");
-      to[i] = from[i];
+      to[i] = from[i].get<double>();
     }
   }
 
@@ -163,7 +163,7 @@ class UmbridgeModel final : public OutsideModel {
     const Json& models = field(info, "models", at("Info"));
     std::vector<std::string> names;
     for (const Json& name : models)
-      if (name.is_string()) names.push_back(name);
+      if (name.is_string()) names.push_back(name.get<std::string>());
     const auto has = [&](const std::string& name) {
       return std::ranges::find(names, name) != names.end();
     };
@@ -192,7 +192,7 @@ class UmbridgeModel final : public OutsideModel {
           size.get<std::int64_t>() > kMost || (all += size.get<std::int64_t>()) > kMost)
         wrong(at(endpoint), "answered " + beginning(list.dump()) +
                                 ", must be whole numbers, 1 million together at most");
-      out.push_back(size);
+      out.push_back(size.get<int>());
     }
     if (sum(out) != wanted)
       wrong(at(endpoint), "\"" + spec_.model + "\" has " + std::to_string(sum(out)) + " " + what +

@@ -75,7 +75,7 @@ std::vector<double> numbers(const Json& from, int size, const char* what) {
   for (const Json& x : from) {
     if (!x.is_number() || !std::isfinite(x.get<double>()))
       throw Refusal{"InvalidInput", std::string(what) + " must be finite numbers, has " + x.dump()};
-    out.push_back(x);
+    out.push_back(x.get<double>());
   }
   return out;
 }

@@ -19,7 +19,7 @@ namespace {
 const Pointer kData("/data"), kTruth("/truth");
 
 /// A coefficient of variation is "cov" in a case, or "cv".
-void accept_cv(CaseFile& file) {
+void accept_update_cv(CaseFile& file) {
   std::vector<Pointer> places = {kData, kTruth, kData / "discrepancy"};
   if (file.json.contains(kData / "states") && file.json.at(kData / "states").is_array())
     for (std::size_t i = 0; i < file.json.at(kData / "states").size(); ++i)
@@ -48,7 +48,7 @@ void parse_truth(const CaseFile& f, UpdateCase& out) {
       f.refuse(kTruth / "parameters" / parameter.name,
                "is missing: the truth has a number for "
                "every parameter");
-    simulation.parameters.push_back(values[parameter.name]);
+    simulation.parameters.push_back(values[parameter.name].get<double>());
   }
   for (const auto& [name, ignored] : values.items())
     if (std::ranges::find(out.structure->parameters, name, &inference::Parameter::name) ==
@@ -156,7 +156,7 @@ bool has_several(const CaseFile& f) {
                              [&](const std::string& key) { return data.contains(key); });
 }
 
-void take_states(const CaseFile& f, UpdateNeeds needs, UpdateCase& out) {
+void take_case_states(const CaseFile& f, UpdateNeeds needs, UpdateCase& out) {
   if (needs == UpdateNeeds::truth) f.refuse(kTruth, "is missing: there is nothing to simulate");
   auto states = parse_states(f, out.structure, false);
   out.data = states.joined();
@@ -178,7 +178,7 @@ Pointer prior_place(const UpdateCase& update_case, const std::string& parameter)
 
 UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
                                  std::optional<std::uint64_t> seed) {
-  accept_cv(file);
+  accept_update_cv(file);
   validate_against_schema(file, "update");
   UpdateCaseFile parsed{.file = std::move(file), .notes = {}, .update = {}};
   const CaseFile& f = parsed.file;
@@ -207,7 +207,7 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
   if (has_several(f)) {
     if (json.contains("truth"))
       f.refuse(kTruth, "does not go with states: what was measured in them must be given");
-    take_states(f, needs, out);
+    take_case_states(f, needs, out);
     return parsed;
   }
   if (json.contains("data")) out.data = parse_modal_data(f, kData, out.structure->nominal);

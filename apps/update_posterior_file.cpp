@@ -14,12 +14,12 @@ using namespace identification;
 
 namespace {
 
-struct Shape {
+struct ShapeColumns {
   std::size_t chains, draws, modes, width;
 };
 
 void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem,
-                      const inference::Posterior& posterior, const Shape& shape,
+                      const inference::Posterior& posterior, const ShapeColumns& shape,
                       std::uint64_t seed) {
   const int group = file.group("posterior_predictive");
   const int chain = file.dimension(group, "chain", shape.chains, 0);
@@ -61,7 +61,7 @@ void write_update_posterior(const io::NetcdfWriter& file, const std::string& run
                             const UpdateCaseFile& parsed, const UpdateProblem& problem,
                             const inference::Posterior& posterior, std::uint64_t seed) {
   const ModalData& data = problem.update_case.data;
-  const Shape shape{.chains = posterior.chains.size(),
+  const ShapeColumns shape{.chains = posterior.chains.size(),
                     .draws = posterior.chains[0].model.size(),
                     .modes = static_cast<std::size_t>(data.modes()),
                     .width = static_cast<std::size_t>(posterior.dimension)};

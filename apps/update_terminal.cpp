@@ -14,7 +14,7 @@ using namespace identification;
 
 namespace {
 
-std::string interval(const Marginal& e) {
+std::string update_interval(const Marginal& e) {
   return resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width());
 }
 
@@ -34,7 +34,7 @@ void print_parameters(const Page& page, const UpdateFindings& findings) {
     const Marginal& e = parameters[p].estimate;
     const Contraction& c = findings.contractions[p];
     rows.push_back({parameters[p].unknown.label, resolved(e.mean, e.width()),
-                    number_or_dash(e.sd, 2), interval(e),
+                    number_or_dash(e.sd, 2), update_interval(e),
                     fixed(100.0 * std::max(0.0, c.contraction), 0) + " %", standing(c)});
   }
   page.table(rows);
@@ -54,7 +54,7 @@ void print_solutions(const Page& page, const UpdateFindings& findings) {
     rows.push_back({parameters[p].unknown.label});
     for (const Solution& s : findings.solutions)
       rows.back().push_back(resolved(s.parameters[p].q50, s.parameters[p].width()) + " (" +
-                            interval(s.parameters[p]) + ")");
+                            update_interval(s.parameters[p]) + ")");
   }
   page.table(rows);
 }
@@ -75,7 +75,7 @@ void print_modes(const Page& page, const UpdateFindings& findings) {
       name += " (model's " + std::to_string(m.computed) + ")";
     std::vector<std::string> row = {name, number_or_dash(m.measured_hz, 6),
                                     resolved(m.frequency_hz.mean, m.frequency_hz.width()),
-                                    interval(m.frequency_hz),
+                                    update_interval(m.frequency_hz),
                                     std::isnan(m.residual) ? "-" : fixed(m.residual, 2)};
     if (shapes) {
       row.push_back(m.has_shape ? fixed(m.mac.q50, 4) : "-");

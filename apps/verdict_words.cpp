@@ -39,7 +39,7 @@ std::string implied(const inference::Estimate& p) {
 }
 
 // A sentence, but of ChainsDisagree and TooFewEffectiveDraws a clause of one.
-struct Sentence {
+struct VerdictSentence {
   const ModelSpace& space;
 
   [[nodiscard]] std::string quoted(int model) const { return "'" + space[model].name + "'"; }
@@ -162,7 +162,7 @@ std::vector<std::string> in_words(const std::vector<Reason>& reasons, const Mode
     if (topic == Topic::chains) {
       std::string why;
       for (std::size_t i = begin; i < end; ++i) {
-        why += (why.empty() ? "" : ", ") + std::visit(Sentence{space}, reasons[i]);
+        why += (why.empty() ? "" : ", ") + std::visit(VerdictSentence{space}, reasons[i]);
       }
       out.push_back("The chains have not converged: " + why + ". Do not trust these numbers yet." +
                     kRunLonger);
@@ -173,7 +173,7 @@ std::vector<std::string> in_words(const std::vector<Reason>& reasons, const Mode
                               : topic == Topic::evidence ? std::min(all, 2 * kNamed)
                                                          : std::min(all, kNamed);
     for (std::size_t i = begin; i < begin + named; ++i) {
-      out.push_back(std::visit(Sentence{space}, reasons[i]));
+      out.push_back(std::visit(VerdictSentence{space}, reasons[i]));
     }
     if (named < all && topic != Topic::evidence) {
       out.push_back("The same holds for " +

@@ -31,7 +31,7 @@ std::string corner(const std::string& ring, std::size_t i) {
   return ring + "[" + std::to_string(i) + "]";
 }
 
-double cross(const Point& a, const Point& b) {
+double cross_product(const Point& a, const Point& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
@@ -58,7 +58,7 @@ bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
 /// Two segments that cross at a point inside both, further than `near` from every end.
 bool cross_properly(const Point& a, const Point& b, const Point& c, const Point& d, double near) {
   const auto height = [](const Point& p, const Point& q, const Point& r) {
-    return cross(q - p, r - p) / (q - p).norm();
+    return cross_product(q - p, r - p) / (q - p).norm();
   };
   const double hc = height(a, b, c), hd = height(a, b, d), ha = height(c, d, a),
                hb = height(c, d, b);
@@ -236,7 +236,7 @@ double outline_size(const Outline& outline) {
 double signed_area(std::span<const Point> ring) {
   double twice = 0.0;
   for (std::size_t i = 1; i + 1 < ring.size(); ++i)
-    twice += cross(ring[i] - ring[0], ring[i + 1] - ring[0]);
+    twice += cross_product(ring[i] - ring[0], ring[i + 1] - ring[0]);
   return 0.5 * twice;
 }
 
@@ -245,7 +245,7 @@ bool contains(std::span<const Point> ring, const Point& point) {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point &a = ring[i], &b = ring[(i + 1) % ring.size()];
     if ((a.y() > point.y()) == (b.y() > point.y())) continue;
-    if ((cross(b - a, point - a) > 0.0) == (b.y() > a.y())) odd = !odd;
+    if ((cross_product(b - a, point - a) > 0.0) == (b.y() > a.y())) odd = !odd;
   }
   return odd;
 }

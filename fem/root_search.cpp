@@ -28,7 +28,7 @@ constexpr double kShapeResidual = 1e-5;
 /// What the two modes must have of a shape's |a|² = 1, lest rounding has it.
 constexpr double kShapeShare = 1e-6;
 /// Rounding of the intact eigenvalues that bound the damaged ones.
-constexpr double kMargin = 1e-12;
+constexpr double kBracketMargin = 1e-12;
 
 }  // namespace
 
@@ -85,8 +85,8 @@ RootSearch::Search RootSearch::begin(int root) const {
   double top = std::numeric_limits<double>::infinity();
   if (held < problem_.modes) top = problem_.eigenvalues[held] + problem_.added_stiffness;
   if (lifted < problem_.modes) top = std::min(top, problem_.eigenvalues[lifted]);
-  search.low = std::max(problem_.least_remaining * own * (1.0 - kMargin), 1e-20 * scale);
-  search.high = (1.0 + kMargin) * top;
+  search.low = std::max(problem_.least_remaining * own * (1.0 - kBracketMargin), 1e-20 * scale);
+  search.high = (1.0 + kBracketMargin) * top;
   if (!problem_.starts.empty()) {
     search.z = std::clamp(problem_.starts[index(root)], search.low, search.high);
     return search;
@@ -176,7 +176,7 @@ int RootSearch::pole_of_shape(double lambda) const {
   Eigen::VectorXd gaps(modes), weights(modes);
   for (Eigen::Index j = 0; j < modes; ++j) {
     const double value = secular_.eigenvalues[j], scale = secular_.scales[j];
-    gaps[j] = value == lambda ? kMargin * lambda : value - lambda;
+    gaps[j] = value == lambda ? kBracketMargin * lambda : value - lambda;
     weights[j] = (scale / gaps[j] - 1.0) / (j < secular_.negative ? -scale : scale);
   }
   Eigen::MatrixXd s = -c.transpose() * weights.asDiagonal() * c;

@@ -8,7 +8,7 @@
 namespace wheeltap::fem {
 namespace {
 
-void require_size(const char* name, double value, double below = INFINITY) {
+void require_dimension(const char* name, double value, double below = INFINITY) {
   if (value > 0.0 && value < below) return;
   std::ostringstream message;
   message.precision(12);
@@ -57,8 +57,8 @@ double cowper_tube(double poisson, double radius_ratio) {
 }
 
 Section section(const Rectangle& shape, double poisson) {
-  require_size("width", shape.width);
-  require_size("height", shape.height);
+  require_dimension("width", shape.width);
+  require_dimension("height", shape.height);
   require_poisson(poisson);
   return {.area = shape.width * shape.height,
           .second_moment = second_moment(shape.width, shape.height),
@@ -66,7 +66,7 @@ Section section(const Rectangle& shape, double poisson) {
 }
 
 Section section(const Circle& shape, double poisson) {
-  require_size("diameter", shape.diameter);
+  require_dimension("diameter", shape.diameter);
   require_poisson(poisson);
   const double d2 = shape.diameter * shape.diameter;
   return {.area = std::numbers::pi * d2 / 4.0,
@@ -75,8 +75,8 @@ Section section(const Circle& shape, double poisson) {
 }
 
 Section section(const Tube& shape, double poisson) {
-  require_size("outer_diameter", shape.outer_diameter);
-  require_size("thickness", shape.thickness, shape.outer_diameter / 2.0);
+  require_dimension("outer_diameter", shape.outer_diameter);
+  require_dimension("thickness", shape.thickness, shape.outer_diameter / 2.0);
   require_poisson(poisson);
   const double outer = shape.outer_diameter, inner = outer - 2.0 * shape.thickness;
   const double sum = outer * outer + inner * inner;
@@ -87,10 +87,10 @@ Section section(const Tube& shape, double poisson) {
 }
 
 Section section(const ISection& shape, double poisson) {
-  require_size("height", shape.height);
-  require_size("width", shape.width);
-  require_size("flange_thickness", shape.flange_thickness, shape.height / 2.0);
-  require_size("web_thickness", shape.web_thickness, shape.width);
+  require_dimension("height", shape.height);
+  require_dimension("width", shape.width);
+  require_dimension("flange_thickness", shape.flange_thickness, shape.height / 2.0);
+  require_dimension("web_thickness", shape.web_thickness, shape.width);
   require_poisson(poisson);
   const double clear = shape.height - 2.0 * shape.flange_thickness;
   const double h = shape.height - shape.flange_thickness;  // between the flanges' centrelines
@@ -102,10 +102,10 @@ Section section(const ISection& shape, double poisson) {
 }
 
 Section section(const Box& shape, double poisson) {
-  require_size("height", shape.height);
-  require_size("width", shape.width);
-  require_size("flange_thickness", shape.flange_thickness, shape.height / 2.0);
-  require_size("web_thickness", shape.web_thickness, shape.width / 2.0);
+  require_dimension("height", shape.height);
+  require_dimension("width", shape.width);
+  require_dimension("flange_thickness", shape.flange_thickness, shape.height / 2.0);
+  require_dimension("web_thickness", shape.web_thickness, shape.width / 2.0);
   require_poisson(poisson);
   const double clear = shape.height - 2.0 * shape.flange_thickness;
   const double hollow = shape.width - 2.0 * shape.web_thickness;

@@ -9,23 +9,23 @@
 namespace wheeltap::fem {
 namespace {
 
-using Real = long double;
-using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+using Extended = long double;
+using Vector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
 
 /// What a unit reaction at one held motion does to the beam, clamped at its right end.
 struct Reaction {
   Vector stresses;     // of the elements, then of the springs
-  Real force, moment;  // left over at the right end, in units of the shear and bending stresses
-  Real size;           // of all that went into these
+  Extended force, moment;  // left over at the right end, in units of the shear and bending stresses
+  Extended size;           // of all that went into these
 };
 
 }  // namespace
 
 Eigen::MatrixXd self_stresses(const Beam& beam) {
-  const TimoshenkoElement<Real> element(beam);
+  const TimoshenkoElement<Extended> element(beam);
   struct Hold {
-    MotionRow<Real> row;
-    Real stiffness;  // infinite where rigid
+    MotionRow<Extended> row;
+    Extended stiffness;  // infinite where rigid
   };
   std::vector<Hold> holds;
   Eigen::Index springs = 0;
@@ -33,13 +33,13 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
     for (const bool rotation : {false, true})
       if (rotation ? s.rotation : s.deflection) {
         holds.push_back({motion_row(beam, element, s.at, rotation),
-                         s.stiffness ? static_cast<Real>(*s.stiffness)
-                                     : std::numeric_limits<Real>::infinity()});
+                         s.stiffness ? static_cast<Extended>(*s.stiffness)
+                                     : std::numeric_limits<Extended>::infinity()});
         springs += s.stiffness.has_value();
       }
 
   const Eigen::Index elements = beam.elements;
-  const Real bending = element.bending()[3], shear = element.shear()[0], turn = element.shear()[1];
+  const Extended bending = element.bending()[3], shear = element.shear()[0], turn = element.shear()[1];
   std::vector<Reaction> reactions;
   Eigen::Index spring = 0;
   for (const Hold& hold : holds) {
@@ -49,9 +49,9 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
     for (int i = 0; i < 4; ++i)
       if (hold.row.coefficients[i] != 0) load[hold.row.first_dof + i] = hold.row.coefficients[i];
     // Bᵀ t + load = 0, node by node: b = bending (0, -1, 0, 1), a = (shear, turn, -shear, turn).
-    Real shear_before = 0, bending_before = 0;
+    Extended shear_before = 0, bending_before = 0;
     for (Eigen::Index node = 0; node <= elements; ++node) {
-      const Real here = shear_before - load[2 * node] / shear;
+      const Extended here = shear_before - load[2 * node] / shear;
       if (node == elements) {
         r.force = here;
         r.moment = bending_before + (turn * shear_before + load[2 * node + 1]) / bending;
@@ -67,21 +67,21 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
     r.size = r.stresses.norm() + std::abs(r.force) + std::abs(r.moment);
     reactions.push_back(std::move(r));
   }
-  constexpr Real kDependent = 1e-10L;  // of `size`: rounding
+  constexpr Extended kDependent = 1e-10L;  // of `size`: rounding
 
   // Combinations in equilibrium: eliminate one reaction for the force, one for the moment.
-  for (Real Reaction::*const left : {&Reaction::force, &Reaction::moment}) {
+  for (Extended Reaction::*const left : {&Reaction::force, &Reaction::moment}) {
     std::size_t pivot = reactions.size();
-    Real largest = kDependent;
+    Extended largest = kDependent;
     for (std::size_t i = 0; i < reactions.size(); ++i) {
-      const Real share = std::abs(reactions[i].*left) / reactions[i].size;
+      const Extended share = std::abs(reactions[i].*left) / reactions[i].size;
       if (share > largest) largest = share, pivot = i;
     }
     if (pivot == reactions.size()) continue;
     const Reaction taken = reactions[pivot];
     reactions.erase(reactions.begin() + static_cast<std::ptrdiff_t>(pivot));
     for (Reaction& r : reactions) {
-      const Real share = r.*left / taken.*left;
+      const Extended share = r.*left / taken.*left;
       r.stresses -= share * taken.stresses;
       r.force -= share * taken.force;
       r.moment -= share * taken.moment;
@@ -95,7 +95,7 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
   for (Reaction& r : reactions) {
     for (int pass = 0; pass < 2; ++pass)
       for (const Vector& q : basis) r.stresses -= q.dot(r.stresses) * q;
-    const Real left = r.stresses.norm();
+    const Extended left = r.stresses.norm();
     if (left > kDependent * r.size) basis.push_back(r.stresses / left);
   }
   Eigen::MatrixXd result(2 * elements, static_cast<Eigen::Index>(basis.size()));

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMostFactor = 2.0;
 
-std::vector<double> intact_frequencies(const DamageCase& damage_case, int modes) {
+std::vector<double> undamaged_frequencies(const DamageCase& damage_case, int modes) {
   if (!damage_case.structure) return elastic_frequencies(damage_case.beam, {}, modes);
   const fem::Discretisation d = discretise(damage_case.structure->nominal);
   const auto rigid = static_cast<int>(d.rigid_motions.cols());
@@ -29,7 +29,7 @@ void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baselin
     throw InvalidInput(InvalidInput::Part::data,
                        "the baseline has " + std::to_string(baseline.modes()) +
                            " modes: must have those of the data, " + std::to_string(modes));
-  const std::vector<double> model = intact_frequencies(damage_case, modes);
+  const std::vector<double> model = undamaged_frequencies(damage_case, modes);
   ModalData modal = damage_case.modal ? *damage_case.modal : ModalData{};
   damage_case.baseline = Baseline{};
   double unknown_noise = 0.0;

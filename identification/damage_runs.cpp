@@ -25,7 +25,7 @@ using emulator::Table;
 
 constexpr double kMostRuns = 1e7;
 
-std::string number(double x) {
+std::string run_number(double x) {
   return base::significant(x, 6);
 }
 
@@ -87,9 +87,9 @@ Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
     const bool location = f.unit == "m";
     if (f.low() < 0.0 || f.high() > (location ? beam.length : 1.0) ||
         (!location && f.high() >= 1.0)) {
-      refuse("column \"" + f.name + "\" reaches from " + number(f.low()) + " to " +
-             number(f.high()) + ", but " +
-             (location ? "the beam is " + number(beam.length) + " m long"
+      refuse("column \"" + f.name + "\" reaches from " + run_number(f.low()) + " to " +
+             run_number(f.high()) + ", but " +
+             (location ? "the beam is " + run_number(beam.length) + " m long"
                        : "a reduction lies in [0, 1)"));
     }
   }
@@ -229,7 +229,7 @@ Table refined(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, const
   auto grid = emulator::refine_grid(start, modes, model_of(reanalysis, options), refinement);
   made += grid.model_runs;
   if (!grid.reached) {
-    throw std::invalid_argument("an accuracy of " + number(*spec.accuracy) + " with " +
+    throw std::invalid_argument("an accuracy of " + run_number(*spec.accuracy) + " with " +
                                 std::to_string(count) + (count == 1 ? " damage" : " damages") +
                                 " needs more than a million runs, or more sites than there are "
                                 "elements: ask for less, or use \"coordinate\": \"compliance\"");
@@ -303,7 +303,7 @@ Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec, const Defe
     for (const Factor& factor : box) runs *= static_cast<double>(factor.levels.size());
     if (runs > kMostRuns) {
       throw std::invalid_argument(
-          "a table for " + std::to_string(count) + " damages would need " + number(runs) +
+          "a table for " + std::to_string(count) + " damages would need " + run_number(runs) +
           " runs, more than 10 million: use \"expansion\": \"anova\", fewer sites or multipliers, "
           "a smaller count, or \"fe\"");
     }

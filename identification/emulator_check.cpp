@@ -37,7 +37,7 @@ Means means(const std::vector<Checked>& draws, const Value& value) {
   return m;
 }
 
-constexpr double kWorthTelling = 0.05;  // probability of a model whose parameters are compared
+constexpr double kWorthComparing = 0.05;  // probability of a model whose parameters are compared
 constexpr double kMovedProbability = 0.02;
 constexpr double kMovedMean = 0.25;  // in sd
 constexpr double kSure = 3.0;        // standard errors
@@ -122,7 +122,7 @@ std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
       total += d.weight;
       of_plain += d.plain;
     }
-    if (of_plain < kWorthTelling || !(total > 0.0)) continue;
+    if (of_plain < kWorthComparing || !(total > 0.0)) continue;
     for (Checked& d : within) d.weight /= total, d.plain /= of_plain;
     out.models[static_cast<std::size_t>(m)].compared = true;
     for (int p = 0; p < problem.problem.space[m].dimension; ++p) {

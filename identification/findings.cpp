@@ -29,7 +29,7 @@ std::vector<std::vector<int>> total_counts(const Posterior& posterior) {
   return out;
 }
 
-constexpr double kWorthTelling = 0.05;  // models with less probability are not told of
+constexpr double kWorthDescribing = 0.05;  // models with less probability are not told of
 
 /// What posterior and prior share. The first parameter of components is in increasing order: of n
 /// of them, the i-th has the distribution of an order statistic, whose F is Beta(i, n + 1 - i).
@@ -57,7 +57,7 @@ double prior_overlap(const inference::Prior& prior, const ChainsOf& draws, int i
 void judge_priors(Findings& findings) {
   remark::NearlyPrior nearly;
   for (const ModelFinding& model : findings.models) {
-    if (model.probability() < kWorthTelling) continue;
+    if (model.probability() < kWorthDescribing) continue;
     for (const ParameterFinding& p : model.parameters) {
       if (p.is_nearly_prior()) {
         nearly.parameters.push_back({model.name, p.unknown.label, p.prior_overlap});

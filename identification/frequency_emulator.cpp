@@ -16,7 +16,7 @@ using emulator::InterpolantType;
 using emulator::RowMatrix;
 using emulator::Table;
 
-std::string number(double x) {
+std::string number_in_words(double x) {
   return base::significant(x, 6);
 }
 
@@ -302,14 +302,14 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
           beam_.element_midpoint(last) > box[i].high() + 1e-6 * h) {
         return Outside{InvalidInput::Part::location, "location prior " + kind.location.describe() +
                                                          " reaches outside the emulator's box, " +
-                                                         number(box[i].low()) + " to " +
-                                                         number(box[i].high()) + " m" + who};
+                                                         number_in_words(box[i].low()) + " to " +
+                                                         number_in_words(box[i].high()) + " m" + who};
       }
       if (reduction.lower() < box[i + 1].low() || reduction.upper() > box[i + 1].high()) {
         return Outside{InvalidInput::Part::severity, "reduction prior " + reduction.describe() +
                                                          " reaches outside the emulator's box, " +
-                                                         number(box[i + 1].low()) + " to " +
-                                                         number(box[i + 1].high()) + who};
+                                                         number_in_words(box[i + 1].low()) + " to " +
+                                                         number_in_words(box[i + 1].high()) + who};
       }
     }
     if (!part(count).type->within_hull) continue;
@@ -325,8 +325,8 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
       if (!contains(damages)) {
         std::string where;
         for (const fem::Damage& d : damages) {
-          where += (where.empty() ? "" : ", ") + ("location " + number(d.location)) +
-                   " m, reduction " + number(d.reduction);
+          where += (where.empty() ? "" : ", ") + ("location " + number_in_words(d.location)) +
+                   " m, reduction " + number_in_words(d.reduction);
         }
         return Outside{InvalidInput::Part::location,
                        "the priors reach outside the convex hull of the emulator's runs, at " +

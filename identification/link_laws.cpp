@@ -11,7 +11,7 @@
 namespace wheeltap::identification {
 namespace {
 
-constexpr std::size_t kMostDraws = 400;
+constexpr std::size_t kMostLawDraws = 400;
 constexpr int kPoints = 41;
 
 // Parameters of the case for draws of a model, evenly spread over the chains.
@@ -24,7 +24,7 @@ std::vector<std::vector<double>> draws_of(const SidProblem& problem,
     }
   }
   const auto width = static_cast<std::size_t>(posterior.dimension);
-  const std::size_t n = std::min(at.size(), kMostDraws);
+  const std::size_t n = std::min(at.size(), kMostLawDraws);
   std::vector<std::vector<double>> draws;
   for (std::size_t j = 0; j < n; ++j) {
     const auto [c, i] = at[j * at.size() / n];
@@ -104,14 +104,14 @@ std::vector<Drawn> draws_of_all(const SidProblem& problem, const inference::Post
   }
   const auto width = static_cast<std::size_t>(posterior.dimension);
   std::vector<Drawn> out;
-  double before = 0.0, next = 0.5 * all / static_cast<double>(kMostDraws);
+  double before = 0.0, next = 0.5 * all / static_cast<double>(kMostLawDraws);
   for (const auto& chain : posterior.chains) {
     for (std::size_t i = 0; i < chain.model.size(); ++i) {
       const int m = chain.model[i];
       before += weights[static_cast<std::size_t>(m)];
       if (before < next) continue;
       out.push_back({m, problem.theta(m, {chain.theta.data() + i * width, width})});
-      while (next <= before) next += all / static_cast<double>(kMostDraws);
+      while (next <= before) next += all / static_cast<double>(kMostLawDraws);
     }
   }
   return out;

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 using Modes = fem::ParametricModes::Modes;
 
 /// Computed modes beyond the number measured that measured ones may be.
-constexpr int kFurther = 3;
+constexpr int kFurtherModes = 3;
 
 double frequency_of(const Modes& modes, Index i) {
   return std::sqrt(std::max(0.0, modes.eigenvalues[i])) / kTwoPi;
@@ -112,7 +112,7 @@ int ModalLikelihood::measured() const {
 }
 
 int ModalLikelihood::candidates(int available) const {
-  return std::min(available, data_.modes() + data_.predict + (data_.has_shapes() ? kFurther : 0));
+  return std::min(available, data_.modes() + data_.predict + (data_.has_shapes() ? kFurtherModes : 0));
 }
 
 MatrixXd ModalLikelihood::covariance(const ModalNoise& noise) const {

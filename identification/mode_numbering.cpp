@@ -21,7 +21,7 @@ constexpr double kModelError = 0.02;
 constexpr int kFurther = 3;                  // modes that may have been missed
 constexpr std::size_t kMostOthers = 20'000;  // numberings that are compared
 constexpr int kNumberingDraws = 400, kFewDraws = 60;
-constexpr double kAffordableSeconds = 2.0;
+constexpr double kNumberingSeconds = 2.0;
 
 /// All numberings, the one that is used first, with ln of their weights before the data.
 struct Numberings {
@@ -103,7 +103,7 @@ std::optional<NumberingFinding> numbering_of(const StructureModel& model, const 
   const auto began = std::chrono::steady_clock::now();
   for (const auto& values : prior_draws(model, kNumberingDraws)) {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
-    if (took.count() > kAffordableSeconds) break;
+    if (took.count() > kNumberingSeconds) break;
     try {
       const fem::Discretisation d = discretise(model.at(values));
       const auto rigid = static_cast<int>(d.rigid_motions.cols());

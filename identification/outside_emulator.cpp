@@ -11,7 +11,7 @@ namespace {
 using emulator::Factor;
 using emulator::RowMatrix;
 
-constexpr double kFarthest = 4.0;  // standard normal
+constexpr double kFarthestDesign = 4.0;  // standard normal
 constexpr double kDecade = 10.0;
 
 Factor factor_of(const inference::Parameter& unknown) {
@@ -19,10 +19,10 @@ Factor factor_of(const inference::Parameter& unknown) {
   const auto end = [&](double bound, double z) {
     return std::isfinite(bound) ? bound : prior.from_standard_normal(z);
   };
-  const double high = end(prior.upper(), kFarthest);
+  const double high = end(prior.upper(), kFarthestDesign);
   // A density that reaches up from 0 without end has its scale in its quantiles.
   const bool half = prior.lower() == 0.0 && !std::isfinite(prior.upper());
-  const double low = half ? prior.from_standard_normal(-kFarthest) : end(prior.lower(), -kFarthest);
+  const double low = half ? prior.from_standard_normal(-kFarthestDesign) : end(prior.lower(), -kFarthestDesign);
   return {.name = unknown.name,
           .unit = "",
           .levels = {low, high},

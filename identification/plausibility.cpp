@@ -16,7 +16,7 @@ constexpr double kApart = 0.1;         // of a frequency
 constexpr double kApartInNoise = 5.0;  // sd
 constexpr double kHidden = 0.5;        // effect over noise
 constexpr double kOtherSize = 30.0;    // of a response
-constexpr double kAffordableSeconds = 2.0;
+constexpr double kPlausibilitySeconds = 2.0;
 constexpr int kSamples = 2000;  // a size needs no more of them
 
 /// Draw `i` of the prior within a model, always the same.
@@ -56,7 +56,7 @@ std::vector<Range> predicted_sizes(const SidProblem& problem) {
   const auto& space = problem.problem.space;
   const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
   const std::size_t responses = problem.sid_case.responses().size();
-  const int draws = std::clamp(static_cast<int>(kAffordableSeconds / problem.seconds_a_likelihood),
+  const int draws = std::clamp(static_cast<int>(kPlausibilitySeconds / problem.seconds_a_likelihood),
                                2 * space.size(), kDraws);
   std::vector<Range> out(responses);
   std::vector<double> residuals(responses * samples);

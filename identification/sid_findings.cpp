@@ -16,14 +16,14 @@ namespace {
 
 using inference::Posterior;
 
-constexpr double kWorthTelling = 0.05;  // models with less probability are not judged
+constexpr double kWorthJudging = 0.05;  // models with less probability are not judged
 constexpr double kNotReached = 0.9;     // of draws, whose stop lies beyond the motion
 
 /// The models that remarks are about.
 std::vector<int> told(const SidFindings& findings) {
   std::vector<int> list;
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
-    if (findings.models[m].probability() >= kWorthTelling && findings.of_models[m]) {
+    if (findings.models[m].probability() >= kWorthJudging && findings.of_models[m]) {
       list.push_back(static_cast<int>(m));
     }
   }
@@ -334,7 +334,7 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
         .step_error = step_error(problem, posterior, m),
         .links = {},
         .modes = {}};
-    if (model.probability() >= kWorthTelling) {
+    if (model.probability() >= kWorthJudging) {
       out.of_models.back()->links = link_laws(problem, posterior, m);
       out.of_models.back()->modes = chain_modes(problem, posterior, m);
     }

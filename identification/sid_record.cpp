@@ -190,10 +190,10 @@ class RecordTaker {
 };
 
 /// A signal's root mean square, and the root mean square frequency [rad/s] of its spectrum.
-struct Motion {
+struct RecordedMotion {
   double rms = 0.0, omega = 1.0;
 };
-Motion motion_of(std::span<const double> centred, double sample_rate_hz) {
+RecordedMotion motion_of(std::span<const double> centred, double sample_rate_hz) {
   const auto spectrum = signals::welch(centred, sample_rate_hz);
   double power = 0.0, moment = 0.0, squares = 0.0;
   for (std::size_t i = 1; i < spectrum.density.size(); ++i) {
@@ -299,7 +299,7 @@ std::optional<double> moves_at_start(const SidCase& sid_case) {
     const double rest = offset_known ? -channel->signal.offset.value / scale : 0.0;
     std::vector<double> centred = y;
     signals::detrend(centred, 0);
-    const Motion motion = motion_of(centred, sid_case.sample_rate_hz);
+    const RecordedMotion motion = motion_of(centred, sid_case.sample_rate_hz);
     if (!(motion.rms > 0.0)) continue;
     const double quarter = 0.5 * M_PI / motion.omega * sid_case.sample_rate_hz;
     const auto first = std::clamp<std::size_t>(static_cast<std::size_t>(quarter), 4, y.size());
@@ -331,7 +331,7 @@ void infer_initial(SidCase& sid_case, SidModel& model) {
     const double scale =
         channel->signal.scale.is_constant() ? std::abs(channel->signal.scale.value) : 1.0;
     signals::detrend(samples, 0);
-    const Motion motion = motion_of(samples, sid_case.sample_rate_hz);
+    const RecordedMotion motion = motion_of(samples, sid_case.sample_rate_hz);
     const double sd = scale * motion.rms, omega = motion.omega;
     const int order = static_cast<int>(channel->quantity);
     const auto at = static_cast<std::size_t>(channel->mass - 1);

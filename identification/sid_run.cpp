@@ -17,7 +17,7 @@ namespace {
 constexpr double kDefaultWarmup = 70'000;  ///< a chain
 constexpr double kDefaultDraws = 25'000;   ///< a chain, four iterations each
 constexpr double kAffordableSeconds = 60.0;
-constexpr double kFewestDraws = 3'000;
+constexpr double kFewestSidDraws = 3'000;
 constexpr double kFewestWarmup = 6'000;
 
 /// What repeated runs aim at (step_error), and how many there may be.
@@ -53,7 +53,7 @@ inference::Options affordable(inference::Options engine, double seconds_a_likeli
     engine.warmup = static_cast<int>(std::clamp(0.5 * likelihoods, kFewestWarmup, kDefaultWarmup));
   }
   if (engine.draws == 0) {
-    engine.draws = static_cast<int>(std::clamp(0.5 * likelihoods, kFewestDraws, kDefaultDraws));
+    engine.draws = static_cast<int>(std::clamp(0.5 * likelihoods, kFewestSidDraws, kDefaultDraws));
   }
   return engine;
 }

@@ -237,7 +237,7 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
   }
 }
 
-void judge_fit(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
+void judge_update_fit(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
   UpdateFit& fit = out.fit;
   fit.p = 0.0;
   double least = std::numeric_limits<double>::infinity();
@@ -353,7 +353,7 @@ void predict_states(const UpdateProblem& problem, const Examined& seen, std::uin
 }
 
 /// The next modes after those that the measured ones are matched to.
-void predict(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
+void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
              UpdateFindings& out) {
   if (problem.states) return predict_states(problem, seen, seed, out);
   const ModalData& data = problem.update_case.data;
@@ -435,8 +435,8 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
     out.numbering = numbering_of(*problem.update_case.structure, problem.update_case.data,
                                  problem.covariance(problem.noise(seen.x[seen.best])));
   leave_one_out(problem, seen, out);
-  predict(problem, seen, seed, out);
-  judge_fit(problem, seen, out);
+  predict_modes(problem, seen, seed, out);
+  judge_update_fit(problem, seen, out);
   show_shapes(problem, seen, out);
   conclude(out, problem.problem.space, evidence);
   // Contractions say it more sharply.

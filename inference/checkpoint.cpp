@@ -410,7 +410,7 @@ std::pair<long, long> parts_of(const Checkpoint& checkpoint) {
   return {at.first_part, static_cast<long>(at.part_chains.size())};
 }
 
-std::string packed(const ChainState& chain, const Chain& draws) {
+std::string packed_state(const ChainState& chain, const Chain& draws) {
   Checkpoint checkpoint;
   Writer writer(checkpoint);
   writer("chain", chain);

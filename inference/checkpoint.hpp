@@ -54,7 +54,7 @@ class CheckpointError : public std::runtime_error {
 
 /// A chain and its draws for another rank of the same run, and back, to the last bit. No format for
 /// files.
-[[nodiscard]] std::string packed(const ChainState& chain, const Chain& draws);
+[[nodiscard]] std::string packed_state(const ChainState& chain, const Chain& draws);
 void unpack(std::string_view bytes, ChainState& chain, Chain& draws);
 
 }  // namespace wheeltap::inference

@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr int kNodes = 600;            // of τ
-constexpr double kNegligible = 1e-10;  // weight of a node
+constexpr double kNegligibleWeight = 1e-10;  // weight of a node
 
 /// Σ w, Σ w y / Σ w and Σ w (y - that)², w = 1 / (s² + τ²), over the groups that say something.
 struct Pooled {
@@ -127,7 +127,7 @@ HierarchicalPosterior hierarchical_posterior(std::span<const GroupEstimate> grou
   std::vector<double> scatter, weight;
   for (std::size_t i = 0; i < tau.size(); ++i) {
     const double w = log_weight[i] / total;
-    if (w < kNegligible) continue;
+    if (w < kNegligibleWeight) continue;
     scatter.push_back(tau[i]);
     weight.push_back(w);
     const double of_group = variance[i] + tau[i] * tau[i];

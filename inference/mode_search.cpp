@@ -25,7 +25,7 @@ constexpr int kScreenedClimbs = 4;    // from the likeliest of them
 constexpr double kValley = 2.0;       // ln: between two modes
 constexpr double kNegligible = 25.0;  // ln: below the weightiest mode
 constexpr std::size_t kMostModes = 60;
-constexpr long kFirstSamples = 50;   // of a growing record
+constexpr long kSearchSamples = 50;   // of a growing record
 constexpr double kDrawsAMode = 4.0;  // to go on from, as a record grows
 constexpr double kFollowed = 30.0;   // modes, as a record grows
 constexpr double kFewestFollowed = 6.0;
@@ -349,7 +349,7 @@ std::vector<std::vector<double>> followed_closely(const Problem& problem, int mo
 
 ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptions& options) {
   if (problem.space[model].dimension == 0) return {};
-  if (!problem.shortened || problem.samples <= kFirstSamples) {
+  if (!problem.shortened || problem.samples <= kSearchSamples) {
     Search search(problem, model, options);
     search.run(options.starts);
     search.run();
@@ -358,7 +358,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     found.climbs -= std::min(found.climbs, static_cast<long>(options.starts.size()));
     return found;
   }
-  std::shared_ptr<const Problem> part = problem.shortened(kFirstSamples);
+  std::shared_ptr<const Problem> part = problem.shortened(kSearchSamples);
   ModeSearch found;
   {
     Search first(*part, model, options);
@@ -371,7 +371,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
   std::uint64_t level = 1;
   const auto followed =
       static_cast<std::size_t>(std::max(kFewestFollowed, kFollowed * options.effort));
-  for (long n = kFirstSamples; n < problem.samples && !found.modes.empty(); ++level) {
+  for (long n = kSearchSamples; n < problem.samples && !found.modes.empty(); ++level) {
     const long before = n;
     n = std::min(2 * n, problem.samples);
     if (found.modes.size() > followed) found.modes.resize(followed);

@@ -20,7 +20,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kReplicates = 4;               // of sequential Monte Carlo
+constexpr int kExplorations = 4;               // of sequential Monte Carlo
 constexpr int kClimbsFromDraws = 8;          // from its draws
 constexpr std::size_t kClimbsOnTheWay = 24;  // from those of an annealing that was cut short
 constexpr std::size_t kLaplace = 40;         // modes whose normals enter the mixture
@@ -400,8 +400,8 @@ Annealed anneal(const Problem& problem, int model, const ExplorationOptions& opt
   try {
     Tmcmc annealed = tmcmc(problem, model,
                            {.seed = options.seed,
-                            .replicates = kReplicates,
-                            .samples = std::max(particles / kReplicates, 50),
+                            .replicates = kExplorations,
+                            .samples = std::max(particles / kExplorations, 50),
                             .weight_cov = 1.0,  // for a start; an evidence on request asks for less
                             .acceptances = brief ? 1.0 : 4.0,
                             .path = brief ? TmcmcPath::growing : TmcmcPath::better,

@@ -15,7 +15,7 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr int kReplicates = 4;        // of TMCMC
-constexpr long kFirstSamples = 5000;  // samples of a long record that a search begins with
+constexpr long kStartSamples = 5000;  // samples of a long record that a search begins with
 constexpr int kParticles = 100;       // a replicate, of its posterior
 
 /// One mode of one model, or none: other models will do.
@@ -41,7 +41,7 @@ std::vector<Laplace> climb_with_record(const Problem& problem, const Options& op
                                        ProgressMonitor& monitor) {
   const int models = problem.space.size();
   monitor.begin("searching", static_cast<double>(models));
-  const std::shared_ptr<const Problem> shortened = problem.shortened(kFirstSamples);
+  const std::shared_ptr<const Problem> shortened = problem.shortened(kStartSamples);
   const auto climb = [&](int m) {
     const Tmcmc samples = tmcmc(*shortened, m,
                                 {.seed = options.seed,
@@ -60,7 +60,7 @@ std::vector<Laplace> climb_with_record(const Problem& problem, const Options& op
       const double value = posterior(z).log_posterior();
       if (value > top) mode_options.start = z, top = value;
     }
-    for (long n = kFirstSamples; n < problem.samples; n *= 4) {
+    for (long n = kStartSamples; n < problem.samples; n *= 4) {
       if (monitor.stopped() || mode_options.start.empty())
         throw LikelihoodError("no place to climb from");
       const Optimum mode = maximum_a_posteriori(*problem.shortened(n), m, mode_options);

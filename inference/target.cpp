@@ -26,7 +26,7 @@ std::unique_ptr<Likelihood> make(const LikelihoodFactory& factory, const char* n
   return made;
 }
 
-std::string describe(const ModelSpace& space, const State& state) {
+std::string state_in_words(const ModelSpace& space, const State& state) {
   std::string text = "model '" + space[state.model].name + "'";
   for (std::size_t i = 0; i < state.x.size(); ++i) {
     text += (i == 0 ? " at " : ", ") + space.parameter_name(state.model, static_cast<int>(i)) +
@@ -72,7 +72,7 @@ double Target::checked(double value, Tally& tally, const State& state) const {
                                                     kShare * static_cast<double>(tally.values);
   if (always || often) {
     throw LikelihoodError("the log likelihood is " + base::number(value) + " for " +
-                          describe(space(), state) + "; NaN or +∞ so far in " +
+                          state_in_words(space(), state) + "; NaN or +∞ so far in " +
                           std::to_string(tally.impossible) + " of " + std::to_string(tally.values) +
                           " values");
   }
@@ -94,7 +94,7 @@ bool Target::locate(State& state) const {
     state.log_prior_factor = problem_->log_prior_factor(state.model, state.x);
     if (std::isnan(state.log_prior_factor) || state.log_prior_factor == kInfinity) {
       throw LikelihoodError("the log prior factor is " + base::number(state.log_prior_factor) +
-                            " for " + describe(space(), state));
+                            " for " + state_in_words(space(), state));
     }
     if (state.log_prior_factor == -kInfinity) return false;
   }

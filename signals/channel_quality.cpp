@@ -14,9 +14,9 @@ constexpr double kSpike = 12.0;  // robust standard deviations
 constexpr double kMadToSd = 1.4826;
 constexpr std::size_t kBlock = 500;   // samples
 constexpr double kMostSpikes = 1e-3;  // of all samples
-constexpr int kBlocks = 20;
+constexpr int kDriftBlocks = 20;
 
-double median(std::vector<double> values) {
+double median_of(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
@@ -97,9 +97,9 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
   const auto scale_of = [&](std::size_t from, std::size_t to) {
     std::vector<double> part(sizes.begin() + static_cast<std::ptrdiff_t>(from),
                              sizes.begin() + static_cast<std::ptrdiff_t>(to));
-    if (const double all = median(part); all > 0.0) return kMadToSd * all;
+    if (const double all = median_of(part); all > 0.0) return kMadToSd * all;
     std::erase(part, 0.0);
-    return kMadToSd * median(std::move(part));
+    return kMadToSd * median_of(std::move(part));
   };
   std::vector<double> scales;
   for (std::size_t from = 0; from < sizes.size(); from += kBlock)
@@ -121,7 +121,7 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
 
 void find_drift(std::span<const double> x, ChannelQuality& out) {
   const auto n = static_cast<long>(x.size());
-  if (n < 2 * kBlocks) return;
+  if (n < 2 * kDriftBlocks) return;
   std::vector<double> rest(x.begin(), x.end());
   const auto count = static_cast<double>(n);
   double slope = 0.0, weight = 0.0;
@@ -141,12 +141,12 @@ void find_drift(std::span<const double> x, ChannelQuality& out) {
   }
   out.drift = slope * count / sd;
   double blocks = 0.0;
-  for (int b = 0; b < kBlocks; ++b) {
-    const long from = n * b / kBlocks, to = n * (b + 1) / kBlocks;
+  for (int b = 0; b < kDriftBlocks; ++b) {
+    const long from = n * b / kDriftBlocks, to = n * (b + 1) / kDriftBlocks;
     double sum = 0.0;
     for (long i = from; i < to; ++i) sum += rest[static_cast<std::size_t>(i)];
     const double mean = sum / static_cast<double>(to - from);
-    blocks += mean * mean / kBlocks;
+    blocks += mean * mean / kDriftBlocks;
   }
   out.wander = std::sqrt(blocks) / sd;
 }

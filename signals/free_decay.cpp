@@ -26,11 +26,11 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 constexpr int kSurrogates = 200;
-constexpr int kMostRows = 500;  // and columns, of the Hankel matrix
+constexpr int kMostHankelRows = 500;  // and columns, of the Hankel matrix
 constexpr int kSmallestOrders = 20, kLargestOrders = 60;
-constexpr double kKept = 0.4;  // of the new rate, by decimate()
-constexpr double kRows = 1.2;
-constexpr double kMoved = 0.05;  // distance of a refined pole from what the diagram holds
+constexpr double kKeptBand = 0.4;  // of the new rate, by decimate()
+constexpr double kHankelRows = 1.2;
+constexpr double kMovedPole = 0.05;  // distance of a refined pole from what the diagram holds
 
 /// Decays of one length, decimated to the band, without their means: what rests at the end.
 std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) {
@@ -120,7 +120,7 @@ MatrixXd slopes(const DecayModel& model, double step, bool across) {
 
 /// Least squares over poles and factors, downhill from these poles: variable projection (Golub &
 /// Pereyra 1973) with Kaufman's Jacobian (1975).
-DecayModel refine(const MatrixXd& y, const std::vector<Complex>& poles, double step) {
+DecayModel refine_decays(const MatrixXd& y, const std::vector<Complex>& poles, double step) {
   DecayModel out = fit(y, poles, step);
   if (poles.empty()) return out;
   for (int iteration = 0; iteration < 30; ++iteration) {
@@ -335,13 +335,13 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   if (!(out.lowest_hz >= 0.0 && out.lowest_hz < out.highest_hz))
     refuse("lowest frequency", out.lowest_hz, "must be from 0 to below the highest");
   out.highest_hz = std::min(out.highest_hz, 0.5 * options.sample_rate_hz);
-  out.decimated = std::max(1, static_cast<int>(kKept * options.sample_rate_hz / out.highest_hz));
+  out.decimated = std::max(1, static_cast<int>(kKeptBand * options.sample_rate_hz / out.highest_hz));
   out.sample_rate_hz = options.sample_rate_hz / out.decimated;
   const std::vector<MatrixXd> y = prepared(decays, out.decimated);
   const auto events = static_cast<Index>(y.size());
   const Index length = y.front().cols();
   // As many samples as make H square within its limit.
-  const Index room = kMostRows / channels + kMostRows / events;
+  const Index room = kMostHankelRows / channels + kMostHankelRows / events;
   const Index lags = std::min<Index>(length, options.lags > 0 ? options.lags : room);
   if (lags < 8)
     refuse("samples", static_cast<double>(length), "must be at least 8 once decimated to the band");
@@ -351,7 +351,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
                                               : std::clamp(static_cast<int>(10 * channels),
                                                            kSmallestOrders, kLargestOrders);
   out.largest_order =
-      std::min(asked, static_cast<int>(static_cast<double>(largest) / kRows) / 2 * 2);
+      std::min(asked, static_cast<int>(static_cast<double>(largest) / kHankelRows) / 2 * 2);
   if (out.largest_order < 2)
     refuse("samples", static_cast<double>(length), "too few for any order");
   out.remarks.order_cut = out.largest_order < asked ? asked : 0;
@@ -388,11 +388,11 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
                          .orders = cluster.orders,
                          .amplitude_kurtosis = 2.0});
   }
-  const DecayModel model = refine(all, poles, step);
+  const DecayModel model = refine_decays(all, poles, step);
   describe(out, model, channels, step, seed);
   for (std::size_t m = 0; m < out.modes.size(); ++m)
     if (pole_distance(out.modes[m].pole, out.diagram.poles[index(out.diagram.modes[m].chosen)]) >
-        kMoved)
+        kMovedPole)
       ++out.remarks.moved;
   doubt_modes(out);
   return out;

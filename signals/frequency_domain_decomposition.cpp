@@ -24,12 +24,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr int kSegments = 40, kFewestSegments = 8, kBlocks = 20, kFewestBlocks = 4;
+constexpr int kSegments = 40, kFewestSegments = 8, kSpectrumBlocks = 20, kFewestSpectrumBlocks = 4;
 constexpr int kPadding = 2;
 constexpr double kOwn = 0.8;                  // MAC with the peak, of lines that are the mode's
 constexpr int kFewestLines = 3;               // that share a shape, unpadded
 constexpr double kUpper = 0.9, kLower = 0.3;  // of |c|, where it is taken as a decay
-constexpr int kFewestLags = 8;
+constexpr int kFewestCorrelationLags = 8;
 constexpr double kLeastDecibels = 3.0;
 
 /// S(f) of the lines from `first` on, summed over the segments of a part of the record.
@@ -184,7 +184,7 @@ Complex decay_of(const VectorXd& bell, Index first, double step, int segment) {
     phases.push_back(phase);
   }
   const auto n = static_cast<Index>(times.size());
-  if (n < kFewestLags) return {kNaN, kNaN};
+  if (n < kFewestCorrelationLags) return {kNaN, kNaN};
   const Eigen::Map<const VectorXd> t(times.data(), n), a(sizes.data(), n), b(phases.data(), n);
   const VectorXd centred = t.array() - t.mean();
   const double scale = centred.squaredNorm();
@@ -285,8 +285,8 @@ ModalResult decompose_spectra(const Eigen::Ref<const MatrixXd>& records,
     throw std::invalid_argument("segment = " + std::to_string(out.segment) +
                                 ": the record must hold at least eight of them, half over half, "
                                 "once decimated to the band");
-  out.blocks = std::clamp(options.blocks > 0 ? options.blocks : kBlocks, kFewestBlocks,
-                          std::max(kFewestBlocks, out.segments / 2));
+  out.blocks = std::clamp(options.blocks > 0 ? options.blocks : kSpectrumBlocks, kFewestSpectrumBlocks,
+                          std::max(kFewestSpectrumBlocks, out.segments / 2));
   const Spectra spectra = spectra_of(y, out, out.blocks, options.threads);
   std::vector<First> firsts(index(spectra.lines()));
   base::parallel_for(static_cast<int>(firsts.size()), options.threads,

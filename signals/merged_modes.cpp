@@ -22,7 +22,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kNeverMerged = std::numeric_limits<double>::infinity();
 constexpr double kNear = 0.02, kDeviations = 5.0, kThreshold = 0.15;
 constexpr double kUnlike = 0.8, kInconsistent = 0.001;
 
@@ -139,7 +139,7 @@ double relative_variance(const Pieces::Piece& p) {
 }
 
 void glue(MergedMode& out, Pieces& pieces) {
-  double best = kNever;
+  double best = kNeverMerged;
   for (std::size_t s = 0; s < pieces.list.size(); ++s) {
     // A piece whose only reference is its largest entry has no scatter there; none counts without
     // bound.
@@ -229,7 +229,7 @@ MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors) {
     const double apart = std::abs(fa - fb), larger = std::max(fa, fb);
     if (apart > std::max(kNear * larger, kDeviations * std::hypot(a.mode->pole.frequency_sd,
                                                                   b.mode->pole.frequency_sd)))
-      return kNever;
+      return kNeverMerged;
     return apart / larger + 1.0 - modal_assurance(a.at_references, b.at_references);
   };
   for (const std::vector<int>& cluster : average_linkage(groups, distance, kThreshold)) {

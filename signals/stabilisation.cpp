@@ -11,7 +11,7 @@
 namespace wheeltap::signals {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kNeverJoined = std::numeric_limits<double>::infinity();
 // The threshold stays within these, whatever the distances say.
 constexpr double kLeastThreshold = 0.005, kLargestThreshold = 0.08;
 constexpr std::size_t kLeastMembers = 3;
@@ -36,10 +36,10 @@ double median(std::vector<double> x) {
 double threshold_of(const std::vector<Pole>& poles) {
   std::vector<double> logs;
   for (const Pole& p : poles) {
-    double nearest = kNever;
+    double nearest = kNeverJoined;
     for (const Pole& q : poles)
       if (q.order == p.order - 2) nearest = std::min(nearest, pole_distance(p, q));
-    if (nearest > 0.0 && nearest < kNever) logs.push_back(std::log(nearest));
+    if (nearest > 0.0 && nearest < kNeverJoined) logs.push_back(std::log(nearest));
   }
   if (logs.size() < 4) return 0.02;
   std::ranges::sort(logs);
@@ -178,7 +178,7 @@ ModeCluster joined(const std::vector<Pole>& poles, const ModeCluster& one,
 void join_clusters_of_one_peak(const std::vector<Pole>& poles, std::vector<ModeCluster>& clusters) {
   while (true) {
     std::size_t first = 0, second = 0;
-    double least = kNever;
+    double least = kNeverJoined;
     for (std::size_t i = 0; i < clusters.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
         if (!explain_one_peak(poles, clusters[i], clusters[j])) continue;
@@ -190,7 +190,7 @@ void join_clusters_of_one_peak(const std::vector<Pole>& poles, std::vector<ModeC
           second = i;
         }
       }
-    if (least == kNever) return;
+    if (least == kNeverJoined) return;
     clusters[first] = joined(poles, clusters[first], clusters[second]);
     clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(second));
   }
@@ -278,7 +278,7 @@ Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
     for (Pole& p : some) {
       if (p.damping < options.lowest_damping || p.damping > options.highest_damping) continue;
       const bool good = p.frequency_sd <= options.largest_relative_sd * p.frequency_hz ||
-                        options.largest_relative_sd == kNever;
+                        options.largest_relative_sd == kNeverJoined;
       if (good) {
         hard.push_back(p);
         place.push_back(static_cast<int>(out.poles.size()));

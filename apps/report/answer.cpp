@@ -22,7 +22,7 @@ constexpr std::size_t kMostValues = 6;
 
 using Namer = std::function<std::string(const ModelFinding&)>;
 
-std::string quoted(const ModelFinding& model) {
+std::string quoted_name(const ModelFinding& model) {
   return "“" + model.name + "”";
 }
 
@@ -65,15 +65,15 @@ std::string median(const Marginal& e) {
   return resolved(e.q50, e.width());
 }
 
-std::string interval(const Marginal& e) {
+std::string answer_interval(const Marginal& e) {
   return resolved(e.q2_5, e.width()) + " to " + resolved(e.q97_5, e.width());
 }
 
-std::string with_unit(const std::string& value, const Unknown& unknown) {
+std::string value_with_unit(const std::string& value, const Unknown& unknown) {
   return unknown.unit.empty() || unknown.unit == "1" ? value : value + " " + unknown.unit;
 }
 
-std::string metres(const Marginal& x) {
+std::string answer_in_metres(const Marginal& x) {
   return fixed(x.q2_5, 3) + " to " + fixed(x.q97_5, 3) + " m";
 }
 
@@ -84,10 +84,10 @@ std::string place(const Marginal& x, const Marginal* severity, const Marginal* e
                   const DefectKind& kind, double length, bool mirrored) {
   std::string text;
   if (x.width() > kLocated * length) {
-    text = "not located: anywhere from " + metres(x) +
+    text = "not located: anywhere from " + answer_in_metres(x) +
            (mirrored ? " or in the mirror image of that" : "") + " (95 %)";
   } else {
-    text = "near " + fixed(x.q50, 3) + " m (95 % interval " + metres(x) + ")";
+    text = "near " + fixed(x.q50, 3) + " m (95 % interval " + answer_in_metres(x) + ")";
     if (mirrored && std::abs(length - 2.0 * x.q50) > 0.01 * length) {
       text += " or its mirror image " + fixed(length - x.q50, 3) + " m";
     }
@@ -107,7 +107,7 @@ std::string how_bad(const DefectKind& kind, const Marginal& severity) {
            percent_of(severity.q97_5) + ")";
   }
   const std::string unit = kind.severity_unit();
-  return words + median(severity) + (unit.empty() ? "" : " " + unit) + " (" + interval(severity) +
+  return words + median(severity) + (unit.empty() ? "" : " " + unit) + " (" + answer_interval(severity) +
          ")";
 }
 
@@ -126,7 +126,7 @@ std::string places_in_structure(const DamageCase& damage_case, const DamageFindi
       std::string text =
           kind.name + (kind.type->sites == DefectType::Sites::nodes ? " at " : " on ") + on.name;
       if (on.size > 0.0)
-        text += " near " + fixed(p.location.q50, 3) + " m (95 % interval " + metres(p.location) +
+        text += " near " + fixed(p.location.q50, 3) + " m (95 % interval " + answer_in_metres(p.location) +
                 "; expected number " + fixed(p.expected, 2) + ")";
       else
         text += " (expected number " + fixed(p.expected, 2) + ")";
@@ -197,8 +197,8 @@ std::string values(const ModelFinding& model) {
       parts.emplace_back("others, tabulated below");
       break;
     }
-    parts.push_back(p.unknown.label + " = " + with_unit(median(p.estimate), p.unknown) + " (" +
-                    interval(p.estimate) + (p.is_nearly_prior() ? ", nearly its prior)" : ")"));
+    parts.push_back(p.unknown.label + " = " + value_with_unit(median(p.estimate), p.unknown) + " (" +
+                    answer_interval(p.estimate) + (p.is_nearly_prior() ? ", nearly its prior)" : ")"));
   }
   if (parts.empty()) return {};
   return "With 95 % intervals: " + in_words(parts) + ".";
@@ -299,7 +299,7 @@ Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
 Answer answer(const Findings& findings) {
   const bool alone = findings.models.size() == 1;
   const MisfitWords misfit = [alone](const FitVerdict& verdict, const ModelFinding& best) {
-    return (alone ? quoted(best) + " does not explain the record ("
+    return (alone ? quoted_name(best) + " does not explain the record ("
                   : "None of these models explains the record (") +
            in_brief(verdict) + ").";
   };
@@ -323,8 +323,8 @@ Answer answer(const SidFindings& findings) {
   for (const TermFinding& term : terms) {
     if (!term.is_in() || values.size() == kMostValues) continue;
     for (const ParameterFinding& p : term.parameters) {
-      values.push_back(p.unknown.label + " = " + with_unit(median(p.estimate), p.unknown) + " (" +
-                       interval(p.estimate) + ")");
+      values.push_back(p.unknown.label + " = " + value_with_unit(median(p.estimate), p.unknown) + " (" +
+                       answer_interval(p.estimate) + ")");
     }
   }
   if (!values.empty()) out.detail = "With 95 % intervals: " + in_words(values) + ".";
@@ -336,7 +336,7 @@ Answer answer(const std::string& path, const std::vector<SweepRow>& rows) {
   std::vector<std::string> best;
   std::size_t failed = 0, misfits = 0;
   for (const SweepRow& row : rows) {
-    best.push_back(row.models.empty() ? "" : quoted(row.models[by_probability(row.models)[0]]));
+    best.push_back(row.models.empty() ? "" : quoted_name(row.models[by_probability(row.models)[0]]));
     failed += row.converged ? 0 : 1;
     misfits += row.explained ? 0 : 1;
   }
@@ -377,8 +377,8 @@ Answer read_answer(const Report& summary) {
   const auto models = [](const Report& rows) {
     std::vector<ModelFinding> out;
     for (const Report& row : rows) {
-      out.emplace_back().name = row.at("name");
-      out.back().standing.probability = row.at("probability");
+      out.emplace_back().name = row.at("name").get<std::string>();
+      out.back().standing.probability = row.at("probability").get<double>();
     }
     return out;
   };

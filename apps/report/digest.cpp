@@ -59,14 +59,14 @@ Report visits(const StoredDraws& posterior, std::size_t models) {
 Report joint(const StoredDraws& posterior, const Report& summary) {
   Report out = Report::array();
   if (!summary.contains("kinds") || !summary.contains("beam")) return out;
-  const double length = summary.at("beam").at("length");
+  const double length = summary.at("beam").at("length").get<double>();
   const bool several = summary.at("kinds").size() > 1;
   for (const Report& kind : summary.at("kinds")) {
     if (!kind.at("severity").is_string()) continue;
     const auto name = kind.at("name").get<std::string>();
     const std::string prefix = several ? name + "_" : "";
     const bool share = kind.value("share", kind["severity"] == "reduction");
-    const std::string severity = kind.at("severity");
+    const std::string severity = kind.at("severity").get<std::string>();
     const io::NetcdfArray* x = posterior.find(prefix + "location");
     const io::NetcdfArray* y = posterior.find(prefix + severity);
     if (x == nullptr || y == nullptr || x->values.size() != y->values.size()) continue;

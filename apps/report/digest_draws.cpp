@@ -148,7 +148,7 @@ Report unknowns_of_older(const Report& summary) {
            {"prior", (several ? "/damage/" + std::to_string(kind) + "/" : "/damage/") + base}});
     }
     for (Report& one : list) {
-      const std::string variable = one.at("variable");
+      const std::string variable = one.at("variable").get<std::string>();
       if (variable.ends_with("location")) one["ordered_among"] = most[variable];
     }
     out[model] = std::move(list);

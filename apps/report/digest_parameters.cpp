@@ -127,7 +127,7 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
   out["parameters"] = Report::object();
   out["pairs"] = Report::object();
   for (std::size_t m = 0; m < summary.at("models").size(); ++m) {
-    const std::string name = summary.at("models")[m].at("name");
+    const std::string name = summary.at("models")[m].at("name").get<std::string>();
     if (!(summary.at("models")[m].at("probability").get<double>() >= kCharted) ||
         !summary.at("parameters").contains(name)) {
       continue;

@@ -191,7 +191,7 @@ std::string prose(const std::string& text) {
 }
 
 // `text` with each {{key}} replaced, in one pass: what is put in is not looked at again.
-std::string fill(std::string_view text,
+std::string fill_page(std::string_view text,
                  const std::vector<std::pair<std::string_view, std::string_view>>& values) {
   std::string out;
   std::size_t at = 0;
@@ -285,7 +285,7 @@ std::string page_of(const Report& summary, const io::NetcdfReader* draws) {
       said.detail.empty() ? "" : "<p class=\"detail\">" + prose(said.detail) + "</p>";
   const std::string headline = prose(said.headline);
   const std::string licences = html_text(std::string(assets::kLicences));
-  return fill(assets::kTemplate, {{"title", title},
+  return fill_page(assets::kTemplate, {{"title", title},
                                   {"caution", caution},
                                   {"misfit", said.misfit ? " misfit" : ""},
                                   {"headline", headline},

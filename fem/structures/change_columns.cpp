@@ -14,9 +14,9 @@ namespace {
 using Eigen::Index;
 
 /// A spring stiffer than this multiple of the structure's own stiffness there is rigid.
-constexpr double kRigidSpring = 1e14;
+constexpr double kRigidJoint = 1e14;
 /// What is left of a held motion's compliance, relative, that others do not hold already.
-constexpr double kDependentRow = 1e-12;
+constexpr double kDependentChange = 1e-12;
 /// Bounds are looked for from here on, relative, each so many times the last.
 constexpr double kLeastBound = 1e-9;
 constexpr double kWider = 4.0;
@@ -155,7 +155,7 @@ void ChangeColumns::set(const IntactStructure& intact, const StructureChange& ch
     fill(motion, form, c + p);
     const double own = compliance(c, c);
     if (pole >= 0) c[pole] = -1.0 / std::sqrt(std::abs(mass));
-    const bool is_rigid = pole >= 0 || stiffness * own > kRigidSpring;
+    const bool is_rigid = pole >= 0 || stiffness * own > kRigidJoint;
     double left = own;
     if (!is_rigid) left += 1.0 / stiffness;
     if (pole >= 0) left += c[pole] * c[pole] / std::abs(scales[index(pole)]);
@@ -167,13 +167,13 @@ void ChangeColumns::set(const IntactStructure& intact, const StructureChange& ch
       factor_(a, b) = part / factor_(b, b);
       left -= factor_(a, b) * factor_(a, b);
     }
-    const bool keep = own > 0.0 && (pole >= 0 || !is_rigid || left > kDependentRow * before);
+    const bool keep = own > 0.0 && (pole >= 0 || !is_rigid || left > kDependentChange * before);
     if (!keep) {
       factor_.row(a).setZero();
       columns.resize(columns.size() - stride);
       return;
     }
-    factor_(a, a) = std::sqrt(std::max(left, kDependentRow * before));
+    factor_(a, a) = std::sqrt(std::max(left, kDependentChange * before));
     held += is_rigid ? 1 : 0;
     if (!is_rigid && pole < 0) {
       double sum = 0.0;

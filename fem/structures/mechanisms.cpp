@@ -14,7 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Discretisation::Sparse;
 
-constexpr double kShift = 1e-11;
+constexpr double kMechanismShift = 1e-11;
 constexpr int kSteps = 12;
 /// Directions beyond the rigid motions: as many mechanisms are told apart.
 constexpr Index kMostApart = 12;
@@ -69,7 +69,7 @@ std::vector<VectorXd> mechanisms(const Discretisation& d) {
   for (double& w : weight)
     if (!(w > 0.0)) w = 1.0;
   Sparse shifted = d.stiffness;
-  for (Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += kShift * weight[i];
+  for (Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += kMechanismShift * weight[i];
   const Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt(shifted);
   if (ldlt.info() != Eigen::Success) return {};
   const Index columns = std::min(n, d.rigid_motions.cols() + kMostApart);

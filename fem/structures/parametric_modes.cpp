@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Discretisation::Sparse;
-using Factor = Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>>;
+using SparseFactor = Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>>;
 
 /// Modes whose 1/(λ + σ) are closer than this, relative, are bounded together.
 constexpr double kCluster = 0.02;
@@ -25,12 +25,12 @@ constexpr double kNotNew = 1e-6;
 /// Modes that are followed beyond those wanted, for the gap behind them.
 constexpr Index kBeyond = 3;
 /// Reduced problems up to this size are solved densely.
-constexpr Index kDense = 40;
+constexpr Index kDenseCondensed = 40;
 /// Of the iteration in the basis: its residual, relative, well below what the tolerances ask for.
 constexpr double kConverged = 1e-7;
 constexpr int kMostSteps = 60;
 /// The basis is trained to bounds this much below the tolerance.
-constexpr double kMargin = 0.25;
+constexpr double kSubspaceMargin = 0.25;
 
 MatrixXd orthonormalised(const MatrixXd& a) {
   const Eigen::HouseholderQR<MatrixXd> qr(a);
@@ -57,7 +57,7 @@ struct ParametricModes::Impl {
   ParametricModesOptions options;
   Index n = 0, rigid = 0, wanted = 0;  // wanted: elastic
   double sigma = 0.0;
-  Factor shifted;       // K₀ + σM₀
+  SparseFactor shifted;       // K₀ + σM₀
   MatrixXd lifted;      // (K₀ + σM₀)⁻¹ C, C of the terms of low rank
   MatrixXd compliance;  // Cᵀ (K₀ + σM₀)⁻¹ C
   Training training;
@@ -144,7 +144,7 @@ struct ParametricModes::Impl {
     const Eigen::LLT<MatrixXd> llt(ws.shifted);
     if (llt.info() != Eigen::Success) return;
     const auto lower = llt.matrixL();
-    if (m > kDense) {
+    if (m > kDenseCondensed) {
       MatrixXd q = orthonormalised(lower.transpose() * start.leftCols(p));
       for (int step = 0; step < kMostSteps; ++step) {
         MatrixXd w = lower.transpose().solve(q);
@@ -222,7 +222,7 @@ struct ParametricModes::Impl {
             point.floor);
     } else {
       const Discretisation assembled = structure->assemble(point);
-      const Factor here(Sparse(assembled.stiffness + sigma * assembled.mass));
+      const SparseFactor here(Sparse(assembled.stiffness + sigma * assembled.mass));
       if (here.info() != Eigen::Success || (here.vectorD().array() <= 0.0).any()) return false;
       const MatrixXd moved = here.solve(residuals);
       for (Index i = 0; i < checked; ++i)
@@ -325,7 +325,7 @@ struct ParametricModes::Impl {
         try {
           const auto point = structure->at(points[i]);
           if (in_basis(point, ws, found)) {
-            if (good(found, kMargin)) return true;
+            if (good(found, kSubspaceMargin)) return true;
             error = found.bounds.maxCoeff() / options.tolerance;
             if (!options.motions.empty())
               error = std::max(

@@ -11,16 +11,16 @@
 namespace wheeltap::fem {
 namespace {
 
-constexpr double kSame = 1e-6;  // of the structure's size
+constexpr double kSameCoordinate = 1e-6;  // of the structure's size
 
-class Search {
+class MapSearch {
  public:
-  explicit Search(const Structure& structure) : s_(structure) {
+  explicit MapSearch(const Structure& structure) : s_(structure) {
     const std::size_t n = s_.nodes.size();
     for (const Node& node : s_.nodes)
       for (std::size_t k = 0; k < 3; ++k) centroid_[k] += node.at[k] / static_cast<double>(n);
     for (const Node& node : s_.nodes) radii_.push_back(norm(difference(node.at, centroid_)));
-    tolerance_ = kSame * *std::ranges::max_element(radii_);
+    tolerance_ = kSameCoordinate * *std::ranges::max_element(radii_);
     choose_references();
     for (std::size_t m = 0; m < s_.members.size(); ++m)
       members_[ends(s_.members[m].nodes[0], s_.members[m].nodes[1])].push_back(static_cast<int>(m));
@@ -44,7 +44,7 @@ class Search {
     std::optional<int> first;
     std::ptrdiff_t fewest = 0;
     for (std::size_t i = 0; i < radii_.size(); ++i) {
-      if (radii_[i] <= 1e-3 * tolerance_ / kSame) continue;
+      if (radii_[i] <= 1e-3 * tolerance_ / kSameCoordinate) continue;
       const auto alike =
           std::ranges::count_if(radii_, [&](double r) { return same(r, radii_[i]); });
       if (!first || alike < fewest) {
@@ -65,14 +65,14 @@ class Search {
       return norm(cross(along, difference(s_.nodes[index(i)].at, centroid_))) / norm(along);
     };
     const int second = farthest(off_line);
-    if (off_line(second) <= 1e-3 * tolerance_ / kSame) return;
+    if (off_line(second) <= 1e-3 * tolerance_ / kSameCoordinate) return;
     references_.push_back(second);
     const Vector3 normal = cross(along, difference(s_.nodes[index(second)].at, centroid_));
     const auto off_plane = [&](int i) {
       return std::abs(dot(normal, difference(s_.nodes[index(i)].at, centroid_))) / norm(normal);
     };
     const int third = farthest(off_plane);
-    if (off_plane(third) > 1e-3 * tolerance_ / kSame) references_.push_back(third);
+    if (off_plane(third) > 1e-3 * tolerance_ / kSameCoordinate) references_.push_back(third);
   }
 
   // Images of the references, one after the other; then of everything.
@@ -143,7 +143,7 @@ class Search {
 std::vector<SelfMap> self_maps(const Structure& structure) {
   if (structure.nodes.size() < 2 || static_cast<int>(structure.nodes.size()) > kMostMappedNodes)
     return {};
-  std::vector<SelfMap> maps = Search(structure).find();
+  std::vector<SelfMap> maps = MapSearch(structure).find();
   if (static_cast<int>(maps.size()) >= kMostSelfMaps) maps.clear();
   return maps;
 }

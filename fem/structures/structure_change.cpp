@@ -14,7 +14,7 @@ namespace {
 using Eigen::Index;
 
 /// What is left of a held motion, relative, that others do not hold already.
-constexpr double kDependentRow = 1e-12;
+constexpr double kDependentColumn = 1e-12;
 
 void require(bool holds, const char* name, double value, const char* allowed) {
   if (!holds)
@@ -37,7 +37,7 @@ class Elimination {
                               : *std::ranges::max_element(held[index(i)].coefficients, {},
                                                           [](double c) { return std::abs(c); });
       Index pivot = 0;
-      if (!(rows.row(i).cwiseAbs().maxCoeff(&pivot) > kDependentRow * std::abs(size))) {
+      if (!(rows.row(i).cwiseAbs().maxCoeff(&pivot) > kDependentColumn * std::abs(size))) {
         rows.row(i).setZero();
         continue;
       }

@@ -97,7 +97,7 @@ Ritz rayleigh_ritz(const Discretisation& d, const MatrixXd& basis) {
 }
 
 /// What the search for modes shares: the matrices in units of the lowest elastic eigenvalue.
-struct Search {
+struct ModeSearch {
   const Discretisation& d;
   MatrixXd rigid;  // M-orthonormal
   Sparse mass;     // M · unit, the size of the lowest elastic λ
@@ -137,10 +137,10 @@ double lowest_size(const Discretisation& d, const MatrixXd& rigid) {
 }
 
 /// Approximate lowest modes by Lanczos, M-orthogonal to `known`; fewer where it does not converge.
-MatrixXd lanczos(const Search& s, const MatrixXd& known, Index count, int start) {
+MatrixXd lanczos(const ModeSearch& s, const MatrixXd& known, Index count, int start) {
   struct Deflated {
     using Scalar = double;
-    const Search& s;
+    const ModeSearch& s;
     const MatrixXd& known;  // M·unit-orthonormal
     [[nodiscard]] Index rows() const { return s.d.size(); }
     [[nodiscard]] Index cols() const { return s.d.size(); }
@@ -181,7 +181,7 @@ MatrixXd lanczos(const Search& s, const MatrixXd& known, Index count, int start)
 
 /// All modes, lowest first: M φ = μ (K + unit M) φ has the lowest for its largest μ, and massless
 /// degrees of freedom at μ = 0.
-MatrixXd dense(const Search& s, Index count) {
+MatrixXd dense(const ModeSearch& s, Index count) {
   const MatrixXd mass(s.mass), shifted(Sparse(s.d.stiffness + s.mass));
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(mass, shifted);
   const Index available = (solver.eigenvalues().array() > 1e-15).count();
@@ -190,7 +190,7 @@ MatrixXd dense(const Search& s, Index count) {
 
 /// Steps with the residuals as further directions: the strains' residuals are right where the
 /// factored matrix was rounded. Returns the `count` lowest; of them `wanted` are right to rounding.
-Ritz refined(const Search& s, const MatrixXd& vectors, Index count, Index wanted) {
+Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Index wanted) {
   // Squared residual in the norm of (K + u M)⁻¹ over λ: by Temple's bound the relative error of λ
   // but for λ / gap. Below it, nothing is left to gain.
   constexpr double kRounding = 1e-18;
@@ -334,7 +334,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
                                 ", the free degrees of freedom that have mass");
   const MatrixXd rigid = orthonormal(d.mass, MatrixXd(n, 0), d.rigid_motions);
   const double unit = lowest_size(d, rigid);
-  const Search search{.d = d,
+  const ModeSearch search{.d = d,
                       .rigid = rigid,
                       .mass = d.mass * unit,
                       .shifted = Factor(Sparse(d.stiffness + unit * d.mass))};
@@ -356,7 +356,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
       MatrixXd more = lanczos(search, known, wanted, attempt);
       MatrixXd all(n, ritz.shapes.cols() + more.cols());
       all << ritz.shapes, more;
-      ritz = refined(search, all, elastic, modes - rigid.cols());
+      ritz = refined_ritz(search, all, elastic, modes - rigid.cols());
       refuse_unresisted(d, ritz);
       out.certified = certified(d, ritz, modes - rigid.cols());
       if (!out.certified) {
@@ -371,7 +371,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
     }
   }
   if (elastic > 0 && densely) {
-    ritz = refined(search, dense(search, available), elastic, modes - rigid.cols());
+    ritz = refined_ritz(search, dense(search, available), elastic, modes - rigid.cols());
     refuse_unresisted(d, ritz);
     const bool all = ritz.values.size() == available - rigid.cols();
     out.certified = all || certified(d, ritz, modes - rigid.cols());

@@ -63,7 +63,7 @@ All all_modes(const Discretisation& d, double unit) {
 /// A basis of the motions without mass: what M's empty rows move, and where it is singular besides
 /// (a mass that hangs off its node), the null space of D⁻½ M D⁻½, D its diagonal.
 Eigen::MatrixXd without_mass(const Discretisation& d, Index count) {
-  constexpr double kNoMass = 1e-12;
+  constexpr double kMasslessBelow = 1e-12;
   std::vector<Index> massive;
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(d.size(), count);
   Index next = 0;
@@ -80,7 +80,7 @@ Eigen::MatrixXd without_mass(const Discretisation& d, Index count) {
       Eigen::MatrixXd(d.mass)(massive, massive).cwiseQuotient(root * root.transpose());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
   for (Index k = 0; k < n && next < count; ++k)
-    if (solver.eigenvalues()[k] < kNoMass)
+    if (solver.eigenvalues()[k] < kMasslessBelow)
       out(massive, next++) = solver.eigenvectors().col(k).cwiseQuotient(root);
   return out.leftCols(next);
 }

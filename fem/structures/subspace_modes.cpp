@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 namespace {
 /// Relative moves of eigenvalues that rounding may cause, at the most.
-constexpr double kRounding = 1e-6;
+constexpr double kSubspaceRounding = 1e-6;
 }  // namespace
 
 SubspaceModes::SubspaceModes(const Discretisation& first, const Options& options)
@@ -106,7 +106,7 @@ bool SubspaceModes::iterate(const Discretisation& d, Index wanted, Found& out) c
     if (before.size() > 0)
       moved = ((elastic - before.tail(options_.modes)).array() / elastic.array()).abs().maxCoeff();
     // Rounding keeps fine meshes moving.
-    const bool done = moved <= options_.tolerance || (moved < kRounding && moved > 0.5 * last);
+    const bool done = moved <= options_.tolerance || (moved < kSubspaceRounding && moved > 0.5 * last);
     before = now;
     last = moved;
     momentum = mass_x * ritz.eigenvectors();

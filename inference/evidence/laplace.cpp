@@ -15,10 +15,10 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kBound = 8.0;
-constexpr long kFirstSamples = 50;  // of a growing record
+constexpr double kSearchBound = 8.0;
+constexpr long kLaplaceSamples = 50;  // of a growing record
 
-std::span<const double> view(const Eigen::VectorXd& z) {
+std::span<const double> values_of(const Eigen::VectorXd& z) {
   return {z.data(), static_cast<std::size_t>(z.size())};
 }
 
@@ -104,16 +104,16 @@ void polish(const Function& f, Eigen::VectorXd& z, double& value) {
 }
 
 // Newton steps from `best` on.
-void climb(const Objective& objective, const std::string& name, Optimum& best) {
+void climb_to_mode(const Objective& objective, const std::string& name, Optimum& best) {
   if (best.value == -kInfinity)
     throw LikelihoodError("model '" + name + "': no point of the search has a finite likelihood");
   Eigen::VectorXd z =
       Eigen::Map<const Eigen::VectorXd>(best.z.data(), static_cast<Eigen::Index>(best.z.size()));
   polish(
       [&](const Eigen::VectorXd& at) {
-        if (at.cwiseAbs().maxCoeff() > kBound) return -kInfinity;
+        if (at.cwiseAbs().maxCoeff() > kSearchBound) return -kInfinity;
         ++best.evaluations;
-        return objective(view(at));
+        return objective(values_of(at));
       },
       z, best.value);
   best.z.assign(z.begin(), z.end());
@@ -134,13 +134,13 @@ Optimum search(const Objective& objective, int dimension, const ModeOptions& opt
         {.seed = options.seed + static_cast<std::uint64_t>(r) * 0x9e3779b97f4a7c15ULL,
          .generations = options.generations,
          .start = start,
-         .bound = kBound,
+         .bound = kSearchBound,
          .tolerance = options.tolerance});
     evaluations += found.evaluations;
     if (r == 0 || found.value > best.value) best = std::move(found);
   }
   best.evaluations = evaluations;
-  climb(objective, name, best);
+  climb_to_mode(objective, name, best);
   return best;
 }
 
@@ -179,7 +179,7 @@ std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
     return posterior(z).log_posterior();
   };
   const Optimum mode = search(log_posterior, d, once, posterior.name(), start);
-  const Function f = [&](const Eigen::VectorXd& z) { return log_posterior(view(z)); };
+  const Function f = [&](const Eigen::VectorXd& z) { return log_posterior(values_of(z)); };
   const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(mode.z.data(), d);
   const Eigen::MatrixXd h = -derivatives(f, z, mode.value, steps(f, z, mode.value, 0.5)).hessian;
   evaluations += posterior.evaluations();
@@ -228,15 +228,15 @@ Optimum maximum_a_posteriori(const Problem& problem, int model, const ModeOption
   };
   if (!options.start.empty()) {
     Optimum found{options.start, log_posterior(options.start), 1, true};
-    climb(log_posterior, posterior.name(), found);
+    climb_to_mode(log_posterior, posterior.name(), found);
     return found;
   }
   long before = 0;
   std::vector<std::vector<double>> start;
   if (problem.shortened) {
     std::shared_ptr<const Problem> part =
-        problem.shortened(std::min(kFirstSamples, problem.samples));
-    for (long n = kFirstSamples, step = n; n < problem.samples; n += step) {
+        problem.shortened(std::min(kLaplaceSamples, problem.samples));
+    for (long n = kLaplaceSamples, step = n; n < problem.samples; n += step) {
       start = about_mode(*part, model, options, start, before);
       const auto had = static_cast<double>(n);
       const double per_sample = ModelPosterior(*part, model)(start.front()).log_likelihood / had;
@@ -268,7 +268,7 @@ Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
   ModelPosterior posterior(problem, model);
   const Eigen::Index d = posterior.dimension();
   if (d > 0) {
-    const Function f = [&](const Eigen::VectorXd& z) { return posterior(view(z)).log_posterior(); };
+    const Function f = [&](const Eigen::VectorXd& z) { return posterior(values_of(z)).log_posterior(); };
     const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(mode.z.data(), d);
     const Eigen::MatrixXd h = -derivatives(f, z, mode.value, steps(f, z, mode.value, 0.05)).hessian;
     const Eigen::LLT<Eigen::MatrixXd> llt(h);
@@ -283,7 +283,7 @@ Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
       result.covariance = Eigen::MatrixXd::Constant(d, d, std::numeric_limits<double>::quiet_NaN());
       result.evidence.warnings.push_back({.kind = EvidenceWarning::Kind::no_maximum});
     }
-    (void)posterior(view(z));
+    (void)posterior(values_of(z));
     result.x.assign(posterior.x().begin(), posterior.x().end());
   }
   result.evidence.standard_error = d == 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();

@@ -18,7 +18,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr long kFirstSamples = 50;  // of a growing record
+constexpr long kStageSamples = 50;  // of a growing record
 
 struct Particle {
   std::vector<double> z;
@@ -55,7 +55,7 @@ class Replicate {
         model_(model),
         options_(options),
         index_(static_cast<std::uint64_t>(index)),
-        to_(open(growing ? kFirstSamples : problem.samples)) {}
+        to_(open(growing ? kStageSamples : problem.samples)) {}
 
   // ln Z; NaN where the run was stopped, or is stuck.
   double run() {
@@ -365,7 +365,7 @@ bool better_growing(const Problem& problem, int model, const TmcmcOptions& optio
                     long& evaluations) {
   constexpr int kPilots = 2;  // of each kind
   constexpr double kClearly = 3.0;
-  if (!problem.shortened || problem.samples <= 2 * kFirstSamples) return false;
+  if (!problem.shortened || problem.samples <= 2 * kStageSamples) return false;
   if (options.path != TmcmcPath::better) return options.path == TmcmcPath::growing;
   TmcmcOptions pilot = options;
   pilot.samples = std::min(options.samples, 200);

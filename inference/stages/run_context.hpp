@@ -99,7 +99,7 @@ struct RunContext {
         .pack =
             [&](int c) {
               const auto at = static_cast<std::size_t>(c);
-              return ended[at] + packed(state.chains[at], state.posterior.chains[at]);
+              return ended[at] + packed_state(state.chains[at], state.posterior.chains[at]);
             },
         .unpack =
             [&](int c, std::string_view bytes) {

@@ -21,7 +21,7 @@ constexpr int kMaxDraws = 200000;
 // they are made again: more often where the run has not converged without it.
 constexpr double kWorthRefitting = 0.003;
 constexpr int kMostRefits = 4;
-constexpr int kTogether = 256;               // draws between two calls of the monitor
+constexpr int kScansTogether = 256;               // draws between two calls of the monitor
 constexpr std::size_t kAtHand = 1 << 16;     // draws between two times that they are let go
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
 
@@ -167,12 +167,12 @@ void draw_on(RunContext& run, RunState& state) {
     while (static_cast<int>(out.size()) < goal) {
       sampler.draw(out);
       ++visits[static_cast<std::size_t>(chain.state.model)];
-      if (out.size() % kTogether == 0) {
+      if (out.size() % kScansTogether == 0) {
         run.monitor.evaluated(target.evaluations() - before);
         before = target.evaluations();
         run.monitor.visited(visits);
         std::fill(visits.begin(), visits.end(), 0);
-        run.monitor.advance(static_cast<double>(kTogether));
+        run.monitor.advance(static_cast<double>(kScansTogether));
       }
       if (out.size() % kAtHand == 0) out.let_go();
       if (run.leave()) break;

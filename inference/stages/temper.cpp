@@ -10,9 +10,9 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr int kExplorationRungs = 10;
-constexpr int kMaxRungs = 30;
+constexpr int kStageMaxRungs = 30;
 constexpr int kFewestScans = 620;
-constexpr int kFirstScans = 20;
+constexpr int kStageFirstScans = 20;
 // A scan that takes longer may be left in its middle: from what was kept before it, it is done
 // again.
 constexpr std::chrono::milliseconds kLongScan{100};
@@ -65,7 +65,7 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
       if (how.fitted) tempered.set_cold(chain.state);
       if (how.balanced) tempered.balance_models();
       at.begun = true;
-      at.round_scans = kFirstScans;
+      at.round_scans = kStageFirstScans;
     }
     std::optional<BeforeScan> before_scan;  // where scans are long
     bool left = false;                      // in the middle of a scan
@@ -105,7 +105,7 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
       // Two neighbours a unit of the barrier (ibid., section 4.3), while there is time left.
       if (tempered.rungs() > 1 && !at.ended) {
         tempered.adapt_ladder(
-            std::clamp(static_cast<int>(std::ceil(2.0 * at.barrier)) + 2, 6, kMaxRungs));
+            std::clamp(static_cast<int>(std::ceil(2.0 * at.barrier)) + 2, 6, kStageMaxRungs));
       }
     }
     if (left) {
