@@ -25,7 +25,8 @@ std::vector<fem::Support> parse_supports(const CaseFile& file, double length) {
   std::vector<fem::Support> list;
   for (std::size_t i = 0; i < supports.size(); ++i) {
     const Json& s = supports[i];
-    fem::Support support{.at = s.at("at").get<double>(), .deflection = false, .rotation = false, .stiffness = {}};
+    fem::Support support{
+        .at = s.at("at").get<double>(), .deflection = false, .rotation = false, .stiffness = {}};
     if (support.at > length) {
       file.refuse(where / i / "at",
                   "lies outside the beam, which is " + beam_number(length) + " m long");
@@ -33,7 +34,8 @@ std::vector<fem::Support> parse_supports(const CaseFile& file, double length) {
     for (const auto& motion : s.at("fix")) {
       (motion == "deflection" ? support.deflection : support.rotation) = true;
     }
-    if (s.contains("stiffness") && s["stiffness"].is_number()) support.stiffness = s["stiffness"].get<double>();
+    if (s.contains("stiffness") && s["stiffness"].is_number())
+      support.stiffness = s["stiffness"].get<double>();
     list.push_back(support);
   }
   return list;
@@ -45,7 +47,8 @@ fem::Beam parse_beam(const CaseFile& file) {
   const Json& b = file.json.at("beam");
   const Json& m = b.at("material");
   const double length = b.at("length").get<double>();
-  fem::Material material{m.at("young").get<double>(), m.at("poisson").get<double>(), m.at("density").get<double>()};
+  fem::Material material{m.at("young").get<double>(), m.at("poisson").get<double>(),
+                         m.at("density").get<double>()};
   const BeamSection section = parse_beam_section(file, beam_key("/beam/section"), material);
   material.density = section.density;
   fem::Beam beam{.length = length,

@@ -115,7 +115,8 @@ bool has_type(const Json& value, const std::string& type) {
 bool type_matches(const Json& rule, const Json& value) {
   if (!rule.contains("type")) return true;
   if (rule["type"].is_string()) return has_type(value, rule["type"].get<std::string>());
-  return std::ranges::any_of(rule["type"], [&](const Json& t) { return has_type(value, t.get<std::string>()); });
+  return std::ranges::any_of(rule["type"],
+                             [&](const Json& t) { return has_type(value, t.get<std::string>()); });
 }
 
 std::string listed_values(const Json& list) {
@@ -138,7 +139,8 @@ std::string rule_in_words(const Json& rule) {
   if (!rule.contains("type")) return "something else";
   if (rule["type"].is_string()) return article(rule["type"].get<std::string>());
   std::string text;
-  for (const Json& t : rule["type"]) text += (text.empty() ? "" : " or ") + article(t.get<std::string>());
+  for (const Json& t : rule["type"])
+    text += (text.empty() ? "" : " or ") + article(t.get<std::string>());
   return text;
 }
 

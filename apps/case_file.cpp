@@ -327,9 +327,10 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
     const Json& list = prior.at(family);
     const bool reversed = (family == "uniform" || family == "log_uniform") && list.is_array() &&
                           list.size() == 2 && list[0] > list[1];
-    file.refuse(where / family, error.what() + (reversed ? "; write [" + pasted(list[1].get<double>()) + ", " +
-                                                               pasted(list[0].get<double>()) + "]"
-                                                         : std::string()));
+    file.refuse(where / family,
+                error.what() + (reversed ? "; write [" + pasted(list[1].get<double>()) + ", " +
+                                               pasted(list[0].get<double>()) + "]"
+                                         : std::string()));
   }
 }
 

@@ -41,14 +41,17 @@ std::string kept_within(const CaseFile& file, const Pointer& where, double lower
     const double to = std::isfinite(high) ? high : mean + kFar * sd;
     return from < to ? list("truncated_normal", {mean, sd, from, to}) : std::string();
   };
-  if (given.contains("normal")) return truncated(given["normal"][0].get<double>(), given["normal"][1].get<double>());
+  if (given.contains("normal"))
+    return truncated(given["normal"][0].get<double>(), given["normal"][1].get<double>());
   if (given.contains("half_normal"))
     return truncated(
         0.0, (given["half_normal"].is_number() ? given["half_normal"] : given["half_normal"][0])
                  .get<double>());
-  if (given.contains("student_t")) return truncated(given["student_t"][1].get<double>(), given["student_t"][2].get<double>());
+  if (given.contains("student_t"))
+    return truncated(given["student_t"][1].get<double>(), given["student_t"][2].get<double>());
   if (given.contains("truncated_normal"))
-    return truncated(given["truncated_normal"][0].get<double>(), given["truncated_normal"][1].get<double>());
+    return truncated(given["truncated_normal"][0].get<double>(),
+                     given["truncated_normal"][1].get<double>());
   if (!(low < high)) return {};
   if (given.contains("log_uniform")) return list("log_uniform", {low, high});
   return list("uniform", {low, high});

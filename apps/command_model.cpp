@@ -226,7 +226,8 @@ std::string CommandModel::attempt(std::span<const double> x, std::span<double> y
               " s (\"timeout\" in the predictor) and was killed";
   } else if (WIFSIGNALED(*status)) {
     trouble = "was ended by signal " + std::to_string(WTERMSIG(*status)) + last_words(directory);
-  } else if (const int code = WEXITSTATUS(*status); code == kProgramNotFound || code == kNotRunnable) {
+  } else if (const int code = WEXITSTATUS(*status);
+             code == kProgramNotFound || code == kNotRunnable) {
     const std::string words_of_it = last_words(directory);
     trouble = words_of_it.empty() ? (code == kProgramNotFound ? "is not there" : "cannot be run")
                                   : "ended with exit code " + std::to_string(code) + words_of_it;

@@ -49,8 +49,9 @@ inference::Prior bounded_prior(const CaseFile& file, const Pointer& where, doubl
                                double upper, const std::string& allowed) {
   const inference::Prior prior = parse_prior(file, where);
   if (!(prior.lower() >= lower && prior.upper() <= upper)) {
-    file.refuse(where, "reaches from " + damage_number(prior.lower()) + " to " + damage_number(prior.upper()) +
-                           ", but " + allowed + kept_within(file, where, lower, upper));
+    file.refuse(where, "reaches from " + damage_number(prior.lower()) + " to " +
+                           damage_number(prior.upper()) + ", but " + allowed +
+                           kept_within(file, where, lower, upper));
   }
   return prior;
 }
@@ -84,7 +85,8 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
 Simulation parse_simulation(const CaseFile& file, const Json& truth, Simulation simulation) {
   const Json data = file.json.value("data", Json::object());
   if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"].get<double>();
-  if (data.contains("modes") && data["modes"].is_number()) simulation.modes = data["modes"].get<int>();
+  if (data.contains("modes") && data["modes"].is_number())
+    simulation.modes = data["modes"].get<int>();
   simulation.seed = data.value("seed", simulation.seed);
   if (data.contains("shape_sd") && data["shape_sd"].is_number())
     simulation.shape_sd = data["shape_sd"].get<double>();
@@ -166,8 +168,9 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
       .min_count = min,
       .max_count = max,
       .weights = parse_count_prior(file, where / "count", min, max),
-      .location = bounded_prior(file, where / "location", 0.0, length,
-                                "locations lie on the beam, in [0, " + damage_number(length) + "] m"),
+      .location =
+          bounded_prior(file, where / "location", 0.0, length,
+                        "locations lie on the beam, in [0, " + damage_number(length) + "] m"),
       .severity = DefectKind::Rigid{},
       .rotation = type->may_be_rotational && b.contains("fix") && b["fix"][0] == "rotation",
       .truth = {}};
@@ -387,8 +390,9 @@ namespace {
 
 // A coefficient of variation is "cov" in a case, or "cv".
 void accept_cv(CaseFile& file) {
-  std::vector<Pointer> places = {damage_key("/data"), damage_key("/data/discrepancy"), damage_key("/damage/truth"),
-                                 damage_key("/baseline/data"), damage_key("/baseline/data/discrepancy")};
+  std::vector<Pointer> places = {damage_key("/data"), damage_key("/data/discrepancy"),
+                                 damage_key("/damage/truth"), damage_key("/baseline/data"),
+                                 damage_key("/baseline/data/discrepancy")};
   for (const Pointer& block : {damage_key("/data"), damage_key("/baseline/data")})
     if (file.json.contains(block / "states") && file.json.at(block / "states").is_array())
       for (std::size_t i = 0; i < file.json.at(block / "states").size(); ++i)
@@ -489,8 +493,8 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   for (const DefectKind& kind : out.kinds) models *= kind.max_count - kind.min_count + 1.0;
   if (models > kMostModels) {
     f.refuse(damage_key("/damage"), "would be " + damage_number(models) +
-                                " models, one a combination of counts: must be at most " +
-                                damage_number(kMostModels) + "; lower the largest counts");
+                                        " models, one a combination of counts: must be at most " +
+                                        damage_number(kMostModels) + "; lower the largest counts");
   }
   for (std::size_t i = 1; i < out.kinds.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -559,7 +563,8 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     out.data.cv_prior = cv_prior;
     out.data.discrepancy_cv = discrepancy;
     if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
-      f.refuse(damage_key("/data/sd"), "must have one value per mode: " + std::to_string(out.data.modes()));
+      f.refuse(damage_key("/data/sd"),
+               "must have one value per mode: " + std::to_string(out.data.modes()));
     }
     if (!sd.empty()) out.data.sd_hz = sd;
     if (out.modal)

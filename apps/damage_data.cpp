@@ -68,8 +68,9 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
     if (std::isnan(f)) continue;
     if (f < previous) {
       file.refuse(d.contains("frequencies") ? where / "frequencies" / i : where / "file",
-                  "frequencies must increase; mode " + std::to_string(i + 1) + " at " + data_number(f) +
-                      " Hz lies below the one before it" + increasing(data.frequencies_hz));
+                  "frequencies must increase; mode " + std::to_string(i + 1) + " at " +
+                      data_number(f) + " Hz lies below the one before it" +
+                      increasing(data.frequencies_hz));
     }
     previous = f;
   }
@@ -139,7 +140,8 @@ void take_data(const CaseFile& f, DamageCase& out) {
     return;
   }
   if (out.emulator)
-    f.refuse(data_key("/predictor"), "an emulator predicts frequencies, not shapes: use \"fe\" here");
+    f.refuse(data_key("/predictor"),
+             "an emulator predicts frequencies, not shapes: use \"fe\" here");
   AnyStructure solved;
   try {
     out.modal = std::make_shared<const ModalData>();  // solved as a structure, then
@@ -148,7 +150,8 @@ void take_data(const CaseFile& f, DamageCase& out) {
     f.refuse(data_key(out.structure ? "/structure" : "/beam"), error.what());
   }
   out.modal = std::make_shared<const ModalData>(parse_modal_data(f, data_key("/data"), solved));
-  if (out.modal->predict > 0) f.refuse(data_key("/data/predict"), "goes with \"kind\": \"update\" only");
+  if (out.modal->predict > 0)
+    f.refuse(data_key("/data/predict"), "goes with \"kind\": \"update\" only");
   out.data = frequencies_of(*out.modal, data);
 }
 

@@ -51,7 +51,7 @@ void print_defects(const Page& page, const DamageCase& damage_case,
     std::vector<std::string> row = {kind.name + " " + std::to_string(u.component + 1),
                                     place_in_metres(x.q50) + " m"};
     if (folded) row.push_back(place_in_metres(damage_case.beam.length - x.q50) + " m");
-    row.push_back(damage_interval(x, metres) + " m");
+    row.push_back(damage_interval(x, place_in_metres) + " m");
     if (kind.severity_prior()) {
       const Marginal& s = shown[p + 1].estimate;
       const auto text = [&](double value) { return severity_text(kind, value); };
@@ -85,7 +85,7 @@ void print_places(const Page& page, const DamageCase& damage_case, const DamageF
       std::vector<std::string> row = {kind.name, on.name, fixed(p.expected, 2)};
       const bool along = on.size > 0.0;
       row.push_back(along ? place_in_metres(p.location.q50) + " m" : "-");
-      row.push_back(along ? damage_interval(p.location, metres) + " m" : "-");
+      row.push_back(along ? damage_interval(p.location, place_in_metres) + " m" : "-");
       const auto text = [&](double value) { return severity_text(kind, value); };
       row.push_back(p.severity ? text(p.severity->q50) : "-");
       row.push_back(p.severity ? damage_interval(*p.severity, text) : "-");

@@ -71,9 +71,10 @@ void print(const MeasuredFile& file) {
       std::string peaks;
       for (const signals::SpectrumPeak& p : c.peaks)
         peaks += (peaks.empty() ? "" : ", ") + significant(p.frequency_hz, 4);
-      rows.push_back({io::printable(channel_with_unit(c.name, c.unit)), significant(c.quality.rms, 4),
-                      significant(c.quality.mean, 3), significant(c.quality.lowest, 4),
-                      significant(c.quality.highest, 4), peaks.empty() ? "-" : peaks});
+      rows.push_back({io::printable(channel_with_unit(c.name, c.unit)),
+                      significant(c.quality.rms, 4), significant(c.quality.mean, 3),
+                      significant(c.quality.lowest, 4), significant(c.quality.highest, 4),
+                      peaks.empty() ? "-" : peaks});
     }
     Page(std::cout, false).table(rows);
     for (const MeasuredChannel& c : table.channels)

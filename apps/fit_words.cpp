@@ -42,7 +42,8 @@ struct Sentence {
 
   std::string operator()(const All<misfit::Unexplained>& all) const {
     std::vector<std::string> parts;
-    for (const auto& r : all) parts.push_back(quoted_channel(r.channel) + " (R² " + fixed(r.r2, 2) + ")");
+    for (const auto& r : all)
+      parts.push_back(quoted_channel(r.channel) + " (R² " + fixed(r.r2, 2) + ")");
     return "The model misses most of " + in_words(parts) +
            " and what is left is no noise. Check that channels, signs, units, the initial state "
            "and the "
@@ -54,8 +55,9 @@ struct Sentence {
     std::vector<std::string> parts;
     for (const auto& r : all) {
       std::string text = parts.empty() ? "What the model leaves of " : "of ";
-      text += quoted_channel(r.channel) + (parts.empty() ? " is " + share_of_response(r.share)
-                                                 : " " + significant(100.0 * r.share, 2) + " %");
+      text += quoted_channel(r.channel) + (parts.empty()
+                                               ? " is " + share_of_response(r.share)
+                                               : " " + significant(100.0 * r.share, 2) + " %");
       std::vector<std::string> more;
       if (r.lag > 0)
         more.push_back("correlation " + fixed(r.autocorrelation, 2) + " at lag " +

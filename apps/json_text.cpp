@@ -12,8 +12,6 @@
 namespace wheeltap::apps {
 namespace {
 
-using nlohmann::json;
-
 // The parser's byte count as line and column, both from 1.
 std::pair<std::size_t, std::size_t> line_and_column(std::string_view text, std::size_t byte) {
   const std::size_t at = std::min(byte > 0 ? byte - 1 : 0, text.size());
@@ -24,7 +22,7 @@ std::pair<std::size_t, std::size_t> line_and_column(std::string_view text, std::
 }
 
 /// Looks a text through before anything is built of it, in linear time.
-class Watch : public nlohmann::json_sax<json> {
+class Watch : public nlohmann::json_sax<nlohmann::json> {
  public:
   Watch(const std::filesystem::path& path, std::string_view text, std::size_t most_keys)
       : path_(path), text_(text), most_keys_(most_keys) {}
@@ -52,7 +50,7 @@ class Watch : public nlohmann::json_sax<json> {
   }
   bool parse_error(std::size_t at, const std::string&,
                    const nlohmann::detail::exception& error) override {
-    if (dynamic_cast<const json::out_of_range*>(&error) != nullptr) {
+    if (dynamic_cast<const nlohmann::json::out_of_range*>(&error) != nullptr) {
       refuse(std::string(": a number is too large for double precision: ") + error.what());
     }
     const auto [line, column] = line_and_column(text_, at);
@@ -95,7 +93,7 @@ template <class AnyJson>
 AnyJson parse_json(const std::filesystem::path& path, std::string_view text) {
   constexpr bool kOrdered = std::is_same_v<AnyJson, nlohmann::ordered_json>;
   Watch watch(path, text, kOrdered ? kMostOrderedKeys : text.size());
-  (void)json::sax_parse(text, &watch);
+  (void)nlohmann::json::sax_parse(text, &watch);
   return AnyJson::parse(text);
 }
 

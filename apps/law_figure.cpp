@@ -142,8 +142,8 @@ std::string law_figure(const dynamics::LawInfo& info) {
                   {.title = "rate ė [m/s]", .limit = 1.1 * speed, .step = round_step(speed)},
                   tension, lines, &CyclePoint::rate);
   }
-  const std::string width =
-                        fixed((two ? 2.0 : 1.0) * (kLeft + kFigureWidth) + kApart + (two ? 16 : 0), 0),
+  const std::string width = fixed(
+                        (two ? 2.0 : 1.0) * (kLeft + kFigureWidth) + kApart + (two ? 16 : 0), 0),
                     height = fixed(kTop + kHeight + kBelow, 0);
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
          "\" viewBox=\"0 0 " + width + " " + height +

@@ -49,7 +49,7 @@ void refuse_keys(const CaseFile& file, const Pointer& where) {
     file.refuse(where / "quantity", "goes with the role \"response\" only");
 }
 
-std::string listed(const std::vector<std::string>& names) {
+std::string columns_listed(const std::vector<std::string>& names) {
   std::string out;
   for (std::size_t i = 0; i < names.size(); ++i)
     out += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
@@ -88,7 +88,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
                     "\"quantity\", or \"role\": \"ignore\"");
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
-        "No unit is known of " + io::printable(listed(none)) +
+        "No unit is known of " + io::printable(columns_listed(none)) +
         ", whose numbers are used as they are, beside channels that have one: shapes are wrong "
         "unless these are in SI units. State \"unit\" in the channel.");
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
@@ -125,10 +125,10 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   }
   if (mixed && !unsaid.empty())
     file.refuse(out.where / "channels",
-                "measure unlike quantities, and nothing says which " + listed(unsaid) +
+                "measure unlike quantities, and nothing says which " + columns_listed(unsaid) +
                     " measures: state \"quantity\" or \"unit\" in the channel");
   if (!unsaid.empty() && known.empty())
-    out.oddities.push_back("Nothing says which quantity " + io::printable(listed(unsaid)) +
+    out.oddities.push_back("Nothing says which quantity " + io::printable(columns_listed(unsaid)) +
                            " measures: it is taken for " + std::string(signals::name(*common)) +
                            ", as the others are. State \"quantity\" or \"unit\" in the channel.");
   if (mixed && file.json.value("method", "ssi-cov") == "bayoma")
@@ -143,7 +143,8 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
   for (std::size_t i = 0; i < file.json.at(list).size(); ++i) {
     const Pointer where = list / i;
     const Json& c = file.json.at(where);
-    const std::string role = c.at("role").get<std::string>(), column = text_or_number(c.at("column"));
+    const std::string role = c.at("role").get<std::string>(),
+                      column = text_or_number(c.at("column"));
     if (c.value("scale", 1.0) == 0.0) file.refuse(where / "scale", "must not be 0");
     if (role == "force" && !of_forces(file))
       file.refuse(where / "role",
@@ -436,7 +437,8 @@ void take_bands(const CaseFile& file, SetUp& s) {
     if (file.json.contains(key)) file.refuse(Pointer() / std::string(key), "is not of this method");
   for (std::size_t i = 0; i < file.json.at("bands").size(); ++i) {
     const Json& one = file.json.at("bands")[i];
-    identification::ModalBand band{.lowest_hz = one.at("band")[0].get<double>(), .highest_hz = one.at("band")[1].get<double>()};
+    identification::ModalBand band{.lowest_hz = one.at("band")[0].get<double>(),
+                                   .highest_hz = one.at("band")[1].get<double>()};
     for (const Json& peak : one.at("modes")) band.peaks_hz.push_back(peak.get<double>());
     try {
       const identification::BandProblem checked(

@@ -41,7 +41,8 @@ Geometry of_structure(const CaseFile& file) {
   try {
     Geometry out = of_nodes(other, where);
     for (const Json& member : other.json.at(where).value("members", Json::array()))
-      out.lines.push_back({member.at("nodes").at(0).get<std::string>(), member.at("nodes").at(1).get<std::string>()});
+      out.lines.push_back({member.at("nodes").at(0).get<std::string>(),
+                           member.at("nodes").at(1).get<std::string>()});
     for (const Json& support : other.json.at(where).value("supports", Json::array()))
       out.fixed.push_back(support.at("node").get<std::string>());
     for (const auto& line : out.lines)

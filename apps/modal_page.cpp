@@ -148,8 +148,9 @@ std::string table(const Report& modes) {
   for (const Report& m : modes)
     out += first_cells(m, ++mode) +
            fixed(number(m, "phase_deviation") * 180.0 / std::numbers::pi, 1) + "</td><td>" +
-           orders_in_words(m.at("orders").at("present").get<int>(), m.at("orders").at("possible").get<int>()) + "</td>" +
-           why(m.at("doubts")) + "</tr>\n";
+           orders_in_words(m.at("orders").at("present").get<int>(),
+                           m.at("orders").at("possible").get<int>()) +
+           "</td>" + why(m.at("doubts")) + "</tr>\n";
   return out + "</table></div>\n";
 }
 
@@ -219,7 +220,8 @@ std::string rejected(const Report& set_up, const std::string& level) {
     for (const Report& r : clusters)
       out += "<tr><td>" + significant(number(r, "frequency_hz"), 5) + "</td><td>" +
              significant(100.0 * number(r, "damping"), 3) + "</td><td>" +
-             orders_in_words(r.at("orders").at("present").get<int>(), r.at("orders").at("possible").get<int>()) +
+             orders_in_words(r.at("orders").at("present").get<int>(),
+                             r.at("orders").at("possible").get<int>()) +
              "</td><td>" + escaped(r.at("why").get<std::string>()) + "</td></tr>\n";
     out += "</table></div>\n";
   }

@@ -16,7 +16,7 @@ using namespace identification;
 namespace {
 
 void write_problem_posterior(const io::NetcdfWriter& file, const std::string& run,
-                     const ProblemFile& parsed, const inference::Posterior& posterior) {
+                             const ProblemFile& parsed, const inference::Posterior& posterior) {
   const std::vector<DrawColumn> columns = parameter_columns(posterior);
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", parsed.title);

@@ -122,7 +122,8 @@ std::string fish(const ProgramText& program) {
       text += begin + " -n '__fish_seen_subcommand_from " + command.name + "'";
       for (const std::string& name : option.names)
         text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-      text += (option.value.empty() ? "" : " -r") + (" -d " + quoted_argument(option.description)) + "\n";
+      text += (option.value.empty() ? "" : " -r") + (" -d " + quoted_argument(option.description)) +
+              "\n";
     }
   }
   return text;

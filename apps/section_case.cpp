@@ -62,7 +62,8 @@ std::vector<fem::Region> regions_of_file(const CaseFile& file, const Pointer& wh
   const Json& s = file.json.at(where);
   const io::Drawing drawing = io::read_outlines(file.resolve(s.at("file").get<std::string>()));
   const double unit = drawing.unit > 0.0 ? drawing.unit : io::metres(s.value("unit", "m"));
-  if (drawing.unit > 0.0 && s.contains("unit") && io::metres(s.at("unit").get<std::string>()) != drawing.unit)
+  if (drawing.unit > 0.0 && s.contains("unit") &&
+      io::metres(s.at("unit").get<std::string>()) != drawing.unit)
     file.refuse(where / "unit",
                 "the file says that a unit is " + Json(drawing.unit).dump() + " m; leave this out");
   std::vector<fem::Ring> rings;
@@ -285,7 +286,8 @@ BeamSection parse_beam_section(const CaseFile& file, const Pointer& where,
   } else {
     beam.section = parse_sized_section(file, where, material.poisson);
   }
-  if (s.contains("shear_coefficient")) beam.section.shear_coefficient = s.at("shear_coefficient").get<double>();
+  if (s.contains("shear_coefficient"))
+    beam.section.shear_coefficient = s.at("shear_coefficient").get<double>();
   return beam;
 }
 

@@ -66,8 +66,9 @@ Found of_structure(const CaseFile& file, const std::string& wanted, const std::s
 
 Found find_section(const CaseFile& file, const std::string& name) {
   const Json& json = file.json;
-  const std::string title =
-      json.contains("title") && json.at("title").is_string() ? json.at("title").get<std::string>() : "";
+  const std::string title = json.contains("title") && json.at("title").is_string()
+                                ? json.at("title").get<std::string>()
+                                : "";
   if (json.contains("structure")) return of_structure(file, name, title);
   if (!name.empty()) throw Failure(Exit::usage, "--name " + name + ": this case has one section");
   Found found{.file = file, .place = "/section", .title = title};

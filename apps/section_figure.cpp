@@ -136,9 +136,9 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
                     height = fixed(below + kLegend, 0);
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
          "\" viewBox=\"0 0 " + width + " " + height +
-         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" + escaped_markup(title) +
-         "</title>\n<rect width=\"" + width + "\" height=\"" + height + "\" fill=\"#fff\"/>\n" +
-         body + "</svg>\n";
+         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" +
+         escaped_markup(title) + "</title>\n<rect width=\"" + width + "\" height=\"" + height +
+         "\" fill=\"#fff\"/>\n" + body + "</svg>\n";
 }
 
 }  // namespace wheeltap::apps

@@ -21,7 +21,6 @@ using namespace identification;
 
 namespace {
 
-using dynamics::Coefficient;
 using Role = SidChannel::Role;
 
 /// Runs work(); what the libraries complain about becomes a complaint about the case.
@@ -83,7 +82,7 @@ class Parser {
   }
 
   /// A number or a parameter, held to the bounds.
-  Coefficient coefficient(const Pointer& where, const dynamics::LawCoefficient& bounds) {
+  dynamics::Coefficient coefficient(const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const Json& value = file_.json.at(where);
     if (value.is_number()) {
       const double x = value.get<double>();
@@ -95,7 +94,7 @@ class Parser {
   }
 
   /// A parameter, held to the bounds of what stands at `where`.
-  Coefficient use(int p, const Pointer& where, const dynamics::LawCoefficient& bounds) {
+  dynamics::Coefficient use(int p, const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const inference::Prior& prior = out_.parameters[static_cast<std::size_t>(p)].prior;
     const auto refuse = [&](const std::string& reaches) {
       const Pointer of_prior =
@@ -107,15 +106,15 @@ class Parser {
     if (prior.lower() < bounds.lower) refuse("reaches down to " + plain_number(prior.lower()));
     if (prior.upper() > bounds.upper) refuse("reaches up to " + plain_number(prior.upper()));
     used_[static_cast<std::size_t>(p)] = true;
-    return Coefficient::of_parameter(p);
+    return dynamics::Coefficient::of_parameter(p);
   }
-  Coefficient coefficient(const Pointer& where) { return coefficient(where, {}); }
-  Coefficient positive(const Pointer& where) {
+  dynamics::Coefficient coefficient(const Pointer& where) { return coefficient(where, {}); }
+  dynamics::Coefficient positive(const Pointer& where) {
     return coefficient(where, {.name = {}, .unit = {}, .lower = 0.0, .above_lower = true});
   }
 
-  Coefficient added(const std::string& name, inference::Prior prior) {
-    const Coefficient found = out_.parameter(name, std::move(prior));
+  dynamics::Coefficient added(const std::string& name, inference::Prior prior) {
+    const dynamics::Coefficient found = out_.parameter(name, std::move(prior));
     used_.resize(out_.parameters.size(), true);
     return found;
   }
@@ -228,7 +227,7 @@ class Parser {
   dynamics::Law parse_law(const Pointer& here, const dynamics::LawInfo& info) {
     // The schema holds what stands here to the law's own description (law_rule).
     const Json& value = json_.at(here);
-    std::vector<Coefficient> coefficients;
+    std::vector<dynamics::Coefficient> coefficients;
     auto side = dynamics::Side::opening;
     if (!value.is_object()) {
       coefficients.push_back(coefficient(here, info.coefficients[0]));
@@ -237,12 +236,12 @@ class Parser {
         const dynamics::LawCoefficient& c = info.coefficients[static_cast<std::size_t>(i)];
         const std::string key(c.name);
         coefficients.push_back(value.contains(key) ? coefficient(here / key, c)
-                                                   : Coefficient(c.otherwise));
+                                                   : dynamics::Coefficient(c.otherwise));
       }
       if (value.value("side", "") == "closing") side = dynamics::Side::closing;
     }
     return explained_case(file_, here,
-                     [&] { return dynamics::make_law(info.name, coefficients, side); });
+                          [&] { return dynamics::make_law(info.name, coefficients, side); });
   }
 
   void parse_model(const Pointer& where) {
@@ -415,7 +414,7 @@ class Parser {
     const Pointer where("/record/initial");
     if (!json_.contains(where) || !json_.at(where).is_object()) return;
     const auto masses = static_cast<std::size_t>(model.chain.size());
-    const auto values = [&](const char* key, std::vector<Coefficient>& to) {
+    const auto values = [&](const char* key, std::vector<dynamics::Coefficient>& to) {
       if (!json_.contains(where / key)) return;
       if (json_.at(where / key).size() != masses) {
         file_.refuse(where / key, "must have one value a mass: " + std::to_string(masses));

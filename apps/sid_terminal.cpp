@@ -74,8 +74,8 @@ void print_modes(const Page& page, const std::vector<ChainMode>& modes) {
   };
   for (const ChainMode& mode : modes) {
     const Marginal &f = mode.frequency_hz, &zeta = mode.damping_ratio;
-    rows.push_back({std::to_string(rows.size()), resolved(f.q50, f.width()), sid_interval(f),
-                    resolved(zeta.q50, zeta.width()), sid_interval(zeta)});
+    rows.push_back({std::to_string(rows.size()), resolved(f.q50, f.width()), interval(f),
+                    resolved(zeta.q50, zeta.width()), interval(zeta)});
   }
   if (rows.size() > 1) page.table(rows);
 }

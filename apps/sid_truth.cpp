@@ -13,7 +13,6 @@ using namespace identification;
 
 namespace {
 
-using dynamics::Coefficient;
 using Role = SidChannel::Role;
 
 constexpr int kPointsASample = 8;  // of a band-limited excitation
@@ -130,8 +129,8 @@ void parse_truth(SidCaseFile& parsed) {
   }
   for (const int p : out.parameters_of(*found)) {
     const auto at = static_cast<std::size_t>(p);
-    const bool noise_only =
-        std::ranges::any_of(found->noise, [&](const Coefficient& c) { return c.parameter == p; });
+    const bool noise_only = std::ranges::any_of(
+        found->noise, [&](const dynamics::Coefficient& c) { return c.parameter == p; });
     if (std::isnan(truth.theta[at]) && noise_only && t.contains("noise")) continue;
     const bool of_case =
         file.json.value("parameters", Json::object()).contains(out.parameters[at].name);
@@ -150,7 +149,7 @@ void parse_truth(SidCaseFile& parsed) {
   } else if (t.contains("noise")) {
     truth.noise.assign(responses, t["noise"].get<double>());
   } else {
-    for (const Coefficient& c : found->noise) truth.noise.push_back(c.at(truth.theta));
+    for (const dynamics::Coefficient& c : found->noise) truth.noise.push_back(c.at(truth.theta));
   }
   for (double& x : truth.theta) {
     if (std::isnan(x)) x = 0.0;  // initial states and autocorrelations of the runs

@@ -81,7 +81,8 @@ class MassParser {
         file_.refuse(at / "inertia", "is not used: a mass that is added here has none");
       const std::size_t before = out.size();
       for (fem::SparseRow& motion : motions(at))
-        if (!motion.empty()) out.push_back({.motion = std::move(motion), .mass = m.at("mass").get<double>()});
+        if (!motion.empty())
+          out.push_back({.motion = std::move(motion), .mass = m.at("mass").get<double>()});
       if (out.size() == before) file_.refuse(at, "does not move: a support holds it");
     }
     return out;

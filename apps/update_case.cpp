@@ -16,14 +16,14 @@ using namespace identification;
 
 namespace {
 
-const Pointer kData("/data"), kTruth("/truth");
+const Pointer kUpdateData("/data"), kTruth("/truth");
 
 /// A coefficient of variation is "cov" in a case, or "cv".
 void accept_update_cv(CaseFile& file) {
-  std::vector<Pointer> places = {kData, kTruth, kData / "discrepancy"};
-  if (file.json.contains(kData / "states") && file.json.at(kData / "states").is_array())
-    for (std::size_t i = 0; i < file.json.at(kData / "states").size(); ++i)
-      places.push_back(kData / "states" / i);
+  std::vector<Pointer> places = {kUpdateData, kTruth, kUpdateData / "discrepancy"};
+  if (file.json.contains(kUpdateData / "states") && file.json.at(kUpdateData / "states").is_array())
+    for (std::size_t i = 0; i < file.json.at(kUpdateData / "states").size(); ++i)
+      places.push_back(kUpdateData / "states" / i);
   for (const Pointer& at : places) {
     if (!file.json.is_object() || !file.json.contains(at) || !file.json.at(at).is_object())
       continue;
@@ -65,9 +65,10 @@ void take_truth(const CaseFile& f, UpdateCase& out, std::uint64_t seed) {
   const ModalSimulation& truth = *out.simulation;
   for (const char* key : {"sd", "covariance", "shape_covariance"})
     if (data.contains(key))
-      f.refuse(kData / key, "goes with measured modes; the truth has \"cov\" and \"shape_sd\"");
+      f.refuse(kUpdateData / key,
+               "goes with measured modes; the truth has \"cov\" and \"shape_sd\"");
   if (data.contains("shape_sd") && data["shape_sd"].is_array())
-    f.refuse(kData / "shape_sd", "must be one number, or a prior, where modes are simulated");
+    f.refuse(kUpdateData / "shape_sd", "must be one number, or a prior, where modes are simulated");
   const double stated =
       data.contains("cov") && data["cov"].is_number() ? data["cov"].get<double>() : truth.cov;
   if (!(stated > 0.0) && !out.data.cov_prior)
@@ -109,9 +110,9 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
     };
     // Of modes that are doubted some may be none of the structure's.
     if (out.data.least_modes() > most && out.data.doubt == 0.0)
-      refuse(kData, out.data.least_modes());
+      refuse(kUpdateData, out.data.least_modes());
     if (out.data.modes() + out.data.predict > most && out.data.predict > 0)
-      refuse(kData / "predict", out.data.modes() + out.data.predict);
+      refuse(kUpdateData / "predict", out.data.modes() + out.data.predict);
     if (out.simulation && out.simulation->modes > most) {
       if (f.json.at(kTruth).contains("modes")) refuse(kTruth / "modes", out.simulation->modes);
       out.simulation->modes = most;
@@ -138,8 +139,8 @@ StructureModel parse_parameters_alone(const CaseFile& f) {
 void check_outside(const CaseFile& f, UpdateCaseFile& parsed) {
   for (const char* key : {"sensors", "shapes", "shape_sd", "shape_covariance", "states", "masses",
                           "temperature", "known"})
-    if (f.json.contains(kData / key))
-      f.refuse(kData / key,
+    if (f.json.contains(kUpdateData / key))
+      f.refuse(kUpdateData / key,
                "does not go with a predictor of one's own, which predicts frequencies");
   if (f.json.contains("temperature"))
     f.refuse(Pointer("/temperature"), "does not go with a predictor of one's own");
@@ -150,8 +151,8 @@ void check_outside(const CaseFile& f, UpdateCaseFile& parsed) {
 
 // The data are one state's, or several.
 bool has_several(const CaseFile& f) {
-  if (!f.json.contains(kData)) return false;
-  const Json& data = f.json.at(kData);
+  if (!f.json.contains(kUpdateData)) return false;
+  const Json& data = f.json.at(kUpdateData);
   return std::ranges::any_of(std::vector<std::string>{"states", "masses", "temperature", "known"},
                              [&](const std::string& key) { return data.contains(key); });
 }
@@ -170,10 +171,10 @@ Pointer prior_place(const UpdateCase& update_case, const std::string& parameter)
   if (std::ranges::find(own, parameter, &inference::Parameter::name) != own.end())
     return Pointer("/parameters") / parameter;
   if (parameter == kPerKelvin) return Pointer("/temperature") / parameter;
-  if (parameter == "discrepancy") return kData / "discrepancy" / "cov";
-  if (parameter == "shape_discrepancy") return kData / "discrepancy" / "shape";
-  if (parameter == "mixing") return kData / "discrepancy" / "mixing";
-  return kData / parameter;
+  if (parameter == "discrepancy") return kUpdateData / "discrepancy" / "cov";
+  if (parameter == "shape_discrepancy") return kUpdateData / "discrepancy" / "shape";
+  if (parameter == "mixing") return kUpdateData / "discrepancy" / "mixing";
+  return kUpdateData / parameter;
 }
 
 UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
@@ -210,7 +211,7 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
     take_case_states(f, needs, out);
     return parsed;
   }
-  if (json.contains("data")) out.data = parse_modal_data(f, kData, out.structure->nominal);
+  if (json.contains("data")) out.data = parse_modal_data(f, kUpdateData, out.structure->nominal);
   if (json.contains("truth")) parse_truth(f, out);
   if (!alone) check_modes(f, out);
   if (needs == UpdateNeeds::structure) return parsed;
@@ -219,12 +220,12 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
     f.refuse(kTruth, "is missing: there is nothing to simulate");
   if (needs == UpdateNeeds::truth || !measured) {
     if (!out.simulation)
-      f.refuse(kData,
+      f.refuse(kUpdateData,
                "no data: give \"frequencies\" (and \"shapes\"), or a \"truth\" to simulate "
                "them from");
     take_truth(f, out, seed.value_or(out.simulation->seed));
   }
-  if (json.contains("data")) require_shapes_to_doubt(f, kData, out.data.has_shapes());
+  if (json.contains("data")) require_shapes_to_doubt(f, kUpdateData, out.data.has_shapes());
   return parsed;
 }
 

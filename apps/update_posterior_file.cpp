@@ -62,9 +62,9 @@ void write_update_posterior(const io::NetcdfWriter& file, const std::string& run
                             const inference::Posterior& posterior, std::uint64_t seed) {
   const ModalData& data = problem.update_case.data;
   const ShapeColumns shape{.chains = posterior.chains.size(),
-                    .draws = posterior.chains[0].model.size(),
-                    .modes = static_cast<std::size_t>(data.modes()),
-                    .width = static_cast<std::size_t>(posterior.dimension)};
+                           .draws = posterior.chains[0].model.size(),
+                           .modes = static_cast<std::size_t>(data.modes()),
+                           .width = static_cast<std::size_t>(posterior.dimension)};
   file.about(WHEELTAP_VERSION, run);
   file.text(file.root(), NC_GLOBAL, "title", parsed.update.title);
   file.text(file.root(), NC_GLOBAL, "case", parsed.file.json.dump());

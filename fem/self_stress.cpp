@@ -14,7 +14,7 @@ using Vector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
 
 /// What a unit reaction at one held motion does to the beam, clamped at its right end.
 struct Reaction {
-  Vector stresses;     // of the elements, then of the springs
+  Vector stresses;         // of the elements, then of the springs
   Extended force, moment;  // left over at the right end, in units of the shear and bending stresses
   Extended size;           // of all that went into these
 };
@@ -39,7 +39,8 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
       }
 
   const Eigen::Index elements = beam.elements;
-  const Extended bending = element.bending()[3], shear = element.shear()[0], turn = element.shear()[1];
+  const Extended bending = element.bending()[3], shear = element.shear()[0],
+                 turn = element.shear()[1];
   std::vector<Reaction> reactions;
   Eigen::Index spring = 0;
   for (const Hold& hold : holds) {

@@ -300,15 +300,16 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
                                                std::to_string(count) + ")";
       if (beam_.element_midpoint(first) < box[i].low() - 1e-6 * h ||
           beam_.element_midpoint(last) > box[i].high() + 1e-6 * h) {
-        return Outside{InvalidInput::Part::location, "location prior " + kind.location.describe() +
-                                                         " reaches outside the emulator's box, " +
-                                                         number_in_words(box[i].low()) + " to " +
-                                                         number_in_words(box[i].high()) + " m" + who};
+        return Outside{InvalidInput::Part::location,
+                       "location prior " + kind.location.describe() +
+                           " reaches outside the emulator's box, " + number_in_words(box[i].low()) +
+                           " to " + number_in_words(box[i].high()) + " m" + who};
       }
       if (reduction.lower() < box[i + 1].low() || reduction.upper() > box[i + 1].high()) {
         return Outside{InvalidInput::Part::severity, "reduction prior " + reduction.describe() +
                                                          " reaches outside the emulator's box, " +
-                                                         number_in_words(box[i + 1].low()) + " to " +
+                                                         number_in_words(box[i + 1].low()) +
+                                                         " to " +
                                                          number_in_words(box[i + 1].high()) + who};
       }
     }

@@ -112,7 +112,8 @@ int ModalLikelihood::measured() const {
 }
 
 int ModalLikelihood::candidates(int available) const {
-  return std::min(available, data_.modes() + data_.predict + (data_.has_shapes() ? kFurtherModes : 0));
+  return std::min(available,
+                  data_.modes() + data_.predict + (data_.has_shapes() ? kFurtherModes : 0));
 }
 
 MatrixXd ModalLikelihood::covariance(const ModalNoise& noise) const {

@@ -20,7 +20,7 @@ constexpr double kMissed = 0.05, kNoMode = 0.1;
 constexpr double kModelError = 0.02;
 constexpr int kFurther = 3;                  // modes that may have been missed
 constexpr std::size_t kMostOthers = 20'000;  // numberings that are compared
-constexpr int kNumberingDraws = 400, kFewDraws = 60;
+constexpr int kNumberingDraws = 400, kFewNumberingDraws = 60;
 constexpr double kNumberingSeconds = 2.0;
 
 /// All numberings, the one that is used first, with ln of their weights before the data.
@@ -117,7 +117,8 @@ std::optional<NumberingFinding> numbering_of(const StructureModel& model, const 
       continue;  // no such structure
     }
   }
-  if (static_cast<int>(found.size()) < std::max(kFewDraws, 3 * modes) || measured.back() >= modes)
+  if (static_cast<int>(found.size()) < std::max(kFewNumberingDraws, 3 * modes) ||
+      measured.back() >= modes)
     return {};
   MatrixXd ln_f(static_cast<Index>(found.size()), modes);
   for (std::size_t s = 0; s < found.size(); ++s)

@@ -22,7 +22,8 @@ Factor factor_of(const inference::Parameter& unknown) {
   const double high = end(prior.upper(), kFarthestDesign);
   // A density that reaches up from 0 without end has its scale in its quantiles.
   const bool half = prior.lower() == 0.0 && !std::isfinite(prior.upper());
-  const double low = half ? prior.from_standard_normal(-kFarthestDesign) : end(prior.lower(), -kFarthestDesign);
+  const double low =
+      half ? prior.from_standard_normal(-kFarthestDesign) : end(prior.lower(), -kFarthestDesign);
   return {.name = unknown.name,
           .unit = "",
           .levels = {low, high},

@@ -56,8 +56,9 @@ std::vector<Range> predicted_sizes(const SidProblem& problem) {
   const auto& space = problem.problem.space;
   const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
   const std::size_t responses = problem.sid_case.responses().size();
-  const int draws = std::clamp(static_cast<int>(kPlausibilitySeconds / problem.seconds_a_likelihood),
-                               2 * space.size(), kDraws);
+  const int draws =
+      std::clamp(static_cast<int>(kPlausibilitySeconds / problem.seconds_a_likelihood),
+                 2 * space.size(), kDraws);
   std::vector<Range> out(responses);
   std::vector<double> residuals(responses * samples);
   for (int i = 0; i < draws; ++i) {

@@ -354,7 +354,7 @@ void predict_states(const UpdateProblem& problem, const Examined& seen, std::uin
 
 /// The next modes after those that the measured ones are matched to.
 void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
-             UpdateFindings& out) {
+                   UpdateFindings& out) {
   if (problem.states) return predict_states(problem, seen, seed, out);
   const ModalData& data = problem.update_case.data;
   int first = 0;

@@ -11,7 +11,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kNodes = 600;            // of τ
+constexpr int kNodes = 600;                  // of τ
 constexpr double kNegligibleWeight = 1e-10;  // weight of a node
 
 /// Σ w, Σ w y / Σ w and Σ w (y - that)², w = 1 / (s² + τ²), over the groups that say something.

@@ -20,7 +20,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kExplorations = 4;               // of sequential Monte Carlo
+constexpr int kExplorations = 4;             // of sequential Monte Carlo
 constexpr int kClimbsFromDraws = 8;          // from its draws
 constexpr std::size_t kClimbsOnTheWay = 24;  // from those of an annealing that was cut short
 constexpr std::size_t kLaplace = 40;         // modes whose normals enter the mixture

@@ -335,7 +335,8 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   if (!(out.lowest_hz >= 0.0 && out.lowest_hz < out.highest_hz))
     refuse("lowest frequency", out.lowest_hz, "must be from 0 to below the highest");
   out.highest_hz = std::min(out.highest_hz, 0.5 * options.sample_rate_hz);
-  out.decimated = std::max(1, static_cast<int>(kKeptBand * options.sample_rate_hz / out.highest_hz));
+  out.decimated =
+      std::max(1, static_cast<int>(kKeptBand * options.sample_rate_hz / out.highest_hz));
   out.sample_rate_hz = options.sample_rate_hz / out.decimated;
   const std::vector<MatrixXd> y = prepared(decays, out.decimated);
   const auto events = static_cast<Index>(y.size());

@@ -285,8 +285,8 @@ ModalResult decompose_spectra(const Eigen::Ref<const MatrixXd>& records,
     throw std::invalid_argument("segment = " + std::to_string(out.segment) +
                                 ": the record must hold at least eight of them, half over half, "
                                 "once decimated to the band");
-  out.blocks = std::clamp(options.blocks > 0 ? options.blocks : kSpectrumBlocks, kFewestSpectrumBlocks,
-                          std::max(kFewestSpectrumBlocks, out.segments / 2));
+  out.blocks = std::clamp(options.blocks > 0 ? options.blocks : kSpectrumBlocks,
+                          kFewestSpectrumBlocks, std::max(kFewestSpectrumBlocks, out.segments / 2));
   const Spectra spectra = spectra_of(y, out, out.blocks, options.threads);
   std::vector<First> firsts(index(spectra.lines()));
   base::parallel_for(static_cast<int>(firsts.size()), options.threads,

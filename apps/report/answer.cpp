@@ -107,8 +107,8 @@ std::string how_bad(const DefectKind& kind, const Marginal& severity) {
            percent_of(severity.q97_5) + ")";
   }
   const std::string unit = kind.severity_unit();
-  return words + median(severity) + (unit.empty() ? "" : " " + unit) + " (" + answer_interval(severity) +
-         ")";
+  return words + median(severity) + (unit.empty() ? "" : " " + unit) + " (" +
+         answer_interval(severity) + ")";
 }
 
 // Of a structure, the places that hold a tenth of a defect or more, likeliest first: "crack on beam
@@ -126,8 +126,8 @@ std::string places_in_structure(const DamageCase& damage_case, const DamageFindi
       std::string text =
           kind.name + (kind.type->sites == DefectType::Sites::nodes ? " at " : " on ") + on.name;
       if (on.size > 0.0)
-        text += " near " + fixed(p.location.q50, 3) + " m (95 % interval " + answer_in_metres(p.location) +
-                "; expected number " + fixed(p.expected, 2) + ")";
+        text += " near " + fixed(p.location.q50, 3) + " m (95 % interval " +
+                answer_in_metres(p.location) + "; expected number " + fixed(p.expected, 2) + ")";
       else
         text += " (expected number " + fixed(p.expected, 2) + ")";
       if (p.severity) text += ", " + how_bad(kind, *p.severity);
@@ -197,8 +197,9 @@ std::string values(const ModelFinding& model) {
       parts.emplace_back("others, tabulated below");
       break;
     }
-    parts.push_back(p.unknown.label + " = " + value_with_unit(median(p.estimate), p.unknown) + " (" +
-                    answer_interval(p.estimate) + (p.is_nearly_prior() ? ", nearly its prior)" : ")"));
+    parts.push_back(p.unknown.label + " = " + value_with_unit(median(p.estimate), p.unknown) +
+                    " (" + answer_interval(p.estimate) +
+                    (p.is_nearly_prior() ? ", nearly its prior)" : ")"));
   }
   if (parts.empty()) return {};
   return "With 95 % intervals: " + in_words(parts) + ".";
@@ -303,7 +304,7 @@ Answer answer(const Findings& findings) {
                   : "None of these models explains the record (") +
            in_brief(verdict) + ").";
   };
-  Answer out = verdict_on(findings, " between models: ", quoted, misfit);
+  Answer out = verdict_on(findings, " between models: ", quoted_name, misfit);
   out.detail = values(findings.models[findings.by_probability()[0]]);
   return out;
 }
@@ -323,8 +324,8 @@ Answer answer(const SidFindings& findings) {
   for (const TermFinding& term : terms) {
     if (!term.is_in() || values.size() == kMostValues) continue;
     for (const ParameterFinding& p : term.parameters) {
-      values.push_back(p.unknown.label + " = " + value_with_unit(median(p.estimate), p.unknown) + " (" +
-                       answer_interval(p.estimate) + ")");
+      values.push_back(p.unknown.label + " = " + value_with_unit(median(p.estimate), p.unknown) +
+                       " (" + answer_interval(p.estimate) + ")");
     }
   }
   if (!values.empty()) out.detail = "With 95 % intervals: " + in_words(values) + ".";
@@ -336,7 +337,8 @@ Answer answer(const std::string& path, const std::vector<SweepRow>& rows) {
   std::vector<std::string> best;
   std::size_t failed = 0, misfits = 0;
   for (const SweepRow& row : rows) {
-    best.push_back(row.models.empty() ? "" : quoted_name(row.models[by_probability(row.models)[0]]));
+    best.push_back(row.models.empty() ? ""
+                                      : quoted_name(row.models[by_probability(row.models)[0]]));
     failed += row.converged ? 0 : 1;
     misfits += row.explained ? 0 : 1;
   }

@@ -192,7 +192,7 @@ std::string prose(const std::string& text) {
 
 // `text` with each {{key}} replaced, in one pass: what is put in is not looked at again.
 std::string fill_page(std::string_view text,
-                 const std::vector<std::pair<std::string_view, std::string_view>>& values) {
+                      const std::vector<std::pair<std::string_view, std::string_view>>& values) {
   std::string out;
   std::size_t at = 0;
   while (true) {
@@ -286,16 +286,16 @@ std::string page_of(const Report& summary, const io::NetcdfReader* draws) {
   const std::string headline = prose(said.headline);
   const std::string licences = html_text(std::string(assets::kLicences));
   return fill_page(assets::kTemplate, {{"title", title},
-                                  {"caution", caution},
-                                  {"misfit", said.misfit ? " misfit" : ""},
-                                  {"headline", headline},
-                                  {"detail", detail},
-                                  {"style", assets::kStyle},
-                                  {"data", data},
-                                  {"vega", assets::kVega},
-                                  {"charts", assets::kCharts},
-                                  {"page", assets::kPage},
-                                  {"licences", licences}});
+                                       {"caution", caution},
+                                       {"misfit", said.misfit ? " misfit" : ""},
+                                       {"headline", headline},
+                                       {"detail", detail},
+                                       {"style", assets::kStyle},
+                                       {"data", data},
+                                       {"vega", assets::kVega},
+                                       {"charts", assets::kCharts},
+                                       {"page", assets::kPage},
+                                       {"licences", licences}});
 }
 
 // The path as one word of the shell: its bytes need be no text, so no program can be told them.

@@ -57,9 +57,9 @@ struct ParametricModes::Impl {
   ParametricModesOptions options;
   Index n = 0, rigid = 0, wanted = 0;  // wanted: elastic
   double sigma = 0.0;
-  SparseFactor shifted;       // K₀ + σM₀
-  MatrixXd lifted;      // (K₀ + σM₀)⁻¹ C, C of the terms of low rank
-  MatrixXd compliance;  // Cᵀ (K₀ + σM₀)⁻¹ C
+  SparseFactor shifted;  // K₀ + σM₀
+  MatrixXd lifted;       // (K₀ + σM₀)⁻¹ C, C of the terms of low rank
+  MatrixXd compliance;   // Cᵀ (K₀ + σM₀)⁻¹ C
   Training training;
 
   MatrixXd basis;

@@ -335,9 +335,9 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
   const MatrixXd rigid = orthonormal(d.mass, MatrixXd(n, 0), d.rigid_motions);
   const double unit = lowest_size(d, rigid);
   const ModeSearch search{.d = d,
-                      .rigid = rigid,
-                      .mass = d.mass * unit,
-                      .shifted = Factor(Sparse(d.stiffness + unit * d.mass))};
+                          .rigid = rigid,
+                          .mass = d.mass * unit,
+                          .shifted = Factor(Sparse(d.stiffness + unit * d.mass))};
   if (!search.shifted.ok()) refuse_spread(d);
 
   StructureModes out;

@@ -106,7 +106,8 @@ bool SubspaceModes::iterate(const Discretisation& d, Index wanted, Found& out) c
     if (before.size() > 0)
       moved = ((elastic - before.tail(options_.modes)).array() / elastic.array()).abs().maxCoeff();
     // Rounding keeps fine meshes moving.
-    const bool done = moved <= options_.tolerance || (moved < kSubspaceRounding && moved > 0.5 * last);
+    const bool done =
+        moved <= options_.tolerance || (moved < kSubspaceRounding && moved > 0.5 * last);
     before = now;
     last = moved;
     momentum = mass_x * ritz.eigenvectors();

@@ -268,7 +268,9 @@ Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
   ModelPosterior posterior(problem, model);
   const Eigen::Index d = posterior.dimension();
   if (d > 0) {
-    const Function f = [&](const Eigen::VectorXd& z) { return posterior(values_of(z)).log_posterior(); };
+    const Function f = [&](const Eigen::VectorXd& z) {
+      return posterior(values_of(z)).log_posterior();
+    };
     const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(mode.z.data(), d);
     const Eigen::MatrixXd h = -derivatives(f, z, mode.value, steps(f, z, mode.value, 0.05)).hessian;
     const Eigen::LLT<Eigen::MatrixXd> llt(h);

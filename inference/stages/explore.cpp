@@ -37,7 +37,7 @@ constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all mode
 constexpr long kRecordBudget = 50000;   // where a record grows: modes are then followed besides
 constexpr long kLeastBudget = 3000;     // a model's
 constexpr double kBriefAnnealing = 50000.0;  // likelihood calls, a model, about
-constexpr double kHopelessModel = 50.0;           // ln: models this far below the best are not annealed
+constexpr double kHopelessModel = 50.0;      // ln: models this far below the best are not annealed
 constexpr double kLive = 30.0;               // ln: chains start in models this far below the best
 
 std::vector<int> every_model(const RunContext& run) {

@@ -21,7 +21,7 @@ constexpr int kMaxDraws = 200000;
 // they are made again: more often where the run has not converged without it.
 constexpr double kWorthRefitting = 0.003;
 constexpr int kMostRefits = 4;
-constexpr int kScansTogether = 256;               // draws between two calls of the monitor
+constexpr int kScansTogether = 256;          // draws between two calls of the monitor
 constexpr std::size_t kAtHand = 1 << 16;     // draws between two times that they are let go
 constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
 
