@@ -10,10 +10,10 @@ namespace {
 using testing::HasSubstr;
 
 // The complaint about a case, or "" where there is none.
-std::string complaint(const Json& json, Exit expected = Exit::bad_input) {
+std::string complaint(const Json& input, Exit expected = Exit::bad_input) {
   const Workspace where;
   try {
-    CaseFile file = read_case(where.write_json("c.json", json));
+    CaseFile file = read_case(where.write_json("c.json", input));
     validate_against_schema(file, "damage");
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.exit(), expected);
@@ -42,43 +42,43 @@ TEST(CaseFile, AcceptsAGoodCase) {
 
 // Fault: 4294967297 modes were one.
 TEST(CaseFile, MayNameItsSchemaAndTheVersionOfItsFormat) {
-  Json json = small_case();
-  json["$schema"] = "damage.schema.json";
-  json["format"] = 1;
-  EXPECT_EQ(complaint(json), "");
-  json["format"] = 2;
-  EXPECT_THAT(complaint(json), HasSubstr("c.json: /format: 2: "));
-  json["format"] = 1;
-  json["$schema"] = 7;
-  EXPECT_THAT(complaint(json), HasSubstr("/$schema: 7: "));
+  Json input = small_case();
+  input["$schema"] = "damage.schema.json";
+  input["format"] = 1;
+  EXPECT_EQ(complaint(input), "");
+  input["format"] = 2;
+  EXPECT_THAT(complaint(input), HasSubstr("c.json: /format: 2: "));
+  input["format"] = 1;
+  input["$schema"] = 7;
+  EXPECT_THAT(complaint(input), HasSubstr("/$schema: 7: "));
 }
 
 TEST(CaseFile, WholeNumbersBeyondWhatIsCountedWithAreRefused) {
-  Json json = small_case();
-  json["data"]["modes"] = 4294967297;
-  EXPECT_THAT(complaint(json), HasSubstr("/data/modes: 4294967297: must be"));
-  json["data"]["modes"] = 3;
-  json["data"]["seed"] = 9223372036854775807;
-  EXPECT_EQ(complaint(json), "") << "seeds have 63 bits";
-  json["data"]["seed"] = 18446744073709551615ULL;
-  EXPECT_THAT(complaint(json), HasSubstr("/data/seed: 18446744073709551615: must be"));
+  Json input = small_case();
+  input["data"]["modes"] = 4294967297;
+  EXPECT_THAT(complaint(input), HasSubstr("/data/modes: 4294967297: must be"));
+  input["data"]["modes"] = 3;
+  input["data"]["seed"] = 9223372036854775807;
+  EXPECT_EQ(complaint(input), "") << "seeds have 63 bits";
+  input["data"]["seed"] = 18446744073709551615ULL;
+  EXPECT_THAT(complaint(input), HasSubstr("/data/seed: 18446744073709551615: must be"));
 }
 
 // Fault: the validator refused 3.0, at "<root>[data][modes]".
 TEST(CaseFile, WholeNumbersMayBeWrittenWithAPoint) {
-  Json json = small_case();
-  json["data"]["modes"] = 3.0;
-  json["damage"]["count"]["max"] = 2.0;
-  EXPECT_EQ(complaint(json), "");
+  Json input = small_case();
+  input["data"]["modes"] = 3.0;
+  input["damage"]["count"]["max"] = 2.0;
+  EXPECT_EQ(complaint(input), "");
   const Workspace where;
-  CaseFile file = read_case(where.write_json("c.json", json));
+  CaseFile file = read_case(where.write_json("c.json", input));
   validate_against_schema(file, "damage");
   EXPECT_TRUE(file.json["data"]["modes"].is_number_integer());
   EXPECT_TRUE(file.json["beam"]["length"].is_number_float()) << "is no whole number";
-  json["data"]["modes"] = 3.5;
-  EXPECT_THAT(complaint(json), HasSubstr("/data/modes: 3.5: must be how many modes to simulate"));
-  json["data"]["modes"] = 1e30;
-  EXPECT_THAT(complaint(json), HasSubstr("/data/modes: 1e+30: must be <= 2147483647"));
+  input["data"]["modes"] = 3.5;
+  EXPECT_THAT(complaint(input), HasSubstr("/data/modes: 3.5: must be how many modes to simulate"));
+  input["data"]["modes"] = 1e30;
+  EXPECT_THAT(complaint(input), HasSubstr("/data/modes: 1e+30: must be <= 2147483647"));
 }
 
 // Fault: an escape sequence in a title reached the terminal, and a byte of Latin-1 ended the
@@ -145,47 +145,47 @@ TEST(CaseFile, OverridesThatLeadNowhereAreUsageErrors) {
 }
 
 TEST(CaseFile, SuggestsTheNearestKey) {
-  Json json = small_case();
-  json["beam"]["lenght"] = 1.0;
-  EXPECT_THAT(complaint(json), HasSubstr("/beam/lenght"));
-  EXPECT_THAT(complaint(json), HasSubstr("\"length\" is given already: remove this key"));
-  json["beam"].erase("length");
-  EXPECT_THAT(complaint(json), HasSubstr("did you mean \"length\"?"));
-  json = small_case();
-  json["zzz"] = 1;
-  EXPECT_THAT(complaint(json), HasSubstr("/zzz"));
-  EXPECT_THAT(complaint(json),
+  Json input = small_case();
+  input["beam"]["lenght"] = 1.0;
+  EXPECT_THAT(complaint(input), HasSubstr("/beam/lenght"));
+  EXPECT_THAT(complaint(input), HasSubstr("\"length\" is given already: remove this key"));
+  input["beam"].erase("length");
+  EXPECT_THAT(complaint(input), HasSubstr("did you mean \"length\"?"));
+  input = small_case();
+  input["zzz"] = 1;
+  EXPECT_THAT(complaint(input), HasSubstr("/zzz"));
+  EXPECT_THAT(complaint(input),
               HasSubstr("allowed here: $schema, balance, baseline, beam, damage, data"));
 }
 
 TEST(CaseFile, NamesPlaceValueAndBound) {
-  Json json = small_case();
-  json["beam"]["length"] = -1.0;
-  EXPECT_THAT(complaint(json), HasSubstr("/beam/length: -1.0: must be > 0"));
-  json = small_case();
-  json["beam"]["material"]["poisson"] = 0.5;
-  EXPECT_THAT(complaint(json), HasSubstr("/beam/material/poisson: 0.5: must be < 0.5"));
-  json = small_case();
-  json["beam"]["material"].erase("young");
-  EXPECT_THAT(complaint(json), HasSubstr("/beam/material/young: is missing"));
-  json = small_case();
-  json["data"]["frequencies"][1] = "NaN";
-  EXPECT_THAT(complaint(json), HasSubstr("/data/frequencies/1: \"NaN\": must be Hz, or null"));
-  json = small_case();
-  json["beam"]["supports"] = "simply supported";
-  EXPECT_THAT(complaint(json), HasSubstr("/beam/supports"));
-  EXPECT_THAT(complaint(json), HasSubstr("clamped-pinned"));
-  json = small_case();
-  json["damage"]["count"]["prior"] = Json{{"poison", 1.0}};
-  EXPECT_THAT(complaint(json), HasSubstr("did you mean \"poisson\"?"));
-  json = small_case();
-  json["damage"]["location"] = 3;
-  EXPECT_THAT(complaint(json), HasSubstr("/damage/location: 3: must be a prior"));
-  json = small_case();
-  json["kind"] = "sid";
-  EXPECT_THAT(complaint(json), HasSubstr("/kind: \"sid\": must be \"damage\""));
-  json.erase("beam");
-  EXPECT_THAT(complaint(json), HasSubstr("the command for this case is `wheeltap sid`"));
+  Json input = small_case();
+  input["beam"]["length"] = -1.0;
+  EXPECT_THAT(complaint(input), HasSubstr("/beam/length: -1.0: must be > 0"));
+  input = small_case();
+  input["beam"]["material"]["poisson"] = 0.5;
+  EXPECT_THAT(complaint(input), HasSubstr("/beam/material/poisson: 0.5: must be < 0.5"));
+  input = small_case();
+  input["beam"]["material"].erase("young");
+  EXPECT_THAT(complaint(input), HasSubstr("/beam/material/young: is missing"));
+  input = small_case();
+  input["data"]["frequencies"][1] = "NaN";
+  EXPECT_THAT(complaint(input), HasSubstr("/data/frequencies/1: \"NaN\": must be Hz, or null"));
+  input = small_case();
+  input["beam"]["supports"] = "simply supported";
+  EXPECT_THAT(complaint(input), HasSubstr("/beam/supports"));
+  EXPECT_THAT(complaint(input), HasSubstr("clamped-pinned"));
+  input = small_case();
+  input["damage"]["count"]["prior"] = Json{{"poison", 1.0}};
+  EXPECT_THAT(complaint(input), HasSubstr("did you mean \"poisson\"?"));
+  input = small_case();
+  input["damage"]["location"] = 3;
+  EXPECT_THAT(complaint(input), HasSubstr("/damage/location: 3: must be a prior"));
+  input = small_case();
+  input["kind"] = "sid";
+  EXPECT_THAT(complaint(input), HasSubstr("/kind: \"sid\": must be \"damage\""));
+  input.erase("beam");
+  EXPECT_THAT(complaint(input), HasSubstr("the command for this case is `wheeltap sid`"));
 }
 
 TEST(CaseFile, ReadsEveryFormOfPrior) {

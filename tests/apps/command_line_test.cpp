@@ -18,7 +18,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr const char* kShort = " --quiet --chains 2 --warmup 3000 --draws 1000 ";
+constexpr const char* kShortRun = " --quiet --chains 2 --warmup 3000 --draws 1000 ";
 
 json table_case() {
   json c = small_case();
@@ -98,7 +98,7 @@ TEST(CommandLine, BadCasesEndWith65AndNameThePlace) {
   const Workspace where;
   const std::string good = where.write_json("c.json", small_case()).string();
   const auto with = [&](const std::string& set) {
-    return "damage " + good + " -o " + (where / "out").string() + kShort + "--set '" + set + "'";
+    return "damage " + good + " -o " + (where / "out").string() + kShortRun + "--set '" + set + "'";
   };
   expect_refusal(where, with("beam.lenght=1"), 65, {"c.json", "/beam/lenght", "length"});
   expect_refusal(where, with("beam.length=-1"), 65, {"/beam/length", "-1", "> 0"});
@@ -147,7 +147,7 @@ TEST(CommandLine, UnwritableOutputEndsWith73) {
   const std::string good = where.write_json("c.json", small_case()).string();
   where.write("file", std::string("not a folder"));
   const std::string below = (where / "file").string() + "/below";
-  expect_refusal(where, "damage " + good + " -o " + below + kShort, 73, {"file/below"});
+  expect_refusal(where, "damage " + good + " -o " + below + kShortRun, 73, {"file/below"});
   expect_refusal(where,
                  "table " + where.write_json("t.json", table_case()).string() + " -o " + below, 73,
                  {"file/below"});
@@ -167,7 +167,7 @@ TEST(CommandLine, TablesAreComputedUsedAndRefused) {
   EXPECT_THAT(made.out, HasSubstr("6 FE runs"));
   EXPECT_THAT(made.out, HasSubstr("cannot predict"));
   c["predictor"] = {{"table", "t.nc"}};
-  const std::string run = " -o " + (where / "out").string() + kShort;
+  const std::string run = " -o " + (where / "out").string() + kShortRun;
   const std::string uses = where.write_json("u.json", c).string();
   const Outcome used = wheeltap(where, "damage " + uses + run);
   EXPECT_EQ(used.exit_code, 0) << used.err;
@@ -273,8 +273,9 @@ TEST(CommandLine, TwoHalfTablesMakeTheWhole) {
   json uses = table_case();
   uses["predictor"] = {{"table", "half1.nc"}};
   expect_refusal(
-      where, "damage " + where.write_json("u.json", uses).string() + " -o " + path("out") + kShort,
-      65, {"half1.nc", "part 1/2"});
+      where,
+      "damage " + where.write_json("u.json", uses).string() + " -o " + path("out") + kShortRun, 65,
+      {"half1.nc", "part 1/2"});
 }
 
 TEST(CommandLine, BadEmulatorsEndWith65) {
@@ -317,7 +318,7 @@ TEST(CommandLine, PriorOnlyRunsOnAnEmulatorCheckNothing) {
   const Workspace where;
   const std::string path = where.write_json("t.json", table_case()).string();
   const Outcome outcome = wheeltap(
-      where, "damage " + path + " -o " + (where / "out").string() + kShort + "--prior-only");
+      where, "damage " + path + " -o " + (where / "out").string() + kShortRun + "--prior-only");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const json s = json::parse(read_all(where / "out/summary.json"));
   EXPECT_FALSE(s["emulator"].contains("check"));
@@ -327,7 +328,7 @@ TEST(CommandLine, AnExactRunCountsItsFullModelCalls) {
   const Workspace where;
   json c = small_case();
   c["data"]["cov"] = 0.002;
-  const std::string out = " -o " + (where / "out").string() + kShort;
+  const std::string out = " -o " + (where / "out").string() + kShortRun;
   const auto summary = [&](const char* predictor) {
     c["predictor"] = json::parse(predictor);
     const Outcome outcome =
@@ -347,14 +348,15 @@ TEST(CommandLine, AnExactRunCountsItsFullModelCalls) {
   EXPECT_THAT(blind["said"].get<std::string>(), HasSubstr("The emulator moved the answer"));
   const json exact =
       summary(R"({"sites": [1, 10], "multipliers": [0.4, 1.0], "holdout": 50, "exact": true})");
-  const long full = exact["emulator"]["full_model_calls"]["likelihood"];
+  const long full = exact["emulator"]["full_model_calls"]["likelihood"].get<long>();
   EXPECT_GT(full, 0);
   EXPECT_LT(full, exact["cost"]["likelihood_evaluations"].get<long>());
   EXPECT_THAT(exact["said"].get<std::string>(), HasSubstr("the posterior is the FE solution's"));
   for (std::size_t m = 0; m < 3; ++m) {
     const double error =
         std::hypot(fe["models"][m]["mcse"].get<double>(), exact["models"][m]["mcse"].get<double>());
-    EXPECT_NEAR(exact["models"][m]["probability"], fe["models"][m]["probability"], 4.5 * error);
+    EXPECT_NEAR(exact["models"][m]["probability"].get<double>(),
+                fe["models"][m]["probability"].get<double>(), 4.5 * error);
   }
   const json good = summary(R"({"sites": "every-element", "multipliers": [0.4, 0.6, 0.8, 1.0],
     "interpolation": "monotone-cubic", "coordinate": "compliance", "holdout": 50})");
@@ -401,7 +403,7 @@ TEST(CommandLine, SimulatedDataAreReadBack) {
             0);
   const json whole = json::parse(read_all(where / "d.json"));
   EXPECT_EQ(whole["data"]["frequencies"].size(), 4U);
-  const std::string out = " -o " + (where / "out").string() + kShort;
+  const std::string out = " -o " + (where / "out").string() + kShortRun;
   const auto summary = [&](const std::string& arguments) {
     const Outcome outcome = wheeltap(where, "damage " + arguments + out);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -417,7 +419,7 @@ TEST(CommandLine, ARunWritesWhatTheContractSays) {
   const Workspace where;
   const std::string path = where.write_json("c.json", small_case()).string();
   const std::string out = (where / "out").string();
-  const Outcome outcome = wheeltap(where, "damage " + path + " -o " + out + kShort + "--seed 3");
+  const Outcome outcome = wheeltap(where, "damage " + path + " -o " + out + kShortRun + "--seed 3");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, IsEmpty()) << "--quiet";
   EXPECT_THAT(outcome.out, HasSubstr("How many damages?"));
@@ -458,7 +460,7 @@ TEST(CommandLine, ThreadsDoNotChangeAResult) {
   const std::string path = where.write_json("c.json", small_case()).string();
   const auto run = [&](const std::string& threads) {
     const std::string out = (where / ("out" + threads)).string();
-    EXPECT_EQ(wheeltap(where, "damage " + path + " -o " + out + kShort + "--threads " + threads)
+    EXPECT_EQ(wheeltap(where, "damage " + path + " -o " + out + kShortRun + "--threads " + threads)
                   .exit_code,
               0);
     return json::parse(read_all(out + "/summary.json"));
@@ -508,12 +510,14 @@ TEST(CommandLine, PriorOnlyReturnsThePrior) {
   ASSERT_EQ(s["models"].size(), 6U);
   for (const json& m : s["models"]) {
     EXPECT_LT(m["mcse"], 0.02);
-    EXPECT_NEAR(m["probability"], m["prior"], 4.5 * m["mcse"].get<double>()) << m["name"];
+    EXPECT_NEAR(m["probability"].get<double>(), m["prior"].get<double>(),
+                4.5 * m["mcse"].get<double>())
+        << m["name"];
   }
   const json& p = s["parameters"]["1 damage, 1 support"];
   const auto near = [&](const char* name, double mean, double sd) {
     const double mcse = sd / std::sqrt(p[name]["ess_bulk"].get<double>());
-    EXPECT_NEAR(p[name]["mean"], mean, 4.5 * mcse) << name;
+    EXPECT_NEAR(p[name]["mean"].get<double>(), mean, 4.5 * mcse) << name;
     EXPECT_NEAR(p[name]["sd"].get<double>() / sd, 1.0, 0.1) << name;
   };
   near("damage location[1]", 2.0 / 7.0, std::sqrt(10.0 / (49.0 * 8.0)));

@@ -16,9 +16,9 @@ namespace {
 
 using testing::HasSubstr;
 
-std::unique_ptr<const DamageProblem> problem(const Json& json) {
+std::unique_ptr<const DamageProblem> problem(const Json& input) {
   const Workspace where;
-  const DamageCaseFile parsed = parse_damage_case(read_case(where.write_json("c.json", json)));
+  const DamageCaseFile parsed = parse_damage_case(read_case(where.write_json("c.json", input)));
   return explained(parsed, [&] { return make_damage_problem(parsed.damage, {}); });
 }
 
@@ -28,11 +28,11 @@ double log_normal_density(double observed, double mean, double sd) {
 }
 
 TEST(DamageProblem, LikelihoodIsTheContractsGaussian) {
-  const Json json = small_case();
-  const auto p = problem(json);
+  const Json input = small_case();
+  const auto p = problem(input);
   ASSERT_EQ(p->problem.space.size(), 3);
   const auto likelihood = p->problem.likelihood();
-  const std::vector<double> observed = json["data"]["frequencies"];
+  const std::vector<double> observed = input["data"]["frequencies"].get<std::vector<double>>();
   const std::vector<std::vector<double>> thetas = {{}, {0.33, 0.4}, {0.1, 0.2, 0.72, 0.5}};
   for (int m = 0; m < 3; ++m) {
     const auto& theta = thetas[static_cast<std::size_t>(m)];
@@ -55,12 +55,12 @@ TEST(DamageProblem, LikelihoodIsTheContractsGaussian) {
 }
 
 TEST(DamageProblem, InferredNoiseKeepsItsNormaliser) {
-  Json json = small_case();
-  json["data"]["cov"] = {{"log_uniform", {1e-3, 1e-1}}};
-  const auto p = problem(json);
+  Json input = small_case();
+  input["data"]["cov"] = {{"log_uniform", {1e-3, 1e-1}}};
+  const auto p = problem(input);
   EXPECT_EQ(p->problem.space.parameter_name(0, 0), "cov");
   const auto likelihood = p->problem.likelihood();
-  const std::vector<double> observed = json["data"]["frequencies"];
+  const std::vector<double> observed = input["data"]["frequencies"].get<std::vector<double>>();
   const auto f = elastic_frequencies(p->damage_case.beam, {}, 3);
   for (const double cv : {0.002, 0.05}) {
     double expected = 0.0;
@@ -77,10 +77,10 @@ TEST(DamageProblem, InferredNoiseKeepsItsNormaliser) {
 // neighbouring elements' midpoints of the frequencies, not of the likelihood.
 TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
   for (const bool inferred : {false, true}) {
-    Json json = small_case();
-    json["data"]["frequencies"] = {13.8, nullptr, 124.0};
-    if (inferred) json["data"]["cov"] = {{"log_uniform", {1e-3, 1e-1}}};
-    json["data"]["discrepancy"] = {{"cov", 0.003}};
+    Json input = small_case();
+    input["data"]["frequencies"] = {13.8, nullptr, 124.0};
+    if (inferred) input["data"]["cov"] = {{"log_uniform", {1e-3, 1e-1}}};
+    input["data"]["discrepancy"] = {{"cov", 0.003}};
     Json spring = {{"kind", "support"},
                    {"count", {{"max", 1}}},
                    {"location", {{"uniform", {0, 1}}}},
@@ -89,8 +89,8 @@ TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
                   {"name", "prop"},
                   {"count", {{"max", 1}}},
                   {"location", {{"uniform", {0, 1}}}}};
-    json["damage"] = {json["damage"], spring, rigid};
-    const auto p = problem(json);
+    input["damage"] = {input["damage"], spring, rigid};
+    const auto p = problem(input);
     const auto likelihood = p->problem.likelihood();
     const int model = p->problem.space.find(std::vector<int>{2, 1, 1});
     // [cv,] two damages, a spring, a rigid support
@@ -132,19 +132,19 @@ TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
 }
 
 TEST(DamageProblem, AnEmulatorHasNoGradient) {
-  Json json = small_case();
-  json["damage"]["location"] = {{"uniform", {0.1, 0.9}}};
-  json["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
-  const auto p = problem(json);
+  Json input = small_case();
+  input["damage"]["location"] = {{"uniform", {0.1, 0.9}}};
+  input["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
+  const auto p = problem(input);
   std::vector<double> gradient(2);
   EXPECT_FALSE(p->problem.likelihood()->gradient(1, std::vector<double>{0.5, 0.3}, gradient));
   EXPECT_TRUE(p->fe_likelihood()->gradient(1, std::vector<double>{0.5, 0.3}, gradient));
 }
 
 TEST(DamageProblem, ModesNotMeasuredAreLeftOut) {
-  Json json = small_case();
-  json["data"]["frequencies"] = {13.8, nullptr, 124.0};
-  const auto p = problem(json);
+  Json input = small_case();
+  input["data"]["frequencies"] = {13.8, nullptr, 124.0};
+  const auto p = problem(input);
   const auto likelihood = p->problem.likelihood();
   const auto f = elastic_frequencies(p->damage_case.beam, {}, 3);
   const double expected =
@@ -155,13 +155,13 @@ TEST(DamageProblem, ModesNotMeasuredAreLeftOut) {
 }
 
 TEST(DamageProblem, FreeFreePredictsElasticModes) {
-  Json json = small_case();
-  json["beam"]["supports"] = "free-free";
+  Json input = small_case();
+  input["beam"]["supports"] = "free-free";
   Json support = {
       {"kind", "support"}, {"count", {{"max", 2}}}, {"location", {{"uniform", {0, 1}}}}};
-  json["damage"]["count"]["max"] = 1;
-  json["damage"] = {json["damage"], support};
-  const auto p = problem(json);
+  input["damage"]["count"]["max"] = 1;
+  input["damage"] = {input["damage"], support};
+  const auto p = problem(input);
   const auto likelihood = p->problem.likelihood();
   const auto check = [&](const std::vector<int>& counts, const std::vector<double>& theta,
                          const fem::Defects& defects) {
@@ -179,14 +179,14 @@ TEST(DamageProblem, FreeFreePredictsElasticModes) {
 }
 
 TEST(DamageProblem, SeveralKindsCombineWithProductWeights) {
-  Json json = small_case();
-  json["damage"]["count"] = {{"max", 1}, {"prior", {3, 1}}};
+  Json input = small_case();
+  input["damage"]["count"] = {{"max", 1}, {"prior", {3, 1}}};
   Json support = {{"kind", "support"},
                   {"count", {{"max", 2}, {"prior", {{"poisson", 1.0}}}}},
                   {"location", {{"uniform", {0.0, 0.5}}}},
                   {"stiffness", {{"log_uniform", {1e2, 1e6}}}}};
-  json["damage"] = {json["damage"], support};
-  const auto p = problem(json);
+  input["damage"] = {input["damage"], support};
+  const auto p = problem(input);
   const auto& space = p->problem.space;
   ASSERT_EQ(space.size(), 6);
   const int both = space.find(std::vector<int>{1, 2});
@@ -201,33 +201,34 @@ TEST(DamageProblem, SeveralKindsCombineWithProductWeights) {
 }
 
 TEST(DamageProblem, ReflectsWhereBeamAndPriorAreSymmetric) {
-  Json json = small_case();
-  EXPECT_EQ(problem(json)->problem.reflections.size(), 1U);
-  EXPECT_EQ(problem(json)->problem.reflections[0].center, 0.5);
-  json["damage"]["location"] = {{"beta", {2, 2}}};
-  EXPECT_TRUE(problem(json)->symmetric);
-  json["damage"]["location"] = {{"uniform", {0.0, 0.9}}};
-  EXPECT_FALSE(problem(json)->symmetric);
-  json = small_case();
-  json["beam"]["supports"] = "cantilever";
-  EXPECT_FALSE(problem(json)->symmetric);
+  Json input = small_case();
+  EXPECT_EQ(problem(input)->problem.reflections.size(), 1U);
+  EXPECT_EQ(problem(input)->problem.reflections[0].center, 0.5);
+  input["damage"]["location"] = {{"beta", {2, 2}}};
+  EXPECT_TRUE(problem(input)->symmetric);
+  input["damage"]["location"] = {{"uniform", {0.0, 0.9}}};
+  EXPECT_FALSE(problem(input)->symmetric);
+  input = small_case();
+  input["beam"]["supports"] = "cantilever";
+  EXPECT_FALSE(problem(input)->symmetric);
 }
 
 TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
-  Json json = small_case();
-  json["damage"]["location"] = {{"uniform", {0.1, 0.9}}};
-  json["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
+  Json input = small_case();
+  input["damage"]["location"] = {{"uniform", {0.1, 0.9}}};
+  input["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
   const std::vector<double> theta = {0.5, 0.3};
-  const auto honest = problem(json);
-  json["predictor"]["emulator_error"] = false;
-  json["predictor"]["symmetrise"] = true;  // what it is by default where the error counts
-  const auto blind = problem(json);
+  const auto honest = problem(input);
+  input["predictor"]["emulator_error"] = false;
+  input["predictor"]["symmetrise"] = true;  // what it is by default where the error counts
+  const auto blind = problem(input);
   const auto with = honest->problem.likelihood(), without = blind->problem.likelihood();
   (void)with->log_likelihood(1, theta);
   const double naive = without->log_likelihood(1, theta);
   double sum = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double f = without->prediction()[i], observed = json["data"]["frequencies"][i];
+    const double f = without->prediction()[i].get<double>(),
+                 observed = input["data"]["frequencies"][i].get<double>();
     // Grown with the compliance that the damage adds, 0.3 / 0.7 of an element's (and 0.001).
     const double variance = honest->emulator->error(1).scale[i] * (0.3 / 0.7 + 1e-3);
     EXPECT_GT(variance, 0.0);
@@ -240,9 +241,9 @@ TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
 }
 
 TEST(DamageProblem, DiscrepancyIsAddedToTheNoise) {
-  Json json = small_case();
-  json["data"]["discrepancy"] = {{"cov", 0.02}};
-  const std::vector<double> observed = json["data"]["frequencies"];
+  Json input = small_case();
+  input["data"]["discrepancy"] = {{"cov", 0.02}};
+  const std::vector<double> observed = input["data"]["frequencies"].get<std::vector<double>>();
   const auto expected = [&](const std::vector<double>& f, double cv) {
     double sum = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -250,22 +251,22 @@ TEST(DamageProblem, DiscrepancyIsAddedToTheNoise) {
     }
     return sum;
   };
-  const auto p = problem(json);
+  const auto p = problem(input);
   const auto f = elastic_frequencies(p->damage_case.beam, {}, 3);
   EXPECT_NEAR(p->problem.likelihood()->log_likelihood(0, {}), expected(f, 0.01), 1e-5);
-  json["data"]["cov"] = {{"log_uniform", {1e-3, 1e-1}}};
-  const auto inferred = problem(json);
+  input["data"]["cov"] = {{"log_uniform", {1e-3, 1e-1}}};
+  const auto inferred = problem(input);
   EXPECT_NEAR(inferred->problem.likelihood()->log_likelihood(0, std::vector<double>{0.03}),
               expected(f, 0.03), 1e-5);
 }
 
 TEST(DamageProblem, AnExactEmulatorScreensAndTheFiniteElementsDecide) {
-  Json json = small_case();
-  const auto fe = problem(json);
-  json["predictor"] = Json::parse(R"({"sites": [1, 4, 7, 10], "multipliers": [0.4, 1.0]})");
-  const auto emulated = problem(json);
-  json["predictor"]["exact"] = true;
-  const auto exact = problem(json);
+  Json input = small_case();
+  const auto fe = problem(input);
+  input["predictor"] = Json::parse(R"({"sites": [1, 4, 7, 10], "multipliers": [0.4, 1.0]})");
+  const auto emulated = problem(input);
+  input["predictor"]["exact"] = true;
+  const auto exact = problem(input);
   ASSERT_TRUE(exact->problem.screen);
   EXPECT_FALSE(emulated->problem.screen);
   const std::vector<double> theta = {0.23, 0.2, 0.55, 0.3};
@@ -278,10 +279,10 @@ TEST(DamageProblem, AnExactEmulatorScreensAndTheFiniteElementsDecide) {
 }
 
 TEST(DamageProblem, RefusesAPriorOutsideTheEmulatorsBox) {
-  Json json = small_case();
-  json["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
+  Json input = small_case();
+  input["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
   try {
-    (void)problem(json);
+    (void)problem(input);
     FAIL();
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.exit(), Exit::bad_input);

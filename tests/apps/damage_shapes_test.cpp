@@ -101,7 +101,7 @@ TEST(DamageShapes, RunsAndSaysHowItFits) {
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
   const json summary = json::parse(read_all(where / "out/summary.json"));
   EXPECT_TRUE(summary["parameters"]["1 damage"].contains("shape_sd"));
-  const double p = summary["data"]["posterior_predictive_p"];
+  const double p = summary["data"]["posterior_predictive_p"].get<double>();
   EXPECT_GT(p, 0.005);
   EXPECT_LT(p, 0.995);
 }

@@ -25,17 +25,17 @@ struct Misses {
 
 // Truths from the prior: how often the central 95 % intervals miss them.
 Misses misses(const std::string& predictor, const char* supports, int modes) {
-  Json json = small_case();
-  json["beam"]["elements"] = 100;
-  json["beam"]["supports"] = supports;
-  json["data"] = {{"frequencies", std::vector<double>(static_cast<std::size_t>(modes), 1.0)},
-                  {"cov", 0.001}};
-  json["damage"]["count"] = {{"min", 1}, {"max", 1}};
-  json["damage"]["location"] = {{"uniform", {0.04, 0.95}}};
-  json["predictor"] = Json::parse(predictor);
+  Json input = small_case();
+  input["beam"]["elements"] = 100;
+  input["beam"]["supports"] = supports;
+  input["data"] = {{"frequencies", std::vector<double>(static_cast<std::size_t>(modes), 1.0)},
+                   {"cov", 0.001}};
+  input["damage"]["count"] = {{"min", 1}, {"max", 1}};
+  input["damage"]["location"] = {{"uniform", {0.04, 0.95}}};
+  input["predictor"] = Json::parse(predictor);
   const Workspace where;
   const auto problem = make_damage_problem(
-      parse_damage_case(read_case(where.write_json("c.json", json))).damage, {});
+      parse_damage_case(read_case(where.write_json("c.json", input))).damage, {});
   const fem::Beam& beam = problem->damage_case.beam;
   // What the emulator says anywhere: constant within an element, midpoint rule in the reduction.
   FrequencyPredictor predict(*problem);

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-std::unique_ptr<const DamageProblem> problem(const json& c) {
+std::unique_ptr<const DamageProblem> extent_problem(const json& c) {
   const Workspace where;
   const DamageCaseFile parsed = parse_damage_case(read_case(where.write_json("c.json", c)));
   return explained(parsed, [&] { return make_damage_problem(parsed.damage, {}); });
@@ -27,7 +27,7 @@ json with_extent(const json& extent) {
 }
 
 TEST(Extent, IsAThirdParameterOfEachDamage) {
-  const auto unknown = problem(with_extent(json::parse(R"({"uniform": [0.0, 0.5]})")));
+  const auto unknown = extent_problem(with_extent(json::parse(R"({"uniform": [0.0, 0.5]})")));
   const auto& space = unknown->problem.space;
   EXPECT_EQ(space[1].dimension, 3);
   EXPECT_EQ(space[2].dimension, 6);
@@ -40,11 +40,11 @@ TEST(Extent, IsAThirdParameterOfEachDamage) {
 }
 
 TEST(Extent, PredictsAsOneThatIsKnown) {
-  const auto unknown = problem(with_extent(json::parse(R"({"uniform": [0.0, 0.5]})")));
+  const auto unknown = extent_problem(with_extent(json::parse(R"({"uniform": [0.0, 0.5]})")));
   FrequencyPredictor by_prior(*unknown);
   std::vector<double> f(3), expected(3), narrow(3);
   for (const double extent : {0.03, 0.2, 0.37}) {
-    const auto known = problem(with_extent(extent));
+    const auto known = extent_problem(with_extent(extent));
     FrequencyPredictor by_number(*known);
     by_prior.solve(1, std::vector<double>{0.42, 0.3, extent}, f);
     by_number.solve(1, std::vector<double>{0.42, 0.3}, expected);
@@ -59,7 +59,7 @@ TEST(Extent, OfATruthIsSimulated) {
   json c = with_extent(json::parse(R"({"uniform": [0.0, 0.5]})"));
   c["data"] = {{"cov", 1e-9}, {"modes", 3}};
   c["damage"]["truth"] = {{{"location", 0.42}, {"reduction", 0.3}, {"extent", 0.2}}};
-  const auto p = problem(c);
+  const auto p = extent_problem(c);
   FrequencyPredictor predictor(*p);
   std::vector<double> f(3);
   predictor.solve(1, std::vector<double>{0.42, 0.3, 0.2}, f);

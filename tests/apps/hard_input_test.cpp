@@ -16,7 +16,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kShort = " --quiet --chains 2 --warmup 100 --draws 100 ";
+constexpr const char* kShortest = " --quiet --chains 2 --warmup 100 --draws 100 ";
 #ifdef __SANITIZE_THREAD__  // some ten times as slow
 constexpr std::chrono::seconds kSoon{100};
 #else
@@ -37,11 +37,11 @@ class HardInput : public testing::Test {
   }
   [[nodiscard]] std::string damage(const json& c, const std::string& options = "") const {
     return "damage " + where.write_json("c.json", c).string() + " -o " + (where / "out").string() +
-           kShort + options;
+           kShortest + options;
   }
   [[nodiscard]] std::string sid(const json& c, const std::string& options = "") const {
     return "sid " + where.write_json("s.json", c).string() + " -o " + (where / "out").string() +
-           kShort + options;
+           kShortest + options;
   }
   Workspace where;
 };
@@ -150,7 +150,7 @@ TEST_F(HardInput, FoldersAndCasesMayBeCalledAnything) {
   where.write("Größe \xff\x1b[31m\n.json", c.dump());
   const auto quoted = [&](const char* name) { return "\"" + (where / name).string() + "\""; };
   const Outcome ran = wheeltap(where, "damage " + quoted("Größe \xff\x1b[31m\n.json") + " -o " +
-                                          quoted("out \xfe\x1b[31m\n") + kShort);
+                                          quoted("out \xfe\x1b[31m\n") + kShortest);
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   EXPECT_FALSE(io::first_unprintable(ran.out + ran.err, "\n")) << io::printable(ran.out + ran.err);
   const auto folder = where / "out \xfe\x1b[31m\n";

@@ -17,7 +17,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kShort = " --quiet --chains 2 --warmup 2000 --draws 1000";
+constexpr const char* kShortStart = " --quiet --chains 2 --warmup 2000 --draws 1000";
 
 bool is_prior(const std::string& path) {
   return path.ends_with(".location") || path.ends_with(".reduction") || path.ends_with(".extent");
@@ -47,7 +47,7 @@ TEST_P(Init, WritesACaseThatRunsAndExplainsEveryKeyInIt) {
   const json written = json::parse(read_all(folder + "/" + kind + ".json"));
   expect_told(written, "", read_all(folder + "/" + kind + ".md"));
   const Outcome ran = wheeltap(
-      where, kind + " " + folder + "/" + kind + ".json -o " + folder + "/results" + kShort);
+      where, kind + " " + folder + "/" + kind + ".json -o " + folder + "/results" + kShortStart);
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   const json summary = json::parse(read_all(folder + "/results/summary.json"));
   // Its notes tell what it was simulated from: one damage; a hardening spring.
@@ -78,7 +78,7 @@ TEST(InitCommand, AModalCaseFindsTheModesThatItsNotesTell) {
   const std::vector<double> known = {3.168, 8.876, 12.826, 0.00995, 0.0279, 0.0403};
   ASSERT_EQ(modes["frequencies_hz"].size(), 3U) << ran.out;
   for (std::size_t i = 0; i < known.size(); ++i) {
-    const double found = modes[i < 3 ? "frequencies_hz" : "damping"][i % 3];
+    const double found = modes[i < 3 ? "frequencies_hz" : "damping"][i % 3].get<double>();
     EXPECT_NEAR(found, known[i], 5.0 * std::sqrt(modes["covariance"][i][i].get<double>()));
   }
 }

@@ -355,7 +355,8 @@ TEST_F(ModalCommand, FrequencyResponsesOfAUniversalFile) {
   const json modes = json::parse(read_all(where / "out/modes.json"));
   for (const double known : {51.52, 142.18, 278.67, 460.40, 687.17, 958.54}) {
     double off = 1.0;
-    for (const double f : modes["frequencies_hz"]) off = std::min(off, std::abs(f / known - 1.0));
+    for (const double f : modes["frequencies_hz"].get<std::vector<double>>())
+      off = std::min(off, std::abs(f / known - 1.0));
     EXPECT_LT(off, 1e-3) << known << "\n" << ran.out;
   }
   EXPECT_EQ(modes["sensors"].size(), 2U);
@@ -449,9 +450,9 @@ TEST_F(ModalCommand, BandsByBayes) {
   ASSERT_EQ(modes["frequencies_hz"].size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
     const double sd = std::sqrt(modes["covariance"][i][i].get<double>());
-    EXPECT_NEAR(modes["frequencies_hz"][i], i == 0 ? 1.0 : 3.0, 4.0 * sd);
+    EXPECT_NEAR(modes["frequencies_hz"][i].get<double>(), i == 0 ? 1.0 : 3.0, 4.0 * sd);
     EXPECT_GT(sd, 0.0);
-    EXPECT_NEAR(modes["damping"][i], 0.01, 0.01);
+    EXPECT_NEAR(modes["damping"][i].get<double>(), 0.01, 0.01);
   }
   EXPECT_EQ(modes["covariance"][0][1], 0.0);  // of two bands
   const json summary = json::parse(read_all(where / "out/summary.json"));
@@ -486,7 +487,7 @@ TEST_F(ModalCommand, PeaksOfSpectraSayNothingOfScatterAndAreNoData) {
   const json modes = json::parse(read_all(where / "out/modes.json"));
   ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
   for (std::size_t m = 0; m < 2; ++m)  // to a line's spacing
-    EXPECT_NEAR(modes["frequencies_hz"][m], m == 0 ? 1.0 : 3.0, 20.0 / 512.0);
+    EXPECT_NEAR(modes["frequencies_hz"][m].get<double>(), m == 0 ? 1.0 : 3.0, 20.0 / 512.0);
   for (const char* key : {"covariance", "shape_covariance"}) EXPECT_TRUE(modes[key].is_null());
   EXPECT_TRUE(modes["damping"][0].is_null());
   EXPECT_THAT(read_all(where / "out/report.html"), Not(HasSubstr("nan")));
@@ -519,9 +520,9 @@ TEST_F(ModalCommand, DecaysOfSpectraHaveTheScatterOfBlocks) {
   ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
   EXPECT_EQ(modes["blocks"], 20);
   for (std::size_t m = 0; m < 2; ++m) {
-    EXPECT_NEAR(modes["frequencies_hz"][m], m == 0 ? 1.0 : 3.0,
+    EXPECT_NEAR(modes["frequencies_hz"][m].get<double>(), m == 0 ? 1.0 : 3.0,
                 5.0 * std::sqrt(modes["covariance"][m][m].get<double>()) + 1e-3);
-    EXPECT_NEAR(modes["damping"][m], 0.01, 0.006);
+    EXPECT_NEAR(modes["damping"][m].get<double>(), 0.01, 0.006);
   }
   EXPECT_EQ(run(two_set_ups(c)).exit_code, 0);
 }

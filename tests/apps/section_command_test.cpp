@@ -68,7 +68,8 @@ TEST(SectionCommand, ContractsKeys) {
 
 TEST(SectionCommand, BareSectionsBeamsAndStructures) {
   const Workspace where;
-  const double expected = properties(where, of_section(polygon(kChannel)))["torsion_constant"];
+  const double expected =
+      properties(where, of_section(polygon(kChannel)))["torsion_constant"].get<double>();
   json bare = polygon(kChannel);
   bare["poisson"] = 0.3;
   EXPECT_EQ(properties(where, bare)["torsion_constant"], expected);

@@ -46,7 +46,7 @@ TEST(StatesCase, UnknownStiffnessBesideDamage) {
   std::string out;
   const json summary = run(where, two_storeys(), "damage", out);
   const json& k = summary["baseline"]["parameters"]["k"];
-  EXPECT_NEAR(k["posterior"]["mean"], 1400.0, 150.0);
+  EXPECT_NEAR(k["posterior"]["mean"].get<double>(), 1400.0, 150.0);
   EXPECT_GT(k["contraction"], 0.8);
   EXPECT_EQ(k["at_prior"], false);
   EXPECT_THAT(k["prior"].get<std::string>(), HasSubstr("log"));
@@ -217,8 +217,8 @@ TEST(StatesCase, AnUpdateOfSeveralStates) {
   std::string out;
   const json summary = run(where, c, "update", out);
   const json& estimates = summary["parameters"]["the structure"];
-  EXPECT_NEAR(estimates["k"]["mean"], 1400.0, 5.0);
-  EXPECT_NEAR(estimates["stiffness_per_kelvin"]["mean"], -4e-4, 4e-5);
+  EXPECT_NEAR(estimates["k"]["mean"].get<double>(), 1400.0, 5.0);
+  EXPECT_NEAR(estimates["stiffness_per_kelvin"]["mean"].get<double>(), -4e-4, 4e-5);
   ASSERT_EQ(summary["predictions"].size(), 2U);
   EXPECT_EQ(summary["predictions"][0]["state"], "full");
   EXPECT_EQ(summary["predictions"][0]["inside"], true);

@@ -125,7 +125,8 @@ TEST_F(SubstructureDamage, PosteriorIsTheSumOverAllThereIs) {
 
   const json s = run(given, "run");
   EXPECT_TRUE(s["diagnostics"]["converged"]);
-  const double p = s["models"][1]["probability"], mcse = s["models"][1]["mcse"];
+  const double p = s["models"][1]["probability"].get<double>(),
+               mcse = s["models"][1]["mcse"].get<double>();
   EXPECT_NEAR(p, exact, 4.0 * mcse);
   EXPECT_LT(mcse, 0.01);
   for (std::size_t part = 0; part < 3; ++part)

@@ -69,7 +69,7 @@ TEST(Summary, ModelTableOfIndependentDraws) {
   const double mcse = std::sqrt(0.3 * 0.7 / 8000.0);
   EXPECT_EQ(table[1]["name"], "1 damage");
   EXPECT_EQ(table[1]["prior"], 0.5);
-  EXPECT_NEAR(table[1]["probability"], 0.3, 4.5 * mcse);
+  EXPECT_NEAR(table[1]["probability"].get<double>(), 0.3, 4.5 * mcse);
   EXPECT_NEAR(table[1]["mcse"].get<double>() / mcse, 1.0, 0.2);
   EXPECT_EQ(table[1]["visited"], 4);
   EXPECT_EQ(table[1]["basis"], "draws");
@@ -93,8 +93,8 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   posterior.found = {found(-10.0), found(-12.0)};
   const Report table = model_table(found_in(posterior));
   const double p = std::exp(-2.0) / (1.0 + std::exp(-2.0));
-  EXPECT_NEAR(table[1]["probability"], p, 1e-12);
-  EXPECT_NEAR(table[1]["mcse"], p * (1.0 - p) * std::hypot(0.1, 0.1), 1e-12);
+  EXPECT_NEAR(table[1]["probability"].get<double>(), p, 1e-12);
+  EXPECT_NEAR(table[1]["mcse"].get<double>(), p * (1.0 - p) * std::hypot(0.1, 0.1), 1e-12);
   EXPECT_EQ(table[1]["basis"], "evidence");
   EXPECT_EQ(table[1]["visited"], 0);
   EXPECT_EQ(table[1]["entered"], 0);
@@ -133,7 +133,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_THAT(d["warnings"][misfit + 2].get<std::string>(),
               HasSubstr("its spectra differ, \"force\" by 9 dB (scatter alone gives 2 dB) and "
                         "\"displacement\" by 7 dB"));
-  EXPECT_NEAR(d["resolution"], 1.0 - std::pow(0.01, 1.0 / 200.0), 1e-12);
+  EXPECT_NEAR(d["resolution"].get<double>(), 1.0 - std::pow(0.01, 1.0 / 200.0), 1e-12);
   EXPECT_EQ(d["resolution_words"],
             "posterior modes reached from less than 2.3 % of the prior may have been missed");
   EXPECT_TRUE(d["resolution_width"].is_null());
@@ -175,9 +175,9 @@ TEST(Summary, AveragesOverModelsUseTheWeightsOfBalancedDraws) {
   const ChainsOf count = all_draws(
       posterior, [&](auto c, auto i) { return static_cast<double>(posterior.chains[c].model[i]); });
   const Report s = json(marginal(count, draw_weights(posterior)));
-  EXPECT_NEAR(s["mean"], 0.01, 0.01 * 4.5 * 2.0 / std::sqrt(8000.0));
+  EXPECT_NEAR(s["mean"].get<double>(), 0.01, 0.01 * 4.5 * 2.0 / std::sqrt(8000.0));
   EXPECT_EQ(s["q97.5"], 0.0);
-  EXPECT_NEAR(s["mean"], model_table(found_in(posterior))[1]["probability"], 1e-12);
+  EXPECT_NEAR(s["mean"].get<double>(), model_table(found_in(posterior))[1]["probability"], 1e-12);
 }
 
 TEST(Summary, EqualWeightsChangeNothing) {
@@ -187,7 +187,7 @@ TEST(Summary, EqualWeightsChangeNothing) {
   const Report plain = json(marginal(draws));
   const Report weighted = json(marginal(draws, {std::vector<double>(1001, 0.7)}));
   for (const char* key : {"mean", "sd", "q2.5", "q50", "q97.5", "mode"}) {
-    EXPECT_NEAR(plain[key], weighted[key], 1e-12) << key;
+    EXPECT_NEAR(plain[key].get<double>(), weighted[key].get<double>(), 1e-12) << key;
   }
 }
 
@@ -207,7 +207,7 @@ TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
   Findings findings = found_in(made_up(0.5, 1000));
   conclude(findings, coin_space(), list);
   const Report report = evidence_report(findings);
-  EXPECT_NEAR(report["tmcmc"][0]["log_evidence"], 0.0, 1e-9);
+  EXPECT_NEAR(report["tmcmc"][0]["log_evidence"].get<double>(), 0.0, 1e-9);
   EXPECT_TRUE(report["tmcmc"][1]["log_evidence"].is_null());
   EXPECT_TRUE(report["tmcmc"][1]["probability"].is_null());
   ASSERT_EQ(findings.remarks.size(), 2U) << "and that the location is nearly its prior";
@@ -250,10 +250,10 @@ TEST(Summary, ParameterSummary) {
   const Posterior posterior = made_up(0.5, 4000);
   const Report s = parameter_tables(found_in(posterior))["1 damage"]["location[1]"];
   const double n = 8000.0;
-  EXPECT_NEAR(s["mean"], 0.5, 4.5 * std::sqrt(1.0 / 12.0 / n));
-  EXPECT_NEAR(s["sd"], std::sqrt(1.0 / 12.0), 0.01);
-  EXPECT_NEAR(s["q2.5"], 0.025, 0.01);
-  EXPECT_NEAR(s["q97.5"], 0.975, 0.01);
+  EXPECT_NEAR(s["mean"].get<double>(), 0.5, 4.5 * std::sqrt(1.0 / 12.0 / n));
+  EXPECT_NEAR(s["sd"].get<double>(), std::sqrt(1.0 / 12.0), 0.01);
+  EXPECT_NEAR(s["q2.5"].get<double>(), 0.025, 0.01);
+  EXPECT_NEAR(s["q97.5"].get<double>(), 0.975, 0.01);
   EXPECT_GT(s["ess_bulk"], 0.7 * n);
   EXPECT_LT(s["rhat"], 1.01);
 }

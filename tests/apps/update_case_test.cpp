@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-json two_storeys() {
+json two_storey_case() {
   return json::parse(R"({
     "kind": "update",
     "structure": {"chain": {"masses": [2.0, 1.0], "links": [
@@ -24,13 +24,13 @@ json two_storeys() {
              "shape_sd": 0.02}})");
 }
 
-UpdateCaseFile parsed(const json& text) {
+UpdateCaseFile parsed_update(const json& text) {
   return parse_update_case({.path = "case.json", .json = Json::parse(text.dump())});
 }
 
 /// The case with a value in a place; null takes the place away.
 json with(const char* place, const json& value) {
-  json text = two_storeys();
+  json text = two_storey_case();
   const json::json_pointer at(place);
   if (value.is_null()) {
     text[at.parent_pointer()].erase(at.back());
@@ -42,7 +42,7 @@ json with(const char* place, const json& value) {
 
 void expect_refused(const json& text, const std::string& place, const std::string& words) {
   try {
-    static_cast<void>(parsed(text));
+    static_cast<void>(parsed_update(text));
     FAIL() << "not refused: " << place;
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.exit(), Exit::bad_input);
@@ -53,7 +53,7 @@ void expect_refused(const json& text, const std::string& place, const std::strin
 }
 
 TEST(UpdateCase, IsReadAsItStands) {
-  const auto update = parsed(two_storeys()).update;
+  const auto update = parsed_update(two_storey_case()).update;
   ASSERT_EQ(update.data.modes(), 2);
   EXPECT_NEAR(update.data.covariance(1, 1), 0.067 * 0.067, 1e-12);
   EXPECT_EQ(update.data.sensors[1].name, "mass 2, x");
@@ -66,13 +66,13 @@ TEST(UpdateCase, ScattersMayBeUnknown) {
   json text = with("/data/cov", {{"log_uniform", {1e-4, 1e-1}}});
   text["data"]["shape_sd"] = {{"log_uniform", {1e-3, 0.3}}};
   text["data"]["discrepancy"] = {{"cov", {{"half_normal", 0.05}}}, {"shape", 0.01}};
-  const auto data = parsed(text).update.data;
+  const auto data = parsed_update(text).update.data;
   EXPECT_TRUE(data.cov_prior && data.shape_sd_prior && data.discrepancy.prior);
   EXPECT_EQ(data.shape_discrepancy.value, 0.01);
 }
 
 TEST(UpdateCase, ModesMayBeDoubtedWhereTheyHaveShapes) {
-  EXPECT_EQ(parsed(with("/data/doubt", 0.05)).update.data.doubt, 0.05);
+  EXPECT_EQ(parsed_update(with("/data/doubt", 0.05)).update.data.doubt, 0.05);
   json alone = with("/data/doubt", 0.05);
   for (const char* key : {"shapes", "shape_sd", "sensors"}) alone["data"].erase(key);
   expect_refused(alone, "/data/doubt", "goes with shapes");
@@ -82,7 +82,7 @@ TEST(UpdateCase, ATruthStandsInForData) {
   json text = with("/data/frequencies", nullptr);
   text["data"].erase("shapes");
   text["truth"] = {{"parameters", {{"k1", 1300}, {"k2", 900}}}, {"modes", 2}, {"shape_sd", 0.05}};
-  const auto update = parsed(text).update;
+  const auto update = parsed_update(text).update;
   EXPECT_TRUE(update.data.simulated);
   EXPECT_EQ(update.data.shapes.rows(), 2);
   // As exact as the data say, whatever noise was added.

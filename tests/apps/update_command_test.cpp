@@ -24,11 +24,11 @@ class UpdateCommand : public testing::Test {
   std::string folder_ = (where_ / "new").string();
 };
 
-constexpr const char* kShort = " --quiet --draws 4000 --chains 2 --threads 2";
+constexpr const char* kShortUpdate = " --quiet --draws 4000 --chains 2 --threads 2";
 
 TEST_F(UpdateCommand, TheStarterTellsItsStiffnesses) {
   const std::string results = folder_ + "/results";
-  const Outcome ran = wheeltap(where_, "update " + starter() + " -o " + results + kShort);
+  const Outcome ran = wheeltap(where_, "update " + starter() + " -o " + results + kShortUpdate);
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
   EXPECT_THAT(ran.out, HasSubstr("The parameters"));
   const json summary = json::parse(read_all(results + "/summary.json"));
@@ -50,7 +50,7 @@ TEST_F(UpdateCommand, TheStarterTellsItsStiffnesses) {
   // The same again, and drawn again.
   EXPECT_EQ(wheeltap(where_, "report " + results).exit_code, 0);
   const Outcome again =
-      wheeltap(where_, "update " + starter() + " -o " + results + kShort + " --resume");
+      wheeltap(where_, "update " + starter() + " -o " + results + kShortUpdate + " --resume");
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
@@ -88,7 +88,7 @@ TEST_F(UpdateCommand, AMisfitIsTheHeadline) {
   text["data"]["shapes"][2] = {1.0, 1.0, 1.0};
   const auto file = where_.write_json("bad.json", text);
   const std::string results = (where_ / "bad").string();
-  const Outcome ran = wheeltap(where_, "update " + file.string() + " -o " + results + kShort);
+  const Outcome ran = wheeltap(where_, "update " + file.string() + " -o " + results + kShortUpdate);
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
   const json summary = json::parse(read_all(results + "/summary.json"));
   EXPECT_FALSE(summary["fit"]["ok"].get<bool>());

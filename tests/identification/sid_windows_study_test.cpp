@@ -20,9 +20,10 @@ namespace {
 using dynamics::Coefficient, dynamics::make_law;
 
 constexpr int kWindows = 8;
-constexpr int kGuides = 800, kShort = 250;  // samples a window: 8 s, ten periods and more; 2.5 s
-constexpr int kLong = 100000;               // samples of the record that the best values come from
-constexpr int kUnknowns = 2;                // k and c
+constexpr int kGuides = 800,
+              kShortWindow = 250;  // samples a window: 8 s, ten periods and more; 2.5 s
+constexpr int kLong = 100000;      // samples of the record that the best values come from
+constexpr int kUnknowns = 2;       // k and c
 
 struct Truth {
   double k, c;
@@ -147,7 +148,7 @@ TEST(SidWindowsStudy, IntervalsBetweenWindowsHoldWhereATermIsMissing) {
     EXPECT_GE(t.next, 0.8 * t.of);
     EXPECT_LT(t.run, t.whole);
   }
-  if (all) study(chains, kShort);
+  if (all) study(chains, kShortWindow);
 }
 
 }  // namespace

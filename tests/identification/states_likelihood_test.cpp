@@ -23,7 +23,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Modes = fem::ParametricModes::Modes;
 
-ModalData frequencies(std::vector<double> f, double cov) {
+ModalData frequencies_of_states(std::vector<double> f, double cov) {
   ModalData out{.frequencies_hz = std::move(f)};
   std::vector<double> sd;
   for (const double x : out.frequencies_hz) sd.push_back(cov * (std::isnan(x) ? 0.0 : x));
@@ -33,9 +33,9 @@ ModalData frequencies(std::vector<double> f, double cov) {
 
 ObservedStates healthy_and_damaged() {
   ObservedStates out{.model = modal::three_storeys(), .unknown = {0, 1, 2}};
-  out.list.push_back({.name = "healthy", .data = frequencies({2.2, 6.3, 8.6}, 0.01)});
+  out.list.push_back({.name = "healthy", .data = frequencies_of_states({2.2, 6.3, 8.6}, 0.01)});
   out.list.push_back(
-      {.name = "damaged", .data = frequencies({2.0, 6.2, 8.5}, 0.01), .damaged = true});
+      {.name = "damaged", .data = frequencies_of_states({2.0, 6.2, 8.5}, 0.01), .damaged = true});
   return out;
 }
 
@@ -147,8 +147,8 @@ TEST(StatesLikelihood, ADiscrepancyIsCommonToAllStates) {
   const auto f = full(chain_of(1000.0, 1000.0, 1000.0, {1.0, 1.2, 0.8}));
   const auto at = [&](double factor, double only_damaged, double discrepancy) {
     auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
-    states->list[0].data = frequencies({f[0] * factor, f[1], f[2]}, 0.001);
-    states->list[1].data = frequencies({f[0] * factor * only_damaged, f[1], f[2]}, 0.001);
+    states->list[0].data = frequencies_of_states({f[0] * factor, f[1], f[2]}, 0.001);
+    states->list[1].data = frequencies_of_states({f[0] * factor * only_damaged, f[1], f[2]}, 0.001);
     const StatesLikelihood likelihood(states, {modal::soft_storey()});
     std::vector<Modes> modes;
     StatesLikelihood::Workspace workspace = likelihood.make_workspace();
@@ -188,7 +188,7 @@ TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
 TEST(StatesLikelihood, MixedModesErrInWhatDamageChanges) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->list.push_back(
-      {.name = "worse", .data = frequencies({1.9, 6.1, 8.3}, 0.01), .damaged = true});
+      {.name = "worse", .data = frequencies_of_states({1.9, 6.1, 8.3}, 0.01), .damaged = true});
   const StatesLikelihood likelihood(states, {modal::soft_storey()});
   std::vector<Modes> modes;
   StatesLikelihood::Workspace workspace = likelihood.make_workspace();
@@ -284,8 +284,10 @@ TEST(StatesLikelihood, ChangesThatAreTakenForExactAreToldOf) {
   const std::vector<double> masses = {1.0, 1.2, 0.8};
   for (const double mixing : {0.0, 0.7}) {
     auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
-    states->list[0].data = frequencies(full(chain_of(1020.0, 1000.0, 990.0, masses)), 0.002);
-    states->list[1].data = frequencies(full(chain_of(1020.0, 600.0, 990.0, masses)), 0.002);
+    states->list[0].data =
+        frequencies_of_states(full(chain_of(1020.0, 1000.0, 990.0, masses)), 0.002);
+    states->list[1].data =
+        frequencies_of_states(full(chain_of(1020.0, 600.0, 990.0, masses)), 0.002);
     for (ObservedState& s : states->list) {
       s.data.discrepancy.value = 0.01;
       s.data.mixing.value = mixing;
@@ -354,9 +356,11 @@ TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
   auto states = std::make_shared<ObservedStates>();
   states->model = model;
   states->unknown = {0, 1};
-  states->list.push_back({.name = "healthy", .data = frequencies({5.0, 20.0, 30.0, 40.0}, 0.01)});
   states->list.push_back(
-      {.name = "damaged", .data = frequencies({5.0, 20.0, 30.0, 40.0}, 0.01), .damaged = true});
+      {.name = "healthy", .data = frequencies_of_states({5.0, 20.0, 30.0, 40.0}, 0.01)});
+  states->list.push_back({.name = "damaged",
+                          .data = frequencies_of_states({5.0, 20.0, 30.0, 40.0}, 0.01),
+                          .damaged = true});
   const StatesLikelihood likelihood(states, {kind});
   const auto check = likelihood.check(40);
   EXPECT_EQ(check.points, 40);
@@ -368,7 +372,7 @@ TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
 
 TEST(StatesLikelihood, RefusesMoreModesThanThereAre) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
-  states->list[0].data = frequencies({1.0, 2.0, 3.0, 4.0}, 0.01);
+  states->list[0].data = frequencies_of_states({1.0, 2.0, 3.0, 4.0}, 0.01);
   EXPECT_THROW(StatesLikelihood(states, {modal::soft_storey()}), std::invalid_argument);
 }
 

@@ -46,7 +46,7 @@ SidCase duffing_asked_about(double inclusion, double noise = 0.05) {
   return out;
 }
 
-SidFindings found(const SidCase& c, bool prior_only = false) {
+SidFindings found_terms(const SidCase& c, bool prior_only = false) {
   inference::Options engine;
   engine.warmup = 4000;
   engine.draws = 4000;
@@ -85,7 +85,7 @@ std::vector<inference::Evidence> evidence_of_all(const inference::Problem& probl
 
 TEST(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
   const SidCase c = duffing_asked_about(0.4, 0.04);
-  const SidFindings f = found(c);
+  const SidFindings f = found_terms(c);
   const auto problem = make_sid_problem(c);
   const std::vector<inference::Evidence> evidence = evidence_of_all(problem->problem);
   double all = -HUGE_VAL;
@@ -139,7 +139,7 @@ TEST(TermFindings, ATermIsFoundFromTheModeOfTheModelWithoutIt) {
 }
 
 TEST(TermFindings, WithoutTheLikelihoodInclusionIsThePrior) {
-  const SidFindings f = found(duffing_asked_about(0.3), true);
+  const SidFindings f = found_terms(duffing_asked_about(0.3), true);
   for (const TermFinding& term : f.discovery.terms) {
     EXPECT_NEAR(term.inclusion, 0.3, 4.5 * term.mcse) << term.label;
     EXPECT_LT(term.mcse, 0.03);
@@ -148,7 +148,7 @@ TEST(TermFindings, WithoutTheLikelihoodInclusionIsThePrior) {
 
 // The law over all models holds the true one, and the map of forces scatters about it.
 TEST(TermFindings, TheAveragedLawHoldsTheTrueOne) {
-  const SidFindings f = found(duffing_asked_about(0.5, 0.002));
+  const SidFindings f = found_terms(duffing_asked_about(0.5, 0.002));
   ASSERT_EQ(f.discovery.laws.size(), 1U);
   const LinkLaw& law = f.discovery.laws.front();
   ASSERT_EQ(law.at_rest.extension.size(), law.at_rest.q50.size());

@@ -71,7 +71,7 @@ TEST_F(NetcdfReaderTest, ReadsWhatTheWriterWrote) {
 // Written in memory, and as good as written on the disk: it takes more, in the order of creation.
 // Rows longer than a piece, of several columns.
 TEST_F(NetcdfReaderTest, RowAfterRowIsTheWhole) {
-  constexpr std::size_t kRows = 3, kLength = (1 << 16) + 5, kColumns = 2;
+  constexpr std::size_t kRows = 3, kVariableLength = (1 << 16) + 5, kColumns = 2;
   const auto number = [](std::size_t r, std::size_t i, std::size_t c) {
     return static_cast<float>(1000.0 * static_cast<double>(r) + static_cast<double>(i % 997) +
                               0.5 * static_cast<double>(c));

@@ -7,13 +7,13 @@
 namespace wheeltap::io {
 namespace {
 
-Drawing parsed(const std::string& text) {
+Drawing parsed_outline(const std::string& text) {
   return parse_outline_table(text, "a.csv");
 }
 
-void expect_failure(const std::string& text, std::initializer_list<std::string> words) {
+void expect_outline_failure(const std::string& text, std::initializer_list<std::string> words) {
   try {
-    (void)parsed(text);
+    (void)parsed_outline(text);
     ADD_FAILURE() << "not refused: " << *words.begin();
   } catch (const FileError& error) {
     for (const std::string& word : words)
@@ -24,7 +24,7 @@ void expect_failure(const std::string& text, std::initializer_list<std::string> 
 
 TEST(OutlineFile, EmptyLinesSeparateRings) {
   const Drawing d =
-      parsed("# corroded\ny [mm],z [mm]\n0,0\n2,0\n# a pit\n2,1\n\n\n5,5\n6,5\n6,6\n");
+      parsed_outline("# corroded\ny [mm],z [mm]\n0,0\n2,0\n# a pit\n2,1\n\n\n5,5\n6,5\n6,6\n");
   ASSERT_EQ(d.outlines.size(), 2u);
   EXPECT_EQ(d.outlines[0].size(), 3u);
   EXPECT_EQ(d.outlines[1][0].x, 5.0);
@@ -33,7 +33,7 @@ TEST(OutlineFile, EmptyLinesSeparateRings) {
 
 TEST(OutlineFile, PartsSeparateRings) {
   const Drawing d =
-      parsed("part;z;y\nouter;0;0\nouter;0;2\nouter;1;2\nhole;5;4\nhole;5;6\nhole;6;6\n");
+      parsed_outline("part;z;y\nouter;0;0\nouter;0;2\nouter;1;2\nhole;5;4\nhole;5;6\nhole;6;6\n");
   ASSERT_EQ(d.outlines.size(), 2u);
   EXPECT_EQ(d.outlines[1][0].x, 4.0);
   EXPECT_EQ(d.outlines[1][0].y, 5.0);
@@ -41,18 +41,18 @@ TEST(OutlineFile, PartsSeparateRings) {
 }
 
 TEST(OutlineFile, WithoutAHeader) {
-  const Drawing d = parsed("0 0\r\n1 0\r\n1 1\r\n\r\n2 2\r\n3 2\r\n3 3\r\n");
+  const Drawing d = parsed_outline("0 0\r\n1 0\r\n1 1\r\n\r\n2 2\r\n3 2\r\n3 3\r\n");
   ASSERT_EQ(d.outlines.size(), 2u);
   EXPECT_EQ(d.outlines[0].size(), 3u);
 }
 
 TEST(OutlineFile, Refuses) {
-  expect_failure("a,b\n0,0\n", {"line 1", "y and z"});
-  expect_failure("y,z\n0,0\n1,x\n", {"line 3", "column 2", "'x'"});
-  expect_failure("y,z\n0,0\n1\n", {"line 3", "1 cells"});
-  expect_failure("y [mm],z [cm]\n0,0\n", {"'mm'", "'cm'"});
-  expect_failure("y [ell],z [ell]\n0,0\n", {"'ell'", "mm"});
-  expect_failure("y,z\n", {"no corners"});
+  expect_outline_failure("a,b\n0,0\n", {"line 1", "y and z"});
+  expect_outline_failure("y,z\n0,0\n1,x\n", {"line 3", "column 2", "'x'"});
+  expect_outline_failure("y,z\n0,0\n1\n", {"line 3", "1 cells"});
+  expect_outline_failure("y [mm],z [cm]\n0,0\n", {"'mm'", "'cm'"});
+  expect_outline_failure("y [ell],z [ell]\n0,0\n", {"'ell'", "mm"});
+  expect_outline_failure("y,z\n", {"no corners"});
 }
 
 }  // namespace
