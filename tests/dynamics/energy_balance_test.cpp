@@ -20,7 +20,7 @@ struct Account {
   double stored = 0.0, heat = 0.0, heat_rate = 0.0;
 };
 
-struct Case {
+struct BalanceCase {
   std::string name;
   Law law;
 };
@@ -63,7 +63,7 @@ double step_integral(double h, double f0, double f1, double slope0, double slope
   return 0.5 * h * (f0 + f1) + h * h / 12.0 * (slope0 - slope1);
 }
 
-class EnergyOf : public testing::TestWithParam<Case> {};
+class EnergyOf : public testing::TestWithParam<BalanceCase> {};
 
 // The integrals of power are taken from samples h apart, of smooth powers to h⁴. Where the power
 // has a kink, as friction has at ė = 0 and hysteresis where it turns, a step errs by up to h²/12
@@ -121,8 +121,8 @@ TEST_P(EnergyOf, WorkIsMotionStretchAndHeat) {
   EXPECT_GT(lost_by_law + stored, 0.02 * put_in);  // the law had its share
 }
 
-const std::vector<Case>& cases() {
-  static const std::vector<Case> all{
+const std::vector<BalanceCase>& cases() {
+  static const std::vector<BalanceCase> all{
       {"Quadratic", make_law<laws::Quadratic>({15.0})},
       {"Cubic", make_law<laws::Cubic>({300.0})},
       {"Quintic", make_law<laws::Quintic>({4000.0})},
@@ -141,8 +141,9 @@ INSTANTIATE_TEST_SUITE_P(Laws, EnergyOf, testing::ValuesIn(cases()),
 
 TEST(EnergyBalance, IsTriedForEveryLaw) {
   for (int kind = 0; kind < LawList::kSize; ++kind)
-    EXPECT_TRUE(std::ranges::any_of(cases(), [&](const Case& c) { return c.law.kind == kind; }))
-        << law_infos()[static_cast<std::size_t>(kind)].name;
+    EXPECT_TRUE(std::ranges::any_of(cases(), [&](const BalanceCase& c) {
+      return c.law.kind == kind;
+    })) << law_infos()[static_cast<std::size_t>(kind)].name;
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace wheeltap::emulator {
 namespace {
 
-constexpr Eigen::Index kResponses = 21;  // not a multiple of the kernel's block
+constexpr Eigen::Index kOutputs = 21;  // not a multiple of the kernel's block
 
 /// Uneven levels on d axes; every second axis works in the compliance.
 std::vector<Factor> uneven(std::size_t d) {
@@ -41,7 +41,7 @@ MultilinearInterpolant table(const std::vector<Factor>& factors) {
   const ModelFactory factory = [&] {
     return [&](std::span<const double> x, std::span<double> y) { multilinear(factors, x, y); };
   };
-  return {factors, run_experiment(design, kResponses, factory)};
+  return {factors, run_experiment(design, kOutputs, factory)};
 }
 
 class Dimension : public testing::TestWithParam<std::size_t> {};
@@ -50,10 +50,10 @@ TEST_P(Dimension, ExactAtEveryNode) {
   const auto factors = uneven(GetParam());
   const MultilinearInterpolant f = table(factors);
   const Design design = full_factorial(factors);
-  std::vector<double> y(kResponses);
+  std::vector<double> y(kOutputs);
   for (Eigen::Index i = 0; i < design.runs(); ++i) {
     f.evaluate(design.point(i), y);
-    for (Eigen::Index k = 0; k < kResponses; ++k)
+    for (Eigen::Index k = 0; k < kOutputs; ++k)
       ASSERT_EQ(y[static_cast<std::size_t>(k)], f.values()(i, k));
   }
 }
@@ -63,11 +63,11 @@ TEST_P(Dimension, ReproducesMultilinearFunctions) {
   const MultilinearInterpolant f = table(factors);
   const Design points = random_design(factors, 300, 11);
   const double scale = f.values().cwiseAbs().maxCoeff();
-  std::vector<double> y(kResponses), expected(kResponses);
+  std::vector<double> y(kOutputs), expected(kOutputs);
   for (Eigen::Index i = 0; i < points.runs(); ++i) {
     f.evaluate(points.point(i), y);
     multilinear(factors, points.point(i), expected);
-    for (std::size_t k = 0; k < kResponses; ++k) ASSERT_NEAR(y[k], expected[k], 1e-12 * scale);
+    for (std::size_t k = 0; k < kOutputs; ++k) ASSERT_NEAR(y[k], expected[k], 1e-12 * scale);
   }
 }
 
@@ -93,7 +93,7 @@ TEST(MultilinearInterpolant, ErrorFallsAsTheSquareOfTheSpacing) {
 
 TEST(MultilinearInterpolant, OutsideTheBoxIsAnErrorNamingTheFactor) {
   const MultilinearInterpolant f = table(uneven(2));
-  std::vector<double> y(kResponses);
+  std::vector<double> y(kOutputs);
   for (double outside : {-0.3000001, 0.6000001, std::nan(""), HUGE_VAL}) {
     const std::vector x{0.0, outside};
     EXPECT_FALSE(f.contains(x));
@@ -124,7 +124,7 @@ TEST(MultilinearInterpolant, BadTablesAreRefused) {
 
 TEST(MultilinearInterpolant, EvaluationDoesNotAllocate) {
   const MultilinearInterpolant f = table(uneven(4));
-  std::vector<double> y(kResponses);
+  std::vector<double> y(kOutputs);
   const std::vector x{0.1, 0.2, 0.3, 0.2};
   const long before = test::allocations();
   for (int i = 0; i < 100; ++i) f.evaluate(x, y);

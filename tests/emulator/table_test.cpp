@@ -21,7 +21,7 @@ ModelFactory sums() {
   };
 }
 
-Table grid() {
+Table grid_table() {
   Table t;
   t.factors = {{"location", "m", {0.1, 0.2, 0.3}}, {"reduction", "", {0, 0.3, 0.6}}};
   t.response_name = "frequency";
@@ -53,7 +53,7 @@ std::string merge_error(const std::vector<TableFile>& shards) {
 }
 
 TEST(Table, HalvesMergeIntoTheWhole) {
-  const Table whole = grid();
+  const Table whole = grid_table();
   for (Eigen::Index parts : {1, 2, 3, 9}) {
     std::vector<TableFile> shards;
     for (Eigen::Index part = 0; part < parts; ++part) {
@@ -68,14 +68,14 @@ TEST(Table, HalvesMergeIntoTheWhole) {
 }
 
 TEST(Table, AMissingPartStaysMissing) {
-  const Table whole = grid();
+  const Table whole = grid_table();
   const TableFile merged =
       merge(std::vector{file(part_of(whole, 0, 3)), file(part_of(whole, 2, 3))});
   EXPECT_EQ(merged.tables.at("count_1").missing_runs(), 3);
 }
 
 TEST(Table, ScatteredRunsAreJoined) {
-  Table whole = grid();
+  Table whole = grid_table();
   whole.points = latin_hypercube(whole.factors, 10, 4).points;
   whole.values = run_experiment(whole.design(), 2, sums());
   EXPECT_FALSE(whole.is_grid());
@@ -90,7 +90,7 @@ TEST(Table, ScatteredRunsAreJoined) {
 }
 
 TEST(Table, OnlyWhatAllPartsAgreeOnIsKept) {
-  TableFile a = file(grid()), b = a;
+  TableFile a = file(grid_table()), b = a;
   a.attributes["command"] = "part 1";
   b.attributes["command"] = "part 2";
   a.tables["count_1"].holdout = {{1, 2, 3, 0.9}, {1, 2, 3, 0.9}};
@@ -105,7 +105,7 @@ TEST(Table, OnlyWhatAllPartsAgreeOnIsKept) {
 }
 
 TEST(Table, PartsThatDoNotBelongTogetherAreRefused) {
-  const TableFile a = file(grid());
+  const TableFile a = file(grid_table());
   EXPECT_NE(merge_error({}), "");
   TableFile other_case = a;
   other_case.attributes["fingerprint"] = "bar";
@@ -114,7 +114,7 @@ TEST(Table, PartsThatDoNotBelongTogetherAreRefused) {
   other_levels.tables["count_1"].factors[0].levels[1] = 0.21;
   EXPECT_NE(merge_error({a, other_levels}).find("factors"), std::string::npos);
   TableFile other_tables = a;
-  other_tables.tables["count_2"] = grid();
+  other_tables.tables["count_2"] = grid_table();
   EXPECT_NE(merge_error({a, other_tables}), "");
   TableFile other_value = a;
   other_value.tables["count_1"].values(4, 1) += 1e-9;
@@ -130,29 +130,29 @@ TEST(Table, ChecksNameTheTable) {
     }
     return "";
   };
-  EXPECT_EQ(error(grid()), "");
+  EXPECT_EQ(error(grid_table()), "");
   for (const char* taken : {"run", "response", "frequency", "holdout_rmse", "parameter_x"}) {
-    Table t = grid();
+    Table t = grid_table();
     t.factors[0].name = taken;
     EXPECT_NE(error(t).find(taken), std::string::npos);
   }
-  Table rows = grid();
+  Table rows = grid_table();
   rows.values.conservativeResize(8, 2);
   EXPECT_NE(error(rows).find("count_1"), std::string::npos);
-  Table points = grid();
+  Table points = grid_table();
   points.points = RowMatrix::Zero(9, 3);
   EXPECT_NE(error(points), "");
   points.points = RowMatrix::Zero(9, 2);
   EXPECT_EQ(error(points), "");
   points.points(3, 1) = kNotRun;
   EXPECT_NE(error(points), "");
-  Table parameter = grid();
+  Table parameter = grid_table();
   parameter.parameters["lengths"] = RowMatrix();
   EXPECT_NE(error(parameter), "");
 }
 
 TEST(Shard, PartsCoverTheDesignOnce) {
-  const Design whole = grid().design();
+  const Design whole = grid_table().design();
   Eigen::Index runs = 0;
   for (Eigen::Index part = 0; part < 4; ++part) runs += shard(whole, part, 4).runs();
   EXPECT_EQ(runs, 9);

@@ -69,13 +69,13 @@ ChainsOf scores(const ChainsOf& draws) {
   return result;
 }
 
-double mean(const std::vector<double>& x) {
+double mean_of(const std::vector<double>& x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
 }
 
 double variance(const std::vector<double>& x) {
   double sum = 0.0;
-  for (const double v : x) sum += (v - mean(x)) * (v - mean(x));
+  for (const double v : x) sum += (v - mean_of(x)) * (v - mean_of(x));
   return sum / static_cast<double>(x.size() - 1);
 }
 
@@ -83,10 +83,10 @@ double ess(const ChainsOf& sequences) {
   const std::size_t n = sequences.front().size();
   std::vector<double> means, within;
   for (const auto& x : sequences) {
-    means.push_back(mean(x));
+    means.push_back(mean_of(x));
     within.push_back(variance(x));
   }
-  const double w = mean(within);
+  const double w = mean_of(within);
   const double total = w * static_cast<double>(n - 1) / static_cast<double>(n) + variance(means);
   std::vector<double> rho = {1.0};
   for (std::size_t t = 1; t < n; ++t) {
@@ -113,10 +113,10 @@ double rhat(const ChainsOf& sequences) {
   const auto n = static_cast<double>(sequences.front().size());
   std::vector<double> means, within;
   for (const auto& x : sequences) {
-    means.push_back(mean(x));
+    means.push_back(mean_of(x));
     within.push_back(variance(x));
   }
-  return std::sqrt((mean(within) * (n - 1.0) / n + variance(means)) / mean(within));
+  return std::sqrt((mean_of(within) * (n - 1.0) / n + variance(means)) / mean_of(within));
 }
 
 Convergence all(const ChainsOf& draws) {
@@ -143,7 +143,7 @@ Convergence all(const ChainsOf& draws) {
 
 }  // namespace naive
 
-void expect_same(const ChainsOf& draws, const char* what) {
+void expect_same_verdict(const ChainsOf& draws, const char* what) {
   const Convergence ours = convergence(draws), reference = naive::all(draws);
   EXPECT_NEAR(ours.rhat / reference.rhat, 1.0, 1e-10) << what;
   EXPECT_NEAR(ours.ess_bulk / reference.ess_bulk, 1.0, 1e-9) << what;
@@ -158,22 +158,22 @@ void expect_same(const ChainsOf& draws, const char* what) {
 }
 
 TEST(Diagnostics, AgreeWithAPlainImplementation) {
-  expect_same(autoregressive(0.0, 4, 250, 1), "independent");
-  expect_same(autoregressive(0.9, 4, 301, 2), "correlated, odd length");
-  expect_same(autoregressive(0.995, 2, 600, 3),
-              "hardly mixing: correlations beyond the direct lags");
-  expect_same(autoregressive(-0.7, 3, 200, 4), "antithetic");
-  expect_same(autoregressive(0.5, 1, 100, 5), "one chain");
+  expect_same_verdict(autoregressive(0.0, 4, 250, 1), "independent");
+  expect_same_verdict(autoregressive(0.9, 4, 301, 2), "correlated, odd length");
+  expect_same_verdict(autoregressive(0.995, 2, 600, 3),
+                      "hardly mixing: correlations beyond the direct lags");
+  expect_same_verdict(autoregressive(-0.7, 3, 200, 4), "antithetic");
+  expect_same_verdict(autoregressive(0.5, 1, 100, 5), "one chain");
   ChainsOf tied = autoregressive(0.8, 4, 200, 6);
   for (auto& chain : tied)
     for (double& x : chain) x = std::round(x);
-  expect_same(tied, "many ties");
+  expect_same_verdict(tied, "many ties");
   ChainsOf shifted = autoregressive(0.3, 4, 200, 7);
   for (double& x : shifted[2]) x += 2.0;
-  expect_same(shifted, "one chain elsewhere");
+  expect_same_verdict(shifted, "one chain elsewhere");
   ChainsOf wide = autoregressive(0.3, 4, 200, 8);
   for (double& x : wide[1]) x *= 5.0;
-  expect_same(wide, "one chain wider");
+  expect_same_verdict(wide, "one chain wider");
 }
 
 // ESS of an AR(1) chain is N (1 - rho) / (1 + rho). The estimate of an integrated autocorrelation

@@ -14,7 +14,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kSigmas = 4.9;
+constexpr double kHardSigmas = 4.9;
 
 const HardProblem& named(const std::string& name) {
   for (const HardProblem& p : hard_problems()) {
@@ -68,7 +68,7 @@ void check_by_bridge(const HardProblem& p, int model, double largest_error) {
   const double exact = p.log_evidence[static_cast<std::size_t>(model)];
   std::printf("    %-32s %s: exact %.4f, bridge %+.4f ± %.4f\n", p.name.c_str(), m.name.c_str(),
               exact, e.log_evidence - exact, e.standard_error);
-  EXPECT_NEAR(e.log_evidence, exact, kSigmas * e.standard_error + 1e-9) << p.name;
+  EXPECT_NEAR(e.log_evidence, exact, kHardSigmas * e.standard_error + 1e-9) << p.name;
   EXPECT_LT(e.standard_error, largest_error) << p.name;
 }
 
@@ -117,7 +117,8 @@ TEST(HardProblems, CountsWithASpotByImportanceSampling) {
       squares += weight * weight / kDraws;
     }
     const double error = std::sqrt((squares - sum * sum) / kDraws);
-    EXPECT_NEAR(sum, std::exp(p.log_evidence[static_cast<std::size_t>(k)]), kSigmas * error) << k;
+    EXPECT_NEAR(sum, std::exp(p.log_evidence[static_cast<std::size_t>(k)]), kHardSigmas * error)
+        << k;
   }
 }
 
@@ -150,7 +151,7 @@ TEST(HardProblems, BananasByImportanceSampling) {
       squares += weight * weight / kDraws;
     }
     const double error = std::sqrt((squares - sum * sum) / kDraws);
-    EXPECT_NEAR(sum, std::exp(p.log_evidence[1]), kSigmas * error) << name;
+    EXPECT_NEAR(sum, std::exp(p.log_evidence[1]), kHardSigmas * error) << name;
     EXPECT_LT(error, 0.005);
   }
 }

@@ -10,7 +10,7 @@
 namespace wheeltap::inference {
 namespace {
 
-const HardProblem& named(const std::string& name) {
+const HardProblem& problem_named(const std::string& name) {
   for (const HardProblem& problem : hard_problems())
     if (problem.name == name) return problem;
   throw std::invalid_argument("no problem '" + name + "'");
@@ -19,7 +19,7 @@ const HardProblem& named(const std::string& name) {
 class Explored : public testing::TestWithParam<std::string> {};
 
 TEST_P(Explored, EvidenceIsRightAndEveryModeIsInThePopulation) {
-  const HardProblem& hard = named(GetParam());
+  const HardProblem& hard = problem_named(GetParam());
   const int model = hard.problem.space.size() - 1;
   const ModelExploration found = explore_model(hard.problem, model, {.budget = 30000});
   const double exact = hard.log_evidence[static_cast<std::size_t>(model)];
@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(ModelExploration, Explored,
                                          "exponential edges, 3-d", "improbable peak, 4-d"));
 
 TEST(ModelExploration, GivesModesTheirShares) {
-  const HardProblem& hard = named("a mode of 3 %, 2-d");
+  const HardProblem& hard = problem_named("a mode of 3 %, 2-d");
   const ModelExploration found =
       explore_model(hard.problem, hard.problem.space.size() - 1, {.budget = 30000});
   ASSERT_EQ(found.modes.size(), 2U);
@@ -46,7 +46,7 @@ TEST(ModelExploration, GivesModesTheirShares) {
 // The climbs have settled the matter; of a record, whose likelihoods are dear, annealing only looks
 // for what they may have missed.
 TEST(ModelExploration, IsCheapWhereOneModeOfARecordHoldsEverything) {
-  const HardProblem& hard = named("nested normal, 5-d");
+  const HardProblem& hard = problem_named("nested normal, 5-d");
   Problem record = hard.problem;
   record.samples = 100;
   record.shortened = [&](long) { return std::make_shared<const Problem>(hard.problem); };
@@ -59,14 +59,14 @@ TEST(ModelExploration, IsCheapWhereOneModeOfARecordHoldsEverything) {
 }
 
 TEST(ModelExploration, IsNotSettledByTwoModes) {
-  const HardProblem& hard = named("equal modes, 2-d");
+  const HardProblem& hard = problem_named("equal modes, 2-d");
   EXPECT_FALSE(survey_model(hard.problem, 1, {.climbs = 100}).settled());
 }
 
 // Two climbs that end in one of two equal modes settle nothing for good: draws of the annealing lie
 // far from it, and a climb from them finds the other.
 TEST(ModelExploration, ABriefAnnealingFindsAModeThatTheClimbsMissed) {
-  const HardProblem& hard = named("equal modes, 2-d");
+  const HardProblem& hard = problem_named("equal modes, 2-d");
   ExplorationOptions options{.climbs = 2};
   for (options.seed = 1; options.seed < 20; ++options.seed) {
     if (survey_model(hard.problem, 1, options).settled()) break;
@@ -122,14 +122,14 @@ TEST(ModelExploration, AnAnnealingThatIsCutShortFindsAModeThatTheClimbsMissed) {
 }
 
 TEST(ModelExploration, OfAModelWithoutParametersIsExact) {
-  const HardProblem& hard = named("nested normal, 2-d");
+  const HardProblem& hard = problem_named("nested normal, 2-d");
   const ModelExploration found = explore_model(hard.problem, 0, {});
   EXPECT_NEAR(found.sampled.log_evidence, hard.log_evidence[0], 1e-12);
   EXPECT_EQ(found.sampled.standard_error, 0.0);
 }
 
 TEST(ModelExploration, AGlanceHasLaplacesEvidence) {
-  const HardProblem& hard = named("nested normal, 5-d");
+  const HardProblem& hard = problem_named("nested normal, 5-d");
   const ModelExploration found =
       explore_model(hard.problem, 1, {.climbs = 2, .anneal = false, .climbs_only = true});
   EXPECT_NEAR(found.annealed.log_evidence, hard.log_evidence[1], 0.05);  // a normal posterior

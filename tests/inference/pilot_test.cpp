@@ -68,7 +68,7 @@ std::vector<PilotSamples> met(const ModelSpace& space) {
   return {samples};
 }
 
-double log_normal(double z, double mean, double sd) {
+double log_normal_density(double z, double mean, double sd) {
   return -0.5 * std::pow((z - mean) / sd, 2.0) - std::log(sd) - 0.91893853320467274178;
 }
 
@@ -78,10 +78,11 @@ TEST(FitPilot, FitsWhatWasMetAndThePriorWhereThatWasLittle) {
   EXPECT_EQ(pilot.fit->density[0], nullptr);
   // 3000 draws know a mean to 2 % of the sd and ln sd to 1.3 %: 0.1 in ln q within two sds.
   for (const double z : {1.8, 2.0, 2.2}) {
-    EXPECT_NEAR(pilot.fit->log_density(1, std::vector{z}), log_normal(z, 2.0, 0.1), 0.2) << z;
+    EXPECT_NEAR(pilot.fit->log_density(1, std::vector{z}), log_normal_density(z, 2.0, 0.1), 0.2)
+        << z;
   }
   EXPECT_NEAR(pilot.fit->log_density(2, std::vector{0.5, -1.0}),
-              log_normal(0.5, 0, 1) + log_normal(-1.0, 0, 1), 1e-9);
+              log_normal_density(0.5, 0, 1) + log_normal_density(-1.0, 0, 1), 1e-9);
   // Models are weighted as they were visited, and none is never looked at again.
   EXPECT_GT(pilot.fit->weight[1], 0.95);
   EXPECT_GE(pilot.fit->weight[0], 0.003);
@@ -105,8 +106,8 @@ TEST(FitPilot, CoversAModeThatTheSearchesFound) {
   const std::vector<double> top{-3.0};
   const Pilot without = fit_pilot(space, met(space), {});
   const Pilot with = fit_pilot(space, met(space), {.modes = {{}, one(-3.0), {}}});
-  EXPECT_LT(without.fit->log_density(1, top), log_normal(0.0, 0.0, 0.05) - 5.0);
-  EXPECT_GT(with.fit->log_density(1, top), log_normal(0.0, 0.0, 0.05) + std::log(0.04));
+  EXPECT_LT(without.fit->log_density(1, top), log_normal_density(0.0, 0.0, 0.05) - 5.0);
+  EXPECT_GT(with.fit->log_density(1, top), log_normal_density(0.0, 0.0, 0.05) + std::log(0.04));
 }
 
 TEST(FitPilot, TakesWarmerSamplesOfAModelThatTheColdestLack) {
@@ -116,7 +117,7 @@ TEST(FitPilot, TakesWarmerSamplesOfAModelThatTheColdestLack) {
   for (int i = 0; i < 500; ++i) warm.add(state_of(1, {-1.0 + 0.3 * random.normal()}));
   cold.add(state_of(0, {}));
   const Pilot pilot = fit_pilot(space, {warm, cold}, {});
-  EXPECT_NEAR(pilot.fit->log_density(1, std::vector{-1.0}), log_normal(0.0, 0.0, 0.3), 0.4);
+  EXPECT_NEAR(pilot.fit->log_density(1, std::vector{-1.0}), log_normal_density(0.0, 0.0, 0.3), 0.4);
 }
 
 TEST(EqualVisitsBias, MakesModelsEquallyProbableDownToTheLeast) {

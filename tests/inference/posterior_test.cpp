@@ -17,8 +17,8 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kSigmas = 4.9;  // a false alarm once in 10⁶ comparisons
-constexpr int kDraws = 4000;
+constexpr double kPosteriorSigmas = 4.9;  // a false alarm once in 10⁶ comparisons
+constexpr int kPosteriorDraws = 4000;
 
 // Two models of different dimension: 70 : 30, prior weights 1 : 2.
 Posterior made_up(double p = 0.3) {
@@ -27,12 +27,12 @@ Posterior made_up(double p = 0.3) {
       ModelSpace::of_models({{"k", Normal{0.0, 1.0}}, {"c", Normal{0.0, 1.0}}},
                             {{"linear", 1.0, {"c"}}, {"cubic", 2.0, {"k", "c"}}}));
   posterior.dimension = 2;
-  posterior.draws = kDraws;
+  posterior.draws = kPosteriorDraws;
   posterior.likelihood_evaluations = 1;
   for (std::uint64_t c = 0; c < 4; ++c) {
     base::Random random(15, c, 0, base::Purpose::test);
     Chain chain;
-    for (int i = 0; i < kDraws; ++i) {
+    for (int i = 0; i < kPosteriorDraws; ++i) {
       const bool cubic = random.uniform() < p;
       chain.model.push_back(cubic ? 1 : 0);
       chain.theta.push_back(cubic ? 3.0 + random.normal() : random.normal());
@@ -54,9 +54,9 @@ Posterior made_up(double p = 0.3) {
 
 TEST(Posterior, AProbabilityComesWithItsError) {
   const Posterior posterior = made_up();
-  const double error = std::sqrt(0.3 * 0.7 / (4.0 * kDraws));
+  const double error = std::sqrt(0.3 * 0.7 / (4.0 * kPosteriorDraws));
   const Estimate p = posterior.probability("cubic");
-  EXPECT_NEAR(p.value, 0.3, kSigmas * error);
+  EXPECT_NEAR(p.value, 0.3, kPosteriorSigmas * error);
   EXPECT_NEAR(p.mcse / error, 1.0, 0.2);
   EXPECT_EQ(posterior.probability(1).value, p.value);
   EXPECT_NEAR(posterior.probability("linear").value + p.value, 1.0, 1e-12);
@@ -67,9 +67,9 @@ TEST(Posterior, AProbabilityComesWithItsError) {
 TEST(Posterior, ABayesFactorComesWithItsError) {
   const Posterior posterior = made_up();
   const double exact = std::log(0.3 / 0.7) - std::log(2.0);
-  const double error = 1.0 / std::sqrt(4.0 * kDraws * 0.3 * 0.7);
+  const double error = 1.0 / std::sqrt(4.0 * kPosteriorDraws * 0.3 * 0.7);
   const Estimate b = posterior.log_bayes_factor("cubic", "linear");
-  EXPECT_NEAR(b.value, exact, kSigmas * error);
+  EXPECT_NEAR(b.value, exact, kPosteriorSigmas * error);
   EXPECT_NEAR(b.mcse / error, 1.0, 0.2);
   const Estimate reverse = posterior.log_bayes_factor(0, 1);
   EXPECT_NEAR(reverse.value, -b.value, 1e-12);
@@ -95,11 +95,12 @@ TEST(Posterior, AParametersDrawsAreThoseOfItsModel) {
   ASSERT_EQ(k.size(), 4U);
   std::size_t n = 0;
   for (std::size_t chain = 0; chain < 4; ++chain) {
-    EXPECT_EQ(k[chain].size() + c[chain].size(), static_cast<std::size_t>(kDraws));
+    EXPECT_EQ(k[chain].size() + c[chain].size(), static_cast<std::size_t>(kPosteriorDraws));
     n += k[chain].size();
   }
-  EXPECT_NEAR(mean(k), 3.0, kSigmas / std::sqrt(static_cast<double>(n)));
-  EXPECT_NEAR(mean(c), 0.0, kSigmas / std::sqrt(4.0 * kDraws - static_cast<double>(n)));
+  EXPECT_NEAR(mean(k), 3.0, kPosteriorSigmas / std::sqrt(static_cast<double>(n)));
+  EXPECT_NEAR(mean(c), 0.0,
+              kPosteriorSigmas / std::sqrt(4.0 * kPosteriorDraws - static_cast<double>(n)));
 }
 
 TEST(Posterior, SaysWhetherItMayBeReliedOnAndWhyNot) {

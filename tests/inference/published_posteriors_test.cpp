@@ -17,17 +17,17 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kSigmas = 4.9;
-bool long_tests() {
+constexpr double kPublishedSigmas = 4.9;
+bool long_published_tests() {
   return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
 }
 
 // Mean and Monte Carlo standard error of an indicator over the models.
-struct Estimate {
+struct PublishedEstimate {
   double mean, error, iact;
 };
 template <typename Indicator>
-Estimate estimate(const Posterior& posterior, Indicator&& of_model) {
+PublishedEstimate estimate(const Posterior& posterior, Indicator&& of_model) {
   ChainsOf chains;
   double sum = 0.0, n = 0.0;
   for (const Chain& chain : posterior.chains) {
@@ -47,11 +47,11 @@ TEST(PublishedPosteriors, CoalMiningDisasters) {
   ASSERT_EQ(days.size(), exact["n"].get<std::size_t>());
   const Problem problem = coal_problem(days, exact["length_days"], 1, 6);
 
-  const int seeds = long_tests() ? 10 : 1;
+  const int seeds = long_published_tests() ? 10 : 1;
   double sum = 0.0;
   for (int seed = 1; seed <= seeds; ++seed) {
     Options options{.seed = static_cast<std::uint64_t>(seed)};
-    if (long_tests()) {
+    if (long_published_tests()) {
       options.draws = 250000;
     } else {
       options.draws = 20000;
@@ -60,12 +60,14 @@ TEST(PublishedPosteriors, CoalMiningDisasters) {
     double worst = 0.0;
     for (int m = 0; m < 6; ++m) {
       const double p = exact["exact_p_k_given_1_to_6"][static_cast<std::size_t>(m)];
-      const Estimate e = estimate(posterior, [m](int model) { return model == m ? 1.0 : 0.0; });
-      const double tolerance = long_tests() ? 0.005 : kSigmas * e.error;
+      const PublishedEstimate e =
+          estimate(posterior, [m](int model) { return model == m ? 1.0 : 0.0; });
+      const double tolerance = long_published_tests() ? 0.005 : kPublishedSigmas * e.error;
       EXPECT_NEAR(e.mean, p, tolerance) << "seed " << seed << ", k = " << m + 1;
       worst = std::max(worst, std::abs(e.mean - p));
     }
-    const Estimate k = estimate(posterior, [](int model) { return static_cast<double>(model); });
+    const PublishedEstimate k =
+        estimate(posterior, [](int model) { return static_cast<double>(model); });
     const double calls =
         static_cast<double>(posterior.likelihood_evaluations - posterior.warmup_evaluations) /
         (static_cast<double>(posterior.draws) * options.chains);
@@ -76,7 +78,8 @@ TEST(PublishedPosteriors, CoalMiningDisasters) {
         posterior.wall_seconds);
   }
   // Of one short run it is known to a factor of two: 33 to 91 over six seeds.
-  EXPECT_LT(sum / seeds, long_tests() ? 76.0 : 152.0) << "AutoMix: 38 sweeps of two calls";
+  EXPECT_LT(sum / seeds, long_published_tests() ? 76.0 : 152.0)
+      << "AutoMix: 38 sweeps of two calls";
 }
 
 TEST(PublishedPosteriors, HaldRegressions) {
@@ -84,9 +87,11 @@ TEST(PublishedPosteriors, HaldRegressions) {
   const auto folder = kShared / "validation" / "hald";
   const auto exact = nlohmann::json::parse(std::ifstream(folder / "exact.json"));
   const Problem problem = hald_problem();
-  const Posterior posterior = reversible_jump(problem, {.draws = long_tests() ? 200000 : 15000});
-  const auto expect = [&](const Estimate& e, double p, const std::string& what) {
-    EXPECT_NEAR(e.mean, p, long_tests() ? 0.005 : kSigmas * e.error + 1e-4) << what;
+  const Posterior posterior =
+      reversible_jump(problem, {.draws = long_published_tests() ? 200000 : 15000});
+  const auto expect = [&](const PublishedEstimate& e, double p, const std::string& what) {
+    EXPECT_NEAR(e.mean, p, long_published_tests() ? 0.005 : kPublishedSigmas * e.error + 1e-4)
+        << what;
   };
   for (int m = 0; m < 16; ++m) {
     const std::string& name = problem.space[m].name;
@@ -137,11 +142,13 @@ void check_mixture_target(const std::vector<double>& probabilities) {
   const Problem problem{.space = ModelSpace::of_models(parameters, models), .likelihood = [&] {
                           return std::make_unique<MixtureTarget>(probabilities);
                         }};
-  const Posterior posterior = reversible_jump(problem, {.draws = long_tests() ? 100000 : 20000});
+  const Posterior posterior =
+      reversible_jump(problem, {.draws = long_published_tests() ? 100000 : 20000});
   for (std::size_t m = 0; m < probabilities.size(); ++m) {
-    const Estimate e =
+    const PublishedEstimate e =
         estimate(posterior, [m](int model) { return model == static_cast<int>(m) ? 1.0 : 0.0; });
-    EXPECT_NEAR(e.mean, probabilities[m], long_tests() ? 0.005 : kSigmas * e.error)
+    EXPECT_NEAR(e.mean, probabilities[m],
+                long_published_tests() ? 0.005 : kPublishedSigmas * e.error)
         << "dimension " << m + 1;
     EXPECT_LT(e.error, 0.005);
   }

@@ -20,7 +20,7 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr double kFalseAlarm = 1e-4;
-constexpr int kDraws = 99;  // ranks 0 … 99
+constexpr int kRanks = 99;  // ranks 0 … 99
 
 bool all() {
   return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
@@ -37,7 +37,7 @@ int bins_of_ranks() {
 
 struct Replicate {
   std::vector<double> truth;               // functionals of the truth
-  std::vector<std::vector<double>> draws;  // of kDraws draws
+  std::vector<std::vector<double>> draws;  // of kRanks draws
 };
 
 // The smallest p-value of the rank histograms, times their number.
@@ -55,7 +55,7 @@ double uniformity(const std::vector<Replicate>& replicates, bool print) {
         ties += draw[f] == replicates[n].truth[f];
       }
       const int rank = below + random.index(ties + 1);
-      bins[index(rank * count / (kDraws + 1))] += 1.0;
+      bins[index(rank * count / (kRanks + 1))] += 1.0;
     }
     const std::vector<double> expected(bins.size(), static_cast<double>(replicates.size()) / count);
     const double p = counts_p_value(bins, expected);
@@ -70,7 +70,7 @@ double uniformity(const std::vector<Replicate>& replicates, bool print) {
 }
 
 Options short_run(std::uint64_t seed) {
-  return {.seed = seed, .chains = 1, .threads = 1, .warmup = 1500, .draws = kDraws, .thin = 25};
+  return {.seed = seed, .chains = 1, .threads = 1, .warmup = 1500, .draws = kRanks, .thin = 25};
 }
 
 using Functionals =

@@ -15,12 +15,12 @@
 namespace wheeltap::inference {
 namespace {
 
-bool long_tests() {
+bool long_verdict_tests() {
   return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
 }
 
 void check(const HardProblem& problem) {
-  for (int seed = 1; seed <= (long_tests() ? 5 : 1); ++seed) {
+  for (int seed = 1; seed <= (long_verdict_tests() ? 5 : 1); ++seed) {
     const Posterior posterior = reversible_jump(
         problem.problem, {.seed = static_cast<std::uint64_t>(seed), .balance = problem.balance});
     const Verdict verdict = judge(posterior);
@@ -52,7 +52,7 @@ class VerdictSuite : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(VerdictSuite, IsRight) {
   const HardProblem& problem = hard_problems()[GetParam()];
-  if (!problem.quick && !long_tests()) GTEST_SKIP() << "of the long suite";
+  if (!problem.quick && !long_verdict_tests()) GTEST_SKIP() << "of the long suite";
   check(problem);
 }
 

@@ -79,31 +79,33 @@ TEST_F(NetcdfReaderTest, RowAfterRowIsTheWhole) {
   NetcdfWriter out(path);
   const int group = out.group("g");
   const int row = out.dimension(group, "row", kRows, 0),
-            at = out.dimension(group, "at", kLength, 0),
+            at = out.dimension(group, "at", kVariableLength, 0),
             column = out.dimension(group, "column", kColumns, 0);
   out.put_rows<float>(group, "cube", {row, at, column},
                       [&](std::size_t r, std::vector<float>& values) {
                         EXPECT_TRUE(values.empty());
-                        for (std::size_t i = 0; i < kLength; ++i)
+                        for (std::size_t i = 0; i < kVariableLength; ++i)
                           for (std::size_t c = 0; c < kColumns; ++c)
                             values.push_back(number(r, i, c));
                       });
   out.put_rows<int>(
       group, "flat", {row, at},
-      [&](std::size_t r, std::vector<int>& values) { values.assign(kLength, static_cast<int>(r)); },
+      [&](std::size_t r, std::vector<int>& values) {
+        values.assign(kVariableLength, static_cast<int>(r));
+      },
       NC_SHORT);
   test::put_bytes(path, out.close());
   const NetcdfReader in(path);
   const int read = in.required_group("g");
   const NetcdfArray cube = in.read(read, "cube"), flat = in.read(read, "flat");
-  EXPECT_EQ(in.shape(read, "cube"), (std::vector<std::size_t>{kRows, kLength, kColumns}));
+  EXPECT_EQ(in.shape(read, "cube"), (std::vector<std::size_t>{kRows, kVariableLength, kColumns}));
   EXPECT_EQ(in.type(read, "cube"), NC_FLOAT);
   EXPECT_EQ(in.type(read, "flat"), NC_SHORT);
   const std::vector<double> second = in.read_last(read, "cube", 1);
   std::size_t wrong = 0;
   for (std::size_t r = 0; r < kRows; ++r) {
-    for (std::size_t i = 0; i < kLength; ++i) {
-      const std::size_t n = r * kLength + i;
+    for (std::size_t i = 0; i < kVariableLength; ++i) {
+      const std::size_t n = r * kVariableLength + i;
       for (std::size_t c = 0; c < kColumns; ++c)
         wrong += cube.values[n * kColumns + c] != static_cast<double>(number(r, i, c));
       wrong += second[n] != static_cast<double>(number(r, i, 1));

@@ -12,7 +12,7 @@ namespace {
 using Eigen::MatrixXd;
 using Form = ParametricStructure::Form;
 
-const std::vector<std::array<double, 2>> kMaterials = {
+const std::vector<std::array<double, 2>> kMaterialChoices = {
     {150e9, 250e9}, {50e9, 90e9}, {7000.0, 8500.0}};
 
 /// K(θ) u and M(θ) u against the assembled matrices, and the floor against its definition.
@@ -41,16 +41,16 @@ void expect_right(const ParametricStructure& structure,
 }
 
 TEST(ParametricStructure, UnknownMaterialsAreAffine) {
-  const auto points = parametric::draws(kMaterials, 6, 1);
+  const auto points = parametric::draws(kMaterialChoices, 6, 1);
   const ParametricStructure structure(parametric::portal_materials(), points);
   EXPECT_EQ(structure.form(), Form::affine);
   EXPECT_TRUE(structure.mass_changes());
   EXPECT_EQ(structure.terms(), 3) << "posts, beam, and the spring that nothing changes";
-  expect_right(structure, parametric::draws(kMaterials, 3, 2), true);
+  expect_right(structure, parametric::draws(kMaterialChoices, 3, 2), true);
 }
 
 TEST(ParametricStructure, ProjectedTermsAddUpToTheProjectedWhole) {
-  const auto points = parametric::draws(kMaterials, 6, 1);
+  const auto points = parametric::draws(kMaterialChoices, 6, 1);
   const ParametricStructure structure(parametric::portal_materials(), points);
   const MatrixXd basis = MatrixXd::Random(structure.nominal().size(), 5);
   const auto terms = structure.project_terms(basis);

@@ -20,7 +20,7 @@ namespace {
 
 static_assert(std::is_copy_constructible_v<RunState> && std::is_copy_assignable_v<RunState>);
 
-constexpr int kDraws = 300;
+constexpr int kStateDraws = 300;
 
 using Round = void (*)(RunContext&, RunState&);
 
@@ -34,12 +34,12 @@ std::vector<Round> rounds(bool tempered) {
           })
                    : Round(prepare_draws),
           settle,
-          [](RunContext& run, RunState& state) { draw(run, state, kDraws); },
-          [](RunContext& run, RunState& state) { draw(run, state, kDraws); },
+          [](RunContext& run, RunState& state) { draw(run, state, kStateDraws); },
+          [](RunContext& run, RunState& state) { draw(run, state, kStateDraws); },
           [](RunContext& run, RunState& state) { weigh(run, state); }};
 }
 
-void expect_same(const Posterior& a, const Posterior& b) {
+void expect_same_posterior(const Posterior& a, const Posterior& b) {
   ASSERT_EQ(a.chains.size(), b.chains.size());
   for (std::size_t c = 0; c < a.chains.size(); ++c) {
     EXPECT_EQ(a.chains[c].model, b.chains[c].model);
@@ -66,7 +66,7 @@ void expect_same(const Posterior& a, const Posterior& b) {
 class RunStateOf : public testing::TestWithParam<bool> {};
 
 TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
-  const Options options{.seed = 3, .chains = 2, .warmup = 1000, .draws = 2 * kDraws};
+  const Options options{.seed = 3, .chains = 2, .warmup = 1000, .draws = 2 * kStateDraws};
   const Problem problem = toy::bumps();
   RunContext context(problem, options);
   RunState straight = begin(context);
@@ -85,14 +85,14 @@ TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
     round(run, state);
   }
   EXPECT_GT(straight.posterior.draws, 0);
-  expect_same(finish(context, straight), [&] {
+  expect_same_posterior(finish(context, straight), [&] {
     RunContext run(problem, options);
     return finish(run, state);
   }());
 }
 
 TEST_P(RunStateOf, CopiesDoNotKnowOfEachOther) {
-  const Options options{.seed = 4, .chains = 2, .warmup = 1000, .draws = kDraws};
+  const Options options{.seed = 4, .chains = 2, .warmup = 1000, .draws = kStateDraws};
   const Problem problem = toy::bumps();
   RunContext run(problem, options);
   RunState state = begin(run);
@@ -107,7 +107,7 @@ TEST_P(RunStateOf, CopiesDoNotKnowOfEachOther) {
   RunContext other(problem, options);
   resume(other, again);
   all[4](other, again);
-  expect_same(finish(run, state), finish(other, again));
+  expect_same_posterior(finish(run, state), finish(other, again));
 }
 
 INSTANTIATE_TEST_SUITE_P(Draws, RunStateOf, testing::Bool(),
