@@ -177,7 +177,8 @@ TEST(Summary, AveragesOverModelsUseTheWeightsOfBalancedDraws) {
   const Report s = json(marginal(count, draw_weights(posterior)));
   EXPECT_NEAR(s["mean"].get<double>(), 0.01, 0.01 * 4.5 * 2.0 / std::sqrt(8000.0));
   EXPECT_EQ(s["q97.5"], 0.0);
-  EXPECT_NEAR(s["mean"].get<double>(), model_table(found_in(posterior))[1]["probability"], 1e-12);
+  EXPECT_NEAR(s["mean"].get<double>(),
+              model_table(found_in(posterior))[1]["probability"].get<double>(), 1e-12);
 }
 
 TEST(Summary, EqualWeightsChangeNothing) {
