@@ -137,6 +137,12 @@ function(wheeltap_light target)
   target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1>")
 endfunction()
 
+# wheeltap_plain(<target>): -O2, for code whose running time is in the products and decompositions of base; it compiles
+# in five sixths of the time of -O3.
+function(wheeltap_plain target)
+  target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O2>")
+endfunction()
+
 # wheeltap_program(<name> SOURCES … ALONE … LINK …): an executable with the shared flags.
 function(wheeltap_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;LINK" ${ARGN})
