@@ -198,7 +198,7 @@ TEST(Diagnostics, StandardErrorOfTheMeanIsHonest) {
   double sum = 0.0;
   for (int r = 0; r < kReplicates; ++r) {
     const ChainsOf chains = autoregressive(0.8, 4, 1000, static_cast<std::uint64_t>(100 + r));
-    const double z = naive::mean(naive::pooled(chains)) / mcse_mean(chains);
+    const double z = naive::mean_of(naive::pooled(chains)) / mcse_mean(chains);
     sum += z * z;
   }
   EXPECT_NEAR(sum / kReplicates, 1.0, 4.0 * std::sqrt(2.0 / kReplicates));

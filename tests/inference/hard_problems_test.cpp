@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kHardSigmas = 4.9;
 
-const HardProblem& named(const std::string& name) {
+const HardProblem& hard_problem(const std::string& name) {
   for (const HardProblem& p : hard_problems()) {
     if (p.name == name) return p;
   }
@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(All, HardProblemAnswers,
 
 // Draws from ½ · prior + ½ · one component (any) in the spot: the weights are bounded.
 TEST(HardProblems, CountsWithASpotByImportanceSampling) {
-  const HardProblem& p = named("counts 0..10 with a spot");
+  const HardProblem& p = hard_problem("counts 0..10 with a spot");
   const auto likelihood = p.problem.likelihood();
   constexpr double kX = 0.62, kY = 0.27, kWidth = 1e-3;
   for (int k = 1; k <= 10; k += 3) {
@@ -127,7 +127,7 @@ TEST(HardProblems, BananasByImportanceSampling) {
   for (const auto& [name, width] :
        {std::pair{"banana, 2-d", 0.01}, std::pair{"bananas, 6-d", 0.01},
         std::pair{"bananas, 2-d, 1e-3 wide", 1e-3}, std::pair{"bananas, 2-d, 1e-4 wide", 1e-4}}) {
-    const HardProblem& p = named(name);
+    const HardProblem& p = hard_problem(name);
     const auto likelihood = p.problem.likelihood();
     constexpr double kWider = 1.1;
     std::vector<double> x(static_cast<std::size_t>(p.dimension));
@@ -157,7 +157,7 @@ TEST(HardProblems, BananasByImportanceSampling) {
 }
 
 TEST(HardProblems, TheChangePointHasABayesFactorNear75) {
-  const HardProblem& p = named("change point, 16-d against 10-d");
+  const HardProblem& p = hard_problem("change point, 16-d against 10-d");
   EXPECT_NEAR(p.probability[1] / p.probability[0], 75.0, 5.0);
 }
 
@@ -187,7 +187,7 @@ TEST(HardProblems, AnswersInOneAndTwoDimensionsAreThoseOfQuadrature) {
         std::tuple{"exponential edges, 1-d", 4000000, 1e-3},
         std::tuple{"widths 1000:1, 1-d", 200000, 1e-9}, std::tuple{"banana, 2-d", 4000, 1e-4},
         std::tuple{"correlated, 2-d", 4000, 1e-6}}) {
-    const HardProblem& p = named(name);
+    const HardProblem& p = hard_problem(name);
     EXPECT_NEAR(quadrature(p, n), p.log_evidence[1], tolerance) << name;
   }
 }

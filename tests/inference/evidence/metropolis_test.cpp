@@ -17,7 +17,7 @@ ChainsOf coordinate(const std::vector<Eigen::MatrixXd>& chains, Eigen::Index j) 
   return result;
 }
 
-double mean(const ChainsOf& chains) {
+double mean_of_chains(const ChainsOf& chains) {
   double sum = 0.0, n = 0.0;
   for (const auto& chain : chains)
     for (const double x : chain) {
@@ -31,11 +31,11 @@ double mean(const ChainsOf& chains) {
 TEST(Metropolis, NestedMeansPosterior) {
   const ModelSamples samples = metropolis(nested_means(), 1, {.seed = 1});
   const ChainsOf mu = coordinate(samples.x, 0);
-  EXPECT_NEAR(mean(mu), 10.0 / 21.0, 4.5 * mcse_mean(mu));
+  EXPECT_NEAR(mean_of_chains(mu), 10.0 / 21.0, 4.5 * mcse_mean(mu));
   ChainsOf squares = mu;
   for (auto& chain : squares)
     for (double& x : chain) x = (x - 10.0 / 21.0) * (x - 10.0 / 21.0);
-  EXPECT_NEAR(mean(squares), 1.0 / 21.0, 4.5 * mcse_mean(squares));
+  EXPECT_NEAR(mean_of_chains(squares), 1.0 / 21.0, 4.5 * mcse_mean(squares));
   EXPECT_LT(mcse_mean(squares), 0.002);
   EXPECT_LT(samples.rhat, 1.02);
   EXPECT_NEAR(samples.acceptance, 0.44, 0.1);
@@ -72,7 +72,7 @@ TEST(Metropolis, OneModeAtATimeUnlessThePilotKnowsBoth) {
   ChainsOf right = coordinate(both.z, 0);
   for (auto& chain : right)
     for (double& z : chain) z = z > 0.0 ? 1.0 : 0.0;
-  EXPECT_NEAR(mean(right), 0.75, 4.5 * mcse_mean(right));
+  EXPECT_NEAR(mean_of_chains(right), 0.75, 4.5 * mcse_mean(right));
 }
 
 TEST(Metropolis, ComponentsStayInOrder) {
