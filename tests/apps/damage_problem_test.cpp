@@ -227,7 +227,7 @@ TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
   const double naive = without->log_likelihood(1, theta);
   double sum = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double f = without->prediction()[i].get<double>(),
+    const double f = without->prediction()[i],
                  observed = input["data"]["frequencies"][i].get<double>();
     // Grown with the compliance that the damage adds, 0.3 / 0.7 of an element's (and 0.001).
     const double variance = honest->emulator->error(1).scale[i] * (0.3 / 0.7 + 1e-3);

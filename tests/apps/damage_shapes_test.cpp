@@ -36,7 +36,7 @@ struct Parsed {
   DamageCaseFile file;
   std::unique_ptr<const DamageProblem> problem;
 };
-Parsed parsed(const json& c) {
+Parsed parsed_case(const json& c) {
   const Workspace where;
   Parsed out{.file = parse_damage_case(read_case(where.write_json("c.json", c))),
              .problem = nullptr};
@@ -46,7 +46,7 @@ Parsed parsed(const json& c) {
 
 // By the reanalysis, as by the full solution of the damaged structure.
 TEST(DamageShapes, TheLikelihoodIsThatOfTheDamagedModes) {
-  const Parsed p = parsed(beam_a(1));
+  const Parsed p = parsed_case(beam_a(1));
   ASSERT_TRUE(p.problem->modal);
   EXPECT_EQ(p.problem->modal->measured(), 5 + 5 * 4);
   EXPECT_FALSE(p.problem->symmetric) << "shapes tell the sides apart";
@@ -72,7 +72,7 @@ TEST(DamageShapes, TheLikelihoodIsThatOfTheDamagedModes) {
 // Frequencies alone give each side a half.
 TEST(DamageShapes, TellLeftFromRight) {
   for (const int seed : {1, 2, 3}) {
-    const Parsed p = parsed(beam_a(seed));
+    const Parsed p = parsed_case(beam_a(seed));
     inference::Options options;
     options.seed = static_cast<std::uint64_t>(seed);
     options.warmup = 1500;
@@ -127,7 +127,7 @@ TEST(DamageShapes, CovariancesOfFrequencies) {
   c["data"].erase("cov");
   c["data"]["frequencies"] = {13.8, 55.3};
   c["data"]["covariance"] = {{0.02, 0.039}, {0.039, 0.08}};
-  const Parsed p = parsed(c);
+  const Parsed p = parsed_case(c);
   const auto likelihood = p.problem->problem.likelihood();
   const double found = likelihood->log_likelihood(1, std::vector<double>{0.3, 0.2});
   const auto f = elastic_frequencies(p.file.damage.beam, {.damages = {{0.3, 0.2}}}, 2);

@@ -49,7 +49,7 @@ std::vector<Place> places(base::Random& random, const json& structure,
   for (std::size_t m = 0; m < lengths.size(); ++m) {
     const json& member = structure.at("members")[m];
     const bool post = member.at("material") == "posts";
-    const std::string name = member.at("name");
+    const std::string name = member.at("name").get<std::string>();
     const char* direction = post ? "x" : "y";
     middles.push_back({name, rounded(0.5 * lengths[m], 0.05), direction});
     for (const double q : {0.25, 0.75})
@@ -64,7 +64,8 @@ std::vector<Place> places(base::Random& random, const json& structure,
   // A single bay and storey has eleven such places: eighths.
   for (auto* list : {&middles, &quarters}) out.insert(out.end(), list->begin(), list->end());
   for (std::size_t m = 0; out.size() < kSensors; ++m)
-    out.push_back({structure.at("members")[m].at("name"), rounded(0.125 * lengths[m], 0.05),
+    out.push_back({structure.at("members")[m].at("name").get<std::string>(),
+                   rounded(0.125 * lengths[m], 0.05),
                    structure.at("members")[m].at("material") == "posts" ? "x" : "y"});
   out.resize(kSensors);
   return out;

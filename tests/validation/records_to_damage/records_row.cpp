@@ -64,7 +64,7 @@ Draws read_draws(const std::filesystem::path& path, const json& summary,
             .damaged = {}};
   const auto with = static_cast<double>(std::ranges::count_if(k, [](double v) { return v > 0.5; }));
   const auto all = static_cast<double>(k.size());
-  const double p = summary.at("models")[1].at("probability");
+  const double p = summary.at("models")[1].at("probability").get<double>();
   for (std::size_t i = 0; i < k.size(); ++i) {
     const bool damaged = k[i] > 0.5;
     out.damaged.push_back(damaged);
@@ -102,7 +102,7 @@ std::vector<double> member_lengths(const json& structure) {
 
 double largest_shift(const FrameCase& c) {
   double out = 0.0;
-  const double high = c.healthy.at("band")[1];
+  const double high = c.healthy.at("band")[1].get<double>();
   for (Eigen::Index i = 0;
        i < c.state_healthy.frequencies_hz.size() && c.state_healthy.frequencies_hz[i] < high; ++i)
     out =
@@ -147,8 +147,8 @@ RecordsRow run_records(const FrameCase& c, const RecordsOptions& options) {
       std::filesystem::remove(options.folder / record);
 
   const json summary = read_json(options.folder / "out" / "summary.json");
-  row.probability = summary.at("models")[1].at("probability");
-  row.converged = summary.at("diagnostics").at("converged");
+  row.probability = summary.at("models")[1].at("probability").get<double>();
+  row.converged = summary.at("diagnostics").at("converged").get<bool>();
   row.fit_p = summary.at("fit").at("p").is_number() ? summary.at("fit").at("p").get<double>() : 0.0;
   row.modes = static_cast<int>(summary.at("data").at("modes").size());
   const Draws draws = read_draws(options.folder / "out" / "posterior.nc", summary,
