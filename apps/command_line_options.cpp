@@ -86,11 +86,11 @@ void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arra
       },
       "the form of time stamps: day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
   command->add_option("--sheet", layout.sheet,
-                      "the sheet of an Excel workbook; the first that is not hidden unless given");
+                      "the sheet of an Excel workbook; by default the first that is not hidden");
   command->add_option_function<bool>(
       "--rows-are-channels", [&arrays](const bool& rows) { arrays.rows_are_channels = rows; },
       "true or false: whether each row of a matrix is a channel, in MATLAB, NumPy, NetCDF and HDF5 "
-      "files; the longer dimension runs along time unless given");
+      "files; by default the longer dimension runs along time");
 }
 
 }  // namespace wheeltap::apps

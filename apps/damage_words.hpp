@@ -1,4 +1,4 @@
-// Words on the length that damages cover, and on damages that stand beside each other.
+// Words on the length that damages cover, and on adjacent damages.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string merged_counts_in_words(const identification::DefectKind& kind,
                                                  const identification::MergedFinding& merged);
 
-/// "These two stand beside each other: one longer damage, 31 mm (18 to 45 mm) about 0.221 m,
+/// "These two are adjacent: one longer damage, 31 mm (18 to 45 mm) about 0.221 m,
 /// explains the data as well."; `damages` there are in the model.
 [[nodiscard]] std::string longer_in_words(const identification::DefectKind& kind, int damages,
                                           const identification::MergedModel& merged);

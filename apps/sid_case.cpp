@@ -566,7 +566,7 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
   validate_against_schema(file, "sid");
   const bool several = file.json.contains("records");
   if (several && file.json.contains("record")) {
-    file.refuse(Pointer("/records"), "stands beside \"record\": give one of the two");
+    file.refuse(Pointer("/records"), "cannot be given with \"record\": give one of the two");
   }
   if (!several && !file.json.contains("record")) {
     file.refuse(Pointer("/record"),

@@ -1,4 +1,4 @@
-// Damages that stand beside each other and act as one longer damage: their count follows from the
+// Adjacent damages that act as one longer damage: their count follows from the
 // length that one of them covers, an element for example, and not from the data.
 //
 // A loss of stiffness r over a length l adds a flexibility in proportion to c = l r / (1 - r). To

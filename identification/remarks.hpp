@@ -158,7 +158,7 @@ struct NoModelFits {
   std::vector<int> off;
   bool emulated;
 };
-/// Damages of a fixed extent stand beside each other and act as one longer damage (MergedFinding).
+/// Adjacent damages of a fixed extent act as one longer damage (MergedFinding).
 struct NeighbouringDamages {
   int kind;  ///< its place in the case's list
 };

@@ -41,7 +41,7 @@ std::string counted(const DamageCase& damage_case, const ModelFinding& model) {
   return text;
 }
 
-// What the count comes to where neighbours are one damage: " These two stand beside each other …;
+// What the count comes to where neighbours are one damage: " These two are adjacent …;
 // counted as one: 1 damage 99 % and 2 damages 1 %."
 std::string neighbours(const DamageCase& damage_case, const DamageFindings& findings,
                        std::size_t model) {
