@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string complaint(const std::string& text, const FrequencyCells& cells) {
+std::string csv_complaint(const std::string& text, const FrequencyCells& cells) {
   const Workspace where;
   try {
     (void)read_frequency_csv(where.write("f.csv", text), cells);
@@ -42,14 +42,14 @@ TEST(CsvFrequencies, ReadsARowByColumnNamesOrNumbers) {
 }
 
 TEST(CsvFrequencies, NamesLineAndColumnOfAFault) {
-  EXPECT_THAT(complaint("mode,frequency\n1,13.8\n2,x\n", {}), HasSubstr("f.csv:3:2: \"x\""));
-  EXPECT_THAT(complaint("mode,frequency\n1,-3\n", {}), HasSubstr("f.csv:2:2"));
-  EXPECT_THAT(complaint("mode,frequency\n1,12 Hz\n", {}), HasSubstr("f.csv:2:2"));
-  EXPECT_THAT(complaint("mode,frequency\n1\n", {}), HasSubstr("f.csv:2"));
-  EXPECT_THAT(complaint("mode,f\n1,2\n", {}), HasSubstr("no column \"frequency\""));
-  EXPECT_THAT(complaint("a,b\n1,2\n", {.columns = {"c"}}), HasSubstr("no column \"c\" among a, b"));
-  EXPECT_THAT(complaint("a,b\n1,2\n", {.columns = {"a"}, .row = 3}), HasSubstr("row 3"));
-  EXPECT_THAT(complaint("", {}), HasSubstr("header"));
+  EXPECT_THAT(csv_complaint("mode,frequency\n1,13.8\n2,x\n", {}), HasSubstr("f.csv:3:2: \"x\""));
+  EXPECT_THAT(csv_complaint("mode,frequency\n1,-3\n", {}), HasSubstr("f.csv:2:2"));
+  EXPECT_THAT(csv_complaint("mode,frequency\n1,12 Hz\n", {}), HasSubstr("f.csv:2:2"));
+  EXPECT_THAT(csv_complaint("mode,frequency\n1\n", {}), HasSubstr("f.csv:2"));
+  EXPECT_THAT(csv_complaint("mode,f\n1,2\n", {}), HasSubstr("no column \"frequency\""));
+  EXPECT_THAT(csv_complaint("a,b\n1,2\n", {.columns = {"c"}}), HasSubstr("no column \"c\" among a, b"));
+  EXPECT_THAT(csv_complaint("a,b\n1,2\n", {.columns = {"a"}, .row = 3}), HasSubstr("row 3"));
+  EXPECT_THAT(csv_complaint("", {}), HasSubstr("header"));
 }
 
 TEST(CsvFrequencies, MissingFile) {
