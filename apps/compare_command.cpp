@@ -165,7 +165,7 @@ void weigh(std::vector<Compared>& runs) {
   }
 }
 
-void print(const std::vector<Compared>& runs) {
+void print_comparison(const std::vector<Compared>& runs) {
   std::size_t widest = 0;
   for (const Compared& run : runs) widest = std::max(widest, io::printable(run.name).size());
   const Compared& best = *std::ranges::max_element(runs, {}, &Compared::probability);
@@ -233,7 +233,7 @@ void run_compare(const CompareOptions& options) {
   for (std::size_t i = 0; i < runs.size(); ++i) runs[i].prior = prior[i];
   weigh(runs);
   if (options.json) return print_json(runs);
-  print(runs);
+  print_comparison(runs);
 }
 
 }  // namespace wheeltap::apps

@@ -55,8 +55,8 @@ std::string longer_in_words(const DefectKind& kind, int damages, const MergedMod
   return (damages == taken ? damages == 2 ? "These two" : "These " + number_words(damages)
           : taken == 2 ? std::string("Two of these")
                            : number_words(taken) + " of these") +
-         " are adjacent: one longer " + kind.name + ", " + length_in_words(length.q50) +
-         " (" + length_in_words(length.q2_5) + " to " + length_in_words(length.q97_5) + ") long " +
+         " are adjacent: one longer " + kind.name + ", " + length_in_words(length.q50) + " (" +
+         length_in_words(length.q2_5) + " to " + length_in_words(length.q97_5) + ") long " +
          (kind.line.is_beam() ? "" : "on " + on.name + " ") + "about " +
          fixed(merged.location.q50, 3) + " m with " + fixed(100.0 * merged.reduction.q50, 0) +
          " % of the stiffness lost, explains the data " +

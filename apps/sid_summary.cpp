@@ -150,7 +150,7 @@ Report best_draws(const SidFindings& findings) {
 }
 
 // Where posterior.nc keeps each unknown, and where the case states its prior.
-Report unknowns_of(const SidFindings& findings) {
+Report sid_unknowns_of(const SidFindings& findings) {
   return of_drawn(findings, [&](const SidModelFinding&, std::size_t m) {
     Report list = Report::array();
     for (const ParameterFinding& p : findings.models[m].parameters) {
@@ -299,7 +299,7 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
       {"parameters", parameter_tables(findings)},
       {"priors", priors_of(sid_case)},
       {"residuals", {{"ar", orders_of(sid_case)}}},
-      {"unknowns", unknowns_of(findings)},
+      {"unknowns", sid_unknowns_of(findings)},
       {"fit", fit_report(findings.fit_verdict)},
       {"fit_at_mean", fits_report(findings)},
       {"links", links_report(findings)},

@@ -35,7 +35,7 @@ Report numbers(const std::vector<double>& list) {
   return out;
 }
 
-Report json(const Interval& i) {
+Report interval_json(const Interval& i) {
   return {{"mean", i.mean}, {"sd", i.sd},   {"q2.5", i.q2_5},  {"q5", i.q5},
           {"q50", i.q50},   {"q95", i.q95}, {"q97.5", i.q97_5}};
 }
@@ -55,8 +55,8 @@ Report json(const Marginal& e) {
 }
 
 Report json(const BetweenWindows& between) {
-  Report out = json(between.next);
-  out["whole"] = between.whole ? json(*between.whole) : Report();
+  Report out = interval_json(between.next);
+  out["whole"] = between.whole ? interval_json(*between.whole) : Report();
   out["scatter"] = {{"times_own_interval", between.scatter.ratio},
                     {"p_value", between.scatter.p_value}};
   out["use"] = between.scatters() ? "windows" : "run";

@@ -67,7 +67,7 @@ class Workers {
   std::vector<std::unique_ptr<OutsideModel> > idle_;
 };
 
-std::vector<double> numbers(const Json& from, int size, const char* what) {
+std::vector<double> answered_numbers(const Json& from, int size, const char* what) {
   if (!from.is_array() || from.size() != static_cast<std::size_t>(size))
     throw Refusal{"InvalidInput", std::string(what) + " must have " + std::to_string(size) +
                                       " numbers, has " + std::to_string(from.size())};
@@ -91,7 +91,7 @@ std::vector<double> input_of(const Json& question, const Workers& workers) {
   const Json& input = field(question, "input");
   if (!input.is_array() || input.size() != 1)
     throw Refusal{"InvalidInput", "input must be one vector, in a list"};
-  return numbers(input[0], workers.inputs(), "the input");
+  return answered_numbers(input[0], workers.inputs(), "the input");
 }
 
 Json evaluated(Workers& workers, const Json& question) {
@@ -117,7 +117,7 @@ Json differentiated(Workers& workers, const Json& question) {
     if (field(question, key) != 0)
       throw Refusal{"InvalidInput", std::string(key) + " must be 0: there is one vector"};
   const auto x = input_of(question, workers);
-  const auto sens = numbers(field(question, "sens"), workers.outputs(), "sens");
+  const auto sens = answered_numbers(field(question, "sens"), workers.outputs(), "sens");
   std::vector<double> slope(x.size());
   const bool has =
       workers.with_one([&](OutsideModel& model) { return model.gradient(x, sens, slope); });

@@ -88,7 +88,7 @@ Report modes_of(const UpdateFindings& findings) {
   return rows;
 }
 
-Report data_of(const UpdateCaseFile& parsed, const UpdateFindings& findings) {
+Report update_data_of(const UpdateCaseFile& parsed, const UpdateFindings& findings) {
   const ModalData& data = parsed.update.data;
   Report sensors = Report::array();
   for (const Sensor& sensor : data.sensors) sensors.push_back(sensor.name);
@@ -148,7 +148,7 @@ Report reduced_basis_of(const UpdateProblem& problem, const UpdateFindings& find
           {"in_full", {{"draws", findings.in_full}, {"of", findings.examined}}}};
 }
 
-Report unknowns_of(const UpdateCaseFile& parsed, const UpdateFindings& findings) {
+Report update_unknowns_of(const UpdateCaseFile& parsed, const UpdateFindings& findings) {
   Report list = Report::array();
   for (const ParameterFinding& p : findings.models[0].parameters)
     list.push_back({{"label", p.unknown.label},
@@ -175,14 +175,14 @@ Report update_summary(const UpdateCaseFile& parsed, const UpdateProblem& problem
                     {"solutions", solutions_of(findings)},
                     {"contraction", contractions_of(findings)},
                     {"cannot_tell", untold_of(findings)},
-                    {"unknowns", unknowns_of(parsed, findings)},
+                    {"unknowns", update_unknowns_of(parsed, findings)},
                     {"fit",
                      {{"ok", findings.fit.ok()},
                       {"r2", finite(findings.fit.r2)},
                       {"p", findings.fit.p},
                       {"best_p", findings.fit.best_p},
                       {"why", misfit_sentences(findings)}}},
-                    {"data", data_of(parsed, findings)},
+                    {"data", update_data_of(parsed, findings)},
                     {"predictions", predictions_of(findings)},
                     {"best_draw", best},
                     {"reduced_basis", reduced_basis_of(problem, findings)},

@@ -31,7 +31,7 @@ void require_computable(const std::string& name, double value) {
     refuse(name, value, "must be between 1e-60 and 1e60; check the units, which are SI");
 }
 
-void require_inside(const std::string& name, double x, double length) {
+void require_on_beam(const std::string& name, double x, double length) {
   if (x >= 0.0 && x <= length) return;
   std::ostringstream allowed;
   allowed.precision(12);
@@ -42,7 +42,7 @@ void require_inside(const std::string& name, double x, double length) {
 }  // namespace
 
 int Beam::element_at(double x) const {
-  require_inside("location", x, length);
+  require_on_beam("location", x, length);
   const double position = x / element_length();
   const double node = std::round(position);
   const bool at_node = std::abs(position - node) * element_length() <= kSamePlace * length;
@@ -108,7 +108,7 @@ void validate(const Beam& beam) {
   for (std::size_t i = 0; i < beam.supports.size(); ++i) {
     const Support& s = beam.supports[i];
     const std::string name = "beam.supports[" + std::to_string(i) + "]";
-    require_inside(name + ".at", s.at, beam.length);
+    require_on_beam(name + ".at", s.at, beam.length);
     if (!s.deflection && !s.rotation)
       throw std::invalid_argument(name + ": must hold the deflection, the rotation or both");
     if (s.stiffness) {

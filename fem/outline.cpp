@@ -23,7 +23,7 @@ std::string text(const Point& p) {
   return "(" + text(p.x()) + ", " + text(p.y()) + ")";
 }
 
-[[noreturn]] void refuse(const std::string& where, const std::string& what) {
+[[noreturn]] void refuse_outline(const std::string& where, const std::string& what) {
   throw std::invalid_argument(where + ": " + what);
 }
 
@@ -94,7 +94,7 @@ void each_pair(const std::vector<Segment>& all, const Visit& visit) {
 
 void refuse_infinite(const Ring& ring, const std::string& name) {
   for (std::size_t i = 0; i < ring.size(); ++i)
-    if (!ring[i].allFinite()) refuse(corner(name, i), text(ring[i]) + ": must be finite");
+    if (!ring[i].allFinite()) refuse_outline(corner(name, i), text(ring[i]) + ": must be finite");
 }
 
 /// The ring without corners that repeat the one before, to `near`.
@@ -106,15 +106,17 @@ Ring cleaned(const Ring& given, const std::string& name, double near) {
   while (ring.size() > 1 && same(ring.back(), ring.front())) ring.pop_back();
   const auto exact = std::ranges::count_if(given, [&](const Point& p) { return p != given[0]; });
   if (ring.size() < 3 && exact > 2)
-    refuse(name,
-           "is lost beside the size of the outline, of which its corners are within a billionth of "
-           "each other: it keeps fewer than 3 different corners, but a polygon has at least 3");
+    refuse_outline(
+        name,
+        "is lost beside the size of the outline, of which its corners are within a billionth of "
+        "each other: it keeps fewer than 3 different corners, but a polygon has at least 3");
   if (ring.size() < 3)
-    refuse(name, std::to_string(ring.size()) + " different corners: a polygon has at least 3");
+    refuse_outline(name,
+                   std::to_string(ring.size()) + " different corners: a polygon has at least 3");
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point &a = ring[i], &b = ring[(i + 1) % ring.size()], &c = ring[(i + 2) % ring.size()];
     if (side(a, b, c) == 0 && (b - a).dot(c - b) < 0.0)
-      refuse(name, "has no area where it turns back onto itself, at " + text(b));
+      refuse_outline(name, "has no area where it turns back onto itself, at " + text(b));
   }
   return ring;
 }
@@ -125,7 +127,7 @@ void orient(Ring& ring, const std::string& name, bool counter_clockwise) {
   for (const Point& p : ring) size = std::max(size, (p - ring[0]).norm());
   const double area = signed_area(ring);
   if (std::abs(area) <= 1e-14 * size * size)
-    refuse(name, "its area is " + text(area) + " m2: must not be 0");
+    refuse_outline(name, "its area is " + text(area) + " m2: must not be 0");
   if ((area > 0.0) != counter_clockwise) std::ranges::reverse(ring);
 }
 
@@ -137,11 +139,11 @@ void refuse_own_crossings(const std::vector<const Ring*>& rings,
     if (!meet(s.a, s.b, t.a, t.b)) return;
     const std::string edges = "the edge from " + text(s.a) + " to " + text(s.b) +
                               " meets that from " + text(t.a) + " to " + text(t.b);
-    if (same) refuse(names[s.ring], "crosses or touches itself: " + edges);
+    if (same) refuse_outline(names[s.ring], "crosses or touches itself: " + edges);
     const auto [low, high] = std::minmax(s.ring, t.ring);
-    refuse(names[high], (low == 0 ? "a hole must lie inside the outer polygon: "
-                                  : "a hole must not meet another (" + names[low] + "): ") +
-                            edges);
+    refuse_outline(names[high], (low == 0 ? "a hole must lie inside the outer polygon: "
+                                          : "a hole must not meet another (" + names[low] + "): ") +
+                                    edges);
   });
 }
 
@@ -205,9 +207,9 @@ void refuse_overlap(const Outline& outline) {
   each_pair(segments_of(rings), [&](const Segment& s, const Segment& t) {
     const std::size_t p = owner[s.ring], q = owner[t.ring];
     if (p != q && cross_properly(s.a, s.b, t.a, t.b, near))
-      refuse(name(std::max(p, q)), "overlaps " + name(std::min(p, q)) + ": the edge from " +
-                                       text(s.a) + " to " + text(s.b) + " crosses that from " +
-                                       text(t.a) + " to " + text(t.b));
+      refuse_outline(name(std::max(p, q)),
+                     "overlaps " + name(std::min(p, q)) + ": the edge from " + text(s.a) + " to " +
+                         text(s.b) + " crosses that from " + text(t.a) + " to " + text(t.b));
   });
   for (std::size_t p = 0; p < outline.regions.size(); ++p)
     for (std::size_t q = 0; q < outline.regions.size(); ++q) {
@@ -215,8 +217,8 @@ void refuse_overlap(const Outline& outline) {
       for (const Point& point :
            just_inside(outline.regions[p], outline.regions[q], near, 100.0 * near))
         if (inside(outline.regions[q], point) && distance(point, outline.regions[q]) > near)
-          refuse(name(std::max(p, q)),
-                 "overlaps " + name(std::min(p, q)) + ": " + text(point) + " lies in both");
+          refuse_outline(name(std::max(p, q)),
+                         "overlaps " + name(std::min(p, q)) + ": " + text(point) + " lies in both");
     }
 }
 
@@ -251,7 +253,8 @@ bool contains(std::span<const Point> ring, const Point& point) {
 }
 
 Outline checked(const Outline& outline) {
-  if (outline.regions.empty()) refuse("regions", "there are none: a section has at least 1");
+  if (outline.regions.empty())
+    refuse_outline("regions", "there are none: a section has at least 1");
   for (std::size_t r = 0; r < outline.regions.size(); ++r) {
     const std::string name = "regions[" + std::to_string(r) + "]";
     refuse_infinite(outline.regions[r].outer, name + ".outer");
@@ -265,11 +268,11 @@ Outline checked(const Outline& outline) {
     const std::string name = "regions[" + std::to_string(r) + "]";
     Region region = given;
     if (!(given.modulus > 0.0 && std::isfinite(given.modulus)))
-      refuse(name + ".modulus", text(given.modulus) + ": must be positive");
+      refuse_outline(name + ".modulus", text(given.modulus) + ": must be positive");
     if (!(given.density > 0.0 && std::isfinite(given.density)))
-      refuse(name + ".density", text(given.density) + ": must be positive");
+      refuse_outline(name + ".density", text(given.density) + ": must be positive");
     if (!(given.poisson > -1.0 && given.poisson <= 0.5))
-      refuse(name + ".poisson", text(given.poisson) + ": must be above -1 and at most 0.5");
+      refuse_outline(name + ".poisson", text(given.poisson) + ": must be above -1 and at most 0.5");
     region.outer = cleaned(given.outer, name + ".outer", near);
     std::vector<std::string> names = {name + ".outer"};
     for (std::size_t h = 0; h < given.holes.size(); ++h) {
@@ -285,10 +288,10 @@ Outline checked(const Outline& outline) {
     for (std::size_t h = 0; h < region.holes.size(); ++h) {
       const Point& p = region.holes[h][0];
       if (!contains(region.outer, p))
-        refuse(names[h + 1], "lies outside the outer polygon, e.g. " + text(p));
+        refuse_outline(names[h + 1], "lies outside the outer polygon, e.g. " + text(p));
       for (std::size_t other = 0; other < region.holes.size(); ++other)
         if (other != h && contains(region.holes[other], p))
-          refuse(names[h + 1], "lies inside " + names[other + 1] + ", e.g. " + text(p));
+          refuse_outline(names[h + 1], "lies inside " + names[other + 1] + ", e.g. " + text(p));
     }
     result.regions.push_back(std::move(region));
   }

@@ -57,7 +57,7 @@ struct Series {
 
 // In SI units, every `stride`-th sample; of an unknown scale or offset the raw one, free of its
 // mean.
-std::vector<double> in_si(const dynamics::Signal& signal, std::size_t stride = 1) {
+std::vector<double> discovery_in_si(const dynamics::Signal& signal, std::size_t stride = 1) {
   std::vector<double> out;
   const double scale = signal.scale.is_constant() ? signal.scale.value : 1.0;
   const double offset = signal.offset.is_constant() ? signal.offset.value : 0.0;
@@ -155,13 +155,13 @@ class Motions {
   [[nodiscard]] Series series_of(int mass) const {
     const SidChannel* best = sensor_of(mass);
     if (best == nullptr) return {};
-    Series out{.quantity = best->quantity, .samples = in_si(best->signal)};
+    Series out{.quantity = best->quantity, .samples = discovery_in_si(best->signal)};
     const bool acceleration = best->quantity == dynamics::Quantity::acceleration;
     const SidChannel* base =
         case_.find(acceleration ? Role::base_acceleration : Role::base_displacement);
     const bool same = acceleration || best->quantity == dynamics::Quantity::displacement;
     if (best->frame == dynamics::Frame::absolute && base != nullptr && same) {
-      const auto of_base = in_si(base->signal, static_cast<std::size_t>(case_.stride));
+      const auto of_base = discovery_in_si(base->signal, static_cast<std::size_t>(case_.stride));
       for (std::size_t n = 0; n < std::min(of_base.size(), out.samples.size()); ++n) {
         out.samples[n] -= of_base[n];
       }
@@ -178,7 +178,8 @@ class Motions {
         sensor->quantity == dynamics::Quantity::displacement) {
       return motion;
     }
-    std::vector<double> samples = in_si(base->signal, static_cast<std::size_t>(case_.stride));
+    std::vector<double> samples =
+        discovery_in_si(base->signal, static_cast<std::size_t>(case_.stride));
     signals::detrend(samples, 0);
     const Motion moved = motion_of({.samples = std::move(samples)}, case_.sample_rate_hz);
     motion.displacement = std::hypot(motion.displacement, moved.displacement);
@@ -268,7 +269,8 @@ class Motions {
   }
 
   [[nodiscard]] double rms_within(const SidChannel& channel, double band_hz) const {
-    std::vector<double> samples = in_si(channel.signal, static_cast<std::size_t>(case_.stride));
+    std::vector<double> samples =
+        discovery_in_si(channel.signal, static_cast<std::size_t>(case_.stride));
     signals::detrend(samples, 0);
     const auto spectrum = signals::welch(samples, case_.sample_rate_hz,
                                          {.segment = static_cast<int>(samples.size())});

@@ -91,7 +91,7 @@ inference::GroupScore score(inference::ModelPosterior& posterior, const WholeFit
   return out;
 }
 
-WindowFit fit(const SidCase& sid_case, int model, const WholeFit& whole) {
+WindowFit fit_window(const SidCase& sid_case, int model, const WholeFit& whole) {
   SidCase alone = sid_case;
   alone.models = {sid_case.models[static_cast<std::size_t>(model)]};
   const auto problem = make_sid_problem(std::move(alone));
@@ -241,7 +241,7 @@ ModelWindows fit_windows(const SidProblem& problem, int m, std::span<const doubl
   std::vector<WindowFit> fits(windows.size());
   base::parallel_for(static_cast<int>(windows.size()), threads, [&](int w) {
     const auto [record, first, last] = windows[static_cast<std::size_t>(w)];
-    fits[static_cast<std::size_t>(w)] = fit(window_case(*record, first, last), m, whole);
+    fits[static_cast<std::size_t>(w)] = fit_window(window_case(*record, first, last), m, whole);
   });
   ModelWindows out{.windows = static_cast<int>(windows.size())};
   out.likelihood_evaluations = whole.likelihood_evaluations;

@@ -75,13 +75,13 @@ double interpolate(double lower, double upper, double z) {
 }
 
 // ln(a/b), also where the quotient of the two overflows, as it does above a denormal b.
-double log_ratio(double a, double b) {
+double log_quotient(double a, double b) {
   const double quotient = a / b;
   return std::isfinite(quotient) ? std::log(quotient) : std::log(a) - std::log(b);
 }
 
 double log_span(const LogUniform& f) {
-  return log_ratio(f.upper, f.lower);
+  return log_quotient(f.upper, f.lower);
 }
 
 double clamp(double x, double lower, double upper) {
@@ -438,55 +438,55 @@ double Prior::to_standard_normal(double x) const {
   if (x <= lower()) return -kInfinity;
   if (x >= upper()) return kInfinity;
   return std::visit(
-      Overloaded{[x](const Uniform& f) {
-                   const double width = f.upper - f.lower;
-                   return from_tails((x - f.lower) / width, (f.upper - x) / width);
-                 },
-                 [x](const LogUniform& f) {
-                   const double span = log_span(f);
-                   return from_tails(log_ratio(x, f.lower) / span, log_ratio(f.upper, x) / span);
-                 },
-                 [x](const Normal& f) { return (x - f.mean) / f.sd; },
-                 [x](const LogNormal& f) { return (std::log(x) - f.mu) / f.sigma; },
-                 [x](const HalfNormal& f) {
-                   const double u = x / f.sd;
-                   if (u < 1.0) return normal_quantile(std::erf(u / std::numbers::sqrt2));
-                   return -normal_quantile_of_log(std::numbers::ln2 + log_normal_cdf(-u));
-                 },
-                 [x](const Gamma& f) {
-                   const double u = x / f.scale;
-                   return from_tails(boost::math::gamma_p(f.shape, u, Policy{}),
-                                     boost::math::gamma_q(f.shape, u, Policy{}));
-                 },
-                 [x](const Beta& f) {
-                   const double width = f.upper - f.lower;
-                   const double t = (x - f.lower) / width, rest = (f.upper - x) / width;
-                   // I_t(a, b) = 1 - I_{1-t}(b, a): the argument that is exact is the small one.
-                   if (t < 0.5)
-                     return from_tails(boost::math::ibeta(f.a, f.b, t, Policy{}),
-                                       boost::math::ibetac(f.a, f.b, t, Policy{}));
-                   return from_tails(boost::math::ibetac(f.b, f.a, rest, Policy{}),
-                                     boost::math::ibeta(f.b, f.a, rest, Policy{}));
-                 },
-                 [x](const TruncatedNormal& f) {
-                   const StandardTruncated cut(f);
-                   const double u = (x - f.mean) / f.sd;
-                   return cut.reflected ? -cut.to_standard(-u) : cut.to_standard(u);
-                 },
-                 [x](const InverseGamma& f) {
-                   const double u = f.scale / x;
-                   return from_tails(boost::math::gamma_q(f.shape, u, Policy{}),
-                                     boost::math::gamma_p(f.shape, u, Policy{}));
-                 },
-                 [x](const StudentT& f) {
-                   const double t = (x - f.location) / f.scale;
-                   return std::copysign(-normal_quantile(student_upper_tail(f.nu, std::fabs(t))),
-                                        t);
-                 },
-                 [x](const OwnPrior& f) {
-                   const auto [below, above] = f.distribution->tails(x);
-                   return from_tails(below, above);
-                 }},
+      Overloaded{
+          [x](const Uniform& f) {
+            const double width = f.upper - f.lower;
+            return from_tails((x - f.lower) / width, (f.upper - x) / width);
+          },
+          [x](const LogUniform& f) {
+            const double span = log_span(f);
+            return from_tails(log_quotient(x, f.lower) / span, log_quotient(f.upper, x) / span);
+          },
+          [x](const Normal& f) { return (x - f.mean) / f.sd; },
+          [x](const LogNormal& f) { return (std::log(x) - f.mu) / f.sigma; },
+          [x](const HalfNormal& f) {
+            const double u = x / f.sd;
+            if (u < 1.0) return normal_quantile(std::erf(u / std::numbers::sqrt2));
+            return -normal_quantile_of_log(std::numbers::ln2 + log_normal_cdf(-u));
+          },
+          [x](const Gamma& f) {
+            const double u = x / f.scale;
+            return from_tails(boost::math::gamma_p(f.shape, u, Policy{}),
+                              boost::math::gamma_q(f.shape, u, Policy{}));
+          },
+          [x](const Beta& f) {
+            const double width = f.upper - f.lower;
+            const double t = (x - f.lower) / width, rest = (f.upper - x) / width;
+            // I_t(a, b) = 1 - I_{1-t}(b, a): the argument that is exact is the small one.
+            if (t < 0.5)
+              return from_tails(boost::math::ibeta(f.a, f.b, t, Policy{}),
+                                boost::math::ibetac(f.a, f.b, t, Policy{}));
+            return from_tails(boost::math::ibetac(f.b, f.a, rest, Policy{}),
+                              boost::math::ibeta(f.b, f.a, rest, Policy{}));
+          },
+          [x](const TruncatedNormal& f) {
+            const StandardTruncated cut(f);
+            const double u = (x - f.mean) / f.sd;
+            return cut.reflected ? -cut.to_standard(-u) : cut.to_standard(u);
+          },
+          [x](const InverseGamma& f) {
+            const double u = f.scale / x;
+            return from_tails(boost::math::gamma_q(f.shape, u, Policy{}),
+                              boost::math::gamma_p(f.shape, u, Policy{}));
+          },
+          [x](const StudentT& f) {
+            const double t = (x - f.location) / f.scale;
+            return std::copysign(-normal_quantile(student_upper_tail(f.nu, std::fabs(t))), t);
+          },
+          [x](const OwnPrior& f) {
+            const auto [below, above] = f.distribution->tails(x);
+            return from_tails(below, above);
+          }},
       family_);
 }
 

@@ -90,7 +90,7 @@ struct Balance {
 };
 
 // exp(factor + β log likelihood), the largest being 1; false where all are 0.
-bool weigh(const std::vector<State>& states, double beta, std::vector<double>& weights) {
+bool weigh_tests(const std::vector<State>& states, double beta, std::vector<double>& weights) {
   double top = -kInfinity;
   for (std::size_t n = 0; n < states.size(); ++n) {
     const State& s = states[n];
@@ -196,12 +196,12 @@ MoveCheck check_move(const Problem& problem, const std::function<std::unique_ptr
     target.evaluate(state);
   }
   std::vector<double> weights(states.size());
-  if (!weigh(states, 0.0, weights))
+  if (!weigh_tests(states, 0.0, weights))
     throw std::invalid_argument("check_move: prior factor and likelihood are nowhere finite in " +
                                 std::to_string(options.draws) + " draws of the prior");
   MoveCheck check;
   check.beta = 1.0;
-  const auto carried = [&] { return weigh(states, check.beta, weights), effective(weights); };
+  const auto carried = [&] { return weigh_tests(states, check.beta, weights), effective(weights); };
   while (check.beta > 0.0 && carried() < 0.05 * options.draws)
     check.beta = check.beta > 1e-12 ? 0.5 * check.beta : 0.0;
 
@@ -213,7 +213,7 @@ MoveCheck check_move(const Problem& problem, const std::function<std::unique_ptr
     for (int i = 0; i < kPairs; ++i)
       balances.push_back(
           {Wave(random, models, dimension), Wave(random, models, dimension), i % 4 == 0});
-    weigh(states, beta, weights);
+    weigh_tests(states, beta, weights);
     for (std::size_t n = 0; n < states.size(); ++n) {
       if (!(weights[n] > 0.0)) continue;
       State next = states[n];

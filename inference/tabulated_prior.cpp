@@ -10,7 +10,7 @@
 namespace wheeltap::inference {
 namespace {
 
-[[noreturn]] void refuse(const char* list, std::size_t i, double value, const char* bound) {
+[[noreturn]] void refuse_table(const char* list, std::size_t i, double value, const char* bound) {
   throw std::invalid_argument("table prior: " + std::string(list) + "[" + std::to_string(i) +
                               "] = " + base::number(value) + ", must be " + bound);
 }
@@ -32,18 +32,20 @@ TabulatedPrior::TabulatedPrior(std::vector<double> x, std::vector<double> densit
                                 " of the density; there must be as many, 2 at least");
   const std::size_t last = x_.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
-    if (!std::isfinite(x_[i])) refuse("x", i, x_[i], "finite");
-    if (i > 0 && !(x_[i] > x_[i - 1])) refuse("x", i, x_[i], "more than the one before it");
+    if (!std::isfinite(x_[i])) refuse_table("x", i, x_[i], "finite");
+    if (i > 0 && !(x_[i] > x_[i - 1])) refuse_table("x", i, x_[i], "more than the one before it");
     if (i > 0 && !std::isfinite(x_[i] - x_[i - 1]))
-      refuse("x", i, x_[i], "within range of the one before it");
-    if (!(p_[i] >= 0.0 && std::isfinite(p_[i]))) refuse("density", i, p_[i], ">= 0 and finite");
+      refuse_table("x", i, x_[i], "within range of the one before it");
+    if (!(p_[i] >= 0.0 && std::isfinite(p_[i])))
+      refuse_table("density", i, p_[i], ">= 0 and finite");
     if (p_[i] == 0.0 && ((i > 0 && i < last) || last == 1))
-      refuse("density", i, p_[i], "> 0 (it may be 0 at one of the ends, where there are more)");
+      refuse_table("density", i, p_[i],
+                   "> 0 (it may be 0 at one of the ends, where there are more)");
   }
   // Scaled before it is summed: a table in 1e300 is a table.
   const double top = *std::ranges::max_element(p_);
   const double extent = x_[last] - x_[0];
-  if (!std::isfinite(extent)) refuse("x", last, x_[last], "within range of the first");
+  if (!std::isfinite(extent)) refuse_table("x", last, x_[last], "within range of the first");
   double mass = 0.0;
   for (double& p : p_) p /= top;
   for (std::size_t i = 0; i < last; ++i)

@@ -107,7 +107,7 @@ MatrixXd slope(const DecayModel& model, std::size_t mode, bool imaginary, double
 
 /// Columns of ∂y/∂λ (real, imaginary part of each mode), each all of y; `across` what no c
 /// explains.
-MatrixXd slopes(const DecayModel& model, double step, bool across) {
+MatrixXd decay_slopes(const DecayModel& model, double step, bool across) {
   MatrixXd out(model.residual.size(), 2 * static_cast<Index>(model.poles.size()));
   for (std::size_t m = 0; m < model.poles.size(); ++m)
     for (const bool imaginary : {false, true}) {
@@ -124,8 +124,9 @@ DecayModel refine_decays(const MatrixXd& y, const std::vector<Complex>& poles, d
   DecayModel out = fit(y, poles, step);
   if (poles.empty()) return out;
   for (int iteration = 0; iteration < 30; ++iteration) {
-    const VectorXd move =
-        slopes(out, step, true).colPivHouseholderQr().solve(VectorXd(out.residual.reshaped()));
+    const VectorXd move = decay_slopes(out, step, true)
+                              .colPivHouseholderQr()
+                              .solve(VectorXd(out.residual.reshaped()));
     if (!move.allFinite()) break;
     double share = 1.0;
     bool down = false;
@@ -237,7 +238,7 @@ class Surrogates {
 
 /// The shape that all decays have in common: of channels × decays factors the first left singular
 /// vector.
-VectorXcd shape_of(const MatrixXd& factors, std::size_t mode, Index channels) {
+VectorXcd decay_shape_of(const MatrixXd& factors, std::size_t mode, Index channels) {
   const auto row = 2 * static_cast<Index>(mode);
   VectorXcd c(factors.cols());
   c.real() = factors.row(row).transpose();
@@ -248,8 +249,8 @@ VectorXcd shape_of(const MatrixXd& factors, std::size_t mode, Index channels) {
 }
 
 /// The modes with what surrogates of the residuals move them by: Δλ = J⁺e, Δc = B⁺(e - ∂y/∂λ Δλ).
-void describe(ModalResult& out, const DecayModel& model, Index channels, double step,
-              std::uint64_t seed) {
+void describe_decay(ModalResult& out, const DecayModel& model, Index channels, double step,
+                    std::uint64_t seed) {
   const auto count = static_cast<Index>(model.poles.size());
   if (count == 0) return;
   MatrixXd moves(2 * count, out.replicates);
@@ -261,7 +262,7 @@ void describe(ModalResult& out, const DecayModel& model, Index channels, double 
     mode.pole.eigenvalue = lambda;
     mode.pole.frequency_hz = std::abs(lambda) / (2.0 * std::numbers::pi);
     mode.pole.damping = -lambda.real() / std::abs(lambda);
-    mode.pole.shape = shape_of(model.factors, m, channels);
+    mode.pole.shape = decay_shape_of(model.factors, m, channels);
     Index top = 0;
     mode.pole.shape.cwiseAbs().maxCoeff(&top);
     mode.pole.shape /= Complex(mode.pole.shape[top]);
@@ -271,8 +272,8 @@ void describe(ModalResult& out, const DecayModel& model, Index channels, double 
     shapes[m].resize(2 * channels, out.replicates);
   }
   const auto rows = static_cast<double>(model.basis.rows());
-  const MatrixXd direct = slopes(model, step, false);
-  const Eigen::ColPivHouseholderQR<MatrixXd> solver(slopes(model, step, true));
+  const MatrixXd direct = decay_slopes(model, step, false);
+  const Eigen::ColPivHouseholderQR<MatrixXd> solver(decay_slopes(model, step, true));
   std::vector<double> lines;
   for (const Complex& lambda : model.poles)
     lines.push_back(lambda.imag() / (2.0 * std::numbers::pi) * step * rows);
@@ -295,7 +296,7 @@ void describe(ModalResult& out, const DecayModel& model, Index channels, double 
       const double size = std::abs(lambda), grows = (std::conj(lambda) * d).real() / size;
       moves(m, b) = grows / (2.0 * std::numbers::pi);
       moves(count + m, b) = -d.real() / size + lambda.real() * grows / (size * size);
-      const VectorXcd whole = shape_of(factors, index(m), channels);
+      const VectorXcd whole = decay_shape_of(factors, index(m), channels);
       const VectorXcd moved = whole / whole[tops[index(m)]] - out.modes[index(m)].pole.shape;
       shapes[index(m)].col(b).head(channels) = moved.real();
       shapes[index(m)].col(b).tail(channels) = moved.imag();
@@ -390,7 +391,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
                          .amplitude_kurtosis = 2.0});
   }
   const DecayModel model = refine_decays(all, poles, step);
-  describe(out, model, channels, step, seed);
+  describe_decay(out, model, channels, step, seed);
   for (std::size_t m = 0; m < out.modes.size(); ++m)
     if (pole_distance(out.modes[m].pole, out.diagram.poles[index(out.diagram.modes[m].chosen)]) >
         kMovedPole)

@@ -80,8 +80,8 @@ std::string answer_in_metres(const Marginal& x) {
 std::string how_bad(const DefectKind& kind, const Marginal& severity);
 
 // One component: "near 0.095 m (95 % interval 0.09 to 0.1 m) or its mirror image 0.905 m, …".
-std::string place(const Marginal& x, const Marginal* severity, const Marginal* extent,
-                  const DefectKind& kind, double length, bool mirrored) {
+std::string place_in_words(const Marginal& x, const Marginal* severity, const Marginal* extent,
+                           const DefectKind& kind, double length, bool mirrored) {
   std::string text;
   if (x.width() > kLocated * length) {
     text = "not located: anywhere from " + answer_in_metres(x) +
@@ -170,9 +170,9 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
     const Marginal* severity = kind.severity_prior() ? &shown[p + 1].estimate : nullptr;
     const Marginal* extent =
         kind.extent_prior ? &shown[p + (kind.severity_prior() ? 2 : 1)].estimate : nullptr;
-    places.push_back((several ? kind.name + " " : "") + place(shown[p].estimate, severity, extent,
-                                                              kind, damage_case.beam.length,
-                                                              mirrored));
+    places.push_back((several ? kind.name + " " : "") +
+                     place_in_words(shown[p].estimate, severity, extent, kind,
+                                    damage_case.beam.length, mirrored));
   }
   if (places.empty()) return {};
   std::string text;
@@ -190,7 +190,7 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
   return text;
 }
 
-std::string values(const ModelFinding& model) {
+std::string values_in_words(const ModelFinding& model) {
   std::vector<std::string> parts;
   for (const ParameterFinding& p : model.parameters) {
     if (parts.size() == kMostValues) {
@@ -305,7 +305,7 @@ Answer answer(const Findings& findings) {
            in_brief(verdict) + ").";
   };
   Answer out = verdict_on(findings, " between models: ", quoted_name, misfit);
-  out.detail = values(findings.models[findings.by_probability()[0]]);
+  out.detail = values_in_words(findings.models[findings.by_probability()[0]]);
   return out;
 }
 

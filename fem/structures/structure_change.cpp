@@ -16,7 +16,7 @@ using Eigen::Index;
 /// What is left of a held motion, relative, that others do not hold already.
 constexpr double kDependentColumn = 1e-12;
 
-void require(bool holds, const char* name, double value, const char* allowed) {
+void require_change(bool holds, const char* name, double value, const char* allowed) {
   if (!holds)
     throw std::invalid_argument(std::string(name) + " = " + std::to_string(value) + ": " + allowed);
 }
@@ -157,20 +157,22 @@ void require_mass_left(const Discretisation& d, const StructureChange& change) {
 
 void validate(const Discretisation& d, const StructureChange& change) {
   for (const StructureChange::Softening& s : change.softenings) {
-    require(s.remaining > 0.0 && s.remaining <= 1.0, "remaining stiffness", s.remaining,
-            "must be in (0, 1]");
+    require_change(s.remaining > 0.0 && s.remaining <= 1.0, "remaining stiffness", s.remaining,
+                   "must be in (0, 1]");
     for (const auto& [row, weight] : s.direction)
-      require(row >= 0 && index(row) < d.strains.size(), "strain", row, "there is none such");
+      require_change(row >= 0 && index(row) < d.strains.size(), "strain", row,
+                     "there is none such");
   }
   for (const StructureChange::Scaling& s : change.scalings) {
-    require(s.remaining > 0.0 && s.remaining <= 1.0, "remaining stiffness", s.remaining,
-            "must be in (0, 1]");
-    require(s.part >= 0 && index(s.part) < d.parts.size(), "part", s.part, "there is none such");
+    require_change(s.remaining > 0.0 && s.remaining <= 1.0, "remaining stiffness", s.remaining,
+                   "must be in (0, 1]");
+    require_change(s.part >= 0 && index(s.part) < d.parts.size(), "part", s.part,
+                   "there is none such");
   }
   for (const StructureChange::Spring& s : change.springs)
-    require(s.stiffness > 0.0, "spring stiffness", s.stiffness, "must be positive");
+    require_change(s.stiffness > 0.0, "spring stiffness", s.stiffness, "must be positive");
   for (const StructureChange::Mass& m : change.masses)
-    require(std::isfinite(m.mass), "added mass", m.mass, "must be finite");
+    require_change(std::isfinite(m.mass), "added mass", m.mass, "must be finite");
 }
 
 void compound(StructureChange& change) {

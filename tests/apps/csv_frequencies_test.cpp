@@ -47,7 +47,8 @@ TEST(CsvFrequencies, NamesLineAndColumnOfAFault) {
   EXPECT_THAT(csv_complaint("mode,frequency\n1,12 Hz\n", {}), HasSubstr("f.csv:2:2"));
   EXPECT_THAT(csv_complaint("mode,frequency\n1\n", {}), HasSubstr("f.csv:2"));
   EXPECT_THAT(csv_complaint("mode,f\n1,2\n", {}), HasSubstr("no column \"frequency\""));
-  EXPECT_THAT(csv_complaint("a,b\n1,2\n", {.columns = {"c"}}), HasSubstr("no column \"c\" among a, b"));
+  EXPECT_THAT(csv_complaint("a,b\n1,2\n", {.columns = {"c"}}),
+              HasSubstr("no column \"c\" among a, b"));
   EXPECT_THAT(csv_complaint("a,b\n1,2\n", {.columns = {"a"}, .row = 3}), HasSubstr("row 3"));
   EXPECT_THAT(csv_complaint("", {}), HasSubstr("header"));
 }

@@ -39,7 +39,7 @@ MatrixXd correlation_matrix(const RowMatrix& u, const Correlation& c) {
   return r;
 }
 
-double smooth(double a, double b, double wave) {
+double smooth_surface(double a, double b, double wave) {
   return std::sin(wave * a) * std::exp(b) + 10.0;
 }
 
@@ -47,7 +47,7 @@ RowMatrix smooth_values(const RowMatrix& points, Index responses) {
   RowMatrix y(points.rows(), responses);
   for (Index i = 0; i < y.rows(); ++i)
     for (Index r = 0; r < responses; ++r)
-      y(i, r) = smooth(points(i, 0), points(i, 1), 2.0 + static_cast<double>(r));
+      y(i, r) = smooth_surface(points(i, 0), points(i, 1), 2.0 + static_cast<double>(r));
   return y;
 }
 
@@ -232,7 +232,7 @@ TEST(GaussianProcess, FindsTheNoiseOfTheRuns) {
   double mean = 0, variance = 0;
   const std::vector x{0.5, 0.5};
   f.evaluate(x, {&mean, 1}, {&variance, 1});
-  EXPECT_NEAR(mean, smooth(0.5, 0.5, 2.0), 5 * std::sqrt(variance));
+  EXPECT_NEAR(mean, smooth_surface(0.5, 0.5, 2.0), 5 * std::sqrt(variance));
   EXPECT_LT(variance, 0.05 * 0.05 / 4) << "the noise averages out";
 }
 
@@ -286,7 +286,7 @@ TEST(GaussianProcess, AConstantResponseStaysConstant) {
     f.evaluate(std::vector{0.2, 0.9}, mean, variance);
     EXPECT_EQ(mean[1], 7.25);
     EXPECT_EQ(variance[1], 0.0);
-    EXPECT_NEAR(mean[0], smooth(0.2, 0.9, 2.0), 0.1);
+    EXPECT_NEAR(mean[0], smooth_surface(0.2, 0.9, 2.0), 0.1);
   }
 }
 

@@ -72,7 +72,7 @@ Defects draw(std::mt19937_64& generator, int most, Kind kind) {
   return defects;
 }
 
-std::string describe(const Defects& defects) {
+std::string describe_beam(const Defects& defects) {
   std::ostringstream out;
   out.precision(17);
   for (const Damage& d : defects.damages)
@@ -82,8 +82,8 @@ std::string describe(const Defects& defects) {
   return out.str();
 }
 
-std::vector<double> reanalysed(const Reanalysis& reanalysis, Reanalysis::Workspace& workspace,
-                               const Defects& defects, int modes = kModes) {
+std::vector<double> reanalysed_beam(const Reanalysis& reanalysis, Reanalysis::Workspace& workspace,
+                                    const Defects& defects, int modes = kModes) {
   std::vector<double> f(static_cast<std::size_t>(modes));
   reanalysis.frequencies_hz(defects.damages, defects.supports, workspace, f);
   return f;
@@ -136,8 +136,8 @@ TEST_P(Reanalyses, EqualTheFullEigensolution) {
       ASSERT_TRUE(full.certified);
       const std::vector<double> expected(full.frequencies_hz.begin(), full.frequencies_hz.end());
       const double error =
-          largest_error(reanalysed(reanalysis, workspace, defects), expected, defects, beam);
-      ASSERT_LT(error, 2e-7) << describe(defects);
+          largest_error(reanalysed_beam(reanalysis, workspace, defects), expected, defects, beam);
+      ASSERT_LT(error, 2e-7) << describe_beam(defects);
       worst = std::max(worst, error);
     }
   }
@@ -162,9 +162,9 @@ TEST(Reanalysis, EqualsTheLongDoubleEigensolution) {
     for (int i = 0; i <= each; ++i) {
       const Defects defects = draw(generator, 4, static_cast<Kind>(i % 3));
       const std::vector<double> expected = dense_frequencies<long double>(beam, defects, -1e2L);
-      const std::vector<double> f = reanalysed(reanalysis, workspace, defects);
+      const std::vector<double> f = reanalysed_beam(reanalysis, workspace, defects);
       const double error = largest_error(f, expected, defects, beam);
-      ASSERT_LT(error, 5e-8) << describe(defects);
+      ASSERT_LT(error, 5e-8) << describe_beam(defects);
       worst = std::max(worst, error);
       worst_double =
           std::max(worst_double,
@@ -185,7 +185,7 @@ TEST(Reanalysis, FindsBothOfEqualFrequencies) {
                   .supports = {{.location = 0.5}, {.location = 0.5, .rotation = true}}};
   for (const double reduction : {0.0, 1e-9, 1e-6, 1e-3}) {
     if (reduction > 0.0) defects.damages = {{0.2, reduction}};  // the halves part a little
-    const std::vector<double> f = reanalysed(reanalysis, workspace, defects);
+    const std::vector<double> f = reanalysed_beam(reanalysis, workspace, defects);
     const Modes full = modal_analysis(beam, defects, {.modes = kModes});
     for (std::size_t i = 0; i < f.size(); ++i)
       EXPECT_NEAR(f[i] / full.frequencies_hz[static_cast<Eigen::Index>(i)], 1.0, 1e-11)
@@ -200,11 +200,12 @@ TEST(Reanalysis, NothingWrongChangesNothing) {
   Reanalysis::Workspace workspace = reanalysis.make_workspace();
   const auto intact = reanalysis.intact_frequencies_hz();
   const std::vector<double> expected(intact.begin(), intact.end());
-  EXPECT_EQ(reanalysed(reanalysis, workspace, {}), expected);
-  EXPECT_EQ(reanalysed(reanalysis, workspace, {.damages = {{0.3, 0.0}}, .supports = {}}), expected);
+  EXPECT_EQ(reanalysed_beam(reanalysis, workspace, {}), expected);
+  EXPECT_EQ(reanalysed_beam(reanalysis, workspace, {.damages = {{0.3, 0.0}}, .supports = {}}),
+            expected);
   // A rigid support where there is one already.
   const std::vector<double> f =
-      reanalysed(reanalysis, workspace, {.damages = {}, .supports = {{.location = 1.0}}});
+      reanalysed_beam(reanalysis, workspace, {.damages = {}, .supports = {{.location = 1.0}}});
   for (std::size_t i = 0; i < f.size(); ++i) EXPECT_NEAR(f[i] / expected[i], 1.0, 1e-14);
 }
 
@@ -215,10 +216,10 @@ TEST(Reanalysis, OrderAndEarlierCallsDoNotMatter) {
   for (int i = 0; i < 50; ++i) {
     Defects defects = draw(generator, 6, Kind::kDamages);
     Reanalysis::Workspace fresh = reanalysis.make_workspace();
-    const std::vector<double> f = reanalysed(reanalysis, fresh, defects);
-    EXPECT_EQ(reanalysed(reanalysis, used, defects), f);
+    const std::vector<double> f = reanalysed_beam(reanalysis, fresh, defects);
+    EXPECT_EQ(reanalysed_beam(reanalysis, used, defects), f);
     // Fewer modes of the same: bitwise the same, whatever shared the lanes.
-    const std::vector<double> few = reanalysed(reanalysis, used, defects, 7);
+    const std::vector<double> few = reanalysed_beam(reanalysis, used, defects, 7);
     EXPECT_TRUE(std::equal(few.begin(), few.end(), f.begin()));
   }
 }
@@ -240,10 +241,10 @@ TEST(Reanalysis, DoesNotAllocateOnceItsWorkspaceHasGrown) {
 TEST(Reanalysis, MirrorImagesAgree) {
   const Reanalysis reanalysis(slender_beam(), kModes);
   Reanalysis::Workspace workspace = reanalysis.make_workspace();
-  const auto a =
-      reanalysed(reanalysis, workspace, {.damages = {{0.123, 0.5}, {0.77, 0.3}}, .supports = {}});
-  const auto b = reanalysed(reanalysis, workspace,
-                            {.damages = {{0.877, 0.5}, {0.23 - 1e-6, 0.3}}, .supports = {}});
+  const auto a = reanalysed_beam(reanalysis, workspace,
+                                 {.damages = {{0.123, 0.5}, {0.77, 0.3}}, .supports = {}});
+  const auto b = reanalysed_beam(reanalysis, workspace,
+                                 {.damages = {{0.877, 0.5}, {0.23 - 1e-6, 0.3}}, .supports = {}});
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i] / b[i], 1.0, 1e-12);
 }
 
@@ -255,7 +256,7 @@ TEST(Reanalysis, SupportsAlmostAtOnePlaceClamp) {
   for (const double gap : {1e-2, 1e-4, 1e-6}) {
     const Defects defects{.damages = {},
                           .supports = {{.location = 0.6123}, {.location = 0.6123 + gap}}};
-    const std::vector<double> f = reanalysed(reanalysis, workspace, defects, 10);
+    const std::vector<double> f = reanalysed_beam(reanalysis, workspace, defects, 10);
     const Modes full = modal_analysis(beam, defects, {.modes = 10});
     for (std::size_t i = 0; i < f.size(); ++i)
       EXPECT_NEAR(f[i] / full.frequencies_hz[static_cast<Eigen::Index>(i)], 1.0, 1e-8) << gap;
@@ -270,7 +271,7 @@ TEST(Reanalysis, ServesSmallBeamsAndAllTheirModes) {
     Reanalysis::Workspace workspace = reanalysis.make_workspace();
     const Defects defects{.damages = {{0.1, 0.6}, {0.9, 0.3}},
                           .supports = {{.location = 0.55, .stiffness = 1e5}}};
-    const std::vector<double> f = reanalysed(reanalysis, workspace, defects, all);
+    const std::vector<double> f = reanalysed_beam(reanalysis, workspace, defects, all);
     const Modes full = modal_analysis(beam, defects, {.modes = all});
     for (std::size_t i = 0; i < f.size(); ++i)
       EXPECT_NEAR(f[i] / full.frequencies_hz[static_cast<Eigen::Index>(i)], 1.0, 1e-10) << elements;
@@ -283,7 +284,7 @@ TEST(Reanalysis, ManySupportsAtOnce) {
   Reanalysis::Workspace workspace = reanalysis.make_workspace();
   Defects defects;
   for (int i = 1; i <= 12; ++i) defects.supports.push_back({.location = 0.0777 * i});
-  const std::vector<double> f = reanalysed(reanalysis, workspace, defects);
+  const std::vector<double> f = reanalysed_beam(reanalysis, workspace, defects);
   const Modes full = modal_analysis(beam, defects, {.modes = kModes});
   for (std::size_t i = 0; i < f.size(); ++i)
     EXPECT_NEAR(f[i] / full.frequencies_hz[static_cast<Eigen::Index>(i)], 1.0, 1e-9) << i;
@@ -332,7 +333,7 @@ TEST(Reanalysis, GradientsEqualFiniteDifferences) {
         const auto at = [&](double r) {
           Defects moved = base;
           moved.damages[d].reduction = r;
-          return reanalysed(reanalysis, workspace, moved);
+          return reanalysed_beam(reanalysis, workspace, moved);
         };
         const double r = base.damages[d].reduction;
         std::vector<std::vector<double>> f;
@@ -345,7 +346,7 @@ TEST(Reanalysis, GradientsEqualFiniteDifferences) {
                         : (8 * (v(3) - v(1)) - (v(4) - v(0))) / (12 * h);
           const double error = std::abs(gradient[mode * stride + column] - expected) /
                                (s.f[mode] + std::abs(expected));
-          EXPECT_LT(error, 1e-6) << describe(base) << " mode " << mode;
+          EXPECT_LT(error, 1e-6) << describe_beam(base) << " mode " << mode;
           worst = std::max(worst, error);
         }
       };
@@ -379,7 +380,7 @@ TEST(Reanalysis, StiffnessGradientsEqualFiniteDifferences) {
                         .shapes = {},
                         .points = {},
                         .support_gradients_hz = gradients});
-      EXPECT_EQ(f, reanalysed(reanalysis, workspace, defects));
+      EXPECT_EQ(f, reanalysed_beam(reanalysis, workspace, defects));
       const auto rigid = static_cast<std::size_t>(rigid_body_freedom(beam, defects.supports));
       for (std::size_t s = 0; s < count; ++s) {
         const double k = defects.supports[s].stiffness;
@@ -393,7 +394,7 @@ TEST(Reanalysis, StiffnessGradientsEqualFiniteDifferences) {
         for (const double j : {-2.0, -1.0, 1.0, 2.0}) {
           Defects moved = defects;
           moved.supports[s].stiffness = k * (1.0 + j * h);
-          at.push_back(reanalysed(reanalysis, workspace, moved));
+          at.push_back(reanalysed_beam(reanalysis, workspace, moved));
         }
         for (std::size_t mode = rigid; mode < kModes; ++mode) {
           // ∂f/∂ln k, by Richardson's rule on differences.
@@ -401,7 +402,7 @@ TEST(Reanalysis, StiffnessGradientsEqualFiniteDifferences) {
               (8 * (at[2][mode] - at[1][mode]) - (at[3][mode] - at[0][mode])) / (12 * h);
           const double error =
               std::abs(k * gradients[mode * count + s] - expected) / (f[mode] + std::abs(expected));
-          EXPECT_LT(error, 1e-6) << describe(defects) << " mode " << mode;
+          EXPECT_LT(error, 1e-6) << describe_beam(defects) << " mode " << mode;
           worst = std::max(worst, error);
         }
       }
@@ -474,7 +475,8 @@ TEST(Reanalysis, ShapesEqualThoseOfTheFullSolution) {
                                                 expected.size());
         const double error =
             std::min((shape - expected).norm(), (shape + expected).norm()) / expected.norm();
-        EXPECT_LT(error * std::min(1.0, 10.0 * gap), 1e-7) << describe(defects) << " mode " << mode;
+        EXPECT_LT(error * std::min(1.0, 10.0 * gap), 1e-7)
+            << describe_beam(defects) << " mode " << mode;
         if (gap > 0.1) worst = std::max(worst, error);
       }
     }

@@ -39,7 +39,7 @@ std::vector<std::vector<std::string>> rows_of(const std::filesystem::path& path)
   return out;
 }
 
-ModalData frequencies(std::vector<double> f, const std::vector<double>& sd) {
+ModalData measured_frequencies(std::vector<double> f, const std::vector<double>& sd) {
   ModalData out{.frequencies_hz = std::move(f)};
   out.covariance = modal::diagonal(sd);
   return out;
@@ -56,7 +56,8 @@ std::map<int, ModalData> lanl_states() {
     const auto sd = [&](std::size_t i) {
       return 2.0 * 1.25 * number(i) / std::sqrt(number(i + 1));
     };
-    out[std::stoi(row[0])] = frequencies({kNaN, number(3), number(6)}, {0.0, sd(4), sd(7)});
+    out[std::stoi(row[0])] =
+        measured_frequencies({kNaN, number(3), number(6)}, {0.0, sd(4), sd(7)});
   }
   return out;
 }
@@ -288,10 +289,10 @@ TEST(MeasuredStates, ARollerBeamForetellsOtherPlaces) {
     ObservedState state{.name = std::to_string(static_cast<int>(std::lround(r.place_mm))) + " mm"};
     state.known = {1e-3 * r.place_mm};
     if (held_out) {
-      state.data = frequencies({kNaN, kNaN}, {0.0, 0.0});
+      state.data = measured_frequencies({kNaN, kNaN}, {0.0, 0.0});
       state.data.held_out_hz = {r.f1, r.f2};
     } else {
-      state.data = frequencies({r.f1, r.f2}, {0.001 * r.f1, 0.003 * r.f2});
+      state.data = measured_frequencies({r.f1, r.f2}, {0.001 * r.f1, 0.003 * r.f2});
     }
     state.data.discrepancy.prior = inference::LogUniform{1e-3, 0.05};
     states->list.push_back(std::move(state));

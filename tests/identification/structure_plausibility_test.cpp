@@ -10,7 +10,7 @@ namespace wheeltap::identification {
 namespace {
 
 template <class R>
-const R* find(const std::vector<Remark>& remarks) {
+const R* find_remark(const std::vector<Remark>& remarks) {
   for (const Remark& remark : remarks)
     if (const R* found = std::get_if<R>(&remark)) return found;
   return nullptr;
@@ -64,20 +64,20 @@ TEST(StructurePlausibility, ABeamInMillimetresIsSaid) {
   fem::Beam beam = small_beam(1).beam;
   EXPECT_TRUE(implausible(beam).empty());
   beam.section = fem::section(fem::Rectangle{.width = 25.0, .height = 6.0}, 0.3);
-  const auto* deep = find<remark::DeepSection>(implausible(beam));
+  const auto* deep = find_remark<remark::DeepSection>(implausible(beam));
   EXPECT_NE(deep, nullptr);
   beam.material.young = 70.0;
-  EXPECT_NE(find<remark::ImplausibleMaterial>(implausible(beam)), nullptr);
+  EXPECT_NE(find_remark<remark::ImplausibleMaterial>(implausible(beam)), nullptr);
 }
 
 TEST(StructurePlausibility, TwinMembersAndUnusedNodesAreSaid) {
   EXPECT_TRUE(implausible(AnyStructure(square_frame({{0, 1}, {1, 2}, {2, 3}, {3, 0}}))).empty());
   const auto remarks = implausible(AnyStructure(square_frame({{0, 1}, {1, 2}, {1, 0}})));
-  const auto* twins = find<remark::TwinMembers>(remarks);
+  const auto* twins = find_remark<remark::TwinMembers>(remarks);
   ASSERT_NE(twins, nullptr);
   EXPECT_EQ(twins->first, "AB");
   EXPECT_EQ(twins->second, "BA");
-  const auto* unused = find<remark::UnusedNodes>(remarks);
+  const auto* unused = find_remark<remark::UnusedNodes>(remarks);
   ASSERT_NE(unused, nullptr);
   EXPECT_EQ(unused->nodes, std::vector<std::string>{"D"});
 }
@@ -85,7 +85,7 @@ TEST(StructurePlausibility, TwinMembersAndUnusedNodesAreSaid) {
 TEST(StructurePlausibility, MembersThatCrossWithoutAJointAreSaid) {
   fem::Structure crossed = square_frame({{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}});
   const auto remarks = implausible(AnyStructure(crossed));
-  const auto* found = find<remark::CrossingMembers>(remarks);
+  const auto* found = find_remark<remark::CrossingMembers>(remarks);
   ASSERT_NE(found, nullptr);
   EXPECT_EQ(found->count, 1);
   EXPECT_NEAR(found->pairs[0].at[0], 0.5, 1e-12);
@@ -97,18 +97,18 @@ TEST(StructurePlausibility, MembersThatCrossWithoutAJointAreSaid) {
   tee.members.back().name = "MC";
   tee.members.back().nodes = {4, 2};
   const auto touching = implausible(AnyStructure(tee));
-  ASSERT_NE(find<remark::CrossingMembers>(touching), nullptr);
-  EXPECT_EQ(find<remark::CrossingMembers>(touching)->count, 1);
+  ASSERT_NE(find_remark<remark::CrossingMembers>(touching), nullptr);
+  EXPECT_EQ(find_remark<remark::CrossingMembers>(touching)->count, 1);
   // Passing each other in space is no crossing.
   crossed.dimension = 3;
   crossed.nodes[3].at[2] = 0.1;
-  EXPECT_EQ(find<remark::CrossingMembers>(implausible(AnyStructure(crossed))), nullptr);
+  EXPECT_EQ(find_remark<remark::CrossingMembers>(implausible(AnyStructure(crossed))), nullptr);
 }
 
 TEST(StructurePlausibility, SensorsAtOnePlaceAreSaid) {
   const std::vector<Remark> remarks =
       implausible(std::vector<Sensor>{{"B, x", {}}, {"C, x", {}}, {"B, x", {}}});
-  const auto* same = find<remark::SensorsAtOnePlace>(remarks);
+  const auto* same = find_remark<remark::SensorsAtOnePlace>(remarks);
   ASSERT_NE(same, nullptr);
   EXPECT_EQ(same->pairs.at(0).first, 1);
   EXPECT_EQ(same->pairs.at(0).second, 3);

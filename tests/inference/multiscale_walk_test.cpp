@@ -14,7 +14,7 @@ namespace {
 constexpr int kWidth = 10;
 
 // Neal's funnel: v ~ N(0, 3²), x_i ~ N(0, e^v), nine of them, in coordinates v = 3 z_0, x = 20 z.
-Problem funnel() {
+Problem funnel_target() {
   std::vector<std::string> names{"v"};
   std::vector<Parameter> unknowns{{"v", Normal{0.0, 3.0}}};
   for (int i = 1; i < kWidth; ++i) unknowns.push_back({"x" + std::to_string(i), Normal{0.0, 20.0}});
@@ -35,7 +35,7 @@ struct Share {
 };
 template <typename Walk>
 Share in_the_neck() {
-  const Problem problem = funnel();
+  const Problem problem = funnel_target();
   RandomWalk::Scales scales = RandomWalk::initial_scales(problem.space);
   // The posterior's standard deviations: of v its prior's, of x e^(9/4) = 9.5.
   Eigen::MatrixXd& factor = scales[0].back().factor;

@@ -20,7 +20,7 @@ namespace {
 
 using Kind = FileError::Kind;
 
-std::string refusal(const std::function<std::string()>& read, double seconds = 0.0) {
+std::string refusal_apart(const std::function<std::string()>& read, double seconds = 0.0) {
   try {
     (void)read_apart("a.mat", read, seconds);
   } catch (const FileError& error) {
@@ -70,7 +70,7 @@ TEST(ReadApart, ThrowsWhatTheReaderThrew) {
     EXPECT_STREQ(error.what(), "b.mat, line 3, column 2 ('u'): no number");
     EXPECT_EQ(error.place().header, "u");
   }
-  EXPECT_THAT(refusal([]() -> std::string { throw std::bad_alloc(); }),
+  EXPECT_THAT(refusal_apart([]() -> std::string { throw std::bad_alloc(); }),
               testing::HasSubstr("memory"));
   EXPECT_THROW((void)read_apart("a.mat", []() -> std::string { throw std::range_error("x"); }),
                std::runtime_error);
@@ -78,13 +78,13 @@ TEST(ReadApart, ThrowsWhatTheReaderThrew) {
 
 TEST(ReadApart, ACrashIsTheFilesFault) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE})
-    EXPECT_THAT(refusal([signal]() -> std::string {
+    EXPECT_THAT(refusal_apart([signal]() -> std::string {
                   std::signal(signal, SIG_DFL);  // sanitizers have handlers of their own
                   std::raise(signal);
                   return "";
                 }),
                 testing::AllOf(testing::StartsWith("a.mat: "), testing::HasSubstr("crashed")));
-  EXPECT_THAT(refusal([]() -> std::string { _exit(3); }), testing::HasSubstr("crashed"));
+  EXPECT_THAT(refusal_apart([]() -> std::string { _exit(3); }), testing::HasSubstr("crashed"));
 }
 
 // Ctrl-C reaches the whole group: the file is not damaged for that.
@@ -105,7 +105,7 @@ TEST(ReadApart, WhatStopsTheProgramIsNotTheFilesFault) {
 }
 
 TEST(ReadApart, AReaderThatDoesNotEndIsEnded) {
-  EXPECT_THAT(refusal(
+  EXPECT_THAT(refusal_apart(
                   []() -> std::string {
                     for (std::atomic<unsigned> i = 0;;) ++i;
                   },
@@ -116,7 +116,7 @@ TEST(ReadApart, AReaderThatDoesNotEndIsEnded) {
 // 288 bytes made libmatio take 1.9 GB.
 TEST(ReadApart, ASmallFileDoesNotTakeTheMachinesMemory) {
   // As the libraries ask; `new` ends the program where the address sanitizer refuses.
-  EXPECT_THAT(refusal([]() -> std::string {
+  EXPECT_THAT(refusal_apart([]() -> std::string {
                 void* volatile much = std::malloc(3'000'000'000);
                 if (much == nullptr) throw std::bad_alloc();
                 std::free(much);

@@ -7,7 +7,7 @@
 namespace wheeltap::signals {
 namespace {
 
-Eigen::MatrixXd noise(int channels, int samples) {
+Eigen::MatrixXd white_noise(int channels, int samples) {
   base::Random random(3, 0, 0, base::Purpose::test);
   Eigen::MatrixXd y(channels, samples);
   for (Eigen::Index k = 0; k < samples; ++k)
@@ -17,7 +17,7 @@ Eigen::MatrixXd noise(int channels, int samples) {
 
 // Sums as they are written, one product after the other.
 TEST(OutputCovariances, AreTheSumsOfProducts) {
-  const Eigen::MatrixXd y = noise(3, 400);
+  const Eigen::MatrixXd y = white_noise(3, 400);
   const OutputCovariances c = output_covariances(y, {.lags = 4, .blocks = 5, .references = {2, 0}});
   EXPECT_EQ(c.samples, (400 - 4) / 5);
   // The library's own channels: without their lines, of unit variance.
@@ -46,7 +46,7 @@ TEST(OutputCovariances, AreTheSumsOfProducts) {
 }
 
 TEST(OutputCovariances, RefuseWhatTheyCannotUse) {
-  Eigen::MatrixXd y = noise(2, 400);
+  Eigen::MatrixXd y = white_noise(2, 400);
   EXPECT_THROW((void)output_covariances(y, {.lags = 80, .blocks = 5}), std::invalid_argument);
   EXPECT_THROW((void)output_covariances(y, {.lags = 4, .blocks = 5, .references = {2}}),
                std::invalid_argument);

@@ -21,7 +21,7 @@ Structure portal_of(int dimension, bool free) {
 
 /// R_n of all pairs of some forms, against their sums over all the modes that are not kept; the
 /// worst error over the geometric mean of both forms' own.
-double worst_error(const Mesh& mesh, const StructureSpectrum& all, int kept) {
+double worst_flexibility_error(const Mesh& mesh, const StructureSpectrum& all, int kept) {
   const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
   const ResidualFlexibility residual(d, all.shapes.leftCols(kept).cast<double>(),
                                      all.eigenvalues.head(kept), std::size_t{1} << 28);
@@ -83,7 +83,7 @@ TEST(ResidualFlexibility, IsTheSumOverTheModesThatAreNotKept) {
       const Mesh mesh(portal_of(dimension, free));
       const StructureSpectrum all = structure_spectrum(mesh.discretisation(), 0);
       for (const int kept : {10, 20, 40}) {
-        const double worst = worst_error(mesh, all, kept);
+        const double worst = worst_flexibility_error(mesh, all, kept);
         std::cout << dimension << (free ? " free, " : " held, ") << kept << " of "
                   << mesh.discretisation().size() << " modes: " << worst << "\n";
         EXPECT_LT(worst, 1e-10);
