@@ -218,11 +218,11 @@ TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
   input["damage"]["location"] = {{"uniform", {0.1, 0.9}}};
   input["predictor"] = Json::parse(R"({"sites": [2, 9], "multipliers": [0.4, 1.0]})");
   const std::vector<double> theta = {0.5, 0.3};
-  const auto honest = problem(input);
+  const auto aware = problem(input);
   input["predictor"]["emulator_error"] = false;
   input["predictor"]["symmetrise"] = true;  // what it is by default where the error counts
   const auto blind = problem(input);
-  const auto with = honest->problem.likelihood(), without = blind->problem.likelihood();
+  const auto with = aware->problem.likelihood(), without = blind->problem.likelihood();
   (void)with->log_likelihood(1, theta);
   const double naive = without->log_likelihood(1, theta);
   double sum = 0.0, expected = 0.0;
@@ -230,7 +230,7 @@ TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
     const double f = without->prediction()[i],
                  observed = input["data"]["frequencies"][i].get<double>();
     // Grown with the compliance that the damage adds, 0.3 / 0.7 of an element's (and 0.001).
-    const double variance = honest->emulator->error(1).scale[i] * (0.3 / 0.7 + 1e-3);
+    const double variance = aware->emulator->error(1).scale[i] * (0.3 / 0.7 + 1e-3);
     EXPECT_GT(variance, 0.0);
     sum += log_normal_density(observed, f, 0.01 * observed);
     expected += log_normal_density(observed, f, std::hypot(0.01 * observed, std::sqrt(variance)));
