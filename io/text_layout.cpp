@@ -409,7 +409,7 @@ class Finder {
 
   /// A line above the rows that looks like names and has another number of them.
   void wrong_header() {
-    if (out_.first == 0) return;
+    if (out_.first == 0 || out_.first >= head_.size()) return;
     std::size_t above = out_.first - 1;
     while (above > 0 && head_[above].is_comment) --above;
     if (head_[above].is_comment || head_[above].number + 1 != head_[out_.first].number) return;
