@@ -1,7 +1,7 @@
 // The intact structure's parameters beside its damage: in words, as a report, on the terminal.
 #pragma once
 
-#include "apps/summary.hpp"
+#include "apps/report_json.hpp"
 #include "apps/terminal.hpp"
 #include "identification/damage_findings.hpp"
 

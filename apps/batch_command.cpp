@@ -11,17 +11,17 @@
 #include <mutex>
 #include <type_traits>
 
+#include "apps/command_list.hpp"
+#include "apps/command_options.hpp"
 #include "apps/batch_folders.hpp"
 #include "apps/batch_table.hpp"
 #include "apps/case_file.hpp"
 #include "apps/child_program.hpp"
 #include "apps/failure.hpp"
 #include "apps/failure_of.hpp"
-#include "apps/modal_command.hpp"
 #include "apps/run_cost.hpp"
 #include "apps/running.hpp"
 #include "apps/several_ranks.hpp"
-#include "apps/update_command.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
 #include "io/atomic_file.hpp"
@@ -32,19 +32,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Which command runs a kind of case.
-struct Runs {
-  const char* kind;
-  const char* command;
-};
-constexpr std::array kCommands{Runs{"damage", "damage"}, Runs{"sid", "sid"},
-                               Runs{"update", "update"}, Runs{"modal", "modal"}};
-
-std::string command_of(const CaseFile& file) {
+/// The command that runs a case of this kind.
+const Command& command_of(const CaseFile& file) {
   std::vector<std::string> known;
-  for (const Runs& runs : kCommands) {
-    if (file.json.is_object() && file.json.value("kind", Json()) == runs.kind) return runs.command;
-    known.push_back(runs.kind);
+  for (const Command& command : commands()) {
+    if (command.case_kind.empty()) continue;
+    if (file.json.is_object() && file.json.value("kind", Json()) == command.case_kind)
+      return command;
+    known.push_back(command.case_kind);
   }
   file.refuse(Pointer("/kind"), "a batch runs cases of the kinds " + listed(known));
 }
@@ -55,10 +50,10 @@ std::string as_argument(const std::filesystem::path& path) {
   return text.starts_with('-') ? "./" + text : text;
 }
 
-std::vector<std::string> arguments(const std::string& command, const std::filesystem::path& path,
+std::vector<std::string> arguments(const Command& command, const std::filesystem::path& path,
                                    const std::filesystem::path& folder, const CommonOptions& common,
                                    const SamplingOptions& sampling) {
-  std::vector<std::string> out{command, as_argument(path), "--output=" + folder.string(),
+  std::vector<std::string> out{command.name, as_argument(path), "--output=" + folder.string(),
                                "--quiet"};
   const auto add = [&](const char* option, auto value) {
     out.insert(out.end(), {option, std::to_string(value)});
@@ -67,7 +62,7 @@ std::vector<std::string> arguments(const std::string& command, const std::filesy
     out.insert(out.end(), {option, Json(value).dump()});
   };
   for (const std::string& override : common.overrides) out.push_back("--set=" + override);
-  if (command == "modal") return out;  // nothing is sampled, and nothing goes on
+  if (!command.samples) return out;  // nothing goes on
   add("--chains", sampling.chains);
   if (common.seed) add("--seed", *common.seed);
   if (sampling.warmup > 0) add("--warmup", sampling.warmup);
@@ -84,14 +79,6 @@ std::vector<std::string> arguments(const std::string& command, const std::filesy
   if (!sampling.evidence.empty()) out.push_back("--evidence=" + sampling.evidence);
   if (common.resume) out.emplace_back("--resume");
   return out;
-}
-
-using Command = void (*)(const CommonOptions&, const SamplingOptions&);
-Command function_of(const std::string& command) {
-  if (command == "damage") return run_damage;
-  if (command == "sid") return run_sid;
-  if (command == "update") return run_update;
-  return [](const CommonOptions& common, const SamplingOptions&) { run_modal(common); };
 }
 
 /// What the cases would take, a line each, and what all would.
@@ -116,8 +103,8 @@ void estimate_batch(const std::vector<BatchCase>& cases, const CommonOptions& co
       all.seconds += cost.seconds / at_a_time;
     };
     try {
-      const std::string command = command_of(read_case(one.path, common.overrides));
-      function_of(command)(alone, sampling);
+      const Command& command = command_of(read_case(one.path, common.overrides));
+      command.run({.common = alone, .sampling = sampling});
     } catch (...) {
       const Failure failure = failure_of(std::current_exception(), one.path);
       std::cout << io::printable(one.name) << ": refused (exit code "
@@ -192,7 +179,7 @@ class Batch {
     bool ended = true;
     try {
       const CaseFile file = read_case(one.path, common_.overrides);
-      const std::string command = command_of(file);
+      const Command& command = command_of(file);
       row.kind = file.json["kind"].get<std::string>();
       ended = run_program(arguments(command, one.path, folder(at), common_, sampling_), threads, at,
                           row);
@@ -299,6 +286,34 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
                 std::to_string(std::ranges::count_if(rows, failed)) + " of " + all +
                     " cases failed, the first of them " + (*first)->name + " (exit code " +
                     std::to_string((*first)->exit) + "); --resume runs those again");
+}
+
+Command batch_command() {
+  return {.name = "batch",
+          .summary = "many cases, each by its kind, with one table of results",
+          .on_all_ranks = true,
+          .add_options =
+              [](CommandOptions& options) {
+                CommonOptions& common = options.invocation().common;
+                options.app()
+                    .add_option("LIST", common.case_path, "one path of a case a line; # comments")
+                    ->required();
+                options.app()
+                    .add_option("--set", common.overrides, "override every case: path.to.key=VALUE")
+                    ->take_all()
+                    ->allow_extra_args(false);
+                options.add_output("FOLDER",
+                                   "the folder for the results: batch.csv, and one folder per case");
+                options.add_json("print the table as JSON");
+                options.add_seed("of every run's chains (default 1)");
+                options.add_threads();
+                options.add_sampling();
+                options.add_permissions();
+                options.add_limits();
+                options.add_dry_run();
+                options.add_resume("keep finished runs, go on with interrupted ones, run the others");
+              },
+          .run = [](const Invocation& asked) { run_batch(asked.common, asked.sampling); }};
 }
 
 }  // namespace wheeltap::apps

@@ -1,7 +1,7 @@
 // wheeltap batch: many cases, each a run of its own.
 #pragma once
 
-#include "apps/commands.hpp"
+#include "apps/run_options.hpp"
 
 namespace wheeltap::apps {
 

@@ -78,4 +78,26 @@ std::string unknown_command(const CLI::App& app, const std::string& word) {
   return text + "; write wheeltap " + kind + " " + word + " -o results";
 }
 
+std::string output_is_missing(const CLI::App& command) {
+  const CLI::Option* output = command.get_option("--output");
+  std::string what = output->get_description();
+  if (const std::string prefix = "required: "; what.starts_with(prefix))
+    what.erase(0, prefix.size());
+  const std::string type = output->get_type_name();
+  return "--output is required: " + what + ", e.g. -o results" +
+         (type.starts_with("FILE") ? type.substr(4) : "");
+}
+
+std::optional<std::string> missing_option(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_required() || option->count() > 0) continue;
+    if (option->check_lname("output")) return output_is_missing(command);
+    std::string what = option->get_name() + " is required";
+    if (option->get_name() == "CASE")
+      what += ": the path of a case file, e.g. wheeltap " + command.get_name() + " case.json";
+    return what;
+  }
+  return {};
+}
+
 }  // namespace wheeltap::apps

@@ -1,6 +1,7 @@
 // What to type in place of a command line that CLI11 rejects.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,5 +17,11 @@ namespace wheeltap::apps {
 
 /// Why `word`, the first of the command line, is no command of `app`, and what to type.
 [[nodiscard]] std::string unknown_command(const CLI::App& app, const std::string& word);
+
+/// "--output is required: …", with its own help and an example.
+[[nodiscard]] std::string output_is_missing(const CLI::App& command);
+
+/// What is missing of what `command` must have, and an example; none where nothing is.
+[[nodiscard]] std::optional<std::string> missing_option(const CLI::App& command);
 
 }  // namespace wheeltap::apps

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "apps/command_list.hpp"
+#include "apps/command_options.hpp"
 #include "apps/failure.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/words.hpp"
@@ -234,6 +236,24 @@ void run_compare(const CompareOptions& options) {
   weigh(runs);
   if (options.json) return print_json(runs);
   print_comparison(runs);
+}
+
+Command compare_command() {
+  const auto comparing = std::make_shared<CompareOptions>();
+  return {.name = "compare",
+          .summary = "which of several finished runs' cases explains the data that they share",
+          .add_options =
+              [comparing](CommandOptions& options) {
+                CLI::App& app = options.app();
+                app.add_option("DIR", comparing->folders, "the folders of the runs")->required();
+                app.add_option("--prior", comparing->prior,
+                               "their prior weights, one a folder, after commas (default: all "
+                               "alike)")
+                    ->delimiter(',')
+                    ->check(positive());
+                app.add_flag("--json", comparing->json, "as JSON");
+              },
+          .run = [comparing](const Invocation&) { run_compare(*comparing); }};
 }
 
 }  // namespace wheeltap::apps

@@ -6,7 +6,7 @@
 #include "apps/running.hpp"
 #include "apps/stored_run.hpp"
 #include "base/parallel.hpp"
-#include "identification/plausibility.hpp"
+#include "identification/damage_plausibility.hpp"
 
 namespace wheeltap::apps {
 

@@ -5,6 +5,8 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "apps/command_list.hpp"
+#include "apps/command_options.hpp"
 #include "apps/data_page.hpp"
 #include "apps/measured_file.hpp"
 #include "apps/record_reading.hpp"
@@ -247,6 +249,32 @@ void run_data(const DataOptions& options) {
     if (!options.json) std::cout << "\nDrawn: " << options.page.string() << "\n";
   }
   if (!options.to.empty()) convert_file(file, options.to);
+}
+
+Command data_command() {
+  const auto data = std::make_shared<DataOptions>();
+  return {
+      .name = "data",
+      .summary = "what a measured file holds, and what is odd about it",
+      .add_options =
+          [data](CommandOptions& options) {
+            CLI::App& app = options.app();
+            app.add_option("FILE", data->file,
+                           "delimited text, MATLAB, Excel, universal file or another format")
+                ->required();
+            app.add_option("-o,--output", data->page, "draw the record into this file")
+                ->type_name("FILE.html");
+            app.add_option("--to", data->to,
+                           "convert: csv, nc or uff, or the file to write with such an ending");
+            app.add_option("--sample-rate", data->reading.sample_rate_hz,
+                           "in Hz, where the file does not say")
+                ->check(positive());
+            app.add_flag("--json", data->json, "as JSON");
+            add_layout(&app, data->reading.layout, data->reading.arrays);
+            app.add_flag("--resample", data->reading.resample,
+                         "interpolate a record of uneven time steps at an even rate");
+          },
+      .run = [data](const Invocation&) { run_data(*data); }};
 }
 
 }  // namespace wheeltap::apps

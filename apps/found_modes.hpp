@@ -1,15 +1,24 @@
 // Natural frequencies of a case's beam or structure, for whoever shows them.
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/case_file.hpp"
-#include "apps/commands.hpp"
-#include "apps/summary.hpp"
+#include "apps/report_json.hpp"
 #include "identification/remarks.hpp"
 
 namespace wheeltap::apps {
+
+struct ModesOptions {
+  std::optional<int> modes;  ///< rigid-body ones included
+  bool truth = false;        ///< damaged as the case's truth says
+  bool json = false;
+  bool shapes = false;        ///< with json: add the shapes
+  std::filesystem::path vtk;  ///< of a structure: draw it and its shapes into this file
+};
 
 struct FoundModes {
   Report report;     ///< as --json prints it; shapes where `shapes` asks for them

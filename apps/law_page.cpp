@@ -2,14 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <iostream>
 #include <vector>
 
-#include "apps/failure.hpp"
 #include "apps/law_figure.hpp"
 #include "apps/law_words.hpp"
-#include "apps/nearest.hpp"
-#include "apps/running.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -68,7 +64,9 @@ std::string prior(const LawCoefficient& c) {
              : R"({"uniform": [0, )" + plain_number(5 * x) + "]}";
 }
 
-std::string section(const LawInfo& info) {
+}  // namespace
+
+std::string law_section(const LawInfo& info) {
   const std::string name(info.name);
   std::string told = std::string(info.description) + ". " + std::string(info.notes);
   told[0] = static_cast<char>(std::toupper(told[0]));
@@ -147,8 +145,6 @@ cases run in full. Each compares a chain without the law with one that has it, o
 
 )";
 
-}  // namespace
-
 std::string law_example(const LawInfo& info) {
   const std::string name(info.name);
   std::string priors, values;
@@ -206,42 +202,8 @@ std::string laws_page() {
     text += "| [`" + std::string(info.name) + "`](#" + std::string(info.name) + ") | " + formula +
             " | " + std::string(info.description) + " |\n";
   }
-  for (const LawInfo& info : dynamics::law_infos()) text += "\n" + section(info);
+  for (const LawInfo& info : dynamics::law_infos()) text += "\n" + law_section(info);
   return text;
-}
-
-void run_laws(const LawsOptions& options) {
-  const auto infos = dynamics::law_infos();
-  const auto found = std::ranges::find(infos, options.name, &LawInfo::name);
-  if (!options.name.empty() && found == infos.end()) {
-    std::vector<std::string> names;
-    std::string list;
-    for (const LawInfo& info : infos) {
-      names.emplace_back(info.name);
-      list += (list.empty() ? "" : ", ") + names.back();
-    }
-    std::string meant = nearest(options.name, names);
-    for (const LawInfo& info : infos)  // a stop is a contact
-      if (meant.empty() && info.description.find(options.name) != std::string_view::npos)
-        meant = info.name;
-    throw Failure(Exit::usage, "no force law is called \"" + options.name + "\"" +
-                                   (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
-                                   " (there are: " + list + ")");
-  }
-  if (options.example && options.name.empty()) {
-    throw Failure(Exit::usage, "--example needs the name of a law (see wheeltap laws)");
-  }
-  if (!options.figures.empty()) {
-    make_output_folder(options.figures);
-    for (const LawInfo& info : infos) {
-      write_text(options.figures / law_figure_name(info), law_figure(info));
-    }
-  }
-  if (options.example) {
-    std::cout << law_example(*found);
-  } else {
-    std::cout << (options.name.empty() ? laws_page() : section(*found));
-  }
 }
 
 }  // namespace wheeltap::apps

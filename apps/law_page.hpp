@@ -2,22 +2,14 @@
 // docs/laws.md is what it printed.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "dynamics/laws.hpp"
 
 namespace wheeltap::apps {
 
-struct LawsOptions {
-  std::string name;               ///< of one law; empty: all
-  bool example = false;           ///< its example case alone, as JSON
-  std::filesystem::path figures;  ///< a folder to write the pictures into; empty: none
-};
-
-/// Prints the page, one law's part of it, or its example. Throws Failure for an unknown law.
-void run_laws(const LawsOptions& options);
-
+/// The part of the page about one law.
+[[nodiscard]] std::string law_section(const dynamics::LawInfo& info);
 /// All laws, as Markdown.
 [[nodiscard]] std::string laws_page();
 

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "apps/command_list.hpp"
+#include "apps/command_options.hpp"
 #include "apps/modal_case.hpp"
 #include "apps/modal_page.hpp"
 #include "apps/modal_words.hpp"
@@ -455,6 +457,23 @@ void run_modal(const CommonOptions& common) {
   run.print(std::cout, colour_wanted());
   std::cout << "\nModes: " << io::printable((common.output / "modes.json").string())
             << "\nDrawn: " << io::printable((common.output / "report.html").string()) << "\n";
+}
+
+Command modal_command() {
+  return {.name = "modal",
+          .summary = "modes with their uncertainty, from records of a vibration",
+          .case_kind = "modal",
+          .samples = false,
+          .add_options =
+              [](CommandOptions& options) {
+                options.add_case();
+                options.add_output(
+                    "FOLDER", "the folder for the results: modes.json, summary.json and report.html");
+                options.add_json(kSummary);
+                options.add_threads();
+                options.add_dry_run();
+              },
+          .run = [](const Invocation& asked) { run_modal(asked.common); }};
 }
 
 }  // namespace wheeltap::apps

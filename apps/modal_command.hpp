@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "apps/commands.hpp"
+#include "apps/run_options.hpp"
 #include "apps/modal_case.hpp"
 #include "apps/summary.hpp"
 #include "signals/modal_identification.hpp"

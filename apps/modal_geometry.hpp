@@ -9,7 +9,7 @@
 
 #include "apps/case_file.hpp"
 #include "apps/modes_file.hpp"
-#include "apps/summary.hpp"
+#include "apps/report_json.hpp"
 
 namespace wheeltap::apps {
 

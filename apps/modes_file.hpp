@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/summary.hpp"
+#include "apps/report_json.hpp"
 #include "signals/merged_modes.hpp"
 
 namespace wheeltap::apps {

@@ -7,10 +7,7 @@
 #include <vector>
 
 #include "apps/case_file.hpp"
-#include "apps/commands.hpp"
-#include "apps/summary.hpp"
 #include "identification/outside_emulator.hpp"
-#include "identification/remembered_model.hpp"
 
 namespace wheeltap::apps {
 
@@ -54,22 +51,6 @@ struct OutsideSpec {
 [[nodiscard]] OutsideSpec parse_outside(const CaseFile& file,
                                         const std::vector<std::string>& unknowns);
 
-/// What a run keeps of the model's answers, in its folder.
-inline constexpr const char* kModelRuns = "model-runs.journal";
-
-/// The model with these outputs, asked for its sizes where it can be, and what it has said before:
-/// in the user's file, or, with --resume, in the run's. Its inputs are the unknowns in their own
-/// order. Throws Failure (64 where a program may not be run: --allow-commands, or a host may not be
-/// reached: --allow-hosts; this machine always may), io::FileError and
-/// OutsideModelError.
-[[nodiscard]] std::shared_ptr<identification::RememberedModel> open_outside(
-    const CaseFile& file, const OutsideSpec& spec, int outputs, const CommonOptions& common);
-
 /// The model in a few words.
 [[nodiscard]] std::string in_words(const OutsideSpec& spec);
-/// What of it a summary tells: whose it is, how often it was asked, how wrong its emulator is.
-[[nodiscard]] Report outside_report(const OutsideSpec& spec,
-                                    const identification::OutsideModel& model,
-                                    const identification::OutsideEmulator* emulator = nullptr);
-
 }  // namespace wheeltap::apps

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "apps/case_file.hpp"
-#include "apps/summary.hpp"
+#include "apps/report_json.hpp"
 #include "signals/record.hpp"
 #include "signals/units.hpp"
 

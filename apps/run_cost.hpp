@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/case_file.hpp"
-#include "apps/commands.hpp"
+#include "apps/run_options.hpp"
 #include "identification/damage_case.hpp"
 #include "inference/options.hpp"
 #include "inference/target.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "apps/commands.hpp"
+#include "apps/run_options.hpp"
 #include "apps/summary.hpp"
 #include "inference/reversible_jump.hpp"
 #include "io/atomic_file.hpp"

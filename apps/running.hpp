@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/commands.hpp"
+#include "apps/run_options.hpp"
 #include "apps/run_watch.hpp"
 #include "apps/terminal.hpp"
 #include "base/stop_signals.hpp"

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "apps/command_list.hpp"
+#include "apps/command_options.hpp"
 #include "apps/running.hpp"
 #include "apps/section_case.hpp"
 #include "apps/section_figure.hpp"
@@ -293,6 +295,23 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
       line = file.path.string() + ": " + found.place + line.substr(stood.size());
     throw Failure(failure.exit(), line);
   }
+}
+
+Command section_command() {
+  const auto section = std::make_shared<SectionOptions>();
+  return {.name = "section",
+          .summary = "properties of the case's cross-section, from its outline",
+          .add_options =
+              [section](CommandOptions& options) {
+                options.add_case();
+                CLI::App& app = options.app();
+                app.add_option("-o,--output", options.invocation().common.output,
+                               "draw the section into this file")
+                    ->type_name("FILE.svg|FILE.html");
+                app.add_option("--name", section->name, "which of a structure's sections");
+                app.add_flag("--json", section->json, "as JSON");
+              },
+          .run = [section](const Invocation& asked) { run_section(asked.common, *section); }};
 }
 
 }  // namespace wheeltap::apps

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "apps/commands.hpp"
+#include "apps/run_options.hpp"
 
 namespace wheeltap::apps {
 

@@ -2,6 +2,8 @@
 
 #include <iostream>
 
+#include "apps/command_list.hpp"
+#include "apps/command_options.hpp"
 #include "apps/damage_case.hpp"
 #include "apps/damage_run.hpp"
 #include "apps/running.hpp"
@@ -75,6 +77,26 @@ void run_serve(const CommonOptions& common, const ServeOptions& options) {
                               std::cout << std::endl;
                             },
                         .stop = was_interrupted});
+}
+
+Command serve_command() {
+  const auto serving = std::make_shared<ServeOptions>();
+  return {.name = "serve",
+          .summary = "offer the case's predictor to other programs, as a UM-Bridge model",
+          .add_options =
+              [serving](CommandOptions& options) {
+                options.add_case();
+                CLI::App& app = options.app();
+                app.add_option("--port", serving->port, "to listen at (default: one that is free)")
+                    ->transform(whole(0, 65535));
+                app.add_option("--host", serving->host,
+                               "address to listen at (default 127.0.0.1, this machine alone; "
+                               "0.0.0.0: whoever reaches it)");
+                options.add_quiet();
+                options.add_threads();
+                options.add_permissions();
+              },
+          .run = [serving](const Invocation& asked) { run_serve(asked.common, *serving); }};
 }
 
 }  // namespace wheeltap::apps

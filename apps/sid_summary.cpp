@@ -4,7 +4,6 @@
 
 #include "apps/record_reading.hpp"
 #include "apps/report/answer.hpp"
-#include "apps/report/digest_draws.hpp"
 #include "apps/sid_posterior_file.hpp"
 #include "apps/sid_words.hpp"
 #include "identification/sid_units.hpp"

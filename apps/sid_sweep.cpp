@@ -10,7 +10,7 @@
 #include "apps/run_files.hpp"
 #include "apps/running.hpp"
 #include "apps/several_ranks.hpp"
-#include "apps/sid_command.hpp"
+#include "apps/sid_run.hpp"
 #include "apps/sid_summary.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/sweep_journal.hpp"

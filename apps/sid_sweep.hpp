@@ -4,7 +4,7 @@
 #include <spdlog/logger.h>
 
 #include "apps/case_file.hpp"
-#include "apps/commands.hpp"
+#include "apps/run_options.hpp"
 
 namespace wheeltap::apps {
 

@@ -1,10 +1,9 @@
 #include "apps/simulation.hpp"
 
 #include "apps/damage_case.hpp"
-#include "apps/sid_command.hpp"
+#include "apps/sid_case.hpp"
 #include "apps/structure_words.hpp"
 #include "apps/update_case.hpp"
-#include "identification/plausibility.hpp"
 #include "identification/sid_simulation.hpp"
 #include "identification/structure_plausibility.hpp"
 
@@ -72,14 +71,13 @@ SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed)
   return {.json = with_simulated(parsed, data, used), .modes = data.modes(), .origin = data.origin};
 }
 
-SimulatedRecord simulated_record(CaseFile file, const CommonOptions& common) {
-  require_room_for_truth(file, common);
+SimulatedRecord simulated_record(CaseFile file, std::optional<std::uint64_t> seed) {
   const SidCaseFile parsed = parse_sid_case(std::move(file), SidNeeds::truth);
   const SidCase& sid_case = parsed.sid;
-  const std::uint64_t seed = common.seed.value_or(sid_case.truth ? sid_case.truth->seed : 1);
-  return {.record = explained(parsed, [&] { return simulate_record(sid_case, seed); }),
+  const std::uint64_t used = seed.value_or(sid_case.truth ? sid_case.truth->seed : 1);
+  return {.record = explained(parsed, [&] { return simulate_record(sid_case, used); }),
           .title = sid_case.title,
-          .seed = seed};
+          .seed = used};
 }
 
 }  // namespace wheeltap::apps

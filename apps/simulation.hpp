@@ -6,7 +6,6 @@
 #include <string>
 
 #include "apps/case_file.hpp"
-#include "apps/commands.hpp"
 #include "identification/damage_case.hpp"
 #include "signals/record.hpp"
 
@@ -33,7 +32,7 @@ struct SimulatedRecord {
   std::string title;
   std::uint64_t seed = 1;
 };
-/// Throws Failure.
-[[nodiscard]] SimulatedRecord simulated_record(CaseFile file, const CommonOptions& common);
+/// `seed` as above. Throws Failure.
+[[nodiscard]] SimulatedRecord simulated_record(CaseFile file, std::optional<std::uint64_t> seed);
 
 }  // namespace wheeltap::apps

@@ -12,20 +12,6 @@ namespace wheeltap::apps {
 
 using namespace identification;
 
-Report finite(double x) {
-  return std::isfinite(x) ? Report(x) : Report();
-}
-
-Report rows_of(const Eigen::MatrixXd& matrix) {
-  Report rows = Report::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    Report row = Report::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(finite(matrix(i, j)));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
 namespace {
 
 /// null for what JSON cannot hold.

@@ -6,25 +6,17 @@
 #include <vector>
 
 #include "apps/case_file.hpp"
+#include "apps/report_json.hpp"
 #include "apps/words.hpp"
-#include "base/eigen.hpp"
 #include "identification/findings.hpp"
 
 namespace wheeltap::apps {
-
-/// JSON that keeps the order in which it is written.
-using Report = nlohmann::ordered_json;
 
 /// What the user asked for, to be repeated.
 struct RunInfo {
   std::uint64_t seed = 1;
   std::string command_line;
 };
-
-/// A number, or null for what JSON cannot hold.
-[[nodiscard]] Report finite(double x);
-/// A list of rows of such numbers.
-[[nodiscard]] Report rows_of(const Eigen::MatrixXd& matrix);
 
 /// {"mean", "sd", "q2.5", "q50", "q97.5", "mode", "ess_bulk", "ess_tail", "rhat"}.
 [[nodiscard]] Report json(const identification::Marginal& estimate);

@@ -1,11 +1,12 @@
-#include "apps/update_command.hpp"
-
 #include <iostream>
 #include <optional>
 
+#include "apps/checkpoint_file.hpp"
+#include "apps/command_list.hpp"
+#include "apps/command_options.hpp"
+#include "apps/run_files.hpp"
 #include "apps/running.hpp"
 #include "apps/several_ranks.hpp"
-#include "apps/simulation.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/update_case.hpp"
 #include "apps/update_run.hpp"
@@ -15,6 +16,10 @@ namespace wheeltap::apps {
 
 using namespace identification;
 
+namespace {
+
+/// The posterior of a structure's parameters from its measured modes: writes summary.json and
+/// posterior.nc into the output folder and prints what was found.
 void run_update(const CommonOptions& common, const SamplingOptions& options) {
   static_cast<void>(evidence_methods(options.evidence));  // refuse before anything runs
   const auto log = make_log(common.quiet);
@@ -63,19 +68,27 @@ void run_update(const CommonOptions& common, const SamplingOptions& options) {
   if (run) deliver(*run, *files, common.output, checkpoint);
 }
 
-void simulate_update(const CommonOptions& common, CaseFile file) {
-  if (common.output.extension() != ".json")
-    throw Failure(Exit::usage, "--output: " + common.output.string() +
-                                   ": simulated modes are written as a complete case: name it "
-                                   ".json");
-  const SimulatedCase simulated = simulated_update(std::move(file), common.seed);
-  write_text(common.output, simulated.json.dump(2) + "\n");
-  if (common.as_json)
-    common.as_json(written_data(common.output, simulated.origin,
-                                static_cast<std::size_t>(simulated.modes), "modes"));
-  if (!common.quiet)
-    std::cout << simulated.modes << " modes (" << simulated.origin
-              << "): " << io::printable(common.output.string()) << '\n';
+}  // namespace
+
+Command update_command() {
+  return {.name = "update",
+          .summary = "a structure's parameters from its measured modes",
+          .on_all_ranks = true,
+          .case_kind = "update",
+          .add_options =
+              [](CommandOptions& options) {
+                options.add_case();
+                options.add_output("FOLDER", kResults);
+                options.add_json(kSummary);
+                options.add_seed("of the chains (default 1)");
+                options.add_threads();
+                options.add_sampling();
+                options.add_permissions();
+                options.add_limits();
+                options.add_dry_run();
+                options.add_resume("go on where an interrupted run stopped; print a finished one again");
+              },
+          .run = [](const Invocation& asked) { run_update(asked.common, asked.sampling); }};
 }
 
 }  // namespace wheeltap::apps

@@ -10,7 +10,6 @@
 #include "apps/update_terminal.hpp"
 #include "apps/words.hpp"
 #include "base/parallel.hpp"
-#include "identification/plausibility.hpp"
 #include "identification/update_findings.hpp"
 
 namespace wheeltap::apps {

@@ -5,7 +5,6 @@
 #include <type_traits>
 #include <variant>
 
-#include "apps/summary.hpp"
 
 namespace wheeltap::apps {
 namespace {

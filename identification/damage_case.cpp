@@ -9,6 +9,7 @@
 #include "fem/modal_analysis.hpp"
 #include "fem/structures/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
+#include "identification/placed_defect.hpp"
 
 namespace wheeltap::identification {
 
@@ -154,30 +155,6 @@ fem::Defects DamageCase::true_defects() const {
     }
   }
   return defects;
-}
-
-fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
-                                      const std::vector<PlacedDefect>& defects,
-                                      const fem::Mesh* mesh) {
-  StructureEffects effects;
-  for (const PlacedDefect& d : defects) {
-    const DefectKind& kind = kinds[static_cast<std::size_t>(d.kind)];
-    SiteLine::Spot spot = kind.line.spot(d.location);
-    spot.extent = kind.extent.value_or(d.extent);
-    if (kind.line.is_beam()) {  // which of the members between supports
-      while (spot.site + 1 < static_cast<int>(mesh->structure().members.size()) &&
-             spot.s >= mesh->member_length(spot.site)) {
-        spot.s -= mesh->member_length(spot.site++);
-      }
-      spot.s = std::min(spot.s, mesh->member_length(spot.site));
-    }
-    kind.type->place_in_structure(kind, spot, d.severity, effects);
-  }
-  if (mesh != nullptr) {
-    return fem::change_of(*mesh, effects.defects, std::move(effects.change));
-  }
-  fem::compound(effects.change);
-  return std::move(effects.change);
 }
 
 fem::Discretisation true_structure(const DamageCase& damage_case) try {

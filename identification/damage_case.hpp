@@ -73,17 +73,6 @@ struct DamageCase {
 /// Its elastic frequencies [Hz] by the full solve, `modes` of them.
 [[nodiscard]] std::vector<double> true_frequencies(const DamageCase& damage_case, int modes);
 
-/// What defects of a structure do to it, given where they are on their kinds' lines.
-struct PlacedDefect {
-  int kind;
-  double location;  ///< on the kind's line
-  double severity;
-  double extent = 0.0;  ///< [m], where the kind's is unknown
-};
-[[nodiscard]] fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
-                                                    const std::vector<PlacedDefect>& defects,
-                                                    const fem::Mesh* mesh);
-
 /// Degrees of freedom that rigid supports leave.
 [[nodiscard]] int free_degrees_of_freedom(const fem::Beam& beam);
 /// Motions of the intact beam that cost no energy.

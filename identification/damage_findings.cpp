@@ -8,7 +8,7 @@
 
 #include "base/constants.hpp"
 #include "identification/damage_modes.hpp"
-#include "identification/plausibility.hpp"
+#include "identification/damage_plausibility.hpp"
 #include "identification/prior_bound.hpp"
 #include "identification/rival_places.hpp"
 #include "identification/symmetry_finding.hpp"

@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 
+#include "fem/structures/structure_reanalysis.hpp"
 #include "identification/damage_case.hpp"
 #include "identification/frequency_emulator.hpp"
 #include "identification/modal_likelihood.hpp"
 #include "identification/outside_model.hpp"
+#include "identification/placed_defect.hpp"
 #include "identification/site_symmetries.hpp"
 #include "identification/states_likelihood.hpp"
 #include "inference/target.hpp"

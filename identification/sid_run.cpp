@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "identification/marginal.hpp"
-#include "identification/plausibility.hpp"
 #include "identification/sid_fit.hpp"
+#include "identification/sid_plausibility.hpp"
 #include "identification/sid_residuals.hpp"
 
 namespace wheeltap::identification {

@@ -26,7 +26,8 @@ struct SidRunOptions {
   /// What samples; reversible_jump by default.
   std::function<inference::Posterior(const inference::Problem&, const inference::Options&)> sample =
       {};
-  /// Told before anything is sampled what the case can hardly mean (plausibility.hpp), if anything.
+  /// Told before anything is sampled what the case can hardly mean (sid_plausibility.hpp), if
+  /// anything.
   std::function<void(const std::vector<Remark>&)> doubt = {};
   /// Told before a run is repeated.
   std::function<void(const StepsRefined&)> repeat = {};

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "fem/structures/self_maps.hpp"
-#include "identification/damage_case.hpp"
+#include "identification/placed_defect.hpp"
+#include "identification/structure_model.hpp"
 #include "inference/moves/image.hpp"
 
 namespace wheeltap::identification {

@@ -10,9 +10,9 @@
 #include "fem/structures/mesh.hpp"
 #include "fem/structures/parametric_modes.hpp"
 #include "fem/structures/subspace_modes.hpp"
-#include "identification/damage_case.hpp"
 #include "identification/modal_likelihood.hpp"
 #include "identification/observed_states.hpp"
+#include "identification/placed_defect.hpp"
 #include "identification/stiffness_errors.hpp"
 #include "identification/structure_family.hpp"
 

@@ -2,6 +2,7 @@
 
 #include "base/random.hpp"
 #include "fem/structures/structure_modes.hpp"
+#include "identification/structure_plausibility.hpp"
 
 namespace wheeltap::identification {
 
@@ -55,6 +56,12 @@ void simulate(UpdateCase& update_case, std::uint64_t seed) {
   }
   data.simulated = true;
   data.origin = "simulated from the case's truth, seed " + std::to_string(seed);
+}
+
+std::vector<Remark> implausible(const UpdateCase& update_case) {
+  std::vector<Remark> remarks = implausible(update_case.structure->nominal);
+  for (Remark& remark : implausible(update_case.data.sensors)) remarks.push_back(std::move(remark));
+  return remarks;
 }
 
 }  // namespace wheeltap::identification

@@ -9,6 +9,7 @@
 
 #include "identification/modal_data.hpp"
 #include "identification/observed_states.hpp"
+#include "identification/remarks.hpp"
 #include "identification/structure_model.hpp"
 
 namespace wheeltap::identification {
@@ -44,5 +45,8 @@ struct TrueModes {
 /// Fills in the data from the truth: Gaussian noise on the frequencies and on the shapes' entries,
 /// scatters as the truth has them unless the data say their own. Throws as `true_modes`.
 void simulate(UpdateCase& update_case, std::uint64_t seed);
+
+/// What the structure and its sensors can hardly be meant to be (structure_plausibility.hpp).
+[[nodiscard]] std::vector<Remark> implausible(const UpdateCase& update_case);
 
 }  // namespace wheeltap::identification

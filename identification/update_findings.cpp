@@ -10,7 +10,6 @@
 #include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 #include "identification/mode_contributions.hpp"
-#include "identification/plausibility.hpp"
 
 namespace wheeltap::identification {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "apps/data_command.hpp"
 #include "apps/found_modes.hpp"
-#include "apps/sid_command.hpp"
+#include "apps/sid_run.hpp"
 #include "apps/simulation.hpp"
 #include "python/arrays.hpp"
 #include "python/bindings.hpp"
@@ -37,8 +37,10 @@ py::object simulate(const std::string& path, const py::object& text,
   return guarded(path, [&]() -> py::object {
     apps::CaseFile file = case_of(path, text, overrides);
     const apps::Json kind = file.json.value("kind", apps::Json());
-    if (kind == "sid")
-      return record_of(apps::simulated_record(std::move(file), options.common).record, {});
+    if (kind == "sid") {
+      apps::require_room_for_truth(file, options.common);
+      return record_of(apps::simulated_record(std::move(file), options.common.seed).record, {});
+    }
     const apps::SimulatedCase made =
         kind == "update" ? apps::simulated_update(std::move(file), options.common.seed)
                          : apps::simulated_damage(std::move(file), options.common.seed);

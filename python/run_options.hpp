@@ -4,7 +4,7 @@
 #include <pybind11/pybind11.h>
 
 #include "apps/case_file.hpp"
-#include "apps/commands.hpp"
+#include "apps/run_options.hpp"
 
 namespace wheeltap::python {
 

@@ -6,7 +6,7 @@
 #include "apps/damage_run.hpp"
 #include "apps/report/report.hpp"
 #include "apps/running.hpp"
-#include "apps/sid_command.hpp"
+#include "apps/sid_run.hpp"
 #include "apps/stored_run.hpp"
 #include "apps/update_run.hpp"
 #include "io/netcdf_library.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/summary.hpp"
+#include "apps/report_json.hpp"
 #include "identification/damage_findings.hpp"
 #include "identification/sid_findings.hpp"
 

@@ -6,27 +6,6 @@
 
 namespace wheeltap::apps {
 
-namespace {
-
-double rounded(double x, int digits) {
-  if (!std::isfinite(x) || x == 0.0) return x;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*g", digits, x);
-  return std::strtod(text, nullptr);
-}
-
-}  // namespace
-
-double compact(double x) {
-  return rounded(x, 5);
-}
-
-double compact(double x, double width) {
-  if (!(width > 0.0) || x == 0.0) return compact(x);
-  const double more = std::ceil(std::log10(std::abs(x) / width)) + 3.0;
-  return rounded(x, static_cast<int>(std::clamp(more, 5.0, 17.0)));
-}
-
 // As many bins as the draws can fill: in proportion to the cube root of their number, as Freedman &
 // Diaconis's rule (1981) has it, but finer, since posteriors here are often several narrow islands.
 std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest, std::size_t most) {

@@ -16,11 +16,6 @@ namespace wheeltap::apps {
 inline constexpr double kCharted = 0.005;           // models with less probability have no charts
 inline constexpr std::size_t kHistoryPoints = 400;  // a chain, in the histories
 
-/// Five digits are more than a chart shows, and shorter to store.
-[[nodiscard]] double compact(double x);
-/// With as many digits as tell a thousandth of `width` apart, and at least those.
-[[nodiscard]] double compact(double x, double width);
-
 struct Bins {
   double from = 0.0, width = 1.0;
   std::size_t n = 1;

@@ -400,18 +400,4 @@ int write_figures(const fs::path& directory) {
   return static_cast<int>(names.size());
 }
 
-void run_report(const fs::path& directory, const ReportOptions& options) {
-  if (!fs::is_directory(directory)) {
-    throw FileError(
-        FileError::Kind::missing, directory,
-        fs::exists(directory) ? "is no folder: name the one that holds the run" : "no such folder");
-  }
-  write_report(directory);
-  std::cout << "Report: " << io::printable((directory / "report.html").string()) << '\n';
-  if (options.figures) {
-    const int n = write_figures(directory);
-    std::cout << n << " figures: " << io::printable((directory / "figures").string()) << '\n';
-  }
-}
-
 }  // namespace wheeltap::apps

@@ -34,10 +34,4 @@ void write_report(const std::filesystem::path& directory);
 /// many.
 int write_figures(const std::filesystem::path& directory);
 
-struct ReportOptions {
-  bool figures = false;  ///< SVG files too
-};
-/// `wheeltap report DIR`.
-void run_report(const std::filesystem::path& directory, const ReportOptions& options);
-
 }  // namespace wheeltap::apps

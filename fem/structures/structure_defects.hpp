@@ -5,7 +5,7 @@
 
 #include "fem/structures/crack.hpp"
 #include "fem/structures/mesh.hpp"
-#include "fem/structures/structure_reanalysis.hpp"
+#include "fem/structures/structure_change.hpp"
 
 namespace wheeltap::fem {
 

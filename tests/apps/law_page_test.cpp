@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "apps/case_file.hpp"
-#include "apps/init.hpp"
+#include "apps/init_command.hpp"
 #include "apps/law_figure.hpp"
 #include "apps/law_words.hpp"
 #include "program.hpp"

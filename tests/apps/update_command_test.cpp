@@ -1,5 +1,4 @@
 // `wheeltap update` as its users run it.
-#include "apps/update_command.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Holds the tree to the house's own rules: house.py RULE ROOT; exit code 1 with a line for each fault.
 
-arrows      a room includes only rooms that it stands on
+arrows      a room includes only rooms that it stands on, and a folder in it only folders below
+folders     no folder has more than 30 source files, but with a reason in CROWDED
 json        JSON is named in io/, apps/ and python/ alone
 size        no file has more than 600 lines, but with a reason in its first lines: "Longer than 600 lines: …"
 repetition  no 12 or more lines of code stand twice
@@ -26,6 +27,15 @@ ROOMS = {
     # On apps, not on identification alone: cases are parsed, and runs written, in one place.
     'python': {'base', 'io', 'signals', 'inference', 'apps'},
 }
+# The folders in a room, lowest first; '' is the room's own. A file includes files of its folder and
+# of those before it.
+FOLDERS = {
+@@
+}
+MOST_FILES = 30
+CROWDED = {
+    'apps/commands': 'a file for each command, and what they share',
+}
 LONGEST = 600
 REPEATED = 12
 
@@ -49,6 +59,27 @@ def arrows(root):
             included = re.match(r'\s*#\s*include\s*"([a-z]+)/', line)
             if included and included[1] in ROOMS and included[1] not in ROOMS[room] | {room}:
                 yield f'{name}:{number}: {room} must not know {included[1]}'
+    for path in sources(root, FOLDERS):
+        name = path.relative_to(root)
+        room, own = name.parts[0], '/'.join(name.parts[1:-1])
+        order = FOLDERS[room]
+        if own not in order:
+            yield f'{name}: the folder {own} has no place in FOLDERS of {pathlib.Path(__file__).name}'
+            continue
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            included = re.match(rf'\s*#\s*include\s*"{room}/((?:\w+/)*)\w+\.hpp"', line)
+            other = included[1].rstrip('/') if included else own
+            if other in order and order.index(other) > order.index(own):
+                yield f'{name}:{number}: {own or room} must not know {other}, which stands on it'
+
+
+def folders(root):
+    counts = collections.Counter(path.parent.relative_to(root).as_posix() for path in sources(root, ROOMS))
+    for folder, n in counts.items():
+        if n > MOST_FILES and folder not in CROWDED:
+            yield f'{folder}: {n} source files, more than {MOST_FILES}: split it by subject'
+        if n <= MOST_FILES and folder in CROWDED:
+            yield f'{folder}: {n} source files need no reason in CROWDED'
 
 
 def json(root):
@@ -104,7 +135,7 @@ def versions(root):
 
 def main():
     rule, root = sys.argv[1], sys.argv[2]
-    faults = list({'arrows': arrows, 'json': json, 'size': size, 'repetition': repetition,
+    faults = list({'arrows': arrows, 'folders': folders, 'json': json, 'size': size, 'repetition': repetition,
                    'versions': versions}[rule](root))
     print('\n'.join(faults) or f'{rule}: nothing to complain about')
     sys.exit(1 if faults else 0)

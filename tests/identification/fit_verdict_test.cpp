@@ -6,9 +6,10 @@
 #include <cmath>
 
 #include "identification/damage_findings.hpp"
+#include "identification/damage_plausibility.hpp"
 #include "identification/free_cubic.hpp"
-#include "identification/plausibility.hpp"
 #include "identification/sid_findings.hpp"
+#include "identification/sid_plausibility.hpp"
 #include "tests/identification/cases.hpp"
 #include "tests/identification/sid_cases.hpp"
 

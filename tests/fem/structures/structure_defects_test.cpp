@@ -7,6 +7,7 @@
 
 #include "base/constants.hpp"
 #include "fem/structures/structure_modes.hpp"
+#include "fem/structures/structure_reanalysis.hpp"
 
 namespace wheeltap::fem {
 namespace {

@@ -1,10 +1,12 @@
-#include "apps/init.hpp"
+#include "apps/init_command.hpp"
 
 #include <algorithm>
 #include <iostream>
 #include <memory>
 #include <set>
 
+#include "apps/command_list.hpp"
+#include "apps/command_options.hpp"
 #include "apps/case_file.hpp"
 #include "apps/failure.hpp"
 #include "apps/nearest.hpp"
@@ -267,6 +269,30 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
   std::cout << kind << ' ' << shown(files[0].path) << " -o "
             << shown((folder / "results").lexically_normal());
   std::cout << "\nThen make it yours: " << shown(files[1].path) << " explains every key.\n";
+}
+
+Command init_command() {
+  struct Starter {
+    std::string kind, structure = "beam";
+    std::filesystem::path folder = ".";
+  };
+  const auto starter = std::make_shared<Starter>();
+  return {.name = "init",
+          .summary = "a case to start from, every key explained beside it",
+          .add_options =
+              [starter](CommandOptions& options) {
+                CLI::App& app = options.app();
+                app.add_option("KIND", starter->kind, "damage, sid, update or modal")->required();
+                app.add_option("--structure", starter->structure,
+                               "of damage: beam (unless given), frame, building or matrices");
+                app.add_option("-o,--output", starter->folder,
+                               "the folder for the files (default: this folder)")
+                    ->type_name("FOLDER");
+              },
+          .run =
+              [starter](const Invocation&) {
+                run_init(starter->kind, starter->structure, starter->folder);
+              }};
 }
 
 }  // namespace wheeltap::apps

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "apps/case_file.hpp"
-#include "apps/commands.hpp"
 #include "apps/found_modes.hpp"
 
 namespace wheeltap::apps {

@@ -1,20 +1,17 @@
-// System identification and simulation of its cases; `run_sid` itself stands in commands.hpp.
+// A run of system identification: what it takes, and what is written of it.
 #pragma once
 
 #include <memory>
 #include <optional>
 
-#include "apps/commands.hpp"
 #include "apps/finished_run.hpp"
 #include "apps/run_cost.hpp"
+#include "apps/run_options.hpp"
 #include "apps/run_watch.hpp"
 #include "apps/sid_case.hpp"
 #include "identification/sid_findings.hpp"
 
 namespace wheeltap::apps {
-
-/// Writes the record that the case's truth produces as CSV.
-void simulate_sid(const CommonOptions& common, CaseFile file);
 
 /// Throws Failure (65) where a record that is to be simulated, which happens while the case is
 /// parsed, takes more memory than is allowed.

@@ -1,6 +1,6 @@
 // `wheeltap init`: what it writes runs as it is, explains every key, and takes the place of
 // nothing.
-#include "apps/init.hpp"
+#include "apps/init_command.hpp"
 
 #include <gmock/gmock.h>
 

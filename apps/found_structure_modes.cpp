@@ -1,4 +1,4 @@
-#include "apps/structure_command.hpp"
+#include "apps/found_structure_modes.hpp"
 
 #include <algorithm>
 #include <sstream>
@@ -8,7 +8,7 @@
 #include "apps/running.hpp"
 #include "apps/structure_case.hpp"
 #include "apps/structure_drawing.hpp"
-#include "apps/summary.hpp"
+#include "apps/report_json.hpp"
 #include "apps/update_case.hpp"
 #include "apps/words.hpp"
 #include "identification/structure_plausibility.hpp"

@@ -1,5 +1,4 @@
-// The commands of the program, one function each. All throw Failure (or io::FileError) where
-// they cannot do their work.
+// Options that commands share.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +15,7 @@ struct RunCost;  // run_cost.hpp
 /// An environment variable that stands for --threads where that is not given.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
 
-/// Options that commands share.
+/// Of every command that reads a case.
 struct CommonOptions {
   std::filesystem::path case_path;
   std::filesystem::path output;
@@ -38,19 +37,7 @@ struct CommonOptions {
   std::function<void(const std::string& json)> as_json;
 };
 
-struct ModesOptions {
-  std::optional<int> modes;  ///< rigid-body ones included
-  bool truth = false;        ///< damaged as the case's truth says
-  bool json = false;
-  bool shapes = false;        ///< with json: add the shapes
-  std::filesystem::path vtk;  ///< of a structure: draw it and its shapes into this file
-};
-
-struct TableOptions {
-  std::string part;                          ///< "I/N": this part of the runs only
-  std::vector<std::filesystem::path> merge;  ///< parts to join, whose runs are not repeated
-};
-
+/// Of every command that samples.
 struct SamplingOptions {
   int chains = 4;
   int warmup = 0;    ///< 0: chosen by the engine
@@ -60,22 +47,5 @@ struct SamplingOptions {
   bool quick = false;    ///< modes and short chains: a look, marked as such
   std::string evidence;  ///< "", or methods joined by +: tmcmc, bridge, laplace
 };
-
-void run_modes(const CommonOptions& common, const ModesOptions& options);
-/// Runs the design of the case's predictor, measures the emulator on fresh runs, writes the table.
-/// Finished runs are remembered beside the output until it is written; `resume` starts from them.
-void run_table(const CommonOptions& common, const TableOptions& options);
-/// Writes summary.json and posterior.nc into the output folder and prints what was found. With
-/// `resume`, a folder that holds a finished run of the same case and options is printed again
-/// instead.
-void run_damage(const CommonOptions& common, const SamplingOptions& options);
-/// Frequencies with noise from the case's truth: a CSV, or a complete case where the output ends in
-/// .json.
-void run_simulate(const CommonOptions& common);
-/// Which model explains a record: writes summary.json and posterior.nc into the output folder and
-/// prints what was found. A case with a sweep is run once a value, and sweep.csv takes the place of
-/// posterior.nc.
-void run_sid(const CommonOptions& common, const SamplingOptions& options);
-void run_schema(const std::string& name);
 
 }  // namespace wheeltap::apps

@@ -1,11 +1,12 @@
-#include "apps/explain.hpp"
-
 #include <algorithm>
+#include <iostream>
 #include <set>
 #include <sstream>
 #include <vector>
 
 #include "apps/case_file.hpp"
+#include "apps/command_list.hpp"
+#include "apps/command_options.hpp"
 #include "apps/key_places.hpp"
 #include "apps/nearest.hpp"
 
@@ -29,8 +30,9 @@ bool ends_with(const Path& path, const Path& end) {
   return path.size() >= end.size() && std::equal(end.rbegin(), end.rend(), path.rbegin());
 }
 
-}  // namespace
-
+/// Every place of every kind of case whose path ends with `key` ("damage.count.max", "count.max",
+/// "max", "/damage/count/max"): its meaning, what may stand there, and its own keys. Throws Failure
+/// (usage) where there is none, with the nearest key.
 std::string explanation(const std::string& key) {
   const std::vector<KeyPlace> places = key_places(schema_names());
   const Path asked = parts_of(key);
@@ -61,6 +63,19 @@ std::string explanation(const std::string& key) {
     instead += (meant.empty() ? ". " : " ") + std::string("The texts of these speak of it: ") +
                listed({speaking.begin(), speaking.end()});
   throw Failure(Exit::usage, "there is no key \"" + key + "\"" + instead);
+}
+
+}  // namespace
+
+Command explain_command() {
+  const auto key = std::make_shared<std::string>();
+  return {.name = "explain",
+          .summary = "what a key of a case means, and what may stand there",
+          .add_options =
+              [key](CommandOptions& options) {
+                options.app().add_option("KEY", *key, "e.g. count.max or /data/cov")->required();
+              },
+          .run = [key](const Invocation&) { std::cout << explanation(*key); }};
 }
 
 }  // namespace wheeltap::apps

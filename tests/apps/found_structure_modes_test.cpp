@@ -1,5 +1,5 @@
 // `wheeltap modes` of structures, as its users run it; published frequencies through case files.
-#include "apps/structure_command.hpp"
+#include "apps/found_structure_modes.hpp"
 
 #include <algorithm>
 #include <cmath>
