@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "inference/posterior.hpp"
-#include "io/netcdf_writer.hpp"
+#include "inference/diagnosis/posterior.hpp"
+#include "io/netcdf/netcdf_writer.hpp"
 
 namespace wheeltap::apps {
 

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "apps/words.hpp"
-#include "io/text.hpp"
+#include "io/text/text.hpp"
 
 namespace wheeltap::apps {
 

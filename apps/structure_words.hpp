@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "identification/remarks.hpp"
+#include "identification/findings/remarks.hpp"
 
 namespace wheeltap::apps {
 

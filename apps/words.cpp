@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "inference/convergence.hpp"
+#include "inference/diagnosis/convergence.hpp"
 
 namespace wheeltap::apps {
 

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "base/number.hpp"
-#include "identification/damage_findings.hpp"
-#include "identification/findings.hpp"
-#include "identification/sid_run.hpp"
-#include "identification/term_findings.hpp"
+#include "identification/findings/findings.hpp"
+#include "identification/sid/findings/term_findings.hpp"
+#include "identification/sid/sid_run.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
 
 namespace wheeltap::apps {
 

@@ -15,10 +15,10 @@
 #include "base/random.hpp"
 #include "dynamics/simulate.hpp"
 #include "emulator/multilinear_interpolant.hpp"
-#include "fem/assembly.hpp"
-#include "fem/reanalysis.hpp"
-#include "fem/section.hpp"
-#include "inference/reversible_jump.hpp"
+#include "fem/beam/assembly.hpp"
+#include "fem/beam/reanalysis.hpp"
+#include "fem/sections/section.hpp"
+#include "inference/engine/reversible_jump.hpp"
 
 namespace {
 

@@ -10,7 +10,7 @@
 
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
-#include "io/delimited_text.hpp"
+#include "io/tables/delimited_text.hpp"
 
 namespace wheeltap::emulator {
 namespace {

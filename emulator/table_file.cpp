@@ -5,7 +5,7 @@
 
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
-#include "io/netcdf_library.hpp"
+#include "io/netcdf/netcdf_library.hpp"
 #include "io/read_apart.hpp"
 
 namespace wheeltap::emulator {

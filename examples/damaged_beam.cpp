@@ -2,9 +2,9 @@
 // measured with 0.1 % noise; in truth the element at 0.33 m has lost 30 % of its stiffness.
 #include <cstdio>
 
-#include "fem/section.hpp"
-#include "identification/damage_findings.hpp"
-#include "identification/defects/reduction.hpp"
+#include "fem/sections/section.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/defects/reduction.hpp"
 
 using namespace wheeltap;
 using namespace wheeltap::identification;

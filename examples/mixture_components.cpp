@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 
 using namespace wheeltap::inference;
 

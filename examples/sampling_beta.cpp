@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "examples/beta_samplers.hpp"
-#include "inference/diagnostics.hpp"
+#include "inference/statistics/diagnostics.hpp"
 
 namespace {
 

@@ -1,10 +1,10 @@
 // What does not sample: natural frequencies, simulation, measured files, schemas.
 #include <pybind11/stl.h>
 
-#include "apps/data_command.hpp"
-#include "apps/found_modes.hpp"
-#include "apps/sid_run.hpp"
-#include "apps/simulation.hpp"
+#include "apps/cases/simulation.hpp"
+#include "apps/commands/data_command.hpp"
+#include "apps/runs/found_modes.hpp"
+#include "apps/runs/sid/sid_run.hpp"
 #include "python/arrays.hpp"
 #include "python/bindings.hpp"
 #include "python/errors.hpp"

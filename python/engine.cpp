@@ -2,8 +2,8 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include "apps/problem_run.hpp"
-#include "apps/running.hpp"
+#include "apps/runs/problem_run.hpp"
+#include "apps/runs/running.hpp"
 #include "python/bindings.hpp"
 #include "python/errors.hpp"
 #include "python/job.hpp"

@@ -6,7 +6,7 @@
 #include <exception>
 #include <filesystem>
 
-#include "apps/failure_of.hpp"
+#include "apps/runs/failure_of.hpp"
 
 namespace wheeltap::python {
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <sstream>
 
-#include "apps/modal_command.hpp"
-#include "apps/modal_page.hpp"
+#include "apps/commands/modal_command.hpp"
+#include "apps/report/modal_page.hpp"
 #include "python/bindings.hpp"
 #include "python/errors.hpp"
 #include "python/job.hpp"

@@ -2,8 +2,8 @@
 
 #include <pybind11/stl.h>
 
-#include "io/netcdf_library.hpp"
-#include "io/netcdf_writer.hpp"
+#include "io/netcdf/netcdf_library.hpp"
+#include "io/netcdf/netcdf_writer.hpp"
 #include "python/arrays.hpp"
 #include "python/bindings.hpp"
 #include "python/errors.hpp"

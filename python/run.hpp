@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/finished_run.hpp"
-#include "apps/run_watch.hpp"
+#include "apps/runs/finished_run.hpp"
+#include "apps/runs/run_watch.hpp"
 #include "python/job.hpp"
 
 namespace wheeltap::python {

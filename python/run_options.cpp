@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "apps/case_text.hpp"
+#include "apps/cases/syntax/case_text.hpp"
 #include "base/number.hpp"
 
 namespace wheeltap::python {

@@ -3,7 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "apps/case_file.hpp"
+#include "apps/cases/syntax/case_file.hpp"
 #include "apps/run_options.hpp"
 
 namespace wheeltap::python {

@@ -3,14 +3,14 @@
 
 #include <algorithm>
 
-#include "apps/damage_run.hpp"
 #include "apps/report/report.hpp"
-#include "apps/running.hpp"
-#include "apps/sid_run.hpp"
-#include "apps/stored_run.hpp"
-#include "apps/update_run.hpp"
-#include "io/netcdf_library.hpp"
-#include "io/netcdf_reader.hpp"
+#include "apps/results/stored_run.hpp"
+#include "apps/runs/damage_run.hpp"
+#include "apps/runs/running.hpp"
+#include "apps/runs/sid/sid_run.hpp"
+#include "apps/runs/update_run.hpp"
+#include "io/netcdf/netcdf_library.hpp"
+#include "io/netcdf/netcdf_reader.hpp"
 #include "python/bindings.hpp"
 #include "python/errors.hpp"
 #include "python/job.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "io/delimited_text.hpp"
+#include "io/tables/delimited_text.hpp"
 #include "signals/units.hpp"
 
 namespace wheeltap::signals {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "io/columns.hpp"
-#include "io/formats.hpp"
+#include "io/formats/formats.hpp"
+#include "io/tables/columns.hpp"
 
 namespace wheeltap::signals {
 
@@ -28,8 +28,8 @@ struct RecordReading {
   io::ArrayLayout arrays = {};            ///< of files of arrays
 };
 
-/// A record as delimited text (io/delimited_text.hpp). Of the columns only those called so (see
-/// io::Columns::find) and time are read, all where no names are given: the others may hold
+/// A record as delimited text (io/tables/delimited_text.hpp). Of the columns only those called so
+/// (see io::Columns::find) and time are read, all where no names are given: the others may hold
 /// anything. Throws io::FileError.
 [[nodiscard]] Record parse_record(std::string bytes, const std::filesystem::path& name,
                                   std::vector<std::string> columns = {});

@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "io/text_number.hpp"
+#include "io/text/text_number.hpp"
 #include "signals/record.hpp"
 #include "signals/units.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "io/columns.hpp"
+#include "io/tables/columns.hpp"
 
 namespace wheeltap::signals {
 

@@ -1,7 +1,7 @@
 // What the report draws, from the draws of a run: histograms, thinned histories, quantiles.
 #pragma once
 
-#include "apps/summary.hpp"
+#include "apps/results/summary.hpp"
 
 namespace wheeltap::io {
 class NetcdfReader;

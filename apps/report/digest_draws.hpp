@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/summary.hpp"
-#include "io/netcdf_reader.hpp"
+#include "apps/results/summary.hpp"
+#include "io/netcdf/netcdf_reader.hpp"
 
 namespace wheeltap::apps {
 

@@ -15,17 +15,17 @@
 
 #include "apps/failure.hpp"
 #include "apps/json_text.hpp"
-#include "apps/modal_page.hpp"
-#include "apps/report/answer.hpp"
 #include "apps/report/assets.hpp"
 #include "apps/report/digest.hpp"
-#include "apps/stored_run.hpp"
+#include "apps/report/modal_page.hpp"
+#include "apps/results/stored_run.hpp"
+#include "apps/text/answer.hpp"
 #include "dynamics/laws.hpp"
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
-#include "io/netcdf_reader.hpp"
+#include "io/netcdf/netcdf_reader.hpp"
 #include "io/read_apart.hpp"
-#include "io/text.hpp"
+#include "io/text/text.hpp"
 
 namespace wheeltap::apps {
 namespace {

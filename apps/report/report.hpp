@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/summary.hpp"
+#include "apps/results/summary.hpp"
 
 namespace wheeltap::io {
 class NetcdfReader;

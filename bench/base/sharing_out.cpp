@@ -5,7 +5,7 @@
 #include <ctime>
 #include <string>
 
-#include "apps/several_ranks.hpp"
+#include "apps/runs/several_ranks.hpp"
 #include "base/parallel.hpp"
 
 int main() {

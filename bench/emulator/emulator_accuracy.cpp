@@ -15,7 +15,7 @@
 #include "emulator/gaussian_process.hpp"
 #include "emulator/grid_refinement.hpp"
 #include "emulator/multilinear_interpolant.hpp"
-#include "fem/reanalysis.hpp"
+#include "fem/beam/reanalysis.hpp"
 #ifdef WHEELTAP_WITH_CGAL
 #include "emulator/delaunay_interpolant.hpp"
 #endif

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "fem/structures/mesh.hpp"
-#include "fem/structures/structure_modes.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
 #include "frames.hpp"
 
 namespace {

@@ -7,10 +7,10 @@
 #include <random>
 #include <vector>
 
-#include "fem/assembly.hpp"
-#include "fem/modal_analysis.hpp"
-#include "fem/reanalysis.hpp"
-#include "fem/section.hpp"
+#include "fem/beam/assembly.hpp"
+#include "fem/beam/modal_analysis.hpp"
+#include "fem/beam/reanalysis.hpp"
+#include "fem/sections/section.hpp"
 
 namespace {
 

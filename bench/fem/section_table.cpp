@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "fem/section_analysis.hpp"
-#include "fem/section_mesh.hpp"
+#include "fem/sections/section_analysis.hpp"
+#include "fem/sections/section_mesh.hpp"
 
 namespace {
 

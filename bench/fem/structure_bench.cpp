@@ -12,8 +12,8 @@
 #include <random>
 
 #include "fem/structures/mesh.hpp"
-#include "fem/structures/structure_modes.hpp"
-#include "fem/structures/structure_reanalysis.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "fem/structures/reanalysis/structure_reanalysis.hpp"
 #include "frames.hpp"
 
 namespace {

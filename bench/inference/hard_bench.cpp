@@ -14,9 +14,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "inference/diagnostics.hpp"
-#include "inference/reversible_jump.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/engine/reversible_jump.hpp"
+#include "inference/statistics/diagnostics.hpp"
+#include "inference/statistics/standard_normal.hpp"
 #include "tests/inference/published_problems.hpp"
 
 namespace wheeltap::inference {

@@ -11,7 +11,7 @@
 
 #include "base/constants.hpp"
 #include "base/random.hpp"
-#include "inference/packed_mixture.hpp"
+#include "inference/mixtures/packed_mixture.hpp"
 
 namespace wheeltap::inference::packed {
 namespace {

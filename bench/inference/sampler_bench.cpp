@@ -11,10 +11,10 @@
 #include "emulator/design.hpp"
 #include "emulator/experiment.hpp"
 #include "emulator/multilinear_interpolant.hpp"
-#include "fem/reanalysis.hpp"
-#include "fem/section.hpp"
-#include "inference/diagnostics.hpp"
-#include "inference/reversible_jump.hpp"
+#include "fem/beam/reanalysis.hpp"
+#include "fem/sections/section.hpp"
+#include "inference/engine/reversible_jump.hpp"
+#include "inference/statistics/diagnostics.hpp"
 #include "tests/inference/published_problems.hpp"
 
 namespace wheeltap {

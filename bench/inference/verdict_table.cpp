@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/inference/hard_verdict.hpp"
 
 namespace {

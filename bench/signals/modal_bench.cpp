@@ -8,7 +8,7 @@
 #include <ctime>
 
 #include "../../tests/signals/random_vibration.hpp"
-#include "signals/modal_identification.hpp"
+#include "signals/modal/modal_identification.hpp"
 
 int main(int count, char** arguments) {
   using namespace wheeltap::signals;

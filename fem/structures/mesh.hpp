@@ -4,9 +4,9 @@
 #include <array>
 #include <vector>
 
+#include "fem/beam/timoshenko_element.hpp"
 #include "fem/structures/discretisation.hpp"
 #include "fem/structures/structure.hpp"
-#include "fem/timoshenko_element.hpp"
 
 namespace wheeltap::fem {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "fem/beam.hpp"
+#include "fem/beam/beam.hpp"
 #include "fem/structures/vector3.hpp"
 
 namespace wheeltap::fem {

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "base/parallel.hpp"
-#include "inference/diagnostics.hpp"
 #include "inference/evidence/importance_sampling.hpp"
 #include "inference/evidence/tmcmc.hpp"
+#include "inference/statistics/diagnostics.hpp"
 
 namespace wheeltap::inference {
 

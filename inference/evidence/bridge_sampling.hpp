@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "inference/diagnostics.hpp"
 #include "inference/evidence/metropolis.hpp"
 #include "inference/evidence/tmcmc.hpp"
+#include "inference/statistics/diagnostics.hpp"
 
 namespace wheeltap::inference {
 

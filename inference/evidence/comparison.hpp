@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "inference/evidence/model_posterior.hpp"
+#include "inference/model/model_posterior.hpp"
 
 namespace wheeltap::inference {
 

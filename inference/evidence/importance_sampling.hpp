@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "inference/evidence/model_posterior.hpp"
-#include "inference/normal_mixture.hpp"
+#include "inference/mixtures/normal_mixture.hpp"
+#include "inference/model/model_posterior.hpp"
 
 namespace wheeltap::inference {
 

@@ -8,9 +8,9 @@
 
 #include "base/constants.hpp"
 #include "base/eigen_solvers.hpp"
-#include "inference/differential_evolution.hpp"
 #include "inference/evidence/importance_sampling.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/search/differential_evolution.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {

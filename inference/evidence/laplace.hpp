@@ -5,7 +5,7 @@
 
 #include "base/eigen.hpp"
 #include "inference/evidence/metropolis.hpp"
-#include "inference/optimum.hpp"
+#include "inference/search/optimum.hpp"
 
 namespace wheeltap::inference {
 

@@ -9,7 +9,7 @@
 #include "base/eigen_solvers.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
-#include "inference/diagnostics.hpp"
+#include "inference/statistics/diagnostics.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/eigen.hpp"
-#include "inference/evidence/model_posterior.hpp"
-#include "inference/normal_mixture.hpp"
+#include "inference/mixtures/normal_mixture.hpp"
+#include "inference/model/model_posterior.hpp"
 
 namespace wheeltap::inference {
 

@@ -6,7 +6,7 @@
 #include "base/constants.hpp"
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "base/eigen.hpp"
 #include "base/random.hpp"
-#include "inference/evidence/model_posterior.hpp"
-#include "inference/normal_mixture.hpp"
+#include "inference/mixtures/normal_mixture.hpp"
+#include "inference/model/model_posterior.hpp"
 
 namespace wheeltap::inference {
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "inference/move.hpp"
+#include "inference/moves/move.hpp"
 
 namespace wheeltap::inference {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "inference/move.hpp"
-#include "inference/normal_mixture.hpp"
+#include "inference/mixtures/normal_mixture.hpp"
+#include "inference/moves/move.hpp"
 
 namespace wheeltap::inference {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/eigen.hpp"
-#include "inference/move.hpp"
+#include "inference/moves/move.hpp"
 
 namespace wheeltap::inference {
 

@@ -1,7 +1,7 @@
 // Slice sampling along a random direction.
 #pragma once
 
-#include "inference/move.hpp"
+#include "inference/moves/move.hpp"
 
 namespace wheeltap::inference {
 

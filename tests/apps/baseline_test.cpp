@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "apps/damage_case.hpp"
-#include "identification/damage_problem.hpp"
+#include "apps/cases/damage_case.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

@@ -3,9 +3,9 @@
 
 #include <chrono>
 
-#include "apps/batch_folders.hpp"
-#include "apps/batch_table.hpp"
 #include "apps/failure.hpp"
+#include "apps/runs/batch/batch_folders.hpp"
+#include "apps/runs/batch/batch_table.hpp"
 #include "io/file_error.hpp"
 #include "sid_cases.hpp"
 

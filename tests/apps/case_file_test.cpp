@@ -1,4 +1,4 @@
-#include "apps/case_file.hpp"
+#include "apps/cases/syntax/case_file.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // Draws that a checkpoint keeps in files of their own: written once, needed to go on, and gone in
 // the end.
-#include "apps/checkpoint_file.hpp"
+#include "apps/runs/checkpoint_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "io/file_error.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 #include "tests/inference/toy_problems.hpp"

@@ -8,7 +8,7 @@
 #include <csignal>
 
 #include "emulator/table_file.hpp"
-#include "io/text.hpp"
+#include "io/text/text.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

@@ -1,4 +1,4 @@
-#include "apps/csv_frequencies.hpp"
+#include "apps/cases/records/csv_frequencies.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,11 +1,11 @@
-#include "apps/damage_case.hpp"
+#include "apps/cases/damage_case.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "fem/section.hpp"
-#include "identification/interpolants.hpp"
+#include "fem/sections/section.hpp"
+#include "identification/emulation/interpolants.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

@@ -1,5 +1,5 @@
-#include "identification/damage_problem.hpp"
-#include "apps/damage_case.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
+#include "apps/cases/damage_case.hpp"
 
 #include <gmock/gmock.h>
 

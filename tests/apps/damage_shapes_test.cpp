@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "apps/damage_case.hpp"
-#include "fem/structures/structure_modes.hpp"
-#include "identification/damage_problem.hpp"
-#include "inference/reversible_jump.hpp"
+#include "apps/cases/damage_case.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

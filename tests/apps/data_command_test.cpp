@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "io/universal_file.hpp"
+#include "io/universal/universal_file.hpp"
 #include "program.hpp"
 #include "signals/record.hpp"
 

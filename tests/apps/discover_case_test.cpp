@@ -1,8 +1,8 @@
 // Cases that ask which terms a link has.
 #include <gmock/gmock.h>
 
-#include "apps/sid_terminal.hpp"
-#include "apps/terminal.hpp"
+#include "apps/results/sid_terminal.hpp"
+#include "apps/results/terminal.hpp"
 #include "sid_cases.hpp"
 
 namespace wheeltap::apps {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/damage_case.hpp"
+#include "apps/cases/damage_case.hpp"
 #include "base/random.hpp"
-#include "identification/damage_problem.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

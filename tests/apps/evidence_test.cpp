@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/failure.hpp"
-#include "apps/running.hpp"
+#include "apps/runs/running.hpp"
 #include "apps/words.hpp"
 #include "tests/inference/evidence/problems.hpp"
 

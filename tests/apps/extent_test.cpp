@@ -1,8 +1,8 @@
 // Reductions over a length that nobody knows.
 #include <gmock/gmock.h>
 
-#include "apps/damage_case.hpp"
-#include "identification/damage_problem.hpp"
+#include "apps/cases/damage_case.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

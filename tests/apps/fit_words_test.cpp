@@ -1,5 +1,5 @@
 // What is said of a model that does not explain the data.
-#include "apps/fit_words.hpp"
+#include "apps/text/fit_words.hpp"
 
 #include <gmock/gmock.h>
 

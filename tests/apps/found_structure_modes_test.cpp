@@ -1,11 +1,11 @@
 // `wheeltap modes` of structures, as its users run it; published frequencies through case files.
-#include "apps/found_structure_modes.hpp"
+#include "apps/runs/found_structure_modes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "apps/structure_drawing.hpp"
+#include "apps/results/structure_drawing.hpp"
 #include "io/file_error.hpp"
 #include "program.hpp"
 #include "structure_cases.hpp"

@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "io/file_lock.hpp"
-#include "io/text.hpp"
+#include "io/text/text.hpp"
 #include "sid_cases.hpp"
 
 namespace wheeltap::apps {

@@ -1,12 +1,12 @@
 // `wheeltap init`: what it writes runs as it is, explains every key, and takes the place of
 // nothing.
-#include "apps/init_command.hpp"
+#include "apps/commands/init_command.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "apps/case_file.hpp"
+#include "apps/cases/syntax/case_file.hpp"
 #include "apps/nearest.hpp"
 #include "program.hpp"
 

@@ -1,12 +1,12 @@
 // The page on force laws: written from the laws, with a case each that parses and holds the law.
-#include "apps/law_page.hpp"
+#include "apps/report/law_page.hpp"
 
 #include <gmock/gmock.h>
 
-#include "apps/case_file.hpp"
-#include "apps/init_command.hpp"
-#include "apps/law_figure.hpp"
+#include "apps/cases/syntax/case_file.hpp"
+#include "apps/commands/init_command.hpp"
 #include "apps/law_words.hpp"
+#include "apps/report/law_figure.hpp"
 #include "program.hpp"
 #include "sid_cases.hpp"
 

@@ -1,11 +1,11 @@
 // A modes.json as data: from accelerations to damage and to parameters.
-#include "apps/modes_as_data.hpp"
+#include "apps/cases/records/modes_as_data.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "apps/update_case.hpp"
+#include "apps/cases/update_case.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

@@ -1,4 +1,4 @@
-#include "apps/modes_file.hpp"
+#include "apps/cases/records/modes_file.hpp"
 
 #include <gmock/gmock.h>
 

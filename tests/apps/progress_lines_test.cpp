@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "apps/terminal.hpp"
+#include "apps/results/terminal.hpp"
 
 namespace wheeltap::apps {
 namespace {

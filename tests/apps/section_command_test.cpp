@@ -1,11 +1,11 @@
-#include "apps/section_command.hpp"
+#include "apps/commands/section_command.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "fem/section.hpp"
+#include "fem/sections/section.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

@@ -1,10 +1,10 @@
-#include "apps/sid_case.hpp"
+#include "apps/cases/sid_case.hpp"
 
 #include <gmock/gmock.h>
 
-#include "identification/sid_record.hpp"
-#include "identification/sid_simulation.hpp"
-#include "identification/sid_units.hpp"
+#include "identification/sid/sid_record.hpp"
+#include "identification/sid/sid_simulation.hpp"
+#include "identification/sid/sid_units.hpp"
 #include "sid_cases.hpp"
 #include "signals/excitation.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/sid_case.hpp"
+#include "apps/cases/sid_case.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

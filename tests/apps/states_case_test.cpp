@@ -1,14 +1,14 @@
 // Unknown coefficients beside damage, and several states: cases as their users write them.
-#include "apps/states_case.hpp"
+#include "apps/cases/states_case.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "apps/damage_case.hpp"
-#include "apps/update_case.hpp"
-#include "identification/damage_problem.hpp"
-#include "io/netcdf_reader.hpp"
+#include "apps/cases/damage_case.hpp"
+#include "apps/cases/update_case.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
+#include "io/netcdf/netcdf_reader.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

@@ -1,11 +1,11 @@
-#include "apps/structure_case.hpp"
+#include "apps/cases/structures/structure_case.hpp"
 
 #include <cmath>
 #include <numbers>
 
-#include "apps/damage_case.hpp"
-#include "apps/structure_section.hpp"
-#include "fem/section.hpp"
+#include "apps/cases/damage_case.hpp"
+#include "apps/cases/structures/structure_section.hpp"
+#include "fem/sections/section.hpp"
 #include "program.hpp"
 #include "structure_cases.hpp"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/structure_case.hpp"
-#include "fem/structures/structure_modes.hpp"
+#include "apps/cases/structures/structure_case.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
 
 namespace wheeltap::apps {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "fem/structures/lumped_chain.hpp"
-#include "fem/structures/structure_modes.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

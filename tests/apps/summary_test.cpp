@@ -1,4 +1,4 @@
-#include "apps/summary.hpp"
+#include "apps/results/summary.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "apps/time_left.hpp"
+#include "apps/runs/time_left.hpp"
 
 #include <gtest/gtest.h>
 

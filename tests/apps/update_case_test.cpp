@@ -1,5 +1,5 @@
 // What an update case may say, and how it is refused: file, place, value, what is allowed, 65.
-#include "apps/update_case.hpp"
+#include "apps/cases/update_case.hpp"
 
 #include <gmock/gmock.h>
 

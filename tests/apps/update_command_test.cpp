@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "apps/case_file.hpp"
+#include "apps/cases/syntax/case_file.hpp"
 #include "program.hpp"
 
 namespace wheeltap::apps {

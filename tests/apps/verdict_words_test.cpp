@@ -1,4 +1,4 @@
-#include "apps/verdict_words.hpp"
+#include "apps/text/verdict_words.hpp"
 
 #include <gmock/gmock.h>
 

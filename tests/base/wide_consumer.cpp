@@ -2,8 +2,8 @@
 // allocated: crashed in free() where the two disagreed about Eigen's alignment.
 #include <cstdio>
 
-#include "fem/modal_analysis.hpp"
-#include "fem/section.hpp"
+#include "fem/beam/modal_analysis.hpp"
+#include "fem/sections/section.hpp"
 
 int main() {
   namespace fem = wheeltap::fem;

@@ -89,7 +89,7 @@ def the_page(folder):
     before, main = program.split("int main() {\n")
     problem = main[:main.index("  const Posterior")]
     (folder / "main.cpp").write_text(
-        '#include <string>\n#include "inference/self_tests.hpp"\n' + before + prior +
+        '#include <string>\n#include "inference/moves/self_tests.hpp"\n' + before + prior +
         "struct Mixture : Radar {};\nint models() {\n" + components + "return problem.space.size();\n}\n"
         "int main() {\n" + problem + move +
         "const PriorCheck own = check_prior(error.prior);\n"

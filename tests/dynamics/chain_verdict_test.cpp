@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "dynamics/simulate.hpp"
-#include "inference/reversible_jump.hpp"
-#include "inference/verdict.hpp"
+#include "inference/diagnosis/verdict.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "signals/record.hpp"
 
 namespace {

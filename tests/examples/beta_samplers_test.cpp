@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "inference/diagnostics.hpp"
+#include "inference/statistics/diagnostics.hpp"
 
 namespace wheeltap::examples {
 namespace {

@@ -1,4 +1,4 @@
-#include "fem/assembly.hpp"
+#include "fem/beam/assembly.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fem/beam.hpp"
+#include "fem/beam/beam.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <initializer_list>
 #include <string_view>
 
-#include "fem/beam.hpp"
-#include "fem/section.hpp"
+#include "fem/beam/beam.hpp"
+#include "fem/sections/section.hpp"
 
 namespace wheeltap::fem {
 

@@ -1,11 +1,11 @@
-#include "fem/full_spectrum.hpp"
+#include "fem/beam/full_spectrum.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
 #include "beams.hpp"
-#include "fem/assembly.hpp"
+#include "fem/beam/assembly.hpp"
 
 namespace wheeltap::fem {
 namespace {

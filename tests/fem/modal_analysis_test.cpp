@@ -1,4 +1,4 @@
-#include "fem/modal_analysis.hpp"
+#include "fem/beam/modal_analysis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 
 #include "beams.hpp"
-#include "fem/assembly.hpp"
+#include "fem/beam/assembly.hpp"
 #include "refusal.hpp"
 
 namespace wheeltap::fem {

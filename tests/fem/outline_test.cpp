@@ -1,4 +1,4 @@
-#include "fem/outline.hpp"
+#include "fem/sections/outline.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "fem/beam.hpp"
-#include "fem/defect.hpp"
+#include "fem/beam/beam.hpp"
+#include "fem/beam/defect.hpp"
 
 namespace wheeltap::fem {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "beams.hpp"
-#include "fem/assembly.hpp"
-#include "fem/modal_analysis.hpp"
-#include "fem/reanalysis.hpp"
+#include "fem/beam/assembly.hpp"
+#include "fem/beam/modal_analysis.hpp"
+#include "fem/beam/reanalysis.hpp"
 #include "quad_reference.hpp"
 
 namespace wheeltap::fem {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "beams.hpp"
-#include "fem/modal_analysis.hpp"
-#include "fem/reanalysis.hpp"
+#include "fem/beam/modal_analysis.hpp"
+#include "fem/beam/reanalysis.hpp"
 #include "quad_reference.hpp"
 
 namespace wheeltap::fem {

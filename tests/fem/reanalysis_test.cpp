@@ -1,4 +1,4 @@
-#include "fem/reanalysis.hpp"
+#include "fem/beam/reanalysis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include "../emulator/allocation_count.hpp"
 #include "base/constants.hpp"
 #include "beams.hpp"
-#include "fem/assembly.hpp"
-#include "fem/modal_analysis.hpp"
+#include "fem/beam/assembly.hpp"
+#include "fem/beam/modal_analysis.hpp"
 #include "refusal.hpp"
 
 namespace wheeltap::fem {

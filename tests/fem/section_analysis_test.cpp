@@ -1,4 +1,4 @@
-#include "fem/section_analysis.hpp"
+#include "fem/sections/section_analysis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "base/constants.hpp"
-#include "fem/section.hpp"
-#include "fem/section_mesh.hpp"
+#include "fem/sections/section.hpp"
+#include "fem/sections/section_mesh.hpp"
 #include "refusal.hpp"
 #include "sections.hpp"
 

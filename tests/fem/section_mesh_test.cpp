@@ -1,4 +1,4 @@
-#include "fem/section_mesh.hpp"
+#include "fem/sections/section_mesh.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fem/section.hpp"
+#include "fem/sections/section.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/outline.hpp"
+#include "fem/sections/outline.hpp"
 
 namespace wheeltap::fem {
 

@@ -1,11 +1,11 @@
-#include "fem/self_stress.hpp"
+#include "fem/beam/self_stress.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
 #include "beams.hpp"
-#include "fem/full_spectrum.hpp"
+#include "fem/beam/full_spectrum.hpp"
 
 namespace wheeltap::fem {
 namespace {

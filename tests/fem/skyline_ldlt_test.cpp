@@ -1,11 +1,11 @@
-#include "fem/skyline_ldlt.hpp"
+#include "fem/beam/skyline_ldlt.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
 #include "beams.hpp"
-#include "fem/assembly.hpp"
+#include "fem/beam/assembly.hpp"
 
 namespace wheeltap::fem {
 namespace {

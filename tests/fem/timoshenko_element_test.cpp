@@ -1,4 +1,4 @@
-#include "fem/timoshenko_element.hpp"
+#include "fem/beam/timoshenko_element.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fem/triangle_mesh.hpp"
+#include "fem/sections/triangle_mesh.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "fem/wide_pencil.hpp"
+#include "fem/beam/wide_pencil.hpp"
 
 #include <gtest/gtest.h>
 
 #include "beams.hpp"
-#include "fem/modal_analysis.hpp"
+#include "fem/beam/modal_analysis.hpp"
 
 namespace wheeltap::fem {
 namespace {

@@ -1,5 +1,5 @@
 // Any bytes are a NetCDF or HDF5 record, or a FileError.
-#include "io/array_file.hpp"
+#include "io/netcdf/array_file.hpp"
 
 #include "fuzz.hpp"
 

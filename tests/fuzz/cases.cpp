@@ -1,8 +1,8 @@
 // Any bytes are a case of some kind, or a Failure with a code for bad input.
-#include "apps/damage_case.hpp"
-#include "apps/modal_case.hpp"
-#include "apps/sid_case.hpp"
-#include "apps/update_case.hpp"
+#include "apps/cases/damage_case.hpp"
+#include "apps/cases/modal_case.hpp"
+#include "apps/cases/sid_case.hpp"
+#include "apps/cases/update_case.hpp"
 #include "fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // Any bytes are a table of delimited text, or a FileError.
-#include "io/delimited_text.hpp"
+#include "io/tables/delimited_text.hpp"
 
 #include "fuzz.hpp"
 

@@ -1,8 +1,8 @@
 // Any bytes are a drawing of an outline, DXF or a table of corners, or a FileError.
 #include "fuzz.hpp"
-#include "io/dxf.hpp"
+#include "io/drawings/dxf.hpp"
+#include "io/drawings/outline_file.hpp"
 #include "io/file_error.hpp"
-#include "io/outline_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace wheeltap;

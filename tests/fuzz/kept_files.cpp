@@ -1,9 +1,9 @@
 // Any bytes are modes, a summary, a sweep's journal or a checkpoint, or an error that says so.
-#include "apps/checkpoint_file.hpp"
+#include "apps/cases/records/modes_file.hpp"
 #include "apps/failure.hpp"
-#include "apps/modes_file.hpp"
-#include "apps/stored_run.hpp"
-#include "apps/sweep_journal.hpp"
+#include "apps/results/stored_run.hpp"
+#include "apps/runs/checkpoint_file.hpp"
+#include "apps/runs/sid/sweep_journal.hpp"
 #include "fuzz.hpp"
 #include "io/file_error.hpp"
 

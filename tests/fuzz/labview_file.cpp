@@ -1,5 +1,5 @@
 // Any bytes are a measurement file of LabVIEW, or a FileError.
-#include "io/labview_file.hpp"
+#include "io/formats/labview_file.hpp"
 
 #include "fuzz.hpp"
 

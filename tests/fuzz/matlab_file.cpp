@@ -1,8 +1,8 @@
 // Any bytes are a MATLAB file, of records or matrices, or a FileError.
-#include "io/matlab_file.hpp"
+#include "io/matlab/matlab_file.hpp"
 
 #include "fuzz.hpp"
-#include "io/sparse_matrix.hpp"
+#include "io/matlab/sparse_matrix.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace wheeltap;

@@ -1,6 +1,6 @@
 // Any bytes are a matrix of the Matrix Market, or a FileError.
 #include "fuzz.hpp"
-#include "io/sparse_matrix.hpp"
+#include "io/matlab/sparse_matrix.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace wheeltap;

@@ -1,5 +1,5 @@
 // Any bytes are a NumPy array, an archive of them, or a FileError.
-#include "io/numpy_file.hpp"
+#include "io/formats/numpy_file.hpp"
 
 #include "fuzz.hpp"
 

@@ -1,5 +1,5 @@
 // Any bytes are a strong-motion record, or a FileError.
-#include "io/strong_motion.hpp"
+#include "io/formats/strong_motion.hpp"
 
 #include "fuzz.hpp"
 

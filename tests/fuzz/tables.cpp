@@ -1,5 +1,5 @@
 // Any bytes are an emulator's table, runs of another program, or frequencies, or a FileError.
-#include "apps/csv_frequencies.hpp"
+#include "apps/cases/records/csv_frequencies.hpp"
 #include "apps/failure.hpp"
 #include "emulator/runs_csv.hpp"
 #include "emulator/table_file.hpp"

@@ -1,5 +1,5 @@
 // Any bytes are a TDMS file, or a FileError.
-#include "io/tdms_file.hpp"
+#include "io/formats/tdms_file.hpp"
 
 #include "fuzz.hpp"
 

@@ -1,5 +1,5 @@
 // Any bytes are a universal file, or a FileError; what is one is written, and read the same again.
-#include "io/universal_file.hpp"
+#include "io/universal/universal_file.hpp"
 
 #include <cstdlib>
 

@@ -30,7 +30,15 @@ ROOMS = {
 # The folders in a room, lowest first; '' is the room's own. A file includes files of its folder and
 # of those before it.
 FOLDERS = {
-@@
+    'io': ['', 'text', 'tables', 'netcdf', 'matlab', 'universal', 'drawings', 'formats'],
+    'signals': ['', 'modal'],
+    'fem': ['', 'beam', 'sections', 'structures', 'structures/modes', 'structures/defects', 'structures/reanalysis'],
+    'inference': ['', 'statistics', 'mixtures', 'model', 'search', 'evidence', 'moves', 'moves/between_models',
+                  'chains', 'diagnosis', 'exploration', 'engine'],
+    'identification': ['', 'findings', 'emulation', 'structural', 'structural/defects', 'structural/likelihood',
+                       'structural/updating', 'structural/damage', 'sid', 'sid/findings', 'modal'],
+    'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'text', 'remote', 'results', 'report',
+             'runs', 'runs/sid', 'runs/batch', 'commands', 'cli'],
 }
 MOST_FILES = 30
 CROWDED = {

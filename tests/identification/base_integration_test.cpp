@@ -1,4 +1,4 @@
-#include "identification/base_integration.hpp"
+#include "identification/sid/base_integration.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identification/bayesian_modes.hpp"
+#include "identification/modal/bayesian_modes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "../signals/random_vibration.hpp"
-#include "signals/modal_identification.hpp"
+#include "signals/modal/modal_identification.hpp"
 
 namespace wheeltap::identification {
 namespace {

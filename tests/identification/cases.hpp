@@ -1,9 +1,9 @@
 // A small beam that the tests share.
 #pragma once
 
-#include "fem/section.hpp"
-#include "identification/damage_problem.hpp"
-#include "identification/defects/reduction.hpp"
+#include "fem/sections/section.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
+#include "identification/structural/defects/reduction.hpp"
 
 namespace wheeltap::identification {
 

@@ -1,4 +1,4 @@
-#include "identification/damage_findings.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "identification/defects/support.hpp"
+#include "identification/structural/defects/support.hpp"
 #include "tests/identification/cases.hpp"
 
 namespace wheeltap::identification {

@@ -1,12 +1,12 @@
-#include "identification/defect_kind.hpp"
+#include "identification/structural/defects/defect_kind.hpp"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 
-#include "identification/damage_findings.hpp"
-#include "identification/defects/support.hpp"
 #include "identification/invalid_input.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/defects/support.hpp"
 #include "tests/identification/cases.hpp"
 
 namespace wheeltap::identification {

@@ -8,12 +8,12 @@
 #include <map>
 
 #include "base/constants.hpp"
-#include "fem/modal_analysis.hpp"
-#include "identification/damage_findings.hpp"
-#include "identification/defects/reduction.hpp"
-#include "identification/defects/storey.hpp"
-#include "identification/update_findings.hpp"
-#include "inference/reversible_jump.hpp"
+#include "fem/beam/modal_analysis.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/defects/reduction.hpp"
+#include "identification/structural/defects/storey.hpp"
+#include "identification/structural/updating/update_findings.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {

@@ -1,15 +1,15 @@
-#include "identification/fit_verdict.hpp"
+#include "identification/findings/fit_verdict.hpp"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "identification/damage_findings.hpp"
-#include "identification/damage_plausibility.hpp"
-#include "identification/free_cubic.hpp"
-#include "identification/sid_findings.hpp"
-#include "identification/sid_plausibility.hpp"
+#include "identification/sid/findings/free_cubic.hpp"
+#include "identification/sid/findings/sid_findings.hpp"
+#include "identification/sid/sid_plausibility.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/damage_plausibility.hpp"
 #include "tests/identification/cases.hpp"
 #include "tests/identification/sid_cases.hpp"
 

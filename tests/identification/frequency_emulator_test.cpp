@@ -1,4 +1,4 @@
-#include "identification/frequency_emulator.hpp"
+#include "identification/structural/damage/frequency_emulator.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,8 +7,8 @@
 
 #include "emulator/cubic_interpolant.hpp"
 #include "emulator/gaussian_process.hpp"
-#include "fem/section.hpp"
-#include "identification/damage_case.hpp"
+#include "fem/sections/section.hpp"
+#include "identification/structural/damage/damage_case.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 #include "tests/identification/cases.hpp"
 

@@ -1,4 +1,4 @@
-#include "identification/interpolants.hpp"
+#include "identification/emulation/interpolants.hpp"
 
 #include <gmock/gmock.h>
 
@@ -6,8 +6,8 @@
 #include <limits>
 #include <set>
 
-#include "identification/damage_findings.hpp"
-#include "identification/damage_problem.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 #include "tests/identification/cases.hpp"
 

@@ -1,4 +1,4 @@
-#include "identification/link_paths.hpp"
+#include "identification/sid/findings/link_paths.hpp"
 
 #include <gtest/gtest.h>
 

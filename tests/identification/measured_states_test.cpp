@@ -13,11 +13,11 @@
 #include <sstream>
 
 #include "base/constants.hpp"
-#include "identification/damage_findings.hpp"
-#include "identification/defects/floor_mass.hpp"
-#include "identification/defects/storey.hpp"
-#include "identification/update_findings.hpp"
-#include "inference/reversible_jump.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/defects/floor_mass.hpp"
+#include "identification/structural/defects/storey.hpp"
+#include "identification/structural/updating/update_findings.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {

@@ -1,12 +1,12 @@
-#include "identification/merged_damages.hpp"
+#include "identification/structural/damage/merged_damages.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numeric>
 
-#include "identification/damage_findings.hpp"
-#include "identification/defects/reduction.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/defects/reduction.hpp"
 #include "tests/identification/cases.hpp"
 
 namespace wheeltap::identification {

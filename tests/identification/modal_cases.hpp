@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "fem/structures/lumped_chain.hpp"
-#include "identification/damage_case.hpp"
-#include "identification/defects/storey.hpp"
-#include "identification/update_problem.hpp"
+#include "identification/structural/damage/damage_case.hpp"
+#include "identification/structural/defects/storey.hpp"
+#include "identification/structural/updating/update_problem.hpp"
 
 namespace wheeltap::identification::modal {
 

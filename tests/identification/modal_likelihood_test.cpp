@@ -1,4 +1,4 @@
-#include "identification/modal_likelihood.hpp"
+#include "identification/structural/likelihood/modal_likelihood.hpp"
 
 #include <gtest/gtest.h>
 

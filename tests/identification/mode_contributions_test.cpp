@@ -1,4 +1,4 @@
-#include "identification/mode_contributions.hpp"
+#include "identification/structural/likelihood/mode_contributions.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identification/mode_matching.hpp"
+#include "identification/structural/likelihood/mode_matching.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identification/mode_numbering.hpp"
+#include "identification/structural/updating/mode_numbering.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identification/noise_model.hpp"
+#include "identification/structural/likelihood/noise_model.hpp"
 
 #include <gtest/gtest.h>
 

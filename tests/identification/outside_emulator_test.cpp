@@ -1,4 +1,4 @@
-#include "identification/outside_emulator.hpp"
+#include "identification/emulation/outside_emulator.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "identification/prior_bound.hpp"
+#include "identification/findings/prior_bound.hpp"
 
 #include <gtest/gtest.h>
 

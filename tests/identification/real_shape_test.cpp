@@ -1,4 +1,4 @@
-#include "identification/real_shape.hpp"
+#include "identification/modal/real_shape.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <complex>
 
 #include "base/random.hpp"
-#include "identification/shape_density.hpp"
+#include "identification/structural/likelihood/shape_density.hpp"
 
 namespace wheeltap::identification {
 namespace {

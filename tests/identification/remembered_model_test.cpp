@@ -1,4 +1,4 @@
-#include "identification/remembered_model.hpp"
+#include "identification/emulation/remembered_model.hpp"
 
 #include <gmock/gmock.h>
 

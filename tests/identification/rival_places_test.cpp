@@ -1,5 +1,5 @@
 // Places of which one is damaged and the data do not say which.
-#include "identification/rival_places.hpp"
+#include "identification/structural/damage/rival_places.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "identification/shape_density.hpp"
+#include "identification/structural/likelihood/shape_density.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // A small chain that the tests share.
 #pragma once
 
-#include "identification/sid_problem.hpp"
-#include "identification/sid_record.hpp"
-#include "identification/sid_simulation.hpp"
+#include "identification/sid/sid_problem.hpp"
+#include "identification/sid/sid_record.hpp"
+#include "identification/sid/sid_simulation.hpp"
 
 namespace wheeltap::identification {
 

@@ -1,4 +1,4 @@
-#include "identification/sid_discovery.hpp"
+#include "identification/sid/sid_discovery.hpp"
 
 #include <gmock/gmock.h>
 

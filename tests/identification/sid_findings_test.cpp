@@ -1,4 +1,4 @@
-#include "identification/sid_findings.hpp"
+#include "identification/sid/findings/sid_findings.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "identification/sid_problem.hpp"
+#include "identification/sid/sid_problem.hpp"
 
 #include <gmock/gmock.h>
 

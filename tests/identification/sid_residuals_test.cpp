@@ -1,4 +1,4 @@
-#include "identification/sid_residuals.hpp"
+#include "identification/sid/sid_residuals.hpp"
 
 #include <gmock/gmock.h>
 

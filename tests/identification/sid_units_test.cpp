@@ -1,5 +1,5 @@
 // Units of parameters follow from where they are used and from the channels' own.
-#include "identification/sid_units.hpp"
+#include "identification/sid/sid_units.hpp"
 
 #include <gtest/gtest.h>
 

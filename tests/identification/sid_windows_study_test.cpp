@@ -10,7 +10,7 @@
 
 #include "base/parallel.hpp"
 #include "base/random.hpp"
-#include "identification/sid_windows.hpp"
+#include "identification/sid/findings/sid_windows.hpp"
 #include "inference/evidence/laplace.hpp"
 #include "sid_cases.hpp"
 

@@ -1,4 +1,4 @@
-#include "identification/sid_windows.hpp"
+#include "identification/sid/findings/sid_windows.hpp"
 
 #include <gmock/gmock.h>
 

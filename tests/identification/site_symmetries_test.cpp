@@ -1,12 +1,12 @@
 // What a structure's symmetry hides, found from its frequencies.
-#include "identification/site_symmetries.hpp"
+#include "identification/structural/defects/site_symmetries.hpp"
 
 #include <gmock/gmock.h>
 
-#include "identification/damage_findings.hpp"
-#include "identification/defects/crack.hpp"
-#include "identification/defects/joint.hpp"
-#include "identification/defects/storey.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/defects/crack.hpp"
+#include "identification/structural/defects/joint.hpp"
+#include "identification/structural/defects/storey.hpp"
 
 namespace wheeltap::identification {
 namespace {

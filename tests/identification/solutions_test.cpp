@@ -1,10 +1,10 @@
-#include "identification/solutions.hpp"
+#include "identification/findings/solutions.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 
 namespace wheeltap::identification {
 namespace {

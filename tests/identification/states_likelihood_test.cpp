@@ -1,4 +1,4 @@
-#include "identification/states_likelihood.hpp"
+#include "identification/structural/likelihood/states_likelihood.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 #include <random>
 
 #include "base/constants.hpp"
-#include "fem/structures/structure_modes.hpp"
-#include "identification/damage_findings.hpp"
-#include "identification/damage_problem.hpp"
-#include "identification/defects/floor_mass.hpp"
-#include "identification/defects/reduction.hpp"
-#include "inference/reversible_jump.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
+#include "identification/structural/defects/floor_mass.hpp"
+#include "identification/structural/defects/reduction.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {

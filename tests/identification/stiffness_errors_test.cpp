@@ -1,4 +1,4 @@
-#include "identification/stiffness_errors.hpp"
+#include "identification/structural/likelihood/stiffness_errors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <random>
 
 #include "base/constants.hpp"
-#include "fem/structures/structure_modes.hpp"
-#include "identification/states_likelihood.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "identification/structural/likelihood/states_likelihood.hpp"
 #include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {

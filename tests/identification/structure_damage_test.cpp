@@ -6,11 +6,11 @@
 #include <cmath>
 #include <map>
 
-#include "fem/structures/structure_modes.hpp"
-#include "identification/damage_findings.hpp"
-#include "identification/defects/crack.hpp"
-#include "identification/defects/joint.hpp"
-#include "identification/defects/storey.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/defects/crack.hpp"
+#include "identification/structural/defects/joint.hpp"
+#include "identification/structural/defects/storey.hpp"
 
 namespace wheeltap::identification {
 namespace {

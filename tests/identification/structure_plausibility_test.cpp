@@ -1,4 +1,4 @@
-#include "identification/structure_plausibility.hpp"
+#include "identification/structural/structure_plausibility.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identification/term_findings.hpp"
+#include "identification/sid/findings/term_findings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include "identification/sid_discovery.hpp"
-#include "identification/sid_findings.hpp"
+#include "identification/sid/findings/sid_findings.hpp"
+#include "identification/sid/sid_discovery.hpp"
 #include "inference/evidence/importance_sampling.hpp"
-#include "inference/mode_search.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/search/mode_search.hpp"
+#include "inference/statistics/standard_normal.hpp"
 #include "sid_cases.hpp"
 
 namespace wheeltap::identification {

@@ -1,6 +1,6 @@
 // Posteriors against quadrature: a reference of the test's own, which knows neither the engine nor
 // its likelihood.
-#include "identification/update_problem.hpp"
+#include "identification/structural/updating/update_problem.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "identification/update_findings.hpp"
-#include "inference/reversible_jump.hpp"
+#include "identification/structural/updating/update_findings.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {

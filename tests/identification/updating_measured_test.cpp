@@ -9,11 +9,11 @@
 #include <limits>
 #include <numbers>
 
-#include "fem/structures/structure_modes.hpp"
-#include "identification/structure_family.hpp"
-#include "identification/update_findings.hpp"
-#include "inference/reversible_jump.hpp"
-#include "io/sparse_matrix.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "identification/structural/structure_family.hpp"
+#include "identification/structural/updating/update_findings.hpp"
+#include "inference/engine/reversible_jump.hpp"
+#include "io/matlab/sparse_matrix.hpp"
 #include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {

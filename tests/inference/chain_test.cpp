@@ -1,4 +1,4 @@
-#include "inference/chain.hpp"
+#include "inference/chains/chain.hpp"
 #include "base/constants.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // A run that is left at any safe point and taken up from its columns is the run that was never
 // left.
-#include "inference/checkpoint.hpp"
+#include "inference/engine/checkpoint.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 #include <variant>
 #include <vector>
 
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/inference/hard_problems.hpp"
 #include "tests/inference/toy_problems.hpp"
 

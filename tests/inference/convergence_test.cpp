@@ -1,4 +1,4 @@
-#include "inference/convergence.hpp"
+#include "inference/diagnosis/convergence.hpp"
 
 #include <gtest/gtest.h>
 

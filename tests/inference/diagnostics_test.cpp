@@ -1,4 +1,4 @@
-#include "inference/diagnostics.hpp"
+#include "inference/statistics/diagnostics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "base/constants.hpp"
 #include "base/random.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {

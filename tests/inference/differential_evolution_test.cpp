@@ -1,4 +1,4 @@
-#include "inference/differential_evolution.hpp"
+#include "inference/search/differential_evolution.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "inference/draw_list.hpp"
+#include "inference/chains/draw_list.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 #include "tests/inference/toy_problems.hpp"
 

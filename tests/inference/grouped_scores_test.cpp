@@ -1,4 +1,4 @@
-#include "inference/grouped_scores.hpp"
+#include "inference/statistics/grouped_scores.hpp"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@
 #include <numbers>
 
 #include "base/constants.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/random.hpp"
-#include "inference/target.hpp"
+#include "inference/model/target.hpp"
 
 namespace wheeltap::inference {
 

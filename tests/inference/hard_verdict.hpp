@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "inference/verdict.hpp"
+#include "inference/diagnosis/verdict.hpp"
 #include "tests/inference/hard_problems.hpp"
 
 namespace wheeltap::inference {

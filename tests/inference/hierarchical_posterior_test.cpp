@@ -1,4 +1,4 @@
-#include "inference/hierarchical_posterior.hpp"
+#include "inference/statistics/hierarchical_posterior.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "inference/kept_draws.hpp"
+#include "inference/chains/kept_draws.hpp"
 
 #include <gtest/gtest.h>
 

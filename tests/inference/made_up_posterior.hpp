@@ -10,7 +10,7 @@
 
 #include "base/constants.hpp"
 #include "base/random.hpp"
-#include "inference/posterior.hpp"
+#include "inference/diagnosis/posterior.hpp"
 
 namespace wheeltap::inference::made_up {
 

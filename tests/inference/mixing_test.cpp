@@ -1,10 +1,10 @@
-#include "inference/mixing.hpp"
+#include "inference/diagnosis/mixing.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "inference/convergence.hpp"
+#include "inference/diagnosis/convergence.hpp"
 #include "tests/inference/made_up_posterior.hpp"
 
 namespace wheeltap::inference {

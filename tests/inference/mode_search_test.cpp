@@ -1,4 +1,4 @@
-#include "inference/mode_search.hpp"
+#include "inference/search/mode_search.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "base/random.hpp"
-#include "inference/evidence/model_posterior.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/model/model_posterior.hpp"
+#include "inference/statistics/standard_normal.hpp"
 #include "tests/inference/toy_problems.hpp"
 
 namespace wheeltap::inference {

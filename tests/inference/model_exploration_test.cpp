@@ -1,4 +1,4 @@
-#include "inference/model_exploration.hpp"
+#include "inference/exploration/model_exploration.hpp"
 
 #include <gtest/gtest.h>
 

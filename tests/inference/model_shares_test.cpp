@@ -1,4 +1,4 @@
-#include "inference/model_shares.hpp"
+#include "inference/diagnosis/model_shares.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "inference/model_space.hpp"
+#include "inference/model/model_space.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,27 +3,27 @@
 // and remain one when the parameters are moved by a kernel that leaves their posterior invariant,
 // however few steps and whether or not it mixes. Each test has a control: the same move with a
 // fault, which must be found out.
-#include "inference/move.hpp"
+#include "inference/moves/move.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "inference/moves/birth_death.hpp"
-#include "inference/moves/conditional_proposal.hpp"
+#include "inference/moves/between_models/birth_death.hpp"
+#include "inference/moves/between_models/conditional_proposal.hpp"
+#include "inference/moves/between_models/mixture_transport.hpp"
+#include "inference/moves/between_models/model_switch.hpp"
+#include "inference/moves/between_models/split_merge.hpp"
+#include "inference/moves/between_models/transformation.hpp"
 #include "inference/moves/delayed_rejection.hpp"
 #include "inference/moves/differential_evolution.hpp"
 #include "inference/moves/image.hpp"
 #include "inference/moves/mirror.hpp"
 #include "inference/moves/mixture_jump.hpp"
-#include "inference/moves/mixture_transport.hpp"
-#include "inference/moves/model_switch.hpp"
 #include "inference/moves/multiscale_walk.hpp"
 #include "inference/moves/random_walk.hpp"
 #include "inference/moves/regional_walk.hpp"
 #include "inference/moves/slice.hpp"
-#include "inference/moves/split_merge.hpp"
-#include "inference/moves/transformation.hpp"
 #include "tests/inference/statistics.hpp"
 #include "tests/inference/toy_problems.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "inference/convergence.hpp"
-#include "inference/diagnostics.hpp"
+#include "inference/diagnosis/convergence.hpp"
+#include "inference/statistics/diagnostics.hpp"
 #include "tests/inference/evidence/problems.hpp"
 
 namespace wheeltap::inference {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "inference/standard_normal.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "inference/mode_search.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
+#include "inference/search/mode_search.hpp"
 #include "tests/inference/hard_verdict.hpp"
 #include "tests/inference/needle_problems.hpp"
 

@@ -1,4 +1,4 @@
-#include "inference/normal_mixture.hpp"
+#include "inference/mixtures/normal_mixture.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/constants.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -1,5 +1,5 @@
 // The packed routines against the formulas that their header states, in plain loops.
-#include "inference/packed_mixture.hpp"
+#include "inference/mixtures/packed_mixture.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "base/constants.hpp"
 #include "base/random.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference::packed {
 namespace {

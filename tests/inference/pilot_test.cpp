@@ -1,4 +1,4 @@
-#include "inference/pilot.hpp"
+#include "inference/chains/pilot.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 // What a run answers, on runs that were made up: independent draws, so that every answer and its
 // error are known.
-#include "inference/posterior.hpp"
+#include "inference/diagnosis/posterior.hpp"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 
 #include "base/constants.hpp"
 #include "base/random.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 
 namespace wheeltap::inference {
 namespace {

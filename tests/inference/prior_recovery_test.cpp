@@ -7,8 +7,8 @@
 #include <numbers>
 #include <optional>
 
-#include "inference/moves/birth_death.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
+#include "inference/moves/between_models/birth_death.hpp"
 #include "tests/inference/run_checks.hpp"
 #include "tests/inference/toy_problems.hpp"
 

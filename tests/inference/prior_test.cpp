@@ -1,4 +1,4 @@
-#include "inference/prior.hpp"
+#include "inference/model/prior.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/constants.hpp"
-#include "inference/standard_normal.hpp"
-#include "inference/tabulated_prior.hpp"
+#include "inference/model/tabulated_prior.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {

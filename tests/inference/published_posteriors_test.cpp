@@ -10,8 +10,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "inference/diagnostics.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
+#include "inference/statistics/diagnostics.hpp"
 #include "tests/inference/published_problems.hpp"
 
 namespace wheeltap::inference {

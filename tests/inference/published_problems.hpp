@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "inference/moves/transformation.hpp"
-#include "inference/target.hpp"
+#include "inference/model/target.hpp"
+#include "inference/moves/between_models/transformation.hpp"
 
 namespace wheeltap::inference {
 

@@ -1,4 +1,4 @@
-#include "inference/reason.hpp"
+#include "inference/diagnosis/reason.hpp"
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "inference/model_space.hpp"
+#include "inference/model/model_space.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "inference/diagnostics.hpp"
 #include "inference/moves/random_walk.hpp"
+#include "inference/statistics/diagnostics.hpp"
 #include "tests/inference/evidence/problems.hpp"
 
 namespace wheeltap::inference {

@@ -1,5 +1,5 @@
 // The whole engine: exact posteriors come back, and what should not matter does not.
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -9,12 +9,12 @@
 #include <limits>
 #include <numbers>
 
-#include "inference/diagnostics.hpp"
-#include "inference/moves/model_switch.hpp"
-#include "inference/stages/explore.hpp"
-#include "inference/stages/sample.hpp"
-#include "inference/stages/tune.hpp"
-#include "inference/verdict.hpp"
+#include "inference/diagnosis/verdict.hpp"
+#include "inference/engine/explore.hpp"
+#include "inference/engine/sample.hpp"
+#include "inference/engine/tune.hpp"
+#include "inference/moves/between_models/model_switch.hpp"
+#include "inference/statistics/diagnostics.hpp"
 #include "tests/inference/run_checks.hpp"
 #include "tests/inference/statistics.hpp"
 #include "tests/inference/toy_problems.hpp"

@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "inference/diagnostics.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
+#include "inference/statistics/diagnostics.hpp"
 
 namespace wheeltap::inference {
 

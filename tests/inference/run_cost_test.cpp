@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "inference/reversible_jump.hpp"
-#include "inference/verdict.hpp"
+#include "inference/diagnosis/verdict.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/inference/toy_problems.hpp"
 
 namespace wheeltap::inference {

@@ -1,6 +1,6 @@
 // The self-tests for a user's own priors and moves: right ones pass, and each fault is found and
 // said.
-#include "inference/self_tests.hpp"
+#include "inference/moves/self_tests.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <span>
 
 #include "base/constants.hpp"
-#include "inference/standard_normal.hpp"
-#include "inference/tabulated_prior.hpp"
+#include "inference/model/tabulated_prior.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -1,5 +1,5 @@
 // Dirichlet's density by sticks, against its moments and its own formula.
-#include "inference/simplex.hpp"
+#include "inference/model/simplex.hpp"
 
 #include <gtest/gtest.h>
 

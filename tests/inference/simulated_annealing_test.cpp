@@ -1,4 +1,4 @@
-#include "inference/simulated_annealing.hpp"
+#include "inference/search/simulated_annealing.hpp"
 
 #include <gtest/gtest.h>
 

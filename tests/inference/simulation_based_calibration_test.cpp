@@ -12,7 +12,7 @@
 #include <functional>
 
 #include "base/index.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/inference/statistics.hpp"
 #include "tests/inference/toy_problems.hpp"
 

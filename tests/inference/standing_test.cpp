@@ -1,4 +1,4 @@
-#include "inference/standing.hpp"
+#include "inference/diagnosis/standing.hpp"
 
 #include <gmock/gmock.h>
 

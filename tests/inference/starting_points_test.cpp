@@ -1,7 +1,7 @@
 // Records y_i ~ N(a, 1) with a ~ N(0, 10²): the posterior of n samples is normal,
 //
 //   precision n + 1/100,   mean Σ y / (n + 1/100).
-#include "inference/starting_points.hpp"
+#include "inference/exploration/starting_points.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "base/random.hpp"
-#include "inference/standard_normal.hpp"
+#include "inference/statistics/standard_normal.hpp"
 #include "tests/inference/evidence/problems.hpp"
 
 namespace wheeltap::inference {

@@ -1,4 +1,4 @@
-#include "inference/target.hpp"
+#include "inference/model/target.hpp"
 
 #include <gtest/gtest.h>
 

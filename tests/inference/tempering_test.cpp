@@ -1,4 +1,4 @@
-#include "inference/tempering.hpp"
+#include "inference/chains/tempering.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "inference/moves/model_switch.hpp"
+#include "inference/moves/between_models/model_switch.hpp"
 #include "inference/moves/random_walk.hpp"
 #include "tests/inference/evidence/problems.hpp"
 #include "tests/inference/hard_problems.hpp"

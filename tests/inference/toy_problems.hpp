@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "inference/target.hpp"
+#include "inference/model/target.hpp"
 
 namespace wheeltap::inference::toy {
 

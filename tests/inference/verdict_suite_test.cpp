@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 #include "tests/inference/hard_verdict.hpp"
 #include "tests/inference/published_problems.hpp"
 

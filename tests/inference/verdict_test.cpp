@@ -1,4 +1,4 @@
-#include "inference/verdict.hpp"
+#include "inference/diagnosis/verdict.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "io/array_file.hpp"
+#include "io/netcdf/array_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/formats.hpp"
-#include "io/netcdf_library.hpp"
+#include "io/formats/formats.hpp"
+#include "io/netcdf/netcdf_library.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 namespace wheeltap::io {

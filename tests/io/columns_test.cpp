@@ -1,4 +1,4 @@
-#include "io/columns.hpp"
+#include "io/tables/columns.hpp"
 
 #include <gtest/gtest.h>
 

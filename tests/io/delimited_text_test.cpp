@@ -1,4 +1,4 @@
-#include "io/delimited_text.hpp"
+#include "io/tables/delimited_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "io/dxf.hpp"
+#include "io/drawings/dxf.hpp"
 
 #include <gtest/gtest.h>
 

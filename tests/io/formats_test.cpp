@@ -1,4 +1,4 @@
-#include "io/formats.hpp"
+#include "io/formats/formats.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

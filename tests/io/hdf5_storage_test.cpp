@@ -1,4 +1,4 @@
-#include "io/hdf5_storage.hpp"
+#include "io/netcdf/hdf5_storage.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <functional>
 #include <vector>
 
-#include "io/array_file.hpp"
 #include "io/bytes.hpp"
 #include "io/file_error.hpp"
-#include "io/netcdf_reader.hpp"
+#include "io/netcdf/array_file.hpp"
+#include "io/netcdf/netcdf_reader.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 namespace wheeltap::io {

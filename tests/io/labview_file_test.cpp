@@ -1,4 +1,4 @@
-#include "io/labview_file.hpp"
+#include "io/formats/labview_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

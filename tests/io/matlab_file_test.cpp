@@ -1,12 +1,12 @@
-#include "io/matlab_file.hpp"
+#include "io/matlab/matlab_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "io/formats.hpp"
-#include "io/sparse_matrix.hpp"
+#include "io/formats/formats.hpp"
+#include "io/matlab/sparse_matrix.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 #ifdef WHEELTAP_MATIO

@@ -1,9 +1,9 @@
-#include "io/netcdf_name.hpp"
+#include "io/netcdf/netcdf_name.hpp"
 
 #include <gtest/gtest.h>
 #include <netcdf.h>
 
-#include "io/netcdf_writer.hpp"
+#include "io/netcdf/netcdf_writer.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 namespace wheeltap::io {

@@ -1,11 +1,11 @@
-#include "io/netcdf_reader.hpp"
+#include "io/netcdf/netcdf_reader.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <numeric>
 
-#include "io/netcdf_writer.hpp"
+#include "io/netcdf/netcdf_writer.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 namespace wheeltap::io {

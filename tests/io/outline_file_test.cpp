@@ -1,4 +1,4 @@
-#include "io/outline_file.hpp"
+#include "io/drawings/outline_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include <memory>
 #include <vector>
 
-#include "io/columns.hpp"
+#include "io/tables/columns.hpp"
 
 namespace wheeltap::io {
 namespace {

@@ -1,4 +1,4 @@
-#include "io/sparse_matrix.hpp"
+#include "io/matlab/sparse_matrix.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,9 +1,9 @@
-#include "io/strong_motion.hpp"
+#include "io/formats/strong_motion.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/formats.hpp"
+#include "io/formats/formats.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 namespace wheeltap::io {

@@ -1,4 +1,4 @@
-#include "io/tdms_file.hpp"
+#include "io/formats/tdms_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "io/formats.hpp"
+#include "io/formats/formats.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 namespace wheeltap::io {

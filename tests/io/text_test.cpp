@@ -1,4 +1,4 @@
-#include "io/text.hpp"
+#include "io/text/text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "io/universal_file.hpp"
+#include "io/universal/universal_file.hpp"
 
 #include <gmock/gmock.h>
 
@@ -6,8 +6,8 @@
 #include <random>
 
 #include "io/bytes.hpp"
-#include "io/delimited_text.hpp"
-#include "io/formats.hpp"
+#include "io/formats/formats.hpp"
+#include "io/tables/delimited_text.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 namespace wheeltap::io {

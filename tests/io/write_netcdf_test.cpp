@@ -1,4 +1,4 @@
-#include "io/write_netcdf.hpp"
+#include "io/netcdf/write_netcdf.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 
 #include "io/bytes.hpp"
 #include "io/fingerprint.hpp"
-#include "io/netcdf_reader.hpp"
-#include "io/netcdf_writer.hpp"
+#include "io/netcdf/netcdf_reader.hpp"
+#include "io/netcdf/netcdf_writer.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
 namespace wheeltap::io {

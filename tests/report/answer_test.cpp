@@ -1,11 +1,11 @@
 // The sentence at the top of a report, for every kind of finding.
-#include "apps/report/answer.hpp"
+#include "apps/text/answer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "identification/defects/reduction.hpp"
-#include "identification/defects/support.hpp"
+#include "identification/structural/defects/reduction.hpp"
+#include "identification/structural/defects/support.hpp"
 
 namespace wheeltap::apps {
 

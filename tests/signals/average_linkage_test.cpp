@@ -1,4 +1,4 @@
-#include "signals/average_linkage.hpp"
+#include "signals/modal/average_linkage.hpp"
 
 #include <gtest/gtest.h>
 

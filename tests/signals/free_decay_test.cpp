@@ -1,4 +1,4 @@
-#include "signals/free_decay.hpp"
+#include "signals/modal/free_decay.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "signals/frequency_domain_decomposition.hpp"
+#include "signals/modal/frequency_domain_decomposition.hpp"
 
 #include <gtest/gtest.h>
 

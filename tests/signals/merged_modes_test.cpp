@@ -1,4 +1,4 @@
-#include "signals/merged_modes.hpp"
+#include "signals/modal/merged_modes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

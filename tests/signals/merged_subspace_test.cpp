@@ -1,4 +1,4 @@
-#include "signals/merged_subspace.hpp"
+#include "signals/modal/merged_subspace.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "random_vibration.hpp"
-#include "signals/modal_identification.hpp"
+#include "signals/modal/modal_identification.hpp"
 
 namespace wheeltap::signals {
 namespace {

@@ -1,4 +1,4 @@
-#include "signals/modal_identification.hpp"
+#include "signals/modal/modal_identification.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

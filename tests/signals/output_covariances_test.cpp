@@ -1,4 +1,4 @@
-#include "signals/output_covariances.hpp"
+#include "signals/modal/output_covariances.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "signals/polyreference.hpp"
+#include "signals/modal/polyreference.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "signals/stabilisation.hpp"
+#include "signals/modal/stabilisation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "signals/stochastic_subspace.hpp"
+#include "signals/modal/stochastic_subspace.hpp"
 
 #include <gtest/gtest.h>
 

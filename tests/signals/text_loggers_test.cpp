@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <functional>
 
-#include "io/delimited_text.hpp"
-#include "io/labview_file.hpp"
+#include "io/formats/labview_file.hpp"
+#include "io/tables/delimited_text.hpp"
 #include "signals/record.hpp"
 #include "signals/units.hpp"
 

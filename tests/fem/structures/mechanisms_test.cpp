@@ -7,7 +7,7 @@
 #include "fem/structures/lumped_chain.hpp"
 #include "fem/structures/matrix_structure.hpp"
 #include "fem/structures/mesh.hpp"
-#include "fem/structures/structure_modes.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
 
 namespace wheeltap::fem {
 namespace {

@@ -1,4 +1,4 @@
-#include "fem/structures/parametric_modes.hpp"
+#include "fem/structures/modes/parametric_modes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "fem/structures/structure_modes.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
 #include "tests/fem/structures/parametric_structures.hpp"
 
 namespace wheeltap::fem {

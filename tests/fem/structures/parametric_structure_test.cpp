@@ -1,4 +1,4 @@
-#include "fem/structures/parametric_structure.hpp"
+#include "fem/structures/modes/parametric_structure.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include "fem/structures/lumped_chain.hpp"
 #include "fem/structures/matrix_structure.hpp"
 #include "fem/structures/mesh.hpp"
-#include "fem/structures/parametric_modes.hpp"
+#include "fem/structures/modes/parametric_modes.hpp"
 
 namespace wheeltap::fem::parametric {
 

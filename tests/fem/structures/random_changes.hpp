@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "fem/structures/defects/structure_defects.hpp"
 #include "fem/structures/mesh.hpp"
-#include "fem/structures/structure_defects.hpp"
 
 namespace wheeltap::fem {
 

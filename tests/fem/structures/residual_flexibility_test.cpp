@@ -1,4 +1,4 @@
-#include "fem/structures/residual_flexibility.hpp"
+#include "fem/structures/reanalysis/residual_flexibility.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "braced_portal.hpp"
 #include "fem/structures/mesh.hpp"
-#include "fem/structures/structure_spectrum.hpp"
+#include "fem/structures/reanalysis/structure_spectrum.hpp"
 
 namespace wheeltap::fem {
 namespace {

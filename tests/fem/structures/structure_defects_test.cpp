@@ -1,4 +1,4 @@
-#include "fem/structures/structure_defects.hpp"
+#include "fem/structures/defects/structure_defects.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "base/constants.hpp"
-#include "fem/structures/structure_modes.hpp"
-#include "fem/structures/structure_reanalysis.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "fem/structures/reanalysis/structure_reanalysis.hpp"
 
 namespace wheeltap::fem {
 namespace {

@@ -1,4 +1,4 @@
-#include "fem/structures/structure_modes.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <ctime>
 
 #include "base/constants.hpp"
-#include "fem/modal_analysis.hpp"
+#include "fem/beam/modal_analysis.hpp"
+#include "fem/structures/defects/structure_change.hpp"
 #include "fem/structures/lumped_chain.hpp"
 #include "fem/structures/matrix_structure.hpp"
 #include "fem/structures/mesh.hpp"
-#include "fem/structures/structure_change.hpp"
 
 namespace wheeltap::fem {
 namespace {

@@ -15,8 +15,8 @@
 
 #include "braced_portal.hpp"
 #include "fem/structures/lumped_chain.hpp"
-#include "fem/structures/structure_modes.hpp"
-#include "fem/structures/structure_reanalysis.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "fem/structures/reanalysis/structure_reanalysis.hpp"
 #include "random_changes.hpp"
 
 namespace wheeltap::fem {

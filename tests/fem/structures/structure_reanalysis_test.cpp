@@ -1,4 +1,4 @@
-#include "fem/structures/structure_reanalysis.hpp"
+#include "fem/structures/reanalysis/structure_reanalysis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <random>
 
 #include "braced_portal.hpp"
-#include "fem/structures/structure_defects.hpp"
-#include "fem/structures/structure_modes.hpp"
+#include "fem/structures/defects/structure_defects.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
 #include "random_changes.hpp"
 
 namespace wheeltap::fem {

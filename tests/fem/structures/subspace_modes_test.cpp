@@ -1,12 +1,12 @@
-#include "fem/structures/subspace_modes.hpp"
+#include "fem/structures/modes/subspace_modes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
-#include "fem/structures/structure_change.hpp"
-#include "fem/structures/structure_defects.hpp"
-#include "fem/structures/structure_modes.hpp"
+#include "fem/structures/defects/structure_change.hpp"
+#include "fem/structures/defects/structure_defects.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
 #include "parametric_structures.hpp"
 
 namespace wheeltap::fem {

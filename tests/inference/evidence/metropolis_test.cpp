@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "inference/diagnostics.hpp"
+#include "inference/statistics/diagnostics.hpp"
 #include "tests/inference/evidence/problems.hpp"
 
 namespace wheeltap::inference {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "inference/standard_normal.hpp"
-#include "inference/target.hpp"
+#include "inference/model/target.hpp"
+#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 

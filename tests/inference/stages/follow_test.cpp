@@ -1,5 +1,5 @@
 // What annealing drew beyond a mixture: the posterior's part of it stays, its own error walks home.
-#include "inference/stages/follow.hpp"
+#include "inference/engine/follow.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,12 @@
 #include <memory>
 #include <string_view>
 
-#include "inference/convergence.hpp"
-#include "inference/evidence/model_posterior.hpp"
-#include "inference/stages/explore.hpp"
-#include "inference/stages/sample.hpp"
-#include "inference/stages/tune.hpp"
-#include "inference/stages/weigh.hpp"
+#include "inference/diagnosis/convergence.hpp"
+#include "inference/engine/explore.hpp"
+#include "inference/engine/sample.hpp"
+#include "inference/engine/tune.hpp"
+#include "inference/engine/weigh.hpp"
+#include "inference/model/model_posterior.hpp"
 #include "tests/inference/hard_problems.hpp"
 
 namespace wheeltap::inference {

@@ -1,11 +1,11 @@
-#include "inference/stages/nested_starts.hpp"
+#include "inference/exploration/nested_starts.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
 #include "base/random.hpp"
-#include "inference/reversible_jump.hpp"
+#include "inference/engine/reversible_jump.hpp"
 
 namespace wheeltap::inference {
 namespace {

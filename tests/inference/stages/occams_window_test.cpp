@@ -1,4 +1,4 @@
-#include "inference/stages/occams_window.hpp"
+#include "inference/exploration/occams_window.hpp"
 
 #include <gmock/gmock.h>
 
@@ -9,9 +9,9 @@
 #include <string>
 
 #include "base/random.hpp"
-#include "inference/reversible_jump.hpp"
-#include "inference/stages/nested_starts.hpp"
-#include "inference/verdict.hpp"
+#include "inference/diagnosis/verdict.hpp"
+#include "inference/engine/reversible_jump.hpp"
+#include "inference/exploration/nested_starts.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -1,6 +1,6 @@
 // A run between two rounds is a value: a copy goes on bit for bit, in another context, with another
 // copy of the problem, and what happens to the copy does not happen to the original.
-#include "inference/stages/run_state.hpp"
+#include "inference/engine/run_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <type_traits>
 #include <vector>
 
-#include "inference/stages/explore.hpp"
-#include "inference/stages/run_context.hpp"
-#include "inference/stages/sample.hpp"
-#include "inference/stages/tune.hpp"
-#include "inference/stages/weigh.hpp"
+#include "inference/engine/explore.hpp"
+#include "inference/engine/run_context.hpp"
+#include "inference/engine/sample.hpp"
+#include "inference/engine/tune.hpp"
+#include "inference/engine/weigh.hpp"
 #include "tests/inference/toy_problems.hpp"
 
 namespace wheeltap::inference {

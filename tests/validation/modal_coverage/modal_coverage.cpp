@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "base/parallel.hpp"
-#include "signals/modal_identification.hpp"
+#include "signals/modal/modal_identification.hpp"
 
 namespace wheeltap::signals {
 namespace {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
-#include "apps/damage_case.hpp"
+#include "apps/cases/damage_case.hpp"
 #include "base/random.hpp"
-#include "fem/structures/structure_modes.hpp"
-#include "identification/damage_case.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "identification/structural/damage/damage_case.hpp"
 
 namespace wheeltap::coverage {
 namespace {

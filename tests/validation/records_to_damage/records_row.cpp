@@ -13,7 +13,7 @@
 
 #include "base/random.hpp"
 #include "frame_record.hpp"
-#include "io/netcdf_reader.hpp"
+#include "io/netcdf/netcdf_reader.hpp"
 
 namespace wheeltap::coverage {
 namespace {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "identification/defects/crack.hpp"
-#include "identification/defects/joint.hpp"
-#include "identification/defects/mass.hpp"
-#include "identification/defects/reduction.hpp"
-#include "identification/defects/storey.hpp"
+#include "identification/structural/defects/crack.hpp"
+#include "identification/structural/defects/joint.hpp"
+#include "identification/structural/defects/mass.hpp"
+#include "identification/structural/defects/reduction.hpp"
+#include "identification/structural/defects/storey.hpp"
 #include "random_structure.hpp"
 
 namespace wheeltap::coverage {

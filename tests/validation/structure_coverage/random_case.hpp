@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "identification/damage_case.hpp"
+#include "identification/structural/damage/damage_case.hpp"
 
 namespace wheeltap::coverage {
 

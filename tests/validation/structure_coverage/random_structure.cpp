@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "fem/section.hpp"
+#include "fem/sections/section.hpp"
 
 namespace wheeltap::coverage {
 namespace {

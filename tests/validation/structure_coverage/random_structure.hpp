@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/random.hpp"
-#include "identification/damage_case.hpp"
+#include "identification/structural/damage/damage_case.hpp"
 
 namespace wheeltap::coverage {
 

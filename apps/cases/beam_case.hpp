@@ -1,0 +1,12 @@
+// The beam of a damage case.
+#pragma once
+
+#include "apps/cases/syntax/case_file.hpp"
+#include "fem/beam/beam.hpp"
+
+namespace wheeltap::apps {
+
+/// What stands under /beam. Throws Failure.
+[[nodiscard]] fem::Beam parse_beam(const CaseFile& file);
+
+}  // namespace wheeltap::apps

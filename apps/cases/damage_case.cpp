@@ -1,0 +1,594 @@
+#include "apps/cases/damage_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "apps/cases/beam_parameters.hpp"
+#include "apps/cases/damage_data.hpp"
+#include "apps/cases/damage_parts.hpp"
+#include "apps/cases/modal_data_case.hpp"
+#include "apps/cases/simulation.hpp"
+#include "apps/cases/states_case.hpp"
+#include "apps/cases/structures/structure_case.hpp"
+#include "apps/cases/syntax/case_remedies.hpp"
+#include "base/constants.hpp"
+#include "base/log_gamma.hpp"
+#include "emulator/gaussian_process.hpp"
+#include "fem/sections/section.hpp"
+#include "identification/emulation/interpolants.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
+#include "identification/structural/defects/reduction.hpp"
+#include "io/netcdf/netcdf_name.hpp"
+#include "io/text/text.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+std::string damage_number(double x) {
+  if (std::isinf(x)) return x < 0.0 ? "minus infinity" : "infinity";
+  return Json(x).dump();
+}
+
+constexpr int kFreshRunsOfOthers = 50;  // that measure an emulator's error, unless a case says
+
+Pointer damage_key(const char* text) {
+  return Pointer(text);
+}
+
+bool has_measured(const Json& data) {
+  return data.contains("frequencies") || data.contains("file") || data.contains("from");
+}
+
+}  // namespace
+
+inference::Prior bounded_prior(const CaseFile& file, const Pointer& where, double lower,
+                               double upper, const std::string& allowed) {
+  const inference::Prior prior = parse_prior(file, where);
+  if (!(prior.lower() >= lower && prior.upper() <= upper)) {
+    file.refuse(where, "reaches from " + damage_number(prior.lower()) + " to " +
+                           damage_number(prior.upper()) + ", but " + allowed +
+                           kept_within(file, where, lower, upper));
+  }
+  return prior;
+}
+
+std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where, int min,
+                                      int max) {
+  const auto n = static_cast<std::size_t>(max - min + 1);
+  std::vector<double> weights(n, 1.0);
+  const Json& count = file.json.at(where);
+  if (count.contains("prior") && count["prior"].is_object()) {
+    const double mean = count["prior"]["poisson"].get<double>();
+    for (std::size_t i = 0; i < n; ++i) {
+      const double k = min + static_cast<double>(i);
+      weights[i] = std::exp(k * std::log(mean) - base::log_gamma(k + 1.0) - mean);
+    }
+  } else if (count.contains("prior") && count["prior"].is_array()) {
+    weights = count["prior"].get<std::vector<double>>();
+    if (weights.size() != n) {
+      file.refuse(where / "prior", "must have " + std::to_string(n) + " weights, for " +
+                                       std::to_string(min) + " to " + std::to_string(max));
+    }
+  }
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (!(sum > 0.0 && std::isfinite(sum))) {
+    file.refuse(where / "prior", "at least one weight must be > 0");
+  }
+  for (double& w : weights) w /= sum;
+  return weights;
+}
+
+Simulation parse_simulation(const CaseFile& file, const Json& truth, Simulation simulation) {
+  const Json data = file.json.value("data", Json::object());
+  if (data.contains("cov") && data["cov"].is_number()) simulation.cv = data["cov"].get<double>();
+  if (data.contains("modes") && data["modes"].is_number())
+    simulation.modes = data["modes"].get<int>();
+  simulation.seed = data.value("seed", simulation.seed);
+  if (data.contains("shape_sd") && data["shape_sd"].is_number())
+    simulation.shape_sd = data["shape_sd"].get<double>();
+  if (truth.is_object()) {
+    simulation.modes = truth.value("modes", simulation.modes);
+    simulation.cv = truth.value("cov", simulation.cv);
+    simulation.seed = truth.value("seed", simulation.seed);
+    simulation.shape_sd = truth.value("shape_sd", simulation.shape_sd);
+  }
+  return simulation;
+}
+
+namespace {
+
+void parse_truth(const CaseFile& file, const Pointer& block, double length, DefectKind& kind,
+                 DamageCase& out) {
+  const Json& b = file.json.at(block);
+  if (!b.contains("truth")) return;
+  const Json& t = b["truth"];
+  const Json& list = t.is_array() ? t : t.at("defects");
+  const Pointer where = t.is_array() ? block / "truth" : block / "truth" / "defects";
+  out.simulation = parse_simulation(file, t, out.simulation.value_or(Simulation{}));
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Json& d = list[i];
+    const std::string severity = kind.severity_name();
+    for (const DefectType* type : defect_types()) {
+      const std::string other(type->severity);
+      if (other != severity && d.contains(other)) {
+        file.refuse(where / i / other,
+                    "a " + kind.name + " has a " + severity + ", not a " + other);
+      }
+    }
+    if (!kind.type->may_be_known && !d.contains(severity)) {
+      file.refuse(where / i / severity, "is missing: must be a number in [0, 1)");
+    }
+    DefectKind::True truth{.location = d.at("location").get<double>(), .severity = kInfinity};
+    if (truth.location > length) {
+      file.refuse(where / i / "location",
+                  "lies outside the beam, which is " + damage_number(length) + " m long");
+    }
+    if (d.contains(severity) && d[severity].is_number()) truth.severity = d[severity].get<double>();
+    truth.extent = true_extent(file, where / i, kind);
+    kind.truth.push_back(truth);
+  }
+  std::ranges::sort(kind.truth, {}, &DefectKind::True::location);
+}
+
+DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length, DamageCase& out) {
+  const Json& b = file.json.at(where);
+  const auto type_name = b.value("kind", std::string(defect_types()[0]->name));
+  const DefectType* type = find_defect_type(type_name);
+  if (type == nullptr || !type->is_for_beams()) {
+    std::string known;
+    for (const DefectType* t : defect_types())
+      if (t->is_for_beams()) known += (known.empty() ? "\"" : ", \"") + std::string(t->name) + "\"";
+    file.refuse(where / "kind", "no such kind of defect; there are " + known);
+  }
+  const std::string severity(type->severity);
+  const int min = b["count"].value("min", 0);
+  const int max = b["count"].at("max").get<int>();
+  if (min > max) {
+    file.refuse(where / "count" / "min", "must not exceed max, which is " + std::to_string(max));
+  }
+  for (const DefectType* other : defect_types()) {
+    const std::string key(other->severity);
+    if (key == severity || !b.contains(key)) continue;
+    if (other->may_be_known) {
+      file.refuse(where / key, "goes with \"kind\": \"" + std::string(other->name) + "\" only");
+    }
+    file.refuse(where / key, "a " + type_name + " has a " + severity + ", not a " + key);
+  }
+  if (!type->may_be_rotational && b.contains("fix")) {
+    file.refuse(where / "fix", "goes with \"kind\": \"support\" only");
+  }
+  DefectKind kind{
+      .type = type,
+      .name = b.value("name", std::string(type->noun)),
+      .plural = {},
+      .min_count = min,
+      .max_count = max,
+      .weights = parse_count_prior(file, where / "count", min, max),
+      .location =
+          bounded_prior(file, where / "location", 0.0, length,
+                        "locations lie on the beam, in [0, " + damage_number(length) + "] m"),
+      .severity = DefectKind::Rigid{},
+      .rotation = type->may_be_rotational && b.contains("fix") && b["fix"][0] == "rotation",
+      .truth = {}};
+  kind.plural = b.value("plural", b.contains("name") ? kind.name + "s" : type->noun_plural());
+  kind.line = SiteLine::of_beam(out.beam);
+  if (b.contains("extent") && type_name != "reduction") {
+    file.refuse(where / "extent", "goes with \"kind\": \"reduction\" only");
+  }
+  parse_extent(file, where, length, kind);
+  if (type_name == "crack") {
+    kind.crack_law = parse_crack_law(file, where);
+    if (!(out.beam_depth > 0.0)) {
+      file.refuse(where / "kind",
+                  "a crack needs the height of the section: give it a \"shape\" with sizes");
+    }
+  } else if (b.contains("law")) {
+    file.refuse(where / "law", "goes with \"kind\": \"crack\" only");
+  }
+  if (const auto why = io::why_no_netcdf_name(kind.name)) {
+    file.refuse(where / "name", "a name " + *why);
+  }
+  if (!type->may_be_known && !b.contains(severity)) {
+    file.refuse(where / severity, "is missing: must be a prior on [0, 1)");
+  }
+  if (b.contains(severity) && b[severity].is_number()) {
+    kind.severity = b[severity].get<double>();
+  } else if (b.contains(severity) && b[severity].is_object()) {
+    kind.severity = bounded_prior(file, where / severity, type->lower, type->upper,
+                                  std::string(type->bounds_words).c_str());
+  }
+  parse_truth(file, where, length, kind, out);
+  return kind;
+}
+
+std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& where,
+                                          int elements) {
+  const auto parse_list = [&](const Pointer& list_at) {
+    std::vector<int> sites;
+    const Json& list = file.json.at(list_at);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const int site = list[i].get<int>();
+      if (site > elements) {
+        file.refuse(list_at / i, "the beam has " + std::to_string(elements) + " elements");
+      }
+      if (!sites.empty() && site - 1 <= sites.back()) {
+        file.refuse(list_at / i, "sites must increase, and none may stand twice");
+      }
+      sites.push_back(site - 1);
+    }
+    if (sites.size() < 2) file.refuse(list_at, "at least two sites are needed to interpolate");
+    return sites;
+  };
+  const Json& sites = file.json.at(where);
+  std::vector<std::vector<int>> lists;
+  if (sites.is_string()) {
+    if (elements < 2) file.refuse(where, "a beam of one element has nothing to interpolate");
+    lists.emplace_back(static_cast<std::size_t>(elements));
+    std::iota(lists[0].begin(), lists[0].end(), 0);
+  } else if (sites[0].is_array()) {
+    for (std::size_t i = 0; i < sites.size(); ++i) lists.push_back(parse_list(where / i));
+  } else {
+    lists.push_back(parse_list(where));
+  }
+  return lists;
+}
+
+// A scattered design, or the user's own runs.
+void parse_runs(const CaseFile& file, const Pointer& where, EmulatorSpec& spec) {
+  const Json& p = file.json.at(where);
+  if (p.contains("design")) {
+    const Json& d = p["design"];
+    spec.runs =
+        d["kind"] == "sobol" ? EmulatorSpec::Runs::sobol : EmulatorSpec::Runs::latin_hypercube;
+    spec.design_runs = d["runs"].is_array() ? d["runs"].get<std::vector<int>>()
+                                            : std::vector<int>{d["runs"].get<int>()};
+    spec.design_seed = d.value("seed", std::uint64_t{1});
+  }
+  if (p.contains("runs_csv")) {
+    spec.runs = EmulatorSpec::Runs::csv;
+    const Json& names = p["runs_csv"];
+    for (const Json& name : names.is_array() ? names : Json::array({names})) {
+      spec.csv.push_back(file.resolve(name.get<std::string>()));
+    }
+  }
+}
+
+// `where`: the predictor, or what stands in front of one that is not ours.
+EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const DamageCase& out) {
+  const Json& p = file.json.at(where);
+  if (out.kinds.size() != 1 || out.kinds[0].type != &defects::kReduction) {
+    file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
+  }
+  if (out.kinds[0].extent || out.kinds[0].extent_prior)
+    file.refuse(where,
+                "an emulator knows reductions of one element, not over an \"extent\"; use \"fe\" "
+                "here");
+  if (out.structure)
+    file.refuse(where, "an emulator is trained on a beam, not on a structure; use \"fe\" here");
+  EmulatorSpec spec;
+  spec.emulator_error = p.value("emulator_error", true);
+  spec.exact = p.value("exact", false);
+  spec.holdout = p.value("holdout", spec.holdout);
+  if (p.contains("table")) {
+    for (const char* key :
+         {"sites", "multipliers", "interpolation", "coordinate", "expansion", "additive", "design",
+          "runs_csv", "symmetrise", "holdout", "accuracy"}) {
+      if (p.contains(key))
+        file.refuse(where / key, "is the table's own: it does not go with \"table\"");
+    }
+    spec.table = file.resolve(p["table"].get<std::string>());
+    return spec;
+  }
+  const int sources = (p.contains("sites") ? 1 : 0) + (p.contains("design") ? 1 : 0) +
+                      (p.contains("runs_csv") ? 1 : 0);
+  if (sources != 1) {
+    file.refuse(where,
+                "an emulator has one of \"table\", \"sites\" (with \"multipliers\"), "
+                "\"design\" and \"runs_csv\"");
+  }
+  parse_runs(file, where, spec);
+  const bool grid = p.contains("sites");
+  const bool own = p.contains("runs_csv");
+  if (grid && !p.contains("multipliers")) {
+    file.refuse(where / "multipliers", "is missing: \"sites\" go with \"multipliers\"");
+  }
+  if (own && p.contains("multipliers")) {
+    file.refuse(where / "multipliers", "the levels of \"runs_csv\" are in the file");
+  }
+  if (!grid && !own) spec.interpolant = &emulator::kGaussianProcess;
+  if (p.contains("interpolation")) {
+    // The schema has let no other names pass.
+    spec.interpolant = find_interpolant_type(p["interpolation"].get<std::string>());
+  }
+  using Joined = emulator::InterpolantType::Runs;
+  if (grid && spec.interpolant->runs != Joined::grid) {
+    file.refuse(where / "interpolation",
+                "is for scattered runs (\"design\", \"runs_csv\"); a grid of sites has " +
+                    interpolant_names(Joined::grid));
+  }
+  if (p.contains("design") && spec.interpolant->runs != Joined::scattered) {
+    file.refuse(where / "interpolation",
+                "is for grids; a scattered design has " + interpolant_names(Joined::scattered));
+  }
+  if (grid) spec.sites = parse_sites(file, where / "sites", out.beam.elements);
+  if (p.contains("accuracy")) {
+    if (!grid) file.refuse(where / "accuracy", "goes with \"sites\" and \"multipliers\" only");
+    spec.accuracy = p["accuracy"].get<double>();
+  }
+  if (p.contains("multipliers")) {
+    for (const double multiplier : p["multipliers"].get<std::vector<double>>()) {
+      spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // 0.6, not 1 - 0.4
+    }
+    std::ranges::sort(spec.reductions);
+    if (std::ranges::adjacent_find(spec.reductions) != spec.reductions.end()) {
+      file.refuse(where / "multipliers", "no multiplier may stand twice");
+    }
+  } else if (p.contains("design")) {
+    const inference::Prior& prior = *out.kinds[0].severity_prior();
+    if (!(prior.upper() <= 0.999 && prior.upper() > prior.lower())) {
+      file.refuse(where / "multipliers",
+                  "is missing: the reduction prior does not bound the design");
+    }
+  }
+  spec.compliance = p.value("coordinate", std::string()) == "compliance";
+  if (p.value("expansion", std::string("none")) == "anova") {
+    spec.anova = emulator::additive_named(p.value("additive", std::string("inverse-square")));
+    if (spec.sites.size() > 1) {
+      file.refuse(where / "sites",
+                  "\"anova\" asks one table for any of the damages: give one list of sites");
+    }
+  } else if (p.contains("additive")) {
+    file.refuse(where / "additive", "goes with \"expansion\": \"anova\" only");
+  }
+  const std::size_t most_damages = spec.interpolant->most_factors / 2;
+  if (static_cast<std::size_t>(spec.tables(out.kinds[0].max_count)) > most_damages) {
+    file.refuse(where / "interpolation", '"' + std::string(spec.interpolant->name) +
+                                             "\" takes up to " + std::to_string(most_damages) +
+                                             " damages; add \"expansion\": \"anova\" for more");
+  }
+  const bool symmetric = fem::is_mirror_symmetric(out.beam);
+  spec.symmetrise = p.value("symmetrise", symmetric && spec.emulator_error);
+  if (spec.symmetrise && !symmetric) {
+    file.refuse(where / "symmetrise", "this beam is not its own mirror image");
+  }
+  return spec;
+}
+
+}  // namespace
+
+void DamageCaseFile::refuse(const InvalidInput& error) const {
+  using Part = InvalidInput::Part;
+  const auto kind = static_cast<std::size_t>(error.index());
+  switch (error.part()) {
+    case Part::beam:
+      file.refuse(damage.structure ? damage_key("/structure") : damage_key("/beam"), error.what());
+    case Part::truth:
+      file.refuse(damage_key("/damage/truth"), error.what());
+    case Part::emulator:
+      file.refuse(damage_key("/predictor"), error.what());
+    case Part::location: {
+      if (damage.structure) file.refuse(kinds[kind] / "on", error.what());
+      const Pointer place = kinds[kind] / "location";
+      file.refuse(place,
+                  error.what() + kept_within(file, place, 0.0, damage.kinds[kind].line.length()));
+    }
+    case Part::severity: {
+      const identification::DefectType& type = *damage.kinds[kind].type;
+      const Pointer place = kinds[kind] / damage.kinds[kind].severity_name();
+      file.refuse(place, error.what() + kept_within(file, place, type.lower, type.upper));
+    }
+    default:
+      file.refuse(damage_key("/data"), error.what());
+  }
+}
+
+namespace {
+
+// A coefficient of variation is "cov" in a case, or "cv".
+void accept_cv(CaseFile& file) {
+  std::vector<Pointer> places = {damage_key("/data"), damage_key("/data/discrepancy"),
+                                 damage_key("/damage/truth"), damage_key("/baseline/data"),
+                                 damage_key("/baseline/data/discrepancy")};
+  for (const Pointer& block : {damage_key("/data"), damage_key("/baseline/data")})
+    if (file.json.contains(block / "states") && file.json.at(block / "states").is_array())
+      for (std::size_t i = 0; i < file.json.at(block / "states").size(); ++i)
+        places.push_back(block / "states" / i);
+  if (file.json.contains("damage") && file.json["damage"].is_array()) {
+    for (std::size_t i = 0; i < file.json["damage"].size(); ++i)
+      places.push_back(damage_key("/damage") / i / "truth");
+  }
+  for (const Pointer& where : places) {
+    if (!file.json.contains(where) || !file.json[where].is_object()) continue;
+    Json& object = file.json[where];
+    if (!object.contains("cv")) continue;
+    if (object.contains("cov")) {
+      file.refuse(where / "cv", "is \"cov\" under its other name: give one of them");
+    }
+    object["cov"] = object["cv"];
+    object.erase("cv");
+  }
+}
+
+}  // namespace
+
+namespace {
+
+void check_beam_modes(const CaseFile& f, DamageCase& out) {
+  const int free = free_degrees_of_freedom(out.beam);
+  if (free < 1) f.refuse(damage_key("/beam/supports"), "nothing is left to vibrate");
+  out.rigid_body_modes = rigid_body_modes(out.beam);
+  int most_supports = 0;
+  for (const DefectKind& kind : out.kinds) {
+    if (kind.type->may_be_known) {
+      most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
+    }
+  }
+  const int most_modes = free - std::max(out.rigid_body_modes, most_supports);
+  if (!out.states && out.modes() > most_modes) {
+    f.refuse(out.data.modes() > 0 ? damage_key("/data") : damage_key("/data/modes"),
+             std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most_modes) +
+                 ", the elastic modes of " + std::to_string(out.beam.elements) +
+                 " elements; refine beam.elements");
+  }
+}
+
+}  // namespace
+
+// Each is explored by itself before anything is drawn.
+constexpr double kMostModels = 5000;
+
+DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
+  const bool structure = has_structure(file);
+  accept_cv(file);
+  validate_against_schema(file, structure ? "structure" : "damage");
+  if (file.json.at("kind") != "damage") file.refuse(damage_key("/kind"), "must be \"damage\" here");
+  DamageCaseFile parsed{.file = std::move(file), .notes = {}, .damage = {}, .kinds = {}};
+  DamageCase& out = parsed.damage;
+  const CaseFile& f = parsed.file;
+  const Json& json = f.json;
+  out.title = json.value("title", io::printable(f.path.stem().string()));
+  out.balance = json.value("balance", false);
+  if (json.contains("notes")) {
+    if (json["notes"].is_string()) {
+      parsed.notes = {json["notes"].get<std::string>()};
+    } else {
+      parsed.notes = json["notes"].get<std::vector<std::string>>();
+    }
+  }
+  std::shared_ptr<const StructureModel> model;
+  bool uniform = false;
+  if (structure) {
+    out.structure = std::make_shared<const StructureModel>(parse_structure(with_known(f)));
+    model = out.structure;
+  } else {
+    ParametricBeam beam = parse_parametric_beam(with_known(f));
+    out.beam = beam.beam;
+    out.beam_depth = beam.depth;
+    model = beam.model;
+    uniform = beam.uniform;
+  }
+  const Json damage = json.value("damage", Json::array());
+  if (needs == Needs::data) {
+    for (const char* key : {"damage", "data"}) {
+      if (!json.contains(key))
+        f.refuse(Pointer() / std::string(key), "is missing: must be an object");
+    }
+  }
+  if (structure) {
+    parse_structure_kinds(f, out, parsed.kinds);
+  } else if (damage.is_array()) {
+    for (std::size_t i = 0; i < damage.size(); ++i) {
+      parsed.kinds.push_back(damage_key("/damage") / i);
+      out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
+    }
+  } else {
+    parsed.kinds.push_back(damage_key("/damage"));
+    out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
+  }
+  double models = 1.0;
+  for (const DefectKind& kind : out.kinds) models *= kind.max_count - kind.min_count + 1.0;
+  if (models > kMostModels) {
+    f.refuse(damage_key("/damage"), "would be " + damage_number(models) +
+                                        " models, one a combination of counts: must be at most " +
+                                        damage_number(kMostModels) + "; lower the largest counts");
+  }
+  for (std::size_t i = 1; i < out.kinds.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (out.kinds[i].name == out.kinds[j].name) {
+        f.refuse(parsed.kinds[i],
+                 "two kinds are called \"" + out.kinds[i].name + "\"; give one of them a \"name\"");
+      }
+    }
+  }
+  if (has_outside_model(f)) {
+    for (const DefectKind& kind : out.kinds)
+      if (kind.severity_prior() == nullptr)
+        f.refuse(damage_key("/predictor"),
+                 "a " + kind.name + " of known severity cannot be told from none: give it a prior");
+    parsed.outside = parse_outside(f, outside_inputs(out));
+    const Pointer front("/predictor/emulator");
+    if (json["predictor"].contains("emulator")) {
+      if (f.json.at(front).contains("table"))
+        f.refuse(front / "table", "holds runs of our own beam, not of this model");
+      out.emulator = parse_emulator(f, front, out);
+      if (f.json.at(front).value("symmetrise", false))
+        f.refuse(front / "symmetrise", "whether this model is its own mirror image is not known");
+      out.emulator->symmetrise = false;
+      if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kFreshRunsOfOthers;
+    }
+  } else if (json.contains("predictor") && json["predictor"].is_object()) {
+    out.emulator = parse_emulator(f, damage_key("/predictor"), out);
+  }
+  const bool of_low_rank = std::ranges::all_of(
+      out.kinds, [](const DefectKind& kind) { return kind.type->has_low_rank; });
+  const bool states = needs == Needs::data && (has_states(f) || !of_low_rank);
+  if (states && !has_states(f) && out.simulation && !has_measured(json["data"])) {
+    // Made first, as `wheeltap simulate` makes it, and read then.
+    SimulatedCase made = simulated_damage(f, {});
+    DamageCaseFile read = parse_damage_case({.path = f.path, .json = std::move(made.json)}, needs);
+    read.file = f;
+    read.damage.data.simulated = true;
+    read.damage.data.origin = std::move(made.origin);
+    return read;
+  }
+  if (states) {
+    take_states(f, model, uniform, out);
+  } else if (json.contains("data")) {
+    take_data(f, out);
+  }
+
+  if (structure) {
+    check_structure_modes(f, out);
+  } else {
+    check_beam_modes(f, out);
+  }
+  if (needs == Needs::structure || states) return parsed;
+
+  if (out.data.frequencies_hz.empty()) {
+    if (!out.simulation) {
+      f.refuse(damage_key("/data"),
+               "no data: give \"frequencies\" or a \"file\", or a \"truth\" in damage to simulate "
+               "them from");
+    }
+    const auto sd = out.data.sd_hz;
+    const auto cv = out.data.cv;
+    const auto cv_prior = out.data.cv_prior;
+    const double discrepancy = out.data.discrepancy_cv;
+    out.data = explained(parsed, [&] { return simulate(out, out.simulation->seed); });
+    out.data.cv = cv;
+    out.data.cv_prior = cv_prior;
+    out.data.discrepancy_cv = discrepancy;
+    if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
+      f.refuse(damage_key("/data/sd"),
+               "must have one value per mode: " + std::to_string(out.data.modes()));
+    }
+    if (!sd.empty()) out.data.sd_hz = sd;
+    if (out.modal)
+      explained(parsed, [&] {
+        take_true_shapes(f, out);
+        return true;
+      });
+    if (cv_prior) out.data.sd_hz.clear();
+  }
+  if (out.data.sd_hz.empty() && !out.data.cv_prior) {
+    f.refuse(damage_key("/data/cov"),
+             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
+             "0.005 for 0.5 % of each, for example");
+  }
+  if (json.contains("baseline")) {
+    if (out.data.simulated)
+      f.refuse(damage_key("/baseline"),
+               "goes with measured data: these are simulated by the model itself, of which nothing "
+               "has changed but the truth");
+    take_baseline(f, out);
+  }
+  if (!states && json.contains("data"))
+    require_shapes_to_doubt(f, damage_key("/data"), out.modal && out.modal->has_shapes());
+  return parsed;
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,19 @@
+// The measured modes of a case: sensors, frequencies, shapes, and their scatter.
+#pragma once
+
+#include "apps/cases/syntax/case_file.hpp"
+#include "identification/structural/modal_data.hpp"
+#include "identification/structural/structure_model.hpp"
+
+namespace wheeltap::apps {
+
+/// What stands at `where`, /data say. Without frequencies and shapes they are left empty, for a
+/// truth to fill in. Throws Failure (65) for sensors that are not on the structure, numbers that do
+/// not go together, and covariances that are none.
+[[nodiscard]] identification::ModalData parse_modal_data(
+    const CaseFile& file, const Pointer& where, const identification::AnyStructure& structure);
+
+/// Refuses a "doubt" of modes without shapes, once what a truth simulates is there.
+void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool shapes);
+
+}  // namespace wheeltap::apps

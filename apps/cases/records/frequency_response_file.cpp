@@ -1,0 +1,133 @@
+#include "apps/cases/records/frequency_response_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "io/file_error.hpp"
+#include "io/universal/universal_file.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using Eigen::Index;
+
+constexpr int kFrequencyResponse = 4;
+
+std::string axis_of(int direction) {
+  static constexpr std::array<const char*, 4> names = {"", "x", "y", "z"};
+  const int axis = std::abs(direction);
+  if (axis < 1 || axis > 3) return {};
+  return std::string(direction < 0 ? "-" : "") + names[static_cast<std::size_t>(axis)];
+}
+
+MeasuredSensor sensor_of(const io::UniversalDof& dof) {
+  return {.name = io::dof_in_words(dof),
+          .node = dof.node != 0 ? std::to_string(dof.node) : std::string(),
+          .direction = axis_of(dof.direction)};
+}
+
+std::size_t place_of(const io::UniversalDof& dof, std::vector<io::UniversalDof>& list) {
+  const auto same = [&](const io::UniversalDof& other) {
+    return other.entity == dof.entity && other.node == dof.node && other.direction == dof.direction;
+  };
+  const auto found = std::ranges::find_if(list, same);
+  const auto place = static_cast<std::size_t>(found - list.begin());
+  if (found == list.end()) list.push_back(dof);
+  return place;
+}
+
+/// What a function's numerator is of, by its unit or its quantity.
+signals::Conversion conversion_of(const io::UniversalFunction& f) {
+  using signals::Dimension;
+  std::optional<Dimension> wanted;
+  if (f.numerator.quantity == 8) wanted = Dimension::length;
+  if (f.numerator.quantity == 11) wanted = Dimension::velocity;
+  if (f.numerator.quantity == 12) wanted = Dimension::acceleration;
+  signals::Conversion out = signals::conversion_of(f.numerator.unit, {});
+  // "g" or "(m/s^2)/N": the numerator's unit where it stands alone.
+  if (out.basis == signals::Conversion::Basis::foreign) out = {.unit = out.unit};
+  if (!out.dimension) out.dimension = wanted;
+  return out;
+}
+
+int order_of(signals::Dimension dimension) {
+  return dimension == signals::Dimension::acceleration ? 2
+         : dimension == signals::Dimension::velocity   ? 1
+                                                       : 0;
+}
+
+}  // namespace
+
+MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
+  const io::UniversalFile file = io::read_universal_file(path);
+  const auto refuse = [&](const std::string& what) {
+    throw io::FileError(io::FileError::Kind::corrupt, path, what);
+  };
+  std::vector<io::UniversalDof> outputs, inputs;
+  std::map<std::pair<std::size_t, std::size_t>, const io::UniversalFunction*> found;
+  const io::UniversalFunction* first = nullptr;
+  for (const io::UniversalFunction& f : file.functions) {
+    if (f.type != kFrequencyResponse || !f.is_complex) continue;
+    if (first == nullptr) first = &f;
+    const auto which = std::pair{place_of(f.response, outputs), place_of(f.reference, inputs)};
+    if (f.y.size() != first->y.size() || f.even != first->even || f.first != first->first ||
+        f.step != first->step || f.x != first->x)
+      refuse("the frequency responses of " + io::dof_in_words(f.response) + " and " +
+             io::dof_in_words(first->response) + " have unlike lines");
+    if (!found.emplace(which, &f).second)
+      refuse("two frequency responses of " + io::dof_in_words(f.response) + " to " +
+             io::dof_in_words(f.reference) + ": leave one out");
+  }
+  if (first == nullptr) refuse("holds no frequency response (dataset 58 of function type 4)");
+  for (std::size_t o = 0; o < outputs.size(); ++o)
+    for (std::size_t j = 0; j < inputs.size(); ++j)
+      if (!found.contains({o, j}))
+        refuse("lacks the frequency response of " + io::dof_in_words(outputs[o]) + " to " +
+               io::dof_in_words(inputs[j]) + ": every output must be there for every reference");
+  MeasuredResponses out;
+  out.transposed = inputs.size() > outputs.size();
+  const auto lines = static_cast<Index>(first->y.size());
+  out.responses.frequencies_hz.resize(lines);
+  for (Index k = 0; k < lines; ++k)
+    out.responses.frequencies_hz[k] = first->even
+                                          ? first->first + first->step * static_cast<double>(k)
+                                          : first->x[static_cast<std::size_t>(k)];
+  const auto rows = static_cast<Index>(outputs.size()), columns = static_cast<Index>(inputs.size());
+  out.responses.h.assign(static_cast<std::size_t>(lines), Eigen::MatrixXcd(rows, columns));
+  bool any = false, all = true, dimensions = true;
+  for (const auto& [which, f] : found) {
+    const signals::Conversion c = conversion_of(*f);
+    const bool known = c.basis == signals::Conversion::Basis::unit;
+    any = any || known;
+    all = all && known;
+    dimensions = dimensions && c.dimension.has_value();
+  }
+  if (any && !all)
+    refuse(
+        "the units of some frequency responses' numerators are known and of others not: shapes "
+        "cannot compare them");
+  for (const auto& [which, f] : found) {
+    const signals::Conversion conversion = conversion_of(*f);
+    for (Index k = 0; k < lines; ++k)
+      out.responses.h[static_cast<std::size_t>(k)](static_cast<Index>(which.first),
+                                                   static_cast<Index>(which.second)) =
+          conversion.factor * f->y[static_cast<std::size_t>(k)];
+    if (which.second != 0 || out.transposed) continue;
+    // In the order of the outputs, as the map is.
+    out.channels.push_back({.column = io::dof_in_words(f->response), .conversion = conversion});
+    if (dimensions) out.orders.push_back(order_of(*conversion.dimension));
+  }
+  if (out.transposed) {
+    for (Eigen::MatrixXcd& h : out.responses.h) h = h.transpose().eval();
+    std::swap(outputs, inputs);
+  }
+  for (const io::UniversalDof& dof : outputs) out.sensors.push_back(sensor_of(dof));
+  for (const io::UniversalDof& dof : inputs) out.inputs.push_back(io::dof_in_words(dof));
+  return out;
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,37 @@
+// The unit and the quantity of a modal case's channels.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apps/cases/syntax/case_file.hpp"
+#include "signals/units.hpp"
+
+namespace wheeltap::io {
+struct Column;
+}
+
+namespace wheeltap::apps {
+
+/// What the case says of a channel's numbers.
+struct StatedUnit {
+  Pointer where{};
+  std::optional<std::string> unit = {};
+  std::optional<double> scale = {};
+  std::optional<signals::Dimension> quantity = {};
+};
+
+[[nodiscard]] StatedUnit parse_unit(const CaseFile& file, const Pointer& where);
+
+/// Whether this is a displacement, a velocity or an acceleration.
+[[nodiscard]] bool is_motion(signals::Dimension dimension);
+
+/// "displacement", "velocity" or "acceleration", as cases write it.
+[[nodiscard]] std::string quantity_name(signals::Dimension dimension);
+
+/// How a column's numbers become SI. Throws Failure for a unit that contradicts the case.
+[[nodiscard]] signals::Conversion convert(const CaseFile& file, const io::Column& column,
+                                          const StatedUnit& stated,
+                                          std::optional<signals::Dimension> wanted);
+
+}  // namespace wheeltap::apps

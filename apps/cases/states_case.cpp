@@ -1,0 +1,352 @@
+#include "apps/cases/states_case.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "apps/cases/modal_data_case.hpp"
+#include "apps/cases/structures/structure_case.hpp"
+#include "apps/nearest.hpp"
+#include "base/constants.hpp"
+#include "fem/structures/mesh.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+const Pointer kData("/data"), kBaseline("/baseline/data"), kTemperature("/temperature");
+
+using KeyList = std::initializer_list<const char*>;
+
+bool has_any(const Json& block, KeyList keys) {
+  return std::ranges::any_of(keys, [&](const char* key) { return block.contains(key); });
+}
+
+std::vector<Pointer> blocks(const CaseFile& file) {
+  std::vector<Pointer> out;
+  for (const Pointer& where : {kBaseline, kData})
+    if (file.json.contains(where) && file.json.at(where).is_object()) out.push_back(where);
+  return out;
+}
+
+/// The states of a block, or the block itself.
+std::vector<Pointer> places(const CaseFile& file, const Pointer& where) {
+  const Json& block = file.json.at(where);
+  if (!block.contains("states")) return {where};
+  std::vector<Pointer> out;
+  for (std::size_t i = 0; i < block["states"].size(); ++i) out.push_back(where / "states" / i);
+  return out;
+}
+
+/// What the block says of all its states, each state's own words first.
+void inherit(Json& state, const Json& block) {
+  static constexpr std::array<std::array<const char*, 3>, 3> alternatives = {
+      {{"frequencies", "file", "from"},
+       {"cov", "sd", "covariance"},
+       {"shape_sd", "shape_covariance", "shape_sd"}}};
+  for (const auto& [key, value] : block.items()) {
+    if (key == "states" || state.contains(key)) continue;
+    if (state.contains("predict") && (key == "sd" || key == "covariance")) continue;
+    const bool said = std::ranges::any_of(alternatives, [&](const auto& keys) {
+      return std::ranges::find(keys, key) != keys.end() &&
+             std::ranges::any_of(keys, [&](const char* k) { return state.contains(k); });
+    });
+    // A modes.json says how exact it is.
+    const bool by_file = state.contains("from") && (key == "cov" || key == "shape_sd");
+    if (!said && !by_file) state[key] = value;
+  }
+}
+
+/// Known masses that were added in a state.
+class MassParser {
+ public:
+  MassParser(const CaseFile& file, const AnyStructure& structure)
+      : file_(file), structure_(structure) {
+    if (const auto* members = std::get_if<fem::Structure>(&structure)) mesh_.emplace(*members);
+  }
+
+  std::vector<fem::StructureChange::Mass> parse(const Pointer& list) const {
+    std::vector<fem::StructureChange::Mass> out;
+    for (std::size_t i = 0; i < file_.json.at(list).size(); ++i) {
+      const Pointer at = list / i;
+      const Json& m = file_.json.at(at);
+      if (!m.contains("mass")) file_.refuse(at / "mass", "is missing: the mass added, in kg");
+      if (m.contains("inertia"))
+        file_.refuse(at / "inertia", "is not used: a mass that is added here has none");
+      const std::size_t before = out.size();
+      for (fem::SparseRow& motion : motions(at))
+        if (!motion.empty())
+          out.push_back({.motion = std::move(motion), .mass = m.at("mass").get<double>()});
+      if (out.size() == before) file_.refuse(at, "does not move: a support holds it");
+    }
+    return out;
+  }
+
+ private:
+  std::vector<fem::SparseRow> motions(const Pointer& at) const {
+    const Json& m = file_.json.at(at);
+    if (file_.json.contains("beam")) return on_beam(at);
+    if (!m.contains("node")) file_.refuse(at / "node", "is missing: where the mass was added");
+    const std::string name = text_or_number(m.at("node"));
+    if (mesh_) {
+      const auto& nodes = mesh_->structure().nodes;
+      const auto found = std::ranges::find(nodes, name, &fem::Node::name);
+      if (found == nodes.end()) {
+        std::vector<std::string> names;
+        for (const fem::Node& node : nodes) names.push_back(node.name);
+        refuse_name(at, name, names);
+      }
+      std::vector<fem::SparseRow> out;
+      for (const auto d : {fem::Direction::x, fem::Direction::y, fem::Direction::z})
+        if (d != fem::Direction::z || mesh_->structure().dimension == 3)
+          out.push_back(mesh_->motion(static_cast<int>(found - nodes.begin()), d));
+      return out;
+    }
+    const auto dofs = discretise(structure_).names;
+    std::vector<fem::SparseRow> out;
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < dofs.size(); ++i) {
+      names.push_back(dofs[i].place);
+      const bool turns = dofs[i].direction.starts_with('r');
+      if ((dofs[i].place == name || dofs[i].place == "mass " + name) && !turns)
+        out.push_back({.dofs = {static_cast<int>(i)}, .coefficients = {1.0}});
+    }
+    if (out.empty()) refuse_name(at, name, names);
+    return out;
+  }
+
+  std::vector<fem::SparseRow> on_beam(const Pointer& at) const {
+    const Json& m = file_.json.at(at);
+    if (!m.contains("at")) file_.refuse(at / "at", "is missing: metres from the left end");
+    double left = m.at("at").get<double>();
+    int member = 0;
+    const auto members = static_cast<int>(mesh_->structure().members.size());
+    while (member + 1 < members && left >= mesh_->member_length(member))
+      left -= mesh_->member_length(member++);
+    if (left > mesh_->member_length(member) * (1.0 + 1e-9))
+      file_.refuse(at / "at", "lies off the beam");
+    return {mesh_->motion(member, std::min(left, mesh_->member_length(member)), fem::Direction::y)};
+  }
+
+  [[noreturn]] void refuse_name(const Pointer& at, const std::string& name,
+                                const std::vector<std::string>& names) const {
+    file_.refuse(at / "node", "nothing has this name" + did_you_mean(name, names));
+  }
+
+  const CaseFile& file_;
+  const AnyStructure& structure_;
+  std::optional<fem::Mesh> mesh_;
+};
+
+/// What is unknown of the scatters is one for all states.
+void check_scatters(const CaseFile& file, const Pointer& where, const ModalData& first,
+                    const ModalData& data) {
+  const auto same = [](const std::optional<inference::Prior>& a,
+                       const std::optional<inference::Prior>& b) {
+    return a.has_value() == b.has_value() && (!a || a->describe() == b->describe());
+  };
+  if (!same(first.cov_prior, data.cov_prior))
+    file.refuse(where / "cov", "must be inferred in every state under one prior, or in none");
+  if (first.has_shapes() && data.has_shapes() && !same(first.shape_sd_prior, data.shape_sd_prior))
+    file.refuse(where / "shape_sd", "must be inferred in every state under one prior, or in none");
+  const auto one = [&](const Scatter& a, const Scatter& b, const char* key) {
+    if (a.none() || b.none()) return;
+    if (!same(a.prior, b.prior) || a.value != b.value)
+      file.refuse(where / "discrepancy" / key,
+                  "must be the same in every state: it is the model's, not a measurement's");
+  };
+  one(first.discrepancy, data.discrepancy, "cov");
+  one(first.shape_discrepancy, data.shape_discrepancy, "shape");
+  one(first.mixing, data.mixing, "mixing");
+  one(first.stiffness_discrepancy, data.stiffness_discrepancy, "stiffness");
+}
+
+/// Temperatures above the reference, and how the stiffness follows them.
+void parse_temperature(const CaseFile& file, const std::vector<Pointer>& where,
+                       ObservedStates& out) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t s = 0; s < where.size(); ++s) {
+    if (!file.json.at(where[s]).contains("temperature")) continue;
+    sum += file.json.at(where[s]).at("temperature").get<double>();
+    ++count;
+  }
+  if (count == 0.0) {
+    if (file.json.contains(kTemperature))
+      file.refuse(kTemperature, "goes with states that have a \"temperature\"");
+    return;
+  }
+  if (!file.json.contains(kTemperature))
+    file.refuse(kTemperature,
+                "is missing: {\"stiffness_per_kelvin\": prior}, by which share the stiffness "
+                "changes with each kelvin, e.g. {\"normal\": [-4e-4, 4e-4]}");
+  out.per_kelvin = parse_prior(file, kTemperature / kPerKelvin);
+  const double reference = file.json.at(kTemperature).value("reference", sum / count);
+  for (std::size_t s = 0; s < where.size(); ++s) {
+    if (!file.json.at(where[s]).contains("temperature"))
+      file.refuse(where[s] / "temperature", "is missing: other states have one");
+    out.list[s].temperature = file.json.at(where[s]).at("temperature").get<double>() - reference;
+  }
+}
+
+}  // namespace
+
+bool has_states(const CaseFile& file) {
+  if (!file.json.value("parameters", Json::object()).empty()) return true;
+  for (const Pointer& where : blocks(file)) {
+    if (has_any(file.json.at(where), {"states", "masses", "temperature", "known"})) return true;
+    // So is what is integrated out of the modes of all pieces.
+    const Json discrepancy = file.json.at(where).value("discrepancy", Json());
+    if (discrepancy.is_object() && discrepancy.contains("stiffness")) return true;
+    // Beside frequencies alone, a baseline is a state, too.
+    if (where == kBaseline &&
+        has_any(file.json.at(where), {"from", "sensors", "shapes", "covariance", "discrepancy"}))
+      return true;
+  }
+  return false;
+}
+
+CaseFile with_known(const CaseFile& file) {
+  CaseFile out = file;
+  std::map<std::string, std::pair<double, double>> range;
+  for (const Pointer& block : blocks(file))
+    for (const Pointer& where : places(file, block)) {
+      const Json& state = file.json.at(where);
+      if (!state.contains("known")) continue;
+      for (const auto& [name, value] : state.at("known").items()) {
+        const Json& own = file.json.value("parameters", Json::object());
+        if (own.contains(name))
+          file.refuse(where / "known" / name, "has a prior in /parameters: it is one or the other");
+        const double x = value.get<double>();
+        auto [at, first] = range.try_emplace(name, x, x);
+        at->second = {std::min(at->second.first, x), std::max(at->second.second, x)};
+      }
+    }
+  for (const auto& [name, ends] : range) {
+    const double more =
+        ends.first < ends.second ? 0.0 : 1e-9 * std::max(1e-9, std::abs(ends.first));
+    out.json["parameters"][name] = {{"uniform", {ends.first - more, ends.second + more}}};
+  }
+  return out;
+}
+
+ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const StructureModel> model,
+                            bool damage) {
+  CaseFile file = given;
+  std::vector<Pointer> where;
+  std::vector<std::string> names;
+  for (const Pointer& block : blocks(given)) {
+    if (block == kBaseline && !damage) continue;
+    const std::vector<Pointer> of_block = places(given, block);
+    const std::string name = !damage ? "state" : block == kBaseline ? "healthy" : "damaged";
+    for (std::size_t i = 0; i < of_block.size(); ++i) {
+      Json& state = file.json[of_block[i]];
+      if (block != of_block[i]) {
+        if (state.contains("states"))
+          given.refuse(of_block[i] / "states", "a state has no states of its own");
+        inherit(state, given.json.at(block));
+      }
+      where.push_back(of_block[i]);
+      names.push_back(
+          state.value("name", of_block.size() == 1 ? name : name + " " + std::to_string(i + 1)));
+    }
+  }
+  ObservedStates out{.model = std::move(model)};
+  std::set<std::string> known;
+  for (const Pointer& at : where) {
+    const Json set = file.json.at(at).value("known", Json::object());
+    for (const auto& [name, ignored] : set.items()) known.insert(name);
+  }
+  const MassParser masses(file, out.model->nominal);
+  for (std::size_t s = 0; s < where.size(); ++s) {
+    const Json& json = file.json.at(where[s]);
+    ObservedState state{
+        .name = names[s],
+        .damaged = damage && names.size() > 0 && where[s].to_string().starts_with("/data")};
+    state.data = parse_modal_data(file, where[s], out.model->nominal);
+    if (!state.data.stiffness_discrepancy.none() &&
+        (!damage || std::holds_alternative<fem::MatrixStructure>(out.model->nominal)))
+      given.refuse(where[s] / "discrepancy" / "stiffness",
+                   std::string("goes with damage of members and chains: ") +
+                       (damage ? "matrices have no pieces" : "an update has no damage") +
+                       "; name the stiffnesses that may be wrong in /parameters");
+    if (const auto* members = std::get_if<fem::Structure>(&out.model->nominal);
+        members && !state.data.stiffness_discrepancy.none() &&
+        std::ranges::any_of(members->members, [](const fem::Member& m) {
+          return m.axial_force != 0.0 || m.foundation > 0.0;
+        }))
+      given.refuse(where[s] / "discrepancy" / "stiffness",
+                   "does not go with axial forces and foundations");
+    if (state.data.doubt > 0.0)
+      file.refuse(where[s] / "doubt", "goes with one state: leave spurious modes out of \"modes\"");
+    if (state.data.modes() == 0 && state.data.predict > 0 && !damage) {
+      // Nothing was measured here: all is to be foretold.
+      const auto n = static_cast<std::size_t>(state.data.predict);
+      state.data.frequencies_hz.assign(n, kNaN);
+      state.data.covariance = Eigen::MatrixXd::Zero(state.data.predict, state.data.predict);
+      state.data.origin = "to be foretold";
+      state.data.predict = 0;
+    }
+    if (state.data.modes() == 0)
+      given.refuse(where[s], "no data: give \"frequencies\", a \"file\" or \"from\"");
+    if (state.data.predict > 0)
+      given.refuse(where[s] / "predict",
+                   "goes with states in which nothing was measured: give it in "
+                   "place of \"frequencies\"");
+    for (const double f : state.data.frequencies_hz)
+      if (!std::isnan(f) && !(f > 0.0)) given.refuse(where[s], "frequencies must be positive");
+    if (s > 0) check_scatters(given, where[s], out.list[0].data, state.data);
+    if (json.contains("masses")) state.masses = masses.parse(where[s] / "masses");
+    for (const std::string& name : known) {
+      if (!json.value("known", Json::object()).contains(name))
+        given.refuse(where[s] / "known" / name, "is missing: every state must set it");
+      state.known.push_back(json["known"][name].get<double>());
+    }
+    out.list.push_back(std::move(state));
+  }
+  for (std::size_t p = 0; p < out.model->parameters.size(); ++p)
+    (known.contains(out.model->parameters[p].name) ? out.known : out.unknown)
+        .push_back(static_cast<int>(p));
+  parse_temperature(file, where, out);
+  return out;
+}
+
+void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> model, bool uniform,
+                 DamageCase& out) {
+  if (out.emulator)
+    file.refuse(Pointer("/predictor"),
+                "an emulator predicts one beam: with unknown coefficients or states use \"fe\"");
+  ObservedStates states = parse_states(file, std::move(model), true);
+  states.uniform = uniform;
+  const bool healthy = std::ranges::any_of(states.list, [](const auto& s) { return !s.damaged; });
+  const ModalData all = states.joined();
+  if (healthy && states.parameters().empty() && all.discrepancy.none() &&
+      all.stiffness_discrepancy.none())
+    file.refuse(kBaseline,
+                "tells nothing here: name the coefficients that may be wrong, in \"parameters\", "
+                "or give a \"discrepancy\", by which the model is wrong in every state");
+  const ModalData joined = states.joined();
+  if (std::ranges::none_of(states.list, &ObservedState::damaged))
+    file.refuse(kData, "is missing: must be an object");
+  FrequencyData data{.frequencies_hz = joined.frequencies_hz,
+                     .sd_hz = {},
+                     .cv = {},
+                     .cv_prior = joined.cov_prior,
+                     .discrepancy_cv = joined.discrepancy.value,
+                     .simulated = false,
+                     .origin = joined.origin};
+  for (Eigen::Index i = 0; i < joined.covariance.rows(); ++i)
+    data.sd_hz.push_back(std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)])
+                             ? kNaN
+                             : std::sqrt(joined.covariance(i, i)));
+  out.data = std::move(data);
+  out.modal = std::make_shared<const ModalData>(joined);
+  out.states = std::make_shared<const ObservedStates>(std::move(states));
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,23 @@
+// Why a case does not satisfy its schema, and what to write in its place.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apps/cases/syntax/case_file.hpp"
+
+namespace wheeltap::apps {
+
+struct Complaint {
+  Pointer where;
+  std::string message;
+};
+
+/// The first fault of `json` by the rules of `schema_name` (schema(schema_name) is `rules`), in an
+/// engineer's words; none where there is no fault. Where a correction satisfies the rules, the
+/// message ends with it.
+[[nodiscard]] std::optional<Complaint> first_complaint(const Json& rules,
+                                                       const std::string& schema_name,
+                                                       const Json& json);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,84 @@
+#include "apps/cases/syntax/case_remedies.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "apps/nearest.hpp"
+#include "apps/written_number.hpp"
+
+namespace wheeltap::apps {
+
+std::string unknown_parameter(const std::string& text, const std::vector<std::string>& names) {
+  if (const std::string number = number_to_write(text); !number.empty())
+    return "is a text, and no parameter has this name; " + number;
+  const std::string meant = nearest(text, names);
+  return "no parameter has this name" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
+         " (/parameters holds: " + listed(names) + ")" +
+         (meant.empty() ? "; write a number here, or add \"" + text +
+                              "\": {\"uniform\": [lowest, highest]} to /parameters"
+                        : "");
+}
+
+std::string kept_within(const CaseFile& file, const Pointer& where, double lower, double upper) {
+  if (!file.json.contains(where) || !file.json.at(where).is_object()) return {};
+  const inference::Prior prior = parse_prior(file, where);
+  if (prior.lower() >= lower && prior.upper() <= upper) return {};
+  const Json& given = file.json.at(where);
+  const double low = std::max(prior.lower(), lower), high = std::min(prior.upper(), upper);
+  const auto list = [](const std::string& family, const std::vector<double>& numbers) {
+    std::string text;
+    for (const double x : numbers) {
+      if (!std::isfinite(x)) return std::string();
+      text += (text.empty() ? "" : ", ") + pasted(x);
+    }
+    return "; write {\"" + family + "\": [" + text + "]}";
+  };
+  // Beyond six standard deviations lies less than 1e-8 of a normal.
+  constexpr double kFar = 6.0;
+  const auto truncated = [&](double mean, double sd) {
+    const double from = std::isfinite(low) ? low : mean - kFar * sd;
+    const double to = std::isfinite(high) ? high : mean + kFar * sd;
+    return from < to ? list("truncated_normal", {mean, sd, from, to}) : std::string();
+  };
+  if (given.contains("normal"))
+    return truncated(given["normal"][0].get<double>(), given["normal"][1].get<double>());
+  if (given.contains("half_normal"))
+    return truncated(
+        0.0, (given["half_normal"].is_number() ? given["half_normal"] : given["half_normal"][0])
+                 .get<double>());
+  if (given.contains("student_t"))
+    return truncated(given["student_t"][1].get<double>(), given["student_t"][2].get<double>());
+  if (given.contains("truncated_normal"))
+    return truncated(given["truncated_normal"][0].get<double>(),
+                     given["truncated_normal"][1].get<double>());
+  if (!(low < high)) return {};
+  if (given.contains("log_uniform")) return list("log_uniform", {low, high});
+  return list("uniform", {low, high});
+}
+
+std::string increasing(const std::vector<double>& frequencies) {
+  std::vector<double> measured;
+  for (const double f : frequencies)
+    if (!std::isnan(f)) measured.push_back(f);
+  const auto list = [](const std::vector<double>& values) {
+    std::string text;
+    for (const double x : values) text += (text.empty() ? "" : ", ") + pasted(x);
+    return "[" + text + "]";
+  };
+  const auto whole = [](double x) { return x >= 0.0 && x == std::floor(x) && x < 1e6; };
+  if (measured.size() == frequencies.size() && measured.size() % 2 == 0 &&
+      std::ranges::all_of(measured, whole)) {
+    std::vector<double> joined;
+    for (std::size_t i = 0; i < measured.size(); i += 2) {
+      const auto text = [&](std::size_t j) { return std::to_string(std::lround(measured[j])); };
+      joined.push_back(std::strtod((text(i) + "." + text(i + 1)).c_str(), nullptr));
+    }
+    if (std::ranges::is_sorted(joined))
+      return "; decimals have a point, not a comma: write " + list(joined);
+  }
+  std::ranges::sort(measured);
+  return "; write " + list(measured);
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,232 @@
+#include "apps/cases/update_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cases/modal_data_case.hpp"
+#include "apps/cases/states_case.hpp"
+#include "apps/cases/structures/structure_case.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "identification/structural/updating/update_problem.hpp"
+#include "io/text/text.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+const Pointer kUpdateData("/data"), kTruth("/truth");
+
+/// A coefficient of variation is "cov" in a case, or "cv".
+void accept_update_cv(CaseFile& file) {
+  std::vector<Pointer> places = {kUpdateData, kTruth, kUpdateData / "discrepancy"};
+  if (file.json.contains(kUpdateData / "states") && file.json.at(kUpdateData / "states").is_array())
+    for (std::size_t i = 0; i < file.json.at(kUpdateData / "states").size(); ++i)
+      places.push_back(kUpdateData / "states" / i);
+  for (const Pointer& at : places) {
+    if (!file.json.is_object() || !file.json.contains(at) || !file.json.at(at).is_object())
+      continue;
+    Json& block = file.json.at(at);
+    if (!block.contains("cv")) continue;
+    if (block.contains("cov")) file.refuse(at / "cv", "says the same as \"cov\": give one of them");
+    block["cov"] = block["cv"];
+    block.erase("cv");
+  }
+}
+
+void parse_truth(const CaseFile& f, UpdateCase& out) {
+  const Json& truth = f.json.at(kTruth);
+  ModalSimulation simulation{.parameters = {},
+                             .modes = truth.value("modes", 5),
+                             .cov = truth.value("cov", 0.0),
+                             .shape_sd = truth.value("shape_sd", 0.0),
+                             .seed = truth.value("seed", std::uint64_t{1})};
+  const Json& values = truth.at("parameters");
+  for (const auto& parameter : out.structure->parameters) {
+    if (!values.contains(parameter.name))
+      f.refuse(kTruth / "parameters" / parameter.name,
+               "is missing: the truth has a number for "
+               "every parameter");
+    simulation.parameters.push_back(values[parameter.name].get<double>());
+  }
+  for (const auto& [name, ignored] : values.items())
+    if (std::ranges::find(out.structure->parameters, name, &inference::Parameter::name) ==
+        out.structure->parameters.end())
+      f.refuse(kTruth / "parameters" / name, "no parameter has this name");
+  if (simulation.shape_sd > 0.0 && out.data.sensors.empty())
+    f.refuse(kTruth / "shape_sd", "goes with \"sensors\" in data, which say where");
+  out.simulation = std::move(simulation);
+}
+
+/// How exact the simulated modes are, where the data do not say.
+void take_truth(const CaseFile& f, UpdateCase& out, std::uint64_t seed) {
+  const Json data = f.json.value("data", Json::object());
+  const ModalSimulation& truth = *out.simulation;
+  for (const char* key : {"sd", "covariance", "shape_covariance"})
+    if (data.contains(key))
+      f.refuse(kUpdateData / key,
+               "goes with measured modes; the truth has \"cov\" and \"shape_sd\"");
+  if (data.contains("shape_sd") && data["shape_sd"].is_array())
+    f.refuse(kUpdateData / "shape_sd", "must be one number, or a prior, where modes are simulated");
+  const double stated =
+      data.contains("cov") && data["cov"].is_number() ? data["cov"].get<double>() : truth.cov;
+  if (!(stated > 0.0) && !out.data.cov_prior)
+    f.refuse(kTruth / "cov", "is missing: say how exact the frequencies are, here or in data");
+  out.data.covariance.resize(0, 0);
+  out.data.shapes.resize(0, 0);
+  out.data.shape_covariances.clear();
+  try {
+    simulate(out, seed);
+  } catch (const fem::InvalidStructure& error) {
+    refuse_structure(f, out.structure->nominal, error);
+  } catch (const std::invalid_argument& error) {
+    f.refuse(kTruth, error.what());
+  }
+  const Eigen::Index n = out.data.modes();
+  out.data.covariance = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double sd = stated * out.data.frequencies_hz[static_cast<std::size_t>(i)];
+    out.data.covariance(i, i) = sd * sd;
+  }
+  if (out.data.cov_prior) out.data.covariance.resize(0, 0);
+  const auto sensors = static_cast<Eigen::Index>(out.data.sensors.size());
+  if (truth.shape_sd > 0.0) {
+    const double sd = out.data.shape_sd_prior     ? 1.0
+                      : data.contains("shape_sd") ? data["shape_sd"].get<double>()
+                                                  : truth.shape_sd;
+    out.data.shape_covariances.assign(static_cast<std::size_t>(n),
+                                      sd * sd * Eigen::MatrixXd::Identity(sensors, sensors));
+  }
+}
+
+void check_modes(const CaseFile& f, UpdateCase& out) {
+  try {
+    const fem::Discretisation d = discretise(out.structure->nominal);
+    const auto most = static_cast<int>(fem::mode_count(d) - d.rigid_motions.cols());
+    const auto refuse = [&](const Pointer& at, int modes) {
+      f.refuse(at, std::to_string(modes) + " modes: must be at most " + std::to_string(most) +
+                       ", the elastic modes that the structure has");
+    };
+    // Of modes that are doubted some may be none of the structure's.
+    if (out.data.least_modes() > most && out.data.doubt == 0.0)
+      refuse(kUpdateData, out.data.least_modes());
+    if (out.data.modes() + out.data.predict > most && out.data.predict > 0)
+      refuse(kUpdateData / "predict", out.data.modes() + out.data.predict);
+    if (out.simulation && out.simulation->modes > most) {
+      if (f.json.at(kTruth).contains("modes")) refuse(kTruth / "modes", out.simulation->modes);
+      out.simulation->modes = most;
+    }
+  } catch (const fem::InvalidStructure& error) {
+    refuse_structure(f, out.structure->nominal, error);
+  }
+}
+
+/// Parameters that are a model's of someone else's, which has a structure that we do not see.
+StructureModel parse_parameters_alone(const CaseFile& f) {
+  // Nobody solves it: it stands where data ask which places a structure has.
+  StructureModel model{
+      .nominal = fem::LumpedChain{.masses = {1.0},
+                                  .links = {{.name = "", .between = {0, 1}, .stiffness = 1.0}}}};
+  for (const auto& [name, ignored] : f.json.at("parameters").items()) {
+    model.parameters.push_back({name, parse_prior(f, Pointer("/parameters") / name)});
+    model.setters.emplace_back([](AnyStructure&, double) {});
+  }
+  return model;
+}
+
+/// What goes with a structure that is seen, and not with a predictor of someone else's.
+void check_outside(const CaseFile& f, UpdateCaseFile& parsed) {
+  for (const char* key : {"sensors", "shapes", "shape_sd", "shape_covariance", "states", "masses",
+                          "temperature", "known"})
+    if (f.json.contains(kUpdateData / key))
+      f.refuse(kUpdateData / key,
+               "does not go with a predictor of one's own, which predicts frequencies");
+  if (f.json.contains("temperature"))
+    f.refuse(Pointer("/temperature"), "does not go with a predictor of one's own");
+  std::vector<std::string> names;
+  for (const auto& parameter : parsed.update.structure->parameters) names.push_back(parameter.name);
+  parsed.outside = parse_outside(f, names);
+}
+
+// The data are one state's, or several.
+bool has_several(const CaseFile& f) {
+  if (!f.json.contains(kUpdateData)) return false;
+  const Json& data = f.json.at(kUpdateData);
+  return std::ranges::any_of(std::vector<std::string>{"states", "masses", "temperature", "known"},
+                             [&](const std::string& key) { return data.contains(key); });
+}
+
+void take_case_states(const CaseFile& f, UpdateNeeds needs, UpdateCase& out) {
+  if (needs == UpdateNeeds::truth) f.refuse(kTruth, "is missing: there is nothing to simulate");
+  auto states = parse_states(f, out.structure, false);
+  out.data = states.joined();
+  out.states = std::make_shared<const ObservedStates>(std::move(states));
+}
+
+}  // namespace
+
+Pointer prior_place(const UpdateCase& update_case, const std::string& parameter) {
+  const auto& own = update_case.structure->parameters;
+  if (std::ranges::find(own, parameter, &inference::Parameter::name) != own.end())
+    return Pointer("/parameters") / parameter;
+  if (parameter == kPerKelvin) return Pointer("/temperature") / parameter;
+  if (parameter == "discrepancy") return kUpdateData / "discrepancy" / "cov";
+  if (parameter == "shape_discrepancy") return kUpdateData / "discrepancy" / "shape";
+  if (parameter == "mixing") return kUpdateData / "discrepancy" / "mixing";
+  return kUpdateData / parameter;
+}
+
+UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
+                                 std::optional<std::uint64_t> seed) {
+  accept_update_cv(file);
+  validate_against_schema(file, "update");
+  UpdateCaseFile parsed{.file = std::move(file), .notes = {}, .update = {}};
+  const CaseFile& f = parsed.file;
+  const Json& json = f.json;
+  UpdateCase& out = parsed.update;
+  out.title = json.value("title", io::printable(f.path.stem().string()));
+  if (json.contains("notes"))
+    parsed.notes = json["notes"].is_string()
+                       ? std::vector<std::string>{json["notes"].get<std::string>()}
+                       : json["notes"].get<std::vector<std::string>>();
+  for (const std::string& name : scatter_names())
+    if (json["parameters"].contains(name))
+      f.refuse(Pointer("/parameters") / name, "is the name of a scatter of the data: take another");
+  const bool outside = has_outside_model(f);
+  const bool alone = outside && !json.contains("structure");
+  if (!outside && !json.contains("structure"))
+    f.refuse(Pointer("/structure"),
+             "is missing: must be an object, unless a \"predictor\" of one's own takes its place");
+  if (alone && needs == UpdateNeeds::structure)
+    f.refuse(Pointer("/structure"), "is missing: there is nothing to solve but by the predictor");
+  if (alone && json.contains("truth"))
+    f.refuse(kTruth, "goes with a structure to simulate from, and there is none");
+  out.structure = std::make_shared<const StructureModel>(alone ? parse_parameters_alone(f)
+                                                               : parse_structure(with_known(f)));
+  if (outside) check_outside(f, parsed);
+  if (has_several(f)) {
+    if (json.contains("truth"))
+      f.refuse(kTruth, "does not go with states: what was measured in them must be given");
+    take_case_states(f, needs, out);
+    return parsed;
+  }
+  if (json.contains("data")) out.data = parse_modal_data(f, kUpdateData, out.structure->nominal);
+  if (json.contains("truth")) parse_truth(f, out);
+  if (!alone) check_modes(f, out);
+  if (needs == UpdateNeeds::structure) return parsed;
+  const bool measured = out.data.modes() > 0;
+  if (needs == UpdateNeeds::truth && !out.simulation)
+    f.refuse(kTruth, "is missing: there is nothing to simulate");
+  if (needs == UpdateNeeds::truth || !measured) {
+    if (!out.simulation)
+      f.refuse(kUpdateData,
+               "no data: give \"frequencies\" (and \"shapes\"), or a \"truth\" to simulate "
+               "them from");
+    take_truth(f, out, seed.value_or(out.simulation->seed));
+  }
+  if (json.contains("data")) require_shapes_to_doubt(f, kUpdateData, out.data.has_shapes());
+  return parsed;
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,68 @@
+// What a command prints with --json.
+#pragma once
+
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "apps/run_options.hpp"
+#include "apps/runs/run_cost.hpp"
+#include "base/ranks.hpp"
+#include "io/bytes.hpp"
+
+namespace wheeltap::apps {
+
+/// With --json: standard output holds one JSON value, in place of all that commands print.
+class JsonOutput {
+ public:
+  JsonOutput(bool wanted, CommonOptions& common) : common_(common) {
+    if (!wanted) return;
+    common.as_json = [this](const std::string& json) { said_.push_back(json); };
+    if (common.dry_run) {
+      common.dry_run = [this](const std::string& what, const RunCost& cost) {
+        said_.push_back(estimate_json(what, cost));
+      };
+    }
+    terminal_ = std::cout.rdbuf(&silence_);
+  }
+  JsonOutput(const JsonOutput&) = delete;
+  JsonOutput& operator=(const JsonOutput&) = delete;
+  ~JsonOutput() { give_back(); }
+
+  /// What the command said before it failed, if anything.
+  void print_said() {
+    if (said_.empty()) return give_back();
+    print();
+  }
+  /// What the command said, else the summary in its folder.
+  void print() {
+    if (terminal_ == nullptr) return;
+    give_back();
+    if (!base::is_first_rank()) return;
+    if (said_.empty())
+      said_.push_back(io::read_bytes(common_.output / "summary.json", std::size_t{1} << 31U));
+    if (said_.size() == 1) {
+      std::cout << said_[0] << (said_[0].ends_with('\n') ? "" : "\n");
+      return;
+    }
+    for (std::size_t i = 0; i < said_.size(); ++i) std::cout << (i == 0 ? "[" : ",\n ") << said_[i];
+    std::cout << "]\n";
+  }
+
+ private:
+  struct Silence : std::streambuf {
+    int overflow(int c) override { return traits_type::not_eof(c); }
+    std::streamsize xsputn(const char*, std::streamsize n) override { return n; }
+  };
+  void give_back() {
+    if (terminal_ != nullptr) std::cout.rdbuf(terminal_);
+    terminal_ = nullptr;
+  }
+
+  const CommonOptions& common_;
+  Silence silence_;
+  std::streambuf* terminal_ = nullptr;
+  std::vector<std::string> said_;
+};
+
+}  // namespace wheeltap::apps

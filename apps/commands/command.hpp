@@ -1,0 +1,37 @@
+// What a command of the program is. command_list.cpp names all of them; the command line, its help,
+// the manual page, completion and `batch` read that list.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "apps/commands/program_text.hpp"
+#include "apps/run_options.hpp"
+
+namespace wheeltap::apps {
+
+class CommandOptions;
+
+/// What was asked for on the command line.
+struct Invocation {
+  CommonOptions common = {};
+  SamplingOptions sampling = {};
+  bool as_json = false;   ///< --json of a command that writes results
+  std::string simd = {};  ///< --simd, obeyed before the command line is read (main.cpp)
+  std::function<ProgramText()> describe = {};  ///< every command with its options
+};
+
+struct Command {
+  std::string name;
+  std::string summary;         ///< one line for --help
+  bool on_all_ranks = false;   ///< under mpirun its work is divided; other commands run on rank 0
+  std::string case_kind = {};  ///< the kind of case that it runs, for `batch`; empty: none
+  bool samples = true;         ///< a case of that kind is sampled, and takes SamplingOptions
+  /// Adds arguments and options. What they set lies in the Invocation or in a value shared with
+  /// `run`.
+  std::function<void(CommandOptions&)> add_options;
+  /// Throws Failure or io::FileError where it cannot do its work.
+  std::function<void(const Invocation&)> run;
+};
+
+}  // namespace wheeltap::apps

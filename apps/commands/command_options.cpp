@@ -1,0 +1,207 @@
+#include "apps/commands/command_options.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "apps/runs/run_cost.hpp"
+#include "apps/whole_number.hpp"
+#include "io/tables/array_columns.hpp"
+#include "io/text/text_layout.hpp"
+#include "io/text/time_stamp.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+// Numbers of which `allowed` is true, as `words` say; CLI::Range lets nan pass.
+CLI::Validator number(const char* words, const char* name, bool (*allowed)(double)) {
+  return CLI::Validator(
+      [=](const std::string& text) -> std::string {
+        double x = 0.0;
+        const char* last = text.data() + text.size();
+        const auto [end, error] = std::from_chars(text.data(), last, x);
+        if (error == std::errc() && end == last && allowed(x)) return {};
+        return text + ": must be " + words;
+      },
+      name);
+}
+
+}  // namespace
+
+CLI::Validator whole(std::int64_t lowest, std::int64_t highest) {
+  return CLI::Validator(
+      [=](std::string& text) -> std::string {
+        if (const auto n = whole_number(text, lowest, highest)) {
+          text = std::to_string(*n);
+          return {};
+        }
+        return text + ": must be a whole number from " + std::to_string(lowest) + " to " +
+               std::to_string(highest);
+      },
+      "INT in [" + std::to_string(lowest) + " - " + std::to_string(highest) + "]");
+}
+
+CLI::Validator positive() {
+  return number("a positive number", "NUMBER > 0",
+                [](double x) { return x > 0.0 && std::isfinite(x); });
+}
+
+CLI::Validator seconds() {
+  return number("a number from 0 to 1e9", "NUMBER in [0 - 1e9]",
+                [](double x) { return x >= 0.0 && x <= 1e9; });
+}
+
+void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arrays) {
+  const std::string rest = " of delimited text; detected unless given";
+  command
+      ->add_option_function<std::string>(
+          "--decimal", [&layout](const std::string& text) { layout.decimal = text.at(0); },
+          "the decimal mark" + rest)
+      ->check(CLI::IsMember({".", ","}));
+  command->add_option_function<std::string>(
+      "--separator",
+      [&layout](const std::string& text) {
+        layout.separator = io::parse_separator(text);
+        if (!layout.separator)
+          throw CLI::ValidationError("--separator", text + ": must be ',', ';', tab, '|' or blank");
+      },
+      "what stands between the columns (or comma, semicolon, tab, bar, blank)" + rest);
+  const auto add_line = [&](const std::string& names, std::optional<int>& into,
+                            const std::string& what) {
+    command
+        ->add_option_function<int>(
+            names, [&into](const int& line) { into = line; }, what + rest)
+        ->transform(whole(0, 1'000'000'000));
+  };
+  add_line("--skip", layout.skip, "how many lines at the top are passed over");
+  add_line("--header", layout.header, "the line of names, from 1; 0 where there is none");
+  add_line("--units-row", layout.units_row, "the line of units, from 1; 0 where there is none");
+  command->add_option_function<std::string>(
+      "--time-format",
+      [&layout](const std::string& text) {
+        layout.time_format = text;
+        if (!io::parse_time_format(text))
+          throw CLI::ValidationError(
+              "--time-format",
+              text + ": must be day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
+      },
+      "the form of time stamps: day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
+  command->add_option("--sheet", layout.sheet,
+                      "the sheet of an Excel workbook; by default the first that is not hidden");
+  command->add_option_function<bool>(
+      "--rows-are-channels", [&arrays](const bool& rows) { arrays.rows_are_channels = rows; },
+      "true or false: whether each row of a matrix is a channel, in MATLAB, NumPy, NetCDF and HDF5 "
+      "files; by default the longer dimension runs along time");
+}
+
+void CommandOptions::add_run() {
+  add_case();
+  add_output("FOLDER", kResults);
+  add_json(kSummary);
+  add_seed("of the chains (default 1)");
+  add_threads();
+  add_sampling();
+}
+
+void CommandOptions::add_case() {
+  app_.add_option("CASE", invocation_.common.case_path, "the case, a JSON file")->required();
+  app_.add_option("--set", invocation_.common.overrides, "override the case: path.to.key=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+void CommandOptions::add_output(const char* type, const char* what) {
+  app_.add_option("-o,--output", invocation_.common.output, std::string("required: ") + what)
+      ->required()
+      ->type_name(type);
+  add_quiet();
+}
+
+void CommandOptions::add_json(const char* what) {
+  app_.add_flag("--json", invocation_.as_json, what);
+}
+
+void CommandOptions::add_seed(const char* what) {
+  constexpr std::int64_t kLargestSeed = std::numeric_limits<std::int64_t>::max();
+  app_.add_option("--seed", invocation_.common.seed, what)->transform(whole(0, kLargestSeed));
+}
+
+void CommandOptions::add_threads() {
+  app_.add_option("--simd", invocation_.simd,
+                  "keep to the vector instructions baseline, avx2 or avx512 (default: the "
+                  "processor's)")
+      ->check(CLI::IsMember({"baseline", "avx2", "avx512"}));
+  app_.add_option("--threads", invocation_.common.threads,
+                  "threads (default: all); never changes a result")
+      ->envname(kThreadsVariable)
+      ->transform(whole(1, 4096));
+}
+
+void CommandOptions::add_sampling() {
+  app_.add_option("--chains", invocation_.sampling.chains, "independent chains (default 4)")
+      ->transform(whole(1, 1000));
+  app_.add_option("--warmup", invocation_.sampling.warmup,
+                  "iterations a chain before the first draw (default: chosen)")
+      ->transform(whole(1, kMany));
+  app_.add_option("--draws", invocation_.sampling.draws,
+                  "draws a chain, after warm-up (default: until converged)")
+      ->transform(whole(100, kMany));
+  app_.add_option("--search", invocation_.sampling.searches,
+                  "climbs to modes of each model, from draws of its prior (default: chosen)")
+      ->transform(whole(0, kMany));
+  app_.add_option("--checkpoint", invocation_.common.checkpoint_seconds,
+                  "seconds between two checkpoints for --resume (default 60; 0: none)")
+      ->check(seconds());
+  CLI::Option* prior_only = app_.add_flag("--prior-only", invocation_.sampling.prior_only,
+                                          "leave the data out: must return the prior");
+  app_.add_flag("--quick", invocation_.sampling.quick,
+                "fixed, little work: modes and short chains, never a posterior; --dry-run "
+                "estimates its time")
+      ->excludes(prior_only);
+  app_.add_flag("--evidence{tmcmc+bridge}", invocation_.sampling.evidence,
+                "also the evidence of each model on its own: --evidence, or "
+                "--evidence=METHODS of tmcmc, bridge, laplace, joined by +")
+      ->excludes(prior_only);
+}
+
+void CommandOptions::add_permissions() {
+  app_.add_flag("--allow-commands", invocation_.common.allow_commands,
+                "let the case run programs (\"predictor\": {\"command\": ...})");
+  app_.add_option("--allow-hosts", invocation_.common.allow_hosts,
+                  "let the case reach this host, once for each (\"predictor\": {\"umbridge\": "
+                  "...}); this machine needs no leave")
+      ->type_name("NAME")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+void CommandOptions::add_limits() {
+  app_.add_option("--max-memory", invocation_.common.max_memory_gb,
+                  "GB: a run is refused that would take more (default 4)")
+      ->check(positive());
+  app_.add_option("--max-hours", invocation_.common.max_hours,
+                  "a run is refused that would take longer (default 100)")
+      ->check(positive());
+  app_.add_option("--max-disk", invocation_.common.max_disk_gb,
+                  "GB: a run is refused whose draws would take more in the folder of its "
+                  "results (default: what is free there)")
+      ->check(positive());
+}
+
+void CommandOptions::add_dry_run() {
+  app_.add_flag_callback(
+      "--dry-run", [&common = invocation_.common] { common.dry_run = print_estimate; },
+      "print the estimated run time and memory, and stop; needs no --output");
+  app_.get_option("--output")->required(false);  // unless it runs
+}
+
+void CommandOptions::add_quiet() {
+  app_.add_flag("--quiet", invocation_.common.quiet, "no progress on standard error");
+}
+
+void CommandOptions::add_resume(const char* what) {
+  app_.add_flag("--resume", invocation_.common.resume, what);
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,21 @@
+#include <iostream>
+
+#include "apps/commands/command_list.hpp"
+#include "apps/commands/command_options.hpp"
+
+namespace wheeltap::apps {
+
+Command completion_command() {
+  const auto shell = std::make_shared<std::string>();
+  return {
+      .name = "completion",
+      .summary = "what a shell sources to complete commands and options",
+      .add_options =
+          [shell](CommandOptions& options) {
+            options.app().add_option("SHELL", *shell, "bash, zsh or fish")->required();
+          },
+      .run =
+          [shell](const Invocation& asked) { std::cout << completion(asked.describe(), *shell); }};
+}
+
+}  // namespace wheeltap::apps

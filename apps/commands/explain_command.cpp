@@ -1,0 +1,81 @@
+#include <algorithm>
+#include <iostream>
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include "apps/cases/syntax/case_file.hpp"
+#include "apps/cases/syntax/key_places.hpp"
+#include "apps/commands/command_list.hpp"
+#include "apps/commands/command_options.hpp"
+#include "apps/nearest.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using Path = std::vector<std::string>;
+
+Path parts_of(const std::string& key) {
+  std::string text = key;
+  std::ranges::replace(text, '/', '.');
+  Path parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, '.');)
+    if (!part.empty() && part.find_first_not_of("0123456789") != std::string::npos)
+      parts.push_back(part);
+  return parts;
+}
+
+bool ends_with(const Path& path, const Path& end) {
+  return path.size() >= end.size() && std::equal(end.rbegin(), end.rend(), path.rbegin());
+}
+
+/// Every place of every kind of case whose path ends with `key` ("damage.count.max", "count.max",
+/// "max", "/damage/count/max"): its meaning, what may stand there, and its own keys. Throws Failure
+/// (usage) where there is none, with the nearest key.
+std::string explanation(const std::string& key) {
+  const std::vector<KeyPlace> places = key_places(schema_names());
+  const Path asked = parts_of(key);
+  std::string text;
+  for (const KeyPlace& place : places) {
+    if (asked.empty() || !ends_with(place.path, asked)) continue;
+    std::string where, kinds;
+    for (const std::string& part : place.path) where += "/" + part;
+    for (const std::string& kind : place.kinds) kinds += (kinds.empty() ? "" : ", ") + kind;
+    text += where + "  (" + kinds + ")\n";
+    if (!place.meaning.empty()) text += "    " + place.meaning + "\n";
+    if (!place.form.empty()) text += "    " + place.form + "\n";
+    if (!place.keys.empty())
+      text += "    keys: " + listed({place.keys.begin(), place.keys.end()}) + "\n";
+  }
+  if (!text.empty()) return text;
+  const std::string word = asked.empty() ? key : asked.back();
+  std::vector<std::string> names;
+  std::set<std::string> speaking;  // keys whose texts have the word
+  for (const KeyPlace& place : places) {
+    names.push_back(place.path.back());
+    if (word.size() > 2 && place.meaning.find(word) != std::string::npos)
+      speaking.insert(place.path.back());
+  }
+  const std::string meant = nearest(word, names);
+  std::string instead = meant.empty() ? "" : "; did you mean \"" + meant + "\"?";
+  if (!speaking.empty())
+    instead += (meant.empty() ? ". " : " ") + std::string("The texts of these speak of it: ") +
+               listed({speaking.begin(), speaking.end()});
+  throw Failure(Exit::usage, "there is no key \"" + key + "\"" + instead);
+}
+
+}  // namespace
+
+Command explain_command() {
+  const auto key = std::make_shared<std::string>();
+  return {.name = "explain",
+          .summary = "what a key of a case means, and what may stand there",
+          .add_options =
+              [key](CommandOptions& options) {
+                options.app().add_option("KEY", *key, "e.g. count.max or /data/cov")->required();
+              },
+          .run = [key](const Invocation&) { std::cout << explanation(*key); }};
+}
+
+}  // namespace wheeltap::apps

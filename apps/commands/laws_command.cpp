@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <iostream>
+
+#include "apps/commands/command_list.hpp"
+#include "apps/commands/command_options.hpp"
+#include "apps/failure.hpp"
+#include "apps/nearest.hpp"
+#include "apps/report/law_figure.hpp"
+#include "apps/report/law_page.hpp"
+#include "apps/runs/running.hpp"
+
+namespace wheeltap::apps {
+
+using dynamics::LawInfo;
+
+namespace {
+
+struct LawsOptions {
+  std::string name;               ///< of one law; empty: all
+  bool example = false;           ///< its example case alone, as JSON
+  std::filesystem::path figures;  ///< a folder to write the pictures into; empty: none
+};
+
+/// Prints the page, one law's part of it, or its example.
+void run_laws(const LawsOptions& options) {
+  const auto infos = dynamics::law_infos();
+  const auto found = std::ranges::find(infos, options.name, &LawInfo::name);
+  if (!options.name.empty() && found == infos.end()) {
+    std::vector<std::string> names;
+    std::string list;
+    for (const LawInfo& info : infos) {
+      names.emplace_back(info.name);
+      list += (list.empty() ? "" : ", ") + names.back();
+    }
+    std::string meant = nearest(options.name, names);
+    for (const LawInfo& info : infos)  // a stop is a contact
+      if (meant.empty() && info.description.find(options.name) != std::string_view::npos)
+        meant = info.name;
+    throw Failure(Exit::usage, "no force law is called \"" + options.name + "\"" +
+                                   (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
+                                   " (there are: " + list + ")");
+  }
+  if (options.example && options.name.empty()) {
+    throw Failure(Exit::usage, "--example needs the name of a law (see wheeltap laws)");
+  }
+  if (!options.figures.empty()) {
+    make_output_folder(options.figures);
+    for (const LawInfo& info : infos) {
+      write_text(options.figures / law_figure_name(info), law_figure(info));
+    }
+  }
+  if (options.example) {
+    std::cout << law_example(*found);
+  } else {
+    std::cout << (options.name.empty() ? laws_page() : law_section(*found));
+  }
+}
+
+}  // namespace
+
+Command laws_command() {
+  const auto laws = std::make_shared<LawsOptions>();
+  return {.name = "laws",
+          .summary = "the force laws of links: formula, sign, keys, an example each",
+          .add_options =
+              [laws](CommandOptions& options) {
+                CLI::App& app = options.app();
+                app.add_option("NAME", laws->name, "one law (default: all)");
+                app.add_flag("--example", laws->example, "a case that has it, alone");
+                app.add_option("--figures", laws->figures,
+                               "a folder to write their pictures into, SVG");
+              },
+          .run = [laws](const Invocation&) { run_laws(*laws); }};
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,33 @@
+// `wheeltap modal CASE -o DIR`: the modes of a structure from its records.
+#pragma once
+
+#include <string>
+
+#include "apps/cases/modal_case.hpp"
+#include "apps/results/summary.hpp"
+#include "apps/run_options.hpp"
+#include "signals/modal/modal_identification.hpp"
+
+namespace wheeltap::apps {
+
+/// Modes identified, and not written anywhere yet.
+struct ModalRun {
+  ModalCaseFile modal;
+  IdentifiedModes found;
+  MeasuredModes modes;
+  double seconds = 0.0;
+
+  /// summary.json.
+  [[nodiscard]] Report summary(const CommonOptions& common) const;
+  /// modes.json, summary.json and report.html. Throws io::FileError.
+  void keep(const std::filesystem::path& folder, const CommonOptions& common) const;
+  void print(std::ostream& out, bool colour) const;
+};
+/// Of the case's file, or of a record that is given in its place. Throws Failure.
+[[nodiscard]] ModalRun identify_modal(CaseFile file, const CommonOptions& common,
+                                      std::optional<signals::Record> given = {});
+
+/// Writes modes.json, summary.json and report.html into the output folder and prints the modes.
+void run_modal(const CommonOptions& common);
+
+}  // namespace wheeltap::apps

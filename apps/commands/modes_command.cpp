@@ -1,0 +1,38 @@
+#include <iostream>
+
+#include "apps/commands/command_list.hpp"
+#include "apps/commands/command_options.hpp"
+#include "apps/runs/found_modes.hpp"
+#include "apps/structure_words.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+void run_modes(const CommonOptions& common, const ModesOptions& options) {
+  const FoundModes found = find_modes(read_case(common.case_path, common.overrides), options);
+  warn_of(found.doubts);
+  std::cout << (options.json ? found.report.dump() + "\n" : found.text);
+}
+
+}  // namespace
+
+Command modes_command() {
+  const auto modes = std::make_shared<ModesOptions>();
+  return {.name = "modes",
+          .summary = "natural frequencies of the case's beam or structure",
+          .add_options =
+              [modes](CommandOptions& options) {
+                options.add_case();
+                CLI::App& app = options.app();
+                app.add_option("--modes", modes->modes, "how many, rigid-body ones included")
+                    ->transform(whole(1, kMany));
+                app.add_flag("--truth", modes->truth, "damaged as damage.truth says");
+                app.add_flag("--json", modes->json, "as JSON");
+                app.add_flag("--shapes", modes->shapes, "with --json: the shapes too");
+                app.add_option("--vtk", modes->vtk,
+                               "draw the structure and its shapes into this file, for ParaView");
+              },
+          .run = [modes](const Invocation& asked) { run_modes(asked.common, *modes); }};
+}
+
+}  // namespace wheeltap::apps

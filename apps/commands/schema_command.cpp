@@ -1,0 +1,20 @@
+#include <iostream>
+
+#include "apps/cases/syntax/case_file.hpp"
+#include "apps/commands/command_list.hpp"
+#include "apps/commands/command_options.hpp"
+
+namespace wheeltap::apps {
+
+Command schema_command() {
+  const auto kind = std::make_shared<std::string>("damage");
+  return {.name = "schema",
+          .summary = "the JSON Schema of a case",
+          .add_options =
+              [kind](CommandOptions& options) {
+                options.app().add_option("NAME", *kind, "which kind of case (default: damage)");
+              },
+          .run = [kind](const Invocation&) { std::cout << schema(*kind).dump(2) << '\n'; }};
+}
+
+}  // namespace wheeltap::apps

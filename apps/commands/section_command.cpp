@@ -1,0 +1,317 @@
+#include "apps/commands/section_command.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "apps/cases/structures/section_case.hpp"
+#include "apps/commands/command_list.hpp"
+#include "apps/commands/command_options.hpp"
+#include "apps/report/section_figure.hpp"
+#include "apps/report/svg_plot.hpp"
+#include "apps/results/summary.hpp"
+#include "apps/runs/running.hpp"
+#include "apps/structure_words.hpp"
+#include "apps/words.hpp"
+#include "fem/sections/section.hpp"
+#include "identification/structural/structure_plausibility.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+/// One section on its own: {"section": …, "poisson": …}, and where it stood.
+struct Found {
+  CaseFile file;
+  std::string place;  ///< of the section in the case: "/beam/section", or "" for a bare section
+  std::string title;
+};
+
+Json section_alone(const Json& section, const Json& material) {
+  Json alone = {{"section", section}};
+  for (const char* key : {"poisson", "young", "density"})
+    if (material.contains(key) && material.at(key).is_number()) alone[key] = material.at(key);
+  return alone;
+}
+
+Found of_structure(const CaseFile& file, const std::string& wanted, const std::string& title) {
+  const Pointer where("/structure/sections");
+  if (!file.json.contains(where) || !file.json.at(where).is_object() || file.json.at(where).empty())
+    file.refuse(where, "is missing: this structure has no sections");
+  const Json& sections = file.json.at(where);
+  std::vector<std::string> names;
+  for (const auto& [name, ignored] : sections.items()) names.push_back(name);
+  if (wanted.empty() && names.size() > 1)
+    throw Failure(
+        Exit::usage,
+        file.path.string() + " has several sections: choose one by --name (" + listed(names) + ")");
+  const std::string name = wanted.empty() ? names[0] : wanted;
+  if (!sections.contains(name))
+    throw Failure(Exit::usage, "--name " + name + ": there are the sections " + listed(names));
+  // Its material is that of the first member that has it.
+  Json material = Json::object();
+  const Json& structure = file.json.at("structure");
+  for (const Json& member : structure.value("members", Json::array())) {
+    if (!member.is_object() || member.value("section", "") != name) continue;
+    const Pointer at = Pointer("/materials") / member.value("material", "");
+    if (structure.contains(at)) material = structure.at(at);
+    break;
+  }
+  Found found{.file = file, .place = (where / name).to_string(), .title = title};
+  found.file.json = section_alone(sections.at(name), material);
+  found.title += found.title.empty() ? name : ": " + name;
+  return found;
+}
+
+Found find_section(const CaseFile& file, const std::string& name) {
+  const Json& json = file.json;
+  const std::string title = json.contains("title") && json.at("title").is_string()
+                                ? json.at("title").get<std::string>()
+                                : "";
+  if (json.contains("structure")) return of_structure(file, name, title);
+  if (!name.empty()) throw Failure(Exit::usage, "--name " + name + ": this case has one section");
+  Found found{.file = file, .place = "/section", .title = title};
+  const Pointer beam("/beam/section"), material("/beam/material");
+  if (json.contains("beam")) {
+    if (!json.contains(beam)) file.refuse(beam, "is missing");
+    found.place = beam.to_string();
+    found.file.json =
+        section_alone(json.at(beam), json.contains(material) ? json.at(material) : Json::object());
+  } else if (!json.contains("section") &&
+             (json.contains("shape") || json.contains("outline") || json.contains("area"))) {
+    // The section is the file.
+    found.place = "";
+    Json section = json;
+    for (const char* key : {"poisson", "young", "density", "title", "notes", "kind"})
+      section.erase(key);
+    found.file.json = section_alone(section, json);
+  }
+  return found;
+}
+
+SectionMaterial material_of(const CaseFile& file) {
+  const Json& json = file.json;
+  const Json regions = json.at("section").value("regions", Json::array());
+  const bool own = !regions.empty() && !json.at("section").contains("outline") &&
+                   !json.at("section").contains("file");
+  const auto first = [&](const char* key) -> std::optional<double> {
+    if (json.contains(key)) return json.at(key).get<double>();
+    if (own && regions[0].contains(key)) return regions[0].at(key).get<double>();
+    return {};
+  };
+  const auto poisson = first("poisson");
+  if (!poisson)
+    file.refuse(Pointer("/poisson"),
+                "is missing: must be Poisson's ratio, above -1 and at most 0.5");
+  return {.poisson = *poisson, .young = first("young"), .density = first("density")};
+}
+
+/// κ after Cowper, for shear along z; nothing for outlines.
+std::optional<double> cowper(const CaseFile& file, double poisson, bool along_y) {
+  const Json& s = file.json.at("section");
+  const std::string shape = s.value("shape", "");
+  const bool round = shape == "circle" || shape == "tube";
+  if (shape.empty() || shape == "polygon" || poisson >= 0.5) return {};
+  if (along_y && !round && shape != "rectangle") return {};
+  return parse_sized_section(file, Pointer("/section"), poisson).shear_coefficient;
+}
+
+Report pair(const Eigen::Vector2d& v) {
+  return {v.x(), v.y()};
+}
+
+Report as_json(const Found& found, const MeshedSection& section, const SectionMaterial& material) {
+  const fem::SectionAnalysis& a = section.analysis;
+  const fem::SectionProperties& p = a.properties;
+  const fem::PrincipalAxes axes = fem::principal_axes(p.second_moments);
+  const fem::ShearFlexibility& s = p.shear_flexibility;
+  Report levels = Report::array();
+  for (const fem::SectionLevel& level : a.levels) {
+    const fem::SectionProperties& q = level.properties;
+    levels.push_back({{"nodes", level.nodes},
+                      {"torsion_constant", q.torsion_constant},
+                      {"warping_constant", q.warping_constant},
+                      {"shear_centre", pair(q.shear_centre)},
+                      {"alpha_yy", q.shear_flexibility.yy},
+                      {"alpha_zz", q.shear_flexibility.zz},
+                      {"alpha_yz", q.shear_flexibility.yz}});
+  }
+  Report out = {
+      {"title", found.title},
+      {"poisson", material.poisson},
+      {"area", p.area},
+      {"geometric_area", p.geometric_area},
+      {"shear_area", p.shear_area},
+      {"centroid", pair(p.centroid)},
+      {"second_moments",
+       {{"yy", p.second_moments.yy}, {"zz", p.second_moments.zz}, {"yz", p.second_moments.yz}}},
+      {"principal",
+       {{"largest", axes.largest}, {"smallest", axes.smallest}, {"angle", axes.angle}}},
+      {"torsion_constant", p.torsion_constant},
+      {"warping_constant", p.warping_constant},
+      {"shear_centre", pair(p.shear_centre)},
+      {"trefftz_centre", pair(p.trefftz_centre)},
+      {"shear_coefficients", {{"y", 1.0 / s.yy}, {"z", 1.0 / s.zz}, {"yz", s.yz}}}};
+  Report by_cowper = Report::object();
+  if (const auto y = cowper(found.file, material.poisson, true)) by_cowper["y"] = *y;
+  if (const auto z = cowper(found.file, material.poisson, false)) by_cowper["z"] = *z;
+  if (!by_cowper.empty()) out["shear_coefficients_cowper"] = by_cowper;
+  if (material.density) out["mass_per_length"] = p.mass_per_length;
+  if (material.young) out["young"] = *material.young;
+  out["errors"] = {{"torsion_constant", a.errors.torsion_constant},
+                   {"warping_constant", a.errors.warping_constant},
+                   {"shear_centre", a.errors.shear_centre},
+                   {"shear_coefficients", a.errors.shear_flexibility}};
+  out["converged"] = a.converged;
+  out["meshes"] = levels;
+  return out;
+}
+
+/// A figure that is zero but for rounding, as zero.
+std::string figure(double x, double least = 0.0) {
+  return std::abs(x) <= least ? "0" : significant(x, 6);
+}
+
+void print(const Found& found, const MeshedSection& section, const SectionMaterial& material) {
+  const fem::SectionAnalysis& a = section.analysis;
+  const fem::SectionProperties& p = a.properties;
+  const fem::PrincipalAxes axes = fem::principal_axes(p.second_moments);
+  const fem::ShearFlexibility& s = p.shear_flexibility;
+  const bool composite = section.outline.regions.size() > 1;
+  const double size = std::sqrt((axes.largest + axes.smallest) / p.area), none = 1e-5 * size;
+  const auto point = [&](const Eigen::Vector2d& v) {
+    return "(" + figure(v.x(), none) + ", " + figure(v.y(), none) + ")";
+  };
+  const auto line = [](const std::string& what, const std::string& symbol, const std::string& value,
+                       const std::string& unit, const std::string& note = "") {
+    // Padded by characters, not bytes.
+    const auto padded = [](const std::string& text, std::size_t width) {
+      const auto characters = static_cast<std::size_t>(std::ranges::count_if(
+          text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+      return text + std::string(characters < width ? width - characters : 1, ' ');
+    };
+    std::cout << "  " << padded(what, 34) << padded(symbol, 7) << padded(value, 26)
+              << (note.empty() ? unit : padded(unit, 5) + note) << '\n';
+  };
+  if (!found.title.empty()) std::cout << found.title << "\n\n";
+  line("area", "A", figure(p.area), "m²");
+  if (composite) line("  without moduli", "", figure(p.geometric_area), "m²");
+  line("centroid (y, z)", "", point(p.centroid), "m", "in the outline's axes");
+  const fem::SecondMoments& i = p.second_moments;
+  line("second moments: bending about y", "Iyy", figure(i.yy), "m⁴", "∫ z²");
+  line("                bending about z", "Izz", figure(i.zz), "m⁴", "∫ y²");
+  line("                product", "Iyz", figure(i.yz, 1e-9 * axes.largest), "m⁴", "∫ y z");
+  line("principal axes: largest", "I1", figure(axes.largest), "m⁴",
+       figure(axes.angle * 180.0 / std::numbers::pi, 1e-6) + "° from y");
+  line("                smallest", "I2", figure(axes.smallest), "m⁴");
+  line("torsion constant", "J", figure(p.torsion_constant), "m⁴");
+  line("warping constant", "Γ",
+       figure(p.warping_constant, 1e-9 * std::pow(axes.largest + axes.smallest, 2) / p.area), "m⁶",
+       "about the shear centre");
+  line("shear centre (y, z)", "", point(p.shear_centre), "m", "from the centroid");
+  line("shear coefficient: force along y", "κy", figure(1.0 / s.yy), "", "by energy");
+  line("                   force along z", "κz", figure(1.0 / s.zz), "", "by energy");
+  line("  coupling", "1/κyz", figure(s.yz, 1e-5), "");
+  const auto y = cowper(found.file, material.poisson, true),
+             z = cowper(found.file, material.poisson, false);
+  if (y) line("                   force along y", "κy", figure(*y), "", "after Cowper");
+  if (z) line("                   force along z", "κz", figure(*z), "", "after Cowper");
+  if (material.density) line("mass", "", figure(p.mass_per_length), "kg/m");
+  std::cout << "\nPoisson's ratio " << significant(material.poisson, 6) << ". ";
+  if (composite)
+    std::cout << "Figures are weighted by E / E_ref (J by G / G_ref)"
+              << (material.young ? ",\nE_ref = " + significant(*material.young, 6) + " Pa" : "")
+              << ". ";
+  std::cout << "By quadratic triangles, " << a.levels.size() << " meshes to "
+            << a.levels.back().nodes << " nodes;\n";
+  std::cout << "halving the last but one changed no figure by more than "
+            << significant(100.0 * a.errors.largest(), 2) << " %.\n";
+}
+
+/// "the torsion constant by 2.5 %": the figure that a halved mesh changed most.
+std::string least_settled(const fem::SectionErrors& errors) {
+  const std::vector<std::pair<double, const char*>> figures = {
+      {errors.torsion_constant, "torsion constant"},
+      {errors.warping_constant, "warping constant"},
+      {errors.shear_centre, "shear centre"},
+      {errors.shear_flexibility, "shear coefficients"}};
+  const auto& most = *std::ranges::max_element(figures);
+  return std::string("the ") + most.second + " by " + significant(100.0 * most.first, 2) + " %";
+}
+
+/// The figure on a page in the design of the reports.
+std::string section_page(const MeshedSection& section, const std::string& title) {
+  const fem::SectionProperties& p = section.analysis.properties;
+  const auto of = [](double x, const char* unit) { return significant(x, 5) + " " + unit; };
+  const std::string figure = section_figure(section, title);
+  return page_head(title.empty() ? "Cross-section" : title,
+                   "A = " + of(p.area, "m²") + ", I_yy = " + of(p.second_moments.yy, "m⁴") +
+                       ", I_zz = " + of(p.second_moments.zz, "m⁴"),
+                   {"I_yz = " + of(p.second_moments.yz, "m⁴") +
+                    ", torsion constant J = " + of(p.torsion_constant, "m⁴") +
+                    ", warping constant " + of(p.warping_constant, "m⁶") +
+                    "; shear centre from the centroid: (" + significant(p.shear_centre.x(), 5) +
+                    ", " + significant(p.shear_centre.y(), 5) + ") m."}) +
+         "<h2>The section and its mesh</h2>\n<div class=\"panel\">" + figure + "</div>\n" +
+         page_end();
+}
+
+}  // namespace
+
+void run_section(const CommonOptions& common, const SectionOptions& options) {
+  const CaseFile file = read_case(common.case_path, common.overrides);
+  Found found = find_section(file, options.name);
+  try {
+    validate_against_schema(found.file, "section");
+    const SectionMaterial material = material_of(found.file);
+    if (found.file.json.at("section").value("shape", "").empty())
+      found.file.refuse(Pointer("/section/shape"),
+                        "is missing: area, second_moment and shear_coefficient are given already");
+    if (const auto odd = implausible_material("the section", material.young, material.density))
+      warn_of({*odd});
+    const MeshedSection section = analyse(found.file, Pointer("/section"), material);
+    if (const fem::SectionAnalysis& a = section.analysis; !a.converged)
+      found.file.refuse(Pointer("/section"),
+                        "its figures did not settle: halving the mesh last changed " +
+                            least_settled(a.errors) +
+                            ". Leave out details of the outline that "
+                            "do not matter, such as very short edges and very thin parts");
+    if (!common.output.empty())
+      write_text(common.output, common.output.extension() == ".html"
+                                    ? section_page(section, found.title)
+                                    : section_figure(section, found.title));
+    if (options.json)
+      std::cout << as_json(found, section, material).dump(2) << '\n';
+    else
+      print(found, section, material);
+  } catch (const Failure& failure) {
+    // The section stood elsewhere in the case.
+    std::string line = failure.what();
+    const std::string stood = file.path.string() + ": /section";
+    if (found.place != "/section" && line.starts_with(stood))
+      line = file.path.string() + ": " + found.place + line.substr(stood.size());
+    throw Failure(failure.exit(), line);
+  }
+}
+
+Command section_command() {
+  const auto section = std::make_shared<SectionOptions>();
+  return {.name = "section",
+          .summary = "properties of the case's cross-section, from its outline",
+          .add_options =
+              [section](CommandOptions& options) {
+                options.add_case();
+                CLI::App& app = options.app();
+                app.add_option("-o,--output", options.invocation().common.output,
+                               "draw the section into this file")
+                    ->type_name("FILE.svg|FILE.html");
+                app.add_option("--name", section->name, "which of a structure's sections");
+                app.add_flag("--json", section->json, "as JSON");
+              },
+          .run = [section](const Invocation& asked) { run_section(asked.common, *section); }};
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,102 @@
+#include "apps/commands/serve_command.hpp"
+
+#include <iostream>
+
+#include "apps/cases/damage_case.hpp"
+#include "apps/cases/sid_case.hpp"
+#include "apps/commands/command_list.hpp"
+#include "apps/commands/command_options.hpp"
+#include "apps/commands/served_case.hpp"
+#include "apps/runs/damage_run.hpp"
+#include "apps/runs/running.hpp"
+#include "apps/runs/update_run.hpp"
+#include "base/parallel.hpp"
+#include "identification/sid/sid_residuals.hpp"
+#include "io/text/text.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+/// Training is shown; nothing is sampled.
+class ServeWatch final : public RunWatch {
+ public:
+  explicit ServeWatch(bool quiet) : bar_(quiet) {}
+  inference::Posterior sample(const inference::Problem&, inference::Options) override {
+    throw std::logic_error("ServeWatch: nothing is sampled");
+  }
+  void show(const char* stage, double fraction, const std::string& detail) override {
+    bar_.show(stage, fraction, detail);
+  }
+  void clear() override { bar_.clear(); }
+  void note(const std::string&) override {}
+  void warn(const std::string& line) override { std::cerr << "wheeltap: " << line << '\n'; }
+  [[nodiscard]] bool stopped() const override { return was_interrupted(); }
+
+ private:
+  ProgressBar bar_;
+};
+
+std::vector<ServedModel> models_of(CaseFile file, const CommonOptions& common) {
+  ServeWatch watch(common.quiet);
+  const Json kind = file.json.value("kind", Json());
+  if (kind == "update")
+    return served(prepare_update(parse_update_case(std::move(file)), common, watch));
+  if (kind == "sid") {
+    SidCaseFile parsed = parse_sid_case(std::move(file));
+    // As a run does before anything else, where a case leaves the orders to it.
+    identification::choose_orders(parsed.sid, common.seed.value_or(1), common.threads);
+    return explained(parsed, [&] {
+      return served(std::shared_ptr<const identification::SidProblem>(
+          identification::make_sid_problem(parsed.sid)));
+    });
+  }
+  if (kind != "damage")
+    file.refuse(Pointer("/kind"), "must be \"damage\", \"update\" or \"sid\" to be served");
+  const DamageCaseFile parsed = parse_damage_case(std::move(file));
+  return explained(parsed, [&] { return served(prepare_damage(parsed, common, watch)); });
+}
+
+}  // namespace
+
+void run_serve(const CommonOptions& common, const ServeOptions& options) {
+  const std::vector<ServedModel> models =
+      models_of(read_case(common.case_path, common.overrides), common);
+  const StopOnInterrupt stop;
+  serve_models(models, {.host = options.host,
+                        .port = options.port,
+                        .threads = base::thread_count(common.threads),
+                        .ready =
+                            [&](int port) {
+                              std::cout
+                                  << "Serving " << io::printable(common.case_path.string())
+                                  << " at http://"
+                                  << (options.host == "127.0.0.1" ? "localhost" : options.host)
+                                  << ":" << port << " (Ctrl-C ends it):";
+                              for (const ServedModel& model : models)
+                                std::cout << (&model == &models[0] ? " " : ", ") << model.name;
+                              std::cout << std::endl;
+                            },
+                        .stop = was_interrupted});
+}
+
+Command serve_command() {
+  const auto serving = std::make_shared<ServeOptions>();
+  return {.name = "serve",
+          .summary = "offer the case's predictor to other programs, as a UM-Bridge model",
+          .add_options =
+              [serving](CommandOptions& options) {
+                options.add_case();
+                CLI::App& app = options.app();
+                app.add_option("--port", serving->port, "to listen at (default: one that is free)")
+                    ->transform(whole(0, 65535));
+                app.add_option("--host", serving->host,
+                               "address to listen at (default 127.0.0.1, this machine alone; "
+                               "0.0.0.0: whoever reaches it)");
+                options.add_quiet();
+                options.add_threads();
+                options.add_permissions();
+              },
+          .run = [serving](const Invocation& asked) { run_serve(asked.common, *serving); }};
+}
+
+}  // namespace wheeltap::apps

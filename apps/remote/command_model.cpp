@@ -1,0 +1,260 @@
+#include "apps/remote/command_model.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <system_error>
+
+#include "apps/json_text.hpp"
+#include "apps/words.hpp"
+#include "base/stop_signals.hpp"
+#include "io/bytes.hpp"
+#include "io/text/text.hpp"
+
+namespace wheeltap::apps {
+
+using identification::OutsideModelError;
+using Kind = OutsideModelError::Kind;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kProgramNotFound = 127, kNotRunnable = 126;  // as the shell says it
+constexpr std::size_t kLongestAnswer = 200;                // characters of a program's own words
+
+fs::path own_directory() {
+  std::error_code error;
+  const fs::path temporary = fs::temp_directory_path(error);
+  if (error) {
+    const char* said = std::getenv("TMPDIR");
+    throw OutsideModelError(Kind::unreachable,
+                            (said != nullptr ? "TMPDIR=" + std::string(said) : "/tmp") +
+                                ": is no folder that can be used, and a program needs one for its "
+                                "files: set TMPDIR to one");
+  }
+  std::string name = (temporary / "wheeltap-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr)
+    throw OutsideModelError(Kind::unreachable, name + ": cannot be made: " + std::strerror(errno));
+  return name;
+}
+
+void replace(std::string& word, const std::string& what, const std::string& by) {
+  for (auto at = word.find(what); at != std::string::npos; at = word.find(what, at + by.size()))
+    word.replace(at, what.size(), by);
+}
+
+void write(const fs::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw OutsideModelError(Kind::unreachable, path.string() + ": cannot be written");
+}
+
+std::string number_text(double x) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
+}
+
+/// Exit status as waitpid has it; none where it had to be killed.
+std::optional<int> run(const std::vector<std::string>& words, const fs::path& directory,
+                       double timeout_seconds) {
+  // All memory is taken before the fork: between it and exec there is no more than system calls.
+  std::vector<std::string> copies = words;
+  std::vector<char*> argv;
+  for (std::string& word : copies) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const std::string here = directory.string(), out = (directory / "stdout.txt").string(),
+                    err = (directory / "stderr.txt").string();
+  const pid_t parent = getpid();
+  const pid_t pid = fork();
+  if (pid < 0)
+    throw OutsideModelError(Kind::unreachable,
+                            std::string("no process can be made: ") + std::strerror(errno));
+  if (pid == 0) {
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent || chdir(here.c_str()) != 0) _exit(kProgramNotFound);
+    constexpr int kNew = O_WRONLY | O_CREAT | O_TRUNC, kMode = 0644;
+    dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+    dup2(open(out.c_str(), kNew, kMode), STDOUT_FILENO);
+    dup2(open(err.c_str(), kNew, kMode), STDERR_FILENO);
+    for (const int number : base::kStopSignals) std::signal(number, SIG_DFL);
+    for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_DFL);
+    execvp(argv[0], argv.data());
+    _exit(errno == ENOENT ? kProgramNotFound : kNotRunnable);
+  }
+  setpgid(pid, pid);  // whichever of the two comes first
+  const auto handle = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
+  if (handle < 0) {
+    kill(-pid, SIGKILL);
+    waitpid(pid, nullptr, 0);
+    throw OutsideModelError(Kind::unreachable, "this system cannot watch processes (pidfd_open)");
+  }
+  const auto end =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_seconds);
+  bool late = false;
+  while (true) {
+    const double left =
+        std::chrono::duration<double>(end - std::chrono::steady_clock::now()).count();
+    pollfd watched{.fd = handle, .events = POLLIN, .revents = 0};
+    const int ready =
+        left > 0.0 ? poll(&watched, 1, static_cast<int>(std::min(1e9, std::ceil(1e3 * left)))) : 0;
+    if (ready > 0) break;
+    if (ready < 0 && errno == EINTR) continue;
+    late = true;
+    break;
+  }
+  // The rest of its group with it: no run leaves processes behind.
+  kill(-pid, SIGKILL);
+  if (late) kill(pid, SIGKILL);
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  close(handle);
+  if (late) return {};
+  return status;
+}
+
+std::string last_words(const fs::path& directory) {
+  std::string said;
+  try {
+    said = io::read_bytes(directory / "stderr.txt");
+  } catch (const std::exception&) {
+    return {};
+  }
+  while (!said.empty() && (said.back() == '\n' || said.back() == ' ')) said.pop_back();
+  said.erase(0, said.rfind('\n') + 1);  // npos + 1 = 0
+  if (said.size() > kLongestAnswer) said = said.substr(0, kLongestAnswer) + "...";
+  return said.empty() ? "" : ": " + said;
+}
+
+}  // namespace
+
+CommandModel::CommandModel(CommandSpec spec, std::vector<std::string> names, int outputs)
+    : spec_(std::move(spec)), names_(std::move(names)), outputs_(outputs) {}
+
+std::vector<std::string> CommandModel::words_in(const fs::path& directory) const {
+  std::vector<std::string> words = spec_.words;
+  const char* ending = spec_.numbers ? ".txt" : ".json";
+  for (std::string& word : words) {
+    replace(word, "{in}", (directory / "in").string() + ending);
+    replace(word, "{out}", (directory / "out").string() + ending);
+    replace(word, "{case}", spec_.folder.string());
+  }
+  if (words[0].find('/') != std::string::npos && fs::path(words[0]).is_relative())
+    words[0] = (spec_.folder / words[0]).lexically_normal().string();
+  return words;
+}
+
+std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) const {
+  std::error_code missing;
+  if (!fs::exists(file, missing)) return "it ended well and wrote no predictions";
+  if (const auto bytes = fs::file_size(file, missing); !missing && bytes > kLargestAnswer)
+    return "it wrote " + std::to_string(bytes) + " bytes, more than the " +
+           std::to_string(kLargestAnswer) + " that an answer may have";
+  const std::string text = io::read_bytes(file);
+  std::vector<double> found;
+  if (spec_.numbers) {
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+      double value = 0.0;
+      const char* begin = word.data() + (word[0] == '+' ? 1 : 0);
+      const auto [end, error] = std::from_chars(begin, word.data() + word.size(), value);
+      if (error != std::errc() || end != word.data() + word.size())
+        return "it wrote \"" + word.substr(0, kLongestAnswer) + "\", which is no number";
+      found.push_back(value);
+    }
+  } else {
+    Json said = parse_answer(text);
+    if (said.is_object() && said.contains("predictions")) said = Json(said["predictions"]);
+    if (said.is_discarded()) {
+      if (text.find("NaN") == std::string::npos && text.find("Infinity") == std::string::npos)
+        return "it wrote what is no JSON";
+      return "it wrote numbers that are not finite: " + text.substr(0, kLongestAnswer);
+    }
+    if (!said.is_array()) return "it wrote neither a list nor an object with \"predictions\"";
+    for (const Json& value : said) {
+      if (!value.is_number())
+        return "it wrote " + value.dump().substr(0, kLongestAnswer) + ", which is no number";
+      found.push_back(value.get<double>());
+    }
+  }
+  if (found.size() != y.size())
+    return "it wrote " + std::to_string(found.size()) + " predictions, must be " +
+           std::to_string(y.size());
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    if (!std::isfinite(found[i]))
+      return "prediction " + std::to_string(i + 1) + " is " + number_text(found[i]) +
+             ", must be a finite number";
+    y[i] = found[i];
+  }
+  return {};
+}
+
+std::string CommandModel::attempt(std::span<const double> x, std::span<double> y, bool last) {
+  const fs::path directory = own_directory();
+  const std::vector<std::string> words = words_in(directory);
+  std::string text;
+  if (spec_.numbers) {
+    for (const double value : x) text += number_text(value) + "\n";
+  } else {
+    Json values = Json::object();
+    for (std::size_t i = 0; i < x.size(); ++i) values[names_[i]] = x[i];
+    text = values.dump() + "\n";
+  }
+  write(directory / (spec_.numbers ? "in.txt" : "in.json"), text);
+  const auto status = run(words, directory, spec_.patience.timeout_seconds);
+  std::string trouble;
+  if (!status) {
+    trouble = "took longer than " + significant(spec_.patience.timeout_seconds, 3) +
+              " s (\"timeout\" in the predictor) and was killed";
+  } else if (WIFSIGNALED(*status)) {
+    trouble = "was ended by signal " + std::to_string(WTERMSIG(*status)) + last_words(directory);
+  } else if (const int code = WEXITSTATUS(*status);
+             code == kProgramNotFound || code == kNotRunnable) {
+    const std::string words_of_it = last_words(directory);
+    trouble = words_of_it.empty() ? (code == kProgramNotFound ? "is not there" : "cannot be run")
+                                  : "ended with exit code " + std::to_string(code) + words_of_it;
+  } else if (code != 0) {
+    trouble = "ended with exit code " + std::to_string(code) + last_words(directory);
+  } else {
+    trouble = answer_in(directory / (spec_.numbers ? "out.txt" : "out.json"), y);
+  }
+  if (trouble.empty() || !last) {
+    std::error_code ignored;
+    fs::remove_all(directory, ignored);
+    return trouble;
+  }
+  return words[0] + ": " + trouble + " (its files are in " + directory.string() + ")";
+}
+
+void CommandModel::evaluate(std::span<const double> x, std::span<double> y) {
+  std::string trouble;
+  const int tries = spec_.patience.retries + 1;
+  for (int i = 0; i < tries; ++i) {
+    trouble = attempt(x, y, i + 1 == tries);
+    if (trouble.empty()) return;
+  }
+  const std::string times = tries > 1 ? ", " + std::to_string(tries) + " times" : "";
+  throw OutsideModelError(Kind::bad_answer,
+                          io::printable(trouble + times + ", at " +
+                                        Json(std::vector<double>(x.begin(), x.end())).dump()));
+}
+
+}  // namespace wheeltap::apps

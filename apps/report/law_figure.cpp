@@ -1,0 +1,155 @@
+#include "apps/report/law_figure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "apps/law_words.hpp"
+#include "apps/words.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using dynamics::CyclePoint;
+
+struct Line {
+  std::string name;  ///< empty where there is one line only
+  std::vector<CyclePoint> points;
+};
+
+struct Axis {
+  std::string title;
+  double limit = 1.0;  ///< the axis goes from -limit to limit
+  double step = 1.0;   ///< between its ticks
+  double scale = 1.0;  ///< from SI to what the ticks say
+};
+
+constexpr double kFigureWidth = 250.0, kHeight = 180.0;  // of a panel's inside [px]
+constexpr double kLeft = 62.0, kTop = 14.0, kBelow = 44.0, kApart = 28.0;
+
+std::vector<Line> lines_of(const dynamics::LawInfo& info) {
+  std::vector<dynamics::Coefficient> coefficients;
+  for (int i = 0; i < info.size(); ++i) {
+    const auto& c = info.coefficients[static_cast<std::size_t>(i)];
+    coefficients.emplace_back(c.required() ? c.example : c.otherwise);
+  }
+  const auto line = [&](const char* name, dynamics::Side side) {
+    return Line{name, law_cycle(dynamics::make_law(info.name, coefficients, side), kPictured)};
+  };
+  if (!info.one_sided) return {line("", dynamics::Side::opening)};
+  return {line("opening", dynamics::Side::opening), line("closing", dynamics::Side::closing)};
+}
+
+/// Whether the way out and the way back differ with no memory to blame.
+bool depends_on_rate(const dynamics::LawInfo& info, const std::vector<CyclePoint>& points) {
+  // From e = 0 at the start, point i and point n/2 - i have one extension and opposite rates.
+  const std::size_t half = (points.size() - 1) / 2, i = half / 4;
+  return !info.memory && std::abs(points[i].tension - points[half - i].tension) >
+                             1e-6 * (std::abs(points[i].tension) + 1e-300);
+}
+
+/// A step of 1, 2 or 5 times a power of ten, at most four of which reach `largest`.
+double round_step(double largest) {
+  const double power = std::pow(10.0, std::floor(std::log10(largest)));
+  for (const double digit : {0.2, 0.5, 1.0, 2.0, 5.0}) {
+    if (4.0 * digit * power >= largest) return digit * power;
+  }
+  return 10.0 * power;
+}
+
+std::string text_at(double x, double y, const std::string& anchor, const std::string& words,
+                    const std::string& more = "") {
+  return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\" text-anchor=\"" + anchor +
+         "\"" + more + ">" + words + "</text>\n";
+}
+
+std::string panel(double left, const Axis& across, const Axis& up, const std::vector<Line>& lines,
+                  double CyclePoint::*abscissa) {
+  const auto x = [&](double v) { return left + kFigureWidth * (0.5 + 0.5 * v / across.limit); };
+  const auto y = [&](double v) { return kTop + kHeight * (0.5 - 0.5 * v / up.limit); };
+  std::string svg;
+  const auto stroke = [&](double x1, double y1, double x2, double y2, const char* colour) {
+    svg += "<path d=\"M" + fixed(x1, 1) + " " + fixed(y1, 1) + "L" + fixed(x2, 1) + " " +
+           fixed(y2, 1) + "\" stroke=\"" + colour + "\"/>\n";
+  };
+  const auto each_tick = [](const Axis& axis, const auto& draw) {
+    const int n = static_cast<int>(std::floor(axis.limit * axis.scale / axis.step + 1e-9));
+    for (int i = -n; i <= n; ++i) {
+      draw(i * axis.step / axis.scale, i == 0 ? "0" : significant(i * axis.step, 3));
+    }
+  };
+  const double bottom = kTop + kHeight;
+  each_tick(across, [&](double v, const std::string& label) {
+    stroke(x(v), kTop, x(v), bottom, v == 0.0 ? "#888" : "#e4e4e4");
+    svg += text_at(x(v), bottom + 16, "middle", label);
+  });
+  each_tick(up, [&](double v, const std::string& label) {
+    stroke(left, y(v), left + kFigureWidth, y(v), v == 0.0 ? "#888" : "#e4e4e4");
+    svg += text_at(left - 6, y(v) + 4, "end", label);
+  });
+  svg += text_at(left + kFigureWidth / 2, bottom + 36, "middle", across.title);
+  const std::string middle = fixed(kTop + kHeight / 2, 1), beside = fixed(left - 46, 1);
+  svg += text_at(left - 46, kTop + kHeight / 2, "middle", up.title,
+                 " transform=\"rotate(-90 " + beside + " " + middle + ")\"");
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    const char* colour = l == 0 ? "#1f5fa8" : "#c2571a";
+    std::string path;
+    for (const CyclePoint& p : lines[l].points) {
+      path += (path.empty() ? "M" : "L") + fixed(x(p.*abscissa), 1) + " " + fixed(y(p.tension), 1);
+    }
+    svg += "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\" stroke-width=\"2\"" +
+           (l == 0 ? "" : " stroke-dasharray=\"6 3\"") + "/>\n";
+    if (!lines[l].name.empty()) {
+      svg += text_at(left + 8, kTop + 16 + 16 * static_cast<double>(l), "start", lines[l].name,
+                     std::string(" fill=\"") + colour + "\"");
+    }
+  }
+  return svg;
+}
+
+}  // namespace
+
+std::string law_figure_name(const dynamics::LawInfo& info) {
+  return "law-" + std::string(info.name) + ".svg";
+}
+
+std::string law_caption(const dynamics::LawInfo& info) {
+  std::string values;
+  for (int i = 0; i < info.size(); ++i) {
+    const auto& c = info.coefficients[static_cast<std::size_t>(i)];
+    values += (values.empty() ? "" : ", ") + std::string(c.symbol) + " = " +
+              plain_number(c.required() ? c.example : c.otherwise) +
+              (c.unit == "1" ? "" : " " + std::string(c.unit));
+  }
+  return "A cycle of 10 mm at 5 Hz with " + values;
+}
+
+std::string law_figure(const dynamics::LawInfo& info) {
+  const std::vector<Line> lines = lines_of(info);
+  double largest = 0.0;
+  for (const Line& line : lines) {
+    for (const CyclePoint& p : line.points) largest = std::max(largest, std::abs(p.tension));
+  }
+  const Axis tension{.title = "tension T [N]", .limit = 1.1 * largest, .step = round_step(largest)};
+  const double speed = 2.0 * std::numbers::pi * kPictured.amplitude / kPictured.period;
+  const bool two = depends_on_rate(info, lines[0].points);
+  std::string body = panel(
+      kLeft,
+      {.title = "extension e [mm]", .limit = 1.1 * kPictured.amplitude, .step = 5.0, .scale = 1e3},
+      tension, lines, &CyclePoint::extension);
+  if (two) {
+    body += panel(2 * kLeft + kFigureWidth + kApart,
+                  {.title = "rate ė [m/s]", .limit = 1.1 * speed, .step = round_step(speed)},
+                  tension, lines, &CyclePoint::rate);
+  }
+  const std::string width = fixed(
+                        (two ? 2.0 : 1.0) * (kLeft + kFigureWidth) + kApart + (two ? 16 : 0), 0),
+                    height = fixed(kTop + kHeight + kBelow, 0);
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
+         "\" viewBox=\"0 0 " + width + " " + height +
+         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" +
+         std::string(info.name) + ": " + law_caption(info) +
+         "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" + body + "</svg>\n";
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,209 @@
+#include "apps/report/law_page.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+#include "apps/law_words.hpp"
+#include "apps/report/law_figure.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using dynamics::LawCoefficient;
+using dynamics::LawInfo;
+
+std::span<const LawCoefficient> coefficients(const LawInfo& info) {
+  return std::span(info.coefficients).first(static_cast<std::size_t>(info.size()));
+}
+
+/// Where the value may stand in an object: `"force": F`, and the side; `name` of each unknown.
+template <class Value>
+std::string object(const LawInfo& info, const Value& value, bool everything) {
+  std::string text;
+  for (const LawCoefficient& c : coefficients(info)) {
+    if (!c.required() && !everything) continue;
+    text += (text.empty() ? "\"" : ", \"") + std::string(c.name) + "\": " + value(c);
+  }
+  return "{" + text + (info.one_sided ? R"(, "side": "opening")" : "") + "}";
+}
+
+std::string quoted_law(std::string_view text) {
+  return '"' + std::string(text) + '"';
+}
+
+std::string parameter_form(const LawInfo& info) {
+  if (has_short_form(info)) return quoted_law(info.coefficients[0].symbol);
+  return object(
+      info, [](const LawCoefficient& c) { return quoted_law(c.symbol); }, false);
+}
+
+/// The ways in which it may be written, one a line.
+std::string forms(const LawInfo& info) {
+  const auto number = [](const LawCoefficient& c) {
+    return plain_number(c.required() ? c.example : c.otherwise);
+  };
+  const std::string key = quoted_law(info.name) + ": ", known = object(info, number, true);
+  std::vector<std::string> lines;
+  if (has_short_form(info)) {
+    lines = {number(info.coefficients[0]), parameter_form(info)};
+  } else {
+    lines = {parameter_form(info)};
+  }
+  lines.push_back(known);
+  lines.push_back("[" + parameter_form(info) + ", " + known + "]");
+  std::string text;
+  for (const std::string& line : lines) text += key + line + "\n";
+  return text;
+}
+
+std::string prior(const LawCoefficient& c) {
+  const double x = c.example;
+  return c.above_lower
+             ? R"({"log_uniform": [)" + plain_number(x / 10) + ", " + plain_number(x * 10) + "]}"
+             : R"({"uniform": [0, )" + plain_number(5 * x) + "]}";
+}
+
+}  // namespace
+
+std::string law_section(const LawInfo& info) {
+  const std::string name(info.name);
+  std::string told = std::string(info.description) + ". " + std::string(info.notes);
+  told[0] = static_cast<char>(std::toupper(told[0]));
+  std::string text = "## " + name + "\n\n`" + std::string(info.formula) + "`\n\n" + told + "\n\n";
+  text += "![" + law_caption(info) + "](figures/" + law_figure_name(info) + ")\n\n*" +
+          law_caption(info) + ".*\n\n";
+  text +=
+      "| key | in the formula | unit | unless given | must be | what it is |\n"
+      "|---|---|---|---|---|---|\n";
+  for (const LawCoefficient& c : coefficients(info)) {
+    const std::string bounds = bounds_in_words(c);
+    text += "| `" + std::string(c.name) + "` | " + std::string(c.symbol) + " | " +
+            std::string(c.unit) + " | " + (c.required() ? "needed" : plain_number(c.otherwise)) +
+            " | " + (bounds.empty() ? "any number" : bounds) + " | " + std::string(c.words) +
+            " |\n";
+  }
+  if (info.one_sided) {
+    text +=
+        "| `side` | | | needed | `\"opening\"` or `\"closing\"` | where it acts: e > 0 or e < 0 "
+        "|\n";
+  }
+  text += "\nIn a link, any of these lines:\n\n```text\n" + forms(info) + "```\n\n";
+  text += "A whole case that runs as it is:\n\n```json\n" + law_example(info) + "```\n\n```sh\n" +
+          "wheeltap laws " + name + " --example > " + name + ".json\n" + "wheeltap sid " + name +
+          ".json -o results/" + name + " --quick\n```\n";
+  return text;
+}
+
+constexpr const char* kIntroduction = R"(# Force laws
+
+What a link of a `sid` case may have beside its linear spring (`stiffness`) and damper (`damping`): formula, sign,
+keys with units, picture, and a case that runs for each. `wheeltap laws` prints this page from the laws themselves,
+`wheeltap laws NAME` one part of it, and `wheeltap laws NAME --example` a case to start from.
+
+## What all laws share
+
+```text
+      y_a →                    y_b →
+      mass a ──── link ──── mass b            "between": [a, b]
+           T →          ← T
+```
+
+- **Extension.** e = y_b - y_a of a link `"between": [a, b]`, and ė is its rate. e > 0 is called *opening*, e < 0
+  *closing*. Mass 0 is the ground or the moving base: of `[0, 1]` on the ground, e is the displacement of mass 1.
+- **Tension.** T > 0 pulls the two together: the force +T on a and -T on b. A spring is T = k e with k > 0, a damper
+  T = c ė, friction T = F sgn(ė): with positive coefficients each opposes the motion. One mass on the ground obeys
+  m ÿ = force - T.
+- **Laws add up.** The tension of a link is `stiffness` · e + `damping` · ė and the sum of its laws. Links between the
+  same two masses add up as well.
+- **Values.** A coefficient is a number (known), or the name of a parameter (unknown, with its prior under
+  `parameters`), in SI units. Where a law has one coefficient that is needed, the bare value may stand for the object;
+  a list has the law several times.
+- **Sides.** A law that acts on one side takes `"side": "opening"` (it acts for e > 0) or `"closing"` (e < 0: the same
+  law seen in a mirror, T(e) = -T_open(-e)). The words are about the link, not about a gap: a mass on the ground, link
+  `[0, 1]`, that meets its stop where its displacement is positive has `"opening"`, and one that meets it where that is
+  negative `"closing"`. A stop on the wrong side explains nothing: compare both where you are not sure.
+- **Rest.** A spring, a gap and a stop count from e = 0, where the links of the chain are without tension. A channel's
+  `offset` moves the zero of a sensor there; it may be a parameter.
+
+A link with dry friction and a stop behind a gap of unknown width:
+
+```json
+{"between": [0, 1], "stiffness": "k", "damping": "c", "coulomb": "F",
+ "contact": {"stiffness": "kc", "gap": "g", "side": "opening"}}
+```
+
+with `"F": {"uniform": [0, 20]}`, `"kc": {"log_uniform": [1e3, 1e6]}` and `"g": {"uniform": [0, 0.01]}` beside k and c
+under `parameters`. The examples below need the program where the shell finds it:
+
+```sh
+export PATH="$PWD/build/release/apps:$PATH"
+```
+
+They are quick looks ([what that means](guide.md#a-look-first-and-how-long-a-run-takes)); without `--quick` the same
+cases run in full. Each compares a chain without the law with one that has it, on a record simulated with the law.
+
+)";
+
+std::string law_example(const LawInfo& info) {
+  const std::string name(info.name);
+  std::string priors, values;
+  for (const LawCoefficient& c : coefficients(info)) {
+    if (!c.required()) continue;
+    priors += ",\n    " + quoted_law(c.symbol) + ": " + prior(c);
+    values += ", " + quoted_law(c.symbol) + ": " + plain_number(c.example);
+  }
+  return R"({
+  "kind": "sid",
+  "title": "One mass on a spring, a damper and )" +
+         name + R"(",
+  "record": {
+    "channels": [
+      {"column": "force [N]", "role": "force", "mass": 1},
+      {"column": "displacement [m]", "role": "response", "mass": 1, "quantity": "displacement"}
+    ]
+  },
+  "parameters": {
+    "k": {"uniform": [200, 8000]},
+    "c": {"uniform": [0, 40]},
+    "noise": {"log_uniform": [1e-6, 1e-2]})" +
+         priors + R"(
+  },
+  "models": [
+    {"name": "without )" +
+         name + R"(", "masses": [2.0], "noise": "noise",
+     "links": [{"between": [0, 1], "stiffness": "k", "damping": "c"}]},
+    {"name": "with )" +
+         name + R"(", "masses": [2.0], "noise": "noise",
+     "links": [{"between": [0, 1], "stiffness": "k", "damping": "c",
+                ")" +
+         name + "\": " + parameter_form(info) + R"(}]}
+  ],
+  "truth": {
+    "model": "with )" +
+         name + R"(",
+    "parameters": {"k": 2000, "c": 4, "noise": 1e-4)" +
+         values + R"(},
+    "noise": 1e-4, "samples": 400, "sample_rate": 200, "seed": 1,
+    "excitation": [{"mass": 1, "kind": "white", "variance": 200}]
+  }
+}
+)";
+}
+
+std::string laws_page() {
+  std::string text = kIntroduction;
+  text += "| law | formula | what it is |\n|---|---|---|\n";
+  for (const LawInfo& info : dynamics::law_infos()) {
+    std::string formula(info.formula);
+    for (std::size_t at = 0; (at = formula.find('|', at)) != std::string::npos; at += 2) {
+      formula.replace(at, 1, "\\|");
+    }
+    text += "| [`" + std::string(info.name) + "`](#" + std::string(info.name) + ") | " + formula +
+            " | " + std::string(info.description) + " |\n";
+  }
+  for (const LawInfo& info : dynamics::law_infos()) text += "\n" + law_section(info);
+  return text;
+}
+
+}  // namespace wheeltap::apps

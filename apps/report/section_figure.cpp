@@ -1,0 +1,144 @@
+#include "apps/report/section_figure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "apps/words.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kInside = 420.0, kMargin = 46.0, kLegend = 92.0;  // [px]
+
+std::string escaped_markup(const std::string& text) {
+  std::string out;
+  for (const char c : text)
+    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+  return out;
+}
+
+/// From metres to the sheet.
+struct Sheet {
+  Vector2d low, high;
+  double scale;
+
+  [[nodiscard]] std::string at(const Vector2d& p) const {
+    return fixed(x(p), 2) + " " + fixed(y(p), 2);
+  }
+  [[nodiscard]] double x(const Vector2d& p) const { return kMargin + scale * (p.x() - low.x()); }
+  [[nodiscard]] double y(const Vector2d& p) const { return kMargin + scale * (high.y() - p.y()); }
+  [[nodiscard]] double width() const { return 2.0 * kMargin + scale * (high.x() - low.x()); }
+  [[nodiscard]] double height() const { return 2.0 * kMargin + scale * (high.y() - low.y()); }
+};
+
+std::string label(double x, double y, const std::string& words, const std::string& more = "") {
+  return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\"" + more + ">" + words +
+         "</text>\n";
+}
+
+std::string arrow(double x1, double y1, double x2, double y2, const std::string& name) {
+  const double angle = std::atan2(y2 - y1, x2 - x1);
+  std::string path =
+      "<path d=\"M" + fixed(x1, 1) + " " + fixed(y1, 1) + "L" + fixed(x2, 1) + " " + fixed(y2, 1);
+  for (const double turn : {2.7, -2.7})
+    path += "M" + fixed(x2, 1) + " " + fixed(y2, 1) + "l" + fixed(6 * std::cos(angle + turn), 1) +
+            " " + fixed(6 * std::sin(angle + turn), 1);
+  return path + "\" fill=\"none\" stroke=\"#666\"/>\n" +
+         label(x2 + 9 * std::cos(angle) - 3, y2 + 9 * std::sin(angle) + 4, name);
+}
+
+}  // namespace
+
+std::string section_figure(const MeshedSection& section, const std::string& title) {
+  const fem::SectionProperties& p = section.analysis.properties;
+  const Vector2d centre = p.centroid + p.shear_centre;
+  Sheet sheet{.low = centre, .high = centre, .scale = 1.0};
+  for (const auto& point : section.mesh.points) {
+    sheet.low = sheet.low.cwiseMin(point);
+    sheet.high = sheet.high.cwiseMax(point);
+  }
+  const double size = (sheet.high - sheet.low).maxCoeff();
+  sheet.scale = kInside / size;
+  std::string body;
+  // Triangles, lightly; regions of other materials in other shades.
+  static const char* shades[] = {"#dde7f3", "#f3e3d6", "#e0efdf", "#efe0ee"};
+  for (std::size_t r = 0; r < section.outline.regions.size(); ++r) {
+    std::string path;
+    const auto add = [&](const fem::Ring& ring) {
+      for (std::size_t i = 0; i < ring.size(); ++i) path += (i ? "L" : "M") + sheet.at(ring[i]);
+      path += "Z";
+    };
+    add(section.outline.regions[r].outer);
+    for (const fem::Ring& hole : section.outline.regions[r].holes) add(hole);
+    body += "<path d=\"" + path + "\" fill=\"" + shades[r % 4] + "\" fill-rule=\"evenodd\"/>\n";
+  }
+  std::string mesh, rim;
+  const fem::EdgeNumbers edges = fem::number_edges(section.mesh);
+  for (std::size_t e = 0; e < edges.ends.size(); ++e) {
+    const auto [a, b] = edges.ends[e];
+    const auto [s, t] = edges.triangles[e];
+    const bool border = t < 0 || section.mesh.regions[static_cast<std::size_t>(s)] !=
+                                     section.mesh.regions[static_cast<std::size_t>(t)];
+    (border ? rim : mesh) += "M" + sheet.at(section.mesh.points[static_cast<std::size_t>(a)]) +
+                             "L" + sheet.at(section.mesh.points[static_cast<std::size_t>(b)]);
+  }
+  body += "<path d=\"" + mesh + "\" fill=\"none\" stroke=\"#b9c7d8\" stroke-width=\"0.6\"/>\n";
+  body += "<path d=\"" + rim + "\" fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"1.6\"/>\n";
+  // Principal axes through the centroid.
+  const fem::PrincipalAxes axes = fem::principal_axes(p.second_moments);
+  for (const int k : {1, 2}) {
+    const double angle = axes.angle + (k == 2 ? 0.5 * std::numbers::pi : 0.0);
+    const Vector2d along(std::cos(angle), std::sin(angle));
+    const double reach = 0.28 * size;
+    const Vector2d from = p.centroid - reach * along, to = p.centroid + reach * along;
+    body += "<path d=\"M" + sheet.at(from) + "L" + sheet.at(to) +
+            "\" stroke=\"#444\" stroke-dasharray=\"9 3 2 3\"/>\n";
+    body += label(sheet.x(to) + 4, sheet.y(to) - 4, std::to_string(k));
+  }
+  const double cx = sheet.x(p.centroid), cy = sheet.y(p.centroid);
+  body +=
+      "<circle cx=\"" + fixed(cx, 1) + "\" cy=\"" + fixed(cy, 1) + "\" r=\"4\" fill=\"#222\"/>\n";
+  const double sx = sheet.x(centre), sy = sheet.y(centre);
+  body += "<path d=\"M" + fixed(sx - 8, 1) + " " + fixed(sy, 1) + "h16M" + fixed(sx, 1) + " " +
+          fixed(sy - 8, 1) + "v16\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n<circle cx=\"" +
+          fixed(sx, 1) + "\" cy=\"" + fixed(sy, 1) +
+          "\" r=\"5\" fill=\"none\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n";
+  const double left = kMargin, below = sheet.height();
+  body += arrow(14, sheet.height() - 14, 44, sheet.height() - 14, "y");
+  body += arrow(14, sheet.height() - 14, 14, sheet.height() - 44, "z");
+  body += "<circle cx=\"" + fixed(left + 4, 1) + "\" cy=\"" + fixed(below + 14, 1) +
+          "\" r=\"4\" fill=\"#222\"/>\n";
+  body += label(left + 16, below + 18,
+                "centroid (" + significant(p.centroid.x(), 5) + ", " +
+                    significant(p.centroid.y(), 5) + ") m");
+  body += "<circle cx=\"" + fixed(left + 4, 1) + "\" cy=\"" + fixed(below + 34, 1) +
+          "\" r=\"5\" fill=\"none\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n";
+  body += label(
+      left + 16, below + 38,
+      "shear centre (" + significant(centre.x(), 5) + ", " + significant(centre.y(), 5) + ") m");
+  body += label(left, below + 58,
+                "1, 2: principal axes, I1 = " + significant(axes.largest, 5) +
+                    " m⁴, I2 = " + significant(axes.smallest, 5) + " m⁴");
+  // A round length below a third of the width.
+  double bar = std::pow(10.0, std::floor(std::log10(size / 3.0)));
+  for (const double more : {5.0, 2.0})
+    if (more * bar <= size / 3.0) {
+      bar *= more;
+      break;
+    }
+  body += "<path d=\"M" + fixed(left, 1) + " " + fixed(below + 74, 1) + "h" +
+          fixed(bar * sheet.scale, 1) + "\" stroke=\"#222\" stroke-width=\"2\"/>\n";
+  body += label(left + bar * sheet.scale + 8, below + 78, significant(bar, 2) + " m");
+  const std::string width = fixed(std::max(sheet.width(), 430.0), 0),
+                    height = fixed(below + kLegend, 0);
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
+         "\" viewBox=\"0 0 " + width + " " + height +
+         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" +
+         escaped_markup(title) + "</title>\n<rect width=\"" + width + "\" height=\"" + height +
+         "\" fill=\"#fff\"/>\n" + body + "</svg>\n";
+}
+
+}  // namespace wheeltap::apps

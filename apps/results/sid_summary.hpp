@@ -1,0 +1,26 @@
+// summary.json of a system-identification run.
+#pragma once
+
+#include "apps/cases/sid_case.hpp"
+#include "apps/results/summary.hpp"
+#include "identification/sid/findings/sid_findings.hpp"
+
+namespace wheeltap::apps {
+
+/// The whole of summary.json. `problem` is the one that was run: its case has the steps that were
+/// used.
+[[nodiscard]] Report sid_summary(const SidCaseFile& parsed,
+                                 const identification::SidProblem& problem,
+                                 const identification::SidFindings& findings, const RunInfo& info);
+
+/// [{"model", "against", "log_bayes_factor", "mcse", "basis", "never_visited"}, …].
+[[nodiscard]] Report bayes_factors_report(const identification::SidFindings& findings);
+
+/// {model: [{"channel", "mass", "mse", …}, …], …}, at the means of the models' parameters.
+[[nodiscard]] Report fits_report(const identification::SidFindings& findings);
+
+/// Which of the two models no draw was in: a name, "both", or "".
+[[nodiscard]] std::string never_visited(const identification::SidFindings& findings,
+                                        const identification::BayesFactor& factor);
+
+}  // namespace wheeltap::apps

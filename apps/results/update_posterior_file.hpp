@@ -1,0 +1,25 @@
+// posterior.nc: every draw of an update, in the ArviZ InferenceData layout.
+#pragma once
+
+#include <string>
+
+#include "apps/cases/update_case.hpp"
+#include "identification/structural/updating/update_problem.hpp"
+#include "inference/engine/reversible_jump.hpp"
+#include "io/netcdf/netcdf_writer.hpp"
+
+namespace wheeltap::apps {
+
+/// Fills a NetCDF-4 file with the groups
+///   posterior             a variable a parameter (chain, draw)
+///   sample_stats          lp, log_likelihood, k, move, accepted (chain, draw)
+///   posterior_predictive  frequency (chain, draw, mode): of the modes measured, with noise of
+///                         `seed` by the likelihood's own covariance
+///   observed_data         frequency, sd (mode), shape (mode, sensor)
+/// Throws io::FileError (unwritable) for what NetCDF does not take.
+void write_update_posterior(const io::NetcdfWriter& file, const std::string& run,
+                            const UpdateCaseFile& parsed,
+                            const identification::UpdateProblem& problem,
+                            const inference::Posterior& posterior, std::uint64_t seed);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,18 @@
+// What an update found, as summary.json.
+#pragma once
+
+#include "apps/cases/update_case.hpp"
+#include "apps/results/summary.hpp"
+#include "identification/structural/updating/update_findings.hpp"
+
+namespace wheeltap::apps {
+
+/// Beside what every summary has: "contraction" of each parameter, "cannot_tell" (sentences,
+/// "entangled" pairs, "untouched" directions), "data" with "modes" (frequencies, residuals, shapes'
+/// MAC, matching, and what each mode contributes), "mac", "predictions", and "reduced_basis".
+[[nodiscard]] Report update_summary(const UpdateCaseFile& parsed,
+                                    const identification::UpdateProblem& problem,
+                                    const identification::UpdateFindings& findings,
+                                    const RunInfo& info);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,14 @@
+// What an update found, for a terminal.
+#pragma once
+
+#include <iosfwd>
+
+#include "apps/cases/update_case.hpp"
+#include "identification/structural/updating/update_findings.hpp"
+
+namespace wheeltap::apps {
+
+void print_update(std::ostream& out, const UpdateCaseFile& parsed,
+                  const identification::UpdateFindings& findings, bool colour);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,13 @@
+// `wheeltap modes` of a structure.
+#pragma once
+
+#include "apps/cases/syntax/case_file.hpp"
+#include "apps/runs/found_modes.hpp"
+
+namespace wheeltap::apps {
+
+/// Natural frequencies and shapes with every parameter at its nominal value; writes the VTK file
+/// that is asked for. Throws Failure; 65 for mechanisms and axial forces beyond buckling.
+[[nodiscard]] FoundModes find_structure_modes(CaseFile file, const ModesOptions& options);
+
+}  // namespace wheeltap::apps

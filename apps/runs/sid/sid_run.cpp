@@ -1,0 +1,115 @@
+#include "apps/runs/sid/sid_run.hpp"
+
+#include "apps/results/sid_posterior_file.hpp"
+#include "apps/results/sid_summary.hpp"
+#include "apps/results/sid_terminal.hpp"
+#include "apps/results/stored_run.hpp"
+#include "apps/results/terminal.hpp"
+#include "apps/runs/running.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+Report used_options(const SamplingOptions& options, const inference::Options& engine) {
+  return {{"chains", options.chains},   {"warmup", engine.warmup},
+          {"draws", engine.draws},      {"thin", engine.thin},
+          {"search", options.searches}, {"prior_only", options.prior_only},
+          {"quick", options.quick}};
+}
+
+}  // namespace
+
+void require_room_for_truth(CaseFile& file, const CommonOptions& common) {
+  validate_against_schema(file, "sid");
+  require_affordable(file, Pointer("/truth/samples"), cost_of_truth(file), common);
+}
+
+RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
+                    const SamplingOptions& options) {
+  const auto problem = explained(parsed, [&] { return make_sid_problem(parsed.sid); });
+  SamplingOptions chosen = options;
+  const inference::Options engine =
+      affordable(engine_options(common, options), problem->seconds_a_likelihood);
+  chosen.warmup = engine.warmup;
+  chosen.draws = engine.draws;
+  const inference::ModelSpace& space = problem->problem.space;
+  Sampled sampled{
+      .models = static_cast<double>(space.size()),
+      .largest = static_cast<double>(space.max_dimension()),
+      // 10 000 to 150 000 on the shipped cases, the repetition with finer steps included
+      .explored = 40'000.0,
+      .seconds_a_likelihood = problem->seconds_a_likelihood,
+      .records = true};
+  for (int m = 0; m < space.size(); ++m) sampled.dimensions += space[m].dimension;
+  RunCost cost = cost_of_sampling(sampled, common, chosen);
+  // The record and all that was made of it is there; searches shorten it to a half, a quarter, …,
+  // each with simulators of its own.
+  cost.bytes += 2.0 * bytes_held();
+  const int all = problem->misfits.front().samples();
+  const int few = options.quick ? samples_of_a_look(all, problem->seconds_a_likelihood) : all;
+  if (few < all) {
+    const std::shared_ptr<const inference::Problem> part = problem->problem.shortened(few);
+    measure(cost, *part, engine, probe_seconds(common));
+  } else {
+    measure(cost, problem->problem, engine, probe_seconds(common));
+  }
+  return cost;
+}
+
+SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
+                    const SamplingOptions& options, RunWatch& watch) {
+  const SidRunOptions how = {
+      .engine = engine_options(common, options),
+      .sample = [&](const inference::Problem& problem,
+                    const inference::Options& engine) { return watch.sample(problem, engine); },
+      .doubt =
+          [&](const std::vector<Remark>& doubts) {
+            for (const Remark& doubt : doubts) watch.warn(sentence(doubt, {}));
+          },
+      .repeat =
+          [&](const StepsRefined& refined) {
+            watch.note(repeat_note(refined));
+            watch.repeat(refined);
+          },
+      .refined = watch.refined()};
+  SidOutcome out{.run = explained(parsed, [&] { return identification::run_sid(parsed.sid, how); }),
+                 .predictive = {},
+                 .findings = {}};
+  const auto evidence =
+      compute_evidence(out.run.problem->problem, evidence_methods(options.evidence),
+                       out.run.engine.seed, common.threads, watch);
+  if (!base::is_first_rank()) return out;
+  out.predictive = predict(*out.run.problem, out.run.posterior);
+  out.findings = sid_findings(out.run, out.predictive, evidence);
+  return out;
+}
+
+std::optional<FinishedRun> sample_sid(std::shared_ptr<const SidCaseFile> parsed,
+                                      const CommonOptions& common, const SamplingOptions& options,
+                                      RunWatch& watch) {
+  const auto out = std::make_shared<const SidOutcome>(identify(*parsed, common, options, watch));
+  if (!base::is_first_rank()) return {};
+  const std::uint64_t seed = out->run.engine.seed;
+  Report summary = sid_summary(*parsed, *out->run.problem, out->findings,
+                               {.seed = seed, .command_line = common.command_line});
+  summary["wheeltap"]["asked"] = options_report(options);
+  summary["wheeltap"]["options"] = used_options(options, out->run.engine);
+  const std::string run = run_id(summary["wheeltap"], out->run.posterior);
+  return FinishedRun{
+      .summary = std::move(summary),
+      .run = run,
+      .posterior = {out, &out->run.posterior},
+      .print = [parsed, out](std::ostream& to,
+                             bool colour) { print_sid(to, *parsed, out->findings, colour); },
+      .draws =
+          [parsed, out, run, seed](const io::NetcdfWriter& file) {
+            write_sid_posterior(file, run, *parsed, *out->run.problem, out->run.posterior,
+                                out->predictive, seed);
+          },
+      .columns = [out] { return sid_columns(*out->run.problem, out->run.posterior); }};
+}
+
+}  // namespace wheeltap::apps

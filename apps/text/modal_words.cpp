@@ -1,0 +1,293 @@
+#include "apps/text/modal_words.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "apps/cases/records/record_reading.hpp"
+#include "apps/words.hpp"
+#include "base/number.hpp"
+
+namespace wheeltap::apps {
+
+using signals::ModeDoubt;
+
+std::string with_sd(double x, double sd) {
+  if (!std::isfinite(x)) return "-";
+  if (!(sd > 0.0) || !std::isfinite(sd)) return significant(x, 5);
+  const int decimals = std::max(0, 1 - static_cast<int>(std::floor(std::log10(sd))));
+  return fixed(x, decimals) + " ± " + fixed(sd, decimals);
+}
+
+std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
+  std::vector<std::string> out;
+  for (const ModeDoubt doubt : mode.doubts) {
+    switch (doubt) {
+      case ModeDoubt::few_orders:
+        out.push_back("in " + std::to_string(mode.present) + " of " + std::to_string(mode.orders) +
+                      " orders only");
+        break;
+      case ModeDoubt::damping_unknown:
+        out.emplace_back("its damping is hardly known");
+        break;
+      case ModeDoubt::complex_shape:
+        out.emplace_back("its shape is no standing wave: noise, or two modes in one");
+        break;
+      case ModeDoubt::tone:
+        out.emplace_back("a steady tone, as of a machine, rather than a mode");
+        break;
+      case ModeDoubt::twin:
+        out.emplace_back(
+            "another one is as near as both are uncertain or wide, with the same shape");
+        break;
+      case ModeDoubt::at_the_edge:
+        out.emplace_back("at an end of the band, where a filter may bend it");
+        break;
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> doubts_in_words(const signals::MergedMode& mode) {
+  std::vector<std::string> out;
+  for (const signals::MergeDoubt doubt : mode.doubts) {
+    switch (doubt) {
+      case signals::MergeDoubt::few_set_ups:
+        out.push_back("in " + std::to_string(mode.found()) + " of " +
+                      std::to_string(mode.places.size()) + " set-ups only");
+        break;
+      case signals::MergeDoubt::doubted:
+        out.emplace_back("doubtful in most set-ups that have it");
+        break;
+      case signals::MergeDoubt::inconsistent:
+        out.push_back(
+            "its frequency moves by " + significant(mode.between_hz, 2) +
+            " Hz between set-ups, beyond their own scatter (p " +
+            (mode.consistency_p < 1e-15 ? "< 1e-15" : significant(mode.consistency_p, 2)) +
+            "): the structure changed, or blocks are too short");
+        break;
+      case signals::MergeDoubt::unlike:
+        out.push_back("set-ups disagree on its shape at the references (MAC down to " +
+                      fixed(mode.reference_mac, 2) + ")");
+        break;
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> record_in_words(const SetUp& set_up) {
+  std::vector<std::string> out;
+  // Channels of one unit are named together.
+  std::vector<std::pair<std::string, std::vector<std::string>>> units;
+  for (const ChannelUse& use : set_up.channels) {
+    const std::string words = conversion_in_words(use.conversion);
+    auto same = std::ranges::find(units, words, &decltype(units)::value_type::first);
+    if (same == units.end()) same = units.insert(units.end(), {words, {}});
+    same->second.push_back(use.column);
+  }
+  std::string text;
+  for (const auto& [words, columns] : units) {
+    text += text.empty() ? "Units: " : "; ";
+    text += (columns.size() > 4
+                 ? columns.front() + " and " + std::to_string(columns.size() - 1) + " others"
+                 : in_words(columns)) +
+            ": " + words;
+  }
+  if (!text.empty()) out.push_back(text + ".");
+  if (!set_up.orders.empty() && std::ranges::min(set_up.orders) != std::ranges::max(set_up.orders))
+    out.emplace_back(
+        "Channels measure unlike quantities: each mode's shape is taken to that of the highest "
+        "derivative, by the mode's own frequency and damping.");
+  if (std::string words = sampling_in_words(set_up.sampling);
+      !words.empty() && !set_up.sampling.doubtful_unit)
+    out.push_back(std::move(words));
+  if (set_up.layout) out.push_back(layout_in_words(*set_up.layout));
+  return out;
+}
+
+std::string orders_in_words(int present, int orders) {
+  return orders > 0 ? std::to_string(present) + " of " + std::to_string(orders) : "-";
+}
+
+std::string rejection_in_words(signals::Rejection why) {
+  switch (why) {
+    case signals::Rejection::few_orders:
+      return "in too few orders";
+    case signals::Rejection::splinter:
+      return "part of a mode that is known better: large orders split it";
+    case signals::Rejection::noise:
+      return "the decays are explained as well without it";
+  }
+  return {};
+}
+
+std::string rejected_poles_in_words(const signals::ModalResult& result) {
+  const signals::Stabilisation& of = result.diagram;
+  if (of.poles.empty()) return {};
+  std::vector<bool> told(of.poles.size());
+  for (const signals::ModeCluster& c : of.modes)
+    for (const int m : c.members) told[static_cast<std::size_t>(m)] = true;
+  for (const signals::RejectedCluster& r : of.rejected)
+    for (const int m : r.cluster.members) told[static_cast<std::size_t>(m)] = true;
+  long unknown = 0, alone = 0;
+  for (std::size_t i = 0; i < of.poles.size(); ++i)
+    if (!told[i]) ++(of.hard[i] ? alone : unknown);
+  std::string out = "Of " + base::grouped(static_cast<long>(of.poles.size())) +
+                    " poles in the band with a damping from -0.2 to 20 %, ";
+  if (unknown > 0)
+    out += base::grouped(unknown) + " were left out for a frequency that is not known to 5 %, ";
+  return out + base::grouped(alone) + " for having none like them in two other orders.";
+}
+
+std::vector<std::string> procedure_in_words(const signals::ModalResult& result) {
+  std::vector<std::string> out;
+  if (result.method == signals::ModalMethod::bayesian) {
+    out.emplace_back(
+        "The posterior of each band's modes, modal forces and noise, sampled given the lines of "
+        "the "
+        "Fourier transform within it; means and standard deviations of the draws. The forces are "
+        "taken to be white within a band, and other bands' modes to be absent from it.");
+    return out;
+  }
+  if (result.method == signals::ModalMethod::polyreference) {
+    out.push_back("Frequency responses at " + base::grouped(result.lines) + " frequencies from " +
+                  significant(result.lowest_hz, 4) + " to " + significant(result.highest_hz, 4) +
+                  " Hz, fitted by matrix fractions of orders up to " +
+                  std::to_string(result.largest_order) + "; scatter from " +
+                  std::to_string(result.replicates) + " replicates of the fit's residuals.");
+    return out;
+  }
+  if (result.segments > 0) {
+    out.push_back("Spectra of " + base::grouped(static_cast<long>(result.segments)) +
+                  " segments of " + base::grouped(static_cast<long>(result.segment)) +
+                  " samples, " + significant(result.sample_rate_hz / result.segment, 3) +
+                  " Hz between their lines; modes are peaks of the first singular value.");
+    if (result.method == signals::ModalMethod::enhanced)
+      out.push_back(
+          "Frequency and damping are those of the decay that the lines about a peak "
+          "hold. Standard deviations are the scatter between " +
+          std::to_string(result.blocks) +
+          " parts of the record: they know nothing of bias, and a bell that is cut, by "
+          "another mode or where the shape changes, makes damping come out wrong.");
+    else
+      out.emplace_back(
+          "Frequencies are known to the spacing of the lines at best. Nothing is said of damping, "
+          "and nothing of scatter: a damage or update case does not take these modes as data.");
+    return out;
+  }
+  if (result.decimated > 1)
+    out.push_back("Records were filtered and decimated by " + std::to_string(result.decimated) +
+                  ", to " + significant(result.sample_rate_hz, 5) + " Hz.");
+  if (result.method == signals::ModalMethod::realisation) {
+    out.push_back("Free decays over " + std::to_string(result.lags) + " samples (" +
+                  significant(result.lags / result.sample_rate_hz, 3) + " s); orders up to " +
+                  std::to_string(result.largest_order) + "; scatter from " +
+                  std::to_string(result.replicates) +
+                  " surrogates of what the modes leave of the decays.");
+    return out;
+  }
+  if (result.set_ups > 1)
+    out.push_back("The covariances of " + std::to_string(result.set_ups) +
+                  " set-ups were merged through the " + std::to_string(result.references.size()) +
+                  (result.references.size() == 1 ? " sensor" : " sensors") +
+                  " that all have, and identified together; the spectrum is that of the first.");
+  out.push_back("Covariances over " + std::to_string(result.lags) + " lags (" +
+                significant(result.lags / result.sample_rate_hz, 3) + " s), their scatter from " +
+                std::to_string(result.blocks) + " blocks of " +
+                significant(result.block_seconds, 3) + " s; orders up to " +
+                std::to_string(result.largest_order) + ".");
+  return out;
+}
+
+std::vector<std::string> warnings(const signals::ModalResult& result) {
+  std::vector<std::string> out;
+  if (result.modes.empty())
+    out.emplace_back(
+        "No mode was found in the band: no pole is stable over orders. Look at the spectra, widen "
+        "the band, or record for longer.");
+  if (const int n = result.remarks.narrow; n > 0)
+    out.push_back(
+        std::to_string(n) + (n == 1 ? " mode is" : " modes are") +
+        " narrower than the spacing of the frequencies: damping rests on the fit alone, and on "
+        "responses that no window has smeared.");
+  if (const int n = result.remarks.moved; n > 0)
+    out.push_back(std::to_string(n) + (n == 1 ? " mode was" : " modes were") +
+                  " moved by the last fit of all modes together away from where the diagram has " +
+                  (n == 1 ? "it" : "them") + ": another mode may be missing nearby.");
+  for (const std::string& why : result.remarks.unsettled)
+    out.push_back("Not converged, do not trust its numbers yet: " + why);
+  if (result.remarks.short_blocks)
+    out.push_back("The record is short: it gives " + std::to_string(result.blocks) + " blocks of " +
+                  significant(result.block_seconds, 3) +
+                  " s, and standard deviations themselves are known to about " +
+                  significant(100.0 / std::sqrt(2.0 * (result.blocks - 1)), 2) + " %.");
+  if (const int n = result.remarks.longer_decays; n > 0)
+    out.push_back("Blocks of " + significant(result.block_seconds, 3) +
+                  " s are shorter than the decay 1 / (ζω) of " + std::to_string(n) +
+                  (n == 1 ? " mode" : " modes") +
+                  ", whose standard deviations are rougher for it: a longer record would tell.");
+  if (result.remarks.order_cut > 0)
+    out.push_back("Orders stop at " + std::to_string(result.largest_order) + ", not at " +
+                  std::to_string(result.remarks.order_cut) +
+                  (result.method == signals::ModalMethod::polyreference
+                       ? ": there are too few frequencies for more."
+                       : ": the record is too short for the lags that more would need."));
+  if (result.method != signals::ModalMethod::subspace) return out;
+  if (result.blocks <= 2 * static_cast<int>(result.modes.size()))
+    out.push_back("There are " + std::to_string(result.blocks) + " blocks for " +
+                  std::to_string(2 * result.modes.size()) +
+                  " frequencies and damping ratios: their joint covariance is singular; single "
+                  "standard deviations hold.");
+  if (result.references.size() == 1 && result.modes.size() > 1)
+    out.emplace_back(
+        "There is one reference: modes that hardly move it cannot be seen, and two modes of one "
+        "frequency look like one.");
+  return out;
+}
+
+std::vector<std::string> cautions(const SetUp& set_up, const signals::ModalResult& result) {
+  std::vector<std::string> out = warnings(result);
+  out.insert(out.end(), set_up.oddities.begin(), set_up.oddities.end());
+  return out;
+}
+
+std::vector<std::string> cautions(const ModalCaseFile& modal, const IdentifiedModes& found) {
+  if (!found.merged) {
+    std::vector<std::string> out = cautions(modal.set_ups[0], found.set_ups[0]);
+    for (std::size_t s = 1; s < modal.set_ups.size(); ++s)
+      for (const std::string& text : modal.set_ups[s].oddities)
+        out.push_back(modal.set_ups[s].name + ": " + text);
+    return out;
+  }
+  std::vector<std::string> out;
+  // What several set-ups have in common is said once.
+  std::vector<std::pair<std::string, std::vector<std::string>>> said;
+  for (std::size_t s = 0; s < found.set_ups.size(); ++s)
+    for (const std::string& text : cautions(modal.set_ups[s], found.set_ups[s])) {
+      auto same = std::ranges::find(said, text, &decltype(said)::value_type::first);
+      if (same == said.end()) same = said.insert(said.end(), {text, {}});
+      same->second.push_back(modal.set_ups[s].name);
+    }
+  for (const auto& [text, names] : said) {
+    std::string where = names[0];
+    if (names.size() == found.set_ups.size()) {
+      where = "All set-ups";
+    } else {
+      for (std::size_t i = 1; i < names.size(); ++i) where += ", " + names[i];
+    }
+    out.push_back(where + ": " + text);
+  }
+  return out;
+}
+
+std::string merging_in_words(const signals::MergedModes& merged, std::size_t set_ups) {
+  const std::size_t references = merged.references.size();
+  return std::to_string(set_ups) +
+         " set-ups were identified one by one and their modes merged: frequencies and damping as "
+         "weighted means, shapes by the " +
+         (references == 1 ? std::string("one sensor") : std::to_string(references) + " sensors") +
+         " that all have.";
+}
+
+}  // namespace wheeltap::apps

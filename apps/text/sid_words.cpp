@@ -1,0 +1,43 @@
+#include "apps/text/sid_words.hpp"
+
+#include "apps/words.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+std::string sentence(const remark::ScatterBetweenWindows& r) {
+  std::vector<std::string> parts;
+  for (const auto& parameter : r.parameters) {
+    parts.push_back(parameter.name + (parts.empty() ? " scatters by " : " by ") +
+                    significant(parameter.factor, 2) +
+                    (parts.empty() ? " times what its interval allows for" : " times"));
+  }
+  return "Under \"" + r.model + "\", between the " + std::to_string(r.windows) + " windows " +
+         in_words(parts) + ": use the " + (parts.size() == 1 ? "interval" : "intervals") +
+         " between windows.";
+}
+
+std::string sentence(const remark::WindowsUnsound& r) {
+  std::string text = "Under \"" + r.model + "\" ";
+  if (r.failed > 0) {
+    text += std::to_string(r.failed) + " of the " + std::to_string(r.windows) +
+            " windows could not be fitted";
+  }
+  if (!r.rough.empty()) {
+    text += std::string(r.failed > 0 ? ", and " : "") +
+            "the likelihood of single windows is far from " + "normal along " + in_words(r.rough);
+  }
+  return text + ": the intervals between windows are rough there. Use fewer, longer windows.";
+}
+
+std::string order_note(const SidModel& model) {
+  if (!model.chooses_order) return {};
+  const std::string chosen = "Under \"" + model.name + "\" the residuals are taken for ";
+  return model.order() == 0
+             ? chosen + "white, as those of its best fit are."
+             : chosen + "an autoregression of order " + std::to_string(model.order()) +
+                   ", chosen by BIC from those of its best fit with white ones.";
+}
+
+}  // namespace wheeltap::apps

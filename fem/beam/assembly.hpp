@@ -1,0 +1,62 @@
+// From a beam with defects to the matrices of K φ = ω² M φ.
+#pragma once
+
+#include <Eigen/SparseCore>
+
+#include <span>
+#include <vector>
+
+#include "base/eigen.hpp"
+#include "fem/beam/beam.hpp"
+#include "fem/beam/defect.hpp"
+#include "fem/beam/timoshenko_element.hpp"
+
+namespace wheeltap::fem {
+
+/// A motion at one place as a combination of four (at a node: one) neighbouring degrees of freedom,
+/// w(x) or θ(x) = coefficients · u[first_dof .. first_dof + 4).
+template <class Real>
+struct MotionRow {
+  int first_dof;
+  Eigen::Matrix<Real, 4, 1> coefficients;
+};
+
+/// The row of w(x), or of θ(x), through the element's shape functions. Exact at nodes (a place
+/// within 1e-9 L of one counts as it). Throws std::invalid_argument outside the beam.
+template <class Real>
+[[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
+                                         double x, bool rotation);
+
+/// Π (1 - r) of the damages in each element: what is left of its stiffness. A product, since
+/// 1 minus what was lost keeps no digits where little is left.
+template <class Real>
+[[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
+                                                                         const Defects& defects);
+
+/// How many rigid motions (of two: translation and rotation) the beam's and these supports leave
+/// free.
+[[nodiscard]] int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added);
+
+/// The reduced problem: every degree of freedom is u = T q, where q are the free ones. A rigid
+/// support N(x) · u = 0 removes one, expressed by its neighbours in the element; so K and M stay
+/// sparse.
+template <class Real>
+struct Assembly {
+  using Sparse = Eigen::SparseMatrix<Real>;
+  Sparse stiffness;            ///< Tᵀ K T, n × n, symmetric (both triangles)
+  Sparse mass;                 ///< Tᵀ M T, n × n
+  Sparse free_to_all;          ///< T, 2 (elements + 1) × n
+  std::vector<int> free_dofs;  ///< n: which degree of freedom each of q is
+};
+
+/// Throws std::invalid_argument for an invalid beam, or a defect outside the beam or out of range.
+template <class Real>
+[[nodiscard]] Assembly<Real> assemble(const Beam& beam, const Defects& defects);
+
+/// Throws std::invalid_argument for a damage outside the beam or with a reduction outside [0, 1).
+void validate(const Beam& beam, const Damage& damage);
+/// Throws std::invalid_argument for a support outside the beam or with a stiffness that is not
+/// positive.
+void validate(const Beam& beam, const SpringSupport& support);
+
+}  // namespace wheeltap::fem

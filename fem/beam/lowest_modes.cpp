@@ -1,0 +1,241 @@
+#include "fem/beam/lowest_modes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "base/eigen_solvers.hpp"
+
+namespace wheeltap::fem {
+namespace {
+
+/// Eigenvalues closer than this fraction are treated as one, their vectors made orthogonal.
+constexpr double kTwins = 1e-13;
+/// Closer than this, long double may have mixed two modes.
+constexpr double kClose = 1e-4;
+
+/// Sturm counts isolate the eigenvalues above zero, and Rayleigh quotient iteration finishes each.
+template <class Real>
+class Bisection {
+ public:
+  using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+
+  Bisection(const Beam& beam, const Defects& defects, int count)
+      : assembly_(assemble<Real>(beam, defects)),
+        ldlt_(assembly_.stiffness, assembly_.mass),
+        energy_(beam, defects),
+        count_(count) {
+    const auto rigid = rigid_modes(beam, defects);
+    for (const auto& mode : rigid.colwise()) {
+      Vector q(ldlt_.size());
+      for (Eigen::Index i = 0; i < q.size(); ++i)
+        q[i] = static_cast<Real>(mode[assembly_.free_dofs[static_cast<std::size_t>(i)]]);
+      rigid_.push_back(q);
+    }
+    modes_ = rigid_;
+    modes_.resize(static_cast<std::size_t>(ldlt_.size()));
+  }
+
+  std::vector<Vector> run() {
+    // Gershgorin is loose in mixed units; doubling from the scale of the mesh finds the top.
+    Real top = assembly_.stiffness.diagonal().cwiseQuotient(assembly_.mass.diagonal()).maxCoeff();
+    const int n = ldlt_.size();
+    for (int doubling = 0; count_below(top, top) < n; ++doubling) {
+      if (doubling > 60) throw std::runtime_error("lowest_modes: no upper bound found");
+      top *= Real{2};
+    }
+    isolate(Real{0}, static_cast<int>(rigid_.size()), top, n);
+    modes_.resize(static_cast<std::size_t>(count_));
+    return std::move(modes_);
+  }
+
+ private:
+  /// Factors at σ; moves σ by a small share of `room` where the factorisation is unstable.
+  int count_below(Real& sigma, Real room) {
+    int below = ldlt_.factor(sigma);
+    for (int attempt = 1; !ldlt_.stable() && attempt < 8; ++attempt) {
+      sigma += Real{0.01 * attempt} * room;
+      below = ldlt_.factor(sigma);
+    }
+    return below;
+  }
+
+  /// Eigenvalues number `below_low` … `below_high` - 1 lie in (low, high).
+  void isolate(Real low, int below_low, Real high, int below_high) {
+    if (below_low >= count_) return;
+    while (below_high - below_low > 1) {
+      // Natural frequencies spread evenly on a logarithmic scale at the bottom.
+      using std::sqrt;
+      Real middle =
+          low > Real{0} && high > Real{4} * low ? sqrt(low * high) : (low + high) / Real{2};
+      if (high - low <= Real{kTwins} * high) {
+        cluster(below_low, below_high, middle);
+        return;
+      }
+      const int below = std::clamp(count_below(middle, high - low), below_low, below_high);
+      if (below > below_low) isolate(low, below_low, middle, below);
+      low = middle;
+      below_low = below;
+      if (below_low >= count_) return;
+    }
+    if (below_high > below_low) single(low, high, below_low);
+  }
+
+  /// Rayleigh quotient iteration for the only eigenvalue in (low, high), bisecting until it stays.
+  void single(Real low, Real high, int index) {
+    using std::abs;
+    Vector q(ldlt_.size());
+    for (int attempt = 0; attempt < 200; ++attempt) {
+      Real shift = (low + high) / Real{2};
+      const int below = count_below(shift, high - low);
+      (below > index ? high : low) = shift;
+      start(q, index);
+      Real quotient = improve(q);
+      for (int step = 0; step < 12; ++step) {
+        // An end of the interval may be the eigenvalue itself, as often in meshes of one or two
+        // elements.
+        const Real slack = Real{kTwins} * high;
+        if (!(quotient >= low - slack && quotient <= high + slack)) break;
+        shift = quotient;
+        // Off the eigenvalue by a little where it makes a leading block singular too.
+        Real stable = shift;
+        count_below(stable, Real{1e-6} * shift);
+        quotient = improve(q);
+        // Cubic convergence: the vector is now right to the cube of a smaller change.
+        if (abs(quotient - shift) <= Real{kTwins} * shift) {
+          modes_[static_cast<std::size_t>(index)] = q;
+          return;
+        }
+      }
+    }
+    throw std::runtime_error("lowest_modes: mode " + std::to_string(index) + " did not converge");
+  }
+
+  /// Inverse iteration on a block for eigenvalues begin … end - 1 next to `shift`.
+  void cluster(int begin, int end, Real shift) {
+    using std::sqrt;
+    ldlt_.factor(shift);
+    std::vector<Vector> q(static_cast<std::size_t>(end - begin), Vector(ldlt_.size()));
+    for (std::size_t c = 0; c < q.size(); ++c) start(q[c], begin + static_cast<int>(c));
+    for (int pass = 0; pass < 4; ++pass)
+      for (std::size_t c = 0; c < q.size(); ++c) {
+        improve(q[c]);
+        for (std::size_t other = 0; other < c; ++other)
+          q[c] -= q[other].dot(assembly_.mass * q[c]) * q[other];
+        q[c] /= sqrt(q[c].dot(assembly_.mass * q[c]));
+      }
+    for (std::size_t c = 0; c < q.size(); ++c) modes_[static_cast<std::size_t>(begin) + c] = q[c];
+  }
+
+  /// A start with a part of every mode, different for each index.
+  static void start(Vector& q, int index) {
+    for (Eigen::Index i = 0; i < q.size(); ++i)
+      q[i] = std::sin(static_cast<double>(1 + i) * (1.2 + 0.7 * (index % 97)));
+  }
+
+  /// One inverse iteration, normalised; returns the Rayleigh quotient.
+  Real improve(Vector& q) {
+    using std::sqrt;
+    Vector next = assembly_.mass * q;
+    ldlt_.solve(next);
+    for (const Vector& rigid : rigid_) next -= rigid.dot(assembly_.mass * next) * rigid;
+    q = next / sqrt(next.dot(assembly_.mass * next));
+    return energy_.twice(assembly_.free_to_all * q);
+  }
+
+  Assembly<Real> assembly_;
+  SkylineLdlt<Real> ldlt_;
+  StrainEnergy<Real> energy_;
+  std::vector<Vector> rigid_;  // kept out of every other mode
+  int count_;                  // modes wanted, the lowest
+  std::vector<Vector> modes_;
+};
+
+WidePencil::Vector widened(const Eigen::Matrix<long double, Eigen::Dynamic, 1>& x) {
+  WidePencil::Vector wide(x.size());
+  for (Eigen::Index i = 0; i < x.size(); ++i) wide[i] = DoubleDouble::from(x[i]);
+  return wide;
+}
+
+}  // namespace
+
+std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Vector> starts) {
+  using Real = DoubleDouble;
+  const std::size_t count = starts.size();
+  const std::size_t rigid = std::min(count, pencil.rigid_modes().size());
+  // The starts that move most rigidly give way to the exact motions.
+  std::sort(starts.begin(), starts.end(), [&](const auto& a, const auto& b) {
+    return pencil.rigid_share(a) > pencil.rigid_share(b);
+  });
+  std::vector<Real> values(count, Real(-1.0));
+  for (std::size_t i = rigid; i < count; ++i) {
+    WidePencil::Vector q = starts[i];
+    auto lambda = pencil.refine(q);
+    // Mixtures of close modes may all end at the same one: then without those found.
+    std::vector<WidePencil::Vector> close;
+    if (lambda) {
+      const WidePencil::Vector momentum = pencil.assembly().mass * q;
+      bool met = false;
+      for (std::size_t k = rigid; k < i; ++k)
+        if (abs(values[k] - *lambda) <= Real(kClose) * *lambda) {
+          close.push_back(starts[k]);
+          met = met || abs(momentum.dot(starts[k])) > Real(1e-3);
+        }
+      if (met) {
+        q = starts[i];
+        lambda = pencil.refine(q, close);
+      }
+    }
+    starts[i] = q;
+    values[i] = lambda.value_or(Real(-1.0));
+  }
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin() + static_cast<std::ptrdiff_t>(rigid), order.end(),
+            [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  LowestModes result;
+  for (std::size_t i = 0; i < rigid; ++i) {
+    result.eigenvalues.emplace_back(0.0);
+    result.modes.push_back(pencil.rigid_modes()[i]);
+  }
+  std::size_t twins = 0;  // modes before this one that equal it
+  std::vector<WidePencil::Vector> momenta;
+  for (std::size_t i = rigid; i < count; ++i) {
+    const Real lambda = values[order[i]];
+    if (!(lambda > Real(0.0))) return std::nullopt;
+    WidePencil::Vector q = starts[order[i]];
+    const bool twin = i > rigid && lambda - result.eigenvalues.back() <= Real(kTwins) * lambda;
+    twins = twin ? twins + 1 : 0;
+    if (!twin) momenta.clear();
+    for (std::size_t k = 0; k < twins; ++k) q -= momenta[k].dot(q) * result.modes[i - twins + k];
+    WidePencil::Vector momentum = pencil.assembly().mass * q;
+    const Real size = sqrt(momentum.dot(q));
+    if (!(size > Real(1e-6))) return std::nullopt;  // the same mode twice
+    momenta.push_back(momentum / size);
+    result.eigenvalues.push_back(lambda);
+    result.modes.emplace_back(q / size);
+  }
+  result.proven = true;
+  for (std::size_t i = rigid; i < count && result.proven; ++i)
+    result.proven = pencil.holds(static_cast<int>(i), result.eigenvalues[i], kProven);
+  return result;
+}
+
+LowestModes lowest_modes(const Beam& beam, const Defects& defects, int count, WidePencil& pencil) {
+  try {
+    std::vector<WidePencil::Vector> starts;
+    for (const auto& q : Bisection<long double>(beam, defects, count).run())
+      starts.push_back(widened(q));
+    const auto modes = finish(pencil, std::move(starts));
+    if (modes && modes->proven) return *modes;
+  } catch (const std::runtime_error&) {  // NOLINT(bugprone-empty-catch): the wider numbers follow
+  }
+  auto modes = finish(pencil, Bisection<DoubleDouble>(beam, defects, count).run());
+  if (!modes) throw std::runtime_error("lowest_modes: two modes could not be told apart");
+  return *modes;
+}
+
+}  // namespace wheeltap::fem

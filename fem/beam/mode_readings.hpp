@@ -1,0 +1,46 @@
+// What a user of the reanalysis reads off one damaged mode. Internal.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "fem/beam/defect_columns.hpp"
+#include "fem/beam/intact_modes.hpp"
+#include "fem/beam/reanalysis.hpp"
+#include "fem/root_search.hpp"
+
+namespace wheeltap::fem::detail {
+
+/// Throws std::invalid_argument unless `size` is 0 or as expected.
+void require_size(const char* name, std::size_t size, std::size_t expected);
+
+/// Gradients and shapes, mode by mode, into `Reanalysis::Results`; empty spans are skipped.
+class ModeReadings {
+ public:
+  /// Throws std::invalid_argument where a span's size does not fit.
+  void set(const IntactModes& intact, const SecularKernel& kernel, const DefectColumns& columns,
+           std::span<const Damage> damages, const Reanalysis::Results& results);
+
+  /// False where only frequencies are wanted.
+  [[nodiscard]] bool wanted() const { return wanted_; }
+
+  /// A mode of the secular problem.
+  void read(const RootSearch& search, const RootSearch::Mode& mode);
+  /// A rigid-body mode that the supports leave, or an intact mode where nothing is wrong.
+  void read_unchanged(int root);
+
+ private:
+  void write(int root, double lambda);
+  void write_shape(int root);
+
+  const IntactModes* intact_ = nullptr;
+  const SecularKernel* kernel_ = nullptr;
+  const DefectColumns* columns_ = nullptr;
+  std::span<const Damage> damages_;
+  const Reanalysis::Results* results_ = nullptr;
+  bool wanted_ = false;
+  bool need_coordinates_ = false;  // of modes, for more than gradients of the defects
+  std::vector<double> column_strains_, coordinates_, element_strains_, point_rows_;
+};
+
+}  // namespace wheeltap::fem::detail

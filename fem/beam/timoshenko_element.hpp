@@ -1,0 +1,67 @@
+// The two-node Timoshenko beam element with consistent mass and rotary inertia.
+#pragma once
+
+#include "base/eigen.hpp"
+
+#include "fem/beam/beam.hpp"
+#include "fem/double_double.hpp"
+
+namespace wheeltap::fem {
+
+/// What bends: EI, κGA (∞: no shear deformation), ρA and ρI of an element of length l.
+template <class Real>
+struct Flexure {
+  Real length;             ///< l [m]
+  Real bending_stiffness;  ///< E I [N·m²]
+  Real shear_stiffness;    ///< κ G A [N]
+  Real mass;               ///< ρ A [kg/m]
+  Real rotary;             ///< ρ I [kg·m]
+};
+
+/// Deflection w and rotation θ inside an element of length l follow from the homogeneous static
+/// equilibrium of a Timoshenko beam, so the shape functions hold Φ = 12 E I / (κ G A l²) and the
+/// element does not lock (Friedman & Kosmatka 1993, Computers & Structures 47:473). Degrees of
+/// freedom are (w₁, θ₁, w₂, θ₂), θ = w' for Φ = 0.
+///
+/// `Real` is double, or wider where low modes of fine meshes need it.
+template <class Real>
+class TimoshenkoElement {
+ public:
+  using Vector = Eigen::Matrix<Real, 4, 1>;
+  using Matrix = Eigen::Matrix<Real, 4, 4>;
+
+  explicit TimoshenkoElement(const Beam& beam);
+  explicit TimoshenkoElement(const Flexure<Real>& flexure);
+
+  /// K = b bᵀ + a aᵀ [N/m, N, N·m], of rank 2: every rigid motion is stress-free.
+  [[nodiscard]] Matrix stiffness() const {
+    return bending() * bending().transpose() + shear() * shear().transpose();
+  }
+  /// b = √(EI/l) (0, -1, 0, 1): the energy of constant curvature.
+  [[nodiscard]] Vector bending() const;
+  /// a = √(12 EI / (l³ (1 + Φ))) (1, l/2, -1, l/2): the energy of constant shear force.
+  [[nodiscard]] Vector shear() const;
+  /// M = ρA ∫ N_wᵀ N_w dx + ρI ∫ N_θᵀ N_θ dx [kg, kg·m, kg·m²].
+  [[nodiscard]] Matrix mass() const;
+
+  /// N_w(ξ) and N_θ(ξ), 0 <= ξ = x/l <= 1: w = N_w · u, θ = N_θ · u.
+  [[nodiscard]] Vector deflection_row(Real xi) const;
+  [[nodiscard]] Vector rotation_row(Real xi) const;
+  /// w'(ξ) = N_w'(ξ) · u [1/m, 1]: unlike N_θ where shear deforms.
+  [[nodiscard]] Vector slope_row(Real xi) const;
+
+  [[nodiscard]] Real length() const { return l_; }
+
+ private:
+  Real l_;        // element length [m]
+  Real bending_;  // E I [N·m²]
+  Real phi_;      // Φ [-]
+  Real mass_;     // ρ A [kg/m]
+  Real rotary_;   // ρ I [kg·m]
+};
+
+extern template class TimoshenkoElement<double>;
+extern template class TimoshenkoElement<long double>;
+extern template class TimoshenkoElement<DoubleDouble>;
+
+}  // namespace wheeltap::fem

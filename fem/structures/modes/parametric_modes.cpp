@@ -1,0 +1,482 @@
+#include "fem/structures/modes/parametric_modes.hpp"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/eigen_solvers.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+
+namespace wheeltap::fem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Sparse = Discretisation::Sparse;
+using SparseFactor = Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>>;
+
+/// Modes whose 1/(λ + σ) are closer than this, relative, are bounded together.
+constexpr double kCluster = 0.02;
+/// Of a new column of the basis: less than this of it is not new.
+constexpr double kNotNew = 1e-6;
+/// Modes that are followed beyond those wanted, for the gap behind them.
+constexpr Index kBeyond = 3;
+/// Reduced problems up to this size are solved densely.
+constexpr Index kDenseCondensed = 40;
+/// Of the iteration in the basis: its residual, relative, well below what the tolerances ask for.
+constexpr double kConverged = 1e-7;
+constexpr int kMostSteps = 60;
+/// The basis is trained to bounds this much below the tolerance.
+constexpr double kSubspaceMargin = 0.25;
+
+MatrixXd orthonormalised(const MatrixXd& a) {
+  const Eigen::HouseholderQR<MatrixXd> qr(a);
+  return qr.householderQ() * MatrixXd::Identity(a.rows(), a.cols());
+}
+
+/// Modes of the basis' problem: y with yᵀ(K + σM)y = 1, and μ = 1/(λ + σ), descending.
+struct ReducedModes {
+  VectorXd mu;
+  MatrixXd y;
+  bool ok = false;
+};
+
+}  // namespace
+
+struct ParametricModes::Workspace::Impl {
+  MatrixXd stiffness, mass, shifted;  // in the basis
+  ReducedModes reduced;
+  long solved = 0, in_full = 0;
+};
+
+struct ParametricModes::Impl {
+  std::shared_ptr<const ParametricStructure> structure;
+  ParametricModesOptions options;
+  Index n = 0, rigid = 0, wanted = 0;  // wanted: elastic
+  double sigma = 0.0;
+  SparseFactor shifted;  // K₀ + σM₀
+  MatrixXd lifted;       // (K₀ + σM₀)⁻¹ C, C of the terms of low rank
+  MatrixXd compliance;   // Cᵀ (K₀ + σM₀)⁻¹ C
+  Training training;
+
+  MatrixXd basis;
+  std::vector<MatrixXd> terms;        // Vᵀ K_t V
+  MatrixXd mass;                      // Vᵀ M₀ V
+  std::vector<MatrixXd> mass_slopes;  // Vᵀ ∂M/∂θ_j V; empty where M does not change
+  MatrixXd motions;                   // motions × basis
+  MatrixXd start;                     // modes at θ₀, in the basis
+
+  [[nodiscard]] Index followed() const {
+    return std::min<Index>(rigid + wanted + kBeyond, basis.cols());
+  }
+
+  // ---- the basis
+
+  /// Adds what is new in the columns; orthonormal by K₀ + σM₀.
+  void extend(const MatrixXd& columns) {
+    const Discretisation& d = structure->nominal();
+    const auto times = [&](const VectorXd& v) -> VectorXd {
+      VectorXd out = d.stiffness_times(v);
+      if (sigma > 0.0) out += sigma * (d.mass * v);
+      return out;
+    };
+    for (Index c = 0; c < columns.cols(); ++c) {
+      VectorXd v = columns.col(c);
+      const double before = std::sqrt(v.dot(times(v)));
+      if (!(before > 0.0)) continue;
+      v /= before;
+      for (int pass = 0; pass < 2 && basis.cols() > 0; ++pass)
+        v -= basis * (basis.transpose() * times(v));
+      const double left = std::sqrt(std::max(0.0, v.dot(times(v))));
+      if (left < kNotNew) continue;
+      basis.conservativeResize(n, basis.cols() + 1);
+      basis.rightCols(1) = v / left;
+    }
+  }
+
+  void project() {
+    const Discretisation& d = structure->nominal();
+    terms = structure->project_terms(basis);
+    mass = basis.transpose() * (d.mass * basis);
+    mass_slopes.clear();
+    if (structure->form() == ParametricStructure::Form::affine && structure->mass_changes())
+      for (const Sparse& slope : structure->mass_slopes())
+        mass_slopes.emplace_back(basis.transpose() * (slope * basis));
+    motions.resize(static_cast<Index>(options.motions.size()), basis.cols());
+    for (Index c = 0; c < basis.cols(); ++c)
+      for (std::size_t s = 0; s < options.motions.size(); ++s)
+        motions(static_cast<Index>(s), c) = options.motions[s].of(basis.col(c));
+    // In the basis K₀ + σM₀ is the unit matrix.
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (mass + mass.transpose()));
+    start = solver.eigenvectors().rightCols(followed()).rowwise().reverse();
+  }
+
+  // ---- one θ
+
+  void reduce(const ParametricStructure::Point& point, Workspace::Impl& ws) const {
+    if (point.scales.size() > 0) {
+      ws.stiffness = point.scales[0] * terms[0];
+      for (std::size_t t = 1; t < terms.size(); ++t)
+        ws.stiffness += point.scales[static_cast<Index>(t)] * terms[t];
+    } else {
+      ws.stiffness = point.assembled->projected_stiffness(basis);
+    }
+    if (point.assembled) {
+      ws.mass = basis.transpose() * (point.assembled->mass * basis);
+    } else {
+      ws.mass = mass;
+      for (std::size_t j = 0; j < mass_slopes.size(); ++j)
+        ws.mass += point.change[static_cast<Index>(j)] * mass_slopes[j];
+    }
+    ws.shifted = ws.stiffness;
+    if (sigma > 0.0) ws.shifted += sigma * ws.mass;
+  }
+
+  /// L Lᵀ = K + σM, L⁻¹ M L⁻ᵀ z = μ z, y = L⁻ᵀ z. Densely, or by a block of power steps from the
+  /// modes at θ₀, each with a Rayleigh-Ritz step, to kConverged; densely where that takes long.
+  void solve_reduced(Workspace::Impl& ws) const {
+    ReducedModes& out = ws.reduced;
+    out.ok = false;
+    const Index m = basis.cols(), p = followed(), k = std::min(rigid + wanted, p);
+    const Eigen::LLT<MatrixXd> llt(ws.shifted);
+    if (llt.info() != Eigen::Success) return;
+    const auto lower = llt.matrixL();
+    if (m > kDenseCondensed) {
+      MatrixXd q = orthonormalised(lower.transpose() * start.leftCols(p));
+      for (int step = 0; step < kMostSteps; ++step) {
+        MatrixXd w = lower.transpose().solve(q);
+        w = lower.solve(MatrixXd(ws.mass * w));
+        const MatrixXd h = q.transpose() * w;
+        const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(0.5 * (h + h.transpose()));
+        const MatrixXd turn = ritz.eigenvectors().rowwise().reverse();
+        const VectorXd mu = ritz.eigenvalues().reverse();
+        const MatrixXd next = w * turn;
+        const MatrixXd at = q * turn;
+        double worst = 0.0;
+        for (Index i = 0; i < k; ++i)
+          worst = std::max(worst, (next.col(i) - mu[i] * at.col(i)).norm() / mu[i]);
+        if (worst < kConverged) {
+          out.mu = mu;
+          out.y = lower.transpose().solve(at);
+          out.ok = none_missing(ws, mu, k);
+          if (out.ok) return;
+          break;
+        }
+        q = orthonormalised(next);
+      }
+    }
+    MatrixXd c = lower.solve(ws.mass);
+    c = lower.solve(MatrixXd(c.transpose()));
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> dense(0.5 * (c + c.transpose()));
+    out.mu = dense.eigenvalues().reverse().head(p);
+    out.y =
+        lower.transpose().solve(MatrixXd(dense.eigenvectors().rightCols(p).rowwise().reverse()));
+    out.ok = dense.info() == Eigen::Success && out.mu[k - 1] > 0.0;
+  }
+
+  /// The block has the largest μ of the basis' problem: by inertia, in the widest gap behind the
+  /// wanted ones.
+  [[nodiscard]] static bool none_missing(const Workspace::Impl& ws, const VectorXd& mu, Index k) {
+    Index at = -1;
+    double widest = 1e-6;
+    for (Index i = k - 1; i + 1 < mu.size(); ++i)
+      if (const double gap = 1.0 - mu[i + 1] / mu[i]; gap > widest) {
+        widest = gap;
+        at = i;
+      }
+    if (at < 0) return false;
+    const double between = std::sqrt(mu[at] * std::max(mu[at + 1], 0.0));
+    const Eigen::LDLT<MatrixXd> ldlt(between * ws.shifted - ws.mass);
+    return (ldlt.vectorD().array() < 0.0).count() == at + 1;
+  }
+
+  /// The bounds of the header, of the elastic modes wanted.
+  bool bound(const ParametricStructure::Point& point, const Workspace::Impl& ws, Modes& out) const {
+    out.bounds = VectorXd::Zero(wanted);
+    out.shape_bounds = VectorXd::Zero(wanted);
+    if (training.complete) return true;
+    const Index known = ws.reduced.mu.size() - rigid;  // elastic ones
+    const Index checked = std::min<Index>(wanted + 1, known);
+    const VectorXd mu = ws.reduced.mu.segment(rigid, known);
+    const MatrixXd u = basis * ws.reduced.y.middleCols(rigid, checked);
+    const VectorXd lambda = (mu.head(checked).cwiseInverse().array() - sigma).matrix();
+    const MatrixXd residuals = structure->stiffness_times(point, u) -
+                               structure->mass_times(point, u) * lambda.asDiagonal();
+    VectorXd eta(checked);
+    if (point.floor > 0.0 && (sigma == 0.0 || !structure->mass_changes())) {
+      // rᵀ (K₀ + σM₀ + C D Cᵀ)⁻¹ r = rᵀ K₀⁻¹ r - yᵀ (I + D G)⁻¹ D y  (Woodbury), uᵀ(K + σM)u = 1.
+      const MatrixXd moved = shifted.solve(residuals);
+      const Index c = point.excess.size();
+      const MatrixXd y = lifted.transpose() * residuals;
+      const MatrixXd correction =
+          c > 0 ? MatrixXd((MatrixXd::Identity(c, c) + point.excess.asDiagonal() * compliance)
+                               .partialPivLu()
+                               .solve(point.excess.asDiagonal() * y))
+                : MatrixXd(0, checked);
+      for (Index i = 0; i < checked; ++i)
+        eta[i] = std::sqrt(
+            std::max(0.0, residuals.col(i).dot(moved.col(i)) - y.col(i).dot(correction.col(i))) /
+            point.floor);
+    } else {
+      const Discretisation assembled = structure->assemble(point);
+      const SparseFactor here(Sparse(assembled.stiffness + sigma * assembled.mass));
+      if (here.info() != Eigen::Success || (here.vectorD().array() <= 0.0).any()) return false;
+      const MatrixXd moved = here.solve(residuals);
+      for (Index i = 0; i < checked; ++i)
+        eta[i] = std::sqrt(std::max(0.0, residuals.col(i).dot(moved.col(i))));
+    }
+    for (Index i = 0; i < wanted; ++i) {
+      Index from = i, to = i;
+      while (from > 0 && mu[from - 1] - mu[from] < kCluster * mu[from]) --from;
+      while (to + 1 < checked && mu[to] - mu[to + 1] < kCluster * mu[to]) ++to;
+      double squares = 0.0;
+      for (Index j = from; j <= to; ++j) squares += eta[j] * eta[j];
+      double gap = 1.0;
+      if (from > 0) gap = std::min(gap, (mu[from - 1] - mu[from]) / mu[i] - eta[from - 1]);
+      if (to + 1 < known)
+        gap = std::min(gap, (mu[to] - mu[to + 1]) / mu[i] - (to + 1 < checked ? eta[to + 1] : 0.0));
+      const double shift = mu[i] > 0.0 ? (lambda[i] + sigma) / lambda[i] : 1.0;
+      const double common = std::sqrt(squares);
+      out.bounds[i] = shift * (gap > 0.0 ? std::min(common, squares / gap) : common);
+      out.shape_bounds[i] = gap > 0.0 ? std::min(1.0, common / gap) : 1.0;
+    }
+    return out.bounds.allFinite();
+  }
+
+  /// False where the basis has no answer.
+  bool in_basis(const ParametricStructure::Point& point, Workspace::Impl& ws, Modes& out) const {
+    if (point.scales.size() > 0 && !(point.scales.minCoeff() > 0.0)) return false;
+    reduce(point, ws);
+    solve_reduced(ws);
+    if (!ws.reduced.ok || !bound(point, ws, out)) return false;
+    const VectorXd mu = ws.reduced.mu.segment(rigid, wanted);
+    out.eigenvalues = (mu.cwiseInverse().array() - sigma).matrix();
+    // Mass-normalised: yᵀ M y = μ.
+    for (Index i = 0; i < wanted; ++i) ws.reduced.y.col(rigid + i) /= std::sqrt(mu[i]);
+    out.shapes = motions * ws.reduced.y.middleCols(rigid, wanted);
+    out.in_full = false;
+    return true;
+  }
+
+  [[nodiscard]] bool good(const Modes& modes, double margin) const {
+    return modes.bounds.maxCoeff() <= margin * options.tolerance &&
+           (options.motions.empty() ||
+            modes.shape_bounds.maxCoeff() <= std::sqrt(margin) * options.shape_tolerance);
+  }
+
+  StructureModes full(std::span<const double> theta, Index elastic) const {
+    return structure_modes(structure->assemble(theta), static_cast<int>(rigid + elastic));
+  }
+
+  void solve_in_full(std::span<const double> theta, Workspace::Impl& ws, Modes& out) const {
+    const StructureModes modes = full(theta, wanted);
+    out.eigenvalues = modes.eigenvalues.tail(wanted);
+    out.shapes.resize(static_cast<Index>(options.motions.size()), wanted);
+    for (Index i = 0; i < wanted; ++i)
+      for (std::size_t s = 0; s < options.motions.size(); ++s)
+        out.shapes(static_cast<Index>(s), i) = options.motions[s].of(modes.shapes.col(rigid + i));
+    out.bounds = VectorXd::Zero(wanted);
+    out.shape_bounds = VectorXd::Zero(wanted);
+    out.in_full = true;
+    ++ws.in_full;
+  }
+
+  void train(const std::vector<std::vector<double>>& points) {
+    const Discretisation& d = structure->nominal();
+    const Index available = mode_count(d) - rigid;
+    if (wanted < 1 || wanted > available)
+      throw std::invalid_argument("modes = " + std::to_string(wanted) + ": must be between 1 and " +
+                                  std::to_string(available) + ", the elastic modes that there are");
+    const Index snapshot = std::min<Index>(wanted + kBeyond, available);
+    const StructureModes nominal = structure_modes(d, static_cast<int>(rigid + snapshot));
+    if (rigid > 0) sigma = nominal.eigenvalues[rigid];
+    if (n <= options.complete) {
+      training.complete = true;
+      // Scaled so that K₀ + σM₀ is the unit matrix in it.
+      const MatrixXd whole =
+          d.projected_stiffness(MatrixXd::Identity(n, n)) + sigma * MatrixXd(d.mass);
+      const Eigen::LLT<MatrixXd> llt(whole);
+      basis = llt.matrixU().solve(MatrixXd::Identity(n, n));
+      project();
+      training.basis = static_cast<int>(n);
+      return;
+    }
+    shifted.compute(Sparse(d.stiffness + sigma * d.mass));
+    lifted = shifted.solve(structure->low_rank());
+    compliance = structure->low_rank().transpose() * lifted;
+    extend(nominal.shapes);
+    extend(lifted);
+    project();
+    training.solved = 1;
+    std::vector<std::size_t> bad, good_points;
+    for (std::size_t i = 0; i < points.size(); ++i) bad.push_back(i);
+    Workspace::Impl ws;
+    std::vector<bool> solved(points.size());
+    const std::size_t all = bad.size();
+    for (bool again = true; again;) {
+      double worst = -1.0;
+      std::size_t at = 0;
+      Modes found;
+      std::erase_if(bad, [&](std::size_t i) {
+        double error = std::numeric_limits<double>::infinity();
+        try {
+          const auto point = structure->at(points[i]);
+          if (in_basis(point, ws, found)) {
+            if (good(found, kSubspaceMargin)) return true;
+            error = found.bounds.maxCoeff() / options.tolerance;
+            if (!options.motions.empty())
+              error = std::max(
+                  error, std::pow(found.shape_bounds.maxCoeff() / options.shape_tolerance, 2));
+          }
+        } catch (const std::invalid_argument&) {
+          return true;  // no such structure
+        }
+        if (!solved[i] && error > worst) {
+          worst = error;
+          at = i;
+        }
+        return false;
+      });
+      again = worst >= 0.0 && basis.cols() < options.most_basis;
+      if (again) {
+        solved[at] = true;
+        try {
+          extend(full(points[at], snapshot).shapes.rightCols(snapshot));
+          project();
+          ++training.solved;
+        } catch (const std::exception&) {
+          std::erase(bad, at);  // no such structure, or one that the solver gives up
+        }
+      }
+      if (options.progress)
+        options.progress(1.0 - static_cast<double>(bad.size()) /
+                                   static_cast<double>(std::max<std::size_t>(1, all)));
+    }
+    training.basis = static_cast<int>(basis.cols());
+    count(points, ws);
+  }
+
+  void count(const std::vector<std::vector<double>>& points, Workspace::Impl& ws) {
+    Modes found;
+    for (const auto& theta : points) {
+      try {
+        const auto point = structure->at(theta);
+        ++training.points;
+        if (!in_basis(point, ws, found) || !good(found, 1.0)) {
+          ++training.beyond;
+          continue;
+        }
+        training.largest_bound = std::max(training.largest_bound, found.bounds.maxCoeff());
+        const VectorXd& mu = ws.reduced.mu;
+        Index split = rigid + wanted - 1;
+        for (Index i = split; i + 1 < mu.size(); ++i)
+          if (mu[i + 1] / mu[i] < mu[split + 1] / mu[split]) split = i;
+        if (split + 1 >= mu.size()) continue;
+        const double sigma_between = 1.0 / std::sqrt(mu[split] * mu[split + 1]) - sigma;
+        if (eigenvalues_below(structure->assemble(theta), sigma_between) != split + 1)
+          ++training.miscounted;
+      } catch (const std::invalid_argument&) {
+        --training.points;
+      }
+    }
+  }
+};
+
+ParametricModes::ParametricModes(std::shared_ptr<const ParametricStructure> structure,
+                                 const std::vector<std::vector<double>>& training,
+                                 ParametricModesOptions options) {
+  auto impl = std::make_unique<Impl>();
+  impl->structure = std::move(structure);
+  impl->options = std::move(options);
+  impl->n = impl->structure->nominal().size();
+  impl->rigid = impl->structure->nominal().rigid_motions.cols();
+  impl->wanted = impl->options.modes;
+  impl->train(training);
+  impl_ = std::move(impl);
+}
+
+ParametricModes::~ParametricModes() = default;
+ParametricModes::ParametricModes(ParametricModes&&) noexcept = default;
+ParametricModes& ParametricModes::operator=(ParametricModes&&) noexcept = default;
+
+ParametricModes::Workspace ParametricModes::make_workspace() const {
+  return Workspace(std::make_unique<Workspace::Impl>());
+}
+
+void ParametricModes::solve(std::span<const double> theta, Workspace& workspace, Modes& out) const {
+  Workspace::Impl& ws = *workspace.impl_;
+  ++ws.solved;
+  const auto point = impl_->structure->at(theta);
+  if (!impl_->in_basis(point, ws, out) || !impl_->good(out, 1.0))
+    impl_->solve_in_full(theta, ws, out);
+}
+
+bool ParametricModes::differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
+                                    Slopes& slopes) const {
+  solve(theta, workspace, out);
+  const Impl& s = *impl_;
+  if (out.in_full || s.structure->form() != ParametricStructure::Form::affine) return false;
+  const Workspace::Impl& ws = *workspace.impl_;
+  const VectorXd& mu = ws.reduced.mu;
+  for (Index i = s.rigid; i < s.rigid + s.wanted && i + 1 < mu.size(); ++i)
+    if (mu[i] - mu[i + 1] < 1e-6 * mu[i]) return false;
+  const Index m = s.basis.cols(), d = s.structure->parameters();
+  const MatrixXd& a = s.structure->scale_slopes();
+  slopes.eigenvalues.resize(s.wanted, d);
+  slopes.shapes.assign(static_cast<std::size_t>(d), MatrixXd(s.motions.rows(), s.wanted));
+  for (Index i = 0; i < s.wanted; ++i) {
+    const VectorXd y = ws.reduced.y.col(s.rigid + i);
+    const double lambda = out.eigenvalues[i];
+    const VectorXd momentum = ws.mass * y;
+    // (K - λM) ∂y = -(∂K - λ ∂M - ∂λ M) y,  yᵀM ∂y = -½ yᵀ ∂M y.
+    MatrixXd bordered(m + 1, m + 1);
+    bordered << ws.stiffness - lambda * ws.mass, momentum, momentum.transpose(), 0.0;
+    MatrixXd right(m + 1, d);
+    MatrixXd of_terms(m, static_cast<Index>(s.terms.size()));
+    for (std::size_t t = 0; t < s.terms.size(); ++t)
+      of_terms.col(static_cast<Index>(t)) = s.terms[t] * y;
+    for (Index j = 0; j < d; ++j) {
+      VectorXd force = of_terms * a.col(j);
+      double norm = 0.0;
+      if (!s.mass_slopes.empty()) {
+        const VectorXd by_mass = s.mass_slopes[static_cast<std::size_t>(j)] * y;
+        force -= lambda * by_mass;
+        norm = -0.5 * y.dot(by_mass);
+      }
+      const double slope = y.dot(force);
+      slopes.eigenvalues(i, j) = slope;
+      right.col(j) << slope * momentum - force, norm;
+    }
+    if (s.motions.rows() == 0) continue;
+    const MatrixXd change = bordered.partialPivLu().solve(right).topRows(m);
+    const MatrixXd moved = s.motions * change;
+    for (Index j = 0; j < d; ++j) slopes.shapes[static_cast<std::size_t>(j)].col(i) = moved.col(j);
+  }
+  return true;
+}
+
+const ParametricModes::Training& ParametricModes::training() const {
+  return impl_->training;
+}
+int ParametricModes::modes() const {
+  return static_cast<int>(impl_->wanted);
+}
+const ParametricStructure& ParametricModes::structure() const {
+  return *impl_->structure;
+}
+
+ParametricModes::Workspace::Workspace(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ParametricModes::Workspace::Workspace(Workspace&&) noexcept = default;
+ParametricModes::Workspace& ParametricModes::Workspace::operator=(Workspace&&) noexcept = default;
+ParametricModes::Workspace::~Workspace() = default;
+long ParametricModes::Workspace::solved() const {
+  return impl_->solved;
+}
+long ParametricModes::Workspace::solved_in_full() const {
+  return impl_->in_full;
+}
+
+}  // namespace wheeltap::fem

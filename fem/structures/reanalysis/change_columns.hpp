@@ -1,0 +1,52 @@
+// Changes of a structure as columns of the secular problem. Internal to its reanalysis.
+#pragma once
+
+#include <vector>
+
+#include "base/eigen.hpp"
+#include "fem/secular.hpp"
+#include "fem/structures/defects/structure_change.hpp"
+#include "fem/structures/reanalysis/intact_structure.hpp"
+
+namespace wheeltap::fem::detail {
+
+/// As `DefectColumns`, for springs, floating masses and softenings; of the modes that are not kept,
+/// `ResidualModes` take the place.
+class ChangeColumns {
+ public:
+  /// Throws ImpossibleChange.
+  void set(const IntactStructure& intact, const StructureChange& change,
+           const SecularKernel& kernel);
+
+  [[nodiscard]] int count() const {
+    return stride == 0 ? 0 : static_cast<int>(columns.size() / stride);
+  }
+  /// A motion of the kept modes, then of the residual_ ones.
+  void observe(const IntactStructure& intact, const SparseRow& row, double* out) const;
+  /// The root found for the structure with residual modes is above that of the whole by no more
+  /// than this, relative; ∞ where that cannot be told. `next`: the lowest eigenvalue not kept.
+  [[nodiscard]] double bound(double found, int root, double next) const;
+
+  std::vector<double> eigenvalues, scales, compliances;  // floating masses, kept, residual modes
+  std::vector<double> columns;                           // count × stride, supports first
+  int poles = 0, negative_poles = 0;                     // floating masses; lost ones, the first
+  int supports = 0, held = 0;                            // columns of springs and links; rigid ones
+  int rigid = 0;                                         // rigid motions that are left
+  int extra = 0;                                         // residual modes
+  std::size_t stride = 0;
+  double least_remaining = 1.0, added_stiffness = 0.0, residual_factor = 1.0;
+
+ private:
+  void set_residual_modes(const IntactStructure& intact, const StructureChange& change,
+                          const std::vector<const StructureChange::Mass*>& masses);
+  [[nodiscard]] int eigenvalues_below_at_most(double z, double next) const;
+
+  std::vector<const StructureChange::Softening*> softenings_;
+  std::vector<ResidualFlexibility::Form> forms_;  // of each spring, mass and softening
+  Eigen::MatrixXd moments_[4];
+  ResidualModes residual_;
+  std::vector<double> raw_row_, mass_rows_;  // scratch
+  Eigen::MatrixXd factor_;                   // L
+};
+
+}  // namespace wheeltap::fem::detail

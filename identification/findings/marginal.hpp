@@ -1,0 +1,70 @@
+// Draws in short: mean, spread, quantiles, and how well each is known.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "inference/engine/reversible_jump.hpp"
+#include "inference/statistics/diagnostics.hpp"
+
+namespace wheeltap::identification {
+
+/// One quantity, from all chains. Convergence is NaN where the chains are too short to judge it
+/// (fewer than 100 draws).
+struct Marginal {
+  double mean = 0.0;
+  double sd = 0.0;
+  double q2_5 = 0.0;  ///< quantiles of 2.5, 50 and 97.5 %
+  double q50 = 0.0;
+  double q97_5 = 0.0;
+  double mode = 0.0;  ///< midpoint of the fullest bin, bins by Freedman & Diaconis (1981)
+  double ess_bulk = 0.0, ess_tail = 0.0, rhat = 0.0;
+
+  [[nodiscard]] double width() const { return q97_5 - q2_5; }  ///< of the 95 % interval
+};
+
+/// `weights`, one a draw, may be empty: all alike. At least one draw.
+[[nodiscard]] Marginal marginal(const inference::ChainsOf& chains,
+                                const inference::ChainsOf& weights = {});
+
+/// Quantile of sorted draws, linear between order statistics.
+[[nodiscard]] double quantile(const std::vector<double>& sorted, double p);
+/// The same of weighted draws (value, weight), in any order; of equal weights it is the above.
+[[nodiscard]] double weighted_quantile(std::vector<std::pair<double, double>> draws, double p);
+
+/// What a draw of each model counts, 1 on average over the draws: not all alike only where models
+/// were balanced (Posterior::log_weight). Whatever is averaged over models must use it.
+[[nodiscard]] std::vector<double> model_weights(const inference::Posterior& posterior);
+/// The same of every draw; empty where all are alike.
+[[nodiscard]] inference::ChainsOf draw_weights(const inference::Posterior& posterior);
+
+/// Draws of something within one model: `value(chain, draw)` for every draw that is in it.
+template <class Value>
+[[nodiscard]] inference::ChainsOf draws_in_model(const inference::Posterior& posterior, int model,
+                                                 const Value& value) {
+  inference::ChainsOf out(posterior.chains.size());
+  for (std::size_t c = 0; c < posterior.chains.size(); ++c) {
+    const auto& models = posterior.chains[c].model;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      if (models[i] == model) out[c].push_back(value(c, i));
+    }
+    posterior.chains[c].let_go();
+  }
+  return out;
+}
+
+/// Draws of something that every draw has.
+template <class Value>
+[[nodiscard]] inference::ChainsOf all_draws(const inference::Posterior& posterior,
+                                            const Value& value) {
+  inference::ChainsOf out(posterior.chains.size());
+  for (std::size_t c = 0; c < posterior.chains.size(); ++c) {
+    out[c].resize(posterior.chains[c].model.size());
+    for (std::size_t i = 0; i < out[c].size(); ++i) out[c][i] = value(c, i);
+    posterior.chains[c].let_go();
+  }
+  return out;
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,36 @@
+// What draws of the prior predict: the measure of whether a case can be meant.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "base/random.hpp"
+#include "inference/model/model_space.hpp"
+
+namespace wheeltap::identification {
+
+inline constexpr int kPriorDraws = 200;
+
+/// Draw `i` of the prior within a model, always the same.
+[[nodiscard]] inline std::vector<double> prior_draw(const inference::ModelSpace& space, int model,
+                                                    int i) {
+  base::Random random(1, 0, static_cast<std::uint64_t>(i), base::Purpose::prediction);
+  std::vector<double> x;
+  for (int p = 0; p < space[model].dimension; ++p) {
+    x.push_back(space.prior(model, p).from_standard_normal(random.normal()));
+  }
+  return x;
+}
+
+/// Of one quantity, over these draws.
+struct PriorRange {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  void take(double x) { low = std::min(low, x), high = std::max(high, x); }
+  /// The nearest of it to x > 0, in terms of ratios.
+  [[nodiscard]] double nearest(double x) const { return std::clamp(x, low, high); }
+};
+
+}  // namespace wheeltap::identification

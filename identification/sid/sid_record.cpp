@@ -1,0 +1,357 @@
+#include "identification/sid/sid_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "base/number.hpp"
+#include "identification/invalid_input.hpp"
+#include "signals/spectra.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Part = InvalidInput::Part;
+using Role = SidChannel::Role;
+
+constexpr int kComparable = 128;        // samples of a window whose spectrum is worth comparing
+constexpr double kPeculiar = 3.0;       // differences of spectra, in terms of their scatter
+constexpr double kWorthWarning = 0.05;  // of an excitation's amplitude
+constexpr int kFewestBeyond = 64;       // samples after a window that are worth predicting
+/// Share of an excitation's amplitude that may be lost by holding it to first order.
+constexpr double kUpsampledLoss = 3e-3;
+constexpr int kMostUpsampling = 16;
+
+class RecordTaker {
+ public:
+  RecordTaker(SidCase& out, const signals::Record& record, const RecordUse& use)
+      : out_(out), record_(record), use_(use) {}
+
+  void take() {
+    for (std::size_t i = 0; i < out_.channels.size(); ++i) columns_.push_back(find_column(i));
+    read_rate();
+    read_window();
+    if (use_.band_limited) out_.stride = choose_stride();
+    out_.beyond = samples_beyond();
+    for (std::size_t i = 0; i < out_.channels.size(); ++i) load_channel(i);
+    out_.integration.stride = out_.stride;
+  }
+
+ private:
+  [[nodiscard]] int find_column(std::size_t channel) const {
+    try {
+      return record_.find(out_.channels[channel].column);
+    } catch (const io::FileError& error) {
+      throw InvalidInput(Part::channel, error.what(), static_cast<int>(channel));
+    }
+  }
+
+  void read_rate() {
+    const SidChannel* time = out_.find(Role::time);
+    int column = time != nullptr ? columns_[static_cast<std::size_t>(time - out_.channels.data())]
+                                 : record_.find_time();
+    // A column of that name which the case puts to another use is not time.
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (out_.channels[i].role != Role::time && column == columns_[i]) column = -1;
+    }
+    std::optional<signals::Sampling> said;
+    if (column < 0 && !use_.sample_rate_hz) said = signals::said_sampling(record_);
+    if (column < 0 && !use_.sample_rate_hz && !said) {
+      throw InvalidInput(
+          Part::sample_rate,
+          "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
+    }
+    // That one of time is, where the case says so; a record that was resampled is in seconds.
+    std::optional<double> seconds;
+    if (time != nullptr && time->scale_given && !use_.resample) seconds = time->signal.scale.value;
+    out_.sampling = {.rate_hz = use_.sample_rate_hz.value_or(0.0)};
+    if (column >= 0)
+      out_.sampling = signals::sampling_of(record_, column, use_.sample_rate_hz, seconds);
+    if (said) out_.sampling = *said;
+    out_.sample_rate_hz = out_.sampling.rate_hz;
+    out_.layout = record_.layout;
+  }
+
+  void read_window() {
+    const std::string there =
+        record_.file + " has " + std::to_string(record_.samples()) + " samples";
+    out_.end = record_.samples();
+    if (use_.samples) {
+      std::tie(out_.begin, out_.end) = *use_.samples;
+      if (out_.begin >= out_.end) {
+        throw InvalidInput(Part::samples, "must be [first, one past the last]");
+      }
+      if (out_.end > record_.samples()) {
+        throw InvalidInput(Part::samples, "reaches beyond the record; " + there);
+      }
+    }
+    if (out_.end - out_.begin < 4) {
+      throw InvalidInput(Part::samples, "must be a window of at least 4 samples; " + there);
+    }
+    out_.lead_in = use_.lead_in;
+    if (out_.lead_in > out_.begin) {
+      throw InvalidInput(Part::lead_in,
+                         "only " + std::to_string(out_.begin) + " samples stand before the window");
+    }
+  }
+
+  /// At most as many as the window has, all of them finite; 0 where there are too few.
+  [[nodiscard]] int samples_beyond() const {
+    if (out_.simulated) return 0;
+    int most = std::min(out_.end - out_.begin, record_.samples() - out_.end);
+    for (std::size_t i = 0; i < out_.channels.size(); ++i) {
+      const Role role = out_.channels[i].role;
+      if (role == Role::ignore || role == Role::time) continue;
+      const auto& values = record_.columns[static_cast<std::size_t>(columns_[i])].values;
+      const auto after = values.begin() + out_.end;
+      most = static_cast<int>(
+          std::find_if_not(after, after + most, [](double x) { return std::isfinite(x); }) - after);
+    }
+    return most < kFewestBeyond ? 0 : most;
+  }
+
+  [[nodiscard]] std::vector<double> window(std::size_t channel) const {
+    return signals::window(record_, columns_[channel], out_.begin - out_.lead_in, out_.end);
+  }
+
+  /// Amplitude that the worst excitation loses between samples when held at `factor` times the
+  /// rate.
+  [[nodiscard]] double loss(int factor) const {
+    double most = 0.0;
+    for (std::size_t i = 0; i < out_.channels.size(); ++i) {
+      if (!out_.channels[i].is_excitation()) continue;
+      std::vector<double> samples = window(i);
+      signals::detrend(samples, 0);
+      const auto spectrum = signals::welch(samples, out_.sample_rate_hz);
+      most = std::max(most,
+                      signals::linear_interpolation_loss(spectrum, out_.sample_rate_hz * factor));
+    }
+    return most;
+  }
+
+  [[nodiscard]] int choose_stride() const {
+    if (use_.upsample) return *use_.upsample;
+    int factor = 1;
+    while (factor < kMostUpsampling && loss(factor) > kUpsampledLoss) factor *= 2;
+    return factor;
+  }
+
+  /// A response that never changes is no measurement: any model that barely moves explains it.
+  void refuse_constant(std::size_t i) const {
+    const SidChannel& channel = out_.channels[i];
+    const std::vector<double>& x = channel.signal.samples;
+    if (channel.role != Role::response || out_.simulated ||
+        !std::ranges::all_of(x, [&](double value) { return value == x.front(); }))
+      return;
+    throw InvalidInput(Part::channel,
+                       "the response is " + base::number(x.front()) + " in every sample from " +
+                           std::to_string(out_.begin - out_.lead_in) + " to " +
+                           std::to_string(out_.end) +
+                           ": it says nothing of the motion. Choose other samples, give the "
+                           "channel the role \"ignore\", or repair its sensor",
+                       static_cast<int>(i));
+  }
+
+  void load_channel(std::size_t i) {
+    SidChannel& channel = out_.channels[i];
+    if (channel.role == Role::ignore || channel.role == Role::time) return;
+    const auto& source = record_.columns[static_cast<std::size_t>(columns_[i])];
+    channel.take_unit(signals::unit_of(source));
+    const int begin = out_.begin - out_.lead_in;
+    channel.signal.samples = window(i);
+    refuse_constant(i);
+    const bool whole =
+        std::ranges::all_of(source.values, [](double x) { return std::isfinite(x); });
+    const bool part = out_.begin > 0 || out_.end < record_.samples();
+    if (whole && part && !out_.simulated && out_.end - out_.begin >= kComparable) {
+      channel.window = signals::compare_window(source.values, out_.begin, out_.end,
+                                               out_.sample_rate_hz, {.segment = kComparable / 2});
+    }
+    if (channel.is_excitation() && use_.band_limited) {
+      channel.signal.samples =
+          whole ? signals::upsample(source.values, begin, out_.end, out_.stride)
+                : signals::upsample(channel.signal.samples, 0, out_.end - begin, out_.stride);
+    }
+    if (out_.beyond == 0) return;
+    // With the window's last sample, from which an upsampled excitation goes on.
+    channel.beyond = signals::window(record_, columns_[i], out_.end - 1, out_.end + out_.beyond);
+    if (channel.is_excitation() && use_.band_limited) {
+      channel.beyond = whole ? signals::upsample(source.values, out_.end - 1,
+                                                 out_.end + out_.beyond, out_.stride)
+                             : signals::upsample(channel.beyond, 0, out_.beyond + 1, out_.stride);
+    }
+    channel.beyond.erase(channel.beyond.begin());
+  }
+
+  SidCase& out_;
+  const signals::Record& record_;
+  const RecordUse& use_;
+  std::vector<int> columns_;  ///< of the record, one a channel
+};
+
+/// A signal's root mean square, and the root mean square frequency [rad/s] of its spectrum.
+struct RecordedMotion {
+  double rms = 0.0, omega = 1.0;
+};
+RecordedMotion motion_of(std::span<const double> centred, double sample_rate_hz) {
+  const auto spectrum = signals::welch(centred, sample_rate_hz);
+  double power = 0.0, moment = 0.0, squares = 0.0;
+  for (std::size_t i = 1; i < spectrum.density.size(); ++i) {
+    const double w = 2.0 * M_PI * spectrum.frequencies_hz[i];
+    power += spectrum.density[i];
+    moment += w * w * spectrum.density[i];
+  }
+  for (const double x : centred) squares += x * x;
+  return {.rms = std::sqrt(squares / static_cast<double>(centred.size())),
+          .omega = power > 0.0 ? std::sqrt(moment / power) : 1.0};
+}
+
+/// Where a least-squares line through samples starts, and its standard error.
+std::pair<double, double> intercept(std::span<const double> y) {
+  const auto n = static_cast<double>(y.size());
+  const double middle = 0.5 * (n - 1.0);
+  double mean = 0.0, slope = 0.0, spread = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double x = static_cast<double>(i) - middle;
+    mean += y[i] / n;
+    slope += x * y[i];
+    spread += x * x;
+  }
+  slope /= spread;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double r = y[i] - mean - slope * (static_cast<double>(i) - middle);
+    squares += r * r;
+  }
+  const double variance = squares / (n - 2.0);
+  return {mean - slope * middle, std::sqrt(variance * (1.0 / n + middle * middle / spread))};
+}
+
+/// What one channel of a record makes one doubt.
+void doubt_channel(const SidCase& record, const SidChannel& channel,
+                   remark::PeculiarWindow& peculiar, remark::UnknownUnits& unknown,
+                   remark::LinearExcitation& linear) {
+  if (channel.window && channel.window->difference_db >= kPeculiar * channel.window->expected_db) {
+    peculiar.channels.push_back(
+        {channel.name(), channel.window->difference_db, channel.window->expected_db});
+  }
+  if (!channel.is_excitation() && channel.role != Role::response) return;
+  if (!channel.foreign_unit().empty()) {
+    unknown.channels.push_back({channel.name(), channel.unit,
+                                std::string(name(channel.dimension())),
+                                known_units(channel.dimension())});
+  }
+  if (!channel.is_excitation() || record.simulated || record.stride > 1) return;
+  std::vector<double> samples = channel.signal.samples;
+  signals::detrend(samples, 0);
+  const double lost = signals::linear_interpolation_loss(
+      signals::welch(samples, record.sample_rate_hz), record.sample_rate_hz);
+  if (lost > linear.loss) linear = {channel.name(), lost};
+}
+
+}  // namespace
+
+void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use) {
+  if (!use.resample) {
+    RecordTaker(sid_case, record, use).take();
+    return;
+  }
+  const SidChannel* time = sid_case.find(Role::time);
+  const int column = time != nullptr ? record.find(time->column) : record.find_time();
+  if (column < 0) throw InvalidInput(Part::sample_rate, "\"resample\" needs a column of times");
+  std::optional<double> seconds;
+  if (time != nullptr && time->scale_given) seconds = time->signal.scale.value;
+  RecordTaker(sid_case, signals::resampled(record, column, use.sample_rate_hz, seconds), use)
+      .take();
+}
+
+std::vector<Remark> record_remarks(const SidCase& sid_case) {
+  std::vector<Remark> out;
+  remark::PeculiarWindow peculiar;
+  remark::UnknownUnits unknown;
+  remark::LinearExcitation linear{.channel = {}, .loss = 0.0};
+  bool base_integrated = false;
+  std::optional<double> moving;
+  for (const SidCase* record : sid_case.records()) {
+    for (const SidChannel& channel : record->channels) {
+      doubt_channel(*record, channel, peculiar, unknown, linear);
+    }
+    base_integrated = base_integrated || record->base_integrated;
+    if (record->sampling.jitter > 0.0) out.emplace_back(remark::UnevenTime{record->sampling});
+    if (record->starts_moving) moving = std::max(moving.value_or(0.0), *record->starts_moving);
+  }
+  if (base_integrated) out.emplace_back(remark::BaseIntegrated{});
+  if (moving) out.emplace_back(remark::InitialStateInferred{*moving});
+  if (!peculiar.channels.empty()) out.emplace_back(std::move(peculiar));
+  if (linear.loss >= kWorthWarning) out.emplace_back(std::move(linear));
+  if (!unknown.channels.empty()) out.emplace_back(std::move(unknown));
+  return out;
+}
+
+std::optional<double> moves_at_start(const SidCase& sid_case) {
+  constexpr double kStill = 0.1;  // of the root mean square
+  std::optional<double> out;
+  for (const SidChannel* channel : sid_case.responses()) {
+    const std::vector<double>& y = channel->signal.samples;
+    // Offsets that the case states are no motion.
+    const double scale = channel->signal.scale.is_constant() ? channel->signal.scale.value : 1.0;
+    const bool offset_known = channel->signal.offset.is_constant();
+    const double rest = offset_known ? -channel->signal.offset.value / scale : 0.0;
+    std::vector<double> centred = y;
+    signals::detrend(centred, 0);
+    const RecordedMotion motion = motion_of(centred, sid_case.sample_rate_hz);
+    if (!(motion.rms > 0.0)) continue;
+    const double quarter = 0.5 * M_PI / motion.omega * sid_case.sample_rate_hz;
+    const auto first = std::clamp<std::size_t>(static_cast<std::size_t>(quarter), 4, y.size());
+    if (channel->quantity == dynamics::Quantity::acceleration) {
+      if (sid_case.begin == 0 || sid_case.lead_in > 0) continue;
+      double squares = 0.0;
+      for (std::size_t n = 0; n < first; ++n) squares += centred[n] * centred[n];
+      const double share = std::sqrt(squares / static_cast<double>(first)) / motion.rms;
+      if (share > kStill) out = std::max(out.value_or(0.0), share);
+      continue;
+    }
+    if (!offset_known) continue;
+    const auto [value, error] =
+        intercept({y.data(), std::max<std::size_t>(4, std::min(y.size(), first / 2))});
+    const double share = std::abs(value - rest) / motion.rms;
+    if (share > kStill && std::abs(value - rest) > 3.0 * error) {
+      out = std::max(out.value_or(0.0), share);
+    }
+  }
+  return out;
+}
+
+void infer_initial(SidCase& sid_case, SidModel& model) {
+  const int masses = model.chain.size();
+  std::vector<double> y(static_cast<std::size_t>(masses)), v(y.size());
+  double top_y = 0.0, top_v = 0.0;
+  for (const SidChannel* channel : sid_case.responses()) {
+    std::vector<double> samples = channel->signal.samples;
+    const double scale =
+        channel->signal.scale.is_constant() ? std::abs(channel->signal.scale.value) : 1.0;
+    signals::detrend(samples, 0);
+    const RecordedMotion motion = motion_of(samples, sid_case.sample_rate_hz);
+    const double sd = scale * motion.rms, omega = motion.omega;
+    const int order = static_cast<int>(channel->quantity);
+    const auto at = static_cast<std::size_t>(channel->mass - 1);
+    y[at] = std::max(y[at], sd / std::pow(omega, order));
+    v[at] = std::max(v[at], sd / std::pow(omega, order - 1));
+    top_y = std::max(top_y, y[at]);
+    top_v = std::max(top_v, v[at]);
+  }
+  if (!(top_y > 0.0)) {
+    throw InvalidInput(Part::initial, "the responses are constant: nothing to infer from");
+  }
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const std::string index =
+        "[" + std::to_string(i + 1) + "]" +
+        (sid_case.number > 1 ? "@" + std::to_string(sid_case.number) : std::string());
+    model.initial.displacement.push_back(
+        sid_case.parameter("y0" + index, inference::Normal{0.0, y[i] > 0.0 ? y[i] : top_y}));
+    model.initial.velocity.push_back(
+        sid_case.parameter("v0" + index, inference::Normal{0.0, v[i] > 0.0 ? v[i] : top_v}));
+  }
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,72 @@
+#include "identification/sid/sid_residuals.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "identification/sid/sid_problem.hpp"
+#include "inference/search/mode_search.hpp"
+#include "signals/residuals.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+/// That the residuals of the model's best white fit ask for.
+int order_of(const SidCase& sid_case, const SidModel& model, std::uint64_t seed, int threads) {
+  SidCase alone = sid_case;
+  alone.models = {model};
+  alone.further.clear();
+  alone.unite();
+  const auto problem = make_sid_problem(std::move(alone));
+  std::vector<double> x;
+  if (problem->problem.space[0].dimension > 0) {
+    const inference::ModeSearch found = inference::search_modes(
+        problem->problem, 0,
+        {.seed = seed, .climbs = inference::kFewestClimbs, .threads = threads});
+    if (found.modes.empty()) return 0;
+    for (std::size_t p = 0; p < found.modes.front().z.size(); ++p) {
+      x.push_back(problem->problem.space.prior(0, static_cast<int>(p))
+                      .from_standard_normal(found.modes.front().z[p]));
+    }
+  }
+  const dynamics::Misfit& misfit = problem->misfits.front();
+  const auto samples = static_cast<std::size_t>(misfit.samples());
+  std::vector<double> residuals(samples * static_cast<std::size_t>(misfit.channels()));
+  if (!misfit.residuals(problem->theta(0, x), residuals)) return 0;
+  int order = 0;
+  for (std::size_t at = 0; at < residuals.size(); at += samples) {
+    order = std::max(order, signals::autoregressive_order({residuals.data() + at, samples},
+                                                          kMostAutoregressive));
+  }
+  return order;
+}
+
+}  // namespace
+
+void add_autoregression(SidCase& sid_case, SidModel& model, int order) {
+  const std::size_t responses = sid_case.responses().size();
+  for (std::size_t c = 0; order > 0 && c < responses; ++c) {
+    model.autocorrelations.emplace_back();
+    for (int j = 1; j <= order; ++j) {
+      const std::string channel = responses > 1 ? "[" + std::to_string(c + 1) + "]" : "";
+      model.autocorrelations.back().push_back(sid_case.parameter(
+          "ar" + channel + "[" + std::to_string(j) + "]", inference::Uniform{-1.0, 1.0}));
+    }
+  }
+}
+
+void choose_orders(SidCase& sid_case, std::uint64_t seed, int threads) {
+  for (SidModel& model : sid_case.models) {
+    if (!model.chooses_order) continue;
+    const int order = order_of(sid_case, model, seed, threads);
+    add_autoregression(sid_case, model, order);
+    for (SidCase& record : sid_case.further) {
+      record.parameters = sid_case.parameters;
+      const auto m = static_cast<std::size_t>(&model - sid_case.models.data());
+      add_autoregression(record, record.models[m], order);
+      sid_case.parameters = record.parameters;
+    }
+  }
+  sid_case.unite();
+}
+
+}  // namespace wheeltap::identification

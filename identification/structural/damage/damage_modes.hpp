@@ -1,0 +1,40 @@
+// What each measured mode says of damage.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
+#include "inference/diagnosis/posterior.hpp"
+
+namespace wheeltap::identification {
+
+/// What the posterior would be without each mode, and MACs, from draws that are passed one by one.
+/// Refers to the problem.
+class SingleModes {
+ public:
+  explicit SingleModes(const DamageProblem& problem);
+  /// A draw of `model` that counts `weight`; `log_densities`: of each mode, those not measured are
+  /// ignored.
+  void pass(int model, double weight, const std::vector<double>& log_densities);
+  /// A draw of a problem `by_modes`; `at` has just scored x.
+  void pass(int model, double weight, std::span<const double> x, const FrequencyPredictor& at,
+            const ModalLikelihood::Score& score);
+  /// `winner`: the most probable model.
+  void tell(int winner, FitFinding& out) const;
+
+ private:
+  const DamageProblem& problem_;
+  std::vector<int> models_;
+  std::vector<double> weights_;
+  std::vector<std::vector<double>> densities_, macs_;  // of a mode, at each draw
+  bool doubted_ = false, told_ = true;
+};
+
+/// Measured shapes beside those of the best draw, of each state that has some; of problems
+/// `by_modes`.
+[[nodiscard]] std::vector<ShapesBeside> best_shapes(const DamageProblem& problem,
+                                                    const inference::Posterior& posterior);
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,585 @@
+#include "identification/structural/damage/damage_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "base/constants.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "identification/invalid_input.hpp"
+#include "inference/moves/between_models/split_merge.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using inference::Prior;
+
+class FrequencyLikelihood final : public inference::Likelihood {
+ public:
+  /// `emulated`: predicted by the problem's emulator where there are damages.
+  FrequencyLikelihood(const DamageProblem& problem, bool emulated)
+      : problem_(problem),
+        emulated_(emulated),
+        data_(problem.damage_case.data),
+        noise_(data_),
+        predictor_(problem),
+        prediction_(data_.frequencies_hz.size()),
+        variance_(prediction_.size()),
+        gradient_prediction_(prediction_.size()) {}
+
+  double log_likelihood(int model, std::span<const double> x) override {
+    if (problem_.by_modes()) return of_modes(model, x);
+    const double cv = data_.cv_prior ? x[0] : 0.0;
+    noise_scale_ = data_.cv_prior ? cv : 1.0;
+    if (emulated_) {
+      predictor_.emulate(model, x, prediction_, variance_);
+    } else {
+      predictor_.solve(model, x, prediction_);
+    }
+    residuals_.clear();
+    return noise_.log_likelihood(
+        prediction_, emulated_ ? std::span<const double>(variance_) : std::span<const double>(), cv,
+        residuals_);
+  }
+
+  // With r = (f_obs - f) / sd:  ∂ ln p/∂f = r / sd,  ∂ ln p/∂cv = (r² - 1) cv f_obs² / sd².
+  bool gradient(int model, std::span<const double> x, std::span<double> out) override {
+    if (emulated_) return false;
+    const std::size_t d = x.size();
+    jacobian_.resize(gradient_prediction_.size() * d);
+    if (!predictor_.differentiate(model, x, gradient_prediction_, jacobian_)) return false;
+    const double cv = data_.cv_prior ? x[0] : 0.0;
+    std::ranges::fill(out, 0.0);
+    for (std::size_t i = 0; i < gradient_prediction_.size(); ++i) {
+      const double observed = data_.frequencies_hz[i];
+      if (std::isnan(observed)) continue;
+      const double sd = noise_.sd(i, cv, 0.0);
+      const double residual = (observed - gradient_prediction_[i]) / sd;
+      for (std::size_t j = 0; j < d; ++j) out[j] += residual / sd * jacobian_[i * d + j];
+      if (data_.cv_prior)
+        out[0] += (residual * residual - 1.0) * cv * (observed / sd) * (observed / sd);
+    }
+    return true;
+  }
+
+  [[nodiscard]] std::span<const double> prediction() const override { return prediction_; }
+  [[nodiscard]] std::span<const double> residuals() const override { return residuals_; }
+  [[nodiscard]] double noise_scale() const override { return noise_scale_; }
+
+ private:
+  double of_modes(int model, std::span<const double> x) {
+    noise_scale_ = 1.0;
+    residuals_.clear();
+    if (!predictor_.score(model, x, score_)) {
+      std::ranges::fill(prediction_, std::numeric_limits<double>::infinity());
+      return -std::numeric_limits<double>::infinity();
+    }
+    for (std::size_t i = 0; i < prediction_.size(); ++i)
+      prediction_[i] = score_.matches[i].frequency_hz;
+    return score_.log_likelihood;
+  }
+
+  const DamageProblem& problem_;
+  ModalLikelihood::Score score_;
+  bool emulated_;
+  const FrequencyData& data_;
+  NoiseModel noise_;
+  FrequencyPredictor predictor_;
+  std::vector<double> prediction_, variance_, residuals_;
+  std::vector<double> gradient_prediction_, jacobian_;
+  double noise_scale_ = 1.0;
+};
+
+// Same density at x and L - x, tried at quantiles from the bulk to the tails.
+bool is_mirror_symmetric(const Prior& prior, double length) {
+  for (double z = -4.0; z <= 4.0; z += 0.5) {
+    const double here = prior.from_standard_normal(z);
+    const double mirrored = prior.from_standard_normal(-z);
+    if (std::abs(here + mirrored - length) > 1e-9 * length) return false;
+  }
+  return true;
+}
+
+// What the intact structure's symmetry cannot tell apart, and the moves from one to the other.
+// Where the data tell the images apart the moves remain: shapes of 1 % leave each image its share.
+void find_images(DamageProblem& problem, bool told_apart) {
+  const DamageCase& damage_case = problem.damage_case;
+  std::optional<fem::StructureReanalysis::Workspace> workspace;
+  if (problem.structure) workspace = problem.structure->make_workspace();
+  SiteSymmetries found = find_symmetries(
+      damage_case.structure->nominal, damage_case.kinds,
+      [&](const std::vector<PlacedDefect>& defects) {
+        if (problem.states) return problem.states->frequencies_anywhere(defects);
+        std::vector<double> f(static_cast<std::size_t>(problem.structure->modes()));
+        try {
+          problem.structure->solve(structure_change(damage_case.kinds, defects, problem.mesh.get()),
+                                   *workspace, {.frequencies_hz = f});
+        } catch (const std::invalid_argument&) {
+          f.clear();
+        }
+        return f;
+      });
+  if (found.empty()) return;
+  for (const bool whole : {true, false}) {
+    problem.problem.moves.push_back({whole ? "image" : "image of one", [maps = found.maps, whole] {
+                                       return std::make_unique<inference::Image>(maps, whole);
+                                     }});
+  }
+  if (!told_apart) problem.symmetries = std::move(found);
+}
+
+// Every combination of the kinds' counts, the last kind running fastest, with product weights.
+std::vector<inference::ModelSpace::Counts> combinations(const std::vector<DefectKind>& kinds) {
+  std::vector<inference::ModelSpace::Counts> list = {{{}, 1.0}};
+  for (const DefectKind& kind : kinds) {
+    std::vector<inference::ModelSpace::Counts> longer;
+    for (const auto& head : list) {
+      for (int n = kind.min_count; n <= kind.max_count; ++n) {
+        auto next = head;
+        next.counts.push_back(n);
+        next.weight *= kind.weights[static_cast<std::size_t>(n - kind.min_count)];
+        longer.push_back(std::move(next));
+      }
+    }
+    list = std::move(longer);
+  }
+  // A model with no prior weight is no candidate.
+  std::erase_if(list, [](const auto& entry) { return !(entry.weight > 0.0); });
+  return list;
+}
+
+}  // namespace
+
+FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
+    : problem_(problem),
+      rigid_(static_cast<std::size_t>(problem.damage_case.rigid_body_modes)),
+      all_(static_cast<std::size_t>(problem.damage_case.modes()) + rigid_) {
+  if (problem.modal) {
+    all_.resize(static_cast<std::size_t>(problem.structure->modes()));
+    for (const Sensor& sensor : problem.damage_case.modal->sensors)
+      motions_.push_back(sensor.motion);
+    shapes_.resize(all_.size() * motions_.size());
+  }
+  if (problem.states) states_workspace_ = problem.states->make_workspace();
+  if (problem.structure) {
+    structure_workspace_ = problem.structure->make_workspace();
+  } else if (problem.reanalysis) {
+    workspace_ = problem.reanalysis->make_workspace();
+  }
+}
+
+void FrequencyPredictor::place(int model, std::span<const double> x) {
+  placed_.damages.clear();
+  placed_.supports.clear();
+  for (const DamageProblem::Component& c : problem_.components(model, x)) {
+    const DefectKind& kind = problem_.damage_case.kinds[static_cast<std::size_t>(c.kind)];
+    kind.type->place(kind, c.location, c.severity, placed_);
+  }
+}
+
+void FrequencyPredictor::solve_placed(std::span<double> out) {
+  problem_.reanalysis->frequencies_hz(placed_.damages, placed_.supports, *workspace_, all_);
+  std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
+}
+
+std::size_t FrequencyPredictor::first_elastic() const {
+  // Supports hold rigid-body motions, so there may be fewer of those than without them.
+  std::size_t first = 0;
+  while (first < rigid_ && all_[first] <= 1e-6 * all_[rigid_]) ++first;
+  return first;
+}
+
+bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
+                                       std::span<double> jacobian) {
+  if (!problem_.reanalysis || problem_.outside) return false;
+  for (const DefectKind& kind : problem_.damage_case.kinds) {
+    if (!kind.type->is_elementary) return false;
+  }
+  place(model, x);
+  const std::size_t n = all_.size(), damages = placed_.damages.size(),
+                    supports = placed_.supports.size();
+  by_reduction_.resize(n * damages);
+  along_damages_.resize(n * damages);
+  by_stiffness_.resize(n * supports);
+  along_supports_.resize(n * supports);
+  problem_.reanalysis->solve(placed_.damages, placed_.supports, *workspace_,
+                             {.frequencies_hz = all_,
+                              .damage_gradients_hz = by_reduction_,
+                              .element_gradients_hz = {},
+                              .shapes = {},
+                              .points = {},
+                              .support_gradients_hz = by_stiffness_});
+  problem_.reanalysis->location_slopes(placed_.damages, placed_.supports, *workspace_,
+                                       {.modes = static_cast<int>(n),
+                                        .damages_hz_m = along_damages_,
+                                        .supports_hz_m = along_supports_});
+  const std::size_t first = first_elastic();
+  std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());
+
+  std::ranges::fill(jacobian, 0.0);
+  const auto fill = [&](std::size_t column, const std::vector<double>& from, std::size_t defect,
+                        std::size_t defects) {
+    for (std::size_t i = 0; i < out.size(); ++i)
+      jacobian[i * x.size() + column] = from[(first + i) * defects + defect];
+  };
+  // In the order of `place`: each defect is one damage or one support.
+  std::size_t damage = 0, support = 0;
+  const inference::Model& m = problem_.problem.space[model];
+  for (std::size_t k = 0; k < problem_.damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = problem_.damage_case.kinds[k];
+    const auto width = static_cast<std::size_t>(kind.parameters());
+    fem::Defects one;
+    kind.type->place(kind, 0.0, 0.0, one);
+    for (int c = 0; c < m.counts[k]; ++c) {
+      const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
+      if (one.supports.empty()) {
+        fill(at, along_damages_, damage, damages);
+        if (width == 2) fill(at + 1, by_reduction_, damage, damages);
+        ++damage;
+      } else {
+        fill(at, along_supports_, support, supports);
+        if (width == 2) fill(at + 1, by_stiffness_, support, supports);
+        ++support;
+      }
+    }
+  }
+  return true;
+}
+
+void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<double> out) {
+  if (problem_.by_modes()) {
+    ModalLikelihood::Score found;
+    if (!score(model, x, found)) {
+      std::ranges::fill(out, std::numeric_limits<double>::infinity());
+      return;
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = found.matches[i].frequency_hz;
+    return;
+  }
+  if (problem_.outside) return ask_outside(model, x, out);
+  if (problem_.structure) return solve_structure(model, x, out);
+  place(model, x);
+  solve_placed(out);
+}
+
+bool FrequencyPredictor::solve_changed(int model, std::span<const double> x,
+                                       const fem::StructureReanalysis::Results& results) {
+  in_structure_.clear();
+  for (const DamageProblem::Component& c : problem_.components(model, x)) {
+    in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
+  }
+  try {
+    problem_.structure->solve(
+        structure_change(problem_.damage_case.kinds, in_structure_, problem_.mesh.get()),
+        *structure_workspace_, results);
+  } catch (const fem::ImpossibleChange&) {
+    return false;
+  }
+  return true;
+}
+
+void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
+                                         std::span<double> out) {
+  if (!solve_changed(model, x, {.frequencies_hz = all_})) {
+    // Its likelihood is 0.
+    std::ranges::fill(out, std::numeric_limits<double>::infinity());
+    return;
+  }
+  std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
+}
+
+void FrequencyPredictor::ask_outside(int model, std::span<const double> x, std::span<double> out) {
+  const auto& kinds = problem_.damage_case.kinds;
+  auto present = problem_.components(model, x);
+  std::ranges::sort(present, [](const auto& a, const auto& b) {
+    return std::tie(a.kind, a.location) < std::tie(b.kind, b.location);
+  });
+  std::vector<double> sent;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    for (int c = 0; c < kinds[k].max_count; ++c) {
+      const bool is = next < present.size() && present[next].kind == static_cast<int>(k);
+      const auto one = is ? present[next++] : DamageProblem::Component{};
+      const double numbers[] = {one.location, one.severity, one.extent};
+      sent.insert(sent.end(), numbers, numbers + (kinds[k].extent_prior ? 3 : 2));
+    }
+  }
+  problem_.outside->evaluate(sent, out);
+}
+
+bool FrequencyPredictor::solve_modes(int model, std::span<const double> x,
+                                     fem::ParametricModes::Modes& out) {
+  if (!solve_changed(model, x, {.frequencies_hz = all_, .shapes = shapes_, .motions = motions_}))
+    return false;
+  const std::size_t first = first_elastic(), count = all_.size() - rigid_;
+  const auto sensors = static_cast<Eigen::Index>(motions_.size());
+  out.eigenvalues.resize(static_cast<Eigen::Index>(count));
+  out.shapes.resize(sensors, static_cast<Eigen::Index>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const double omega = kTwoPi * all_[first + i];
+    out.eigenvalues[static_cast<Eigen::Index>(i)] = omega * omega;
+    for (Eigen::Index s = 0; s < sensors; ++s)
+      out.shapes(s, static_cast<Eigen::Index>(i)) =
+          shapes_[(first + i) * motions_.size() + static_cast<std::size_t>(s)];
+  }
+  return true;
+}
+
+bool FrequencyPredictor::score(int model, std::span<const double> x, ModalLikelihood::Score& out) {
+  const ModalNoise noise = problem_.modal_noise(x);
+  if (!problem_.states) {
+    if (!solve_modes(model, x, modes_)) return false;
+    out = problem_.modal->score(modes_, noise);
+    return true;
+  }
+  in_structure_.clear();
+  for (const DamageProblem::Component& c : problem_.components(model, x))
+    in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
+  const auto theta = x.subspan(static_cast<std::size_t>(problem_.scatters));
+  if (!problem_.states->solve(theta, in_structure_, states_workspace_, of_states_)) return false;
+  out = problem_.states->score(of_states_, noise);
+  return true;
+}
+
+bool FrequencyPredictor::with_errors(std::span<const double> x) const {
+  return problem_.states && problem_.states->with_errors(problem_.modal_noise(x));
+}
+
+Eigen::VectorXd FrequencyPredictor::single_mode_densities(
+    std::span<const double> x, const ModalLikelihood::Score& score) const {
+  return problem_.states->single_mode_densities(of_states_, problem_.modal_noise(x), score);
+}
+
+Eigen::MatrixXd FrequencyPredictor::covariance(std::span<const double> x,
+                                               const ModalLikelihood::Score& score,
+                                               std::vector<int>& with) const {
+  const ModalNoise noise = problem_.modal_noise(x);
+  if (problem_.states) return problem_.states->frequency_covariance(of_states_, noise, score, with);
+  with.clear();
+  const ModalData& data = problem_.modal->data();
+  for (int i = 0; i < data.modes(); ++i)
+    if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)])) with.push_back(i);
+  return problem_.modal->covariance(noise)(with, with);
+}
+
+void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span<double> out,
+                                 std::span<double> variance) {
+  place(model, x);
+  if (!placed_.damages.empty()) {
+    std::ranges::sort(placed_.damages, {}, &fem::Damage::location);
+    const bool wanted = problem_.damage_case.emulator->emulator_error;
+    if (wanted) {
+      problem_.emulator->evaluate(placed_.damages, out, variance);
+    } else {
+      problem_.emulator->evaluate(placed_.damages, out);
+      std::ranges::fill(variance, 0.0);
+    }
+    if (std::ranges::none_of(out, [](double f) { return std::isnan(f); })) return;
+  }
+  // No damage needs no emulator; nor does a sum of ANOVA that is no frequency have one.
+  if (problem_.outside)
+    ask_outside(model, x, out);
+  else
+    solve_placed(out);
+  std::ranges::fill(variance, 0.0);
+}
+
+ModalNoise DamageProblem::modal_noise(std::span<const double> x) const {
+  const ModalData& data = *damage_case.modal;
+  std::size_t next = 0;
+  const auto at = [&](bool inferred, double known) { return inferred ? x[next++] : known; };
+  ModalNoise noise;
+  noise.cov = at(data.cov_prior.has_value(), 0.0);
+  noise.shape_sd = at(data.shape_sd_prior.has_value(), 1.0);
+  noise.discrepancy = at(!data.discrepancy.known(), data.discrepancy.value);
+  noise.shape_discrepancy = at(!data.shape_discrepancy.known(), data.shape_discrepancy.value);
+  noise.mixing = at(!data.mixing.known(), data.mixing.value);
+  noise.stiffness_discrepancy =
+      at(!data.stiffness_discrepancy.known(), data.stiffness_discrepancy.value);
+  return noise;
+}
+
+std::vector<DamageProblem::Component> DamageProblem::components(int model,
+                                                                std::span<const double> x) const {
+  std::vector<Component> list;
+  components(model, x, list);
+  return list;
+}
+
+void DamageProblem::components(int model, std::span<const double> x,
+                               std::vector<Component>& to) const {
+  to.clear();
+  const inference::Model& m = problem.space[model];
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    const auto width = static_cast<std::size_t>(kind.parameters());
+    for (int c = 0; c < m.counts[k]; ++c) {
+      const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
+      to.push_back({.kind = static_cast<int>(k),
+                    .location = x[at],
+                    .severity = kind.severity_prior() ? x[at + 1] : kind.known_severity(),
+                    .extent = kind.extent_prior ? x[at + width - 1] : 0.0});
+    }
+  }
+}
+
+std::vector<std::string> outside_inputs(const DamageCase& damage_case) {
+  std::vector<std::string> names;
+  for (const DefectKind& kind : damage_case.kinds) {
+    const std::string prefix = damage_case.kinds.size() > 1 ? kind.name + " " : "";
+    for (int c = 1; c <= kind.max_count; ++c) {
+      std::vector<std::string> own = {"location", kind.severity_name()};
+      if (kind.extent_prior) own.emplace_back("extent");
+      for (const std::string& name : own)
+        names.push_back(prefix + name + "[" + std::to_string(c) + "]");
+    }
+  }
+  return names;
+}
+
+std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
+                                                         const DamageProblemOptions& options) {
+  complete(damage_case);
+  std::vector<inference::ComponentKind> kinds;
+  for (const DefectKind& kind : damage_case.kinds) {
+    inference::ComponentKind component{kind.name, kind.plural, {{"location", kind.location}}};
+    if (const Prior* severity = kind.severity_prior()) {
+      component.parameters.push_back({kind.severity_name(), *severity});
+    }
+    if (kind.extent_prior) component.parameters.push_back({"extent", *kind.extent_prior});
+    kinds.push_back(std::move(component));
+  }
+  std::vector<inference::Parameter> common;
+  if (damage_case.data.cv_prior) common.push_back({"cov", *damage_case.data.cv_prior});
+  if (damage_case.modal) {  // in the order of `modal_noise`
+    const ModalData& data = *damage_case.modal;
+    if (data.shape_sd_prior) common.push_back({"shape_sd", *data.shape_sd_prior});
+    if (data.discrepancy.prior) common.push_back({"discrepancy", *data.discrepancy.prior});
+    if (data.shape_discrepancy.prior)
+      common.push_back({"shape_discrepancy", *data.shape_discrepancy.prior});
+    if (data.mixing.prior) common.push_back({"mixing", *data.mixing.prior});
+    if (data.stiffness_discrepancy.prior)
+      common.push_back({"stiffness_discrepancy", *data.stiffness_discrepancy.prior});
+  }
+  const auto scatters = static_cast<int>(common.size());
+  if (damage_case.states)
+    for (auto& parameter : damage_case.states->parameters()) common.push_back(parameter);
+
+  auto out = std::make_unique<DamageProblem>(
+      DamageProblem{.damage_case = damage_case,
+                    .reanalysis = nullptr,
+                    .emulator = nullptr,
+                    .problem = {.space = inference::ModelSpace::of_components(
+                                    common, kinds, combinations(damage_case.kinds)),
+                                .likelihood = {}},
+                    .fe_likelihood = nullptr,
+                    .common = static_cast<int>(common.size()),
+                    .scatters = scatters});
+  int wanted = damage_case.modes() + damage_case.rigid_body_modes;
+  if (damage_case.states) {
+    try {
+      out->states = std::make_shared<const StatesLikelihood>(damage_case.states, damage_case.kinds);
+    } catch (const fem::InvalidStructure& error) {
+      throw InvalidInput(InvalidInput::Part::beam, error.what());
+    } catch (const std::invalid_argument& error) {
+      throw InvalidInput(InvalidInput::Part::data, error.what());
+    }
+  } else if (damage_case.solved_as_structure()) {
+    try {
+      if (damage_case.modal) {
+        out->modal = std::make_shared<const ModalLikelihood>(*damage_case.modal);
+        const fem::Discretisation d = discretise(damage_case.solved_structure());
+        int held = 0;
+        for (const DefectKind& kind : damage_case.kinds)
+          held += kind.type->may_be_known ? kind.max_count : 0;
+        wanted = damage_case.rigid_body_modes +
+                 out->modal->candidates(static_cast<int>(fem::mode_count(d)) -
+                                        damage_case.rigid_body_modes - held);
+      }
+      const AnyStructure structure = damage_case.solved_structure();
+      if (const auto* members = std::get_if<fem::Structure>(&structure)) {
+        out->mesh = std::make_shared<const fem::Mesh>(*members);
+      }
+      out->structure = std::make_shared<const fem::StructureReanalysis>(
+          std::make_shared<const fem::Discretisation>(out->mesh ? out->mesh->discretisation()
+                                                                : discretise(structure)),
+          wanted);
+    } catch (const std::invalid_argument& error) {
+      throw InvalidInput(InvalidInput::Part::beam, error.what());
+    }
+  } else {
+    out->reanalysis = std::make_shared<const fem::Reanalysis>(damage_case.beam, wanted);
+  }
+  const auto& states = damage_case.states;
+  const bool told_apart =
+      (damage_case.modal && damage_case.modal->has_shapes()) || (states && states->has_shapes());
+  bool mirrored = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam);
+  for (const DefectKind& kind : damage_case.kinds) {
+    mirrored = mirrored && is_mirror_symmetric(kind.location, damage_case.beam.length);
+  }
+  if (options.outside) {
+    if (!out->reanalysis)
+      throw InvalidInput(
+          InvalidInput::Part::data,
+          "a predictor of one's own goes with a beam and its frequencies: there must "
+          "be no shapes, states or structure");
+    out->outside = options.outside;
+  }
+  out->symmetric =
+      mirrored && !options.outside && !told_apart && !(states && states->tells_sides());
+  if (mirrored) {
+    for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+      out->problem.reflections.push_back({static_cast<int>(k), 0, 0.5 * damage_case.beam.length});
+    }
+  }
+
+  if (damage_case.structure) find_images(*out, told_apart);
+
+  // Two damages in one element are hard to tell from one that compounds them, but far from it.
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    if (!kind.type->compounds || kind.max_count < 2) continue;
+    out->problem.moves.push_back(
+        {"split and merge", [kind_index = static_cast<int>(k),
+                             h = kind.line.length() / static_cast<double>(kind.line.cells())] {
+           return std::make_unique<inference::SplitMerge>(
+               kind_index, h, inference::SplitMerge::Keeps::product_of_complements);
+         }});
+  }
+
+  if (damage_case.emulator) {
+    const EmulatorSpec& spec = *damage_case.emulator;
+    const DefectKind& kind = damage_case.kinds[0];
+    try {
+      out->emulator = std::make_shared<const FrequencyEmulator>(
+          spec.table ? FrequencyEmulator::load(*spec.table, damage_case.beam, kind.max_count,
+                                               damage_case.modes())
+                     : FrequencyEmulator::train(
+                           *out->reanalysis, spec, kind, damage_case.modes(),
+                           {.threads = options.threads,
+                            .progress = options.table_progress,
+                            .model = out->outside ? outside_model(*out->outside, kind.max_count)
+                                                  : emulator::ModelFactory()}));
+    } catch (const emulator::RunError& error) {
+      std::rethrow_if_nested(error);  // of a model of someone else's
+      throw;
+    } catch (const std::invalid_argument& error) {
+      throw InvalidInput(InvalidInput::Part::emulator, error.what());
+    }
+    if (const auto outside = out->emulator->reaches_outside(damage_case.kinds[0])) {
+      throw InvalidInput(outside->part, outside->message);
+    }
+  }
+  const auto likelihood = [problem = out.get()](bool emulated) {
+    return
+        [problem, emulated] { return std::make_unique<FrequencyLikelihood>(*problem, emulated); };
+  };
+  const bool emulated = out->emulator && !out->exact();
+  out->fe_likelihood = likelihood(false);
+  out->problem.likelihood = likelihood(emulated);
+  if (out->exact()) out->problem.screen = likelihood(true);
+  return out;
+}
+
+}  // namespace wheeltap::identification

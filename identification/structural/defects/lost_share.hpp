@@ -1,0 +1,26 @@
+// What the types of defect have in common whose severity is a share of stiffness lost.
+#pragma once
+
+#include <cmath>
+
+#include "identification/structural/defects/defect_kind.hpp"
+
+namespace wheeltap::identification::defects {
+
+/// A severity r in [0, 1), called "reduction"; `bounds_words` says what 1 would be. The rest is for
+/// the type to fill in.
+[[nodiscard]] inline DefectType lost_share(std::string_view name, std::string_view noun,
+                                           std::string_view bounds_words) {
+  return {.name = name,
+          .noun = noun,
+          .severity = "reduction",
+          .severity_words = "stiffness lost",
+          .effect_words = "stiffness reduced by",
+          .percent = true,
+          .lower = 0.0,
+          .upper = std::nextafter(1.0, 0.0),
+          .bounds_words = bounds_words,
+          .unit = [](const DefectKind&) -> std::string_view { return ""; }};
+}
+
+}  // namespace wheeltap::identification::defects

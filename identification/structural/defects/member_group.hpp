@@ -1,0 +1,27 @@
+// Lost stiffness of a named group of members: a storey's columns, a chord, a batch of one steel.
+#pragma once
+
+#include <limits>
+
+#include "identification/structural/defects/lost_share.hpp"
+
+namespace wheeltap::identification::defects {
+
+/// Every member of the group keeps 1 - r of its stiffness in every strain, all along. A case says
+/// "substructure", as of the parts of another program's matrices.
+inline const DefectType kMemberGroup = [] {
+  DefectType type = lost_share("substructure", "soft substructure",
+                               "a reduction lies in [0, 1): 0 is intact, 1 would be gone");
+  type.place_in_structure = [](const DefectKind& kind, const SiteLine::Spot& spot, double severity,
+                               StructureEffects& out) {
+    for (const int member : kind.groups[static_cast<std::size_t>(spot.site)])
+      out.defects.reductions.push_back({.member = member,
+                                        .from = 0.0,
+                                        .to = std::numeric_limits<double>::infinity(),
+                                        .reduction = severity});
+  };
+  type.sites = DefectType::Sites::substructures;
+  return type;
+}();
+
+}  // namespace wheeltap::identification::defects

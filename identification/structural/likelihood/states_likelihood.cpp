@@ -1,0 +1,599 @@
+#include "identification/structural/likelihood/states_likelihood.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+#include "base/random.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+
+namespace wheeltap::identification {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Modes = fem::ParametricModes::Modes;
+
+namespace {
+
+constexpr int kTraining = 200;      // structures that a reduced basis is tried on
+constexpr int kTriedForPieces = 8;  // draws of the priors that must have the medians' strains
+constexpr int kOfPieces = 8;  // modes beyond those that are compared, for what pieces do to shapes
+
+bool same_masses(const ObservedState& a, const ObservedState& b) {
+  return std::ranges::equal(a.masses, b.masses, [](const auto& x, const auto& y) {
+    return x.mass == y.mass && x.motion.dofs == y.motion.dofs &&
+           x.motion.coefficients == y.motion.coefficients;
+  });
+}
+
+/// A thousandth of the smallest scatter of a frequency, for its square.
+double tolerance_of(const ObservedStates& states) {
+  double cov = 1e-3;
+  for (const ObservedState& s : states.list)
+    for (std::size_t i = 0; i < s.data.frequencies_hz.size() && !s.data.cov_prior; ++i)
+      if (const double f = s.data.frequencies_hz[i]; !std::isnan(f))
+        cov = std::min(cov, std::sqrt(s.data.covariance.diagonal()[static_cast<Index>(i)]) / f);
+  return std::clamp(2e-3 * cov, 1e-8, 1e-5);
+}
+
+}  // namespace
+
+StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
+                                   std::vector<DefectKind> kinds)
+    : states_(std::move(states)), kinds_(std::move(kinds)), joined_(states_->joined()) {
+  const bool matrices = std::holds_alternative<fem::MatrixStructure>(states_->model->nominal);
+  if (matrices) scales_ = scales_of(*states_->model);
+  const std::vector<double> theta = draw(-1).x;
+  int held = 0;
+  for (const DefectKind& kind : kinds_) held += kind.type->may_be_known ? kind.max_count : 0;
+  const bool pieces = !joined_.stiffness_discrepancy.none();
+  if (pieces && matrices)
+    throw std::invalid_argument(
+        "a discrepancy of stiffness goes with members and chains: matrices have no pieces");
+  for (std::size_t s = 0; s < states_->list.size(); ++s) {
+    const ObservedState& state = states_->list[s];
+    const auto kin = std::ranges::find(states_->list, state.known, &ObservedState::known);
+    family_.push_back(static_cast<int>(kin - states_->list.begin()));
+    try {
+      likelihoods_.emplace_back(state.data);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(state.name + ": " + error.what());
+    }
+    for (int m = 0; m < state.data.modes(); ++m) places_.push_back({static_cast<int>(s), m});
+    const auto group = std::ranges::find_if(groups_, [&](const Group& g) {
+      const ObservedState& other = states_->list[static_cast<std::size_t>(g.states[0])];
+      return other.damaged == state.damaged && other.known == state.known &&
+             same_masses(other, state);
+    });
+    if (group != groups_.end()) {
+      group->states.push_back(static_cast<int>(s));
+      continue;
+    }
+    const auto alike = std::ranges::find_if(groups_, [&](const Group& g) {
+      return states_->list[static_cast<std::size_t>(g.states[0])].known == state.known;
+    });
+    std::size_t intact = 0;
+    for (const Group& g : groups_) intact = std::max(intact, g.intact + 1);
+    groups_.push_back({.states = {static_cast<int>(s)},
+                       .intact = alike != groups_.end() ? alike->intact : intact});
+  }
+  for (Group& group : groups_) {
+    const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
+    Workspace::Intact intact;
+    assemble(states_->values(theta, state), intact);
+    const fem::Discretisation d = changed(intact, {}, state);
+    if (pieces && pieces_.count() == 0)
+      pieces_ = StiffnessPieces(intact.discretisation, intact.mesh ? &*intact.mesh : nullptr);
+    const auto available =
+        static_cast<int>(fem::mode_count(d) - d.rigid_motions.cols()) - (state.damaged ? held : 0);
+    int modes = 1;
+    for (const int s : group.states)
+      modes = std::max({modes, of(s).candidates(available), of(s).data().least_modes()});
+    if (modes > available)
+      throw std::invalid_argument(state.name + ": " + std::to_string(modes) +
+                                  " modes: must be at most " + std::to_string(available) +
+                                  ", the elastic modes that the structure has");
+    for (int i = 0; pieces && i < kTriedForPieces; ++i) {
+      Workspace::Intact other;
+      try {
+        assemble(states_->values(draw(i).x, state), other);
+      } catch (const std::invalid_argument&) {
+        continue;  // no such structure
+      }
+      if (other.discretisation.strains.size() != intact.discretisation.strains.size())
+        throw std::invalid_argument(
+            "a discrepancy of stiffness: no parameter of a spring or an axial force may be zero");
+    }
+    if (pieces) modes = std::min(available, modes + kOfPieces);
+    if (matrices)
+      group.reduced = reduced_basis(group, modes);
+    else
+      group.solver = std::make_shared<const fem::SubspaceModes>(
+          d, fem::SubspaceModes::Options{.modes = modes, .tolerance = tolerance_of(*states_)});
+  }
+}
+
+std::shared_ptr<const fem::ParametricModes> StatesLikelihood::reduced_basis(const Group& group,
+                                                                            int modes) const {
+  const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
+  const auto matrices = std::make_shared<const fem::MatrixStructure>(
+      std::get<fem::MatrixStructure>(states_->model->nominal));
+  fem::StructureFamily family;
+  const Draw median = draw(-1);
+  family.nominal = scales(median.x, {}, state);
+  for (const auto& part : matrices->parts) family.parts.push_back(part.stiffness);
+  family.scales = [](std::span<const double> q) { return std::vector<double>(q.begin(), q.end()); };
+  family.at = [matrices, masses = state.masses](std::span<const double> q) {
+    fem::MatrixStructure structure = *matrices;
+    for (std::size_t j = 0; j < q.size(); ++j) structure.parts[j].change = q[j] - 1.0;
+    const fem::Discretisation d = discretise(structure);
+    return masses.empty() ? d : fem::changed(d, {.masses = masses});
+  };
+  std::vector<std::vector<double>> training;
+  for (int i = 0; i < kTraining; ++i) {
+    const Draw one = draw(i);
+    training.push_back(
+        scales(one.x, state.damaged ? one.defects : std::vector<PlacedDefect>{}, state));
+  }
+  double sd = std::numeric_limits<double>::infinity();
+  std::vector<fem::SparseRow> motions;
+  for (const int s : group.states) {
+    const ModalLikelihood& one = of(s);
+    for (const Sensor& sensor : one.data().sensors) motions.push_back(sensor.motion);
+    for (int i = 0; i < one.data().modes(); ++i)
+      if (one.shape(i))
+        sd = std::min(sd, one.data().shape_sd_prior
+                              ? one.data().shape_sd_prior->from_standard_normal(-2.0)
+                              : one.shape(i)->sd());
+  }
+  return std::make_shared<const fem::ParametricModes>(
+      std::make_shared<const fem::ParametricStructure>(std::move(family), training), training,
+      fem::ParametricModesOptions{.modes = modes,
+                                  .motions = std::move(motions),
+                                  .tolerance = tolerance_of(*states_),
+                                  .shape_tolerance = std::clamp(0.2 * sd, 1e-4, 1e-2)});
+}
+
+std::vector<double> StatesLikelihood::scales(std::span<const double> x,
+                                             const std::vector<PlacedDefect>& defects,
+                                             const ObservedState& state) const {
+  std::vector<double> out = scales_(states_->values(x, state));
+  for (const auto& scaling : structure_change(kinds_, defects, nullptr).scalings)
+    out[static_cast<std::size_t>(scaling.part)] *= scaling.remaining;
+  return out;
+}
+
+int StatesLikelihood::measured() const {
+  int sum = 0;
+  for (const ModalLikelihood& l : likelihoods_) sum += l.measured();
+  return sum;
+}
+
+MatrixXd StatesLikelihood::covariance(const ModalNoise& noise) const {
+  MatrixXd out = MatrixXd::Zero(modes(), modes());
+  Index at = 0;
+  for (const ModalLikelihood& l : likelihoods_) {
+    const Index m = l.data().modes();
+    out.block(at, at, m, m) = l.covariance(noise);
+    at += m;
+  }
+  return out;
+}
+
+ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
+                                               const ModalNoise& noise) const {
+  ModalLikelihood::Score out;
+  // To be matched, modes may be as far off as pieces move them, about.
+  ModalNoise wide = noise;
+  if (pieces_.count() > 0) {
+    constexpr double kOfMode = 0.25;  // of an error of pieces, four of which matter to a mode
+    wide.discrepancy = std::hypot(noise.discrepancy, kOfMode * noise.stiffness_discrepancy);
+    wide.shape_discrepancy =
+        std::hypot(noise.shape_discrepancy, kOfMode * noise.stiffness_discrepancy);
+  }
+  for (std::size_t s = 0; s < likelihoods_.size(); ++s) {
+    ModalLikelihood::Score one = likelihoods_[s].score(modes[s], wide);
+    out.log_likelihood += one.log_likelihood;
+    out.chi_square += one.chi_square;
+    out.freedoms += one.freedoms;
+    std::ranges::move(one.matches, std::back_inserter(out.matches));
+  }
+  if (with_errors(noise)) {
+    Parts all = parts(modes, noise, out);
+    const Joint together = joint(all, noise, -1);
+    out.log_likelihood = together.log_density;
+    out.chi_square = together.chi_square;
+    for (std::size_t i = 0; i < out.matches.size(); ++i)
+      if (all.shapes[i]) out.matches[i].shape = all.shapes[i]->without;
+    return out;
+  }
+  if (noise.discrepancy == 0.0 || likelihoods_.size() == 1) return out;
+
+  // Frequencies of all states at once, with what they have in common.
+  std::vector<int> with;
+  const MatrixXd c = covariance_of_noise(modes, noise, out, with);
+  const auto n = static_cast<Index>(with.size());
+  VectorXd r(n);
+  const auto observed = [&](Index k) {
+    return joined_.frequencies_hz[static_cast<std::size_t>(with[static_cast<std::size_t>(k)])];
+  };
+  const auto match = [&](Index k) -> const auto& {
+    return out.matches[static_cast<std::size_t>(with[static_cast<std::size_t>(k)])];
+  };
+  for (Index k = 0; k < n; ++k) r[k] = observed(k) - match(k).frequency_hz;
+  out.log_likelihood = out.chi_square = 0.0;
+  for (const auto& m : out.matches)
+    if (m.shape) {
+      out.log_likelihood += m.shape->log_density;
+      out.chi_square += m.shape->chi_square;
+    }
+  const Eigen::LLT<MatrixXd> llt(c);
+  if (llt.info() != Eigen::Success) {
+    out.log_likelihood = -std::numeric_limits<double>::infinity();
+    return out;
+  }
+  const double chi_square = llt.matrixL().solve(r).squaredNorm();
+  out.chi_square += chi_square;
+  out.log_likelihood -= 0.5 * chi_square + 0.5 * static_cast<double>(n) * std::log(kTwoPi) +
+                        MatrixXd(llt.matrixL()).diagonal().array().log().sum();
+  return out;
+}
+
+MatrixXd StatesLikelihood::frequency_sensitivities(const std::vector<Modes>& modes,
+                                                   const ModalLikelihood::Score& score,
+                                                   const std::vector<int>& with) const {
+  const auto n = static_cast<Index>(with.size());
+  MatrixXd out = MatrixXd::Zero(n, static_cast<Index>(states_->list.size()) * errors());
+  for (Index i = 0; i < n; ++i) {
+    const int mode = with[static_cast<std::size_t>(i)];
+    const auto state = static_cast<std::size_t>(place(mode).state);
+    const ModalLikelihood::Match& match = score.matches[static_cast<std::size_t>(mode)];
+    for (int p = 0; p < errors(); ++p) {
+      const MatrixXd& energy = modes[state].pieces[static_cast<std::size_t>(p)];
+      out(i, family_[state] * errors() + p) =
+          energy(match.computed, match.computed) / (2.0 * kTwoPi * kTwoPi * match.frequency_hz);
+    }
+  }
+  return out;
+}
+
+// Everything measured with what the parts say of errors of pieces; shapes are compared anew, with
+// close modes mixed, not turned.
+StatesLikelihood::Parts StatesLikelihood::parts(const std::vector<Modes>& modes,
+                                                const ModalNoise& noise,
+                                                const ModalLikelihood::Score& score) const {
+  Parts out;
+  out.covariance = covariance_of_noise(modes, noise, score, out.with);
+  out.sensitivities = frequency_sensitivities(modes, score, out.with);
+  out.residual.resize(out.covariance.rows());
+  for (Index k = 0; k < out.residual.size(); ++k) {
+    const auto mode = static_cast<std::size_t>(out.with[static_cast<std::size_t>(k)]);
+    out.residual[k] = joined_.frequencies_hz[mode] - score.matches[mode].frequency_hz;
+  }
+  for (std::size_t i = 0; i < score.matches.size(); ++i) {
+    const auto [state, mode] = place(static_cast<int>(i));
+    out.shapes.emplace_back();
+    if (score.matches[i].shape)
+      out.shapes.back() = of(state).shape_errors(modes[static_cast<std::size_t>(state)], mode,
+                                                 score.matches[i].computed, noise);
+  }
+  return out;
+}
+
+StatesLikelihood::Joint StatesLikelihood::joint(const Parts& parts, const ModalNoise& noise,
+                                                int without) const {
+  std::vector<Index> rows;
+  for (std::size_t k = 0; k < parts.with.size(); ++k)
+    if (parts.with[k] != without) rows.push_back(static_cast<Index>(k));
+  Joint out;
+  const Eigen::LLT<MatrixXd> llt(parts.covariance(rows, rows));
+  if (llt.info() != Eigen::Success) {
+    out.log_density = -std::numeric_limits<double>::infinity();
+    return out;
+  }
+  const VectorXd residual = llt.matrixL().solve(parts.residual(rows));
+  out.chi_square = residual.squaredNorm();
+  out.log_density = -0.5 * out.chi_square -
+                    0.5 * static_cast<double>(rows.size()) * std::log(kTwoPi) -
+                    llt.matrixLLT().diagonal().array().log().sum();
+  for (std::size_t i = 0; i < parts.shapes.size(); ++i) {
+    if (!parts.shapes[i] || static_cast<int>(i) == without) continue;
+    out.log_density += parts.shapes[i]->without.log_density;
+    out.chi_square += parts.shapes[i]->without.chi_square;
+  }
+  for (int kin = 0; kin < static_cast<int>(family_.size()); ++kin) {
+    if (std::ranges::find(family_, kin) == family_.end()) continue;
+    StiffnessErrors gathered(errors());
+    gathered.add(llt.matrixL().solve(
+                     parts.sensitivities(rows, Eigen::indexing::seqN(kin * errors(), errors()))),
+                 residual);
+    for (std::size_t i = 0; i < parts.shapes.size(); ++i)
+      if (parts.shapes[i] && static_cast<int>(i) != without &&
+          family_[static_cast<std::size_t>(place(static_cast<int>(i)).state)] == kin)
+        gathered.add(parts.shapes[i]->sensitivities, parts.shapes[i]->residual);
+    const StiffnessErrors::Gain gain = gathered.integrated(noise.stiffness_discrepancy);
+    out.log_density += gain.log_density;
+    out.chi_square -= gain.chi_square;
+  }
+  return out;
+}
+
+VectorXd StatesLikelihood::single_mode_densities(const std::vector<Modes>& modes,
+                                                 const ModalNoise& noise,
+                                                 const ModalLikelihood::Score& score) const {
+  const Parts all = parts(modes, noise, score);
+  const double density = joint(all, noise, -1).log_density;
+  VectorXd out(this->modes());
+  for (int m = 0; m < this->modes(); ++m) out[m] = density - joint(all, noise, m).log_density;
+  return out;
+}
+
+MatrixXd StatesLikelihood::frequency_covariance(const std::vector<Modes>& modes,
+                                                const ModalNoise& noise,
+                                                const ModalLikelihood::Score& score,
+                                                std::vector<int>& with) const {
+  MatrixXd out = covariance_of_noise(modes, noise, score, with);
+  if (!with_errors(noise)) return out;
+  const MatrixXd moved = noise.stiffness_discrepancy * frequency_sensitivities(modes, score, with);
+  return out + moved * moved.transpose();
+}
+
+MatrixXd StatesLikelihood::covariance_of_noise(const std::vector<Modes>& modes,
+                                               const ModalNoise& noise,
+                                               const ModalLikelihood::Score& score,
+                                               std::vector<int>& with) const {
+  with.clear();
+  for (int i = 0; i < this->modes(); ++i)
+    if (!std::isnan(joined_.frequencies_hz[static_cast<std::size_t>(i)])) with.push_back(i);
+  MatrixXd out = covariance(noise)(with, with);
+  if (noise.discrepancy > 0.0 && likelihoods_.size() > 1)
+    add_common(modes, noise, score, with, out);
+  return out;
+}
+
+void StatesLikelihood::add_common(const std::vector<Modes>& modes, const ModalNoise& noise,
+                                  const ModalLikelihood::Score& score, const std::vector<int>& with,
+                                  MatrixXd& covariance) const {
+  const auto state_of = [&](Index mode) -> const ObservedState& {
+    return states_->list[static_cast<std::size_t>(place(static_cast<int>(mode)).state)];
+  };
+  const auto match = [&](Index mode) -> const auto& {
+    return score.matches[static_cast<std::size_t>(mode)];
+  };
+  const double common = noise.discrepancy * noise.discrepancy;
+  const auto n = static_cast<Index>(with.size());
+  for (Index k = 0; k < n; ++k)
+    for (Index l = 0; l < k; ++l) {
+      const Index a = with[static_cast<std::size_t>(k)], b = with[static_cast<std::size_t>(l)];
+      if (match(a).computed != match(b).computed || state_of(a).known != state_of(b).known)
+        continue;
+      covariance(k, l) += common * joined_.frequencies_hz[static_cast<std::size_t>(a)] *
+                          joined_.frequencies_hz[static_cast<std::size_t>(b)];
+      covariance(l, k) = covariance(k, l);
+    }
+  if (noise.mixing == 0.0) return;
+  for (const ObservedState& healthy : states_->list) {
+    const auto first = std::ranges::find_if(states_->list, [&](const ObservedState& s) {
+      return !s.damaged && s.known == healthy.known;
+    });
+    if (&*first != &healthy) continue;
+    const VectorXd& before =
+        modes[static_cast<std::size_t>(first - states_->list.begin())].eigenvalues;
+    // √|Δλ| of a mode in a damaged state; 0 elsewhere.
+    const auto change = [&](Index state, Index mode) {
+      const VectorXd& after = modes[static_cast<std::size_t>(state)].eigenvalues;
+      return mode < after.size() ? std::sqrt(std::abs(after[mode] - before[mode])) : 0.0;
+    };
+    for (Index j = 0; j < before.size(); ++j)
+      for (Index k = j + 1; k < before.size(); ++k) {
+        const double tau = mixing_sd(noise, before[j], before[k]);
+        VectorXd moved = VectorXd::Zero(n);
+        for (Index i = 0; i < n; ++i) {
+          const Index mode = with[static_cast<std::size_t>(i)];
+          const ObservedState& state = state_of(mode);
+          const int computed = match(mode).computed;
+          if (!state.damaged || state.known != healthy.known || (computed != j && computed != k))
+            continue;
+          const Index at = place(static_cast<int>(mode)).state;
+          moved[i] = (computed == j ? 2.0 : -2.0) * tau * change(at, j) * change(at, k) /
+                     (2.0 * kTwoPi * kTwoPi * match(mode).frequency_hz);
+        }
+        covariance += moved * moved.transpose();
+      }
+  }
+}
+
+fem::Discretisation StatesLikelihood::structure(std::span<const double> x,
+                                                const std::vector<PlacedDefect>& defects,
+                                                const ObservedState& state) const {
+  Workspace::Intact intact;
+  assemble(states_->values(x, state), intact);
+  return changed(intact, defects, state);
+}
+
+void StatesLikelihood::assemble(const std::vector<double>& values, Workspace::Intact& out) const {
+  if (out.values == values) return;
+  out.values.reset();  // in case there is no such structure
+  out.mesh.reset();
+  const AnyStructure at = states_->model->at(values);
+  if (const auto* members = std::get_if<fem::Structure>(&at))
+    out.discretisation = out.mesh.emplace(*members).discretisation();
+  else
+    out.discretisation = discretise(at);
+  out.values = values;
+}
+
+fem::StructureChange StatesLikelihood::change_of(const Workspace::Intact& intact,
+                                                 const std::vector<PlacedDefect>& defects,
+                                                 const ObservedState& state) const {
+  fem::StructureChange change;
+  if (state.damaged && !defects.empty())
+    change = structure_change(kinds_, defects, intact.mesh ? &*intact.mesh : nullptr);
+  change.masses.insert(change.masses.end(), state.masses.begin(), state.masses.end());
+  return change;
+}
+
+fem::Discretisation StatesLikelihood::changed(const Workspace::Intact& intact,
+                                              const std::vector<PlacedDefect>& defects,
+                                              const ObservedState& state) const {
+  const fem::StructureChange change = change_of(intact, defects, state);
+  return change.empty() ? intact.discretisation : fem::changed(intact.discretisation, change);
+}
+
+StatesLikelihood::Workspace StatesLikelihood::make_workspace() const {
+  Workspace out;
+  for (const Group& group : groups_) {
+    out.intact.resize(std::max(out.intact.size(), group.intact + 1));
+    out.groups.emplace_back();
+    if (group.reduced) out.groups.back().reduced.emplace(group.reduced->make_workspace());
+  }
+  return out;
+}
+
+bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
+                             const std::vector<PlacedDefect>& defects, Workspace& workspace,
+                             Workspace::Group& own) const {
+  const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
+  const bool damaged = state.damaged && !defects.empty();
+  const std::vector<double> values = states_->values(x, state);
+  if (!damaged && own.values == values) return true;
+  own.values.reset();
+  Modes& out = own.found;
+  try {
+    if (group.reduced) {
+      group.reduced->solve(scales(x, damaged ? defects : std::vector<PlacedDefect>{}, state),
+                           *own.reduced, out);
+      if (!out.eigenvalues.allFinite() || !(out.eigenvalues.minCoeff() > 0.0)) return false;
+    } else {
+      Workspace::Intact& intact = workspace.intact[group.intact];
+      assemble(values, intact);
+      const fem::StructureChange change = change_of(intact, defects, state);
+      std::optional<fem::Discretisation> other;
+      if (!change.empty()) other = fem::changed(intact.discretisation, change);
+      const fem::Discretisation& d = other ? *other : intact.discretisation;
+      fem::SubspaceModes::Found found;
+      if (!group.solver->solve(d, found)) return false;
+      if (pieces_.count() > 0) {
+        out.pieces = pieces_.energies(d, found.shapes);
+        // A rigid support takes degrees of freedom away, and with them what the rows are of.
+        const bool same = d.size() == intact.discretisation.size();
+        std::ranges::move(pieces_.losses(intact.discretisation,
+                                         same ? change : fem::StructureChange{}, found.shapes),
+                          std::back_inserter(out.pieces));
+      }
+      out.eigenvalues = std::move(found.eigenvalues);
+      Index sensors = 0;
+      for (const int s : group.states) sensors += static_cast<Index>(of(s).data().sensors.size());
+      out.shapes.resize(sensors, found.shapes.cols());
+      Index row = 0;
+      for (const int s : group.states)
+        for (const Sensor& sensor : of(s).data().sensors) {
+          for (Index m = 0; m < out.shapes.cols(); ++m)
+            out.shapes(row, m) = sensor.motion.of(found.shapes.col(m));
+          ++row;
+        }
+    }
+  } catch (const std::invalid_argument&) {
+    return false;  // no such structure
+  } catch (const std::runtime_error&) {
+    return false;  // so near to a mechanism that the solver gives up
+  }
+  if (!damaged) own.values = values;
+  return true;
+}
+
+bool StatesLikelihood::solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
+                             Workspace& workspace, std::vector<Modes>& out) const {
+  out.resize(likelihoods_.size());
+  const double per_kelvin = states_->per_kelvin ? x[states_->unknown.size()] : 0.0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!solve(groups_[g], x, defects, workspace, workspace.groups[g])) return false;
+    const Modes& found = workspace.groups[g].found;
+    Index row = 0;
+    for (const int s : groups_[g].states) {
+      const ObservedState& state = states_->list[static_cast<std::size_t>(s)];
+      const double stiffer = 1.0 + per_kelvin * state.temperature;
+      if (!(stiffer > 0.0)) return false;
+      Modes& modes = out[static_cast<std::size_t>(s)];
+      modes.eigenvalues = stiffer * found.eigenvalues;
+      modes.pieces = found.pieces;
+      for (MatrixXd& piece : modes.pieces) piece *= stiffer;
+      const auto sensors = static_cast<Index>(state.data.sensors.size());
+      modes.shapes = found.shapes.middleRows(row, sensors);
+      row += sensors;
+    }
+  }
+  return true;
+}
+
+StatesLikelihood::Draw StatesLikelihood::draw(int i) const {
+  Draw out;
+  const bool median = i < 0;
+  base::Random random(1, 0, static_cast<std::uint64_t>(std::max(0, i)), base::Purpose::fit);
+  const auto of_prior = [&](const inference::Prior& p) {
+    return p.from_standard_normal(median ? 0.0 : random.normal());
+  };
+  for (const auto& parameter : states_->parameters()) out.x.push_back(of_prior(parameter.prior));
+  for (std::size_t k = 0; k < kinds_.size() && !median && i % 4 != 0; ++k) {
+    const DefectKind& kind = kinds_[k];
+    const int count = kind.max_count > 0 ? 1 + i / 4 % kind.max_count : 0;
+    for (int c = 0; c < count; ++c)
+      out.defects.push_back({.kind = static_cast<int>(k),
+                             .location = of_prior(kind.location),
+                             .severity = kind.severity_prior() ? of_prior(*kind.severity_prior())
+                                                               : kind.known_severity(),
+                             .extent = kind.extent_prior ? of_prior(*kind.extent_prior) : 0.0});
+  }
+  return out;
+}
+
+std::vector<double> StatesLikelihood::frequencies_anywhere(
+    const std::vector<PlacedDefect>& defects) const {
+  base::Random random(3, 0, 0, base::Purpose::fit);
+  std::vector<double> x, out;
+  for (const auto& parameter : states_->parameters())
+    x.push_back(parameter.prior.from_standard_normal(0.5 * random.normal()));
+  std::vector<Modes> found;
+  Workspace workspace = make_workspace();
+  if (!solve(x, defects, workspace, found)) return out;
+  for (const Modes& modes : found)
+    for (const double lambda : modes.eigenvalues) out.push_back(std::sqrt(lambda) / kTwoPi);
+  return out;
+}
+
+StatesLikelihood::Check StatesLikelihood::check(int points) const {
+  Check out;
+  Workspace workspace = make_workspace();
+  std::vector<Modes> found;
+  std::chrono::duration<double> took{};
+  for (int i = 0; i < points; ++i) {
+    const auto [x, defects] = draw(i);
+    const auto began = std::chrono::steady_clock::now();
+    const bool solved = solve(x, defects, workspace, found);
+    took += std::chrono::steady_clock::now() - began;
+    if (!solved) continue;
+    ++out.points;
+    const double per_kelvin = states_->per_kelvin ? x[states_->unknown.size()] : 0.0;
+    for (const Group& group : groups_) {
+      const auto s = static_cast<std::size_t>(group.states[0]);
+      const fem::Discretisation d = structure(x, defects, states_->list[s]);
+      const double stiffer = 1.0 + per_kelvin * states_->list[s].temperature;
+      const VectorXd eigenvalues = found[s].eigenvalues / stiffer;
+      const auto rigid = d.rigid_motions.cols();
+      const VectorXd full = fem::structure_modes(d, static_cast<int>(rigid + eigenvalues.size()))
+                                .eigenvalues.tail(eigenvalues.size());
+      const auto errors = ((eigenvalues - full).array() / full.array()).abs().eval();
+      out.missed += static_cast<int>((errors > 1e-3).count());
+      out.largest_error = std::max(out.largest_error, 0.5 * errors.maxCoeff());
+    }
+  }
+  out.seconds_a_solution = took.count() / std::max(1, points);
+  return out;
+}
+
+}  // namespace wheeltap::identification

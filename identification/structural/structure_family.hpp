@@ -1,0 +1,26 @@
+// A structure with parameters, as the reduced bases of fem/ want it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "fem/structures/modes/parametric_structure.hpp"
+#include "identification/structural/structure_model.hpp"
+
+namespace wheeltap::identification {
+
+/// θ are the parameters in their order, θ₀ the medians of their priors. Matrices are told apart
+/// into their substructures. Keeps the model alive.
+[[nodiscard]] fem::StructureFamily family_of(std::shared_ptr<const StructureModel> model);
+
+/// The scales of a model of matrices, 1 + α of each part; put together once, cheap to ask. Throws
+/// std::bad_variant_access for another structure.
+using MatrixScales = std::function<std::vector<double>(std::span<const double> parameters)>;
+[[nodiscard]] MatrixScales scales_of(const StructureModel& model);
+
+/// Draws of the parameters' priors, reproducibly.
+[[nodiscard]] std::vector<std::vector<double>> prior_draws(const StructureModel& model, int count);
+
+}  // namespace wheeltap::identification

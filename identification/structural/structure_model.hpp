@@ -1,0 +1,51 @@
+// The structure of a case: of members, a chain, or another program's matrices, with coefficients
+// that may be unknown.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "fem/structures/lumped_chain.hpp"
+#include "fem/structures/matrix_structure.hpp"
+#include "fem/structures/mesh.hpp"
+#include "inference/model/model_space.hpp"
+
+namespace wheeltap::identification {
+
+using AnyStructure = std::variant<fem::Structure, fem::LumpedChain, fem::MatrixStructure>;
+
+/// A structure with parameters: named unknowns that stand for one or several of its coefficients.
+struct StructureModel {
+  /// With every parameter at its nominal value (the median of its prior).
+  AnyStructure nominal;
+  /// Sorted by name; empty where everything is known.
+  std::vector<inference::Parameter> parameters = {};
+  /// Puts parameter i into every place that is nothing but its value.
+  std::vector<std::function<void(AnyStructure&, double)>> setters = {};
+  /// Puts what depends on the parameters together into its place, after the setters: the
+  /// stiffnesses of a section whose sizes are unknown, say. Throws std::invalid_argument where
+  /// there is no such section.
+  std::vector<std::function<void(AnyStructure&, std::span<const double>)>> dependent = {};
+
+  /// The structure at these values of the parameters. Throws as `dependent` does.
+  [[nodiscard]] AnyStructure at(std::span<const double> values) const {
+    AnyStructure structure = nominal;
+    for (std::size_t i = 0; i < values.size(); ++i) setters[i](structure, values[i]);
+    for (const auto& place : dependent) place(structure, values);
+    return structure;
+  }
+};
+
+/// The matrices of any kind of structure. Throws fem::InvalidStructure.
+[[nodiscard]] inline fem::Discretisation discretise(const AnyStructure& structure) {
+  if (const auto* members = std::get_if<fem::Structure>(&structure))
+    return fem::Mesh(*members).discretisation();
+  if (const auto* chain = std::get_if<fem::LumpedChain>(&structure)) return fem::discretise(*chain);
+  return fem::discretise(std::get<fem::MatrixStructure>(structure));
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,448 @@
+#include "identification/structural/updating/update_findings.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+#include "base/random.hpp"
+#include "identification/structural/likelihood/mode_contributions.hpp"
+
+namespace wheeltap::identification {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using inference::ChainsOf;
+using inference::Posterior;
+
+/// Draws that are looked at again, with their shapes.
+constexpr std::size_t kExamined = 2000;
+
+double tail(double freedoms, double chi_square) {
+  return freedoms > 0.0 ? boost::math::gamma_q(0.5 * freedoms, 0.5 * std::max(0.0, chi_square))
+                        : 1.0;
+}
+
+std::size_t width_of(const Posterior& posterior) {
+  return static_cast<std::size_t>(posterior.dimension);
+}
+std::span<const double> draw_of(const Posterior& posterior, std::size_t chain, std::size_t i) {
+  const std::size_t width = width_of(posterior);
+  return {posterior.chains[chain].theta.data() + i * width, width};
+}
+
+/// Draws in standard normal coordinates, one a row: all of them, of more than a million
+/// every n-th.
+MatrixXd coordinates(const UpdateProblem& problem, const Posterior& posterior) {
+  const auto& space = problem.problem.space;
+  constexpr std::size_t kEnough = 1 << 20;
+  std::size_t all = 0, kept = 0;
+  for (const auto& chain : posterior.chains) all += chain.size();
+  const std::size_t step = std::max<std::size_t>(1, (all + kEnough - 1) / kEnough);
+  for (const auto& chain : posterior.chains) kept += (chain.size() + step - 1) / step;
+  MatrixXd z(static_cast<Index>(kept), posterior.dimension);
+  Index row = 0;
+  for (std::size_t c = 0; c < posterior.chains.size(); ++c)
+    for (std::size_t i = 0; i < posterior.chains[c].size(); i += step, ++row) {
+      const auto x = draw_of(posterior, c, i);
+      for (Index p = 0; p < z.cols(); ++p)
+        z(row, p) = std::clamp(
+            space.prior(0, static_cast<int>(p)).to_standard_normal(x[static_cast<std::size_t>(p)]),
+            -8.0, 8.0);
+    }
+  return z;
+}
+
+void judge_parameters(const UpdateProblem& problem, const Posterior& posterior,
+                      const MatrixXd& within, UpdateFindings& out) {
+  const auto& space = problem.problem.space;
+  const MatrixXd z = coordinates(problem, posterior);
+  const VectorXd mean = z.colwise().mean();
+  const MatrixXd centred = z.rowwise() - mean.transpose();
+  const MatrixXd covariance =
+      centred.transpose() * centred / static_cast<double>(std::max<Index>(1, z.rows() - 1));
+  const auto d = static_cast<Index>(problem.structural);
+  const auto name = [&](Index p) { return space.parameter_name(0, static_cast<int>(p)); };
+  for (Index p = 0; p < z.cols(); ++p) {
+    Contraction c{.name = name(p), .contraction = 1.0 - covariance(p, p), .shift = mean[p]};
+    const inference::Prior& prior = space.prior(0, static_cast<int>(p));
+    std::vector<double> x;
+    for (std::size_t chain = 0; chain < posterior.chains.size(); ++chain)
+      for (std::size_t i = 0; i < posterior.chains[chain].size(); ++i)
+        x.push_back(draw_of(posterior, chain, i)[static_cast<std::size_t>(p)]);
+    using Bound = Contraction::Bound;
+    c.bound = bound_of(prior, x);
+    if (c.bound != Bound::none)
+      out.remarks.push_back(remark::ParameterAtBound{.model = space[0].name,
+                                                     .parameter = c.name,
+                                                     .prior = prior.describe(),
+                                                     .upper = c.bound == Bound::upper});
+    out.contractions.push_back(std::move(c));
+  }
+  for (Index a = 0; a < z.cols(); ++a)
+    for (Index b = a + 1; b < z.cols(); ++b) {
+      // Separate solutions correlate parameters that each of them tells apart.
+      const MatrixXd& c = within.size() > 0 ? within : covariance;
+      const double r = c(a, b) / std::sqrt(c(a, a) * c(b, b));
+      if (std::abs(r) > kEntangled) out.entangled.push_back({name(a), name(b), r});
+    }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(covariance.topLeftCorner(d, d));
+  for (Index k = d - 1; k >= 0; --k) {
+    const double contraction = 1.0 - axes.eigenvalues()[k];
+    if (contraction >= kUntouched) break;
+    UntouchedDirection direction{.contraction = contraction, .weights = {}};
+    VectorXd w = axes.eigenvectors().col(k);
+    Index largest = 0;
+    w.cwiseAbs().maxCoeff(&largest);
+    if (w[largest] < 0.0) w = -w;
+    for (Index p = 0; p < d; ++p)
+      if (std::abs(w[p]) >= 0.3) direction.weights.emplace_back(name(p), w[p]);
+    std::ranges::sort(direction.weights, std::ranges::greater{},
+                      [](const auto& entry) { return std::abs(entry.second); });
+    out.untouched.push_back(std::move(direction));
+  }
+}
+
+/// Draws that were solved again.
+struct Examined {
+  std::vector<std::vector<double>> x;
+  std::vector<double> log_likelihood;
+  std::vector<ModalLikelihood::Score> scores;
+  std::vector<VectorXd> frequencies_hz;  // of all computed modes
+  std::size_t best = 0;
+};
+
+Examined examine(const UpdateProblem& problem, const Posterior& posterior, UpdateFindings& out) {
+  Examined seen;
+  ModePredictor predictor(problem);
+  const auto add = [&](std::span<const double> x) {
+    if (!predictor.solve(x)) return;
+    seen.x.emplace_back(x.begin(), x.end());
+    seen.scores.push_back(predictor.score(x));
+    seen.log_likelihood.push_back(seen.scores.back().log_likelihood);
+    seen.frequencies_hz.emplace_back(predictor.modes().eigenvalues.cwiseSqrt() / (2.0 * M_PI));
+    out.in_full +=
+        problem.modes && predictor.modes().in_full && !problem.modes->training().complete;
+  };
+  const std::size_t chains = posterior.chains.size(), draws = posterior.chains[0].model.size();
+  const std::size_t stride = std::max<std::size_t>(1, chains * draws / kExamined);
+  std::size_t best_chain = 0, best_draw = 0;
+  for (std::size_t c = 0; c < chains; ++c)
+    for (std::size_t i = 0; i < posterior.chains[c].model.size(); ++i) {
+      if (i % stride == 0) add(draw_of(posterior, c, i));
+      if (posterior.chains[c].log_likelihood[i] >
+          posterior.chains[best_chain].log_likelihood[best_draw])
+        best_chain = c, best_draw = i;
+    }
+  out.examined = static_cast<int>(seen.x.size());
+  // The best of all draws, last: it counts in no average.
+  add(draw_of(posterior, best_chain, best_draw));
+  seen.best = seen.x.size() - 1;
+  return seen;
+}
+
+template <class Value>
+Marginal marginal_of(const UpdateFindings& out, const Value& value) {
+  std::vector<double> draws;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(out.examined); ++i)
+    draws.push_back(value(i));
+  return marginal({draws});
+}
+
+void leave_one_out(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
+  const auto draws = static_cast<std::size_t>(out.examined);
+  const ModalData& data = problem.update_case.data;
+  std::vector<int> measured;
+  for (int i = 0; i < data.modes(); ++i)
+    if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)])) measured.push_back(i);
+  std::vector<std::vector<double>> l(out.modes.size());
+  for (std::size_t s = 0; s < draws; ++s) {
+    const MatrixXd c = problem.covariance(problem.noise(seen.x[s]))(measured, measured);
+    const VectorXd one = single_mode_densities(data, measured, c, seen.scores[s]);
+    for (std::size_t m = 0; m < l.size(); ++m) l[m].push_back(one[static_cast<Index>(m)]);
+  }
+  for (std::size_t m = 0; m < out.modes.size(); ++m) {
+    const WithoutMode left = without_mode(l[m]);
+    ModeFinding& finding = out.modes[m];
+    finding.information = left.information;
+    finding.reliable = left.reliable;
+    for (int p = 0; p < problem.structural; ++p) {
+      const auto place = static_cast<std::size_t>(p);
+      double with = 0.0, without = 0.0, variance = 0.0;
+      for (std::size_t s = 0; s < draws; ++s) {
+        with += seen.x[s][place] / static_cast<double>(draws);
+        without += seen.x[s][place] * left.weights[s];
+      }
+      for (std::size_t s = 0; s < draws; ++s)
+        variance += std::pow(seen.x[s][place] - with, 2) / static_cast<double>(draws);
+      const double moved = variance > 0.0 ? (without - with) / std::sqrt(variance) : 0.0;
+      if (std::abs(moved) > std::abs(finding.moved)) {
+        finding.moved = moved;
+        finding.moves = problem.problem.space.parameter_name(0, p);
+      }
+    }
+  }
+}
+
+void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
+  const ModalData& data = problem.update_case.data;
+  for (int i = 0; i < data.modes(); ++i) {
+    const auto m = static_cast<std::size_t>(i);
+    ModeFinding f{.mode = i + 1, .measured_hz = data.frequencies_hz[m], .sd_hz = kNaN};
+    if (problem.states) {
+      const auto place = problem.states->place(i);
+      f.state = problem.states->states().list[static_cast<std::size_t>(place.state)].name;
+      f.mode_of_state = place.mode + 1;
+    }
+    const auto match = [&](std::size_t s) -> const auto& {
+      return seen.scores[s].matches[m];
+    };
+    f.frequency_hz = marginal_of(out, [&](std::size_t s) { return match(s).frequency_hz; });
+    std::map<int, int> tally;
+    double residual = 0.0, sd = 0.0;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
+      ++tally[match(s).computed];
+      const double here = std::sqrt(problem.covariance(problem.noise(seen.x[s]))(i, i));
+      sd += here / out.examined;
+      residual += (f.measured_hz - match(s).frequency_hz) / here / out.examined;
+      f.spurious += match(s).spurious / out.examined;
+    }
+    const bool has_frequency = !std::isnan(f.measured_hz);
+    f.sd_hz = has_frequency ? sd : kNaN;
+    f.residual = has_frequency ? residual : kNaN;
+    const auto most = std::ranges::max_element(tally, {}, [](const auto& e) { return e.second; });
+    f.computed = most->first + 1;
+    f.matched = static_cast<double>(most->second) / out.examined;
+    if (const auto& shape = problem.shape(i)) {
+      f.has_shape = true;
+      f.shape_freedoms = shape->freedoms();
+      f.mac = marginal_of(out, [&](std::size_t s) { return match(s).shape->mac; });
+      double p = 0.0;
+      for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
+        f.shape_chi_square += match(s).shape->chi_square / out.examined;
+        p += tail(f.shape_freedoms, match(s).shape->chi_square) / out.examined;
+      }
+      f.shape_p = p;
+    }
+    if (f.spurious > kSpurious && f.is_measured())
+      out.remarks.push_back(
+          remark::SpuriousMode{.mode = f.mode, .hz = f.measured_hz, .probability = f.spurious});
+    out.modes.push_back(std::move(f));
+  }
+}
+
+void judge_update_fit(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
+  UpdateFit& fit = out.fit;
+  fit.p = 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  int numbers = 0;  // of the best
+  for (std::size_t s = 0; s < seen.scores.size(); ++s) {
+    const ModalLikelihood::Score& score = seen.scores[s];
+    if (score.chi_square < least) {
+      least = score.chi_square;
+      numbers = score.freedoms;
+    }
+    if (s < static_cast<std::size_t>(out.examined))
+      fit.p += tail(score.freedoms, score.chi_square) / out.examined;
+  }
+  // Parameters that the data move, each its share of one.
+  double used = 0.0;
+  for (int p = 0; p < problem.structural; ++p)
+    used += std::clamp(out.contractions[static_cast<std::size_t>(p)].contraction, 0.0, 1.0);
+  const bool known = problem.cov < 0 && problem.shape_sd < 0 && problem.discrepancy < 0 &&
+                     problem.shape_discrepancy < 0 && problem.mixing < 0;
+  if (known && numbers - used >= 1.0) fit.best_p = tail(numbers - used, least);
+  double rest = 0.0, spread = 0.0, mean = 0.0, count = 0.0;
+  const auto counts = [](const ModeFinding& m) {
+    return !std::isnan(m.measured_hz) && m.spurious < 0.5;
+  };
+  for (const ModeFinding& m : out.modes)
+    if (counts(m)) mean += m.measured_hz, ++count;
+  mean /= count;
+  for (const ModeFinding& m : out.modes) {
+    if (m.is_off()) fit.off.push_back(m.mode);
+    if (!counts(m)) continue;
+    rest += std::pow(m.measured_hz - m.frequency_hz.mean, 2);
+    spread += std::pow(m.measured_hz - mean, 2);
+  }
+  fit.r2 = count >= 2.0 && spread > 0.0 ? 1.0 - rest / spread : kNaN;
+  for (const Prediction& p : out.predictions)
+    if (p.misses()) fit.missed.push_back(p.mode);
+}
+
+/// What the residuals of the other states say of a mode's, whose model is wrong by the same factor:
+/// mean and variance of f_obs - f, the measurement's noise left out.
+struct Conditional {
+  double mean = 0.0, variance = 0.0;
+};
+Conditional conditional(const UpdateProblem& problem, const ModalLikelihood::Score& score,
+                        const ModalNoise& noise, std::size_t mode) {
+  const ModalData& data = problem.update_case.data;
+  const auto& of = score.matches[mode];
+  const double common = noise.discrepancy * noise.discrepancy;
+  Conditional out{.variance = common * of.frequency_hz * of.frequency_hz};
+  if (common == 0.0) return out;
+  std::vector<Index> same;
+  const auto known = [&](std::size_t i) -> const auto& {
+    const auto state = static_cast<std::size_t>(problem.states->place(static_cast<int>(i)).state);
+    return problem.states->states().list[state].known;
+  };
+  for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i)
+    if (!std::isnan(data.frequencies_hz[i]) && score.matches[i].computed == of.computed &&
+        known(i) == known(mode))
+      same.push_back(static_cast<Index>(i));
+  if (same.empty()) return out;
+  const auto n = static_cast<Index>(same.size());
+  MatrixXd c = problem.covariance(noise)(same, same);
+  VectorXd f(n), r(n);
+  for (Index k = 0; k < n; ++k) {
+    const auto at = static_cast<std::size_t>(same[static_cast<std::size_t>(k)]);
+    f[k] = data.frequencies_hz[at];
+    r[k] = f[k] - score.matches[at].frequency_hz;
+    for (Index l = 0; l < k; ++l) c(k, l) = c(l, k) = c(k, l) + common * f[k] * f[l];
+  }
+  const Eigen::LLT<MatrixXd> llt(c);
+  const VectorXd cross = common * of.frequency_hz * f;
+  out.mean = cross.dot(llt.solve(r));
+  out.variance = std::max(0.0, out.variance - cross.dot(llt.solve(cross)));
+  return out;
+}
+
+/// Modes of states in which no frequency was measured, as well known as the others are on average.
+void predict_states(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
+                    UpdateFindings& out) {
+  const ModalData& data = problem.update_case.data;
+  for (std::size_t m = 0; m < out.modes.size(); ++m) {
+    if (!std::isnan(out.modes[m].measured_hz) || out.modes[m].has_shape) continue;
+    const auto place = problem.states->place(static_cast<int>(m));
+    Prediction p{.mode = place.mode + 1, .state = out.modes[m].state};
+    std::vector<double> means, replicates;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
+      ModalNoise noise = problem.noise(seen.x[s]);
+      const Conditional error = conditional(problem, seen.scores[s], noise, m);
+      noise.discrepancy = 0.0;
+      const MatrixXd covariance = problem.covariance(noise);
+      double relative = 0.0, count = 0.0;
+      for (int i = 0; i < data.modes(); ++i)
+        if (const double f = data.frequencies_hz[static_cast<std::size_t>(i)]; !std::isnan(f))
+          relative += covariance(i, i) / (f * f), ++count;
+      base::Random random(seed, m, s, base::Purpose::prediction);
+      means.push_back(seen.scores[s].matches[m].frequency_hz + error.mean);
+      replicates.push_back(means.back() +
+                           std::sqrt(error.variance + relative / std::max(1.0, count) *
+                                                          means.back() * means.back()) *
+                               random.normal());
+    }
+    p.frequency_hz = marginal({means});
+    std::ranges::sort(replicates);
+    p.low_hz = quantile(replicates, 0.025);
+    p.high_hz = quantile(replicates, 0.975);
+    const ModalData& own =
+        problem.states->states().list[static_cast<std::size_t>(place.state)].data;
+    if (static_cast<std::size_t>(place.mode) < own.held_out_hz.size() &&
+        !std::isnan(own.held_out_hz[static_cast<std::size_t>(place.mode)]))
+      p.measured_hz = own.held_out_hz[static_cast<std::size_t>(place.mode)];
+    out.predictions.push_back(std::move(p));
+  }
+}
+
+/// The next modes after those that the measured ones are matched to.
+void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
+                   UpdateFindings& out) {
+  if (problem.states) return predict_states(problem, seen, seed, out);
+  const ModalData& data = problem.update_case.data;
+  int first = 0;
+  for (const ModeFinding& m : out.modes)
+    if (m.spurious < 0.5 && (m.is_measured() || !data.has_shapes()))
+      first = std::max(first, m.computed);
+  for (int k = 0; k < data.predict && first + k < problem.candidates(); ++k) {
+    const Index at = first + k;
+    Prediction p{.mode = first + k + 1};
+    p.frequency_hz = marginal_of(out, [&](std::size_t s) { return seen.frequencies_hz[s][at]; });
+    // As well as the modes measured are known, on average.
+    std::vector<double> replicates;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
+      const MatrixXd covariance = problem.covariance(problem.noise(seen.x[s]));
+      double relative = 0.0, count = 0.0;
+      for (int i = 0; i < data.modes(); ++i) {
+        const double f = data.frequencies_hz[static_cast<std::size_t>(i)];
+        if (!std::isnan(f)) relative += covariance(i, i) / (f * f), ++count;
+      }
+      base::Random random(seed, static_cast<std::uint64_t>(k), s, base::Purpose::prediction);
+      const double f = seen.frequencies_hz[s][at];
+      replicates.push_back(f *
+                           (1.0 + std::sqrt(relative / std::max(1.0, count)) * random.normal()));
+    }
+    std::ranges::sort(replicates);
+    p.low_hz = quantile(replicates, 0.025);
+    p.high_hz = quantile(replicates, 0.975);
+    if (static_cast<std::size_t>(k) < data.held_out_hz.size() &&
+        !std::isnan(data.held_out_hz[static_cast<std::size_t>(k)]))
+      p.measured_hz = data.held_out_hz[static_cast<std::size_t>(k)];
+    out.predictions.push_back(std::move(p));
+  }
+}
+
+/// Shapes at the best draw beside the measured ones, and the MAC of all pairs.
+void show_shapes(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
+  out.best_draw = seen.x[seen.best];
+  if (!problem.update_case.data.has_shapes()) return;
+  ModePredictor predictor(problem);
+  if (!predictor.solve(seen.x[seen.best])) return;
+  ShapesBeside beside =
+      shapes_beside(*problem.likelihood, predictor.modes(), seen.scores[seen.best].matches);
+  out.mac = std::move(beside.mac);
+  out.best_shapes = std::move(beside.computed);
+}
+
+}  // namespace
+
+bool Contraction::at_prior() const {
+  return contraction < kUntouched && std::abs(shift) < 0.2 && bound == Bound::none;
+}
+
+bool ModeFinding::is_off() const {
+  if (spurious > 0.5) return false;
+  return (!std::isnan(residual) && std::abs(residual) > 3.0) || (has_shape && shape_p < kMisfit);
+}
+
+bool UpdateFit::ok() const {
+  return p >= kMisfit && best_p >= kMisfit && missed.empty();
+}
+
+UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& posterior,
+                               const std::vector<MethodEvidence>& evidence, std::uint64_t seed) {
+  UpdateFindings out;
+  static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior), seed);
+  if (!problem.outside) out.remarks = implausible(problem.update_case);
+  out.numbers = problem.measured();
+  SeparateSolutions solutions = separate_solutions(posterior, 0);
+  judge_parameters(problem, posterior, solutions.covariance_within, out);
+  out.solutions = std::move(solutions.list);
+  ModePredictor predictor(problem);
+  for (Solution& solution : out.solutions)
+    if (predictor.solve(solution.best))
+      solution.chi_square = predictor.score(solution.best).chi_square;
+  const Examined seen = examine(problem, posterior, out);
+  judge_modes(problem, seen, out);
+  if (!problem.states && !problem.outside)
+    out.numbering = numbering_of(*problem.update_case.structure, problem.update_case.data,
+                                 problem.covariance(problem.noise(seen.x[seen.best])));
+  leave_one_out(problem, seen, out);
+  predict_modes(problem, seen, seed, out);
+  judge_update_fit(problem, seen, out);
+  show_shapes(problem, seen, out);
+  conclude(out, problem.problem.space, evidence);
+  // Contractions say it more sharply.
+  std::erase_if(out.remarks, [](const Remark& remark) {
+    return std::holds_alternative<remark::NearlyPrior>(remark);
+  });
+  return out;
+}
+
+}  // namespace wheeltap::identification

@@ -1,0 +1,71 @@
+// One Markov chain's draws of (model, parameters), and a view of one of them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "inference/chains/draw_list.hpp"
+#include "inference/model/model_space.hpp"
+
+namespace wheeltap::inference {
+
+/// A view of one draw, good for as long as its chain and its space are.
+struct Draw {
+  const ModelSpace* space = nullptr;
+  int model = 0;
+  std::span<const double> theta;  ///< physical parameters of the model, laid out as in Model
+  double log_prior = 0.0, log_likelihood = 0.0;
+
+  [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
+  /// Components of this kind.
+  [[nodiscard]] int count(int kind) const {
+    return (*space)[model].counts[static_cast<std::size_t>(kind)];
+  }
+  /// The parameters of component c < count(kind).
+  [[nodiscard]] std::span<const double> component(int kind, int c) const {
+    return space->component(model, kind, c).of(theta);
+  }
+};
+
+/// One chain's kept draws; theta is NaN-padded to the largest dimension, row-major draws ×
+/// dimension.
+struct Chain {
+  DrawList<int> model;
+  DrawList<double> theta;      ///< physical parameters, laid out as in Model
+  DrawList<double> log_prior;  ///< ln P(model) + Σ ln p(x) + ln factor, in physical units
+  DrawList<double> log_likelihood;
+  DrawList<std::int16_t> move;  ///< index into Posterior::moves of the last attempted move
+  DrawList<std::uint8_t> accepted;
+  DrawList<float> prediction;  ///< draws × Posterior::predictions, or empty
+
+  [[nodiscard]] std::size_t size() const { return model.size(); }
+  /// What all lists take.
+  [[nodiscard]] std::size_t bytes() const;
+  /// Draw i < size() of a chain in this space.
+  [[nodiscard]] Draw draw(std::size_t i, const ModelSpace& space) const {
+    const auto width = static_cast<std::size_t>(space.max_dimension());
+    const auto own = static_cast<std::size_t>(space[model[i]].dimension);
+    return {.space = &space,
+            .model = model[i],
+            .theta = std::span(theta).subspan(i * width, own),
+            .log_prior = log_prior[i],
+            .log_likelihood = log_likelihood[i]};
+  }
+  /// Keeps none, and stays in its folder.
+  void clear() { truncate(0); }
+  /// Keeps the first `draws` alone.
+  void truncate(std::size_t draws);
+  /// Those of `more` follow, of the same space.
+  void append(const Chain& more);
+  /// Where there are many, they are in a file of this folder, not in memory (DrawMemory).
+  void keep_in(const std::filesystem::path& folder);
+  /// Room for so many, of rows of these lengths.
+  void reserve(std::size_t draws, std::size_t dimension, std::size_t predictions);
+  /// Waits until they are where they are kept. Throws DrawsLost.
+  void settle() const;
+  /// They were read, or written, and need not stay in memory.
+  void let_go() const;
+};
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,35 @@
+// How a run's draws are shared among the models.
+//
+//   P_m ≈ w_m s_m / Σ_k w_k s_k,   s_m the share of the draws in m, w_m what a draw of m counts.
+#pragma once
+
+#include <vector>
+
+#include "inference/diagnosis/posterior.hpp"
+
+namespace wheeltap::inference {
+
+struct ModelShares {
+  std::vector<std::vector<long>> counts;  ///< draws, chains × models
+  std::vector<double> visits;             ///< s, one a model
+  std::vector<double> weight;             ///< w, scaled to be 1 on average over the draws
+  std::vector<double> share;              ///< of the weight: P by draws
+  std::vector<double> error;              ///< Monte Carlo standard error of it
+};
+
+/// The error is the delta method's, that of the mean of w (indicator - P) / Σ w s.
+[[nodiscard]] ModelShares model_shares(const Posterior& posterior);
+
+/// value(draw) of every draw, chains kept apart.
+template <class Value>
+[[nodiscard]] ChainsOf of_all_draws(const Posterior& posterior, const Value& value) {
+  ChainsOf out(posterior.chains.size());
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    const Chain& chain = posterior.chains[c];
+    out[c].resize(chain.size());
+    for (std::size_t i = 0; i < out[c].size(); ++i) out[c][i] = value(posterior.draw(c, i));
+  }
+  return out;
+}
+
+}  // namespace wheeltap::inference

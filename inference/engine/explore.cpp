@@ -1,0 +1,458 @@
+#include "inference/engine/explore.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+#include "inference/diagnosis/convergence.hpp"
+#include "inference/engine/model_probabilities.hpp"
+#include "inference/engine/run_plan.hpp"
+#include "inference/engine/temper.hpp"
+#include "inference/engine/tune.hpp"
+#include "inference/exploration/model_exploration.hpp"
+#include "inference/exploration/nested_starts.hpp"
+#include "inference/exploration/occams_window.hpp"
+#include "inference/exploration/starting_points.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
+constexpr long kLongRecord = 20000;  // samples: exploring from the prior costs more than it finds
+constexpr int kManyModels = 3000;    // climbed in
+constexpr long kClimbsInMany = 2;    // in each of those
+// Models of a nested list of a record: climbs that start from one another's modes find more, for
+// a tenth of the calls, than annealing each from its prior.
+constexpr int kManyNested = 8;
+constexpr int kSearchedModels = 60;  // of those: no more than these are searched in full
+constexpr int kSearchRounds = 4;
+constexpr std::size_t kNestedStarts = 3;  // models within another whose modes it is searched from
+constexpr std::size_t kReachedModels =
+    12;                            // of many: those explored by themselves when they are reached
+constexpr double kReached = 0.01;  // share of the visits
+constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all models together
+constexpr long kRecordBudget = 50000;   // where a record grows: modes are then followed besides
+constexpr long kLeastBudget = 3000;     // a model's
+constexpr double kBriefAnnealing = 50000.0;  // likelihood calls, a model, about
+constexpr double kHopelessModel = 50.0;      // ln: models this far below the best are not annealed
+constexpr double kLive = 30.0;               // ln: chains start in models this far below the best
+
+std::vector<int> every_model(const RunContext& run) {
+  std::vector<int> all(run.models());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+// Of many models, those that matter as far as tempering can tell.
+std::vector<int> reached(const RunContext& run, const RunState& state) {
+  std::vector<int> list = every_model(run);
+  if (run.space().size() <= kFewModels) return list;
+  const PilotSamples& cold = state.by_rung.back();
+  std::ranges::stable_sort(list, std::ranges::greater{}, [&](int m) { return cold.visits(m); });
+  std::erase_if(list, [&](int m) {
+    return static_cast<double>(cold.visits(m)) < kReached * static_cast<double>(cold.total());
+  });
+  if (list.size() > kReachedModels) list.resize(kReachedModels);
+  return list;
+}
+
+void count(RunContext& run, RunState& state, const ModelExploration& found,
+           const ExplorationCalls& before) {
+  const long more = found.calls.sum() - before.sum();
+  state.shared_evaluations += more;
+  state.posterior.calls.search += found.calls.search - before.search;
+  state.posterior.calls.anneal += found.calls.anneal - before.anneal;
+  state.posterior.calls.weigh += found.calls.weigh - before.weigh;
+  run.monitor.evaluated(more);
+}
+
+// Of a nested list: an improbable model whose mode was missed is begun from its relations' modes,
+// and needs not all the climbs that one deserves which may hold the probability.
+double effort_for(const RunState& state, int m) {
+  constexpr double kLeast = 0.2;
+  const double p = state.probability[static_cast<std::size_t>(m)];
+  return std::clamp(p / kLimits.probable_model, kLeast, 1.0);
+}
+
+// The models that explore_each explores next.
+void search_next(RunState& state, std::vector<int> models) {
+  state.at.explore = Position::Explore::search;
+  state.at.models = std::move(models);
+  state.at.model = 0;
+  state.at.best = -kInfinity;
+}
+
+// Each model of the list by itself: all are surveyed before any is annealed, since a hopeless one
+// of a record, whose likelihoods are dear, needs no more than a survey. Models of a nested list
+// have each the budget that one has alone, and start from the modes of those within them as well.
+void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = false) {
+  const Problem& problem = run.problem;
+  Position& at = state.at;
+  const std::vector<int>& list = at.models;
+  const auto with_parameters =
+      std::ranges::count_if(list, [&](int m) { return problem.space[m].dimension > 0; });
+  if (with_parameters == 0 && !anneal) return;
+  const double brief = run.options.warmup > 0
+                           ? std::min(1.0, static_cast<double>(run.options.warmup) / 20000.0)
+                           : 1.0;
+  const long budget = std::max(
+      kLeastBudget,
+      static_cast<long>(brief *
+                        static_cast<double>(problem.shortened ? kRecordBudget : kSearchBudget) /
+                        static_cast<double>(nested ? 1 : std::max<long>(1, with_parameters))));
+  const auto options = [&](int m) {
+    ExplorationOptions how{
+        .seed = run.options.seed,
+        .climbs = run.options.searches,
+        .budget = problem.space.size() > kFewModels && !nested ? kLeastBudget : budget,
+        .effort = nested ? effort_for(state, m) : 1.0,
+        .anneal = anneal,
+        .particles = static_cast<int>(
+            std::clamp(brief * 12000.0 / static_cast<double>(with_parameters + 1), 400.0, 1200.0)),
+        .threads = run.options.threads,
+        .progress = [&](double share) { return run.monitor.advance(share); },
+        .stop = [&] { return run.monitor.stopped(); }};
+    if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
+    if (nested) how.starts = nested_starts(problem.space, m, state.explorations, kNestedStarts);
+    // What a first glance found is not to be found again by chance.
+    for (const Mode& mode : state.explorations[static_cast<std::size_t>(m)].modes)
+      how.starts.push_back(mode.z);
+    return how;
+  };
+  const auto log_mass = [&](int m) {
+    return problem.space[m].log_prior +
+           state.explorations[static_cast<std::size_t>(m)].log_evidence();
+  };
+  const double parts = static_cast<double>(std::max<long>(1, with_parameters));
+  const double later = planned_tuning(run) + planned_draws(run) + planned_evidence(run);
+  // body(m) of the models that are left, from one safe point to the next; false: stopped.
+  const auto each_left = [&](auto&& body) {
+    for (; at.model < static_cast<int>(list.size()); ++at.model) {
+      run.safe_points.pass(state);
+      body(list[static_cast<std::size_t>(at.model)]);
+      if (run.monitor.stopped()) return false;
+    }
+    return true;
+  };
+  const auto survey = [&](int m) {
+    if (!std::isfinite(problem.space[m].log_prior)) return;
+    ModelExploration& found = state.explorations[static_cast<std::size_t>(m)] =
+        survey_model(problem, m, options(m));
+    count(run, state, found, {});
+    at.best = std::max(at.best, log_mass(m));
+  };
+  const auto anneal_one = [&](int m) {
+    ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
+    if (!std::isfinite(problem.space[m].log_prior) || problem.space[m].dimension == 0) return;
+    const bool hopeless = problem.shortened && log_mass(m) < at.best - kHopelessModel;
+    if (hopeless && found.settled()) {
+      run.monitor.advance(1.0);
+      return;
+    }
+    const ExplorationCalls before = found.calls;
+    anneal_model(problem, m, options(m), hopeless ? Annealing::brief : Annealing::as_needed, found);
+    count(run, state, found, before);
+    at.best = std::max(at.best, log_mass(m));
+  };
+  if (at.explore == Position::Explore::search) {
+    run.monitor.begin("searching", parts, later + (anneal ? kBriefAnnealing * parts : 0.0));
+    run.monitor.advance(at.model);
+    if (!each_left(survey) || !anneal) return;
+    at.explore = Position::Explore::anneal;
+    at.model = 0;
+  }
+  run.monitor.begin("annealing", parts, later);
+  run.monitor.advance(at.model);
+  each_left(anneal_one);
+}
+
+// One of many models: climbs alone; of a nested list (`lattice`) from the best mode of the models
+// within it, from that of the likeliest one step around it, and from what an earlier glance found.
+void glance(RunContext& run, RunState& state, int m, const ModelLattice* lattice) {
+  const Problem& problem = run.problem;
+  const bool nested = lattice != nullptr;
+  ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
+  ExplorationOptions how{
+      .seed = run.options.seed,
+      .starts = nested_starts(problem.space, m, state.explorations, nested ? 1 : kNestedStarts),
+      .climbs = run.options.searches > 0 ? run.options.searches : kClimbsInMany,
+      .budget = kLeastBudget,
+      .anneal = false,
+      .climbs_only = true,
+      .threads = run.options.threads,
+      .stop = [&] { return run.monitor.stopped(); }};
+  // The least of a nested list is where the others begin.
+  if (nested && how.starts.empty() && run.options.searches == 0) how.climbs = 0;
+  if (nested) {
+    std::vector<double> around = start_from_around(problem.space, *lattice, m, state.explorations);
+    if (!around.empty()) how.starts.push_back(std::move(around));
+  }
+  how.from_starts = nested && !how.starts.empty() && run.options.searches == 0;
+  for (const Mode& mode : found.modes) how.starts.push_back(mode.z);
+  found = explore_model(problem, m, how);
+  count(run, state, found, {});
+}
+
+// ln π at the highest mode of each model: evidences also change where an integral is known better.
+std::vector<double> heights(const RunState& state) {
+  std::vector<double> out;
+  for (const ModelExploration& found : state.explorations) {
+    out.push_back(-kInfinity);
+    for (const Mode& mode : found.modes) out.back() = std::max(out.back(), mode.log_posterior);
+  }
+  return out;
+}
+
+// Glances at what the window opens on, until it opens on nothing more. They go into at.models, so
+// that a run which is taken up again goes on where it was. False: stopped.
+bool glance_in_window(RunContext& run, RunState& state, const ModelLattice& lattice) {
+  Position& at = state.at;
+  for (;;) {
+    for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
+      run.safe_points.pass(state);
+      glance(run, state, at.models[static_cast<std::size_t>(at.model)], &lattice);
+      if (!run.monitor.advance(1.0)) return false;
+    }
+    const std::vector<int> next = next_in_window(run.space(), lattice, state.explorations);
+    if (next.empty()) return true;
+    at.models.insert(at.models.end(), next.begin(), next.end());
+  }
+}
+
+// A better mode of a model may be one of those around it as well, which had a glance before it was
+// known.
+void glance_again(RunContext& run, RunState& state, const ModelLattice& lattice,
+                  const std::vector<double>& before) {
+  constexpr double kBetter = 3.0;  // ln
+  const ModelSpace& space = run.space();
+  const std::vector<double> now = heights(state);
+  std::vector<int> better;
+  for (int m = 0; m < space.size(); ++m) {
+    const auto at = static_cast<std::size_t>(m);
+    if (now[at] > before[at] + kBetter) better.push_back(m);
+  }
+  for (const int m : by_dimension(space)) {
+    if (!state.explorations[static_cast<std::size_t>(m)].glanced ||
+        std::ranges::none_of(better, [&](int b) { return is_within(space[b], space[m]); }))
+      continue;
+    glance(run, state, m, &lattice);
+    if (run.monitor.stopped()) return;
+  }
+  for (;;) {
+    const std::vector<int> next = next_in_window(space, lattice, state.explorations);
+    if (next.empty()) return;
+    for (const int m : next) {
+      glance(run, state, m, &lattice);
+      if (run.monitor.stopped()) return;
+    }
+  }
+}
+
+// Models that had a glance and hold more than `least`, the most probable first.
+std::vector<int> probable(const RunContext& run, const RunState& state, double least) {
+  const auto probability = [&](int m) { return state.probability[static_cast<std::size_t>(m)]; };
+  std::vector<int> list = every_model(run);
+  std::ranges::stable_sort(list, std::ranges::greater{}, probability);
+  std::erase_if(list, [&](int m) {
+    return probability(m) < least || !state.explorations[static_cast<std::size_t>(m)].glanced;
+  });
+  return list;
+}
+
+// A glance at each of very many models, the smaller first, or, of a nested list, at those in
+// Occam's window; and a look at those that this makes probable.
+void explore_many(RunContext& run, RunState& state) {
+  using Part = Position::Explore;
+  const Problem& problem = run.problem;
+  std::optional<ModelLattice> lattice;
+  if (problem.shortened && is_nested(problem.space)) lattice.emplace(problem.space);
+  const bool nested = lattice.has_value();
+  Position& at = state.at;
+  if (at.explore == Part::begin) {
+    at.explore = Part::glance;
+    at.models = nested ? next_in_window(problem.space, *lattice, state.explorations)
+                       : by_dimension(problem.space);
+  }
+  if (at.explore == Part::glance) {
+    run.monitor.begin("searching", static_cast<double>(run.models()),
+                      planned_searches(problem, run.options) + planned_tuning(run) +
+                          planned_draws(run) + planned_evidence(run));
+    run.monitor.advance(at.model);
+    if (nested) {
+      if (!glance_in_window(run, state, *lattice)) return;
+    } else {
+      for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
+        run.safe_points.pass(state);
+        const int m = at.models[static_cast<std::size_t>(at.model)];
+        if (!std::isfinite(problem.space[m].log_prior)) continue;
+        glance(run, state, m, nullptr);
+        if (!run.monitor.advance(1.0)) return;
+      }
+    }
+    estimate_probabilities(run, state);
+    at.explore = Part::look;
+    at.looks_left = kSearchedModels;
+  }
+  if (!nested) {
+    if (at.explore == Part::look) {
+      std::vector<int> list = probable(run, state, kReached);
+      if (list.size() > kReachedModels) list.resize(kReachedModels);
+      search_next(state, std::move(list));
+    }
+    return explore_each(run, state, false);
+  }
+  // What holds the probability is searched as a single model would be, the smaller first: their
+  // modes are starts of the larger. A look may show more than the glance did, and then others hold
+  // it.
+  for (; at.look < kSearchRounds; ++at.look) {
+    if (at.explore == Part::look) {
+      std::vector<int> list = probable(run, state, kLimits.searched_model);
+      if (list.empty() || at.looks_left == 0) break;
+      if (list.size() > static_cast<std::size_t>(at.looks_left))
+        list.resize(static_cast<std::size_t>(at.looks_left));
+      at.looks_left -= static_cast<int>(list.size());
+      std::ranges::stable_sort(list, {}, [&](int m) { return problem.space[m].dimension; });
+      at.before = heights(state);
+      search_next(state, std::move(list));
+    }
+    explore_each(run, state, false, true);
+    if (run.monitor.stopped()) return;
+    glance_again(run, state, *lattice, at.before);
+    if (run.monitor.stopped()) return;
+    estimate_probabilities(run, state);
+    at.explore = Part::look;
+  }
+  for (ModelExploration& found : state.explorations) found.passed_over = !found.looked_at();
+}
+
+// Where a long record makes exploring from the prior cost more than it finds.
+void explore_growing(RunContext& run, RunState& state) {
+  const std::vector<Laplace> modes = climb_with_record(run.problem, run.options, run.monitor);
+  bool any = false;
+  for (std::size_t m = 0; m < run.models(); ++m) {
+    const Laplace& mode = modes[m];
+    state.shared_evaluations += mode.evidence.likelihood_evaluations;
+    state.posterior.calls.search += mode.evidence.likelihood_evaluations;
+    if (!std::isfinite(mode.evidence.log_evidence)) continue;
+    any = true;
+    ModelExploration& found = state.explorations[m];
+    if (run.space()[static_cast<int>(m)].dimension == 0) {
+      found.sampled = mode.evidence;
+      found.effective_draws = kInfinity;
+      continue;
+    }
+    found.modes.push_back({.z = mode.z,
+                           .log_posterior = kNaN,
+                           .covariance = mode.covariance,
+                           .log_mass = mode.evidence.log_evidence,
+                           .climbs = 1});
+    found.shares = {1.0};
+    found.climbs = 1;
+    const Eigen::MatrixXd factor = Eigen::LLT<Eigen::MatrixXd>(mode.covariance).matrixL();
+    base::Random random(run.options.seed, m, 0, base::Purpose::search);
+    constexpr Eigen::Index kDraws = 2000;
+    found.population.resize(factor.rows(), kDraws);
+    Eigen::VectorXd u(factor.rows());
+    for (Eigen::Index i = 0; i < kDraws; ++i) {
+      for (double& v : u) v = random.normal();
+      found.population.col(i) =
+          Eigen::Map<const Eigen::VectorXd>(mode.z.data(), factor.rows()) + factor * u;
+    }
+  }
+  if (!any && run.monitor.stopped()) return;
+  if (!any) throw LikelihoodError("no model has a mode that a search on growing records finds");
+  state.posterior.choices.push_back(Choice::started_on_first_samples);
+}
+
+// Chains start in different models where several are possible, at draws of the populations.
+void start_chains(RunContext& run, RunState& state) {
+  std::vector<int> live;
+  double best = -kInfinity;
+  for (const double p : state.log_probability) best = std::max(best, p);
+  for (std::size_t m = 0; m < run.models(); ++m)
+    if (state.log_probability[m] > best - kLive) live.push_back(static_cast<int>(m));
+  run.each_chain(state, [&](int c, ChainState& chain, Target& target) {
+    base::Random random(run.options.seed, static_cast<std::uint64_t>(c), 1, base::Purpose::start);
+    for (std::size_t attempt = 0; attempt < 20 * live.size(); ++attempt) {
+      State start;
+      start.model = live[(static_cast<std::size_t>(c) + attempt) % live.size()];
+      const Eigen::MatrixXd& population =
+          state.explorations[static_cast<std::size_t>(start.model)].population;
+      if (run.space()[start.model].dimension > 0) {
+        if (population.cols() > 0) {
+          const auto column = population.col(random.index(static_cast<int>(population.cols())));
+          start.z.assign(column.begin(), column.end());
+        } else if (!state.by_rung.empty() && state.by_rung.back().visits(start.model) > 0) {
+          const Eigen::MatrixXd states = state.by_rung.back().states(start.model);
+          const auto column = states.col(random.index(static_cast<int>(states.cols())));
+          start.z.assign(column.begin(), column.end());
+        } else {
+          continue;
+        }
+      }
+      target.sort_components(start);
+      target.evaluate(start);
+      if (!std::isfinite(start.log_likelihood)) continue;
+      chain.state = std::move(start);
+      return;
+    }
+    chain.state = start_from_prior(target, random);
+  });
+}
+
+void end_exploring(RunContext& run, RunState& state) {
+  count_exploring(state);
+  if (run.monitor.stopped()) return;
+  state.at.stage = Position::Stage::tune;
+  run.safe_points.pass(state);
+}
+
+}  // namespace
+
+void count_exploring(RunState& state) {
+  state.posterior.calls.explore = state.posterior.warmup_evaluations =
+      likelihood_evaluations(state);
+}
+
+void explore(RunContext& run, RunState& state) {
+  const Problem& problem = run.problem;
+  const bool list = problem.space.kinds().empty();
+  const bool begins = state.at.explore == Position::Explore::begin;
+  const bool balanced = problem.space.size() <= kBalancedModels;
+  if (run.options.prior_only) {
+    temper(run, state, {.scans = kExplorationScans});
+    if (run.monitor.stopped()) return;
+    pool_ladders(run, state);
+    take_prior_probabilities(run, state);
+    fit_proposals(run, state, 0);
+    return end_exploring(run, state);
+  }
+  if (list && problem.samples >= kLongRecord && problem.shortened) {
+    explore_growing(run, state);
+  } else if (list && problem.space.size() <= kFewModels &&
+             !(problem.shortened && problem.space.size() >= kManyNested &&
+               is_nested(problem.space))) {
+    if (begins) search_next(state, every_model(run));
+    explore_each(run, state, !run.options.quick);
+  } else if (list && problem.space.size() <= kManyModels) {
+    explore_many(run, state);
+  } else {
+    if (begins) {
+      temper(run, state, {.scans = kExplorationScans, .balanced = balanced});
+      if (run.monitor.stopped()) return;
+      pool_ladders(run, state);
+      search_next(state, reached(run, state));
+    }
+    explore_each(run, state, false);
+  }
+  if (run.monitor.stopped()) return;
+  estimate_probabilities(run, state);
+  start_chains(run, state);
+  fit_proposals(run, state, 0);
+  end_exploring(run, state);
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,143 @@
+#include "inference/engine/temper.hpp"
+#include "inference/engine/run_plan.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr int kExplorationRungs = 10;
+constexpr int kStageMaxRungs = 30;
+constexpr int kFewestScans = 620;
+constexpr int kStageFirstScans = 20;
+// A scan that takes longer may be left in its middle: from what was kept before it, it is done
+// again.
+constexpr std::chrono::milliseconds kLongScan{100};
+
+// All that a scan changes.
+struct BeforeScan {
+  Ladder ladder;
+  std::vector<std::vector<double>> learnt;
+  Target::Memory target;
+};
+
+}  // namespace
+
+void temper(RunContext& run, RunState& state, const TemperOptions& how) {
+  const Options& options = run.options;
+  const bool chosen = options.warmup == 0 && !how.fitted;  // how long, by the engine
+  const int scans = options.warmup > 0
+                        ? std::max(60, options.warmup / (2 * kExplorationRungs * kStepsAScan))
+                        : how.scans;
+  const double later = planned_draws(run) + planned_evidence(run) +
+                       (how.fitted || options.prior_only
+                            ? 0.0
+                            : planned_searches(run.problem, options) + planned_tuning(run));
+  run.monitor.begin(how.fitted ? "setting up the ladder" : "exploring",
+                    static_cast<double>(scans) * options.chains, later);
+  for (const ChainState& chain : state.chains)
+    if (state.at.tempering) run.monitor.advance(chain.lesson.scans + chain.lesson.steps);
+  if (!state.at.tempering) {
+    for (ChainState& chain : state.chains) chain.lesson = {};
+    state.at.tempering = true;
+  }
+  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
+    Lesson& at = chain.lesson;
+    if (at.ended) return true;
+    const int rungs = options.moves.tempering ? kExplorationRungs : 1;
+    TemperedChain tempered(
+        target,
+        at.begun ? *chain.ladder
+                 : Ladder(rungs > 1 ? geometric_ladder(rungs) : std::vector<double>{1.0},
+                          run.space().size()),
+        [&] {
+          return how.fitted ? sampling_kernels(run.problem, options, run.atlases, state.pilot)
+                            : exploration_kernels(run.problem, options, run.atlases);
+        },
+        options.seed, c);
+    if (at.begun) {
+      tempered.restore(at.learnt);
+    } else {
+      tempered.start();
+      if (how.fitted) tempered.set_cold(chain.state);
+      if (how.balanced) tempered.balance_models();
+      at.begun = true;
+      at.round_scans = kStageFirstScans;
+    }
+    std::optional<BeforeScan> before_scan;  // where scans are long
+    bool left = false;                      // in the middle of a scan
+    while (!at.ended && !run.monitor.stopped()) {
+      const int n = std::min(at.round_scans, scans - at.scans);
+      if (at.steps == 0)
+        chain.by_rung.assign(static_cast<std::size_t>(tempered.rungs()), PilotSamples(run.space()));
+      while (at.steps < n) {
+        using Clock = std::chrono::steady_clock;
+        const long before = target.evaluations();
+        const auto began = Clock::now();
+        if (before_scan) before_scan = {tempered.ladder(), tempered.learnt(), target.memory()};
+        const auto leave = [&] { return before_scan && run.monitor.stopped(); };
+        if (!tempered.scan(kStepsAScan, true, base::Purpose::exploration, nullptr, leave)) {
+          left = true;
+          break;
+        }
+        if (!before_scan && Clock::now() - began > kLongScan)
+          before_scan = {tempered.ladder(), tempered.learnt(), target.memory()};
+        for (int r = 0; r < tempered.rungs(); ++r) {
+          chain.by_rung[static_cast<std::size_t>(r)].add(tempered.state(r));
+        }
+        ++at.steps;
+        run.monitor.evaluated(target.evaluations() - before);
+        run.monitor.advance(1.0);
+        if (run.leave()) break;
+      }
+      if (at.steps < n) break;
+      at.scans += n;
+      at.steps = 0;
+      at.round_scans *= 2;
+      at.barrier = tempered.barrier();
+      // A round trip takes some 2 + 2 Λ scans (Syed et al. 2022, section 3.5): a hundred of them
+      // will do.
+      at.ended = at.scans >= scans || (chosen && at.scans >= kFewestScans &&
+                                       at.scans >= 100.0 * (2.0 + 2.0 * at.barrier));
+      // Two neighbours a unit of the barrier (ibid., section 4.3), while there is time left.
+      if (tempered.rungs() > 1 && !at.ended) {
+        tempered.adapt_ladder(
+            std::clamp(static_cast<int>(std::ceil(2.0 * at.barrier)) + 2, 6, kStageMaxRungs));
+      }
+    }
+    if (left) {
+      chain.ladder = std::move(before_scan->ladder);
+      at.learnt = std::move(before_scan->learnt);
+      target.set_memory(before_scan->target);
+      return false;
+    }
+    chain.ladder = tempered.ladder();
+    at.learnt = at.ended ? std::vector<std::vector<double>>{} : tempered.learnt();
+    if (!at.ended) return false;
+    chain.state = tempered.cold();
+    target.set_model_bias(std::vector<double>(run.models(), 0.0));
+    return true;
+  });
+  state.posterior.warmup += state.chains.front().lesson.scans * kStepsAScan;
+  double& barrier = state.posterior.barrier = 0.0;
+  for (const ChainState& chain : state.chains) barrier = std::max(barrier, chain.lesson.barrier);
+  if (run.monitor.stopped()) return;
+  state.at.tempering = false;
+  for (ChainState& chain : state.chains) chain.lesson = {};
+}
+
+void pool_ladders(const RunContext& run, RunState& state) {
+  std::size_t rungs = 0;
+  for (const ChainState& chain : state.chains) rungs = std::max(rungs, chain.by_rung.size());
+  state.by_rung.assign(rungs, PilotSamples(run.space()));
+  for (const ChainState& chain : state.chains) {
+    for (std::size_t r = 0; r < chain.by_rung.size(); ++r) {
+      state.by_rung[rungs - 1 - r].append(chain.by_rung[chain.by_rung.size() - 1 - r]);
+    }
+  }
+}
+
+}  // namespace wheeltap::inference

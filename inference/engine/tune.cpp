@@ -1,0 +1,212 @@
+#include "inference/engine/tune.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+#include "inference/engine/model_probabilities.hpp"
+#include "inference/statistics/diagnostics.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr int kBetweenLooks = 4;                          // steps between two looks at the clock
+constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit
+static_assert(kTuning[0] + kTuning[1] + kTuning[2] == kTuningSteps);
+// The last round of tuning is one of this length more where its effective draws of the model index
+// were fewer than kEnoughModelDraws: the run is to have some 15 000 of them (a probability of ½
+// known to 0.004), and mixtures fitted to few are slow to give them.
+constexpr int kLongTuning = 80000;
+constexpr double kEnoughModelDraws = 4000.0;
+constexpr Eigen::Index kFirstPopulation = 1000;  // draws of an exploration that a fit takes in
+constexpr Eigen::Index kLastPopulation = 4000;   // the last one
+constexpr int kManyPeaks = 80;  // components of the mixtures of posteriors with many modes
+// Of a long record's fits, components before the last one and how far the expectation is maximised:
+// fits as close as other problems have took a quarter of such a run.
+constexpr int kFewPeaks = 7;
+constexpr double kRoughly = 1e-5;
+// Models below this probability are visited less than the others while tuning: none of their visits
+// is to be expected among the draws.
+constexpr double kLeastTuned = 1e-4;
+constexpr double kNoLeast = 1e-12;  // of models that are to be drawn evenly
+
+Eigen::MatrixXd thinned(const Eigen::MatrixXd& columns, Eigen::Index most) {
+  if (columns.cols() <= most) return columns;
+  Eigen::MatrixXd out(columns.rows(), most);
+  for (Eigen::Index i = 0; i < most; ++i) out.col(i) = columns.col(i * columns.cols() / most);
+  return out;
+}
+
+// What each kernel brought in the last round of tuning, over all chains.
+std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
+  std::vector<KernelRecord> sums(state.chains.front().records.size());
+  for (const ChainState& chain : state.chains)
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += chain.records[k];
+  return kernel_efficiencies(
+      *sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true), sums);
+}
+
+// A round of so many steps, or what is left of it; then the fit, and the next round is due.
+void tune_once(RunContext& run, RunState& state, int steps) {
+  state.tuning_bias = equal_visits_bias(state.probability, kLeastTuned);
+  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
+    int& i = chain.lesson.steps;
+    if (i > 0 && i == steps) return true;
+    target.set_model_bias(state.tuning_bias);
+    const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
+    if (i == 0) {
+      chain.by_rung.assign(1, PilotSamples(run.space()));
+      chain.models.clear();
+      chain.records.assign(static_cast<std::size_t>(kernels->size()), {});
+    } else {
+      kernels->restore(chain.lesson.learnt.at(0));
+    }
+    long before = target.evaluations();
+    while (i < steps) {
+      base::Random random(run.options.seed, static_cast<std::uint64_t>(c),
+                          static_cast<std::uint64_t>(state.at.tuned + i),
+                          base::Purpose::adaptation);
+      Kernel::Outcome outcome;
+      const int from = chain.state.model;
+      const int kernel = kernels->step(chain.state, {target, random, 1.0, true}, outcome);
+      if (kernel >= 0)
+        chain.records[static_cast<std::size_t>(kernel)].add(outcome, outcome.to_model != from);
+      chain.by_rung[0].add(chain.state);
+      chain.models.push_back(chain.state.model);
+      ++i;
+      if (i % 64 == 0) {
+        run.monitor.evaluated(target.evaluations() - before);
+        before = target.evaluations();
+        run.monitor.advance(64.0);
+      }
+      if (i % kBetweenLooks == 0 && run.leave()) break;
+    }
+    chain.lesson.learnt.assign(1, kernels->learnt());
+    return i == steps;
+  });
+  if (run.monitor.stopped()) return;
+  state.at.tuned += steps;
+  fit_proposals(run, state, ++state.at.round);
+  for (ChainState& chain : state.chains) chain.lesson = {};
+  run.safe_points.pass(state);
+}
+
+// Effective draws of the least certain model's indicator in the last round of tuning; infinite
+// where one model has all the probability. Tuning visits models more evenly than the draws will
+// (`evenly`: as they will): how often it went to and fro between what holds all and what holds
+// nothing does not matter to these.
+double tuned_model_draws(const RunState& state, bool evenly) {
+  constexpr double kMatters = 1e-3;
+  double least = kInfinity;
+  for (std::size_t m = 0; m < state.pilot.fit->weight.size(); ++m) {
+    const double p = state.pilot.fit->weight[m], drawn = state.probability[m];
+    if (p < 0.02 || p > 0.98) continue;
+    if (!evenly && std::min(drawn, 1.0 - drawn) < kMatters) continue;
+    ChainsOf indicator;
+    for (const ChainState& chain : state.chains) {
+      std::vector<double>& values = indicator.emplace_back();
+      for (const int model : chain.models)
+        values.push_back(model == static_cast<int>(m) ? 1.0 : 0.0);
+    }
+    least = std::min(least, ess_mean(indicator));
+  }
+  return least;
+}
+
+}  // namespace
+
+void fit_proposals(RunContext& run, RunState& state, int round) {
+  std::vector<PilotSamples> pooled = state.by_rung;
+  if (round > 0 || pooled.empty()) {
+    pooled.emplace_back(run.space());
+    if (round > 0)
+      for (const ChainState& chain : state.chains) pooled.back().append(chain.by_rung.back());
+  }
+  if (round > 0) learn_probabilities(state, pooled.back());
+  // The last fit is the one that is used; the first two only have to lead there.
+  const bool last = round >= static_cast<int>(kTuning.size());
+  const bool dear = is_dear(run.problem, run.options);
+  PilotOptions how{.seed = run.options.seed,
+                   .round = round,
+                   .threads = run.options.threads,
+                   .most_samples = last ? 12000 : 3000,
+                   .most_components = dear && !last ? kFewPeaks : 20,
+                   .besides = {},
+                   .probability = state.probability,
+                   .modes = {}};
+  for (const ModelExploration& found : state.explorations) {
+    Eigen::Index most = last ? kLastPopulation : kFirstPopulation;
+    if (run.options.warmup > 0)
+      most = std::min<Eigen::Index>(most, std::max(run.options.warmup, 400));
+    how.besides.push_back(thinned(found.population, most));
+    how.modes.emplace_back();
+    for (std::size_t k = 0; k < found.modes.size() && k < 40; ++k) {
+      const Mode& mode = found.modes[k];
+      how.modes.back().push_back({std::max(found.shares[k], 1e-3),
+                                  Eigen::Map<const Eigen::VectorXd>(
+                                      mode.z.data(), static_cast<Eigen::Index>(mode.z.size())),
+                                  Eigen::LLT<Eigen::MatrixXd>(mode.covariance).matrixL()});
+    }
+    const auto weighty =
+        std::ranges::count_if(found.shares, [](double share) { return share > 0.005; });
+    if (last && (weighty > 10 || state.at.refits > 0)) how.most_components = kManyPeaks;
+  }
+  if (dear) how.tolerance = kRoughly;
+  std::vector<double> learnt;
+  if (round > 0) learnt = efficiencies(run, state);
+  state.pilot = fit_pilot(run.space(), pooled, how);
+  state.pilot.efficiencies = std::move(learnt);
+}
+
+void tune(RunContext& run, RunState& state) {
+  const Options& options = run.options;
+  Position& at = state.at;
+  constexpr int kRounds = static_cast<int>(kTuning.size());
+  const double later = planned_draws(run) + planned_evidence(run);
+  const auto begin_monitor = [&](const char* stage, int steps) {
+    run.monitor.begin(stage, static_cast<double>(steps) * options.chains, later);
+    for (const ChainState& chain : state.chains)
+      run.monitor.advance(static_cast<double>(chain.lesson.steps));
+  };
+  if (at.round < kRounds) {
+    begin_monitor("tuning", tuning_steps(run.problem, run.options));
+    run.monitor.advance(static_cast<double>(at.tuned) * options.chains);
+  }
+  while (at.round < kRounds && !run.monitor.stopped()) {
+    const double share =
+        static_cast<double>(kTuning[static_cast<std::size_t>(at.round)]) / kTuningSteps;
+    const double all =
+        options.warmup > 0 ? 0.5 * options.warmup : tuning_steps(run.problem, run.options);
+    tune_once(run, state, static_cast<int>(all * share));
+  }
+  if (at.round == kRounds && !run.monitor.stopped() && options.warmup == 0) {
+    const int thin = state.posterior.thin;
+    const int longest =
+        options.draws > 0 ? std::min(kLongTuning / thin, options.draws) * thin : kLongTuning;
+    const bool begun = std::ranges::any_of(
+        state.chains, [](const ChainState& chain) { return chain.lesson.steps > 0; });
+    if (begun || (longest > kTuning.back() &&
+                  tuned_model_draws(state, options.balance) < kEnoughModelDraws)) {
+      begin_monitor("tuning on", longest);
+      tune_once(run, state, longest);
+    }
+  }
+  // The draws' own bias: none, or, where models are to be drawn evenly, what makes them even.
+  state.sampling_bias = options.balance ? equal_visits_bias(state.probability, kNoLeast)
+                                        : std::vector<double>(run.models(), 0.0);
+  if (options.balance) {
+    for (const double b : state.sampling_bias) state.posterior.log_weight.push_back(-b);
+  }
+  run.each_chain_here(
+      state, [&](ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
+  state.posterior.warmup += at.tuned;
+  const long explored = state.posterior.warmup_evaluations;
+  state.posterior.warmup_evaluations = likelihood_evaluations(state);
+  state.posterior.calls.tune += state.posterior.warmup_evaluations - explored;
+  if (run.monitor.stopped()) return;
+  at.stage = Position::Stage::sample;
+  run.safe_points.pass(state);
+}
+
+}  // namespace wheeltap::inference

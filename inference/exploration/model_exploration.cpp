@@ -1,0 +1,506 @@
+#include "inference/exploration/model_exploration.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+#include "base/random.hpp"
+#include "inference/diagnosis/convergence.hpp"
+#include "inference/evidence/multiple_importance_sampling.hpp"
+#include "inference/evidence/tmcmc.hpp"
+#include "inference/mixtures/normal_mixture.hpp"
+#include "inference/statistics/standard_normal.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr int kExplorations = 4;             // of sequential Monte Carlo
+constexpr int kClimbsFromDraws = 8;          // from its draws
+constexpr std::size_t kClimbsOnTheWay = 24;  // from those of an annealing that was cut short
+constexpr std::size_t kLaplace = 40;         // modes whose normals enter the mixture
+constexpr double kDefensive = 0.05;          // the prior's weight in it
+constexpr double kWider = 1.5;               // of the variances of modes' normals in a proposal
+constexpr double kGoodShare = 0.5;           // of the draws effective: no further round is needed
+constexpr Eigen::Index kPopulation = 4000;
+constexpr Eigen::Index kFitted = 2000;            // draws that a proposal is fitted to
+constexpr std::array<int, 2> kComponents{8, 20};  // of it, at first and where that does not do
+// Of the annealing's draws: where more of them lie beyond all proposals, these have missed some of
+// the posterior, as along a ridge that turns, and go on with more components.
+constexpr double kLacking = 0.003;
+constexpr int kOfRidges = 80;
+constexpr int kMoreRounds = 4;
+constexpr double kOneMode = 0.99;     // share of a mode that holds everything
+constexpr int kBriefParticles = 200;  // where it does
+constexpr long kBriefCalls = 20'000;
+constexpr double kFar = 8.0;  // of the scatter of a χ² about its mean: a draw of no known mode
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+using Components = std::vector<NormalMixture::Component>;
+
+std::vector<double> row(const Matrix& draws, Eigen::Index i) {
+  return {draws.row(i).begin(), draws.row(i).end()};
+}
+
+void append(const Matrix& more, Matrix& draws) {
+  const Eigen::Index had = draws.rows();
+  draws.conservativeResize(had + more.rows(), more.cols());
+  draws.bottomRows(more.rows()) = more;
+}
+
+Matrix cholesky(const Matrix& covariance) {
+  return Eigen::LLT<Matrix>(covariance).matrixL();
+}
+
+// Weights of the modes by their Laplace masses, none below a tenth of an equal share.
+std::vector<double> mode_weights(const std::vector<Mode>& modes, std::size_t n) {
+  std::vector<double> weights;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < n; ++k)
+    sum += weights.emplace_back(std::exp(modes[k].log_mass - modes.front().log_mass));
+  for (double& w : weights) w = std::max(w / sum, 0.1 / static_cast<double>(n));
+  return weights;
+}
+
+void add_modes(const std::vector<Mode>& modes, double share, Components& components) {
+  const std::size_t n = std::min(modes.size(), kLaplace);
+  if (n == 0) return;
+  const std::vector<double> weights = mode_weights(modes, n);
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (std::size_t k = 0; k < n; ++k) {
+    components.push_back(
+        {share * weights[k] / sum,
+         Eigen::Map<const Vector>(modes[k].z.data(), static_cast<Eigen::Index>(modes[k].z.size())),
+         cholesky(kWider * modes[k].covariance)});
+  }
+}
+
+// `most` components; more draws than kFitted teach a first proposal no more.
+void add_fit(const Matrix& draws, int most, double share, base::Random& random,
+             Components& components) {
+  if (draws.rows() < 4 * (draws.cols() + 1)) return;
+  const Eigen::Index n = std::min(draws.rows(), kFitted);
+  Matrix used(n, draws.cols());
+  for (Eigen::Index i = 0; i < n; ++i) used.row(i) = draws.row(i * draws.rows() / n);
+  const NormalMixture fit = NormalMixture::fit(
+      used, {.max_components = most, .defensive_weight = 0.0, .tolerance = 1e-5}, random);
+  for (int k = 0; k < fit.size(); ++k) {
+    components.push_back(fit[k]);
+    components.back().weight *= share;
+  }
+}
+
+// What there is where importance sampling fails: the draws of the annealing, and of the normals
+// about modes that have none of them.
+Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, base::Random& random,
+                       double about_modes = 1000.0) {
+  const auto precisions = precisions_of(modes);
+  std::vector<long> counts(modes.size(), 0);
+  for (Eigen::Index i = 0; i < draws.rows(); ++i) {
+    const int k = nearest_mode(modes, precisions, row(draws, i));
+    if (k >= 0) ++counts[static_cast<std::size_t>(k)];
+  }
+  const std::size_t n = std::min(modes.size(), kLaplace);
+  const std::vector<double> weights = mode_weights(modes, n);
+  Matrix out = draws;
+  for (std::size_t k = 0; k < n; ++k) {
+    if (counts[k] > 0) continue;
+    const auto m = static_cast<Eigen::Index>(std::ceil(about_modes * weights[k]));
+    const Matrix factor = cholesky(modes[k].covariance);
+    const auto d = static_cast<Eigen::Index>(modes[k].z.size());
+    const Eigen::Index had = out.rows();
+    out.conservativeResize(had + m, d);
+    Vector u(d);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      for (double& v : u) v = random.normal();
+      out.row(had + i) = (Eigen::Map<const Vector>(modes[k].z.data(), d) + factor * u).transpose();
+    }
+  }
+  return out;
+}
+
+// Each mode's share of the probability: of the importance sample where that can be trusted, and
+// where more than a few draws of it speak for the mode; else as Laplace has it.
+std::vector<double> shares(const ModelExploration& found, const MultipleImportanceSampler& sampler,
+                           bool trusted) {
+  constexpr double kFew = 5.0;  // effective draws
+  const std::size_t n = found.modes.size();
+  std::vector<double> sum(n, 0.0), squares(n, 0.0), laplace(n, 0.0);
+  double all = 0.0;
+  for (std::size_t k = 0; k < n; ++k)
+    all += laplace[k] = std::exp(found.modes[k].log_mass - found.modes.front().log_mass);
+  for (double& share : laplace) share /= all;
+  if (!trusted) return laplace;
+  const auto precisions = precisions_of(found.modes);
+  for (std::size_t i = 0; i < sampler.weights().size(); ++i) {
+    const double w = sampler.weights()[i];
+    const int k = w > 0.0 ? nearest_mode(found.modes, precisions, sampler.z(i)) : -1;
+    if (k < 0) continue;
+    sum[static_cast<std::size_t>(k)] += w;
+    squares[static_cast<std::size_t>(k)] += w * w;
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    const double effective = squares[k] > 0.0 ? sum[k] * sum[k] / squares[k] : 0.0;
+    if (effective < kFew) sum[k] = std::min(sum[k], laplace[k]);
+  }
+  return sum;
+}
+
+}  // namespace
+
+double ModelExploration::log_evidence() const {
+  if (std::isfinite(sampled.log_evidence) && effective_draws > 20.0) return sampled.log_evidence;
+  double best = std::isfinite(annealed.log_evidence) ? annealed.log_evidence : -kInfinity;
+  if (!modes.empty()) best = std::max(best, modes.front().log_mass);
+  return best;
+}
+
+std::vector<Matrix> precisions_of(const std::vector<Mode>& modes) {
+  std::vector<Matrix> out;
+  for (const Mode& mode : modes) {
+    const Eigen::Index d = mode.covariance.rows();
+    out.push_back(Eigen::LLT<Matrix>(mode.covariance).solve(Matrix::Identity(d, d)));
+  }
+  return out;
+}
+
+int nearest_mode(const std::vector<Mode>& modes, const std::vector<Matrix>& precisions,
+                 std::span<const double> z) {
+  int nearest = -1;
+  double least = kInfinity;
+  const Eigen::Map<const Vector> at(z.data(), static_cast<Eigen::Index>(z.size()));
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const Vector e = at - Eigen::Map<const Vector>(modes[k].z.data(), at.size());
+    const double distance = e.dot(precisions[k] * e);
+    if (distance < least) least = distance, nearest = static_cast<int>(k);
+  }
+  return nearest;
+}
+
+bool ModelExploration::settled() const {
+  return !shares.empty() && efficiency > kGoodShare &&
+         *std::ranges::max_element(shares) > kOneMode && std::isfinite(sampled.log_evidence);
+}
+
+namespace {
+
+// Tells the caller what was done, and hears whether to go on.
+class Reporter {
+ public:
+  explicit Reporter(const ExplorationOptions& options) : options_(options) {}
+  bool operator()(double done) {
+    if (options_.progress && !options_.progress(done - reported_)) stopped_ = true;
+    reported_ = done;
+    return !stopped_;
+  }
+  [[nodiscard]] bool stopped() const { return stopped_ || (options_.stop && options_.stop()); }
+
+ private:
+  const ExplorationOptions& options_;
+  double reported_ = 0.0;
+  bool stopped_ = false;
+};
+
+// Draws of another method, with ln π at each.
+class OtherDraws {
+ public:
+  OtherDraws(const Problem& problem, int model, const Matrix& draws,
+             const std::function<bool()>& stop)
+      : draws_(draws) {
+    ModelPosterior posterior(problem, model);
+    for (Eigen::Index i = 0; i < draws.rows() && !(stop && stop()); ++i)
+      log_posterior_.push_back(posterior(row(draws, i)).log_posterior());
+    evaluations_ = posterior.evaluations();
+  }
+  [[nodiscard]] long evaluations() const { return evaluations_; }
+  /// Those that lie beyond the mixture of a sample's proposals, as the verdict has it.
+  [[nodiscard]] Matrix beyond(const MultipleImportanceSampler& sampler) const {
+    const double level = sampler.evidence().log_evidence + std::log(kLimits.beyond_mixture);
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index i = 0; i < draws_.rows(); ++i) {
+      const double log_posterior = log_posterior_[static_cast<std::size_t>(i)];
+      if (log_posterior - sampler.log_proposal(row(draws_, i)) > level) rows.push_back(i);
+    }
+    return draws_(rows, Eigen::indexing::all);
+  }
+
+ private:
+  const Matrix& draws_;
+  std::vector<double> log_posterior_;
+  long evaluations_ = 0;
+};
+
+// Importance sampling from all that was found: evidence, shares and the population.
+// False where it was stopped: `found` is then as it was.
+bool weigh(const Problem& problem, int model, const ExplorationOptions& options,
+           const Matrix& draws, ModelExploration& found) {
+  const Eigen::Index d = problem.space[model].dimension;
+  base::Random random(options.seed, static_cast<std::uint64_t>(model),
+                      found.calls.weigh > 0 ? 2 : 0, base::Purpose::fit);
+  MultipleImportanceSampler sampler(problem, model, options.seed, options.threads, options.stop);
+  Components components;
+  add_modes(found.modes, 0.5, components);
+  add_fit(draws, kComponents[0], 0.5, random, components);
+  const int n = static_cast<int>(std::clamp<Eigen::Index>(200 * d, 1000, 4000));
+  const OtherDraws others(problem, model, draws, options.stop);
+  if (options.stop && options.stop()) return false;
+  Matrix beyond(0, d);
+  const auto lacks = [&] {
+    return static_cast<double>(beyond.rows()) > kLacking * static_cast<double>(draws.rows());
+  };
+  for (int round = 0; round < options.rounds + (lacks() ? kMoreRounds : 0) && !components.empty();
+       ++round) {
+    components.push_back({kDefensive, Vector::Zero(d), Matrix::Identity(d, d)});
+    sampler.add(NormalMixture(std::move(components)), n);
+    if (options.stop && options.stop()) return false;
+    components.clear();
+    beyond = others.beyond(sampler);
+    const int most = lacks() ? kOfRidges : kComponents[round < 2 ? 0 : 1];
+    if (round > 0 && sampler.efficiency() > kGoodShare && !lacks()) break;
+    if (sampler.effective_draws() < 8.0 * static_cast<double>(d + 1)) {
+      // Too few to fit to: more of the same.
+      add_modes(found.modes, 0.5, components);
+      add_fit(draws, most, 0.5, random, components);
+      continue;
+    }
+    const double share =
+        lacks() ? static_cast<double>(beyond.rows()) / static_cast<double>(draws.rows()) : 0.0;
+    add_modes(found.modes, 0.1, components);
+    if (share < 1.0)
+      add_fit(sampler.resampled(kFitted, random), most, 0.9 * (1.0 - share), random, components);
+    if (share > 0.0) add_fit(beyond, most, 0.9 * share, random, components);
+  }
+  found.calls.weigh += sampler.evaluations() + others.evaluations();
+  found.sampled = sampler.evidence();
+  found.effective_draws = sampler.effective_draws();
+  found.efficiency = sampler.efficiency();
+  const bool trusted = found.effective_draws >= std::max(500.0, 50.0 * static_cast<double>(d));
+  Matrix population = trusted ? sampler.resampled(kPopulation, random)
+                              : draws_and_modes(draws, found.modes, random);
+  if (trusted && beyond.rows() > 0) append(beyond, population);
+  found.population = population.transpose();
+  found.shares = shares(found, sampler, trusted);
+  if (!trusted) found.efficiency = 0.0;
+  return true;
+}
+
+// What there is where nothing was weighed: Laplace's evidence, taken to be good to a nat, and draws
+// of the normals about the modes.
+void take_laplace(int model, const ExplorationOptions& options, ModelExploration& found) {
+  if (found.modes.empty() || !found.shares.empty()) return;
+  base::Random random(options.seed, static_cast<std::uint64_t>(model), 0, base::Purpose::fit);
+  double sum = 0.0;
+  for (const Mode& mode : found.modes)
+    sum += std::exp(mode.log_mass - found.modes.front().log_mass);
+  found.annealed.log_evidence = found.modes.front().log_mass + std::log(sum);
+  found.annealed.standard_error = 1.0;
+  for (const Mode& mode : found.modes)
+    found.shares.push_back(std::exp(mode.log_mass - found.modes.front().log_mass) / sum);
+  const auto d = static_cast<Eigen::Index>(found.modes.front().z.size());
+  found.population = draws_and_modes(Matrix(0, d), found.modes, random, 100.0).transpose();
+}
+
+// Draws to climb from, evenly spaced in their list.
+std::vector<std::vector<double>> some_of(const Matrix& draws) {
+  std::vector<std::vector<double>> starts;
+  for (Eigen::Index k = 0; draws.rows() > 0 && k < kClimbsFromDraws; ++k)
+    starts.push_back(row(draws, k * draws.rows() / kClimbsFromDraws));
+  return starts;
+}
+
+// Each as far as can be from those before it, in standard deviations of the draws: a small group
+// apart from the others has one.
+std::vector<std::vector<double>> far_apart(Matrix draws) {
+  std::vector<std::vector<double>> starts;
+  if (draws.rows() == 0) return starts;
+  const Matrix given = draws;
+  draws.rowwise() -= draws.colwise().mean().eval();
+  for (Eigen::Index j = 0; j < draws.cols(); ++j)
+    if (const double size = draws.col(j).norm(); size > 0.0) draws.col(j) /= size;
+  Vector nearest = Vector::Constant(draws.rows(), kInfinity);
+  Eigen::Index next = 0;
+  while (starts.size() < kClimbsOnTheWay && nearest[next] > 0.0) {
+    starts.push_back(row(given, next));
+    nearest = nearest.cwiseMin((draws.rowwise() - draws.row(next).eval()).rowwise().squaredNorm());
+    nearest.maxCoeff(&next);
+  }
+  return starts;
+}
+
+// Those that the normals about the known modes would hardly make.
+Matrix outlying(const Matrix& draws, const std::vector<Mode>& modes) {
+  const auto precisions = precisions_of(modes);
+  const auto d = static_cast<double>(draws.cols());
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < draws.rows(); ++i) {
+    const int k = nearest_mode(modes, precisions, row(draws, i));
+    if (k < 0) continue;
+    const auto at = static_cast<std::size_t>(k);
+    const Vector e =
+        draws.row(i).transpose() - Eigen::Map<const Vector>(modes[at].z.data(), draws.cols());
+    if (e.dot(precisions[at] * e) > d + kFar * (1.0 + std::sqrt(2.0 * d))) rows.push_back(i);
+  }
+  return draws(rows, Eigen::indexing::all);
+}
+
+// Climbs from `starts`; true where they lead to a mode that was not known.
+bool climb_from(const Problem& problem, int model, const ExplorationOptions& options,
+                std::vector<std::vector<double>> starts, ModelExploration& found) {
+  ModeSearch known{.modes = found.modes, .climbs = found.climbs, .likelihood_evaluations = 0};
+  extend_search(problem, model,
+                {.seed = options.seed,
+                 .starts = std::move(starts),
+                 .fine = options.from_starts,
+                 .threads = options.threads,
+                 .stop = options.stop},
+                known);
+  found.calls.search += known.likelihood_evaluations;
+  const bool more = known.modes.size() > found.modes.size();
+  found.modes = std::move(known.modes);
+  return more;
+}
+
+// Climbs from the prior, and from what is known.
+void search_from_prior(const Problem& problem, int model, const ExplorationOptions& options,
+                       Reporter& report, ModelExploration& out) {
+  std::vector<std::vector<double>> starts = options.starts;
+  std::ranges::move(some_of(options.draws), std::back_inserter(starts));
+  ModeSearch found = search_modes(problem, model,
+                                  {.seed = options.seed,
+                                   .climbs = options.climbs,
+                                   .budget = options.budget,
+                                   .effort = options.effort,
+                                   .starts = std::move(starts),
+                                   .fine = !options.starts.empty(),
+                                   .threads = options.threads,
+                                   .progress = [&](double done) { return report(0.8 * done); },
+                                   .stop = options.stop});
+  out.modes = std::move(found.modes);
+  out.climbs = found.climbs;
+  out.spacing = found.spacing;
+  out.calls.search += found.likelihood_evaluations;
+}
+
+struct Annealed {
+  Matrix draws;
+  bool cut = false;  // they are of the tempered posteriors on the way
+};
+
+// Sequential Monte Carlo from the prior; no draws where it fails.
+Annealed anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
+                Reporter& report, ModelExploration& found) {
+  const int particles = brief ? std::min(kBriefParticles, options.particles) : options.particles;
+  double done = 0.0;
+  try {
+    Tmcmc annealed = tmcmc(problem, model,
+                           {.seed = options.seed,
+                            .replicates = kExplorations,
+                            .samples = std::max(particles / kExplorations, 50),
+                            .weight_cov = 1.0,  // for a start; an evidence on request asks for less
+                            .acceptances = brief ? 1.0 : 4.0,
+                            .path = brief ? TmcmcPath::growing : TmcmcPath::better,
+                            .most_evaluations = brief ? kBriefCalls : 0,
+                            .threads = options.threads,
+                            .progress =
+                                [&](double share) {
+                                  done += share;
+                                  return report(brief ? 0.2 * done : 0.2 + 0.7 * done);
+                                },
+                            .stop = options.stop});
+    found.annealed = annealed.evidence;
+    found.calls.anneal += annealed.evidence.likelihood_evaluations;
+    if (!annealed.cut) {
+      found.annealed_draws = annealed.z.transpose();
+      found.annealed_log_posterior = std::move(annealed.log_posterior);
+    }
+    return {.draws = std::move(annealed.z), .cut = annealed.cut};
+  } catch (const LikelihoodError&) {  // the climbs may do
+    return {.draws = Matrix(0, problem.space[model].dimension)};
+  }
+}
+
+// Whether annealing found no more than the mixture knows, by the verdict's own rule. One that was
+// cut short found what climbs from its draws lead to.
+bool confirmed(const Annealed& annealed, bool another, const ModelExploration& found) {
+  if (annealed.cut) return !another;
+  if (!std::isfinite(found.annealed.log_evidence)) return false;
+  const double error = std::hypot(found.annealed.standard_error, found.sampled.standard_error);
+  return found.annealed.log_evidence <=
+         found.sampled.log_evidence + kLimits.sigmas * error + kLimits.slack_nats;
+}
+
+}  // namespace
+
+ModelExploration survey_model(const Problem& problem, int model,
+                              const ExplorationOptions& options) {
+  ModelExploration out;
+  const Eigen::Index d = problem.space[model].dimension;
+  if (d == 0) {
+    ModelPosterior posterior(problem, model);
+    out.sampled.log_evidence = posterior({}).log_posterior();
+    out.sampled.standard_error = 0.0;
+    out.annealed = out.sampled;
+    out.effective_draws = kInfinity;
+    out.calls.weigh = posterior.evaluations();
+    return out;
+  }
+  Reporter report(options);
+  if (options.from_starts) climb_from(problem, model, options, options.starts, out);
+  if (out.modes.empty()) search_from_prior(problem, model, options, report, out);
+  out.glanced = options.climbs_only;
+  if (options.climbs_only || report.stopped()) {
+    take_laplace(model, options, out);
+    return out;
+  }
+  if (out.modes.empty() && options.draws.rows() == 0) return out;
+  if (!weigh(problem, model, options, options.draws, out)) take_laplace(model, options, out);
+  report(1.0);
+  return out;
+}
+
+void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
+                  Annealing how, ModelExploration& found) {
+  if (problem.space[model].dimension == 0) return;
+  Reporter report(options);
+  Matrix draws = options.draws;
+  // Where likelihoods are cheap annealing is paid for in full: it may see what no climb did.
+  const bool settled = problem.shortened && found.settled();
+  if (settled || how == Annealing::brief) {
+    const Annealed brief = anneal(problem, model, options, true, report, found);
+    if (report.stopped()) return;
+    const Matrix starts = outlying(brief.draws, found.modes);
+    const bool another =
+        climb_from(problem, model, options, brief.cut ? far_apart(starts) : some_of(starts), found);
+    if (report.stopped()) return;
+    if (another || !settled) {
+      append(brief.draws, draws);
+      if (!weigh(problem, model, options, draws, found)) return;
+    }
+    if ((problem.shortened && found.settled() && confirmed(brief, another, found)) ||
+        how == Annealing::brief) {
+      report(1.0);
+      return;
+    }
+  }
+  append(anneal(problem, model, options, false, report, found).draws, draws);
+  if (report.stopped()) return;
+  climb_from(problem, model, options, some_of(draws), found);
+  if (report.stopped() || (found.modes.empty() && draws.rows() == 0)) return;
+  if (weigh(problem, model, options, draws, found)) report(1.0);
+}
+
+ModelExploration explore_model(const Problem& problem, int model,
+                               const ExplorationOptions& options) {
+  ModelExploration found = survey_model(problem, model, options);
+  if (options.anneal && !options.climbs_only)
+    anneal_model(problem, model, options, Annealing::as_needed, found);
+  return found;
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,3 @@
+#define WHEELTAP_PACKED_ROUTINES kAvx2Routines
+#define WHEELTAP_PACKED_WIDTH 4
+#include "inference/mixtures/packed_routines_impl.hpp"

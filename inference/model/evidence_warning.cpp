@@ -1,0 +1,39 @@
+#include "inference/model/evidence_warning.hpp"
+
+namespace wheeltap::inference {
+std::string describe(const EvidenceWarning& warning) {
+  using Kind = EvidenceWarning::Kind;
+  const std::string value = std::to_string(warning.value);
+  switch (warning.kind) {
+    case Kind::failed:
+      return "failed: " + warning.error;
+    case Kind::stalled:
+      return "TMCMC is still at exponent " + value + " after the most stages that it may take";
+    case Kind::replicates_scatter:
+      return "TMCMC replicates scatter by more than half a nat (" + value + "); use more samples";
+    case Kind::samples_hardly_move:
+      return "TMCMC samples hardly moved in some stage; use more samples";
+    case Kind::bridge_unsettled:
+      return "bridge sampling did not settle; the proposal and the posterior hardly overlap";
+    case Kind::few_bridge_draws:
+      return "fewer than 100 effective posterior draws in the bridge (" + value + "); draw more";
+    case Kind::chains_disagree:
+      return "chains disagree (R-hat " + value +
+             "): draw more, or start from a pilot that knows every mode";
+    case Kind::heavy_tail:
+      return "importance weights have too heavy a tail (Pareto shape " + value +
+             " > 0.7); the proposal misses part of the posterior";
+    case Kind::few_effective_draws:
+      return "importance sampling has only " + value + " effective draws";
+    case Kind::not_normal:
+      return "the posterior about its mode does not look normal; importance sampling there changes "
+             "Laplace's log evidence by " +
+             value;
+    case Kind::no_maximum:
+      return "minus the Hessian at the mode is not positive definite; Laplace's evidence does not "
+             "exist";
+  }
+  return {};
+}
+
+}  // namespace wheeltap::inference

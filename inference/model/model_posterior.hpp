@@ -1,0 +1,93 @@
+// The posterior of one model alone.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "inference/model/evidence_warning.hpp"
+#include "inference/model/target.hpp"
+
+namespace wheeltap::inference {
+
+/// What every method of this folder returns of one model:
+///
+///   ln Z = ln ∫ p(data | model, x) p(x | model) dx.
+struct Evidence {
+  double log_evidence = 0.0;
+  /// Of ln Z; 0 where it is exact, NaN where the method (Laplace) cannot tell, or where it failed:
+  /// then ln Z is NaN, too, and a warning says why.
+  double standard_error = 0.0;
+  long likelihood_evaluations = 0;
+  std::vector<EvidenceWarning> warnings{};
+};
+
+/// Of a method that was not run or could not tell.
+inline const Evidence kNoEvidence{.log_evidence = std::numeric_limits<double>::quiet_NaN(),
+                                  .standard_error = std::numeric_limits<double>::quiet_NaN()};
+
+/// ln π(z) = ln p₀(z) + ln factor + ln likelihood in standard normal coordinates, for one thread,
+/// where
+///
+///   p₀(z) = ∏_kinds k! · ∏ φ(z_i)  on the components in order (by their first coordinate), 0 off
+///   it,
+///
+/// is the prior of the unordered set, and integrates to 1.
+class ModelPosterior {
+ public:
+  struct Value {
+    double log_prior = 0.0;  ///< ln p₀ + ln factor
+    double log_base = 0.0;   ///< ln p₀ alone
+    double log_likelihood = 0.0;
+    [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
+    /// What p₀ lacks of the posterior: ln factor + ln likelihood; -∞ out of order.
+    double log_gain = 0.0;
+  };
+
+  /// Throws std::invalid_argument for a model outside the space. `problem` must outlive this.
+  ModelPosterior(const Problem& problem, int model);
+
+  /// Everything is -∞ where z is out of order or not finite. Throws LikelihoodError as Target
+  /// does.
+  Value operator()(std::span<const double> z);
+  /// The same where only values with log_base + beta · log_gain of at least `level` matter: others
+  /// may be impossible.
+  Value above(double level, double beta, std::span<const double> z);
+  /// Several z, one after the other: one value each. Where only those whose log_posterior() is at
+  /// least `level` matter, the others may be impossible.
+  void evaluate(std::span<const double> zs, std::span<Value> out,
+                double level = -std::numeric_limits<double>::infinity());
+  /// The physical parameters of the last single z in order.
+  [[nodiscard]] std::span<const double> x() const { return state_.x; }
+
+  /// Puts exchangeable components in order.
+  void order(std::span<double> z);
+  /// ∂ ln π/∂z at z, whose components may be in any order; false where there is none
+  /// (Target::gradient). Evaluates z.
+  bool gradient(std::span<const double> z, std::span<double> out);
+
+  /// Target::gauss_newton at z.
+  bool gauss_newton(std::span<const double> z, std::span<const double> dz,
+                    std::span<double> gradient, std::span<double> information);
+
+  /// From p₀.
+  void draw_prior(base::Random& random, std::span<double> z);
+
+  [[nodiscard]] int dimension() const { return static_cast<int>(state_.z.size()); }
+  [[nodiscard]] long evaluations() const { return target_.evaluations(); }
+  template <class Parcel>
+  void carry(Parcel& parcel) {
+    target_.carry(parcel);
+  }
+  [[nodiscard]] const std::string& name() const { return target_.space()[state_.model].name; }
+
+ private:
+  Target target_;
+  State state_;
+  std::vector<State> states_;  ///< of several
+  double constant_ = 0.0;
+  bool has_sets_ = false;  ///< of more than one component
+};
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,130 @@
+// Which models compete, what parameters each has, and what is believed of them before the data.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "inference/model/prior.hpp"
+
+namespace wheeltap::inference {
+
+struct Parameter {
+  std::string name;
+  Prior prior;
+};
+
+/// A kind of exchangeable component, e.g. a damage with a location and a reduction. A state holds a
+/// *set* of components, written in order of their first parameter. The prior density of an ordered
+/// set of k is
+///
+///   P(k) · k! · ∏ p(component),
+///
+/// since k! labelled vectors are the same set. A birth inserts a component where the order puts it
+/// and a death removes one of the k + 1 uniformly, so its 1/(k+1) cancels (k+1)!/k!.
+struct ComponentKind {
+  std::string name;                   ///< singular, as in "1 damage"
+  std::string plural;                 ///< as in "2 damages"
+  std::vector<Parameter> parameters;  ///< of one component
+};
+
+/// One competing model. Its parameter vector is laid out as
+///   [ its own parameters | components of kind 0 | components of kind 1 | … ].
+struct Model {
+  std::string name;
+  double log_prior;             ///< normalised over the space
+  std::vector<int> parameters;  ///< indices into ModelSpace::parameters()
+  std::vector<int> counts;      ///< number of components of each kind
+  int dimension = 0;
+  std::vector<int> offsets;  ///< where each kind's components begin
+};
+
+/// Where one component's parameters lie within a model's parameter vector: [first, first + width).
+struct ComponentRange {
+  std::size_t first = 0, width = 0;
+
+  /// Of a vector that is laid out as in Model.
+  template <class T>
+  [[nodiscard]] std::span<T> of(std::span<T> x) const {
+    return x.subspan(first, width);
+  }
+  template <class T>
+  [[nodiscard]] std::span<T> of(std::vector<T>& x) const {
+    return of(std::span<T>(x));
+  }
+  template <class T>
+  [[nodiscard]] std::span<const T> of(const std::vector<T>& x) const {
+    return of(std::span<const T>(x));
+  }
+};
+
+/// A finite list of models over a table of named parameters, each with counts of exchangeable
+/// components.
+class ModelSpace {
+ public:
+  struct ListedModel {
+    std::string name;
+    double weight;                        ///< prior weight, >= 0, normalised by the space
+    std::vector<std::string> parameters;  ///< names; the same name is the same parameter
+  };
+  struct Counts {
+    std::vector<int> counts;  ///< one a kind
+    double weight;
+  };
+
+  /// Any models over a shared table of parameters. Throws std::invalid_argument for a name that is
+  /// not in the table, a parameter no model uses, duplicate names, or weights that are negative or
+  /// all zero.
+  [[nodiscard]] static ModelSpace of_models(std::vector<Parameter> parameters,
+                                            const std::vector<ListedModel>& models);
+  /// Component sets: each entry of `counts` is a model, all of them with the `common` parameters.
+  /// Names read "2 damages" or "1 damage, 1 support".
+  [[nodiscard]] static ModelSpace of_components(std::vector<Parameter> common,
+                                                std::vector<ComponentKind> kinds,
+                                                const std::vector<Counts>& counts);
+
+  [[nodiscard]] int size() const { return static_cast<int>(models_.size()); }
+  [[nodiscard]] const Model& operator[](int m) const {
+    return models_[static_cast<std::size_t>(m)];
+  }
+  [[nodiscard]] const std::vector<Model>& models() const { return models_; }
+  [[nodiscard]] const std::vector<Parameter>& parameters() const { return parameters_; }
+  [[nodiscard]] const std::vector<ComponentKind>& kinds() const { return kinds_; }
+  [[nodiscard]] int max_dimension() const { return max_dimension_; }
+
+  /// The number of parameters of one component.
+  [[nodiscard]] std::size_t width(int kind) const {
+    return kinds_[static_cast<std::size_t>(kind)].parameters.size();
+  }
+  /// Where component c of `kind` lies in the parameter vector of model m. c may be the count of
+  /// them: where one more would go.
+  [[nodiscard]] ComponentRange component(int m, int kind, int c) const {
+    const std::size_t each = width(kind);
+    const int begin = (*this)[m].offsets[static_cast<std::size_t>(kind)];
+    return {static_cast<std::size_t>(begin) + static_cast<std::size_t>(c) * each, each};
+  }
+
+  /// Prior of parameter i of model m (own parameters first, then the components').
+  [[nodiscard]] const Prior& prior(int m, int i) const;
+  /// "k", "location[2]" …: the name of parameter i of model m.
+  [[nodiscard]] std::string parameter_name(int m, int i) const;
+  /// The model of this name. Throws std::invalid_argument, listing the names, where there is none.
+  [[nodiscard]] int find(std::string_view name) const;
+  /// The model with these counts, or -1.
+  [[nodiscard]] int find(std::span<const int> counts) const;
+  /// The model with one component of `kind` more (step = +1) or fewer (-1) than m, or -1.
+  [[nodiscard]] int neighbour(int m, int kind, int step) const;
+
+ private:
+  void finish(const std::vector<double>& weights);
+
+  std::vector<Model> models_;
+  std::vector<Parameter> parameters_;
+  std::vector<ComponentKind> kinds_;
+  std::vector<std::vector<Prior>> priors_;  ///< copies, so that a space can be copied
+  std::vector<int> neighbours_;
+  int max_dimension_ = 0;
+};
+
+}  // namespace wheeltap::inference

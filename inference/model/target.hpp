@@ -1,0 +1,263 @@
+// The posterior over models and their parameters, prior and likelihood kept apart.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "base/random.hpp"
+#include "inference/model/model_space.hpp"
+
+namespace wheeltap::inference {
+
+/// The data's side of a problem. One object serves one thread; it may keep scratch memory.
+class Likelihood {
+ public:
+  virtual ~Likelihood() = default;
+
+  /// ln p(data | model, x), every normaliser included; -∞ where x is impossible. NaN and +∞ are
+  /// faults of floating point, counted and taken for -∞; where they are frequent the run ends, with
+  /// the model and the parameters (see Target). x is laid out as in Model.
+  virtual double log_likelihood(int model, std::span<const double> x) = 0;
+
+  /// The same where only values of at least `floor` matter: below it, -∞ may be returned instead,
+  /// as soon as that is known (early rejection: Solonen et al. 2012, section 2).
+  virtual double log_likelihood_above(double /*floor*/, int model, std::span<const double> x) {
+    return log_likelihood(model, x);
+  }
+
+  /// Several parameter vectors of one model, one after the other in `xs`: for likelihoods that can
+  /// share work between them. Neither prediction nor residuals follow from it.
+  virtual void log_likelihoods(int model, std::span<const double> xs, std::span<double> out) {
+    const std::size_t d = xs.size() / out.size();
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = log_likelihood(model, xs.subspan(i * d, d));
+  }
+
+  /// The same where of each only a value of at least floors[i] matters.
+  virtual void log_likelihoods_above(std::span<const double> /*floors*/, int model,
+                                     std::span<const double> xs, std::span<double> out) {
+    log_likelihoods(model, xs, out);
+  }
+
+  /// Optional: ∂ ln p(data | model, x)/∂x_i into out[i], in the units of 1/x_i, of any possible x,
+  /// asked for before or not. False, whatever `out` then holds, where there is none. Prediction and
+  /// residuals may follow x or stay. Searches and proposals use it and no ratio depends on it:
+  /// where the likelihood is a staircase in x_i, whose derivative is zero, give the slope across
+  /// the steps.
+  virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
+    return false;
+  }
+
+  /// Optional: the quadratic that the residuals' first derivatives make of ln p(data | model, ·)
+  /// about a possible x (Gauss & Newton; Nocedal & Wright 2006, section 10.3). With steps s,
+  ///
+  ///   gradient[i] = s_i ∂ ln p/∂x_i,   information[i d + j] = s_i s_j I_ij,
+  ///
+  /// I a positive semidefinite stand-in for -∇² ln p; derivatives may be taken by differences over
+  /// the steps, from x to x_i + s_i. False, whatever is then written, where there is none. Searches
+  /// alone use it. Counts as d + 1 evaluations.
+  virtual bool gauss_newton(int /*model*/, std::span<const double> /*x*/,
+                            std::span<const double> /*steps*/, std::span<double> /*gradient*/,
+                            std::span<double> /*information*/) {
+    return false;
+  }
+
+  /// The predicted observables of the last call to log_likelihood, or empty: recorded for posterior
+  /// predictive checks and convergence of the responses.
+  [[nodiscard]] virtual std::span<const double> prediction() const { return {}; }
+
+  /// Standardised residuals (observed - predicted) / sd of the last call, or empty. Where they are
+  /// given, ln p(data | ·) = c - ½ Σ residual², up to a c that adding a component does not change,
+  /// and births can be proposed where they explain the residual.
+  [[nodiscard]] virtual std::span<const double> residuals() const { return {}; }
+
+  /// Where the noise is a parameter: the factor common to all sds of the last call, so that
+  /// residual · noise_scale does not depend on it. 1 for known noise.
+  [[nodiscard]] virtual double noise_scale() const { return 1.0; }
+};
+
+/// Makes one likelihood a thread; never null.
+using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
+
+/// A factor of the prior that the independent priors of the space cannot express (for example that
+/// change points are order statistics). It must be normalised: ∫ exp(log_factor) ∏ p(x_i) dx = 1 in
+/// every model. It is never tempered. NaN and +∞ end the run at once: a density written down by
+/// hand has no such edge.
+using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
+
+/// x → 2·center - x of one parameter of one kind's components, e.g. the mirror image of a location
+/// in a symmetric structure: a map under which the likelihood is (nearly) unchanged.
+struct Reflection {
+  int kind = 0;       ///< index into ModelSpace::kinds()
+  int parameter = 0;  ///< index into ComponentKind::parameters
+  double center = 0.0;
+};
+
+class Move;
+
+/// A move of the user's own, e.g. a Transformation that knows the structure of the problem. Made
+/// anew for each chain and temperature at the start of every round of the engine.
+struct NamedMove {
+  std::string name;
+  std::function<std::unique_ptr<Move>()> make;
+  /// How many times its share of the steps it may earn by changing models more often, for its calls
+  /// and its work, than the engine's own moves do.
+  double most = 1.0;
+};
+
+/// Everything the engine asks of its user.
+struct Problem {
+  ModelSpace space;
+  LikelihoodFactory likelihood;
+  LogPriorFactor log_prior_factor = nullptr;  ///< optional
+  std::vector<Reflection> reflections{};      ///< optional: symmetries worth proposing
+  std::vector<NamedMove> moves{};             ///< optional: added to the engine's own
+  /// Optional: a cheap stand-in for `likelihood`, finite wherever that is. Proposals must pass it
+  /// first (delayed acceptance, Christen & Fox 2005); the posterior remains that of `likelihood`.
+  LikelihoodFactory screen = nullptr;
+  /// Optional, for long records: the number of samples, and the problem posed by the first few of
+  /// them alone. Modes are then searched for on growing records, each about the mode of the one
+  /// before: a whole record can have more local modes than a search can visit.
+  long samples = 0;
+  std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
+};
+
+/// One state of the chain: a model and its parameters in standard normal coordinates, with what the
+/// target says of it.
+struct State {
+  int model = 0;
+  std::vector<double> z;  ///< standard normal coordinates, laid out as in Model
+  std::vector<double> x;  ///< the physical parameters of z
+  double log_likelihood = -std::numeric_limits<double>::infinity();
+  double log_screen = -std::numeric_limits<double>::infinity();  ///< of the stand-in, or the same
+  double log_prior_factor = 0.0;
+  std::vector<double> prediction;
+  std::vector<double> residuals;
+  double noise_scale = 1.0;
+  bool screened = false;   ///< x, log_screen and residuals are those of z
+  bool evaluated = false;  ///< log_likelihood and prediction, too
+};
+
+/// Thrown where a model's likelihood is never finite under its prior, or NaN or +∞ too often: names
+/// the model and the parameter values.
+class LikelihoodError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The posterior density of one problem, for one thread. With respect to dz,
+///
+///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln factor + ln p(data | m, x(z)).
+///
+/// A likelihood of NaN or +∞ is taken for -∞ and counted. The likelihood and its stand-in may each
+/// give at most one in 100 of them; LikelihoodError is thrown where more of at least 1000 values
+/// were, or all of the first 20.
+class Target {
+ public:
+  /// `prior_only` replaces the likelihood by 1. Throws std::invalid_argument where a factory of the
+  /// problem is missing or makes nothing.
+  Target(const Problem& problem, bool prior_only);
+
+  /// What one likelihood returned so far.
+  struct Tally {
+    long values = 0;
+    long impossible = 0;  ///< NaN or +∞
+  };
+  /// All that a target carries from one call to the next, as a value: a target of the same problem
+  /// that is given it goes on bit for bit where the other one was.
+  struct Memory {
+    std::vector<double> bias;       ///< of each model, see set_model_bias
+    std::vector<double> log_model;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
+    long evaluations = 0;
+    long full_evaluations = 0;
+    Tally proper{}, stand_in{};
+  };
+  [[nodiscard]] const Memory& memory() const { return memory_; }
+  void set_memory(Memory memory) { memory_ = std::move(memory); }
+  /// The counts alone, for another rank's target of the same problem (base/parcel.hpp).
+  template <class Parcel>
+  void carry(Parcel& parcel) {
+    parcel(memory_.evaluations, memory_.full_evaluations, memory_.proper.values,
+           memory_.proper.impossible, memory_.stand_in.values, memory_.stand_in.impossible);
+  }
+
+  /// Fills in everything of `state` that follows from model and z. An infinite z is impossible: -∞.
+  /// The residuals are those of the stand-in where the problem has one.
+  void evaluate(State& state);
+
+  /// Several states of one model, without predictions and residuals. Where `floors` are given, one
+  /// a state, a log likelihood below them may come out as -∞.
+  void evaluate(std::span<State> states, std::span<const double> floors = {});
+
+  /// Fills in what a move may look at: everything but the likelihood proper and its prediction
+  /// where the problem has a stand-in, everything where it has none.
+  void screen(State& state);
+  /// The same where only states with beta · log_screen + log_prior of at least `level` matter:
+  /// those below may have a log_screen of -∞.
+  void screen_above(double level, double beta, State& state);
+  /// The rest, of a screened state.
+  void complete(State& state);
+  [[nodiscard]] bool has_screen() const { return screen_ != nullptr; }
+
+  /// Everything but the likelihood, with respect to dz. Needs an evaluated state.
+  [[nodiscard]] double log_prior(const State& state) const;
+  /// The same with respect to dx, for the record.
+  [[nodiscard]] double log_prior_physical(const State& state) const;
+
+  /// ∂ ln π/∂z_i of an evaluated state, by the chain rule: ∂ ln p(data | x)/∂x_i · φ(z_i)/p(x_i) -
+  /// z_i. False, whatever `dz` then holds, where the state is impossible, the likelihood has no
+  /// gradient or none that is finite, or the problem has a stand-in or a prior factor: then
+  /// differences are the caller's. One that is offered counts as an evaluation.
+  bool gradient(const State& state, std::span<double> dz);
+
+  /// ∂ ln π/∂z_i and a positive definite stand-in for -∂² ln π/∂z_i ∂z_j (row by row) by
+  /// Likelihood::gauss_newton with differences over dz, one step a coordinate. False, whatever is
+  /// then written, where z is impossible, the problem has components, a stand-in or a prior factor,
+  /// or the likelihood offers none. Fills in x and no value.
+  bool gauss_newton(State& state, std::span<const double> dz, std::span<double> gradient,
+                    std::span<double> information);
+
+  /// Draws model and parameters from the prior (without the factor), not evaluated.
+  void draw_prior(base::Random& random, State& state) const;
+  /// Draws the parameters of one model from the prior, not evaluated.
+  void draw_prior(int model, base::Random& random, State& state) const;
+
+  /// Sorts the components of each kind by their first parameter. True where the order was right
+  /// already.
+  bool sort_components(State& state) const;
+  [[nodiscard]] bool is_sorted(const State& state) const;
+
+  /// Adds a constant to each model's log prior, in place of the one before: warm-up may visit
+  /// models otherwise than the posterior does. log_prior_physical leaves it out.
+  void set_model_bias(const std::vector<double>& bias);
+
+  [[nodiscard]] const Problem& problem() const { return *problem_; }
+  [[nodiscard]] const ModelSpace& space() const { return problem_->space; }
+  /// Of the likelihood, or of its stand-in where there is one.
+  [[nodiscard]] long evaluations() const { return memory_.evaluations; }
+  /// Of the likelihood proper where there is a stand-in; 0 where there is none.
+  [[nodiscard]] long full_evaluations() const { return memory_.full_evaluations; }
+  /// Values of NaN or +∞ so far, of the likelihood and its stand-in together.
+  [[nodiscard]] long impossible() const {
+    return memory_.proper.impossible + memory_.stand_in.impossible;
+  }
+
+ private:
+  /// x and the prior's factor; false where the prior makes the state impossible.
+  bool locate(State& state) const;
+  double call(Likelihood& likelihood, Tally& tally, const State& state, double floor);
+  double checked(double log_likelihood, Tally& tally, const State& state) const;
+
+  const Problem* problem_;
+  std::unique_ptr<Likelihood> likelihood_;
+  std::unique_ptr<Likelihood> screen_;
+  Memory memory_;
+  std::vector<double> batch_x_, batch_values_, batch_floors_;
+};
+
+}  // namespace wheeltap::inference

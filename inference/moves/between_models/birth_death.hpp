@@ -1,0 +1,64 @@
+// Birth of a component and the death of one.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "inference/moves/between_models/component_proposal.hpp"
+#include "inference/moves/mixture_jump.hpp"
+#include "inference/moves/move.hpp"
+
+namespace wheeltap::inference {
+
+/// From k components to k + 1 or k - 1, each proposed with probability ½; where the neighbour does
+/// not exist (k = 0, k_max) the chain repeats its state, so the two probabilities are equal at the
+/// ends too.
+///
+/// Birth draws c from q(· | set) and puts it in order; death removes component i of the k + 1 with
+/// probability p_i:
+///
+///   ln ratio(birth) = ln p_c(set with c) - ln q(c | set without c)         |J| = 1.
+///
+/// Without pilots p_i = 1/(k+1). With them, q_k being the density fitted to the smaller model,
+///
+///   p_i = ε/(k+1) + (1 - ε) q_k(set without i) / Σ_j q_k(set without j):
+///
+/// what goes is what the smaller model can do without.
+class BirthDeath : public Move {
+ public:
+  BirthDeath(int kind, std::unique_ptr<ComponentProposal> proposal,
+             std::shared_ptr<const PilotFit> pilot = nullptr)
+      : kind_(kind), proposal_(std::move(proposal)), pilot_(std::move(pilot)) {}
+  std::optional<double> propose(const State& from, const Step& step, State& to) override;
+
+ private:
+  static constexpr double kDefensive = 0.4;  ///< ε: a pilot of few samples may misjudge
+
+  /// p_i of the larger set, into probability_.
+  void choose_deaths(const ModelSpace& space, int larger, const std::vector<double>& z);
+
+  int kind_;
+  std::unique_ptr<ComponentProposal> proposal_;
+  std::shared_ptr<const PilotFit> pilot_;
+  std::vector<double> component_, rest_, probability_;
+};
+
+/// One component, chosen uniformly, is taken out and put back elsewhere:
+///
+///   ln ratio = ln q(c | set without c) - ln q(c' | set without c).
+///
+/// The residual without c is read off the atlas (InformedProposal), from the state itself on the
+/// way there and from the proposed state on the way back, so that each density depends on its own
+/// state only.
+class Relocation : public Move {
+ public:
+  Relocation(int kind, std::unique_ptr<ComponentProposal> proposal)
+      : kind_(kind), proposal_(std::move(proposal)) {}
+  std::optional<double> propose(const State& from, const Step& step, State& to) override;
+
+ private:
+  int kind_;
+  std::unique_ptr<ComponentProposal> proposal_;
+};
+
+}  // namespace wheeltap::inference

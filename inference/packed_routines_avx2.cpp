@@ -1,3 +1,0 @@
-#define WHEELTAP_PACKED_ROUTINES kAvx2Routines
-#define WHEELTAP_PACKED_WIDTH 4
-#include "inference/packed_routines_impl.hpp"

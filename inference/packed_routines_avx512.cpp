@@ -1,3 +1,0 @@
-#define WHEELTAP_PACKED_ROUTINES kAvx512Routines
-#define WHEELTAP_PACKED_WIDTH 8
-#include "inference/packed_routines_impl.hpp"

@@ -1,3 +1,0 @@
-#define WHEELTAP_PACKED_ROUTINES kBaselineRoutines
-#define WHEELTAP_PACKED_WIDTH 2
-#include "inference/packed_routines_impl.hpp"

@@ -1,0 +1,436 @@
+#include "inference/search/climb.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr double kBound = 8.3;        // |z|
+constexpr double kDifference = 0.05;  // of a width, for derivatives
+constexpr double kArrived = 0.01;     // ln: what a further step would gain
+constexpr int kMostSteps = 100;
+constexpr int kMostDampedSteps = 40;
+constexpr double kLeastDamping = 1e-6;
+constexpr double kStrongerDamping = 10.0;                    // times, from trial to trial
+constexpr std::array<double, 3> kOnTheWay{0.25, 0.5, 0.75};  // of a long step, looked at
+constexpr double kCreeping = 1.0;  // ln: the gain of a step that is not worth another method
+
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+
+class Climber {
+ public:
+  Climber(Surface& f, bool fine) : f_(f), d_(f.dimension()), fine_(fine) {}
+
+  ClimbEnd climb(const Vector& start, const std::vector<KnownMode>& known) {
+    ClimbEnd end{.z = start, .value = f_(start), .inverse_hessian = {}, .known = -1};
+    if (end.value == -kInfinity) return end;
+    end.possible = true;
+    if (!known.empty() && arrives(end, known)) return end;
+    if (!ascend_by_residuals(end)) ascend(end);
+    end.possible = !f_.stopped();  // where it stands then is no mode
+    return end;
+  }
+
+ private:
+  // Newton steps with the curvature of the nearest known mode, while they do what its quadratic
+  // says.
+  bool arrives(ClimbEnd& end, const std::vector<KnownMode>& known) {
+    int nearest = 0;
+    double least = kInfinity;
+    for (int k = 0; k < static_cast<int>(known.size()); ++k) {
+      const double distance = (known[static_cast<std::size_t>(k)].z - end.z).squaredNorm();
+      if (distance < least) least = distance, nearest = k;
+    }
+    const KnownMode& mode = known[static_cast<std::size_t>(nearest)];
+    Vector z = end.z, g(d_);
+    double value = end.value;
+    for (int iteration = 0; iteration < 3; ++iteration) {
+      if (!f_.gradient(z, g)) {
+        const Vector h = kDifference * mode.covariance.diagonal().cwiseSqrt();
+        Matrix to = z.replicate(1, d_);
+        to.diagonal() += h;
+        g = ((f_.values(to).array() - value) / h.array()).matrix();
+      }
+      if (!g.allFinite()) return false;
+      const Vector step = mode.covariance * g;
+      const double expected = 0.5 * g.dot(step);
+      const Vector to = z + step;
+      const double there = f_(to);
+      const double gain = there - value;
+      if (f_.stopped()) return false;
+      if (!(gain > 0.3 * expected - 0.5 && gain < 3.0 * expected + 0.5)) return false;
+      const auto looks = static_cast<long>(iteration == 0 ? kOnTheWay.size() : 0);
+      if (iteration == 0 && overlooked(z, value, g, to, there, mode, end)) return false;
+      end.way += step.norm();
+      end.points += 1 + looks;
+      z = to;
+      value = there;
+      if (square_distance(mode, z) <= 1.0 && value > mode.value - 2.0) {
+        end.z = z;
+        end.value = value;
+        end.known = nearest;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  // Whether a long step has leapt over something: points on its way that lie above the cubic
+  // through values and slopes of its two ends. The climb then starts from the highest of them.
+  bool overlooked(const Vector& from, double f0, const Vector& gradient, const Vector& to,
+                  double f1, const KnownMode& mode, ClimbEnd& end) {
+    const Vector step = to - from;
+    const double s0 = gradient.dot(step), s1 = -(to - mode.z).dot(mode.precision * step);
+    const double slack = 1.0 + 0.1 * std::fabs(f1 - f0);
+    double most = 0.0;
+    Matrix looks(d_, 3);
+    for (Eigen::Index k = 0; k < 3; ++k)
+      looks.col(k) = from + kOnTheWay[static_cast<std::size_t>(k)] * step;
+    const Vector values = f_.values(looks);
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const double t = kOnTheWay[static_cast<std::size_t>(k)], t2 = t * t, t3 = t2 * t;
+      const double cubic = (2.0 * t3 - 3.0 * t2 + 1.0) * f0 + (t3 - 2.0 * t2 + t) * s0 +
+                           (3.0 * t2 - 2.0 * t3) * f1 + (t3 - t2) * s1;
+      if (values[k] - cubic <= slack + most) continue;
+      most = values[k] - cubic - slack;
+      end.z = looks.col(k);
+      end.value = values[k];
+    }
+    return most > 0.0;
+  }
+
+  // By Levenberg & Marquardt's method, with steps
+  //
+  //   (I + λ diag I) s = g,
+  //
+  // the least damping λ whose gain is what the quadratic says, within limits as in ascend(): a step
+  // that leaves the region where it holds may leave the basin. False where that is not offered or
+  // does not arrive; then `end` is how far it came.
+  bool ascend_by_residuals(ClimbEnd& end) {
+    Vector g(d_), width = Vector::Ones(d_);
+    Matrix information(d_, d_);
+    double damping = 0.0;
+    for (int iteration = 0; iteration < kMostDampedSteps && !f_.stopped(); ++iteration) {
+      for (int finer = 0; finer < 8; ++finer) {
+        if (!f_.gauss_newton(end.z, kDifference * width, g, information)) return false;
+        const Vector before = width;
+        adapt(width, information.diagonal());
+        // From near a mode differences over a draw of the prior point nowhere.
+        if (iteration > 0 || !fine_ || (width.array() > 0.5 * before.array()).all()) break;
+      }
+      const Eigen::LLT<Matrix> llt(information);
+      const double promise = 0.5 * g.dot(llt.solve(g));
+      const double gain = damped_step(end, g, information, damping);
+      const bool still = gain == 0.0 || (gain < kArrived && damping <= kLeastDamping);
+      const bool last = iteration + 1 == kMostDampedSteps;
+      if (still && !(promise < 2.0 * kArrived)) return false;
+      if (still || (last && gain < kCreeping)) {
+        end.inverse_hessian = llt.solve(Matrix::Identity(d_, d_));
+        return true;
+      }
+      damping = damping <= kLeastDamping ? 0.0 : damping / kStrongerDamping;
+    }
+    return false;
+  }
+
+  // Moves `end` by the first of steps with more and more damping, from `damping` on, that gains
+  // what it should, and says how much; 0 where none does. The likeliest one is tried by itself, the
+  // others together.
+  double damped_step(ClimbEnd& end, const Vector& g, const Matrix& information, double& damping) {
+    const double reach = 2.0 * std::sqrt(static_cast<double>(d_));
+    const Vector diagonal = information.diagonal();
+    double next = damping;
+    for (int trials = 0; trials < 3; ++trials) {
+      const Eigen::Index n = trials == 0 ? 1 : 8;
+      Matrix to(d_, n);
+      Vector linear(n), expected(n), dampings(n);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        Matrix damped = information;
+        damped.diagonal() += next * diagonal;
+        Vector step = damped.llt().solve(g);
+        if (const double length = step.norm(); length > reach) step *= reach / length;
+        to.col(k) = (end.z + step).cwiseMax(-kBound).cwiseMin(kBound);
+        step = to.col(k) - end.z;
+        linear[k] = g.dot(step);
+        expected[k] = linear[k] - 0.5 * step.dot(information * step);
+        dampings[k] = next;
+        next = next > 0.0 ? kStrongerDamping * next : kLeastDamping;
+      }
+      const Vector values = f_.values(to, end.value);  // what gains nothing is not looked at
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const double gain = values[k] - end.value;
+        if (!(gain > 0.1 * expected[k] && gain > 0.0 && gain <= 10.0 * linear[k])) continue;
+        end.way += (to.col(k) - end.z).norm();
+        ++end.points;
+        end.z = to.col(k);
+        end.value = values[k];
+        damping = dampings[k];
+        return gain;
+      }
+    }
+    return 0.0;
+  }
+
+  struct Slopes {
+    Vector gradient, curvature;  // minus the second derivatives
+  };
+
+  // Central differences over steps of a few per cent of the widths so far.
+  Slopes slopes(const Vector& z, double value, const Vector& width) {
+    Slopes s{Vector(d_), Vector(d_)};
+    Matrix to = z.replicate(1, 2 * d_);
+    to.leftCols(d_).diagonal() += kDifference * width;
+    to.rightCols(d_).diagonal() -= kDifference * width;
+    const Vector values = f_.values(to);
+    for (Eigen::Index i = 0; i < d_; ++i) {
+      const double h = kDifference * width[i];
+      const double up = values[i], down = values[d_ + i];
+      const bool above = up > -kInfinity, below = down > -kInfinity;
+      if (above && below) {
+        s.gradient[i] = (up - down) / (2.0 * h);
+        s.curvature[i] = (2.0 * value - up - down) / (h * h);
+      } else {  // beside a cliff: away from it, and no further than it is
+        s.gradient[i] = above ? (up - value) / h : below ? (value - down) / h : 0.0;
+        s.curvature[i] = 1.0 / (h * h);
+      }
+    }
+    return s;
+  }
+
+  static void adapt(Vector& width, const Vector& curvature) {
+    for (Eigen::Index i = 0; i < width.size(); ++i)
+      width[i] = curvature[i] > 1.0 ? 1.0 / std::sqrt(curvature[i]) : 1.0;
+  }
+
+  void ascend(ClimbEnd& end) {
+    Vector width = Vector::Ones(d_);
+    Slopes at = slopes(end.z, end.value, width);
+    adapt(width, at.curvature);
+    for (int finer = 0; fine_ && finer < 8; ++finer) {
+      const Vector before = width;
+      at = slopes(end.z, end.value, width);
+      adapt(width, at.curvature);
+      if ((width.array() > 0.5 * before.array()).all()) break;
+    }
+    Matrix b = width.array().square().matrix().asDiagonal();
+    double reach =
+        2.0 * std::sqrt(static_cast<double>(d_));  // as far as one prior draw is from another
+    bool diagonal = true;                          // b is the diagonal of second differences
+    for (int iteration = 0; iteration < kMostSteps && !f_.stopped(); ++iteration) {
+      Vector step = b * at.gradient;
+      double slope = at.gradient.dot(step);
+      if (!(slope > 0.0) || !std::isfinite(slope)) {
+        if (diagonal) break;
+        b = width.array().square().matrix().asDiagonal();
+        diagonal = true;
+        continue;
+      }
+      if (const double length = step.norm(); length > reach) {
+        step *= reach / length;
+        slope *= reach / length;
+      }
+      // Along the line, f(t) ≈ f + t slope - ½ t² slope.
+      double t = 1.0, there = -kInfinity;
+      Vector to;
+      bool moved = false;
+      for (int halving = 0; halving < 30 && !f_.stopped(); ++halving) {
+        to = end.z + t * step;
+        there = f_(to);
+        const double gain = there - end.value, linear = t * slope;
+        const double expected = linear - 0.5 * t * t * slope;
+        if (gain > 0.1 * expected && gain <= 10.0 * linear) {
+          moved = true;
+          break;
+        }
+        // Where the parabola through value, slope and this point has its top.
+        double next = 0.25 * t;
+        if (std::isfinite(gain) && linear > gain)
+          next = std::clamp(0.5 * t * linear / (linear - gain), 0.02 * t, 0.5 * t);
+        t = next;
+      }
+      if (!moved) {
+        if (diagonal) break;
+        b = width.array().square().matrix().asDiagonal();
+        diagonal = true;
+        continue;
+      }
+      const double gain = there - end.value;
+      const Vector s = to - end.z;
+      end.way += s.norm();
+      ++end.points;
+      end.z = to;
+      end.value = there;
+      const Slopes next = slopes(to, there, width);
+      const Vector y = at.gradient - next.gradient;  // of minus the function
+      at = next;
+      adapt(width, at.curvature);
+      const double sy = s.dot(y);
+      if (sy > 1e-12 * s.norm() * y.norm()) {
+        const Vector by = b * y;
+        b += (1.0 + y.dot(by) / sy) / sy * s * s.transpose() -
+             (by * s.transpose() + s * by.transpose()) / sy;
+        diagonal = false;
+      } else {
+        b = width.array().square().matrix().asDiagonal();
+        diagonal = true;
+      }
+      const double promise = 0.5 * at.gradient.dot(b * at.gradient);
+      if (gain < kArrived && promise < kArrived) break;
+    }
+    end.inverse_hessian = b;
+  }
+
+  Surface& f_;
+  Eigen::Index d_;
+  bool fine_;
+};
+
+}  // namespace
+
+double Surface::operator()(const Vector& z) {
+  if (z.size() > 0 && !(z.cwiseAbs().maxCoeff() <= kBound)) return -kInfinity;
+  ordered_.assign(z.begin(), z.end());
+  posterior_.order(ordered_);
+  return posterior_(ordered_).log_posterior();
+}
+
+Vector Surface::values(const Matrix& zs, double level) {
+  Vector out = Vector::Constant(zs.cols(), -kInfinity);
+  batch_.clear();
+  places_.clear();
+  for (Eigen::Index k = 0; k < zs.cols(); ++k) {
+    if (!(zs.col(k).cwiseAbs().maxCoeff() <= kBound)) continue;
+    ordered_.assign(zs.col(k).begin(), zs.col(k).end());
+    posterior_.order(ordered_);
+    batch_.insert(batch_.end(), ordered_.begin(), ordered_.end());
+    places_.push_back(k);
+  }
+  if (places_.empty()) return out;
+  values_.resize(places_.size());
+  posterior_.evaluate(batch_, values_, level);
+  for (std::size_t i = 0; i < places_.size(); ++i) out[places_[i]] = values_[i].log_posterior();
+  return out;
+}
+
+bool Surface::gradient(const Vector& z, Vector& g) {
+  if (!offers_gradient_) return false;
+  offers_gradient_ = posterior_.gradient({z.data(), static_cast<std::size_t>(z.size())},
+                                         {g.data(), static_cast<std::size_t>(g.size())});
+  return offers_gradient_;
+}
+
+bool Surface::gauss_newton(const Vector& z, const Vector& dz, Vector& g, Matrix& information) {
+  const auto n = static_cast<std::size_t>(z.size());
+  return posterior_.gauss_newton({z.data(), n}, {dz.data(), n}, {g.data(), n},
+                                 {information.data(), n * n});
+}
+
+void Surface::draw_prior(base::Random& random, Vector& z) {
+  ordered_.resize(static_cast<std::size_t>(z.size()));
+  posterior_.draw_prior(random, ordered_);
+  std::ranges::copy(ordered_, z.begin());
+}
+
+std::vector<double> Surface::ordered(const Vector& z) {
+  std::vector<double> out(z.begin(), z.end());
+  posterior_.order(out);
+  return out;
+}
+
+double square_distance(const KnownMode& mode, const Vector& z) {
+  const Vector e = z - mode.z;
+  return e.dot(mode.precision * e);
+}
+
+ClimbEnd climb(Surface& f, const Vector& start, const std::vector<KnownMode>& known, bool fine) {
+  return Climber(f, fine).climb(start, known);
+}
+
+KnownMode measure(Surface& f, const ClimbEnd& end) {
+  const Eigen::Index d = end.z.size();
+  KnownMode mode{.z = end.z, .value = end.value, .covariance = {}, .precision = {}};
+  Vector h = Vector::Constant(d, 0.3), up(d), down(d);
+  std::vector<Eigen::Index> open(static_cast<std::size_t>(d));  // steps that are not settled
+  for (Eigen::Index i = 0; i < d; ++i) {
+    open[static_cast<std::size_t>(i)] = i;
+    if (end.inverse_hessian.rows() == d && end.inverse_hessian(i, i) > 0.0)
+      h[i] = std::min(1.0, 0.3 * std::sqrt(end.inverse_hessian(i, i)));
+  }
+  if (f.stopped()) {  // what the climb knows of it
+    const bool known = end.inverse_hessian.rows() == d;
+    mode.covariance = known ? end.inverse_hessian : Matrix(Matrix::Identity(d, d));
+    const Eigen::LLT<Matrix> llt(mode.covariance);
+    if (llt.info() != Eigen::Success) mode.covariance = Matrix::Identity(d, d);
+    mode.precision = Eigen::LLT<Matrix>(mode.covariance).solve(Matrix::Identity(d, d));
+    return mode;
+  }
+  for (int iteration = 0; iteration < 30 && !open.empty(); ++iteration) {
+    const auto n = static_cast<Eigen::Index>(open.size());
+    Matrix to = mode.z.replicate(1, 2 * n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Eigen::Index i = open[static_cast<std::size_t>(k)];
+      to(i, k) += h[i];
+      to(i, n + k) -= h[i];
+    }
+    const Vector values = f.values(to);
+    std::vector<Eigen::Index> next;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Eigen::Index i = open[static_cast<std::size_t>(k)];
+      up[i] = values[k];
+      down[i] = values[n + k];
+      const double fall = mode.value - 0.5 * (up[i] + down[i]);
+      double step = h[i];
+      if (fall > 0.2) {
+        step *= std::clamp(std::sqrt(0.05 / fall), 0.05, 0.7);
+      } else if (fall < 0.01 && step < 1.0) {
+        step = std::min(1.0, step * (fall > 1e-4 ? std::sqrt(0.05 / fall) : 4.0));
+      } else {
+        continue;
+      }
+      h[i] = step;
+      if (step >= 1e-12) next.push_back(i);
+    }
+    open = std::move(next);
+  }
+  const Eigen::Index pairs = d * (d - 1) / 2;
+  Vector mixed(2 * pairs);
+  if (pairs > 0) {
+    Matrix to = mode.z.replicate(1, 2 * pairs);
+    for (Eigen::Index i = 0, k = 0; i < d; ++i) {
+      for (Eigen::Index j = 0; j < i; ++j, ++k) {
+        for (const Eigen::Index of : {i, j}) {
+          to(of, k) += h[of];
+          to(of, pairs + k) -= h[of];
+        }
+      }
+    }
+    mixed = f.values(to);
+  }
+  Matrix hessian(d, d);  // of minus the function
+  for (Eigen::Index i = 0, k = 0; i < d; ++i) {
+    hessian(i, i) = std::isfinite(up[i] + down[i])
+                        ? (2.0 * mode.value - up[i] - down[i]) / (h[i] * h[i])
+                        : 1.0 / (h[i] * h[i]);
+    for (Eigen::Index j = 0; j < i; ++j, ++k) {
+      const double slope =
+          (mixed[k] + mixed[pairs + k] - up[i] - down[i] - up[j] - down[j] + 2.0 * mode.value) /
+          (2.0 * h[i] * h[j]);
+      hessian(i, j) = hessian(j, i) = std::isfinite(slope) ? -slope : 0.0;
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(hessian);
+  // No direction is much wider than the prior.
+  const Vector curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(0.25);
+  mode.precision = eigen.eigenvectors() * curvature.asDiagonal() * eigen.eigenvectors().transpose();
+  mode.covariance = eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() *
+                    eigen.eigenvectors().transpose();
+  return mode;
+}
+
+}  // namespace wheeltap::inference

@@ -1,0 +1,428 @@
+#include "inference/search/mode_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+#include "base/parallel.hpp"
+#include "base/parcel.hpp"
+#include "inference/search/climb.hpp"
+#include "inference/search/summit.hpp"
+
+namespace wheeltap::inference {
+namespace {
+
+constexpr int kSlices = 8;  // of a batch, each with a likelihood of its own
+constexpr long kFirstBatch = 8, kMostBatch = 256;
+constexpr long kFirstOfRecord = 2;    // few climb its length before a mode is known
+constexpr long kScreened = 256;       // draws of the prior on a whole record
+constexpr int kScreenedClimbs = 4;    // from the likeliest of them
+constexpr double kValley = 2.0;       // ln: between two modes
+constexpr double kNegligible = 25.0;  // ln: below the weightiest mode
+constexpr std::size_t kMostModes = 60;
+constexpr long kSearchSamples = 50;  // of a growing record
+constexpr double kDrawsAMode = 4.0;  // to go on from, as a record grows
+constexpr double kFollowed = 30.0;   // modes, as a record grows
+constexpr double kFewestFollowed = 6.0;
+constexpr std::size_t kThreads = 3;  // modes that are followed in small steps where they were lost
+constexpr long kFirstGrowth = 4, kLeastGrowth = 128;  // steps: a record by these
+constexpr std::size_t kSummits = 3;                   // modes whose tops are looked at
+constexpr double kSummitShare = 0.01;                 // of the budget that this may take
+constexpr std::uint64_t kScreenStream = std::uint64_t{1} << 62U;
+
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+
+double laplace_mass(const KnownMode& mode) {
+  const Eigen::LLT<Matrix> llt(mode.covariance);
+  const Matrix factor = llt.matrixL();
+  return mode.value + 0.5 * static_cast<double>(mode.z.size()) * std::log(2.0 * std::numbers::pi) +
+         factor.diagonal().array().log().sum();
+}
+
+// No valley between the two.
+bool joined(Surface& f, const Vector& a, double value_a, const Vector& b, double value_b) {
+  for (const double t : {0.5, 0.25, 0.75})
+    if (f(a + t * (b - a)) < std::min(value_a, value_b) - kValley) return false;
+  return true;
+}
+
+class Search {
+ public:
+  Search(const Problem& problem, int model, const ModeSearchOptions& options)
+      : model_(model),
+        options_(options),
+        first_batch_(problem.shortened ? kFirstOfRecord : kFirstBatch) {
+    for (int s = 0; s < kSlices; ++s)
+      surfaces_.push_back(std::make_unique<Surface>(problem, model));
+    for (const auto& surface : surfaces_) surface->stop_when(options.stop);
+  }
+
+  [[nodiscard]] Eigen::Index dimension() const { return surfaces_.front()->dimension(); }
+
+  // From the prior.
+  void run() {
+    const long most = options_.climbs > 0 ? options_.climbs : kMostClimbs;
+    long begun = 0;
+    for (long batch = first_batch_; begun < most; batch = std::min(2 * batch, kMostBatch)) {
+      const long n = std::min(batch, most - begun);
+      const long first = begun;
+      merge(climb(n, [&](long i, Surface& surface, Vector& z) {
+        base::Random random(options_.seed, static_cast<std::uint64_t>(model_),
+                            static_cast<std::uint64_t>(first + i), base::Purpose::search);
+        surface.draw_prior(random, z);
+      }));
+      begun += n;
+      const double spent = static_cast<double>(evaluations()) /
+                           (options_.effort * static_cast<double>(std::max(options_.budget, 1L)));
+      const double share = options_.climbs > 0
+                               ? static_cast<double>(begun) / static_cast<double>(most)
+                               : std::min(1.0, spent);
+      if ((options_.progress && !options_.progress(share)) || stopped()) break;
+      if (options_.climbs == 0 && begun >= kFewestClimbs && spent >= 1.0) break;
+    }
+  }
+
+  void run(const std::vector<std::vector<double>>& starts) {
+    merge(climb(
+        static_cast<long>(starts.size()),
+        [&](long i, Surface&, Vector& z) {
+          z = Eigen::Map<const Vector>(starts[static_cast<std::size_t>(i)].data(), z.size());
+        },
+        options_.fine));
+  }
+
+  // Modes that stand on top of those found, each far narrower: no valley is between the two, and
+  // both are kept, since each may hold its share.
+  void look_at_summits() {
+    const long each = summit_calls(dimension());
+    const double affordable = kSummitShare * static_cast<double>(options_.budget);
+    const auto most = std::min<std::size_t>(
+        kSummits, static_cast<std::size_t>(affordable / static_cast<double>(each)));
+    std::vector<std::size_t> highest(known_.size());
+    std::iota(highest.begin(), highest.end(), std::size_t{0});
+    std::ranges::stable_sort(highest, std::ranges::greater{},
+                             [&](std::size_t k) { return known_[k].value; });
+    highest.resize(std::min(highest.size(), most));
+    Surface& f = *surfaces_.front();
+    for (const std::size_t k : highest) {
+      if (stopped()) return;
+      const auto above = above_summit(f, known_[k]);
+      if (!above) continue;
+      const ClimbEnd end = inference::climb(f, *above, {}, true);
+      if (!end.possible || !(end.value > known_[k].value + kAboveSummit)) continue;
+      known_.push_back(measure(f, ordered(f, end)));
+      hits_.push_back(0);
+    }
+  }
+
+  // From the likeliest of many draws of the prior: where a model cannot explain the data, its mode
+  // on a short record may be far from that on the whole.
+  void run_likeliest() {
+    Surface& surface = *surfaces_.front();
+    Matrix draws(surface.dimension(), kScreened);
+    Vector z(surface.dimension());
+    for (long i = 0; i < kScreened; ++i) {
+      base::Random random(options_.seed, static_cast<std::uint64_t>(model_) | kScreenStream,
+                          static_cast<std::uint64_t>(i), base::Purpose::search);
+      surface.draw_prior(random, z);
+      draws.col(i) = z;
+    }
+    if (stopped()) return;
+    const Vector values = surface.values(draws);
+    std::vector<Eigen::Index> order(kScreened);
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    std::ranges::stable_sort(order, std::ranges::greater{},
+                             [&](Eigen::Index i) { return values[i]; });
+    std::vector<std::vector<double>> starts;
+    for (int k = 0; k < kScreenedClimbs; ++k) {
+      const auto best = draws.col(order[static_cast<std::size_t>(k)]);
+      starts.emplace_back(best.begin(), best.end());
+    }
+    run(starts);
+  }
+
+  // From the modes of a shorter record, and, when they are known, from draws of the normals about
+  // them.
+  void follow(const std::vector<Mode>& modes, std::uint64_t level) {
+    merge(climb(static_cast<long>(modes.size()), [&](long i, Surface&, Vector& z) {
+      z = Eigen::Map<const Vector>(modes[static_cast<std::size_t>(i)].z.data(), z.size());
+    }));
+    std::vector<Matrix> factors;
+    for (const Mode& m : modes) factors.push_back(Eigen::LLT<Matrix>(m.covariance).matrixL());
+    const long draws = std::max(1L, std::lround(kDrawsAMode * options_.effort));
+    merge(climb(static_cast<long>(modes.size()) * draws, [&](long i, Surface&, Vector& z) {
+      const auto m = static_cast<std::size_t>(i / draws);
+      base::Random random(options_.seed, static_cast<std::uint64_t>(model_) | level << 32U,
+                          static_cast<std::uint64_t>(i), base::Purpose::search);
+      Vector u(z.size());
+      for (double& v : u) v = random.normal();
+      z = Eigen::Map<const Vector>(modes[m].z.data(), z.size()) + factors[m] * u;
+    }));
+  }
+
+  // Modes that another search has found.
+  void take(const std::vector<Mode>& modes) {
+    for (const Mode& m : modes) {
+      known_.push_back(
+          {.z = Eigen::Map<const Vector>(m.z.data(), dimension()),
+           .value = m.log_posterior,
+           .covariance = m.covariance,
+           .precision =
+               Eigen::LLT<Matrix>(m.covariance).solve(Matrix::Identity(dimension(), dimension()))});
+      hits_.push_back(m.climbs);
+    }
+  }
+
+  [[nodiscard]] long evaluations() const {
+    long sum = 0;
+    for (const auto& surface : surfaces_) sum += surface->evaluations();
+    return sum;
+  }
+
+  ModeSearch result() {
+    ModeSearch out{.modes = {},
+                   .climbs = climbs_,
+                   .spacing = points_ > 0 ? way_ / static_cast<double>(points_) : 0.0,
+                   .likelihood_evaluations = 0};
+    for (std::size_t k = 0; k < known_.size(); ++k) {
+      const KnownMode& mode = known_[k];
+      out.modes.push_back({.z = surfaces_.front()->ordered(mode.z),
+                           .log_posterior = mode.value,
+                           .covariance = mode.covariance,
+                           .log_mass = laplace_mass(mode),
+                           .climbs = hits_[k]});
+    }
+    std::ranges::stable_sort(out.modes, std::ranges::greater{}, &Mode::log_mass);
+    std::erase_if(out.modes, [&](const Mode& m) {
+      return !(m.log_mass > out.modes.front().log_mass - kNegligible);
+    });
+    out.likelihood_evaluations = evaluations();
+    return out;
+  }
+
+ private:
+  // Each start on its own, with the modes known before.
+  template <typename Start>
+  std::vector<ClimbEnd> climb(long n, Start&& start, bool fine = false) {
+    std::vector<ClimbEnd> ends(static_cast<std::size_t>(n));
+    base::parallel_for(
+        kSlices, options_.threads,
+        [&](int s) {
+          Surface& surface = *surfaces_[static_cast<std::size_t>(s)];
+          Vector z(surface.dimension());
+          for (long i = s; i < n && !surface.stopped(); i += kSlices) {
+            start(i, surface, z);
+            ends[static_cast<std::size_t>(i)] = inference::climb(surface, z, known_, fine);
+          }
+        },
+        base::carriage([&](int s, auto& parcel) {
+          surfaces_[static_cast<std::size_t>(s)]->carry(parcel);
+          for (long i = s; i < n; i += kSlices) {
+            ClimbEnd& end = ends[static_cast<std::size_t>(i)];
+            parcel(end.z, end.value, end.inverse_hessian, end.known, end.possible, end.way,
+                   end.points);
+          }
+        }));
+    return ends;
+  }
+
+  // In the order of the starts, whichever thread climbed from them.
+  void merge(const std::vector<ClimbEnd>& ends) {
+    Surface& f = *surfaces_.front();
+    for (const ClimbEnd& end : ends) {
+      if (!end.possible) continue;
+      ++climbs_;
+      way_ += end.way;
+      points_ += end.points;
+      if (end.known >= 0) {
+        ++hits_[static_cast<std::size_t>(end.known)];
+        continue;
+      }
+      const int same = find(f, end);
+      if (same >= 0) {
+        const auto k = static_cast<std::size_t>(same);
+        ++hits_[k];
+        if (end.value > known_[k].value + 0.5) known_[k] = measure(f, ordered(f, end));
+        continue;
+      }
+      // A mode far below the best matters only if it is wide: not by more than the prior is.
+      double best = -kInfinity;
+      for (const KnownMode& k : known_) best = std::max(best, k.value);
+      const double slack = kNegligible + 12.0 * static_cast<double>(end.z.size());
+      if (end.value < best - slack) continue;
+      known_.push_back(measure(f, ordered(f, end)));
+      hits_.push_back(1);
+    }
+    // The lowest go where there are too many: not before, since ends name them by their index.
+    while (known_.size() > kMostModes) {
+      const auto least = std::ranges::min_element(known_, {}, &KnownMode::value) - known_.begin();
+      known_.erase(known_.begin() + least);
+      hits_.erase(hits_.begin() + least);
+    }
+  }
+
+  static ClimbEnd ordered(Surface& f, ClimbEnd end) {
+    const std::vector<double> z = f.ordered(end.z);
+    const Vector to = Eigen::Map<const Vector>(z.data(), end.z.size());
+    if (to != end.z) end.inverse_hessian.resize(0, 0);
+    end.z = to;
+    return end;
+  }
+
+  [[nodiscard]] bool stopped() const { return options_.stop && options_.stop(); }
+
+  int find(Surface& f, const ClimbEnd& end) {
+    const ClimbEnd e = ordered(f, end);
+    std::vector<std::pair<double, int>> near;
+    for (int k = 0; k < static_cast<int>(known_.size()); ++k)
+      near.emplace_back(square_distance(known_[static_cast<std::size_t>(k)], e.z), k);
+    std::ranges::sort(near);
+    for (std::size_t n = 0; n < std::min<std::size_t>(near.size(), 4); ++n) {
+      const KnownMode& mode = known_[static_cast<std::size_t>(near[n].second)];
+      if (near[n].first < 0.25 && std::fabs(mode.value - e.value) < 0.5) return near[n].second;
+      if (joined(f, mode.z, mode.value, e.z, e.value)) return near[n].second;
+    }
+    return -1;
+  }
+
+  int model_;
+  const ModeSearchOptions& options_;
+  long first_batch_;
+  std::vector<std::unique_ptr<Surface>> surfaces_;
+  std::vector<KnownMode> known_;
+  std::vector<long> hits_;
+  long climbs_ = 0, points_ = 0;
+  double way_ = 0.0;
+};
+
+// Whether a record has grown by samples that this mode says little of: far less than of those
+// before, by Gaussian residuals and nats that no mode is worth.
+bool lost(const ModeSearch& before, long n, const ModeSearch& after, long grown) {
+  if (after.modes.empty()) return true;
+  const double was = before.modes.front().log_posterior;
+  const auto all = static_cast<double>(n), more = static_cast<double>(grown - n);
+  const double chance = 6.0 * std::sqrt(more * (1.0 + more / all));
+  return after.modes.front().log_posterior < was + was * more / all - kNegligible - chance;
+}
+
+// Follows the best modes of n samples to more in steps as small as they need. Where a motion all
+// but leaves its well, or strikes, what n samples say of the parameters does not foretell n more,
+// and the mode of twice the record is not to be seen from that of the record.
+std::vector<std::vector<double>> followed_closely(const Problem& problem, int model,
+                                                  ModeSearchOptions options, ModeSearch found,
+                                                  long n, long to, long& evaluations) {
+  options.fine = true;
+  const auto places = [](const ModeSearch& search) {
+    std::vector<std::vector<double>> out;
+    for (const Mode& mode : search.modes) out.push_back(mode.z);
+    out.resize(std::min(out.size(), kThreads));
+    return out;
+  };
+  for (long step = std::max(1L, n / kFirstGrowth); n < to;) {
+    if (options.progress && !options.progress(1.0)) return {};
+    if (options.stop && options.stop()) return {};
+    const long next = std::min(n + step, to);
+    const auto part = next < problem.samples ? problem.shortened(next) : nullptr;
+    Search search(part ? *part : problem, model, options);
+    search.run(places(found));
+    ModeSearch grown = search.result();
+    evaluations += grown.likelihood_evaluations;
+    if (!lost(found, n, grown, next)) {
+      found = std::move(grown);
+      n = next;
+    } else if (step > n / kLeastGrowth && step > 1) {
+      step /= 2;
+    } else {
+      return {};  // the model, it seems, does not explain them
+    }
+  }
+  return places(found);
+}
+
+}  // namespace
+
+ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptions& options) {
+  if (problem.space[model].dimension == 0) return {};
+  if (!problem.shortened || problem.samples <= kSearchSamples) {
+    Search search(problem, model, options);
+    search.run(options.starts);
+    search.run();
+    if (options.climbs == 0 || options.climbs >= kFewestClimbs) search.look_at_summits();
+    ModeSearch found = search.result();
+    found.climbs -= std::min(found.climbs, static_cast<long>(options.starts.size()));
+    return found;
+  }
+  std::shared_ptr<const Problem> part = problem.shortened(kSearchSamples);
+  ModeSearch found;
+  {
+    Search first(*part, model, options);
+    first.run();
+    found = first.result();
+  }
+  const long climbs = found.climbs;
+  const double spacing = found.spacing;
+  long evaluations = found.likelihood_evaluations;
+  std::uint64_t level = 1;
+  const auto followed =
+      static_cast<std::size_t>(std::max(kFewestFollowed, kFollowed * options.effort));
+  for (long n = kSearchSamples; n < problem.samples && !found.modes.empty(); ++level) {
+    const long before = n;
+    n = std::min(2 * n, problem.samples);
+    if (found.modes.size() > followed) found.modes.resize(followed);
+    if (n < problem.samples) part = problem.shortened(n);
+    Search next(n < problem.samples ? *part : problem, model, options);
+    next.follow(found.modes, level);
+    if (n == problem.samples) {
+      next.run(options.starts);
+      next.run_likeliest();
+    }
+    if (ModeSearch grown = next.result(); lost(found, before, grown, n)) {
+      next.run(followed_closely(problem, model, options, std::move(found), before, n, evaluations));
+      found = next.result();
+    } else {
+      found = std::move(grown);
+    }
+    evaluations += found.likelihood_evaluations;
+    if ((options.progress && !options.progress(1.0)) || (options.stop && options.stop())) break;
+  }
+  // Few climbs from the prior may all begin at impossible places: what else was given must not be
+  // lost with them.
+  if (found.modes.empty() && !options.starts.empty()) {
+    Search whole(problem, model, options);
+    whole.run(options.starts);
+    found = whole.result();
+    evaluations += found.likelihood_evaluations;
+  }
+  found.climbs = climbs;
+  found.spacing = spacing;
+  found.likelihood_evaluations = evaluations;
+  return found;
+}
+
+void extend_search(const Problem& problem, int model, const ModeSearchOptions& options,
+                   ModeSearch& found) {
+  if (problem.space[model].dimension == 0 || options.starts.empty()) return;
+  Search search(problem, model, options);
+  search.take(found.modes);
+  search.run(options.starts);
+  ModeSearch more = search.result();
+  found.modes = std::move(more.modes);
+  found.likelihood_evaluations += more.likelihood_evaluations;
+}
+
+double search_resolution(double of_wide_modes, double spacing, double width) {
+  if (!(width > 0.0)) return 1.0;
+  return std::min(1.0, of_wide_modes * std::max(1.0, spacing / width));
+}
+
+double search_resolution(long climbs) {
+  return climbs < 1 ? 1.0 : -std::expm1(std::log(0.01) / static_cast<double>(climbs));
+}
+
+}  // namespace wheeltap::inference

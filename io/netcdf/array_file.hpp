@@ -1,0 +1,18 @@
+// Measured records in NetCDF (classic, 64-bit, 4) and HDF5 files.
+#pragma once
+
+#include "io/tables/array_columns.hpp"
+#include "io/tables/columns.hpp"
+
+namespace wheeltap::io {
+
+/// The numeric variables of the file, of its groups too ("group/name"), as columns
+/// (io/tables/array_columns.hpp); single numbers are the scalars. A compound of two real numbers is
+/// a complex one: "H, real" and "H, imaginary". The attribute "units" gives a column's unit,
+/// "_FillValue" and "missing_value" are NaN, "scale_factor" and "add_offset" are applied. Variables
+/// of other types are among the table's `others`. Throws FileError: missing, corrupt, and foreign
+/// for a file that holds no vector of two numbers or more.
+[[nodiscard]] Columns read_array_file(const std::filesystem::path& path, const Wanted& wanted,
+                                      const ArrayLayout& layout = {});
+
+}  // namespace wheeltap::io

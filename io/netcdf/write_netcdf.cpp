@@ -1,0 +1,45 @@
+#include "io/netcdf/write_netcdf.hpp"
+
+#include <string>
+
+#include "io/netcdf/netcdf_writer.hpp"
+#include "io/read_apart.hpp"
+
+namespace wheeltap::io {
+
+namespace {
+
+/// Where HDF5 cannot write it does not say why: the next piece of the file tells.
+void tell_why(AtomicFile& to) {
+  constexpr std::size_t kPiece = 1 << 16;
+  to.append(std::string(kPiece, '\0'));
+}
+
+/// False where no child can be started.
+bool write_on_disk(AtomicFile& to, const FillNetcdf& fill) {
+  bool written = false;
+  to.lend([&](const std::filesystem::path& file) {
+    written = write_apart(to.path(), [&] {
+      NetcdfWriter writer(to.path(), file);
+      fill(writer);
+      writer.finish();
+    });
+  });
+  return written;
+}
+
+}  // namespace
+
+void write_netcdf(AtomicFile& to, std::size_t bytes, const FillNetcdf& fill) {
+  try {
+    if (bytes > kNetcdfInMemory && write_on_disk(to, fill)) return;
+  } catch (const FileError&) {
+    tell_why(to);
+    throw;
+  }
+  NetcdfWriter writer(to.path());
+  fill(writer);
+  to.write(writer.close());
+}
+
+}  // namespace wheeltap::io

@@ -1,0 +1,547 @@
+#include "io/text/time_stamp.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <vector>
+
+namespace wheeltap::io {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+bool is_letter(char c) {
+  return lower(c) >= 'a' && lower(c) <= 'z';
+}
+
+/// A text that is read from its front.
+class Cursor {
+ public:
+  explicit Cursor(std::string_view text) : rest(text) {}
+
+  bool take(char c) {
+    if (!rest.starts_with(c)) return false;
+    rest.remove_prefix(1);
+    return true;
+  }
+  bool take_any(std::string_view of, char* which = nullptr) {
+    if (rest.empty() || of.find(rest.front()) == std::string_view::npos) return false;
+    if (which != nullptr) *which = rest.front();
+    rest.remove_prefix(1);
+    return true;
+  }
+  /// A word without regard to upper and lower case.
+  bool take_word(std::string_view word) {
+    if (rest.size() < word.size()) return false;
+    for (std::size_t i = 0; i < word.size(); ++i)
+      if (lower(rest[i]) != word[i]) return false;
+    if (rest.size() > word.size() && is_letter(rest[word.size()])) return false;
+    rest.remove_prefix(word.size());
+    return true;
+  }
+  void skip_blanks() {
+    while (!rest.empty() && (rest.front() == ' ' || rest.front() == '\t')) rest.remove_prefix(1);
+  }
+  /// A whole number of least to most digits; -1 where there is none.
+  int number(int least, int most) {
+    int value = 0, count = 0;
+    while (count < most && static_cast<std::size_t>(count) < rest.size() &&
+           is_digit(rest[static_cast<std::size_t>(count)]))
+      value = 10 * value + (rest[static_cast<std::size_t>(count++)] - '0');
+    if (count < least) return -1;
+    rest.remove_prefix(static_cast<std::size_t>(count));
+    return value;
+  }
+  [[nodiscard]] int digits() const {
+    int count = 0;
+    while (static_cast<std::size_t>(count) < rest.size() &&
+           is_digit(rest[static_cast<std::size_t>(count)]))
+      ++count;
+    return count;
+  }
+  int month_name() {
+    static constexpr std::array<std::string_view, 12> kNames = {
+        "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"};
+    // German, where it differs.
+    static constexpr std::array<std::pair<std::string_view, int>, 6> kOthers = {
+        {{"m\xC3\xA4r", 3}, {"mrz", 3}, {"mai", 5}, {"okt", 10}, {"dez", 12}, {"m\xE4r", 3}}};
+    for (std::size_t m = 0; m < kNames.size(); ++m)
+      if (take_letters(kNames[m])) return static_cast<int>(m) + 1;
+    for (const auto& [name, month] : kOthers)
+      if (take_letters(name)) return month;
+    return -1;
+  }
+  /// "Monday", "Mon", "Mo" and a comma or point behind it.
+  void skip_weekday() {
+    const std::string_view before = rest;
+    for (const std::string_view day : {"mon", "tue", "wed", "thu", "fri", "sat", "sun", "mo", "di",
+                                       "mi", "do", "fr", "sa", "so"}) {
+      if (!take_letters(day)) continue;
+      const bool marked = take_any(",.");
+      if (!marked && !rest.starts_with(' ')) break;
+      skip_blanks();
+      return;
+    }
+    rest = before;
+  }
+  /// A word that begins so.
+  bool take_letters(std::string_view beginning) {
+    if (rest.size() < beginning.size()) return false;
+    for (std::size_t i = 0; i < beginning.size(); ++i)
+      if (lower(rest[i]) != beginning[i]) return false;
+    rest.remove_prefix(beginning.size());
+    while (!rest.empty() && is_letter(rest.front())) rest.remove_prefix(1);
+    return true;
+  }
+
+  std::string_view rest;
+};
+
+struct Parts {
+  int year = -1, month = -1, day = -1;
+  std::int64_t seconds = 0;  ///< of the day, or east of Greenwich
+  std::int64_t fraction = 0;
+  int decimals = 0;
+  std::int64_t zone = 0;  ///< seconds east of Greenwich
+};
+
+std::optional<TimeStamp> stamp_of(const Parts& p, bool has_date) {
+  TimeStamp out{.has_date = has_date, .decimals = p.decimals};
+  std::int64_t days = 0;
+  if (has_date) {
+    const std::chrono::year_month_day date{std::chrono::year(p.year),
+                                           std::chrono::month(static_cast<unsigned>(p.month)),
+                                           std::chrono::day(static_cast<unsigned>(p.day))};
+    // Beyond these years nanoseconds do not fit into 64 bits.
+    if (!date.ok() || p.year < 1700 || p.year > 2250) return std::nullopt;
+    days = std::chrono::sys_days(date).time_since_epoch().count();
+  }
+  out.nanoseconds = (days * 86400 + p.seconds - p.zone) * kSecond + p.fraction;
+  return out;
+}
+
+int full_year(int year, int digits) {
+  if (digits > 2) return year;
+  return year + (year < 70 ? 2000 : 1900);
+}
+
+/// Blanks that do not break lines as blanks.
+std::string with_plain_blanks(std::string_view text) {
+  std::string out(text);
+  for (const std::string_view blank : {"\xC2\xA0", "\xE2\x80\xAF", "\xE2\x80\x89"})
+    for (std::size_t i = 0; (i = out.find(blank)) != std::string::npos;)
+      out.replace(i, blank.size(), " ");
+  return out;
+}
+
+/// Digits of a fraction of a second, nine of which count.
+void read_fraction(Cursor& at, Parts& out) {
+  std::int64_t scale = kSecond / 10;
+  while (!at.rest.empty() && is_digit(at.rest.front())) {
+    out.fraction += scale * (at.rest.front() - '0');
+    scale /= 10;
+    if (out.decimals < 9) ++out.decimals;
+    at.rest.remove_prefix(1);
+  }
+}
+
+bool read_half_of_day(Cursor& at, int& hours) {
+  const std::string_view before = at.rest;
+  at.skip_blanks();
+  const bool pm = at.take_word("pm") || at.take_word("p.m.");
+  const bool am = !pm && (at.take_word("am") || at.take_word("a.m."));
+  if (!am && !pm) {
+    at.rest = before;
+    return true;
+  }
+  if (hours < 1 || hours > 12) return false;
+  hours = hours % 12 + (pm ? 12 : 0);
+  return true;
+}
+
+bool read_zone(Cursor& at, Parts& out) {
+  const std::string_view before = at.rest;
+  at.skip_blanks();
+  if (at.take('Z') || at.take('z')) return true;
+  const bool named = at.take_word("utc") || at.take_word("gmt");
+  char sign = 0;
+  if (!at.take_any("+-", &sign)) {
+    if (named) return true;
+    // CET, EDT, JST: the same for all rows, and what differs is all that counts.
+    std::size_t letters = 0;
+    while (letters < at.rest.size() && at.rest[letters] >= 'A' && at.rest[letters] <= 'Z')
+      ++letters;
+    if (letters >= 3 && letters <= 5 && letters == at.rest.size() && before != at.rest) {
+      at.rest = {};
+    } else {
+      at.rest = before;
+    }
+    return true;
+  }
+  const int hours = at.number(named ? 1 : 2, 2);
+  int minutes = 0;
+  const bool colon = at.take(':');
+  if (colon || at.digits() == 2) minutes = at.number(2, 2);
+  if (hours < 0 || hours > 15 || minutes < 0 || minutes > 59) return false;
+  out.zone = (sign == '-' ? -1 : 1) * (hours * 3600 + minutes * 60);
+  return true;
+}
+
+/// hh:mm[:ss[.fraction]] [AM|PM]; mm:ss.fraction without a date.
+bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
+  int hours = at.number(1, 2);
+  char between = 0;
+  if (hours < 0 || !at.take_any(after_date ? ":.-" : ":", &between)) return false;
+  int minutes = at.number(2, 2), seconds = 0;
+  if (minutes < 0) return false;
+  char mark = 0;
+  if (at.take(between)) {
+    seconds = at.number(1, 2);
+    if (seconds < 0) return false;
+    // A colon separates milliseconds in the files of some loggers.
+    if (at.take_any(".,:", &mark)) {
+      if (at.digits() == 0) return false;
+      read_fraction(at, out);
+    }
+  } else if (!after_date && at.take_any(".,", &mark)) {
+    if (at.digits() == 0) return false;
+    seconds = minutes;
+    minutes = hours;
+    hours = 0;
+    read_fraction(at, out);
+  } else if (!after_date) {
+    const std::string_view before = at.rest;
+    at.skip_blanks();
+    const bool half = at.take_word("am") || at.take_word("pm");
+    at.rest = before;
+    if (!half) return false;  // "10:30" could be either
+  }
+  if (!read_half_of_day(at, hours)) return false;
+  if (hours > 24 || minutes > 59 || seconds > 60) return false;
+  out.seconds = hours * 3600 + minutes * 60 + seconds;
+  return true;
+}
+
+}  // namespace
+
+StampReading read_stamp(std::string_view text, DayOrder order) {
+  StampReading none;
+  std::string plain;
+  if (text.find_first_of("\xC2\xE2") != std::string_view::npos) {
+    plain = with_plain_blanks(text);
+    text = plain;
+  }
+  Cursor at(text);
+  at.skip_blanks();
+  at.skip_weekday();
+  if (at.rest.size() < 5 || (!is_digit(at.rest.front()) && !is_letter(at.rest.front())))
+    return none;
+  Parts out;
+  const auto finished = [&](bool has_date, StampReading reading) {
+    if (!read_zone(at, out)) return none;
+    at.skip_blanks();
+    if (!at.rest.empty()) return none;
+    if (!reading.ambiguous) reading.stamp = stamp_of(out, has_date);
+    return reading;
+  };
+
+  const int first_digits = at.digits();
+  if (first_digits <= 2 && at.rest.size() > static_cast<std::size_t>(first_digits) &&
+      at.rest[static_cast<std::size_t>(first_digits)] == ':') {
+    if (!read_time_of_day(at, out, false)) return none;
+    return finished(false, {});
+  }
+  StampReading reading;
+  if (first_digits == 14 || first_digits == 17) {
+    // 20210301100000[.fraction], 20210301100000123
+    out.year = at.number(4, 4), out.month = at.number(2, 2), out.day = at.number(2, 2);
+    const int hours = at.number(2, 2), minutes = at.number(2, 2), seconds = at.number(2, 2);
+    if (out.year < 1900 || out.year > 2100 || hours > 24 || minutes > 59 || seconds > 60)
+      return none;
+    out.seconds = hours * 3600 + minutes * 60 + seconds;
+    if (first_digits == 17 || at.take_any(".,")) read_fraction(at, out);
+    return finished(true, reading);
+  }
+  if (first_digits == 8) {
+    out.year = at.number(4, 4), out.month = at.number(2, 2), out.day = at.number(2, 2);
+    if (!at.take_any("T_ ")) return none;  // a number otherwise
+    if (at.digits() == 6 || at.digits() == 4) {
+      const bool with_seconds = at.digits() == 6;
+      const int hours = at.number(2, 2), minutes = at.number(2, 2);
+      const int seconds = with_seconds ? at.number(2, 2) : 0;
+      if (hours > 24 || minutes > 59 || seconds > 60) return none;
+      out.seconds = hours * 3600 + minutes * 60 + seconds;
+      char mark = 0;
+      if (at.take_any(".,", &mark)) read_fraction(at, out);
+      return finished(true, reading);
+    }
+    if (!read_time_of_day(at, out, true)) return none;
+    return finished(true, reading);
+  }
+
+  // 2021-060T10:00:00: the day of the year.
+  if (first_digits == 4 && at.rest.size() > 9 && at.rest[4] == '-' && at.rest[8] == 'T') {
+    const std::string_view before = at.rest;
+    out.year = at.number(4, 4);
+    at.take('-');
+    if (const int day = at.number(3, 3); day >= 1 && day <= 366 && at.take('T')) {
+      out.month = out.day = 1;
+      if (!read_time_of_day(at, out, true)) return none;
+      out.seconds += std::int64_t{86400} * (day - 1);
+      return finished(true, reading);
+    }
+    at.rest = before;
+  }
+  // Three parts of a date, with one mark between them.
+  char mark = 0;
+  std::array<int, 3> value{}, digits{};
+  int named = -1;
+  for (std::size_t i = 0; i < 3; ++i) {
+    digits[i] = at.digits();
+    if (digits[i] == 0) {
+      if (named >= 0 || i == 2) return none;
+      value[i] = at.month_name();
+      named = static_cast<int>(i);
+    } else {
+      if (digits[i] == 3 || digits[i] > 4) return none;
+      value[i] = at.number(1, 4);
+    }
+    if (value[i] < 0) return none;
+    if (i == 2) break;
+    char here = 0;
+    if (!at.take_any(named >= 0 ? "-/. ," : (i == 0 ? "-/. " : "-/."), &here)) return none;
+    if (i > 0 && here != mark && named < 0) return none;
+    mark = here;
+    if (mark == '.' || mark == ',' || named >= 0) at.skip_blanks();
+    // "Mar 1 10:00:00 2021", as C prints times: the year comes last.
+    if (i == 1 && named == 0 && at.digits() <= 2) {
+      at.skip_blanks();
+      if (!read_time_of_day(at, out, false)) return none;
+      at.skip_blanks();
+      if (at.digits() != 4) return none;
+      out.year = at.number(4, 4), out.month = value[0], out.day = value[1];
+      return finished(true, reading);
+    }
+  }
+  const auto put = [&](std::size_t y, std::size_t m, std::size_t d) {
+    out.year = full_year(value[y], digits[y]);
+    out.month = value[m];
+    out.day = value[d];
+  };
+  if (digits[0] == 4) {
+    put(0, 1, 2);
+  } else if (digits[2] == 0 || digits[2] == 3 || (digits[2] != 2 && digits[2] != 4)) {
+    return none;
+  } else if (named >= 0) {
+    put(2, static_cast<std::size_t>(named), named == 0 ? 1 : 0);
+  } else {
+    if (value[0] > 12) reading.order = DayOrder::day_first;
+    if (value[1] > 12) reading.order = DayOrder::month_first;
+    DayOrder used = order != DayOrder::unknown ? order : reading.order;
+    // Nobody prints 3.1.2021 for March the first.
+    if (used == DayOrder::unknown && mark == '.') used = DayOrder::day_first;
+    reading.ambiguous = used == DayOrder::unknown;
+    used == DayOrder::month_first ? put(2, 0, 1) : put(2, 1, 0);
+  }
+  const std::string_view before = at.rest;
+  if (at.take_any("T_,;") || at.rest.starts_with(' ') || at.rest.starts_with('-')) {
+    if (at.rest.starts_with('-')) at.rest.remove_prefix(1);
+    at.skip_blanks();
+    if (!at.rest.empty() && is_digit(at.rest.front())) {
+      if (!read_time_of_day(at, out, true)) return none;
+    } else {
+      at.rest = before;
+    }
+  }
+  return finished(true, reading);
+}
+
+std::optional<TimeStamp> read_stamp(std::string_view text, const std::string& pattern) {
+  Cursor at(text);
+  Parts out;
+  int hours = 0, minutes = 0, seconds = 0;
+  bool has_date = false, half = false, pm = false;
+  at.skip_blanks();
+  for (std::size_t i = 0; i < pattern.size(); ++i) {
+    const char c = pattern[i];
+    if (c == ' ') {
+      at.skip_blanks();
+      continue;
+    }
+    if (c != '%') {
+      if (!at.take(c)) return std::nullopt;
+      continue;
+    }
+    if (++i == pattern.size()) return std::nullopt;
+    const auto number = [&](int least, int most, int lowest, int highest, int& into) {
+      into = at.number(least, most);
+      return into >= lowest && into <= highest;
+    };
+    bool fine = true;
+    switch (pattern[i]) {
+      case 'Y':
+        fine = number(4, 4, 0, 9999, out.year), has_date = true;
+        break;
+      case 'y':
+        fine = number(2, 2, 0, 99, out.year), has_date = true;
+        out.year = full_year(out.year, 2);
+        break;
+      case 'm':
+        fine = number(1, 2, 1, 12, out.month);
+        break;
+      case 'b':
+      case 'B':
+        out.month = at.month_name();
+        fine = out.month > 0;
+        break;
+      case 'd':
+        fine = number(1, 2, 1, 31, out.day);
+        break;
+      case 'H':
+        fine = number(1, 2, 0, 24, hours);
+        break;
+      case 'I':
+        fine = number(1, 2, 1, 12, hours);
+        break;
+      case 'M':
+        fine = number(1, 2, 0, 59, minutes);
+        break;
+      case 'S': {
+        fine = number(1, 2, 0, 60, seconds);
+        const bool fraction_follows = pattern.find("%f", i) != std::string::npos;
+        if (fine && !fraction_follows && at.take_any(".,")) read_fraction(at, out);
+        break;
+      }
+      case 'f':
+        fine = at.digits() > 0;
+        read_fraction(at, out);
+        break;
+      case 'p':
+        half = true;
+        pm = at.take_word("pm");
+        fine = pm || at.take_word("am");
+        break;
+      case 'z':
+        fine = read_zone(at, out);
+        break;
+      case '%':
+        fine = at.take('%');
+        break;
+      default:
+        return std::nullopt;
+    }
+    if (!fine) return std::nullopt;
+  }
+  at.skip_blanks();
+  if (!at.rest.empty()) return std::nullopt;
+  if (half) hours = hours % 12 + (pm ? 12 : 0);
+  out.seconds = hours * 3600 + minutes * 60 + seconds;
+  return stamp_of(out, has_date);
+}
+
+std::string stamp_pattern(std::string_view text, DayOrder order) {
+  const bool month_first =
+      order == DayOrder::month_first ||
+      (order == DayOrder::unknown && read_stamp(text).order == DayOrder::month_first);
+  std::vector<std::string> dates = {"%Y-%m-%d", "%Y/%m/%d", "%Y.%m.%d", "%d.%m.%Y", "%d.%m.%y",
+                                    "%d-%b-%Y", "%d-%b-%y", "%d %b %Y", "%Y%m%d",   ""};
+  for (const char* mark : {"/", "-"})
+    for (const char* year : {"%Y", "%y"})
+      dates.push_back(std::string(month_first ? "%m" : "%d") + mark + (month_first ? "%d" : "%m") +
+                      mark + year);
+  for (const std::string& date : dates)
+    for (const char* between : {" ", "T", "_", ", ", ""})
+      for (const char* time :
+           {"%H:%M:%S", "%I:%M:%S %p", "%H:%M:%S:%f", "%H:%M", "%H%M%S", "%M:%S", ""})
+        for (const char* zone : {"", "%z"}) {
+          std::string pattern = date + between + time + zone;
+          if (read_stamp(text, pattern)) return pattern;
+        }
+  return {};
+}
+
+std::optional<TimeFormat> parse_time_format(std::string_view text) {
+  if (text == "day-first") return TimeFormat{.order = DayOrder::day_first};
+  if (text == "month-first") return TimeFormat{.order = DayOrder::month_first};
+  if (text == "iso" || text == "iso-8601" || text == "ISO 8601") return TimeFormat{};
+  std::string pattern;
+  if (text.find('%') != std::string_view::npos) {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (text[i] != '%') continue;
+      if (++i == text.size() ||
+          std::string_view("YymbBdHIMSfpz%").find(text[i]) == std::string_view::npos)
+        return std::nullopt;
+    }
+    return TimeFormat{.pattern = std::string(text)};
+  }
+  // Letters, as spreadsheets and MATLAB have them: MM is a month and mm are minutes.
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    std::size_t end = i;
+    while (end < text.size() && text[end] == c) ++end;
+    const std::size_t count = end - i;
+    i = end;
+    if (c == 'y' || c == 'Y') {
+      pattern += count > 2 ? "%Y" : "%y";
+    } else if (c == 'M') {
+      pattern += count > 2 ? "%b" : "%m";
+    } else if (c == 'd' || c == 'D') {
+      pattern += "%d";
+    } else if (c == 'H' || c == 'h') {
+      pattern += c == 'h' && (text.find('a') != std::string_view::npos ||
+                              text.find("tt") != std::string_view::npos)
+                     ? "%I"
+                     : "%H";
+    } else if (c == 'm') {
+      pattern += "%M";
+    } else if (c == 's' || (c == 'S' && !pattern.ends_with("%S") && !pattern.ends_with("%S.") &&
+                            !pattern.ends_with("%S,"))) {
+      pattern += "%S";
+    } else if (c == 'S' || c == 'f' || c == 'F') {
+      pattern += "%f";
+    } else if (c == 'a' || c == 't') {
+      pattern += "%p";
+    } else if (c == 'T' || c == '\'') {
+      pattern += c == 'T' ? "T" : "";
+    } else if (is_letter(c)) {
+      return std::nullopt;
+    } else {
+      pattern += std::string(count, c);
+    }
+  }
+  if (pattern.find('%') == std::string::npos) return std::nullopt;
+  return TimeFormat{.pattern = pattern};
+}
+
+std::string text_of(const TimeStamp& stamp) {
+  std::int64_t seconds = stamp.nanoseconds / kSecond, rest = stamp.nanoseconds % kSecond;
+  if (rest < 0) rest += kSecond, --seconds;
+  std::int64_t days = seconds / 86400, of_day = seconds % 86400;
+  if (of_day < 0) of_day += 86400, --days;
+  std::string out;
+  char text[64];
+  if (stamp.has_date) {
+    const std::chrono::year_month_day date{std::chrono::sys_days(std::chrono::days(days))};
+    std::snprintf(text, sizeof text, "%04d-%02u-%02u ", static_cast<int>(date.year()),
+                  static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()));
+    out = text;
+  }
+  std::snprintf(text, sizeof text, "%02d:%02d:%02d", static_cast<int>(of_day / 3600),
+                static_cast<int>(of_day / 60 % 60), static_cast<int>(of_day % 60));
+  out += text;
+  if (stamp.decimals > 0) {
+    std::snprintf(text, sizeof text, ".%09d", static_cast<int>(rest));
+    out += std::string(text).substr(0, static_cast<std::size_t>(stamp.decimals) + 1);
+  }
+  return out;
+}
+
+}  // namespace wheeltap::io

@@ -1,0 +1,403 @@
+#include "signals/modal/free_decay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <unsupported/Eigen/FFT>
+
+#include "base/eigen_solvers.hpp"
+#include "base/index.hpp"
+#include "base/random.hpp"
+#include "signals/refuse.hpp"
+#include "signals/spectra.hpp"
+
+namespace wheeltap::signals {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr int kSurrogates = 200;
+constexpr int kMostHankelRows = 500;  // and columns, of the Hankel matrix
+constexpr int kSmallestOrders = 20, kLargestOrders = 60;
+constexpr double kKeptBand = 0.4;  // of the new rate, by decimate()
+constexpr double kHankelRows = 1.2;
+constexpr double kMovedPole = 0.05;  // distance of a refined pole from what the diagram holds
+
+/// Decays of one length, decimated to the band, without their means: what rests at the end.
+std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) {
+  Index length = decays.front().cols();
+  for (const MatrixXd& d : decays) length = std::min(length, d.cols());
+  std::vector<MatrixXd> out;
+  for (const MatrixXd& d : decays) {
+    MatrixXd one;
+    for (Index c = 0; c < d.rows(); ++c) {
+      std::vector<double> x(index(length));
+      Eigen::Map<Eigen::RowVectorXd>(x.data(), length) = d.row(c).head(length);
+      detrend(x, 0);
+      const std::vector<double> less = factor > 1 ? decimate(x, factor) : x;
+      if (c == 0) one.resize(d.rows(), static_cast<Index>(less.size()));
+      one.row(c) = Eigen::Map<const Eigen::RowVectorXd>(less.data(), one.cols());
+    }
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+/// Samples as OutputCovariances holds R_1 over R_2 over …, a decay a reference.
+MatrixXd stacked(const std::vector<MatrixXd>& decays, Index lags) {
+  const Index channels = decays.front().rows();
+  MatrixXd out(lags * channels, static_cast<Index>(decays.size()));
+  for (std::size_t e = 0; e < decays.size(); ++e)
+    out.col(static_cast<Index>(e)) = decays[e].leftCols(lags).reshaped();
+  return out;
+}
+
+/// All channels of all decays as sums over modes and a constant, y(t) = Re Σ c e^{λt} + c₀, the
+/// c by least squares.
+struct DecayModel {
+  std::vector<Complex> poles;
+  MatrixXd basis;     ///< samples × (2 · modes + 1): Re e^{λt}, -Im e^{λt}, 1
+  MatrixXd factors;   ///< Re c, Im c, c₀ × (channels · decays)
+  MatrixXd residual;  ///< samples × (channels · decays)
+  Eigen::ColPivHouseholderQR<MatrixXd> qr;
+
+  /// What no c explains of x.
+  [[nodiscard]] MatrixXd across(const MatrixXd& x) const { return x - basis * qr.solve(x); }
+  [[nodiscard]] double squares() const { return residual.squaredNorm(); }
+};
+
+DecayModel fit(const MatrixXd& y, std::vector<Complex> poles, double step) {
+  DecayModel out{.poles = std::move(poles), .basis = {}, .factors = {}, .residual = {}, .qr = {}};
+  out.basis.resize(y.rows(), 2 * static_cast<Index>(out.poles.size()) + 1);
+  for (Index k = 0; k < y.rows(); ++k) {
+    for (std::size_t m = 0; m < out.poles.size(); ++m) {
+      const Complex x = std::exp(out.poles[m] * (step * static_cast<double>(k)));
+      out.basis(k, 2 * static_cast<Index>(m)) = x.real();
+      out.basis(k, 2 * static_cast<Index>(m) + 1) = -x.imag();
+    }
+    out.basis(k, out.basis.cols() - 1) = 1.0;
+  }
+  out.qr.compute(out.basis);
+  out.factors = out.qr.solve(y);
+  out.residual = y - out.basis * out.factors;
+  return out;
+}
+
+/// ∂ (Re Σ c e^{λt})/∂λ of one mode, to its real part or its imaginary one, with c as they are.
+MatrixXd slope(const DecayModel& model, std::size_t mode, bool imaginary, double step) {
+  const auto column = 2 * static_cast<Index>(mode);
+  MatrixXd pair(model.basis.rows(), 2);
+  for (Index k = 0; k < pair.rows(); ++k) {
+    const Complex x(model.basis(k, column), -model.basis(k, column + 1));
+    const Complex moved = step * static_cast<double>(k) * (imaginary ? Complex(0.0, 1.0) * x : x);
+    pair(k, 0) = moved.real();
+    pair(k, 1) = -moved.imag();
+  }
+  return pair * model.factors.middleRows(column, 2);
+}
+
+/// Columns of ∂y/∂λ (real, imaginary part of each mode), each all of y; `across` what no c
+/// explains.
+MatrixXd decay_slopes(const DecayModel& model, double step, bool across) {
+  MatrixXd out(model.residual.size(), 2 * static_cast<Index>(model.poles.size()));
+  for (std::size_t m = 0; m < model.poles.size(); ++m)
+    for (const bool imaginary : {false, true}) {
+      const MatrixXd one = slope(model, m, imaginary, step);
+      out.col(2 * static_cast<Index>(m) + (imaginary ? 1 : 0)) =
+          (across ? model.across(one) : one).reshaped();
+    }
+  return out;
+}
+
+/// Least squares over poles and factors, downhill from these poles: variable projection (Golub &
+/// Pereyra 1973) with Kaufman's Jacobian (1975).
+DecayModel refine_decays(const MatrixXd& y, const std::vector<Complex>& poles, double step) {
+  DecayModel out = fit(y, poles, step);
+  if (poles.empty()) return out;
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    const VectorXd move = decay_slopes(out, step, true)
+                              .colPivHouseholderQr()
+                              .solve(VectorXd(out.residual.reshaped()));
+    if (!move.allFinite()) break;
+    double share = 1.0;
+    bool down = false;
+    for (int halving = 0; halving < 8 && !down; ++halving, share *= 0.5) {
+      std::vector<Complex> next = out.poles;
+      bool stable = true;
+      for (std::size_t m = 0; m < next.size(); ++m) {
+        const auto at_m = 2 * static_cast<Index>(m);
+        next[m] += share * Complex(move[at_m], move[at_m + 1]);
+        stable = stable && next[m].real() < 0.0 && next[m].imag() > 0.0;
+      }
+      if (!stable) continue;
+      DecayModel tried = fit(y, std::move(next), step);
+      if (!(tried.squares() < out.squares())) continue;
+      down = true;
+      if (out.squares() - tried.squares() < 1e-12 * out.squares()) iteration = 30;
+      out = std::move(tried);
+    }
+    if (!down) break;
+  }
+  return out;
+}
+
+/// Which clusters explain more of the decays than noise would: without one of them the squares that
+/// are left grow by a χ² of 2 · channels · decays numbers, the largest of as many as there are
+/// samples (its frequency was looked for). The least are left out one by one.
+void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
+  const auto numbers = static_cast<double>(2 * y.cols());
+  const double least =
+      numbers + 8.0 * std::sqrt(2.0 * numbers) + 4.0 * std::log(static_cast<double>(y.rows()));
+  while (!diagram.modes.empty()) {
+    std::vector<Complex> poles;
+    for (const ModeCluster& c : diagram.modes)
+      poles.push_back(diagram.poles[index(c.chosen)].eigenvalue);
+    const double all = fit(y, poles, step).squares();
+    double smallest = std::numeric_limits<double>::infinity();
+    std::size_t which = 0;
+    for (std::size_t m = 0; m < poles.size(); ++m) {
+      std::vector<Complex> others = poles;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(m));
+      const double more =
+          (fit(y, others, step).squares() - all) * static_cast<double>(y.size()) / all;
+      if (more < smallest) {
+        smallest = more;
+        which = m;
+      }
+    }
+    if (!(smallest < least)) return;
+    diagram.rejected.push_back({.cluster = diagram.modes[which], .why = Rejection::noise});
+    diagram.modes.erase(diagram.modes.begin() + static_cast<std::ptrdiff_t>(which));
+  }
+}
+
+/// Noise of a residual's kind: normal, with its spectra and cross-spectra as the mean over
+/// neighbouring lines but the modes' own, of which the fit has taken out what it could.
+class Surrogates {
+ public:
+  /// `noise`: a channel a row. `fitted`: the modes' frequencies, in lines.
+  Surrogates(const MatrixXd& noise, const std::vector<double>& fitted)
+      : lines_(noise.rows(), noise.cols() / 2 + 1) {
+    samples_ = noise.cols();
+    Eigen::FFT<double> fft;
+    for (Index c = 0; c < noise.rows(); ++c) {
+      const VectorXcd in = noise.row(c).transpose().cast<Complex>();
+      VectorXcd out;
+      fft.fwd(out, in);
+      lines_.row(c) = out.head(lines_.cols()).transpose();
+    }
+    reach_ = std::max<Index>(kReach, lines_.cols() / 20);
+    for (Index j = 0; j < lines_.cols(); ++j)
+      left_.push_back(std::ranges::none_of(
+          fitted, [&](double f) { return std::abs(static_cast<double>(j) - f) < kFitted; }));
+  }
+
+  [[nodiscard]] MatrixXd draw(base::Random& random) const {
+    MatrixXcd spectrum = MatrixXcd::Zero(lines_.rows(), samples_);
+    const Index last = lines_.cols() - 1;
+    for (Index k = 1; k <= (samples_ - 1) / 2; ++k) {
+      const Index from = std::max<Index>(1, k - reach_), to = std::min(last, k + reach_);
+      const auto begin = left_.begin();
+      const auto used = std::count(begin + from, begin + to + 1, true);
+      const bool all = 2 * used < to - from + 1;  // modes wherever one looks
+      const double share = 1.0 / std::sqrt(2.0 * static_cast<double>(all ? to - from + 1 : used));
+      for (Index j = from; j <= to; ++j) {
+        if (!all && !left_[index(j)]) continue;
+        const double re = random.normal(), im = random.normal();
+        spectrum.col(k) += share * Complex(re, im) * lines_.col(j);
+      }
+      spectrum.col(samples_ - k) = spectrum.col(k).conjugate();
+    }
+    Eigen::FFT<double> fft;
+    MatrixXd out(lines_.rows(), samples_);
+    for (Index c = 0; c < out.rows(); ++c) {
+      const VectorXcd in = spectrum.row(c).transpose();
+      VectorXcd back;
+      fft.inv(back, in);
+      out.row(c) = back.real().transpose();
+    }
+    return out;
+  }
+
+ private:
+  static constexpr Index kReach = 10;
+  static constexpr double kFitted = 1.5;  // lines
+  std::vector<bool> left_;
+  MatrixXcd lines_;
+  Index samples_ = 0, reach_ = 0;
+};
+
+/// The shape that all decays have in common: of channels × decays factors the first left singular
+/// vector.
+VectorXcd decay_shape_of(const MatrixXd& factors, std::size_t mode, Index channels) {
+  const auto row = 2 * static_cast<Index>(mode);
+  VectorXcd c(factors.cols());
+  c.real() = factors.row(row).transpose();
+  c.imag() = factors.row(row + 1).transpose();
+  const MatrixXcd table = c.reshaped(channels, factors.cols() / channels);
+  if (table.cols() == 1) return table.col(0);
+  return Eigen::JacobiSVD<MatrixXcd>(table, Eigen::ComputeThinU).matrixU().col(0);
+}
+
+/// The modes with what surrogates of the residuals move them by: Δλ = J⁺e, Δc = B⁺(e - ∂y/∂λ Δλ).
+void describe_decay(ModalResult& out, const DecayModel& model, Index channels, double step,
+                    std::uint64_t seed) {
+  const auto count = static_cast<Index>(model.poles.size());
+  if (count == 0) return;
+  MatrixXd moves(2 * count, out.replicates);
+  std::vector<MatrixXd> shapes(model.poles.size());
+  std::vector<Index> tops;
+  for (std::size_t m = 0; m < model.poles.size(); ++m) {
+    Mode& mode = out.modes[m];
+    const Complex lambda = model.poles[m];
+    mode.pole.eigenvalue = lambda;
+    mode.pole.frequency_hz = std::abs(lambda) / (2.0 * std::numbers::pi);
+    mode.pole.damping = -lambda.real() / std::abs(lambda);
+    mode.pole.shape = decay_shape_of(model.factors, m, channels);
+    Index top = 0;
+    mode.pole.shape.cwiseAbs().maxCoeff(&top);
+    mode.pole.shape /= Complex(mode.pole.shape[top]);
+    mode.collinearity = phase_collinearity(mode.pole.shape);
+    mode.phase_deviation = mean_phase_deviation(mode.pole.shape);
+    tops.push_back(top);
+    shapes[m].resize(2 * channels, out.replicates);
+  }
+  const auto rows = static_cast<double>(model.basis.rows());
+  const MatrixXd direct = decay_slopes(model, step, false);
+  const Eigen::ColPivHouseholderQR<MatrixXd> solver(decay_slopes(model, step, true));
+  std::vector<double> lines;
+  for (const Complex& lambda : model.poles)
+    lines.push_back(lambda.imag() / (2.0 * std::numbers::pi) * step * rows);
+  std::vector<Surrogates> of_decays;
+  for (Index e = 0; e < model.residual.cols(); e += channels)
+    of_decays.emplace_back(model.residual.middleCols(e, channels).transpose(), lines);
+  for (int b = 0; b < out.replicates; ++b) {
+    base::Random random(seed, 0, static_cast<std::uint64_t>(b), base::Purpose::simulation);
+    MatrixXd noise(model.residual.rows(), model.residual.cols());
+    for (std::size_t e = 0; e < of_decays.size(); ++e)
+      noise.middleCols(static_cast<Index>(e) * channels, channels) =
+          of_decays[e].draw(random).transpose();
+    const VectorXd by = solver.solve(VectorXd(noise.reshaped()));
+    const VectorXd explained = direct * by;
+    const MatrixXd factors =
+        model.factors + model.qr.solve(noise - explained.reshaped(noise.rows(), noise.cols()));
+    for (Index m = 0; m < count; ++m) {
+      const Complex lambda = model.poles[index(m)];
+      const Complex d(by[2 * m], by[2 * m + 1]);
+      const double size = std::abs(lambda), grows = (std::conj(lambda) * d).real() / size;
+      moves(m, b) = grows / (2.0 * std::numbers::pi);
+      moves(count + m, b) = -d.real() / size + lambda.real() * grows / (size * size);
+      const VectorXcd whole = decay_shape_of(factors, index(m), channels);
+      const VectorXcd moved = whole / whole[tops[index(m)]] - out.modes[index(m)].pole.shape;
+      shapes[index(m)].col(b).head(channels) = moved.real();
+      shapes[index(m)].col(b).tail(channels) = moved.imag();
+    }
+  }
+  moves /= std::sqrt(static_cast<double>(out.replicates));
+  out.covariance = moves * moves.transpose();
+  for (Index m = 0; m < count; ++m) {
+    Mode& mode = out.modes[index(m)];
+    mode.pole.frequency_sd = moves.row(m).norm();
+    mode.pole.damping_sd = moves.row(count + m).norm();
+    mode.shape_covariance = shapes[index(m)] * shapes[index(m)].transpose() / out.replicates;
+  }
+}
+
+}  // namespace
+
+ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOptions& options,
+                            std::uint64_t seed) {
+  if (!(options.sample_rate_hz > 0.0))
+    refuse("sample rate", options.sample_rate_hz, "must be positive");
+  if (decays.empty()) refuse("decays", 0, "must be at least one");
+  const Index channels = decays.front().rows();
+  for (const MatrixXd& d : decays) {
+    if (d.rows() != channels || channels < 1)
+      refuse("channels", static_cast<double>(d.rows()), "must be the same in all decays");
+    if (!d.allFinite()) throw std::invalid_argument("decays: must be finite");
+    for (Index c = 0; c < channels; ++c)
+      if (d.cols() < 1 || !((d.row(c).array() - d(c, 0)).abs().maxCoeff() > 0.0))
+        refuse("channel", static_cast<double>(c), "never moves");
+  }
+  ModalResult out{.method = ModalMethod::realisation,
+                  .lowest_hz = options.lowest_hz,
+                  .highest_hz = options.highest_hz};
+  const double most = 0.45 * options.sample_rate_hz;
+  if (!(out.highest_hz > 0.0)) out.highest_hz = most;
+  if (!(out.lowest_hz >= 0.0 && out.lowest_hz < out.highest_hz))
+    refuse("lowest frequency", out.lowest_hz, "must be from 0 to below the highest");
+  out.highest_hz = std::min(out.highest_hz, 0.5 * options.sample_rate_hz);
+  out.decimated =
+      std::max(1, static_cast<int>(kKeptBand * options.sample_rate_hz / out.highest_hz));
+  out.sample_rate_hz = options.sample_rate_hz / out.decimated;
+  const std::vector<MatrixXd> y = prepared(decays, out.decimated);
+  const auto events = static_cast<Index>(y.size());
+  const Index length = y.front().cols();
+  // As many samples as make H square within its limit.
+  const Index room = kMostHankelRows / channels + kMostHankelRows / events;
+  const Index lags = std::min<Index>(length, options.lags > 0 ? options.lags : room);
+  if (lags < 8)
+    refuse("samples", static_cast<double>(length), "must be at least 8 once decimated to the band");
+  Index columns = std::clamp<Index>(lags * channels / (channels + events), 1, lags - 1);
+  const Index largest = std::min((lags - columns) * channels, columns * events);
+  const int asked = options.largest_order > 0 ? options.largest_order / 2 * 2
+                                              : std::clamp(static_cast<int>(10 * channels),
+                                                           kSmallestOrders, kLargestOrders);
+  out.largest_order =
+      std::min(asked, static_cast<int>(static_cast<double>(largest) / kHankelRows) / 2 * 2);
+  if (out.largest_order < 2)
+    refuse("samples", static_cast<double>(length), "too few for any order");
+  out.remarks.order_cut = out.largest_order < asked ? asked : 0;
+  out.lags = static_cast<int>(lags);
+  out.replicates = options.blocks > 0 ? options.blocks : kSurrogates;
+  const double step = 1.0 / out.sample_rate_hz;
+  OutputCovariances samples;
+  samples.lags = out.lags;
+  samples.samples = static_cast<long>(length);
+  samples.scale = samples.zero_lag = VectorXd::Ones(channels);
+  samples.mean = stacked(y, lags);
+  for (Index e = 0; e < events; ++e) samples.references.push_back(static_cast<int>(e));
+  // Without blocks that scatter: the diagram has no standard deviations.
+  samples.blocks.assign(2, samples.mean);
+  const StochasticSubspace subspace(samples, {.step = step,
+                                              .columns = static_cast<int>(columns),
+                                              .largest_order = out.largest_order,
+                                              .threads = options.threads});
+  out.singular_values = subspace.singular_values();
+  out.diagram = stabilise(
+      subspace,
+      {.lowest_hz = out.lowest_hz, .highest_hz = out.highest_hz, .threads = options.threads});
+  MatrixXd all(length, channels * events);
+  for (Index e = 0; e < events; ++e)
+    all.middleCols(e * channels, channels) = y[index(e)].transpose();
+  drop_noise(out.diagram, all, step);
+  std::vector<Complex> poles;
+  for (const ModeCluster& cluster : out.diagram.modes) {
+    Pole pole = out.diagram.poles[index(cluster.chosen)];
+    poles.emplace_back(std::min(pole.eigenvalue.real(), -1e-9 * std::abs(pole.eigenvalue)),
+                       pole.eigenvalue.imag());
+    out.modes.push_back({.pole = std::move(pole),
+                         .present = static_cast<int>(cluster.members.size()),
+                         .orders = cluster.orders,
+                         .amplitude_kurtosis = 2.0});
+  }
+  const DecayModel model = refine_decays(all, poles, step);
+  describe_decay(out, model, channels, step, seed);
+  for (std::size_t m = 0; m < out.modes.size(); ++m)
+    if (pole_distance(out.modes[m].pole, out.diagram.poles[index(out.diagram.modes[m].chosen)]) >
+        kMovedPole)
+      ++out.remarks.moved;
+  doubt_modes(out);
+  return out;
+}
+
+}  // namespace wheeltap::signals

@@ -1,0 +1,324 @@
+#include "signals/modal/merged_modes.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "base/constants.hpp"
+#include "base/index.hpp"
+#include "signals/modal/average_linkage.hpp"
+
+namespace wheeltap::signals {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr double kNeverMerged = std::numeric_limits<double>::infinity();
+constexpr double kNear = 0.02, kDeviations = 5.0, kThreshold = 0.15;
+constexpr double kUnlike = 0.8, kInconsistent = 0.001;
+
+std::vector<int> common_sensors(const std::vector<SetUpModes>& set_ups, int sensors) {
+  std::vector<std::size_t> seen(index(sensors), 0);
+  for (std::size_t s = 0; s < set_ups.size(); ++s) {
+    std::set<int> own;
+    for (const int k : set_ups[s].sensors) {
+      if (k < 0 || k >= sensors)
+        throw std::invalid_argument("sensor = " + std::to_string(k) + ": must be from 0 to " +
+                                    std::to_string(sensors - 1));
+      if (!own.insert(k).second)
+        throw std::invalid_argument("set-up = " + std::to_string(s) + ": has sensor " +
+                                    std::to_string(k) + " twice");
+      ++seen[index(k)];
+    }
+  }
+  std::vector<int> out;
+  for (int k = 0; k < sensors; ++k)
+    if (seen[index(k)] == set_ups.size()) out.push_back(k);
+  return out;
+}
+
+/// Channels of the references, in the references' order.
+std::vector<int> reference_channels(const SetUpModes& set_up, const std::vector<int>& references) {
+  std::vector<int> out;
+  for (const int k : references)
+    out.push_back(static_cast<int>(std::ranges::find(set_up.sensors, k) - set_up.sensors.begin()));
+  return out;
+}
+
+VectorXcd part(const VectorXcd& shape, const std::vector<int>& channels) {
+  VectorXcd out(static_cast<Index>(channels.size()));
+  for (std::size_t i = 0; i < channels.size(); ++i) out[static_cast<Index>(i)] = shape[channels[i]];
+  return out;
+}
+
+/// x̄ with its weights, which add to 1, and the variance between.
+struct Mean {
+  double value = 0.0, sd = 0.0, between = 0.0, chi_square = 0.0;
+  VectorXd weights;
+};
+
+Mean weighted_mean(const VectorXd& x, const VectorXd& stated) {
+  // What is stated to be exact is no better than rounding.
+  const VectorXd variance = stated.cwiseMax(1e-30 + 1e-24 * x.cwiseAbs2().maxCoeff());
+  VectorXd w = variance.cwiseInverse();
+  Mean out;
+  out.value = w.dot(x) / w.sum();
+  out.chi_square = w.dot((x.array() - out.value).square().matrix());
+  const double freedom = static_cast<double>(x.size()) - 1.0;
+  const double room = w.sum() - w.squaredNorm() / w.sum();
+  if (freedom > 0.0) out.between = std::max(0.0, (out.chi_square - freedom) / room);
+  w = (variance.array() + out.between).inverse();
+  out.sd = std::sqrt(1.0 / w.sum());
+  out.weights = w / w.sum();
+  out.value = out.weights.dot(x);
+  return out;
+}
+
+/// One mode's shapes in all set-ups that found it.
+struct Pieces {
+  struct Piece {
+    std::vector<int> sensors;
+    std::vector<int> references;  ///< channels
+    VectorXcd shape;
+    MatrixXd covariance;
+    double weight = 1.0;  ///< u_s
+  };
+  std::vector<Piece> list;
+  int sensors = 0;
+  std::size_t base = 0;  ///< the piece that the others are scaled to first
+  Index top = -1;        ///< the entry that is to be 1
+
+  [[nodiscard]] VectorXcd glued() const {
+    std::vector<VectorXcd> r;
+    for (const Piece& p : list) r.push_back(part(p.shape, p.references));
+    const auto factor = [](const VectorXcd& own, const VectorXcd& to) -> std::complex<double> {
+      return own.dot(to) / own.squaredNorm();  // Eigen's dot conjugates the first
+    };
+    VectorXcd mean = VectorXcd::Zero(r.front().size());
+    double all = 0.0;
+    for (std::size_t s = 0; s < list.size(); ++s) {
+      mean += list[s].weight * factor(r[s], r[base]) * r[s];
+      all += list[s].weight;
+    }
+    mean /= all;
+    VectorXcd sum = VectorXcd::Zero(sensors);
+    VectorXd weights = VectorXd::Zero(sensors);
+    for (std::size_t s = 0; s < list.size(); ++s) {
+      const Piece& p = list[s];
+      const std::complex<double> a = factor(r[s], mean);
+      for (std::size_t c = 0; c < p.sensors.size(); ++c) {
+        sum[p.sensors[c]] += p.weight * a * p.shape[static_cast<Index>(c)];
+        weights[p.sensors[c]] += p.weight;
+      }
+    }
+    for (Index k = 0; k < sensors; ++k)
+      sum[k] = weights[k] > 0.0 ? sum[k] / weights[k] : std::complex<double>(kNaN, kNaN);
+    return sum;
+  }
+  [[nodiscard]] VectorXcd scaled() const {
+    const VectorXcd whole = glued();
+    return whole / whole[top];
+  }
+};
+
+/// How well the references of a piece are known, of their own size: 1/u before scaling.
+double relative_variance(const Pieces::Piece& p) {
+  const auto n = static_cast<Index>(p.sensors.size());
+  double variance = 0.0;
+  for (const int c : p.references) variance += p.covariance(c, c) + p.covariance(n + c, n + c);
+  return variance / part(p.shape, p.references).squaredNorm();
+}
+
+void glue(MergedMode& out, Pieces& pieces) {
+  double best = kNeverMerged;
+  for (std::size_t s = 0; s < pieces.list.size(); ++s) {
+    // A piece whose only reference is its largest entry has no scatter there; none counts without
+    // bound.
+    const double variance = std::max(relative_variance(pieces.list[s]), 1e-8);
+    pieces.list[s].weight = 1.0 / variance;
+    if (variance < best) {
+      best = variance;
+      pieces.base = s;
+    }
+  }
+  const VectorXcd whole = pieces.glued();
+  double most = 0.0;
+  for (Index k = 0; k < whole.size(); ++k)
+    if (std::abs(whole[k]) > most) {
+      most = std::abs(whole[k]);
+      pieces.top = k;
+    }
+  out.shape = pieces.scaled();
+  const Index n = pieces.sensors;
+  out.shape_covariance = MatrixXd::Zero(2 * n, 2 * n);
+  for (Pieces::Piece& p : pieces.list) {
+    const auto own = static_cast<Index>(p.sensors.size());
+    MatrixXd derivative(2 * n, 2 * own);
+    for (Index j = 0; j < 2 * own; ++j) {
+      const std::complex<double> held = p.shape[j % own];
+      const double h = 1e-5;  // of a largest entry of 1: differences to about 1e-10
+      const std::complex<double> step =
+          j < own ? std::complex<double>(h, 0.0) : std::complex(0.0, h);
+      p.shape[j % own] = held + step;
+      const VectorXcd up = pieces.scaled();
+      p.shape[j % own] = held - step;
+      const VectorXcd down = pieces.scaled();
+      p.shape[j % own] = held;
+      const VectorXcd slope = (up - down) / (2.0 * h);
+      for (Index k = 0; k < n; ++k) {
+        const bool told = std::isfinite(slope[k].real());
+        derivative(k, j) = told ? slope[k].real() : 0.0;
+        derivative(n + k, j) = told ? slope[k].imag() : 0.0;
+      }
+    }
+    out.shape_covariance += derivative * p.covariance * derivative.transpose();
+  }
+}
+
+double collinearity_of_known(const VectorXcd& shape) {
+  std::vector<std::complex<double>> known;
+  for (const std::complex<double>& x : shape)
+    if (std::isfinite(x.real())) known.push_back(x);
+  return phase_collinearity(
+      Eigen::Map<const VectorXcd>(known.data(), static_cast<Index>(known.size())));
+}
+
+}  // namespace
+
+int MergedMode::found() const {
+  return static_cast<int>(std::ranges::count_if(places, [](int p) { return p >= 0; }));
+}
+
+MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors) {
+  if (set_ups.empty()) throw std::invalid_argument("set-ups = 0: must be at least 1");
+  MergedModes out{.references = common_sensors(set_ups, sensors)};
+  if (out.references.empty())
+    throw std::invalid_argument(
+        "set-ups: have no sensor in common, so that nothing says how their shapes belong together");
+
+  // All modes of all set-ups in one list.
+  struct Found {
+    int set_up, place;
+    const Mode* mode;
+    VectorXcd at_references;
+  };
+  std::vector<Found> found;
+  std::vector<int> groups;
+  std::vector<std::vector<int>> channels;
+  for (std::size_t s = 0; s < set_ups.size(); ++s) {
+    channels.push_back(reference_channels(set_ups[s], out.references));
+    for (std::size_t m = 0; m < set_ups[s].modes.size(); ++m) {
+      const Mode& mode = set_ups[s].modes[m];
+      found.push_back({static_cast<int>(s), static_cast<int>(m), &mode,
+                       part(mode.pole.shape, channels.back())});
+      groups.push_back(static_cast<int>(s));
+    }
+  }
+  const auto distance = [&](int i, int j) {
+    const Found &a = found[index(i)], &b = found[index(j)];
+    const double fa = a.mode->pole.frequency_hz, fb = b.mode->pole.frequency_hz;
+    const double apart = std::abs(fa - fb), larger = std::max(fa, fb);
+    if (apart > std::max(kNear * larger, kDeviations * std::hypot(a.mode->pole.frequency_sd,
+                                                                  b.mode->pole.frequency_sd)))
+      return kNeverMerged;
+    return apart / larger + 1.0 - modal_assurance(a.at_references, b.at_references);
+  };
+  for (const std::vector<int>& cluster : average_linkage(groups, distance, kThreshold)) {
+    MergedMode mode{.places = std::vector<int>(set_ups.size(), -1)};
+    for (const int i : cluster) mode.places[index(found[index(i)].set_up)] = found[index(i)].place;
+    out.modes.push_back(std::move(mode));
+  }
+
+  const auto count = static_cast<Index>(out.modes.size());
+  // Weights of every set-up's frequencies and damping ratios in the merged ones.
+  std::vector<MatrixXd> weights;
+  for (const SetUpModes& s : set_ups)
+    weights.emplace_back(MatrixXd::Zero(2 * count, 2 * static_cast<Index>(s.modes.size())));
+  VectorXd between = VectorXd::Zero(2 * count);
+  for (std::size_t m = 0; m < out.modes.size(); ++m) {
+    MergedMode& mode = out.modes[m];
+    const auto row = static_cast<Index>(m);
+    const auto members = static_cast<Index>(mode.found());
+    VectorXd f(members), zeta(members), f_variance(members), zeta_variance(members);
+    Pieces pieces;
+    pieces.sensors = sensors;
+    Index i = 0;
+    int doubted = 0;
+    for (std::size_t s = 0; s < set_ups.size(); ++s) {
+      if (mode.places[s] < 0) continue;
+      const Mode& one = set_ups[s].modes[index(mode.places[s])];
+      f[i] = one.pole.frequency_hz;
+      zeta[i] = one.pole.damping;
+      f_variance[i] = std::pow(one.pole.frequency_sd, 2);
+      zeta_variance[i] = std::pow(one.pole.damping_sd, 2);
+      doubted += one.doubts.empty() ? 0 : 1;
+      pieces.list.push_back({.sensors = set_ups[s].sensors,
+                             .references = channels[s],
+                             .shape = one.pole.shape,
+                             .covariance = one.shape_covariance});
+      ++i;
+    }
+    const Mean frequency = weighted_mean(f, f_variance),
+               damping = weighted_mean(zeta, zeta_variance);
+    mode.frequency_hz = frequency.value;
+    mode.frequency_sd = frequency.sd;
+    mode.between_hz = std::sqrt(frequency.between);
+    mode.damping = damping.value;
+    mode.damping_sd = damping.sd;
+    if (members > 1)
+      mode.consistency_p = boost::math::gamma_q(0.5 * (static_cast<double>(members) - 1.0),
+                                                0.5 * frequency.chi_square);
+    i = 0;
+    for (std::size_t s = 0; s < set_ups.size(); ++s) {
+      if (mode.places[s] < 0) continue;
+      const auto own = static_cast<Index>(set_ups[s].modes.size());
+      weights[s](row, mode.places[s]) = frequency.weights[i];
+      weights[s](count + row, own + mode.places[s]) = damping.weights[i];
+      ++i;
+    }
+    between[row] = frequency.between * frequency.weights.squaredNorm();
+    between[count + row] = damping.between * damping.weights.squaredNorm();
+    for (std::size_t a = 0; a < pieces.list.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        mode.reference_mac =
+            std::min(mode.reference_mac,
+                     modal_assurance(part(pieces.list[a].shape, pieces.list[a].references),
+                                     part(pieces.list[b].shape, pieces.list[b].references)));
+    glue(mode, pieces);
+    mode.collinearity = collinearity_of_known(mode.shape);
+    if (2 * mode.found() < static_cast<int>(set_ups.size()))
+      mode.doubts.push_back(MergeDoubt::few_set_ups);
+    if (2 * doubted > mode.found()) mode.doubts.push_back(MergeDoubt::doubted);
+    if (mode.consistency_p < kInconsistent) mode.doubts.push_back(MergeDoubt::inconsistent);
+    if (mode.reference_mac < kUnlike) mode.doubts.push_back(MergeDoubt::unlike);
+  }
+  // By frequency, and with it the rows of everything.
+  std::vector<std::size_t> order(out.modes.size());
+  for (std::size_t m = 0; m < order.size(); ++m) order[m] = m;
+  std::ranges::sort(order, {}, [&](std::size_t m) { return out.modes[m].frequency_hz; });
+  MatrixXd covariance = between.asDiagonal();
+  for (std::size_t s = 0; s < set_ups.size(); ++s)
+    covariance += weights[s] * set_ups[s].covariance * weights[s].transpose();
+  out.covariance.resize(2 * count, 2 * count);
+  const auto from = [&](Index k) {
+    return k < count ? static_cast<Index>(order[static_cast<std::size_t>(k)])
+                     : count + static_cast<Index>(order[static_cast<std::size_t>(k - count)]);
+  };
+  for (Index i = 0; i < 2 * count; ++i)
+    for (Index j = 0; j < 2 * count; ++j) out.covariance(i, j) = covariance(from(i), from(j));
+  std::vector<MergedMode> sorted;
+  for (const std::size_t m : order) sorted.push_back(std::move(out.modes[m]));
+  out.modes = std::move(sorted);
+  return out;
+}
+
+}  // namespace wheeltap::signals
