@@ -80,7 +80,8 @@ function(wheeltap_unity target)
     math(EXPR count "${count} / 2")
   endwhile()
   foreach(source IN LISTS sources)
-    string(MD5 drawn "${source}")
+    get_filename_component(name "${source}" NAME)
+    string(MD5 drawn "${name}")
     string(SUBSTRING "${drawn}" 0 6 drawn)
     math(EXPR group "0x${drawn} % ${groups}")
     set_source_files_properties("${source}" PROPERTIES UNITY_GROUP ${group})
@@ -116,12 +117,12 @@ function(wheeltap_library folder)
   wheeltap_unity(${target} ${ARG_ALONE})
 endfunction()
 
-# wheeltap_kernels(<target> <stem> [ONE_SANITIZED]): <stem>_baseline.cpp and, on x86, <stem>_avx2.cpp and <stem>_avx512.cpp,
+# wheeltap_kernels(<target> <stem> [ONE_SANITIZED] [PLAIN]): <stem>_baseline.cpp and, on x86, <stem>_avx2.cpp and <stem>_avx512.cpp,
 # one source for registers of each width; which one runs is chosen then (base/simd.hpp). Never contracted to fused
 # multiply-add, so that all of them give the same bits and a run does not depend on the processor. ONE_SANITIZED: the
-# sanitizers' builds have the baseline alone.
+# sanitizers' builds have the baseline alone. PLAIN: see wheeltap_plain.
 function(wheeltap_kernels target stem)
-  cmake_parse_arguments(ARG "ONE_SANITIZED" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "ONE_SANITIZED;PLAIN" "" "" ${ARGN})
   set(kernels ${stem}_baseline.cpp)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT (ARG_ONE_SANITIZED AND WHEELTAP_SANITIZE))
     list(APPEND kernels ${stem}_avx2.cpp ${stem}_avx512.cpp)
@@ -132,6 +133,9 @@ function(wheeltap_kernels target stem)
   endif()
   set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS
     -ffp-contract=off -fno-trapping-math -fno-math-errno)
+  if(ARG_PLAIN)
+    set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS "$<$<CONFIG:Release>:-O2>")
+  endif()
   # GCC 12 ends with an internal error otherwise (gimple_expand_vec_cond_expr) under the sanitizer of threads, and that of
   # addresses without undefined behaviour's.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND WHEELTAP_SANITIZE)

@@ -47,7 +47,4 @@ return { View: require('vega-view').View, parse: require('vega-parser').parse };
 
 configure_file("${report_dir}/assets.cpp.in"
   "${CMAKE_CURRENT_BINARY_DIR}/generated/apps/report/assets.cpp" @ONLY)
-set(REPORT_SOURCES report/answer.cpp report/digest.cpp report/digest_draws.cpp report/digest_links.cpp
-  report/digest_parameters.cpp
-  report/digest_responses.cpp report/report.cpp
-  "${CMAKE_CURRENT_BINARY_DIR}/generated/apps/report/assets.cpp")
+set(REPORT_ASSETS "${CMAKE_CURRENT_BINARY_DIR}/generated/apps/report/assets.cpp")

@@ -1,5 +1,6 @@
 #include "apps/runs/damage_run.hpp"
 
+#include "apps/remote/outside_model.hpp"
 #include "apps/results/damage_summary.hpp"
 #include "apps/results/damage_terminal.hpp"
 #include "apps/results/posterior_file.hpp"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/cases/structures/structure_case.hpp"
+#include "apps/remote/outside_model.hpp"
 #include "apps/results/stored_run.hpp"
 #include "apps/results/update_posterior_file.hpp"
 #include "apps/results/update_summary.hpp"

@@ -16,7 +16,9 @@ ROOMS = {
     "base": "Random numbers, threads, numbers in text.",
 }
 # Inside of a folder, and no promise to anybody (docs/libraries.md).
-INSIDE = ("dynamics/kernel/", "inference/stages/")
+INSIDE = ("dynamics/kernel/", *(f"inference/engine/{stage}" for stage in (
+    "explore", "follow", "model_probabilities", "run_context", "run_state", "safe_points", "salvage", "sample", "temper",
+    "tune", "weigh")))
 
 
 def words(node):

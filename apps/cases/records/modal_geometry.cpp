@@ -10,7 +10,7 @@ namespace wheeltap::apps {
 namespace {
 
 using Eigen::Index;
-using Place = std::array<double, 3>;
+using Coordinates = std::array<double, 3>;
 
 std::string name_at(const CaseFile& file, const Pointer& where, const Geometry& geometry) {
   std::string name = text_or_number(file.json.at(where));
@@ -21,7 +21,7 @@ std::string name_at(const CaseFile& file, const Pointer& where, const Geometry& 
 Geometry of_nodes(const CaseFile& file, const Pointer& where) {
   Geometry out;
   for (const auto& [name, at] : file.json.at(where / "nodes").items()) {
-    Place place{};
+    Coordinates place{};
     for (std::size_t k = 0; k < at.size(); ++k) place[k] = at[k].get<double>();
     if (at.size() == 3) out.dimension = 3;
     out.nodes[name] = place;
@@ -123,14 +123,14 @@ std::optional<std::array<double, 3>> direction_of(const MeasuredSensor& sensor) 
   if (sensor.azimuth || sensor.elevation) {
     const double a = kDegree * sensor.azimuth.value_or(0.0),
                  e = kDegree * sensor.elevation.value_or(0.0);
-    return Place{std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
+    return Coordinates{std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
   }
   std::string axis = sensor.direction;
   const double sign = axis.starts_with('-') ? -1.0 : 1.0;
   if (axis.starts_with('-') || axis.starts_with('+')) axis.erase(0, 1);
-  if (axis == "x") return Place{sign, 0.0, 0.0};
-  if (axis == "y") return Place{0.0, sign, 0.0};
-  if (axis == "z") return Place{0.0, 0.0, sign};
+  if (axis == "x") return Coordinates{sign, 0.0, 0.0};
+  if (axis == "y") return Coordinates{0.0, sign, 0.0};
+  if (axis == "z") return Coordinates{0.0, 0.0, sign};
   return {};
 }
 
