@@ -139,20 +139,17 @@ inline void shape(const Small& k, const Vec& delta, double residual_factor, bool
   at(a2, lanes) = p2 * size;
 }
 
-inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, const int* lower_pole,
-                           const SecularScratch& scratch, SecularSteps& steps) {
-  const int m = s.columns;
-  const Vec z = at(lambda, lanes);
-  weigh(s, lanes, z, lower_pole, scratch);
-  accumulate(s, lanes, scratch.weights, 0, s.rows(), scratch.matrix);
-  if (s.terms > 0) accumulate(s, lanes, scratch.slopes, s.near, s.rows(), scratch.slope_matrix);
+/// Row a of A and of its factors.
+inline Pack* row_of(const SecularScratch& scratch, int a) {
+  return scratch.matrix + a * (a + 1) / 2;
+}
 
-  // The two poles' columns, gathered; y = A⁻¹ e replaces them.
+/// The two poles' columns e, gathered into `forces`, and H of the poles alone.
+inline void gather_poles(const Secular& s, int lanes, const Pack& lambda, const int* lower_pole,
+                         const SecularScratch& scratch, Small& k) {
+  const int m = s.columns;
   Pack* y1 = scratch.forces;
   Pack* y2 = y1 + m;
-  Pack* u1 = scratch.forward;
-  Pack* u2 = u1 + m;
-  Small k;
   Vec gap1, gap2;
   for (int l = 0; l < kWidth; ++l) {
     const int p = lower_pole[lanes + l];
@@ -171,29 +168,37 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
       y2[a].lane[lanes + l] = c[1] * inverse2;
     }
   }
-
-  // A = J - Σ κ e eᵀ, then A = L D Lᵀ in place (row a starts at a (a + 1) / 2, D inverted), and
-  // L u = e.
-  const auto row = [&](int a) { return scratch.matrix + a * (a + 1) / 2; };
-  const Vec zero{};
   k.h11 = gap1 / k.above1;
-  k.h12 = zero;
+  k.h12 = Vec{};
   k.h22 = gap2 / k.above2;
+}
+
+/// A = J - Σ κ e eᵀ, then A = L D Lᵀ in place (D inverted), L u = e, and H. Sums are kept in local
+/// variables: in k, stores to `scratch` could alias them.
+inline void factor_matrix(const Secular& s, int lanes, const SecularScratch& scratch, Small& k,
+                          SecularSteps& steps) {
+  const int m = s.columns;
+  const Pack* y1 = scratch.forces;
+  const Pack* y2 = y1 + m;
+  Pack* u1 = scratch.forward;
+  Pack* u2 = u1 + m;
+  const Vec zero{};
+  Vec h11 = k.h11, h12 = k.h12, h22 = k.h22;
   Vec negative = zero, smallest = zero + 1.0;
   for (int a = 0; a < m; ++a) {
-    Pack* ra = row(a);
+    Pack* ra = row_of(scratch, a);
     const Vec diagonal = (a < s.supports ? -1.0 : 1.0) - at(ra[a], lanes);
     Vec pivot = diagonal;
     Vec c1 = at(y1[a], lanes), c2 = at(y2[a], lanes);
     for (int b = 0; b < a; ++b) {
-      const Pack* rb = row(b);
+      const Pack* rb = row_of(scratch, b);
       Vec entry = -at(ra[b], lanes);
       for (int c = 0; c < b; ++c) entry -= at(ra[c], lanes) * at(rb[c], lanes);
       at(ra[b], lanes) = entry;  // still scaled by D
     }
     for (int b = 0; b < a; ++b) {
       const Vec scaled = at(ra[b], lanes);
-      const Vec l = scaled * at(row(b)[b], lanes);
+      const Vec l = scaled * at(row_of(scratch, b)[b], lanes);
       pivot -= scaled * l;
       at(ra[b], lanes) = l;
       c1 -= l * at(u1[b], lanes);
@@ -207,25 +212,44 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
     const Vec size = diagonal < zero ? 1.0 - diagonal : 1.0 + diagonal;
     const Vec left = (pivot < zero ? -pivot : pivot) / size;
     smallest = left < smallest ? left : smallest;
-    k.h11 -= c1 * c1 * inverse;
-    k.h12 -= c1 * c2 * inverse;
-    k.h22 -= c2 * c2 * inverse;
+    h11 -= c1 * c1 * inverse;
+    h12 -= c1 * c2 * inverse;
+    h22 -= c2 * c2 * inverse;
   }
+  k.h11 = h11;
+  k.h12 = h12;
+  k.h22 = h22;
+  at(steps.negative, lanes) = negative;
+  at(steps.smallest_pivot, lanes) = smallest;
+}
+
+/// y = A⁻¹ e from D and u; in `forces` it replaces e.
+inline void substitute_back(int m, int lanes, const SecularScratch& scratch) {
+  Pack* y1 = scratch.forces;
+  Pack* y2 = y1 + m;
+  const Pack* u1 = scratch.forward;
+  const Pack* u2 = u1 + m;
   for (int a = m; a-- > 0;) {
-    const Vec inverse = at(row(a)[a], lanes);
+    const Vec inverse = at(row_of(scratch, a)[a], lanes);
     Vec first = at(u1[a], lanes) * inverse, second = at(u2[a], lanes) * inverse;
     for (int b = a + 1; b < m; ++b) {
-      const Vec l = at(row(b)[a], lanes);
+      const Vec l = at(row_of(scratch, b)[a], lanes);
       first -= l * at(y1[b], lanes);
       second -= l * at(y2[b], lanes);
     }
     at(y1[a], lanes) = first;
     at(y2[a], lanes) = second;
   }
+}
 
-  // B = -Yᵀ A' Y; apart from it, what the modes that count negatively took from it.
-  k.b11 = k.b12 = k.b22 = zero;
-  Vec m11 = zero, m12 = zero, m22 = zero;
+/// B = -Yᵀ A' Y, and N.
+inline void differentiate(const Secular& s, int lanes, const SecularScratch& scratch, Small& k) {
+  const int m = s.columns;
+  const Pack* y1 = scratch.forces;
+  const Pack* y2 = y1 + m;
+  const Vec zero{};
+  Vec b11 = zero, b12 = zero, b22 = zero;
+  Vec m11 = zero, m12 = zero, m22 = zero;  // what the modes that count negatively took from B
   for (int j = 0; j < s.near; ++j) {
     Vec first = zero, second = zero;
     for (int a = 0; a < m; ++a) {
@@ -234,9 +258,9 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
       second += c * at(y2[a], lanes);
     }
     const Vec slope = at(scratch.slopes[j], lanes);
-    k.b11 += slope * first * first;
-    k.b12 += slope * first * second;
-    k.b22 += slope * second * second;
+    b11 += slope * first * first;
+    b12 += slope * first * second;
+    b22 += slope * second * second;
     if (j >= s.negative) continue;
     m11 -= slope * first * first;
     m12 -= slope * first * second;
@@ -252,18 +276,24 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
       }
       const Vec f = at(scratch.slope_matrix[t++], lanes);
       const Vec a1 = at(y1[a], lanes), a2 = at(y2[a], lanes);
-      k.b11 += a1 * (2.0 * first + f * a1);
-      k.b12 += a1 * (second + f * a2) + a2 * first;
-      k.b22 += a2 * (2.0 * second + f * a2);
+      b11 += a1 * (2.0 * first + f * a1);
+      b12 += a1 * (second + f * a2) + a2 * first;
+      b22 += a2 * (2.0 * second + f * a2);
     }
+  k.b11 = b11;
+  k.b12 = b12;
+  k.b22 = b22;
   const Vec per1 = k.root1 / k.above1, per2 = k.root2 / k.above2;
   // N must be positive for δ to have the signs of H, whose root's v any such N finds.
   k.n11 = per1 * per1 + (k.b11 + 2.0 * m11);
   k.n12 = k.b12 + 2.0 * m12;
   k.n22 = per2 * per2 + (k.b22 + 2.0 * m22);
+}
 
-  // Both δ of H v = δ N v, through N's Cholesky factor; the smaller one as determinant / larger, so
-  // that it keeps its relative accuracy at convergence.
+/// Both δ of H v = δ N v, through N's Cholesky factor; the smaller one as determinant / larger, so
+/// that it keeps its relative accuracy at convergence.
+inline void both_roots(const Small& k, Vec& low, Vec& high) {
+  const Vec zero{};
   const Vec r = k.n12 / k.n11;
   const Vec rest = k.n22 - k.n12 * r;
   const Vec b21 = k.h12 - r * k.h11, b22 = k.h22 - 2.0 * r * k.h12 + r * r * k.h11;
@@ -274,11 +304,25 @@ inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, cons
   const Vec large = mean < zero ? mean - root : mean + root;
   const Vec determinant = g11 * g22 - g12_squared;
   const Vec small = large == zero ? zero : determinant / large;
-  const Vec low = mean < zero ? large : small, high = mean < zero ? small : large;
+  low = mean < zero ? large : small;
+  high = mean < zero ? small : large;
+}
+
+inline void evaluate_lanes(const Secular& s, int lanes, const Pack& lambda, const int* lower_pole,
+                           const SecularScratch& scratch, SecularSteps& steps) {
+  const Vec z = at(lambda, lanes);
+  weigh(s, lanes, z, lower_pole, scratch);
+  accumulate(s, lanes, scratch.weights, 0, s.rows(), scratch.matrix);
+  if (s.terms > 0) accumulate(s, lanes, scratch.slopes, s.near, s.rows(), scratch.slope_matrix);
+  Small k;
+  gather_poles(s, lanes, lambda, lower_pole, scratch, k);
+  factor_matrix(s, lanes, scratch, k, steps);
+  substitute_back(s.columns, lanes, scratch);
+  differentiate(s, lanes, scratch, k);
+  Vec low, high;
+  both_roots(k, low, high);
   at(steps.low, lanes) = low;
   at(steps.high, lanes) = high;
-  at(steps.negative, lanes) = negative;
-  at(steps.smallest_pivot, lanes) = smallest;
   shape(k, low, s.residual_factor, true, steps.low_step, steps.low_residual, steps.low_v1,
         steps.low_v2, steps.low_a1, steps.low_a2, lanes);
   shape(k, high, s.residual_factor, false, steps.high_step, steps.high_residual, steps.high_v1,

@@ -7,6 +7,7 @@
 #include "apps/cases/beam_parameters.hpp"
 #include "apps/cases/damage_data.hpp"
 #include "apps/cases/damage_parts.hpp"
+#include "apps/cases/emulator_case.hpp"
 #include "apps/cases/modal_data_case.hpp"
 #include "apps/cases/simulation.hpp"
 #include "apps/cases/states_case.hpp"
@@ -205,159 +206,6 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   return kind;
 }
 
-std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& where,
-                                          int elements) {
-  const auto parse_list = [&](const Pointer& list_at) {
-    std::vector<int> sites;
-    const Json& list = file.json.at(list_at);
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      const int site = list[i].get<int>();
-      if (site > elements) {
-        file.refuse(list_at / i, "the beam has " + std::to_string(elements) + " elements");
-      }
-      if (!sites.empty() && site - 1 <= sites.back()) {
-        file.refuse(list_at / i, "sites must increase, and none may stand twice");
-      }
-      sites.push_back(site - 1);
-    }
-    if (sites.size() < 2) file.refuse(list_at, "at least two sites are needed to interpolate");
-    return sites;
-  };
-  const Json& sites = file.json.at(where);
-  std::vector<std::vector<int>> lists;
-  if (sites.is_string()) {
-    if (elements < 2) file.refuse(where, "a beam of one element has nothing to interpolate");
-    lists.emplace_back(static_cast<std::size_t>(elements));
-    std::iota(lists[0].begin(), lists[0].end(), 0);
-  } else if (sites[0].is_array()) {
-    for (std::size_t i = 0; i < sites.size(); ++i) lists.push_back(parse_list(where / i));
-  } else {
-    lists.push_back(parse_list(where));
-  }
-  return lists;
-}
-
-// A scattered design, or the user's own runs.
-void parse_runs(const CaseFile& file, const Pointer& where, EmulatorSpec& spec) {
-  const Json& p = file.json.at(where);
-  if (p.contains("design")) {
-    const Json& d = p["design"];
-    spec.runs =
-        d["kind"] == "sobol" ? EmulatorSpec::Runs::sobol : EmulatorSpec::Runs::latin_hypercube;
-    spec.design_runs = d["runs"].is_array() ? d["runs"].get<std::vector<int>>()
-                                            : std::vector<int>{d["runs"].get<int>()};
-    spec.design_seed = d.value("seed", std::uint64_t{1});
-  }
-  if (p.contains("runs_csv")) {
-    spec.runs = EmulatorSpec::Runs::csv;
-    const Json& names = p["runs_csv"];
-    for (const Json& name : names.is_array() ? names : Json::array({names})) {
-      spec.csv.push_back(file.resolve(name.get<std::string>()));
-    }
-  }
-}
-
-// `where`: the predictor, or what stands in front of one that is not ours.
-EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const DamageCase& out) {
-  const Json& p = file.json.at(where);
-  if (out.kinds.size() != 1 || out.kinds[0].type != &defects::kReduction) {
-    file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
-  }
-  if (out.kinds[0].extent || out.kinds[0].extent_prior)
-    file.refuse(where,
-                "an emulator knows reductions of one element, not over an \"extent\"; use \"fe\" "
-                "here");
-  if (out.structure)
-    file.refuse(where, "an emulator is trained on a beam, not on a structure; use \"fe\" here");
-  EmulatorSpec spec;
-  spec.emulator_error = p.value("emulator_error", true);
-  spec.exact = p.value("exact", false);
-  spec.holdout = p.value("holdout", spec.holdout);
-  if (p.contains("table")) {
-    for (const char* key :
-         {"sites", "multipliers", "interpolation", "coordinate", "expansion", "additive", "design",
-          "runs_csv", "symmetrise", "holdout", "accuracy"}) {
-      if (p.contains(key))
-        file.refuse(where / key, "is the table's own: it does not go with \"table\"");
-    }
-    spec.table = file.resolve(p["table"].get<std::string>());
-    return spec;
-  }
-  const int sources = (p.contains("sites") ? 1 : 0) + (p.contains("design") ? 1 : 0) +
-                      (p.contains("runs_csv") ? 1 : 0);
-  if (sources != 1) {
-    file.refuse(where,
-                "an emulator has one of \"table\", \"sites\" (with \"multipliers\"), "
-                "\"design\" and \"runs_csv\"");
-  }
-  parse_runs(file, where, spec);
-  const bool grid = p.contains("sites");
-  const bool own = p.contains("runs_csv");
-  if (grid && !p.contains("multipliers")) {
-    file.refuse(where / "multipliers", "is missing: \"sites\" go with \"multipliers\"");
-  }
-  if (own && p.contains("multipliers")) {
-    file.refuse(where / "multipliers", "the levels of \"runs_csv\" are in the file");
-  }
-  if (!grid && !own) spec.interpolant = &emulator::kGaussianProcess;
-  if (p.contains("interpolation")) {
-    // The schema has let no other names pass.
-    spec.interpolant = find_interpolant_type(p["interpolation"].get<std::string>());
-  }
-  using Joined = emulator::InterpolantType::Runs;
-  if (grid && spec.interpolant->runs != Joined::grid) {
-    file.refuse(where / "interpolation",
-                "is for scattered runs (\"design\", \"runs_csv\"); a grid of sites has " +
-                    interpolant_names(Joined::grid));
-  }
-  if (p.contains("design") && spec.interpolant->runs != Joined::scattered) {
-    file.refuse(where / "interpolation",
-                "is for grids; a scattered design has " + interpolant_names(Joined::scattered));
-  }
-  if (grid) spec.sites = parse_sites(file, where / "sites", out.beam.elements);
-  if (p.contains("accuracy")) {
-    if (!grid) file.refuse(where / "accuracy", "goes with \"sites\" and \"multipliers\" only");
-    spec.accuracy = p["accuracy"].get<double>();
-  }
-  if (p.contains("multipliers")) {
-    for (const double multiplier : p["multipliers"].get<std::vector<double>>()) {
-      spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // 0.6, not 1 - 0.4
-    }
-    std::ranges::sort(spec.reductions);
-    if (std::ranges::adjacent_find(spec.reductions) != spec.reductions.end()) {
-      file.refuse(where / "multipliers", "no multiplier may stand twice");
-    }
-  } else if (p.contains("design")) {
-    const inference::Prior& prior = *out.kinds[0].severity_prior();
-    if (!(prior.upper() <= 0.999 && prior.upper() > prior.lower())) {
-      file.refuse(where / "multipliers",
-                  "is missing: the reduction prior does not bound the design");
-    }
-  }
-  spec.compliance = p.value("coordinate", std::string()) == "compliance";
-  if (p.value("expansion", std::string("none")) == "anova") {
-    spec.anova = emulator::additive_named(p.value("additive", std::string("inverse-square")));
-    if (spec.sites.size() > 1) {
-      file.refuse(where / "sites",
-                  "\"anova\" asks one table for any of the damages: give one list of sites");
-    }
-  } else if (p.contains("additive")) {
-    file.refuse(where / "additive", "goes with \"expansion\": \"anova\" only");
-  }
-  const std::size_t most_damages = spec.interpolant->most_factors / 2;
-  if (static_cast<std::size_t>(spec.tables(out.kinds[0].max_count)) > most_damages) {
-    file.refuse(where / "interpolation", '"' + std::string(spec.interpolant->name) +
-                                             "\" takes up to " + std::to_string(most_damages) +
-                                             " damages; add \"expansion\": \"anova\" for more");
-  }
-  const bool symmetric = fem::is_mirror_symmetric(out.beam);
-  spec.symmetrise = p.value("symmetrise", symmetric && spec.emulator_error);
-  if (spec.symmetrise && !symmetric) {
-    file.refuse(where / "symmetrise", "this beam is not its own mirror image");
-  }
-  return spec;
-}
-
 }  // namespace
 
 void DamageCaseFile::refuse(const InvalidInput& error) const {
@@ -436,10 +284,137 @@ void check_beam_modes(const CaseFile& f, DamageCase& out) {
   }
 }
 
-}  // namespace
+std::vector<std::string> notes_of(const Json& json) {
+  if (!json.contains("notes")) return {};
+  if (json["notes"].is_string()) return {json["notes"].get<std::string>()};
+  return json["notes"].get<std::vector<std::string>>();
+}
 
-// Each is explored by itself before anything is drawn.
-constexpr double kMostModels = 5000;
+/// The structure, or the beam; returns the model that states stand on, and whether it is a beam
+/// whose elements are all alike.
+std::pair<std::shared_ptr<const StructureModel>, bool> take_structure(const CaseFile& f,
+                                                                      bool structure,
+                                                                      DamageCase& out) {
+  if (structure) {
+    out.structure = std::make_shared<const StructureModel>(parse_structure(with_known(f)));
+    return {out.structure, false};
+  }
+  ParametricBeam beam = parse_parametric_beam(with_known(f));
+  out.beam = beam.beam;
+  out.beam_depth = beam.depth;
+  return {beam.model, beam.uniform};
+}
+
+void check_kinds(const CaseFile& f, const DamageCaseFile& parsed) {
+  // Each model is explored by itself before anything is drawn.
+  constexpr double kMostModels = 5000;
+  const std::vector<DefectKind>& kinds = parsed.damage.kinds;
+  double models = 1.0;
+  for (const DefectKind& kind : kinds) models *= kind.max_count - kind.min_count + 1.0;
+  if (models > kMostModels) {
+    f.refuse(damage_key("/damage"), "would be " + damage_number(models) +
+                                        " models, one a combination of counts: must be at most " +
+                                        damage_number(kMostModels) + "; lower the largest counts");
+  }
+  for (std::size_t i = 1; i < kinds.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (kinds[i].name == kinds[j].name) {
+        f.refuse(parsed.kinds[i],
+                 "two kinds are called \"" + kinds[i].name + "\"; give one of them a \"name\"");
+      }
+    }
+  }
+}
+
+void take_kinds(const CaseFile& f, bool structure, DamageCaseFile& parsed) {
+  DamageCase& out = parsed.damage;
+  const Json damage = f.json.value("damage", Json::array());
+  if (structure) {
+    parse_structure_kinds(f, out, parsed.kinds);
+  } else if (damage.is_array()) {
+    for (std::size_t i = 0; i < damage.size(); ++i) {
+      parsed.kinds.push_back(damage_key("/damage") / i);
+      out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
+    }
+  } else {
+    parsed.kinds.push_back(damage_key("/damage"));
+    out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
+  }
+  check_kinds(f, parsed);
+}
+
+/// A model of someone else's, or an emulator.
+void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
+  DamageCase& out = parsed.damage;
+  if (!has_outside_model(f)) {
+    if (f.json.contains("predictor") && f.json["predictor"].is_object())
+      out.emulator = parse_emulator(f, damage_key("/predictor"), out);
+    return;
+  }
+  for (const DefectKind& kind : out.kinds)
+    if (kind.severity_prior() == nullptr)
+      f.refuse(damage_key("/predictor"),
+               "a " + kind.name + " of known severity cannot be told from none: give it a prior");
+  parsed.outside = parse_outside(f, outside_inputs(out));
+  if (!f.json["predictor"].contains("emulator")) return;
+  const Pointer front("/predictor/emulator");
+  if (f.json.at(front).contains("table"))
+    f.refuse(front / "table", "holds runs of our own beam, not of this model");
+  out.emulator = parse_emulator(f, front, out);
+  if (f.json.at(front).value("symmetrise", false))
+    f.refuse(front / "symmetrise", "whether this model is its own mirror image is not known");
+  out.emulator->symmetrise = false;
+  if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kFreshRunsOfOthers;
+}
+
+/// Frequencies of the case's truth, in place of those that it does not give.
+void simulate_data(const CaseFile& f, DamageCaseFile& parsed) {
+  DamageCase& out = parsed.damage;
+  if (!out.simulation) {
+    f.refuse(damage_key("/data"),
+             "no data: give \"frequencies\" or a \"file\", or a \"truth\" in damage to simulate "
+             "them from");
+  }
+  const auto sd = out.data.sd_hz;
+  const auto cv = out.data.cv;
+  const auto cv_prior = out.data.cv_prior;
+  const double discrepancy = out.data.discrepancy_cv;
+  out.data = explained(parsed, [&] { return simulate(out, out.simulation->seed); });
+  out.data.cv = cv;
+  out.data.cv_prior = cv_prior;
+  out.data.discrepancy_cv = discrepancy;
+  if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
+    f.refuse(damage_key("/data/sd"),
+             "must have one value per mode: " + std::to_string(out.data.modes()));
+  }
+  if (!sd.empty()) out.data.sd_hz = sd;
+  if (out.modal)
+    explained(parsed, [&] {
+      take_true_shapes(f, out);
+      return true;
+    });
+  if (cv_prior) out.data.sd_hz.clear();
+}
+
+/// The noise of the data, and the baseline, where there is one.
+void finish_data(const CaseFile& f, DamageCase& out) {
+  if (out.data.sd_hz.empty() && !out.data.cv_prior) {
+    f.refuse(damage_key("/data/cov"),
+             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
+             "0.005 for 0.5 % of each, for example");
+  }
+  if (f.json.contains("baseline")) {
+    if (out.data.simulated)
+      f.refuse(damage_key("/baseline"),
+               "goes with measured data: these are simulated by the model itself, of which nothing "
+               "has changed but the truth");
+    take_baseline(f, out);
+  }
+  if (f.json.contains("data"))
+    require_shapes_to_doubt(f, damage_key("/data"), out.modal && out.modal->has_shapes());
+}
+
+}  // namespace
 
 DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   const bool structure = has_structure(file);
@@ -452,77 +427,16 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   const Json& json = f.json;
   out.title = json.value("title", io::printable(f.path.stem().string()));
   out.balance = json.value("balance", false);
-  if (json.contains("notes")) {
-    if (json["notes"].is_string()) {
-      parsed.notes = {json["notes"].get<std::string>()};
-    } else {
-      parsed.notes = json["notes"].get<std::vector<std::string>>();
-    }
-  }
-  std::shared_ptr<const StructureModel> model;
-  bool uniform = false;
-  if (structure) {
-    out.structure = std::make_shared<const StructureModel>(parse_structure(with_known(f)));
-    model = out.structure;
-  } else {
-    ParametricBeam beam = parse_parametric_beam(with_known(f));
-    out.beam = beam.beam;
-    out.beam_depth = beam.depth;
-    model = beam.model;
-    uniform = beam.uniform;
-  }
-  const Json damage = json.value("damage", Json::array());
+  parsed.notes = notes_of(json);
+  const auto [model, uniform] = take_structure(f, structure, out);
   if (needs == Needs::data) {
     for (const char* key : {"damage", "data"}) {
       if (!json.contains(key))
         f.refuse(Pointer() / std::string(key), "is missing: must be an object");
     }
   }
-  if (structure) {
-    parse_structure_kinds(f, out, parsed.kinds);
-  } else if (damage.is_array()) {
-    for (std::size_t i = 0; i < damage.size(); ++i) {
-      parsed.kinds.push_back(damage_key("/damage") / i);
-      out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
-    }
-  } else {
-    parsed.kinds.push_back(damage_key("/damage"));
-    out.kinds.push_back(parse_kind(f, parsed.kinds.back(), out.beam.length, out));
-  }
-  double models = 1.0;
-  for (const DefectKind& kind : out.kinds) models *= kind.max_count - kind.min_count + 1.0;
-  if (models > kMostModels) {
-    f.refuse(damage_key("/damage"), "would be " + damage_number(models) +
-                                        " models, one a combination of counts: must be at most " +
-                                        damage_number(kMostModels) + "; lower the largest counts");
-  }
-  for (std::size_t i = 1; i < out.kinds.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (out.kinds[i].name == out.kinds[j].name) {
-        f.refuse(parsed.kinds[i],
-                 "two kinds are called \"" + out.kinds[i].name + "\"; give one of them a \"name\"");
-      }
-    }
-  }
-  if (has_outside_model(f)) {
-    for (const DefectKind& kind : out.kinds)
-      if (kind.severity_prior() == nullptr)
-        f.refuse(damage_key("/predictor"),
-                 "a " + kind.name + " of known severity cannot be told from none: give it a prior");
-    parsed.outside = parse_outside(f, outside_inputs(out));
-    const Pointer front("/predictor/emulator");
-    if (json["predictor"].contains("emulator")) {
-      if (f.json.at(front).contains("table"))
-        f.refuse(front / "table", "holds runs of our own beam, not of this model");
-      out.emulator = parse_emulator(f, front, out);
-      if (f.json.at(front).value("symmetrise", false))
-        f.refuse(front / "symmetrise", "whether this model is its own mirror image is not known");
-      out.emulator->symmetrise = false;
-      if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kFreshRunsOfOthers;
-    }
-  } else if (json.contains("predictor") && json["predictor"].is_object()) {
-    out.emulator = parse_emulator(f, damage_key("/predictor"), out);
-  }
+  take_kinds(f, structure, parsed);
+  take_predictor(f, parsed);
   const bool of_low_rank = std::ranges::all_of(
       out.kinds, [](const DefectKind& kind) { return kind.type->has_low_rank; });
   const bool states = needs == Needs::data && (has_states(f) || !of_low_rank);
@@ -540,54 +454,14 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   } else if (json.contains("data")) {
     take_data(f, out);
   }
-
   if (structure) {
     check_structure_modes(f, out);
   } else {
     check_beam_modes(f, out);
   }
   if (needs == Needs::structure || states) return parsed;
-
-  if (out.data.frequencies_hz.empty()) {
-    if (!out.simulation) {
-      f.refuse(damage_key("/data"),
-               "no data: give \"frequencies\" or a \"file\", or a \"truth\" in damage to simulate "
-               "them from");
-    }
-    const auto sd = out.data.sd_hz;
-    const auto cv = out.data.cv;
-    const auto cv_prior = out.data.cv_prior;
-    const double discrepancy = out.data.discrepancy_cv;
-    out.data = explained(parsed, [&] { return simulate(out, out.simulation->seed); });
-    out.data.cv = cv;
-    out.data.cv_prior = cv_prior;
-    out.data.discrepancy_cv = discrepancy;
-    if (!sd.empty() && sd.size() != out.data.frequencies_hz.size()) {
-      f.refuse(damage_key("/data/sd"),
-               "must have one value per mode: " + std::to_string(out.data.modes()));
-    }
-    if (!sd.empty()) out.data.sd_hz = sd;
-    if (out.modal)
-      explained(parsed, [&] {
-        take_true_shapes(f, out);
-        return true;
-      });
-    if (cv_prior) out.data.sd_hz.clear();
-  }
-  if (out.data.sd_hz.empty() && !out.data.cv_prior) {
-    f.refuse(damage_key("/data/cov"),
-             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
-             "0.005 for 0.5 % of each, for example");
-  }
-  if (json.contains("baseline")) {
-    if (out.data.simulated)
-      f.refuse(damage_key("/baseline"),
-               "goes with measured data: these are simulated by the model itself, of which nothing "
-               "has changed but the truth");
-    take_baseline(f, out);
-  }
-  if (!states && json.contains("data"))
-    require_shapes_to_doubt(f, damage_key("/data"), out.modal && out.modal->has_shapes());
+  if (out.data.frequencies_hz.empty()) simulate_data(f, parsed);
+  finish_data(f, out);
   return parsed;
 }
 

@@ -60,16 +60,8 @@ emulator::TableFile read_parts(const std::vector<std::filesystem::path>& paths,
   }
 }
 
-/// Runs the design of the case's predictor, measures the emulator on fresh runs, writes the table.
-/// Finished runs are remembered beside the output until it is written; `resume` starts from them.
-void run_table(const CommonOptions& common, const TableOptions& options) {
-  const auto log = make_log(common.quiet);
-  if (!options.part.empty() && !options.merge.empty()) {
-    throw Failure(Exit::usage,
-                  "--part and --merge: a part is computed or parts are joined, not both");
-  }
-  const DamageCaseFile parsed =
-      parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
+/// Throws Failure where the case is not of a table to be computed, or not with these options.
+void require_table_case(const DamageCaseFile& parsed, const TableOptions& options) {
   const DamageCase& damage_case = parsed.damage;
   const Pointer predictor("/predictor");
   if (damage_case.structure) {
@@ -90,8 +82,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     parsed.file.refuse(parsed.kinds[0] / "count" / "max",
                        "must be at least 1: a table needs a damage");
   }
-  const int modes = damage_case.modes();
-  if (modes == 0) {
+  if (damage_case.modes() == 0) {
     parsed.file.refuse(Pointer("/data"),
                        "says nothing of the number of modes: give \"frequencies\" or \"modes\"");
   }
@@ -102,6 +93,24 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     parsed.file.refuse(predictor / "accuracy",
                        "decides on runs by the runs before: they have no parts");
   }
+}
+
+/// Runs the design of the case's predictor, measures the emulator on fresh runs, writes the table.
+/// Finished runs are remembered beside the output until it is written; `resume` starts from them.
+void run_table(const CommonOptions& common, const TableOptions& options) {
+  const auto log = make_log(common.quiet);
+  if (!options.part.empty() && !options.merge.empty()) {
+    throw Failure(Exit::usage,
+                  "--part and --merge: a part is computed or parts are joined, not both");
+  }
+  const DamageCaseFile parsed =
+      parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
+  const DamageCase& damage_case = parsed.damage;
+  const Pointer predictor("/predictor");
+  require_table_case(parsed, options);
+  const EmulatorSpec& spec = *damage_case.emulator;
+  const DefectKind& kind = damage_case.kinds[0];
+  const int modes = damage_case.modes();
   const RunCost cost = cost_of_tables(damage_case);
   require_affordable(parsed.file, predictor, cost, common);
   if (common.dry_run) return common.dry_run("table", cost);

@@ -45,7 +45,7 @@ std::string envelope(const Plot& plot, const std::vector<double>& values,
   return path;
 }
 
-std::string history(const MeasuredTable& table, const MeasuredChannel& channel) {
+std::string channel_history(const MeasuredTable& table, const MeasuredChannel& channel) {
   const std::size_t n = channel.values.size();
   const std::function<double(std::size_t)> at = [&](std::size_t i) {
     if (!table.x.empty()) return table.x[i];
@@ -142,7 +142,7 @@ std::string data_page(const MeasuredFile& file) {
         out += "</ul>\n";
       }
       out += "<div class=\"pair\">";
-      if (q.missing < q.samples) out += history(table, channel);
+      if (q.missing < q.samples) out += channel_history(table, channel);
       if (channel.spectrum) out += spectrum(channel);
       out += "</div>\n";
       if (!channel.peaks.empty()) {

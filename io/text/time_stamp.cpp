@@ -195,6 +195,12 @@ bool read_zone(Cursor& at, Parts& out) {
   return true;
 }
 
+bool set_time_of_day(Parts& out, int hours, int minutes, int seconds) {
+  if (hours > 24 || minutes > 59 || seconds > 60) return false;
+  out.seconds = hours * 3600 + minutes * 60 + seconds;
+  return true;
+}
+
 /// hh:mm[:ss[.fraction]] [AM|PM]; mm:ss.fraction without a date.
 bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
   int hours = at.number(1, 2);
@@ -225,143 +231,187 @@ bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
     if (!half) return false;  // "10:30" could be either
   }
   if (!read_half_of_day(at, hours)) return false;
-  if (hours > 24 || minutes > 59 || seconds > 60) return false;
-  out.seconds = hours * 3600 + minutes * 60 + seconds;
-  return true;
+  return set_time_of_day(out, hours, minutes, seconds);
 }
+
+/// Reads a stamp whose form the digits at its front tell; an empty reading where it is none.
+class StampReader {
+ public:
+  StampReader(std::string_view text, DayOrder order) : at_(text), order_(order) {}
+
+  StampReading read() {
+    at_.skip_blanks();
+    at_.skip_weekday();
+    if (at_.rest.size() < 5 || (!is_digit(at_.rest.front()) && !is_letter(at_.rest.front())))
+      return {};
+    const int first_digits = at_.digits();
+    if (first_digits <= 2 && at_.rest.size() > static_cast<std::size_t>(first_digits) &&
+        at_.rest[static_cast<std::size_t>(first_digits)] == ':') {
+      if (!read_time_of_day(at_, parts_, false)) return {};
+      return finished(false);
+    }
+    if (first_digits == 14 || first_digits == 17) return of_digits_alone(first_digits == 17);
+    if (first_digits == 8) return after_date_of_digits();
+    if (first_digits == 4 && at_.rest.size() > 9 && at_.rest[4] == '-' && at_.rest[8] == 'T') {
+      const std::string_view before = at_.rest;
+      if (const int day = day_of_year(); day > 0) return on_day_of_year(day);
+      at_.rest = before;
+    }
+    return of_three_parts();
+  }
+
+ private:
+  StampReading finished(bool has_date) {
+    if (!read_zone(at_, parts_)) return {};
+    at_.skip_blanks();
+    if (!at_.rest.empty()) return {};
+    if (!reading_.ambiguous) reading_.stamp = stamp_of(parts_, has_date);
+    return reading_;
+  }
+
+  /// yyyymmdd
+  void read_date_of_digits() {
+    parts_.year = at_.number(4, 4), parts_.month = at_.number(2, 2), parts_.day = at_.number(2, 2);
+  }
+
+  /// 20210301100000[.fraction], 20210301100000123
+  StampReading of_digits_alone(bool with_fraction) {
+    read_date_of_digits();
+    const int hours = at_.number(2, 2), minutes = at_.number(2, 2), seconds = at_.number(2, 2);
+    if (parts_.year < 1900 || parts_.year > 2100) return {};
+    if (!set_time_of_day(parts_, hours, minutes, seconds)) return {};
+    if (with_fraction || at_.take_any(".,")) read_fraction(at_, parts_);
+    return finished(true);
+  }
+
+  /// 20210301 and any time.
+  StampReading after_date_of_digits() {
+    read_date_of_digits();
+    if (!at_.take_any("T_ ")) return {};  // a number otherwise
+    if (at_.digits() == 6 || at_.digits() == 4) {
+      const bool with_seconds = at_.digits() == 6;
+      const int hours = at_.number(2, 2), minutes = at_.number(2, 2);
+      const int seconds = with_seconds ? at_.number(2, 2) : 0;
+      if (!set_time_of_day(parts_, hours, minutes, seconds)) return {};
+      if (at_.take_any(".,")) read_fraction(at_, parts_);
+      return finished(true);
+    }
+    if (!read_time_of_day(at_, parts_, true)) return {};
+    return finished(true);
+  }
+
+  /// 2021-060T, up to the time behind it; 0 where it is something else.
+  int day_of_year() {
+    parts_.year = at_.number(4, 4);
+    at_.take('-');
+    const int day = at_.number(3, 3);
+    return day >= 1 && day <= 366 && at_.take('T') ? day : 0;
+  }
+  StampReading on_day_of_year(int day) {
+    parts_.month = parts_.day = 1;
+    if (!read_time_of_day(at_, parts_, true)) return {};
+    parts_.seconds += std::int64_t{86400} * (day - 1);
+    return finished(true);
+  }
+
+  /// Three parts of a date, with one mark between them.
+  StampReading of_three_parts() {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!read_part(i)) return {};
+      if (i == 2) break;
+      if (!read_mark(i)) return {};
+      if (i == 1 && named_ == 0 && at_.digits() <= 2) return with_year_last();
+    }
+    if (!order_parts() || !read_time_behind_date()) return {};
+    return finished(true);
+  }
+  bool read_part(std::size_t i) {
+    digits_[i] = at_.digits();
+    if (digits_[i] == 0) {
+      if (named_ >= 0 || i == 2) return false;
+      value_[i] = at_.month_name();
+      named_ = static_cast<int>(i);
+    } else {
+      if (digits_[i] == 3 || digits_[i] > 4) return false;
+      value_[i] = at_.number(1, 4);
+    }
+    return value_[i] >= 0;
+  }
+  /// Behind part i.
+  bool read_mark(std::size_t i) {
+    char here = 0;
+    if (!at_.take_any(named_ >= 0 ? "-/. ," : (i == 0 ? "-/. " : "-/."), &here)) return false;
+    if (i > 0 && here != mark_ && named_ < 0) return false;
+    mark_ = here;
+    if (mark_ == '.' || mark_ == ',' || named_ >= 0) at_.skip_blanks();
+    return true;
+  }
+  /// "Mar 1 10:00:00 2021", as C prints times: behind the day.
+  StampReading with_year_last() {
+    at_.skip_blanks();
+    if (!read_time_of_day(at_, parts_, false)) return {};
+    at_.skip_blanks();
+    if (at_.digits() != 4) return {};
+    parts_.year = at_.number(4, 4), parts_.month = value_[0], parts_.day = value_[1];
+    return finished(true);
+  }
+  /// Which of the three parts is the year, the month and the day.
+  bool order_parts() {
+    if (digits_[0] == 4) {
+      put(0, 1, 2);
+    } else if (digits_[2] == 0 || digits_[2] == 3 || (digits_[2] != 2 && digits_[2] != 4)) {
+      return false;
+    } else if (named_ >= 0) {
+      put(2, static_cast<std::size_t>(named_), named_ == 0 ? 1 : 0);
+    } else {
+      if (value_[0] > 12) reading_.order = DayOrder::day_first;
+      if (value_[1] > 12) reading_.order = DayOrder::month_first;
+      DayOrder used = order_ != DayOrder::unknown ? order_ : reading_.order;
+      // Nobody prints 3.1.2021 for March the first.
+      if (used == DayOrder::unknown && mark_ == '.') used = DayOrder::day_first;
+      reading_.ambiguous = used == DayOrder::unknown;
+      used == DayOrder::month_first ? put(2, 0, 1) : put(2, 1, 0);
+    }
+    return true;
+  }
+  void put(std::size_t year, std::size_t month, std::size_t day) {
+    parts_.year = full_year(value_[year], digits_[year]);
+    parts_.month = value_[month];
+    parts_.day = value_[day];
+  }
+  /// There need be none.
+  bool read_time_behind_date() {
+    const std::string_view before = at_.rest;
+    if (at_.take_any("T_,;") || at_.rest.starts_with(' ') || at_.rest.starts_with('-')) {
+      if (at_.rest.starts_with('-')) at_.rest.remove_prefix(1);
+      at_.skip_blanks();
+      if (!at_.rest.empty() && is_digit(at_.rest.front()))
+        return read_time_of_day(at_, parts_, true);
+      at_.rest = before;
+    }
+    return true;
+  }
+
+  Cursor at_;
+  DayOrder order_;
+  Parts parts_;
+  StampReading reading_;
+  // Of a date of three parts: as numbers, how many digits each had, which is a name (-1: none), and
+  // the mark between them.
+  std::array<int, 3> value_{}, digits_{};
+  int named_ = -1;
+  char mark_ = 0;
+};
 
 }  // namespace
 
 StampReading read_stamp(std::string_view text, DayOrder order) {
-  StampReading none;
   std::string plain;
   if (text.find_first_of("\xC2\xE2") != std::string_view::npos) {
     plain = with_plain_blanks(text);
     text = plain;
   }
-  Cursor at(text);
-  at.skip_blanks();
-  at.skip_weekday();
-  if (at.rest.size() < 5 || (!is_digit(at.rest.front()) && !is_letter(at.rest.front())))
-    return none;
-  Parts out;
-  const auto finished = [&](bool has_date, StampReading reading) {
-    if (!read_zone(at, out)) return none;
-    at.skip_blanks();
-    if (!at.rest.empty()) return none;
-    if (!reading.ambiguous) reading.stamp = stamp_of(out, has_date);
-    return reading;
-  };
-
-  const int first_digits = at.digits();
-  if (first_digits <= 2 && at.rest.size() > static_cast<std::size_t>(first_digits) &&
-      at.rest[static_cast<std::size_t>(first_digits)] == ':') {
-    if (!read_time_of_day(at, out, false)) return none;
-    return finished(false, {});
-  }
-  StampReading reading;
-  if (first_digits == 14 || first_digits == 17) {
-    // 20210301100000[.fraction], 20210301100000123
-    out.year = at.number(4, 4), out.month = at.number(2, 2), out.day = at.number(2, 2);
-    const int hours = at.number(2, 2), minutes = at.number(2, 2), seconds = at.number(2, 2);
-    if (out.year < 1900 || out.year > 2100 || hours > 24 || minutes > 59 || seconds > 60)
-      return none;
-    out.seconds = hours * 3600 + minutes * 60 + seconds;
-    if (first_digits == 17 || at.take_any(".,")) read_fraction(at, out);
-    return finished(true, reading);
-  }
-  if (first_digits == 8) {
-    out.year = at.number(4, 4), out.month = at.number(2, 2), out.day = at.number(2, 2);
-    if (!at.take_any("T_ ")) return none;  // a number otherwise
-    if (at.digits() == 6 || at.digits() == 4) {
-      const bool with_seconds = at.digits() == 6;
-      const int hours = at.number(2, 2), minutes = at.number(2, 2);
-      const int seconds = with_seconds ? at.number(2, 2) : 0;
-      if (hours > 24 || minutes > 59 || seconds > 60) return none;
-      out.seconds = hours * 3600 + minutes * 60 + seconds;
-      char mark = 0;
-      if (at.take_any(".,", &mark)) read_fraction(at, out);
-      return finished(true, reading);
-    }
-    if (!read_time_of_day(at, out, true)) return none;
-    return finished(true, reading);
-  }
-
-  // 2021-060T10:00:00: the day of the year.
-  if (first_digits == 4 && at.rest.size() > 9 && at.rest[4] == '-' && at.rest[8] == 'T') {
-    const std::string_view before = at.rest;
-    out.year = at.number(4, 4);
-    at.take('-');
-    if (const int day = at.number(3, 3); day >= 1 && day <= 366 && at.take('T')) {
-      out.month = out.day = 1;
-      if (!read_time_of_day(at, out, true)) return none;
-      out.seconds += std::int64_t{86400} * (day - 1);
-      return finished(true, reading);
-    }
-    at.rest = before;
-  }
-  // Three parts of a date, with one mark between them.
-  char mark = 0;
-  std::array<int, 3> value{}, digits{};
-  int named = -1;
-  for (std::size_t i = 0; i < 3; ++i) {
-    digits[i] = at.digits();
-    if (digits[i] == 0) {
-      if (named >= 0 || i == 2) return none;
-      value[i] = at.month_name();
-      named = static_cast<int>(i);
-    } else {
-      if (digits[i] == 3 || digits[i] > 4) return none;
-      value[i] = at.number(1, 4);
-    }
-    if (value[i] < 0) return none;
-    if (i == 2) break;
-    char here = 0;
-    if (!at.take_any(named >= 0 ? "-/. ," : (i == 0 ? "-/. " : "-/."), &here)) return none;
-    if (i > 0 && here != mark && named < 0) return none;
-    mark = here;
-    if (mark == '.' || mark == ',' || named >= 0) at.skip_blanks();
-    // "Mar 1 10:00:00 2021", as C prints times: the year comes last.
-    if (i == 1 && named == 0 && at.digits() <= 2) {
-      at.skip_blanks();
-      if (!read_time_of_day(at, out, false)) return none;
-      at.skip_blanks();
-      if (at.digits() != 4) return none;
-      out.year = at.number(4, 4), out.month = value[0], out.day = value[1];
-      return finished(true, reading);
-    }
-  }
-  const auto put = [&](std::size_t y, std::size_t m, std::size_t d) {
-    out.year = full_year(value[y], digits[y]);
-    out.month = value[m];
-    out.day = value[d];
-  };
-  if (digits[0] == 4) {
-    put(0, 1, 2);
-  } else if (digits[2] == 0 || digits[2] == 3 || (digits[2] != 2 && digits[2] != 4)) {
-    return none;
-  } else if (named >= 0) {
-    put(2, static_cast<std::size_t>(named), named == 0 ? 1 : 0);
-  } else {
-    if (value[0] > 12) reading.order = DayOrder::day_first;
-    if (value[1] > 12) reading.order = DayOrder::month_first;
-    DayOrder used = order != DayOrder::unknown ? order : reading.order;
-    // Nobody prints 3.1.2021 for March the first.
-    if (used == DayOrder::unknown && mark == '.') used = DayOrder::day_first;
-    reading.ambiguous = used == DayOrder::unknown;
-    used == DayOrder::month_first ? put(2, 0, 1) : put(2, 1, 0);
-  }
-  const std::string_view before = at.rest;
-  if (at.take_any("T_,;") || at.rest.starts_with(' ') || at.rest.starts_with('-')) {
-    if (at.rest.starts_with('-')) at.rest.remove_prefix(1);
-    at.skip_blanks();
-    if (!at.rest.empty() && is_digit(at.rest.front())) {
-      if (!read_time_of_day(at, out, true)) return none;
-    } else {
-      at.rest = before;
-    }
-  }
-  return finished(true, reading);
+  return StampReader(text, order).read();
 }
 
 std::optional<TimeStamp> read_stamp(std::string_view text, const std::string& pattern) {

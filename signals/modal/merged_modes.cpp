@@ -192,6 +192,180 @@ double collinearity_of_known(const VectorXcd& shape) {
       Eigen::Map<const VectorXcd>(known.data(), static_cast<Index>(known.size())));
 }
 
+/// A mode of one set-up.
+struct FoundMode {
+  int set_up, place;
+  const Mode* mode;
+  VectorXcd at_references;
+};
+
+double distance_between(const FoundMode& a, const FoundMode& b) {
+  const double fa = a.mode->pole.frequency_hz, fb = b.mode->pole.frequency_hz;
+  const double apart = std::abs(fa - fb), larger = std::max(fa, fb);
+  if (apart > std::max(kNear * larger, kDeviations * std::hypot(a.mode->pole.frequency_sd,
+                                                                b.mode->pole.frequency_sd)))
+    return kNeverMerged;
+  return apart / larger + 1.0 - modal_assurance(a.at_references, b.at_references);
+}
+
+/// One mode's values in all set-ups that found it.
+struct Sightings {
+  VectorXd f, zeta, f_variance, zeta_variance;
+  Pieces pieces;
+  int doubted = 0;
+};
+
+/// The least between two pieces, and at most 1.
+double least_reference_mac(const Pieces& pieces) {
+  double least = 1.0;
+  for (std::size_t a = 0; a < pieces.list.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      least =
+          std::min(least, modal_assurance(part(pieces.list[a].shape, pieces.list[a].references),
+                                          part(pieces.list[b].shape, pieces.list[b].references)));
+  return least;
+}
+
+class ModeMerger {
+ public:
+  ModeMerger(const std::vector<SetUpModes>& set_ups, int sensors, std::vector<int> references)
+      : set_ups_(set_ups), sensors_(sensors), out_{.references = std::move(references)} {
+    for (const SetUpModes& s : set_ups_)
+      channels_.push_back(reference_channels(s, out_.references));
+  }
+
+  MergedModes merge() {
+    match();
+    count_ = static_cast<Index>(out_.modes.size());
+    for (const SetUpModes& s : set_ups_)
+      weights_.emplace_back(MatrixXd::Zero(2 * count_, 2 * static_cast<Index>(s.modes.size())));
+    between_ = VectorXd::Zero(2 * count_);
+    for (std::size_t m = 0; m < out_.modes.size(); ++m) {
+      MergedMode& mode = out_.modes[m];
+      Sightings seen = sightings(mode);
+      average(static_cast<Index>(m), seen);
+      mode.reference_mac = least_reference_mac(seen.pieces);
+      glue(mode, seen.pieces);
+      mode.collinearity = collinearity_of_known(mode.shape);
+      doubt(mode, seen.doubted);
+    }
+    sort_by_frequency();
+    return std::move(out_);
+  }
+
+ private:
+  /// Merged modes with nothing but their places.
+  void match() {
+    std::vector<FoundMode> found;
+    std::vector<int> groups;
+    for (std::size_t s = 0; s < set_ups_.size(); ++s) {
+      for (std::size_t m = 0; m < set_ups_[s].modes.size(); ++m) {
+        const Mode& mode = set_ups_[s].modes[m];
+        found.push_back(
+            {static_cast<int>(s), static_cast<int>(m), &mode, part(mode.pole.shape, channels_[s])});
+        groups.push_back(static_cast<int>(s));
+      }
+    }
+    const auto distance = [&](int i, int j) {
+      return distance_between(found[index(i)], found[index(j)]);
+    };
+    for (const std::vector<int>& cluster : average_linkage(groups, distance, kThreshold)) {
+      MergedMode mode{.places = std::vector<int>(set_ups_.size(), -1)};
+      for (const int i : cluster)
+        mode.places[index(found[index(i)].set_up)] = found[index(i)].place;
+      out_.modes.push_back(std::move(mode));
+    }
+  }
+
+  [[nodiscard]] Sightings sightings(const MergedMode& mode) const {
+    const auto members = static_cast<Index>(mode.found());
+    Sightings seen{.f = VectorXd(members),
+                   .zeta = VectorXd(members),
+                   .f_variance = VectorXd(members),
+                   .zeta_variance = VectorXd(members),
+                   .pieces = {}};
+    seen.pieces.sensors = sensors_;
+    Index i = 0;
+    for (std::size_t s = 0; s < set_ups_.size(); ++s) {
+      if (mode.places[s] < 0) continue;
+      const Mode& one = set_ups_[s].modes[index(mode.places[s])];
+      seen.f[i] = one.pole.frequency_hz;
+      seen.zeta[i] = one.pole.damping;
+      seen.f_variance[i] = std::pow(one.pole.frequency_sd, 2);
+      seen.zeta_variance[i] = std::pow(one.pole.damping_sd, 2);
+      seen.doubted += one.doubts.empty() ? 0 : 1;
+      seen.pieces.list.push_back({.sensors = set_ups_[s].sensors,
+                                  .references = channels_[s],
+                                  .shape = one.pole.shape,
+                                  .covariance = one.shape_covariance});
+      ++i;
+    }
+    return seen;
+  }
+
+  void average(Index row, const Sightings& seen) {
+    MergedMode& mode = out_.modes[static_cast<std::size_t>(row)];
+    const Mean frequency = weighted_mean(seen.f, seen.f_variance),
+               damping = weighted_mean(seen.zeta, seen.zeta_variance);
+    mode.frequency_hz = frequency.value;
+    mode.frequency_sd = frequency.sd;
+    mode.between_hz = std::sqrt(frequency.between);
+    mode.damping = damping.value;
+    mode.damping_sd = damping.sd;
+    const Index members = seen.f.size();
+    if (members > 1)
+      mode.consistency_p = boost::math::gamma_q(0.5 * (static_cast<double>(members) - 1.0),
+                                                0.5 * frequency.chi_square);
+    Index i = 0;
+    for (std::size_t s = 0; s < set_ups_.size(); ++s) {
+      if (mode.places[s] < 0) continue;
+      const auto own = static_cast<Index>(set_ups_[s].modes.size());
+      weights_[s](row, mode.places[s]) = frequency.weights[i];
+      weights_[s](count_ + row, own + mode.places[s]) = damping.weights[i];
+      ++i;
+    }
+    between_[row] = frequency.between * frequency.weights.squaredNorm();
+    between_[count_ + row] = damping.between * damping.weights.squaredNorm();
+  }
+
+  void doubt(MergedMode& mode, int doubted) const {
+    if (2 * mode.found() < static_cast<int>(set_ups_.size()))
+      mode.doubts.push_back(MergeDoubt::few_set_ups);
+    if (2 * doubted > mode.found()) mode.doubts.push_back(MergeDoubt::doubted);
+    if (mode.consistency_p < kInconsistent) mode.doubts.push_back(MergeDoubt::inconsistent);
+    if (mode.reference_mac < kUnlike) mode.doubts.push_back(MergeDoubt::unlike);
+  }
+
+  /// The modes, and with them the rows of their covariance, which this computes.
+  void sort_by_frequency() {
+    std::vector<std::size_t> order(out_.modes.size());
+    for (std::size_t m = 0; m < order.size(); ++m) order[m] = m;
+    std::ranges::sort(order, {}, [&](std::size_t m) { return out_.modes[m].frequency_hz; });
+    MatrixXd covariance = between_.asDiagonal();
+    for (std::size_t s = 0; s < set_ups_.size(); ++s)
+      covariance += weights_[s] * set_ups_[s].covariance * weights_[s].transpose();
+    out_.covariance.resize(2 * count_, 2 * count_);
+    const auto from = [&](Index k) {
+      return k < count_ ? static_cast<Index>(order[static_cast<std::size_t>(k)])
+                        : count_ + static_cast<Index>(order[static_cast<std::size_t>(k - count_)]);
+    };
+    for (Index i = 0; i < 2 * count_; ++i)
+      for (Index j = 0; j < 2 * count_; ++j) out_.covariance(i, j) = covariance(from(i), from(j));
+    std::vector<MergedMode> sorted;
+    for (const std::size_t m : order) sorted.push_back(std::move(out_.modes[m]));
+    out_.modes = std::move(sorted);
+  }
+
+  const std::vector<SetUpModes>& set_ups_;
+  int sensors_;
+  MergedModes out_;
+  std::vector<std::vector<int>> channels_;  ///< of the references, by set-up
+  Index count_ = 0;                         ///< merged modes
+  /// Of every set-up's frequencies and damping ratios in the merged ones.
+  std::vector<MatrixXd> weights_;
+  VectorXd between_;  ///< variance of the merged ones beyond that of the set-ups
+};
+
 }  // namespace
 
 int MergedMode::found() const {
@@ -200,125 +374,11 @@ int MergedMode::found() const {
 
 MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors) {
   if (set_ups.empty()) throw std::invalid_argument("set-ups = 0: must be at least 1");
-  MergedModes out{.references = common_sensors(set_ups, sensors)};
-  if (out.references.empty())
+  std::vector<int> references = common_sensors(set_ups, sensors);
+  if (references.empty())
     throw std::invalid_argument(
         "set-ups: have no sensor in common, so that nothing says how their shapes belong together");
-
-  // All modes of all set-ups in one list.
-  struct Found {
-    int set_up, place;
-    const Mode* mode;
-    VectorXcd at_references;
-  };
-  std::vector<Found> found;
-  std::vector<int> groups;
-  std::vector<std::vector<int>> channels;
-  for (std::size_t s = 0; s < set_ups.size(); ++s) {
-    channels.push_back(reference_channels(set_ups[s], out.references));
-    for (std::size_t m = 0; m < set_ups[s].modes.size(); ++m) {
-      const Mode& mode = set_ups[s].modes[m];
-      found.push_back({static_cast<int>(s), static_cast<int>(m), &mode,
-                       part(mode.pole.shape, channels.back())});
-      groups.push_back(static_cast<int>(s));
-    }
-  }
-  const auto distance = [&](int i, int j) {
-    const Found &a = found[index(i)], &b = found[index(j)];
-    const double fa = a.mode->pole.frequency_hz, fb = b.mode->pole.frequency_hz;
-    const double apart = std::abs(fa - fb), larger = std::max(fa, fb);
-    if (apart > std::max(kNear * larger, kDeviations * std::hypot(a.mode->pole.frequency_sd,
-                                                                  b.mode->pole.frequency_sd)))
-      return kNeverMerged;
-    return apart / larger + 1.0 - modal_assurance(a.at_references, b.at_references);
-  };
-  for (const std::vector<int>& cluster : average_linkage(groups, distance, kThreshold)) {
-    MergedMode mode{.places = std::vector<int>(set_ups.size(), -1)};
-    for (const int i : cluster) mode.places[index(found[index(i)].set_up)] = found[index(i)].place;
-    out.modes.push_back(std::move(mode));
-  }
-
-  const auto count = static_cast<Index>(out.modes.size());
-  // Weights of every set-up's frequencies and damping ratios in the merged ones.
-  std::vector<MatrixXd> weights;
-  for (const SetUpModes& s : set_ups)
-    weights.emplace_back(MatrixXd::Zero(2 * count, 2 * static_cast<Index>(s.modes.size())));
-  VectorXd between = VectorXd::Zero(2 * count);
-  for (std::size_t m = 0; m < out.modes.size(); ++m) {
-    MergedMode& mode = out.modes[m];
-    const auto row = static_cast<Index>(m);
-    const auto members = static_cast<Index>(mode.found());
-    VectorXd f(members), zeta(members), f_variance(members), zeta_variance(members);
-    Pieces pieces;
-    pieces.sensors = sensors;
-    Index i = 0;
-    int doubted = 0;
-    for (std::size_t s = 0; s < set_ups.size(); ++s) {
-      if (mode.places[s] < 0) continue;
-      const Mode& one = set_ups[s].modes[index(mode.places[s])];
-      f[i] = one.pole.frequency_hz;
-      zeta[i] = one.pole.damping;
-      f_variance[i] = std::pow(one.pole.frequency_sd, 2);
-      zeta_variance[i] = std::pow(one.pole.damping_sd, 2);
-      doubted += one.doubts.empty() ? 0 : 1;
-      pieces.list.push_back({.sensors = set_ups[s].sensors,
-                             .references = channels[s],
-                             .shape = one.pole.shape,
-                             .covariance = one.shape_covariance});
-      ++i;
-    }
-    const Mean frequency = weighted_mean(f, f_variance),
-               damping = weighted_mean(zeta, zeta_variance);
-    mode.frequency_hz = frequency.value;
-    mode.frequency_sd = frequency.sd;
-    mode.between_hz = std::sqrt(frequency.between);
-    mode.damping = damping.value;
-    mode.damping_sd = damping.sd;
-    if (members > 1)
-      mode.consistency_p = boost::math::gamma_q(0.5 * (static_cast<double>(members) - 1.0),
-                                                0.5 * frequency.chi_square);
-    i = 0;
-    for (std::size_t s = 0; s < set_ups.size(); ++s) {
-      if (mode.places[s] < 0) continue;
-      const auto own = static_cast<Index>(set_ups[s].modes.size());
-      weights[s](row, mode.places[s]) = frequency.weights[i];
-      weights[s](count + row, own + mode.places[s]) = damping.weights[i];
-      ++i;
-    }
-    between[row] = frequency.between * frequency.weights.squaredNorm();
-    between[count + row] = damping.between * damping.weights.squaredNorm();
-    for (std::size_t a = 0; a < pieces.list.size(); ++a)
-      for (std::size_t b = 0; b < a; ++b)
-        mode.reference_mac =
-            std::min(mode.reference_mac,
-                     modal_assurance(part(pieces.list[a].shape, pieces.list[a].references),
-                                     part(pieces.list[b].shape, pieces.list[b].references)));
-    glue(mode, pieces);
-    mode.collinearity = collinearity_of_known(mode.shape);
-    if (2 * mode.found() < static_cast<int>(set_ups.size()))
-      mode.doubts.push_back(MergeDoubt::few_set_ups);
-    if (2 * doubted > mode.found()) mode.doubts.push_back(MergeDoubt::doubted);
-    if (mode.consistency_p < kInconsistent) mode.doubts.push_back(MergeDoubt::inconsistent);
-    if (mode.reference_mac < kUnlike) mode.doubts.push_back(MergeDoubt::unlike);
-  }
-  // By frequency, and with it the rows of everything.
-  std::vector<std::size_t> order(out.modes.size());
-  for (std::size_t m = 0; m < order.size(); ++m) order[m] = m;
-  std::ranges::sort(order, {}, [&](std::size_t m) { return out.modes[m].frequency_hz; });
-  MatrixXd covariance = between.asDiagonal();
-  for (std::size_t s = 0; s < set_ups.size(); ++s)
-    covariance += weights[s] * set_ups[s].covariance * weights[s].transpose();
-  out.covariance.resize(2 * count, 2 * count);
-  const auto from = [&](Index k) {
-    return k < count ? static_cast<Index>(order[static_cast<std::size_t>(k)])
-                     : count + static_cast<Index>(order[static_cast<std::size_t>(k - count)]);
-  };
-  for (Index i = 0; i < 2 * count; ++i)
-    for (Index j = 0; j < 2 * count; ++j) out.covariance(i, j) = covariance(from(i), from(j));
-  std::vector<MergedMode> sorted;
-  for (const std::size_t m : order) sorted.push_back(std::move(out.modes[m]));
-  out.modes = std::move(sorted);
-  return out;
+  return ModeMerger(set_ups, sensors, std::move(references)).merge();
 }
 
 }  // namespace wheeltap::signals

@@ -19,7 +19,7 @@ const std::vector<std::string> kGroups = {"beams", "lower columns", "upper colum
 
 /// A frame of two storeys, each group of its own steel, of which this share of E remains. The
 /// upper storey is lower: no group is like another.
-json frame(const std::vector<double>& remaining = {1.0, 1.0, 1.0}) {
+json grouped_frame(const std::vector<double>& remaining = {1.0, 1.0, 1.0}) {
   json materials = json::object(), members = json::array();
   for (std::size_t g = 0; g < kGroups.size(); ++g)
     materials[kGroups[g]] = {
@@ -52,7 +52,8 @@ json frame(const std::vector<double>& remaining = {1.0, 1.0, 1.0}) {
 }
 
 std::vector<double> frequencies_of(const std::vector<double>& remaining, int modes) {
-  return frequencies(members_of({{"kind", "damage"}, {"structure", frame(remaining)}}), modes);
+  return frequencies(members_of({{"kind", "damage"}, {"structure", grouped_frame(remaining)}}),
+                     modes);
 }
 
 class MemberGroups : public testing::Test {
@@ -72,7 +73,7 @@ class MemberGroups : public testing::Test {
   }
   Workspace where;
   json given = {{"kind", "damage"},
-                {"structure", frame()},
+                {"structure", grouped_frame()},
                 {"data", {{"cov", kCov}}},
                 {"damage",
                  {{"kind", "substructure"},

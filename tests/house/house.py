@@ -5,6 +5,7 @@ arrows      a room includes only rooms that it stands on, and a folder in it onl
 folders     no folder has more than 30 source files, but with a reason in CROWDED
 json        JSON is named in io/, apps/ and python/ alone
 size        no file has more than 600 lines, but with a reason in its first lines: "Longer than 600 lines: …"
+functions   no function has more than 120 lines, but with a reason above it: "Longer than 120 lines: …"
 repetition  no 12 or more lines of code stand twice
 versions    what names the project's version names that of CMakeLists.txt
 """
@@ -45,6 +46,7 @@ CROWDED = {
     'apps/commands': 'a file for each command, and what they share',
 }
 LONGEST = 600
+LONGEST_FUNCTION = 120
 REPEATED = 12
 
 
@@ -104,6 +106,29 @@ def size(root):
             yield f'{path.relative_to(root)}: {len(lines)} lines, and no reason why'
 
 
+def functions(root):
+    """By the layout of clang-format: a function ends where a bracket stands as far left as its first line."""
+    for path in sources(root, ROOMS):
+        lines = path.read_text().splitlines()
+        for first, line in enumerate(lines):
+            # Namespaces are not indented, classes indent their functions by two blanks.
+            begins = re.match(r'(|  )(?!namespace|struct|class|enum|union|extern|using|if|for|while|switch|else|do\b|'
+                              r'return|throw)[\w~[][^=(]*\(', line)
+            if not begins or line.endswith(('};', ';')):
+                continue
+            indent = begins[1]
+            # Its signature may take several lines; its body begins with the bracket at the end of one.
+            body = next((i for i in range(first, min(first + 12, len(lines))) if lines[i].endswith('{')), None)
+            if body is None or any(lines[i].endswith((';', '}', '},', ')')) and i > first for i in range(first, body)):
+                continue
+            if not all(lines[i].startswith(indent + ' ') for i in range(first + 1, body + 1)):
+                continue
+            last = next((i for i in range(body + 1, len(lines)) if lines[i].rstrip(';)') == indent + '}'), body)
+            above = ' '.join(lines[max(0, first - 6):first])
+            if last - first + 1 > LONGEST_FUNCTION and 'Longer than 120 lines:' not in above:
+                yield f'{path.relative_to(root)}:{first + 1}: a function of {last - first + 1} lines, and no reason why'
+
+
 def repetition(root):
     places = collections.defaultdict(list)
     texts = {}
@@ -130,9 +155,7 @@ def repetition(root):
 def versions(root):
     text = pathlib.Path(root, 'CMakeLists.txt').read_text()
     version = re.search(r'project\(wheeltap VERSION (\d+\.\d+\.\d+)', text)[1]
-    for name, line in {'CITATION.cff': r'^version: (.*)$', 'codemeta.json': r'"version": "([^"]*)"',
-                       'packaging/conda/recipe.yaml': r'version: "([^"]*)"', 'packaging/vcpkg/vcpkg.json':
-                       r'"version": "([^"]*)"', 'packaging/nix/default.nix': r'version = "([^"]*)"'}.items():
+    for name, line in {'CITATION.cff': r'^version: (.*)$', 'codemeta.json': r'"version": "([^"]*)"'}.items():
         said = re.search(line, pathlib.Path(root, name).read_text(), re.M)
         if not said or said[1] != version:
             yield f'{name}: version {said[1] if said else "not said"}, but the project is {version}'
@@ -143,7 +166,7 @@ def versions(root):
 
 def main():
     rule, root = sys.argv[1], sys.argv[2]
-    faults = list({'arrows': arrows, 'folders': folders, 'json': json, 'size': size, 'repetition': repetition,
+    faults = list({'arrows': arrows, 'folders': folders, 'json': json, 'functions': functions, 'size': size, 'repetition': repetition,
                    'versions': versions}[rule](root))
     print('\n'.join(faults) or f'{rule}: nothing to complain about')
     sys.exit(1 if faults else 0)

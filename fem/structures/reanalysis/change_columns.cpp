@@ -21,6 +21,262 @@ constexpr double kDependentChange = 1e-12;
 constexpr double kLeastBound = 1e-9;
 constexpr double kWider = 4.0;
 
+/// Those that change anything, lost ones first.
+std::vector<const StructureChange::Mass*> floating_masses(const StructureChange& change) {
+  std::vector<const StructureChange::Mass*> masses;
+  for (const bool lost : {true, false})
+    for (const StructureChange::Mass& m : change.masses) {
+      if (m.mass == 0.0 || (m.mass < 0.0) != lost || m.motion.empty()) continue;
+      masses.push_back(&m);
+    }
+  return masses;
+}
+
+/// Eigenvalues, scales and compliances: of floating masses, of kept modes, of residual ones.
+void set_poles(const IntactStructure& intact, const ResidualModes& residual, ChangeColumns& out) {
+  const std::size_t p = index(out.poles);
+  const double lowest = intact.scales[0];
+  out.eigenvalues.assign(p, 0.0);
+  out.eigenvalues.insert(out.eigenvalues.end(), intact.eigenvalues.begin(),
+                         intact.eigenvalues.end());
+  out.compliances = intact.compliances;
+  for (Index k = 0; k < out.extra; ++k) {
+    out.eigenvalues.push_back(residual.eigenvalues[k]);
+    out.compliances.push_back(1.0 / residual.eigenvalues[k]);
+  }
+  out.scales.clear();
+  // A floating mass's pole has the lowest elastic eigenvalue for its |s|, so that its column is
+  // scaled by the mass where that is light; s is negative where the mass counts with the other
+  // sign, so that each static part c²/|s| adds to the others'.
+  for (std::size_t m = 0; m < p; ++m)
+    out.scales.push_back(index(out.negative_poles) > m ? -lowest : lowest);
+  out.scales.insert(out.scales.end(), intact.scales.begin(), intact.scales.end());
+  out.scales.insert(out.scales.end(), out.eigenvalues.end() - out.extra, out.eigenvalues.end());
+}
+
+/// Writes C and the rows of L, each from those before it; forms are numbered springs, masses,
+/// softenings.
+struct ColumnFactor {
+  const IntactStructure& intact;
+  const StructureChange& change;
+  const SecularKernel& kernel;
+  const std::vector<const StructureChange::Mass*>& masses;
+  const std::vector<const StructureChange::Softening*>& softenings;
+  const ResidualModes& residual;
+  const Eigen::MatrixXd& flexibility;  // R₀ of the forms
+  ChangeColumns& out;
+  Eigen::MatrixXd& factor;  // L
+
+  [[nodiscard]] std::size_t mass_form(std::size_t m) const { return change.springs.size() + m; }
+  [[nodiscard]] Index softening_form(Index i) const {
+    return static_cast<Index>(change.springs.size() + masses.size()) + i;
+  }
+  [[nodiscard]] double* column(Index a) const { return out.columns.data() + index(a) * out.stride; }
+  [[nodiscard]] double* add_column() const {
+    out.columns.resize(out.columns.size() + out.stride, 0.0);
+    return out.columns.data() + out.columns.size() - out.stride;
+  }
+  [[nodiscard]] double compliance(const double* a, const double* b) const {
+    const std::size_t p = masses.size();
+    return kernel.weighted_dot(a + p, b + p, out.compliances.data(),
+                               static_cast<int>(out.compliances.size()));
+  }
+  /// A motion in all modes: the kept ones, then those of its form that stand for the others.
+  void fill(const SparseRow& motion, std::size_t form, double* to) const {
+    intact.motion(motion, to);
+    for (Index k = 0; k < out.extra; ++k)
+      to[intact.stride + index(k)] = residual.forms(static_cast<Index>(form), k);
+  }
+
+  [[nodiscard]] Eigen::MatrixXd mass_gram(std::vector<double>& rows) const;
+  void add_supports();
+  void add_support(const SparseRow& motion, std::size_t form, double stiffness, int pole,
+                   double mass);
+  void add_softenings();
+  void add_softening_column(Index i);
+  void add_softening_row(Index i);
+  [[nodiscard]] double softening_entry(Index i, Index b) const;
+  void divide_columns();
+};
+
+/// √|μ_a μ_b| r_aᵀ r_b of all floating masses; `rows` is scratch.
+Eigen::MatrixXd ColumnFactor::mass_gram(std::vector<double>& rows) const {
+  const std::size_t width = out.stride - masses.size();
+  rows.resize(masses.size() * width);
+  Eigen::MatrixXd gram(out.poles, out.poles);
+  for (int a = 0; a < out.poles; ++a) {
+    double* row = rows.data() + index(a) * width;
+    fill(masses[index(a)]->motion, mass_form(index(a)), row);
+    for (int b = 0; b <= a; ++b) {
+      const double* other = rows.data() + index(b) * width;
+      double sum = 0.0;
+      for (std::size_t j = 0; j < width; ++j) sum += row[j] * other[j];
+      gram(a, b) = gram(b, a) =
+          std::sqrt(std::abs(masses[index(a)]->mass * masses[index(b)]->mass)) * sum;
+    }
+  }
+  return gram;
+}
+
+/// The largest eigenvalue of R (M + Pᵀ P)⁻¹ Rᵀ, R the rows √|μ| r of lost masses, P those of gained
+/// ones; `gram` as `mass_gram`, lost ones first.
+double lost_share(const Eigen::MatrixXd& gram, Index lost_masses) {
+  const Index gained = gram.rows() - lost_masses;
+  Eigen::MatrixXd lost = gram.topLeftCorner(lost_masses, lost_masses);
+  if (gained > 0) {
+    const Eigen::MatrixXd cross = gram.bottomLeftCorner(gained, lost_masses);
+    const Eigen::MatrixXd held_back =
+        Eigen::MatrixXd::Identity(gained, gained) + gram.bottomRightCorner(gained, gained);
+    lost -= cross.transpose() * held_back.llt().solve(cross);
+  }
+  if (lost_masses == 1) return lost(0, 0);
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(lost, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
+}
+
+/// Supports: springs, then the links of floating masses. L_s L_sᵀ = 1/k + Σ c cᵀ / s, row by row;
+/// what is held already is dropped.
+void ColumnFactor::add_supports() {
+  for (std::size_t s = 0; s < change.springs.size(); ++s) {
+    const StructureChange::Spring& spring = change.springs[s];
+    if (!spring.motion.empty()) add_support(spring.motion, s, spring.stiffness, -1, 0.0);
+  }
+  for (std::size_t m = 0; m < masses.size(); ++m)
+    add_support(masses[m]->motion, mass_form(m), 0.0, static_cast<int>(m), masses[m]->mass);
+}
+
+/// A spring, or where `pole` is not -1 the link of that mass.
+void ColumnFactor::add_support(const SparseRow& motion, std::size_t form, double stiffness,
+                               int pole, double mass) {
+  const std::size_t p = masses.size();
+  double* c = add_column();
+  fill(motion, form, c + p);
+  const double own = compliance(c, c);
+  if (pole >= 0) c[pole] = -1.0 / std::sqrt(std::abs(mass));
+  const bool is_rigid = pole >= 0 || stiffness * own > kRigidJoint;
+  double left = own;
+  if (!is_rigid) left += 1.0 / stiffness;
+  if (pole >= 0) left += c[pole] * c[pole] / std::abs(out.scales[index(pole)]);
+  const double before = left;
+  const Index a = out.supports;
+  for (Index b = 0; b < a; ++b) {
+    double part = compliance(c, column(b));
+    for (Index k = 0; k < b; ++k) part -= factor(a, k) * factor(b, k);
+    factor(a, b) = part / factor(b, b);
+    left -= factor(a, b) * factor(a, b);
+  }
+  const bool keep = own > 0.0 && (pole >= 0 || !is_rigid || left > kDependentChange * before);
+  if (!keep) {
+    factor.row(a).setZero();
+    out.columns.resize(out.columns.size() - out.stride);
+    return;
+  }
+  factor(a, a) = std::sqrt(std::max(left, kDependentChange * before));
+  out.held += is_rigid ? 1 : 0;
+  if (!is_rigid && pole < 0) {
+    double sum = 0.0;
+    for (std::size_t j = p; j < out.stride; ++j) sum += c[j] * c[j];
+    out.added_stiffness += stiffness * sum;
+  }
+  ++out.supports;
+}
+
+/// Softenings: R Rᵀ = q / (1 - q) + self-stresses + W Wᵀ. After the supports.
+void ColumnFactor::add_softenings() {
+  const auto count = static_cast<Index>(softenings.size());
+  for (Index i = 0; i < count; ++i) add_softening_column(i);
+  for (Index i = 0; i < count; ++i) add_softening_row(i);
+}
+
+void ColumnFactor::add_softening_column(Index i) {
+  const std::size_t p = masses.size();
+  const StructureChange::Softening& s = *softenings[index(i)];
+  // All strain energy is at least q of what it was, unless compression takes a part of it.
+  out.least_remaining = intact.compressed ? 0.0 : std::min(out.least_remaining, s.remaining);
+  double* c = add_column();
+  for (const auto& [row, weight] : s.direction) {
+    const double* from = intact.strain_rows.data() + index(row) * intact.stride;
+    for (std::size_t j = 0; j < intact.stride; ++j) c[p + j] += weight * from[j];
+  }
+  for (Index k = 0; k < out.extra; ++k)
+    c[p + intact.stride + index(k)] = residual.forms(softening_form(i), k);
+}
+
+void ColumnFactor::add_softening_row(Index i) {
+  const auto first = static_cast<Index>(out.supports);
+  const StructureChange::Softening& s = *softenings[index(i)];
+  const double* c = column(first + i);
+  for (Index b = 0; b < first; ++b) {
+    double part = compliance(c, column(b));
+    for (Index k = 0; k < b; ++k) part -= factor(first + i, k) * factor(b, k);
+    factor(first + i, b) = part / factor(b, b);
+  }
+  for (Index b = 0; b <= i; ++b) {
+    double value = softening_entry(i, b);
+    for (Index k = 0; k < first; ++k) value += factor(first + i, k) * factor(first + b, k);
+    for (Index k = 0; k < b; ++k)
+      value -= factor(first + i, first + k) * factor(first + b, first + k);
+    if (b < i) {
+      factor(first + i, first + b) = value / factor(first + b, first + b);
+      continue;
+    }
+    // The pivot cannot be less than what this softening itself leaves, but for compression: there
+    // it is positive as long as the structure does not buckle (Sylvester).
+    if (intact.compressed && !(value > 0.0))
+      throw ImpossibleChange("remaining stiffness = " + std::to_string(s.remaining) +
+                             ": too little for the axial forces, the structure buckles");
+    if (!intact.compressed) value = std::max(value, s.remaining / (1.0 - s.remaining));
+    factor(first + i, first + i) = std::sqrt(value);
+  }
+}
+
+/// q / (1 - q) on the diagonal, and self-stresses.
+double ColumnFactor::softening_entry(Index i, Index b) const {
+  const std::size_t p = masses.size();
+  const auto first = static_cast<Index>(out.supports);
+  const StructureChange::Softening& s = *softenings[index(i)];
+  const StructureChange::Softening& other = *softenings[index(b)];
+  double value = b == i ? s.remaining / (1.0 - s.remaining) : 0.0;
+  for (const auto& [row, weight] : s.direction)
+    for (const auto& [column_row, other_weight] : other.direction)
+      if (!intact.residual)
+        value += weight * other_weight * intact.self_stresses(row, column_row);
+      else if (row == column_row)
+        value += weight * other_weight;
+  if (intact.residual)  // what the strains yield to, of what they measure
+    value -= flexibility(softening_form(i), softening_form(b)) +
+             kernel.weighted_dot(column(first + i) + p, column(first + b) + p,
+                                 out.compliances.data(), static_cast<int>(intact.stride));
+  return value;
+}
+
+/// L⁻¹ C, forwards.
+void ColumnFactor::divide_columns() {
+  const Index all = out.count();
+  for (Index a = 0; a < all; ++a) {
+    double* c = column(a);
+    for (Index b = 0; b < a; ++b)
+      if (factor(a, b) != 0.0)
+        kernel.subtract(c, column(b), factor(a, b), static_cast<int>(out.stride));
+    const double inverse = 1.0 / factor(a, a);
+    for (std::size_t j = 0; j < out.stride; ++j) c[j] *= inverse;
+  }
+}
+
+/// Rigid motions that the springs leave; `row` is scratch.
+int rigid_left(const IntactStructure& intact, const StructureChange& change,
+               std::vector<double>& row) {
+  if (intact.rigid == 0 || change.springs.empty()) return intact.rigid;
+  row.resize(intact.stride);
+  Eigen::MatrixXd holds(static_cast<Index>(change.springs.size()), intact.rigid);
+  for (std::size_t s = 0; s < change.springs.size(); ++s) {
+    intact.motion(change.springs[s].motion, row.data());
+    for (Index r = 0; r < intact.rigid; ++r) holds(static_cast<Index>(s), r) = row[index(r)];
+  }
+  return intact.rigid - static_cast<int>(Eigen::FullPivLU<Eigen::MatrixXd>(holds).rank());
+}
+
 }  // namespace
 
 void ChangeColumns::set_residual_modes(const IntactStructure& intact, const StructureChange& change,
@@ -92,212 +348,41 @@ double ChangeColumns::bound(double found, int root, double next) const {
 
 void ChangeColumns::set(const IntactStructure& intact, const StructureChange& change,
                         const detail::SecularKernel& kernel) {
-  std::vector<const StructureChange::Mass*> masses;
-  negative_poles = 0;
-  for (const bool lost : {true, false})  // lost ones first
-    for (const StructureChange::Mass& m : change.masses) {
-      if (m.mass == 0.0 || (m.mass < 0.0) != lost || m.motion.empty()) continue;
-      masses.push_back(&m);
-      negative_poles += lost;
-    }
+  const std::vector<const StructureChange::Mass*> masses = floating_masses(change);
+  poles = static_cast<int>(masses.size());
+  negative_poles = static_cast<int>(
+      std::ranges::count_if(masses, [](const StructureChange::Mass* m) { return m->mass < 0.0; }));
   softenings_.clear();
   for (const StructureChange::Softening& s : change.softenings)
     if (s.remaining < 1.0) softenings_.push_back(&s);
-  poles = static_cast<int>(masses.size());
-  const std::size_t p = masses.size();
   set_residual_modes(intact, change, masses);
-  stride = p + intact.stride + index(extra);
-  const double lowest = intact.scales[0];
-  eigenvalues.assign(p, 0.0);
-  eigenvalues.insert(eigenvalues.end(), intact.eigenvalues.begin(), intact.eigenvalues.end());
-  compliances = intact.compliances;
-  for (Index k = 0; k < extra; ++k) {
-    eigenvalues.push_back(residual_.eigenvalues[k]);
-    compliances.push_back(1.0 / residual_.eigenvalues[k]);
-  }
-  scales.clear();
-  // A floating mass's pole has the lowest elastic eigenvalue for its |s|, so that its column is
-  // scaled by the mass where that is light; s is negative where the mass counts with the other
-  // sign, so that each static part c²/|s| adds to the others'.
-  for (std::size_t m = 0; m < p; ++m)
-    scales.push_back(index(negative_poles) > m ? -lowest : lowest);
-  scales.insert(scales.end(), intact.scales.begin(), intact.scales.end());
-  scales.insert(scales.end(), eigenvalues.end() - extra, eigenvalues.end());
+  stride = masses.size() + intact.stride + index(extra);
+  set_poles(intact, residual_, *this);
   columns.clear();
-  held = rigid = 0;
-  least_remaining = 1.0;
+  supports = held = rigid = 0;
+  least_remaining = residual_factor = 1.0;
   added_stiffness = 0.0;
+  const auto most = static_cast<Index>(change.springs.size() + masses.size() + softenings_.size());
+  factor_.setZero(most, most);
 
-  const auto compliance = [&](const double* a, const double* b) {
-    return kernel.weighted_dot(a + p, b + p, compliances.data(),
-                               static_cast<int>(compliances.size()));
-  };
-  // A motion in all modes: the kept ones, then those of its form that stand for the others.
-  const auto fill = [&](const SparseRow& motion, std::size_t form, double* out) {
-    intact.motion(motion, out);
-    for (Index k = 0; k < extra; ++k)
-      out[intact.stride + index(k)] = residual_.forms(static_cast<Index>(form), k);
-  };
-  const auto column = [&](std::size_t a) { return columns.data() + a * stride; };
-  const auto add_column = [&]() {
-    columns.resize(columns.size() + stride, 0.0);
-    return columns.data() + columns.size() - stride;
-  };
-
-  // Supports: springs, then the links of floating masses. L_s L_sᵀ = 1/k + Σ c cᵀ / s, row by row;
-  // what is held already is dropped.
-  factor_.setZero(static_cast<Index>(change.springs.size() + p + softenings_.size()),
-                  static_cast<Index>(change.springs.size() + p + softenings_.size()));
-  supports = 0;
-  const auto add_support = [&](const SparseRow& motion, std::size_t form, double stiffness,
-                               int pole, double mass) {
-    double* c = add_column();
-    fill(motion, form, c + p);
-    const double own = compliance(c, c);
-    if (pole >= 0) c[pole] = -1.0 / std::sqrt(std::abs(mass));
-    const bool is_rigid = pole >= 0 || stiffness * own > kRigidJoint;
-    double left = own;
-    if (!is_rigid) left += 1.0 / stiffness;
-    if (pole >= 0) left += c[pole] * c[pole] / std::abs(scales[index(pole)]);
-    const double before = left;
-    const Index a = supports;
-    for (Index b = 0; b < a; ++b) {
-      double part = compliance(c, column(index(b)));
-      for (Index k = 0; k < b; ++k) part -= factor_(a, k) * factor_(b, k);
-      factor_(a, b) = part / factor_(b, b);
-      left -= factor_(a, b) * factor_(a, b);
-    }
-    const bool keep = own > 0.0 && (pole >= 0 || !is_rigid || left > kDependentChange * before);
-    if (!keep) {
-      factor_.row(a).setZero();
-      columns.resize(columns.size() - stride);
-      return;
-    }
-    factor_(a, a) = std::sqrt(std::max(left, kDependentChange * before));
-    held += is_rigid ? 1 : 0;
-    if (!is_rigid && pole < 0) {
-      double sum = 0.0;
-      for (std::size_t j = p; j < stride; ++j) sum += c[j] * c[j];
-      added_stiffness += stiffness * sum;
-    }
-    ++supports;
-  };
-  raw_row_.resize(stride);
-  residual_factor = 1.0;
+  ColumnFactor factored{.intact = intact,
+                        .change = change,
+                        .kernel = kernel,
+                        .masses = masses,
+                        .softenings = softenings_,
+                        .residual = residual_,
+                        .flexibility = moments_[0],
+                        .out = *this,
+                        .factor = factor_};
   if (negative_poles > 0) {
-    // θ = 1 - the largest eigenvalue of R (M + Pᵀ P)⁻¹ Rᵀ, R the rows √|μ| r of lost masses, P
-    // those of gained ones.
-    const std::size_t width = stride - p;
-    mass_rows_.resize(p * width);
-    Eigen::MatrixXd gram(poles, poles);
-    for (int a = 0; a < poles; ++a) {
-      double* row = mass_rows_.data() + index(a) * width;
-      fill(masses[index(a)]->motion, change.springs.size() + index(a), row);
-      for (int b = 0; b <= a; ++b) {
-        const double* other = mass_rows_.data() + index(b) * width;
-        double sum = 0.0;
-        for (std::size_t j = 0; j < width; ++j) sum += row[j] * other[j];
-        gram(a, b) = gram(b, a) =
-            std::sqrt(std::abs(masses[index(a)]->mass * masses[index(b)]->mass)) * sum;
-      }
-    }
-    const Index gained = poles - negative_poles;
-    Eigen::MatrixXd lost = gram.topLeftCorner(negative_poles, negative_poles);
-    if (gained > 0) {
-      const Eigen::MatrixXd cross = gram.bottomLeftCorner(gained, negative_poles);
-      const Eigen::MatrixXd held_back =
-          Eigen::MatrixXd::Identity(gained, gained) + gram.bottomRightCorner(gained, gained);
-      lost -= cross.transpose() * held_back.llt().solve(cross);
-    }
-    const double share = negative_poles == 1 ? lost(0, 0)
-                                             : Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
-                                                   lost, Eigen::EigenvaluesOnly)
-                                                   .eigenvalues()
-                                                   .maxCoeff();
+    const double share = lost_share(factored.mass_gram(mass_rows_), negative_poles);
     if (!(share < 1.0)) throw ImpossibleChange("lost mass: more than there is");
-    residual_factor = 1.0 / (1.0 - share);
+    residual_factor = 1.0 / (1.0 - share);  // 1/θ, θ = 1 - share
   }
-  for (std::size_t s = 0; s < change.springs.size(); ++s) {
-    const StructureChange::Spring& spring = change.springs[s];
-    if (!spring.motion.empty()) add_support(spring.motion, s, spring.stiffness, -1, 0.0);
-  }
-  const std::size_t first_mass = change.springs.size(), first_softening = first_mass + p;
-  for (std::size_t m = 0; m < p; ++m)
-    add_support(masses[m]->motion, first_mass + m, 0.0, static_cast<int>(m), masses[m]->mass);
-
-  // Softenings: R Rᵀ = q / (1 - q) + self-stresses + W Wᵀ.
-  const auto first = static_cast<Index>(supports);
-  const auto count = static_cast<Index>(softenings_.size());
-  for (Index i = 0; i < count; ++i) {
-    const StructureChange::Softening& s = *softenings_[index(i)];
-    // All strain energy is at least q of what it was, unless compression takes a part of it.
-    least_remaining = intact.compressed ? 0.0 : std::min(least_remaining, s.remaining);
-    double* c = add_column();
-    for (const auto& [row, weight] : s.direction) {
-      const double* from = intact.strain_rows.data() + index(row) * intact.stride;
-      for (std::size_t j = 0; j < intact.stride; ++j) c[p + j] += weight * from[j];
-    }
-    for (Index k = 0; k < extra; ++k)
-      c[p + intact.stride + index(k)] = residual_.forms(static_cast<Index>(first_softening) + i, k);
-  }
-  for (Index i = 0; i < count; ++i) {
-    const StructureChange::Softening& s = *softenings_[index(i)];
-    const double* c = column(index(first + i));
-    for (Index b = 0; b < first; ++b) {
-      double part = compliance(c, column(index(b)));
-      for (Index k = 0; k < b; ++k) part -= factor_(first + i, k) * factor_(b, k);
-      factor_(first + i, b) = part / factor_(b, b);
-    }
-    for (Index b = 0; b <= i; ++b) {
-      const StructureChange::Softening& other = *softenings_[index(b)];
-      double value = b == i ? s.remaining / (1.0 - s.remaining) : 0.0;
-      for (const auto& [row, weight] : s.direction)
-        for (const auto& [column_row, other_weight] : other.direction)
-          if (!intact.residual)
-            value += weight * other_weight * intact.self_stresses(row, column_row);
-          else if (row == column_row)
-            value += weight * other_weight;
-      if (intact.residual)  // what the strains yield to, of what they measure
-        value -= moments_[0](static_cast<Index>(first_softening) + i,
-                             static_cast<Index>(first_softening) + b) +
-                 kernel.weighted_dot(c + p, column(index(first + b)) + p, compliances.data(),
-                                     static_cast<int>(intact.stride));
-      for (Index k = 0; k < first; ++k) value += factor_(first + i, k) * factor_(first + b, k);
-      for (Index k = 0; k < b; ++k)
-        value -= factor_(first + i, first + k) * factor_(first + b, first + k);
-      if (b < i) {
-        factor_(first + i, first + b) = value / factor_(first + b, first + b);
-        continue;
-      }
-      // The pivot cannot be less than what this softening itself leaves, but for compression: there
-      // it is positive as long as the structure does not buckle (Sylvester).
-      if (intact.compressed && !(value > 0.0))
-        throw ImpossibleChange("remaining stiffness = " + std::to_string(s.remaining) +
-                               ": too little for the axial forces, the structure buckles");
-      if (!intact.compressed) value = std::max(value, s.remaining / (1.0 - s.remaining));
-      factor_(first + i, first + i) = std::sqrt(value);
-    }
-  }
-  // L⁻¹ C, forwards.
-  for (Index a = 0; a < first + count; ++a) {
-    double* c = column(index(a));
-    for (Index b = 0; b < a; ++b)
-      if (factor_(a, b) != 0.0)
-        kernel.subtract(c, column(index(b)), factor_(a, b), static_cast<int>(stride));
-    const double inverse = 1.0 / factor_(a, a);
-    for (std::size_t j = 0; j < stride; ++j) c[j] *= inverse;
-  }
-
-  // Rigid motions that the springs leave.
-  rigid = intact.rigid;
-  if (intact.rigid > 0 && !change.springs.empty()) {
-    Eigen::MatrixXd holds(static_cast<Index>(change.springs.size()), intact.rigid);
-    for (std::size_t s = 0; s < change.springs.size(); ++s) {
-      intact.motion(change.springs[s].motion, raw_row_.data());
-      for (Index r = 0; r < intact.rigid; ++r) holds(static_cast<Index>(s), r) = raw_row_[index(r)];
-    }
-    rigid -= static_cast<int>(Eigen::FullPivLU<Eigen::MatrixXd>(holds).rank());
-  }
+  factored.add_supports();
+  factored.add_softenings();
+  factored.divide_columns();
+  rigid = rigid_left(intact, change, raw_row_);
 }
 
 }  // namespace wheeltap::fem::detail

@@ -21,6 +21,37 @@ constexpr double kRoundingBound = 1e-9;
 /// A wider bound, relative, is not offered: the changed structure is solved in full.
 constexpr double kTooWide = 1e-6;
 
+void require_sizes(const StructureReanalysis::Results& results) {
+  const std::size_t n = results.frequencies_hz.size();
+  if (!results.bounds_hz.empty() && results.bounds_hz.size() != n)
+    throw std::invalid_argument("bounds_hz has size " + std::to_string(results.bounds_hz.size()) +
+                                ": must be empty or " + std::to_string(n));
+  if (!results.shapes.empty() && results.shapes.size() != n * results.motions.size())
+    throw std::invalid_argument("shapes has size " + std::to_string(results.shapes.size()) +
+                                ": must be empty or " + std::to_string(n * results.motions.size()));
+}
+
+/// Shapes from `first` on, of the full solution.
+void write_full_shapes(const Discretisation& intact, const StructureChange& change, int first,
+                       const StructureReanalysis::Results& results) {
+  const auto count = static_cast<int>(results.frequencies_hz.size());
+  std::vector<SparseRow> motions(results.motions.begin(), results.motions.end());
+  const StructureModes full = structure_modes(changed(intact, change, motions), count);
+  for (int root = first; root < count; ++root)
+    for (std::size_t m = 0; m < motions.size(); ++m)
+      results.shapes[index(root) * motions.size() + m] = motions[m].of(full.shapes.col(root));
+}
+
+void write_full_frequencies(const Discretisation& intact, const StructureChange& change,
+                            std::span<double> frequencies_hz) {
+  const auto count = static_cast<int>(frequencies_hz.size());
+  const StructureModes full = structure_modes(changed(intact, change), count);
+  if (!full.certified)
+    throw std::runtime_error("the changed structure: whether its first " + std::to_string(count) +
+                             " modes are all found was not shown");
+  std::ranges::copy(full.frequencies_hz, frequencies_hz.begin());
+}
+
 }  // namespace
 
 struct StructureReanalysis::Impl : detail::IntactStructure {
@@ -32,7 +63,105 @@ struct StructureReanalysis::Workspace::Impl : detail::ChangeColumns {
   std::optional<detail::Window> window;  // with residual modes
   std::vector<double> starts, lambda, bounds;
   std::vector<double> coordinates, motion_rows;
+
+  [[nodiscard]] std::size_t row_size() const { return stride - index(poles); }
+  void observe_motions(const detail::IntactStructure& intact, const Results& results);
+  void write_shape(int root, const Results& results) const;
+  void take_intact(const detail::IntactStructure& intact, int count, const Results& results);
+  void set_starts(const detail::IntactStructure& intact, const StructureChange& change, int count);
+  void set_search(const detail::IntactStructure& intact);
+  [[nodiscard]] bool find_roots(int first, const Results& results);
 };
+
+void StructureReanalysis::Workspace::Impl::observe_motions(const detail::IntactStructure& intact,
+                                                           const Results& results) {
+  motion_rows.resize(results.shapes.empty() ? 0 : results.motions.size() * row_size());
+  for (std::size_t m = 0; !results.shapes.empty() && m < results.motions.size(); ++m)
+    observe(intact, results.motions[m], motion_rows.data() + m * row_size());
+}
+
+/// Of the mode whose `coordinates` these are.
+void StructureReanalysis::Workspace::Impl::write_shape(int root, const Results& results) const {
+  const std::size_t size = row_size();
+  for (std::size_t m = 0; m < results.motions.size(); ++m) {
+    const double* row = motion_rows.data() + m * size;
+    double sum = 0.0;
+    for (std::size_t j = 0; j < size; ++j) sum += row[j] * coordinates[index(poles) + j];
+    results.shapes[index(root) * results.motions.size() + m] = sum;
+  }
+}
+
+/// The first `count` modes as those of the intact structure, rigid-body ones before the others.
+void StructureReanalysis::Workspace::Impl::take_intact(const detail::IntactStructure& intact,
+                                                       int count, const Results& results) {
+  for (int root = 0; root < count; ++root) {
+    if (root >= rigid) lambda[index(root)] = intact.eigenvalues[index(root)];
+    if (results.shapes.empty()) continue;
+    std::ranges::fill(coordinates, 0.0);
+    coordinates[index(poles + root)] = 1.0;
+    write_shape(root, results);
+  }
+}
+
+/// First order, mode by mode: softened by compliance and mass, lifted by springs.
+void StructureReanalysis::Workspace::Impl::set_starts(const detail::IntactStructure& intact,
+                                                      const StructureChange& change, int count) {
+  starts.assign(index(count), 0.0);
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const std::size_t mode = std::min(i, intact.stride - 1), at = index(poles) + mode;
+    double softer = 1.0, stiffer = 0.0;
+    for (int a = 0; a < this->count(); ++a) {
+      const double c = columns[index(a) * stride + at];
+      if (a < supports - poles) {
+        stiffer += c * c;
+      } else if (a >= supports) {
+        softer += c * c / intact.scales[mode];
+      }
+    }
+    for (const StructureChange::Mass& m : change.masses) {
+      double motion = 0.0;
+      for (std::size_t k = 0; k < m.motion.dofs.size(); ++k)
+        motion += m.motion.coefficients[k] *
+                  intact.dof_rows[index(m.motion.dofs[k]) * intact.stride + mode];
+      softer += m.mass * motion * motion;
+    }
+    starts[i] = (intact.eigenvalues[mode] + stiffer) / softer;
+  }
+  std::ranges::sort(starts);
+}
+
+void StructureReanalysis::Workspace::Impl::set_search(const detail::IntactStructure& intact) {
+  const int lifting = supports - poles + negative_poles;
+  search.set({.eigenvalues = eigenvalues.data(),
+              .scales = scales.data(),
+              .stride = stride,
+              .modes = intact.modes + poles + extra,
+              .window = window ? &*window : &intact.window_for(lifting),
+              .added_poles = poles,
+              .negative_poles = negative_poles,
+              .residual_factor = residual_factor,
+              .columns = count(),
+              .supports = supports,
+              .held = held,
+              .least_remaining = least_remaining,
+              .added_stiffness = added_stiffness,
+              .c = columns.data(),
+              .starts = starts},
+             detail::secular_kernel());
+}
+
+/// The roots from `first` on, and their shapes; false where not all modes tell their shape.
+bool StructureReanalysis::Workspace::Impl::find_roots(int first, const Results& results) {
+  search.find(first, lambda);
+  bool shapes_told = true;
+  if (!results.shapes.empty())
+    search.modes(first, lambda, [&](const detail::RootSearch::Mode& mode) {
+      shapes_told &= mode.found;
+      search.coordinates(mode, coordinates.data());
+      write_shape(mode.root, results);
+    });
+  return shapes_told;
+}
 
 StructureReanalysis::Workspace::Workspace(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 StructureReanalysis::Workspace::Workspace(Workspace&&) noexcept = default;
@@ -70,105 +199,28 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
   validate(*intact.discretisation, change);
   if (!change.scalings.empty())
     throw std::invalid_argument("a part of the stiffness that changes as a whole: no low rank");
+  require_sizes(results);
+  work.set(intact, change, detail::secular_kernel());
   const std::size_t n = results.frequencies_hz.size();
-  if (!results.bounds_hz.empty() && results.bounds_hz.size() != n)
-    throw std::invalid_argument("bounds_hz has size " + std::to_string(results.bounds_hz.size()) +
-                                ": must be empty or " + std::to_string(n));
-  if (!results.shapes.empty() && results.shapes.size() != n * results.motions.size())
-    throw std::invalid_argument("shapes has size " + std::to_string(results.shapes.size()) +
-                                ": must be empty or " + std::to_string(n * results.motions.size()));
-  const detail::SecularKernel& kernel = detail::secular_kernel();
-  work.set(intact, change, kernel);
   const auto count = static_cast<int>(n);
   work.window.reset();
   if (work.extra > 0)
     work.window.emplace(work.eigenvalues, intact.modes + work.extra, intact.modes + work.extra);
-  const int modes = intact.modes + work.poles + work.extra, total = modes - work.held;
+  const int total = intact.modes + work.poles + work.extra - work.held;
   if (count > std::min(intact.wanted, total))
     throw std::invalid_argument("modes = " + std::to_string(count) + ": must be at most " +
                                 std::to_string(std::min(intact.wanted, total)) + " here");
   work.lambda.assign(n, 0.0);
-  const std::size_t row_size = intact.stride + index(work.extra);
-  work.motion_rows.resize(results.shapes.empty() ? 0 : results.motions.size() * row_size);
-  for (std::size_t m = 0; !results.shapes.empty() && m < results.motions.size(); ++m)
-    work.observe(intact, results.motions[m], work.motion_rows.data() + m * row_size);
-  const auto write_shape = [&](int root) {
-    for (std::size_t m = 0; m < results.motions.size(); ++m) {
-      const double* row = work.motion_rows.data() + m * row_size;
-      double sum = 0.0;
-      for (std::size_t j = 0; j < row_size; ++j)
-        sum += row[j] * work.coordinates[index(work.poles) + j];
-      results.shapes[index(root) * results.motions.size() + m] = sum;
-    }
-  };
+  work.observe_motions(intact, results);
   work.coordinates.assign(work.stride, 0.0);
   const bool unchanged = work.count() == 0;
-  bool shapes_told = true;
   const int first = unchanged ? count : std::min(count, work.rigid);
-  for (int root = 0; root < first; ++root) {
-    if (root >= work.rigid) work.lambda[index(root)] = intact.eigenvalues[index(root)];
-    if (results.shapes.empty()) continue;
-    std::ranges::fill(work.coordinates, 0.0);
-    work.coordinates[index(work.poles + root)] = 1.0;
-    write_shape(root);
-  }
+  work.take_intact(intact, first, results);
   if (first < count) {
-    // First order, mode by mode: softened by compliance and mass, lifted by springs.
-    work.starts.assign(index(std::min(count + 1, total)), 0.0);
-    for (std::size_t i = 0; i < work.starts.size(); ++i) {
-      const std::size_t mode = std::min(i, intact.stride - 1), at = index(work.poles) + mode;
-      double softer = 1.0, stiffer = 0.0;
-      for (int a = 0; a < work.count(); ++a) {
-        const double c = work.columns[index(a) * work.stride + at];
-        if (a < work.supports - work.poles) {
-          stiffer += c * c;
-        } else if (a >= work.supports) {
-          softer += c * c / intact.scales[mode];
-        }
-      }
-      for (const StructureChange::Mass& m : change.masses) {
-        double motion = 0.0;
-        for (std::size_t k = 0; k < m.motion.dofs.size(); ++k)
-          motion += m.motion.coefficients[k] *
-                    intact.dof_rows[index(m.motion.dofs[k]) * intact.stride + mode];
-        softer += m.mass * motion * motion;
-      }
-      work.starts[i] = (intact.eigenvalues[mode] + stiffer) / softer;
-    }
-    std::ranges::sort(work.starts);
-    const int lifting = work.supports - work.poles + work.negative_poles;
-    const detail::Window& window = intact.window_for(lifting);
-    work.search.set({.eigenvalues = work.eigenvalues.data(),
-                     .scales = work.scales.data(),
-                     .stride = work.stride,
-                     .modes = modes,
-                     .window = work.window ? &*work.window : &window,
-                     .added_poles = work.poles,
-                     .negative_poles = work.negative_poles,
-                     .residual_factor = work.residual_factor,
-                     .columns = work.count(),
-                     .supports = work.supports,
-                     .held = work.held,
-                     .least_remaining = work.least_remaining,
-                     .added_stiffness = work.added_stiffness,
-                     .c = work.columns.data(),
-                     .starts = work.starts},
-                    kernel);
-    work.search.find(first, work.lambda);
-    if (!results.shapes.empty())
-      work.search.modes(first, work.lambda, [&](const detail::RootSearch::Mode& mode) {
-        shapes_told &= mode.found;
-        work.search.coordinates(mode, work.coordinates.data());
-        write_shape(mode.root);
-      });
-  }
-  if (!shapes_told) {  // as where three modes or more are one: the full solution's
-    std::vector<SparseRow> motions(results.motions.begin(), results.motions.end());
-    const StructureModes full =
-        structure_modes(changed(*intact.discretisation, change, motions), count);
-    for (int root = first; root < count; ++root)
-      for (std::size_t m = 0; m < motions.size(); ++m)
-        results.shapes[index(root) * motions.size() + m] = motions[m].of(full.shapes.col(root));
+    work.set_starts(intact, change, std::min(count + 1, total));
+    work.set_search(intact);
+    if (!work.find_roots(first, results))  // as where three modes or more are one
+      write_full_shapes(*intact.discretisation, change, first, results);
   }
   const auto hz = [](double value) { return std::sqrt(value) / (2.0 * std::numbers::pi); };
   std::ranges::transform(work.lambda, results.frequencies_hz.begin(), hz);
@@ -179,11 +231,7 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
       work.bounds[index(root)] =
           std::max(kRoundingBound, work.bound(work.lambda[index(root)], root, intact.next));
     if (std::ranges::any_of(work.bounds, [](double bound) { return bound > kTooWide; })) {
-      const StructureModes full = structure_modes(changed(*intact.discretisation, change), count);
-      if (!full.certified)
-        throw std::runtime_error("the changed structure: whether its first " +
-                                 std::to_string(count) + " modes are all found was not shown");
-      std::ranges::copy(full.frequencies_hz, results.frequencies_hz.begin());
+      write_full_frequencies(*intact.discretisation, change, results.frequencies_hz);
       std::ranges::fill(work.bounds, kRoundingBound);
     }
   }

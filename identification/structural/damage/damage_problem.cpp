@@ -149,6 +149,131 @@ std::vector<inference::ModelSpace::Counts> combinations(const std::vector<Defect
   return list;
 }
 
+std::vector<inference::ComponentKind> component_kinds(const DamageCase& damage_case) {
+  std::vector<inference::ComponentKind> kinds;
+  for (const DefectKind& kind : damage_case.kinds) {
+    inference::ComponentKind component{kind.name, kind.plural, {{"location", kind.location}}};
+    if (const Prior* severity = kind.severity_prior())
+      component.parameters.push_back({kind.severity_name(), *severity});
+    if (kind.extent_prior) component.parameters.push_back({"extent", *kind.extent_prior});
+    kinds.push_back(std::move(component));
+  }
+  return kinds;
+}
+
+std::vector<inference::Parameter> scatter_parameters(const DamageCase& damage_case) {
+  std::vector<inference::Parameter> scatters;
+  const auto add = [&](const char* name, const std::optional<Prior>& prior) {
+    if (prior) scatters.push_back({name, *prior});
+  };
+  add("cov", damage_case.data.cv_prior);
+  if (damage_case.modal) {  // in the order of `modal_noise`
+    const ModalData& data = *damage_case.modal;
+    add("shape_sd", data.shape_sd_prior);
+    add("discrepancy", data.discrepancy.prior);
+    add("shape_discrepancy", data.shape_discrepancy.prior);
+    add("mixing", data.mixing.prior);
+    add("stiffness_discrepancy", data.stiffness_discrepancy.prior);
+  }
+  return scatters;
+}
+
+void solve_as_structure(DamageProblem& problem, int wanted) {
+  const DamageCase& damage_case = problem.damage_case;
+  if (damage_case.modal) {
+    problem.modal = std::make_shared<const ModalLikelihood>(*damage_case.modal);
+    const fem::Discretisation d = discretise(damage_case.solved_structure());
+    int elastic = static_cast<int>(fem::mode_count(d)) - damage_case.rigid_body_modes;
+    for (const DefectKind& kind : damage_case.kinds)
+      elastic -= kind.type->may_be_known ? kind.max_count : 0;
+    wanted = damage_case.rigid_body_modes + problem.modal->candidates(elastic);
+  }
+  const AnyStructure structure = damage_case.solved_structure();
+  if (const auto* members = std::get_if<fem::Structure>(&structure))
+    problem.mesh = std::make_shared<const fem::Mesh>(*members);
+  problem.structure = std::make_shared<const fem::StructureReanalysis>(
+      std::make_shared<const fem::Discretisation>(problem.mesh ? problem.mesh->discretisation()
+                                                               : discretise(structure)),
+      wanted);
+}
+
+// What predicts modes: states of a structure, one structure, or a beam.
+void make_solution(DamageProblem& problem) {
+  const DamageCase& damage_case = problem.damage_case;
+  const int wanted = damage_case.modes() + damage_case.rigid_body_modes;
+  if (!damage_case.states && !damage_case.solved_as_structure()) {
+    problem.reanalysis = std::make_shared<const fem::Reanalysis>(damage_case.beam, wanted);
+    return;
+  }
+  try {
+    if (damage_case.states)
+      problem.states =
+          std::make_shared<const StatesLikelihood>(damage_case.states, damage_case.kinds);
+    else
+      solve_as_structure(problem, wanted);
+  } catch (const fem::InvalidStructure& error) {
+    throw InvalidInput(InvalidInput::Part::beam, error.what());
+  } catch (const std::invalid_argument& error) {
+    throw InvalidInput(damage_case.states ? InvalidInput::Part::data : InvalidInput::Part::beam,
+                       error.what());
+  }
+}
+
+void add_symmetries(DamageProblem& problem, bool mirrored) {
+  const DamageCase& damage_case = problem.damage_case;
+  const auto& states = damage_case.states;
+  const bool told_apart =
+      (damage_case.modal && damage_case.modal->has_shapes()) || (states && states->has_shapes());
+  problem.symmetric =
+      mirrored && !problem.outside && !told_apart && !(states && states->tells_sides());
+  if (mirrored)
+    for (int k = 0; k < static_cast<int>(damage_case.kinds.size()); ++k)
+      problem.problem.reflections.push_back({k, 0, 0.5 * damage_case.beam.length});
+  if (damage_case.structure) find_images(problem, told_apart);
+}
+
+// Two damages in one element are hard to tell from one that compounds them, but far from it.
+void add_split_merges(DamageProblem& problem) {
+  using inference::SplitMerge;
+  for (int k = 0; k < static_cast<int>(problem.damage_case.kinds.size()); ++k) {
+    const DefectKind& kind = problem.damage_case.kinds[static_cast<std::size_t>(k)];
+    if (!kind.type->compounds || kind.max_count < 2) continue;
+    const double h = kind.line.length() / static_cast<double>(kind.line.cells());
+    problem.problem.moves.push_back({"split and merge", [k, h] {
+                                       return std::make_unique<SplitMerge>(
+                                           k, h, SplitMerge::Keeps::product_of_complements);
+                                     }});
+  }
+}
+
+void make_emulator(DamageProblem& problem, const DamageProblemOptions& options) {
+  const DamageCase& damage_case = problem.damage_case;
+  const EmulatorSpec& spec = *damage_case.emulator;
+  const DefectKind& kind = damage_case.kinds[0];
+  const int modes = damage_case.modes();
+  try {
+    problem.emulator = std::make_shared<const FrequencyEmulator>(
+        spec.table ? FrequencyEmulator::load(*spec.table, damage_case.beam, kind.max_count, modes)
+                   : FrequencyEmulator::train(
+                         *problem.reanalysis, spec, kind, modes,
+                         {.threads = options.threads,
+                          .progress = options.table_progress,
+                          .model = problem.outside ? outside_model(*problem.outside, kind.max_count)
+                                                   : emulator::ModelFactory()}));
+  } catch (const emulator::RunError& error) {
+    std::rethrow_if_nested(error);  // of a model of someone else's
+    throw;
+  } catch (const std::invalid_argument& error) {
+    throw InvalidInput(InvalidInput::Part::emulator, error.what());
+  }
+  if (const auto outside = problem.emulator->reaches_outside(kind))
+    throw InvalidInput(outside->part, outside->message);
+}
+
+inference::LikelihoodFactory likelihood_of(const DamageProblem& problem, bool emulated) {
+  return [&problem, emulated] { return std::make_unique<FrequencyLikelihood>(problem, emulated); };
+}
+
 }  // namespace
 
 FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
@@ -162,11 +287,10 @@ FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
     shapes_.resize(all_.size() * motions_.size());
   }
   if (problem.states) states_workspace_ = problem.states->make_workspace();
-  if (problem.structure) {
+  if (problem.structure)
     structure_workspace_ = problem.structure->make_workspace();
-  } else if (problem.reanalysis) {
+  else if (problem.reanalysis)
     workspace_ = problem.reanalysis->make_workspace();
-  }
 }
 
 void FrequencyPredictor::place(int model, std::span<const double> x) {
@@ -193,9 +317,8 @@ std::size_t FrequencyPredictor::first_elastic() const {
 bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
                                        std::span<double> jacobian) {
   if (!problem_.reanalysis || problem_.outside) return false;
-  for (const DefectKind& kind : problem_.damage_case.kinds) {
+  for (const DefectKind& kind : problem_.damage_case.kinds)
     if (!kind.type->is_elementary) return false;
-  }
   place(model, x);
   const std::size_t n = all_.size(), damages = placed_.damages.size(),
                     supports = placed_.supports.size();
@@ -266,9 +389,8 @@ void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<d
 bool FrequencyPredictor::solve_changed(int model, std::span<const double> x,
                                        const fem::StructureReanalysis::Results& results) {
   in_structure_.clear();
-  for (const DamageProblem::Component& c : problem_.components(model, x)) {
+  for (const DamageProblem::Component& c : problem_.components(model, x))
     in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
-  }
   try {
     problem_.structure->solve(
         structure_change(problem_.damage_case.kinds, in_structure_, problem_.mesh.get()),
@@ -441,144 +563,36 @@ std::vector<std::string> outside_inputs(const DamageCase& damage_case) {
 std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
                                                          const DamageProblemOptions& options) {
   complete(damage_case);
-  std::vector<inference::ComponentKind> kinds;
-  for (const DefectKind& kind : damage_case.kinds) {
-    inference::ComponentKind component{kind.name, kind.plural, {{"location", kind.location}}};
-    if (const Prior* severity = kind.severity_prior()) {
-      component.parameters.push_back({kind.severity_name(), *severity});
-    }
-    if (kind.extent_prior) component.parameters.push_back({"extent", *kind.extent_prior});
-    kinds.push_back(std::move(component));
-  }
-  std::vector<inference::Parameter> common;
-  if (damage_case.data.cv_prior) common.push_back({"cov", *damage_case.data.cv_prior});
-  if (damage_case.modal) {  // in the order of `modal_noise`
-    const ModalData& data = *damage_case.modal;
-    if (data.shape_sd_prior) common.push_back({"shape_sd", *data.shape_sd_prior});
-    if (data.discrepancy.prior) common.push_back({"discrepancy", *data.discrepancy.prior});
-    if (data.shape_discrepancy.prior)
-      common.push_back({"shape_discrepancy", *data.shape_discrepancy.prior});
-    if (data.mixing.prior) common.push_back({"mixing", *data.mixing.prior});
-    if (data.stiffness_discrepancy.prior)
-      common.push_back({"stiffness_discrepancy", *data.stiffness_discrepancy.prior});
-  }
+  std::vector<inference::Parameter> common = scatter_parameters(damage_case);
   const auto scatters = static_cast<int>(common.size());
   if (damage_case.states)
     for (auto& parameter : damage_case.states->parameters()) common.push_back(parameter);
 
-  auto out = std::make_unique<DamageProblem>(
-      DamageProblem{.damage_case = damage_case,
-                    .reanalysis = nullptr,
-                    .emulator = nullptr,
-                    .problem = {.space = inference::ModelSpace::of_components(
-                                    common, kinds, combinations(damage_case.kinds)),
-                                .likelihood = {}},
-                    .fe_likelihood = nullptr,
-                    .common = static_cast<int>(common.size()),
-                    .scatters = scatters});
-  int wanted = damage_case.modes() + damage_case.rigid_body_modes;
-  if (damage_case.states) {
-    try {
-      out->states = std::make_shared<const StatesLikelihood>(damage_case.states, damage_case.kinds);
-    } catch (const fem::InvalidStructure& error) {
-      throw InvalidInput(InvalidInput::Part::beam, error.what());
-    } catch (const std::invalid_argument& error) {
-      throw InvalidInput(InvalidInput::Part::data, error.what());
-    }
-  } else if (damage_case.solved_as_structure()) {
-    try {
-      if (damage_case.modal) {
-        out->modal = std::make_shared<const ModalLikelihood>(*damage_case.modal);
-        const fem::Discretisation d = discretise(damage_case.solved_structure());
-        int held = 0;
-        for (const DefectKind& kind : damage_case.kinds)
-          held += kind.type->may_be_known ? kind.max_count : 0;
-        wanted = damage_case.rigid_body_modes +
-                 out->modal->candidates(static_cast<int>(fem::mode_count(d)) -
-                                        damage_case.rigid_body_modes - held);
-      }
-      const AnyStructure structure = damage_case.solved_structure();
-      if (const auto* members = std::get_if<fem::Structure>(&structure)) {
-        out->mesh = std::make_shared<const fem::Mesh>(*members);
-      }
-      out->structure = std::make_shared<const fem::StructureReanalysis>(
-          std::make_shared<const fem::Discretisation>(out->mesh ? out->mesh->discretisation()
-                                                                : discretise(structure)),
-          wanted);
-    } catch (const std::invalid_argument& error) {
-      throw InvalidInput(InvalidInput::Part::beam, error.what());
-    }
-  } else {
-    out->reanalysis = std::make_shared<const fem::Reanalysis>(damage_case.beam, wanted);
-  }
-  const auto& states = damage_case.states;
-  const bool told_apart =
-      (damage_case.modal && damage_case.modal->has_shapes()) || (states && states->has_shapes());
+  auto out = std::make_unique<DamageProblem>(DamageProblem{
+      .damage_case = damage_case,
+      .reanalysis = nullptr,
+      .emulator = nullptr,
+      .problem = {.space = inference::ModelSpace::of_components(
+                      common, component_kinds(damage_case), combinations(damage_case.kinds)),
+                  .likelihood = {}},
+      .fe_likelihood = nullptr,
+      .common = static_cast<int>(common.size()),
+      .scatters = scatters});
+  make_solution(*out);
   bool mirrored = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam);
-  for (const DefectKind& kind : damage_case.kinds) {
+  for (const DefectKind& kind : damage_case.kinds)
     mirrored = mirrored && is_mirror_symmetric(kind.location, damage_case.beam.length);
-  }
-  if (options.outside) {
-    if (!out->reanalysis)
-      throw InvalidInput(
-          InvalidInput::Part::data,
-          "a predictor of one's own goes with a beam and its frequencies: there must "
-          "be no shapes, states or structure");
-    out->outside = options.outside;
-  }
-  out->symmetric =
-      mirrored && !options.outside && !told_apart && !(states && states->tells_sides());
-  if (mirrored) {
-    for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
-      out->problem.reflections.push_back({static_cast<int>(k), 0, 0.5 * damage_case.beam.length});
-    }
-  }
-
-  if (damage_case.structure) find_images(*out, told_apart);
-
-  // Two damages in one element are hard to tell from one that compounds them, but far from it.
-  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
-    const DefectKind& kind = damage_case.kinds[k];
-    if (!kind.type->compounds || kind.max_count < 2) continue;
-    out->problem.moves.push_back(
-        {"split and merge", [kind_index = static_cast<int>(k),
-                             h = kind.line.length() / static_cast<double>(kind.line.cells())] {
-           return std::make_unique<inference::SplitMerge>(
-               kind_index, h, inference::SplitMerge::Keeps::product_of_complements);
-         }});
-  }
-
-  if (damage_case.emulator) {
-    const EmulatorSpec& spec = *damage_case.emulator;
-    const DefectKind& kind = damage_case.kinds[0];
-    try {
-      out->emulator = std::make_shared<const FrequencyEmulator>(
-          spec.table ? FrequencyEmulator::load(*spec.table, damage_case.beam, kind.max_count,
-                                               damage_case.modes())
-                     : FrequencyEmulator::train(
-                           *out->reanalysis, spec, kind, damage_case.modes(),
-                           {.threads = options.threads,
-                            .progress = options.table_progress,
-                            .model = out->outside ? outside_model(*out->outside, kind.max_count)
-                                                  : emulator::ModelFactory()}));
-    } catch (const emulator::RunError& error) {
-      std::rethrow_if_nested(error);  // of a model of someone else's
-      throw;
-    } catch (const std::invalid_argument& error) {
-      throw InvalidInput(InvalidInput::Part::emulator, error.what());
-    }
-    if (const auto outside = out->emulator->reaches_outside(damage_case.kinds[0])) {
-      throw InvalidInput(outside->part, outside->message);
-    }
-  }
-  const auto likelihood = [problem = out.get()](bool emulated) {
-    return
-        [problem, emulated] { return std::make_unique<FrequencyLikelihood>(*problem, emulated); };
-  };
-  const bool emulated = out->emulator && !out->exact();
-  out->fe_likelihood = likelihood(false);
-  out->problem.likelihood = likelihood(emulated);
-  if (out->exact()) out->problem.screen = likelihood(true);
+  if (options.outside && !out->reanalysis)
+    throw InvalidInput(InvalidInput::Part::data,
+                       "a predictor of one's own goes with a beam and its frequencies: "
+                       "there must be no shapes, states or structure");
+  out->outside = options.outside;
+  add_symmetries(*out, mirrored);
+  add_split_merges(*out);
+  if (damage_case.emulator) make_emulator(*out, options);
+  out->fe_likelihood = likelihood_of(*out, false);
+  out->problem.likelihood = likelihood_of(*out, out->emulator && !out->exact());
+  if (out->exact()) out->problem.screen = likelihood_of(*out, true);
   return out;
 }
 

@@ -8,7 +8,7 @@ namespace wheeltap::inference {
 namespace {
 
 // Turns ln w_l N_l(z) into ln p(l | z).
-void normalise(std::vector<double>& logs) {
+void normalise_logs(std::vector<double>& logs) {
   const double top = *std::max_element(logs.begin(), logs.end());
   double sum = 0.0;
   for (const double v : logs) sum += std::exp(v - top);
@@ -34,7 +34,7 @@ std::optional<double> MixtureTransport::propose(const State& from, const Step& s
   if (old_mixture) {
     logs_.resize(static_cast<std::size_t>(old_mixture->size()));
     old_mixture->component_log_densities(from.z, logs_);
-    normalise(logs_);
+    normalise_logs(logs_);
     double v = step.random.uniform();
     std::size_t l = 0;
     for (; l + 1 < logs_.size(); ++l) {
@@ -58,7 +58,7 @@ std::optional<double> MixtureTransport::propose(const State& from, const Step& s
     if (!step.target.is_sorted(to)) return std::nullopt;
     logs_.resize(static_cast<std::size_t>(new_mixture->size()));
     new_mixture->component_log_densities(to.z, logs_);
-    normalise(logs_);
+    normalise_logs(logs_);
     log_ratio += logs_[static_cast<std::size_t>(component)] -
                  std::log((*new_mixture)[component].weight) +
                  new_mixture->log_determinant(component);

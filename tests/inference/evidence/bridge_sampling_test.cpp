@@ -11,7 +11,7 @@
 namespace wheeltap::inference {
 namespace {
 
-bool long_tests() {
+bool asked_for_long_tests() {
   return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
 }
 
@@ -37,7 +37,7 @@ TEST(BridgeSampling, NestedMeans) {
 
 // Draws from a random walk alone are correlated, and the error must say so.
 TEST(BridgeSampling, StandardErrorCovers) {
-  const int seeds = long_tests() ? 200 : 25;
+  const int seeds = asked_for_long_tests() ? 200 : 25;
   const Known known = linear_gaussian(3);
   int inside = 0;
   double squares = 0.0;
@@ -49,7 +49,7 @@ TEST(BridgeSampling, StandardErrorCovers) {
     inside += std::fabs(z) < 1.96 ? 1 : 0;
     squares += z * z / seeds;
   }
-  EXPECT_GE(inside, seeds * (long_tests() ? 0.90 : 0.80));
+  EXPECT_GE(inside, seeds * (asked_for_long_tests() ? 0.90 : 0.80));
   std::printf("    coverage of ± 1.96 standard errors: %d of %d (rms z %.2f)\n", inside, seeds,
               std::sqrt(squares));
 }

@@ -1,0 +1,172 @@
+#include "apps/cases/emulator_case.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "apps/cases/syntax/case_remedies.hpp"
+#include "emulator/gaussian_process.hpp"
+#include "identification/emulation/interpolants.hpp"
+#include "identification/structural/defects/reduction.hpp"
+#include "io/text/text.hpp"
+
+namespace wheeltap::apps {
+
+using namespace identification;
+
+namespace {
+
+std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& where,
+                                          int elements) {
+  const auto parse_list = [&](const Pointer& list_at) {
+    std::vector<int> sites;
+    const Json& list = file.json.at(list_at);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const int site = list[i].get<int>();
+      if (site > elements) {
+        file.refuse(list_at / i, "the beam has " + std::to_string(elements) + " elements");
+      }
+      if (!sites.empty() && site - 1 <= sites.back()) {
+        file.refuse(list_at / i, "sites must increase, and none may stand twice");
+      }
+      sites.push_back(site - 1);
+    }
+    if (sites.size() < 2) file.refuse(list_at, "at least two sites are needed to interpolate");
+    return sites;
+  };
+  const Json& sites = file.json.at(where);
+  std::vector<std::vector<int>> lists;
+  if (sites.is_string()) {
+    if (elements < 2) file.refuse(where, "a beam of one element has nothing to interpolate");
+    lists.emplace_back(static_cast<std::size_t>(elements));
+    std::iota(lists[0].begin(), lists[0].end(), 0);
+  } else if (sites[0].is_array()) {
+    for (std::size_t i = 0; i < sites.size(); ++i) lists.push_back(parse_list(where / i));
+  } else {
+    lists.push_back(parse_list(where));
+  }
+  return lists;
+}
+
+// A scattered design, or the user's own runs.
+void parse_runs(const CaseFile& file, const Pointer& where, EmulatorSpec& spec) {
+  const Json& p = file.json.at(where);
+  if (p.contains("design")) {
+    const Json& d = p["design"];
+    spec.runs =
+        d["kind"] == "sobol" ? EmulatorSpec::Runs::sobol : EmulatorSpec::Runs::latin_hypercube;
+    spec.design_runs = d["runs"].is_array() ? d["runs"].get<std::vector<int>>()
+                                            : std::vector<int>{d["runs"].get<int>()};
+    spec.design_seed = d.value("seed", std::uint64_t{1});
+  }
+  if (p.contains("runs_csv")) {
+    spec.runs = EmulatorSpec::Runs::csv;
+    const Json& names = p["runs_csv"];
+    for (const Json& name : names.is_array() ? names : Json::array({names})) {
+      spec.csv.push_back(file.resolve(name.get<std::string>()));
+    }
+  }
+}
+
+}  // namespace
+
+EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const DamageCase& out) {
+  const Json& p = file.json.at(where);
+  if (out.kinds.size() != 1 || out.kinds[0].type != &defects::kReduction) {
+    file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
+  }
+  if (out.kinds[0].extent || out.kinds[0].extent_prior)
+    file.refuse(where,
+                "an emulator knows reductions of one element, not over an \"extent\"; use \"fe\" "
+                "here");
+  if (out.structure)
+    file.refuse(where, "an emulator is trained on a beam, not on a structure; use \"fe\" here");
+  EmulatorSpec spec;
+  spec.emulator_error = p.value("emulator_error", true);
+  spec.exact = p.value("exact", false);
+  spec.holdout = p.value("holdout", spec.holdout);
+  if (p.contains("table")) {
+    for (const char* key :
+         {"sites", "multipliers", "interpolation", "coordinate", "expansion", "additive", "design",
+          "runs_csv", "symmetrise", "holdout", "accuracy"}) {
+      if (p.contains(key))
+        file.refuse(where / key, "is the table's own: it does not go with \"table\"");
+    }
+    spec.table = file.resolve(p["table"].get<std::string>());
+    return spec;
+  }
+  const int sources = (p.contains("sites") ? 1 : 0) + (p.contains("design") ? 1 : 0) +
+                      (p.contains("runs_csv") ? 1 : 0);
+  if (sources != 1) {
+    file.refuse(where,
+                "an emulator has one of \"table\", \"sites\" (with \"multipliers\"), "
+                "\"design\" and \"runs_csv\"");
+  }
+  parse_runs(file, where, spec);
+  const bool grid = p.contains("sites");
+  const bool own = p.contains("runs_csv");
+  if (grid && !p.contains("multipliers")) {
+    file.refuse(where / "multipliers", "is missing: \"sites\" go with \"multipliers\"");
+  }
+  if (own && p.contains("multipliers")) {
+    file.refuse(where / "multipliers", "the levels of \"runs_csv\" are in the file");
+  }
+  if (!grid && !own) spec.interpolant = &emulator::kGaussianProcess;
+  if (p.contains("interpolation")) {
+    // The schema has let no other names pass.
+    spec.interpolant = find_interpolant_type(p["interpolation"].get<std::string>());
+  }
+  using Joined = emulator::InterpolantType::Runs;
+  if (grid && spec.interpolant->runs != Joined::grid) {
+    file.refuse(where / "interpolation",
+                "is for scattered runs (\"design\", \"runs_csv\"); a grid of sites has " +
+                    interpolant_names(Joined::grid));
+  }
+  if (p.contains("design") && spec.interpolant->runs != Joined::scattered) {
+    file.refuse(where / "interpolation",
+                "is for grids; a scattered design has " + interpolant_names(Joined::scattered));
+  }
+  if (grid) spec.sites = parse_sites(file, where / "sites", out.beam.elements);
+  if (p.contains("accuracy")) {
+    if (!grid) file.refuse(where / "accuracy", "goes with \"sites\" and \"multipliers\" only");
+    spec.accuracy = p["accuracy"].get<double>();
+  }
+  if (p.contains("multipliers")) {
+    for (const double multiplier : p["multipliers"].get<std::vector<double>>()) {
+      spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // 0.6, not 1 - 0.4
+    }
+    std::ranges::sort(spec.reductions);
+    if (std::ranges::adjacent_find(spec.reductions) != spec.reductions.end()) {
+      file.refuse(where / "multipliers", "no multiplier may stand twice");
+    }
+  } else if (p.contains("design")) {
+    const inference::Prior& prior = *out.kinds[0].severity_prior();
+    if (!(prior.upper() <= 0.999 && prior.upper() > prior.lower())) {
+      file.refuse(where / "multipliers",
+                  "is missing: the reduction prior does not bound the design");
+    }
+  }
+  spec.compliance = p.value("coordinate", std::string()) == "compliance";
+  if (p.value("expansion", std::string("none")) == "anova") {
+    spec.anova = emulator::additive_named(p.value("additive", std::string("inverse-square")));
+    if (spec.sites.size() > 1) {
+      file.refuse(where / "sites",
+                  "\"anova\" asks one table for any of the damages: give one list of sites");
+    }
+  } else if (p.contains("additive")) {
+    file.refuse(where / "additive", "goes with \"expansion\": \"anova\" only");
+  }
+  const std::size_t most_damages = spec.interpolant->most_factors / 2;
+  if (static_cast<std::size_t>(spec.tables(out.kinds[0].max_count)) > most_damages) {
+    file.refuse(where / "interpolation", '"' + std::string(spec.interpolant->name) +
+                                             "\" takes up to " + std::to_string(most_damages) +
+                                             " damages; add \"expansion\": \"anova\" for more");
+  }
+  const bool symmetric = fem::is_mirror_symmetric(out.beam);
+  spec.symmetrise = p.value("symmetrise", symmetric && spec.emulator_error);
+  if (spec.symmetrise && !symmetric) {
+    file.refuse(where / "symmetrise", "this beam is not its own mirror image");
+  }
+  return spec;
+}
+
+}  // namespace wheeltap::apps
