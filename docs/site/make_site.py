@@ -28,9 +28,9 @@ CHAPTERS = {
     "Structures and damage": ["structures", "sections", "emulators", "updating", "states"],
     "Records": ["measured-data", "file-formats", "modal", "laws"],
     "At home": ["python", "libraries", "models-of-others", "scale"],
-    "What it rests on": ["theory", "validation", "comparison", "measured"],
+    "What it rests on": ["theory", "validation", "speed", "comparison", "measured"],
     "Reference": ["reference/commands", "reference/keys", "reference/python", "reference/cpp"],
-    "The project": ["contributing", "releasing", "changes"],
+    "The project": ["contributing", "releasing", "changes", "licences"],
 }
 PAGES = {"README.md": "readme", "CHANGELOG.md": "changes", "docs/README.md": "index", "data/README.md": "data"}
 TUTORIALS = [
