@@ -81,15 +81,16 @@ std::vector<double> inferred_scatter(const DamageProblem& problem,
   const std::size_t draws = posterior.chains[0].model.size();
   const std::size_t stride = std::max<std::size_t>(1, chains * draws / kSolved);
   FrequencyPredictor predictor(problem);
-  ModalLikelihood::Score score;
+  ModeObservation::Scored scored;
   std::vector<int> with;
   double solved = 0.0;
   for (std::size_t n = 0; n < chains * draws; n += stride) {
     const inference::Chain& chain = posterior.chains[n / draws];
     const std::size_t i = n % draws;
     const std::span<const double> x(chain.theta.data() + i * width, width);
-    if (!predictor.score(chain.model[i], x, score)) continue;
-    const Eigen::MatrixXd covariance = predictor.covariance(x, score, with);
+    if (!predictor.score(chain.model[i], x, scored)) continue;
+    const Eigen::MatrixXd covariance =
+        problem.modes().covariance(scored, problem.modal_noise(x), with);
     for (std::size_t k = 0; k < with.size(); ++k)
       out[static_cast<std::size_t>(with[k])] +=
           covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k));

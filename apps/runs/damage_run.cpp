@@ -51,7 +51,8 @@ std::optional<FinishedRun> sample_damage(std::shared_ptr<const DamageCaseFile> p
   Report summary =
       damage_summary(*parsed, *findings, {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
-  if (parsed->outside) summary["predictor"] = outside_report(*parsed->outside, *problem->outside);
+  if (parsed->outside)
+    summary["predictor"] = outside_report(*parsed->outside, problem->program()->model());
   const std::string run = run_id(summary["wheeltap"], *posterior);
   return FinishedRun{
       .summary = std::move(summary),

@@ -47,8 +47,9 @@ Parsed parsed_case(const json& c) {
 // By the reanalysis, as by the full solution of the damaged structure.
 TEST(DamageShapes, TheLikelihoodIsThatOfTheDamagedModes) {
   const Parsed p = parsed_case(beam_a(1));
-  ASSERT_TRUE(p.problem->modal);
-  EXPECT_EQ(p.problem->modal->measured(), 5 + 5 * 4);
+  ASSERT_TRUE(p.problem->by_modes());
+  const ModalLikelihood& of_modes = p.problem->modes().of(0);
+  EXPECT_EQ(of_modes.measured(), 5 + 5 * 4);
   EXPECT_FALSE(p.problem->symmetric) << "shapes tell the sides apart";
   EXPECT_EQ(p.problem->problem.reflections.size(), 1U) << "but both sides are tried";
   const auto likelihood = p.problem->problem.likelihood();
@@ -63,7 +64,7 @@ TEST(DamageShapes, TheLikelihoodIsThatOfTheDamagedModes) {
       for (Eigen::Index m = 0; m < 8; ++m)
         modes.shapes(s, m) =
             p.file.damage.modal->sensors[static_cast<std::size_t>(s)].motion.of(full.shapes.col(m));
-    const double expected = p.problem->modal->score(modes, {}).log_likelihood;
+    const double expected = of_modes.score(modes, {}).log_likelihood;
     const double found = likelihood->log_likelihood(1, std::vector<double>{x, 0.4});
     EXPECT_NEAR(found, expected, 1e-5 * std::abs(expected)) << x;
   }

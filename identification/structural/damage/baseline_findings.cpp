@@ -68,7 +68,7 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
   const UnpackedDraws draws(problem, posterior);
   const auto& space = draws.space();
   const auto width = static_cast<std::size_t>(posterior.dimension);
-  BaselineFindings out{.check = problem.states->check(kCheckedPoints)};
+  BaselineFindings out{.check = problem.states()->check(kCheckedPoints)};
 
   std::vector<std::vector<double>> all;  // z of each parameter
   std::vector<double> weights;

@@ -222,7 +222,8 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   // Of those visited, so many are remembered mode by mode.
   const long kept_every = stride * std::max(1L, all / (stride * kKept));
   FrequencyPredictor by_shapes(problem);
-  ModalLikelihood::Score score;
+  ModeObservation::Scored scored;
+  const ModalLikelihood::Score& score = scored.score;
   long visited = 0;
   double mean_p = 0.0, weight_seen = 0.0;
   std::vector<double> mean_residual(modes), spurious(modes), densities(modes);
@@ -243,14 +244,15 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
       mean_residual[mode] += weight * r;
     }
     if (problem.by_modes()) {
-      if (!by_shapes.score(posterior.chains[c].model[i], x, score)) return;
+      if (!by_shapes.score(posterior.chains[c].model[i], x, scored)) return;
       mean_p +=
           weight * boost::math::gamma_q(0.5 * std::max(score.freedoms, 1), 0.5 * score.chi_square);
       for (std::size_t mode = 0; mode < modes; ++mode)
         spurious[mode] += weight * score.matches[mode].spurious;
       // In units of all that they may be off by: what the model leaves out is a part of it.
       std::vector<int> with;
-      const Eigen::MatrixXd covariance = by_shapes.covariance(x, score, with);
+      const Eigen::MatrixXd covariance =
+          problem.modes().covariance(scored, problem.modal_noise(x), with);
       for (std::size_t k = 0; k < with.size(); ++k) {
         const auto mode = static_cast<std::size_t>(with[k]);
         const auto at = static_cast<Eigen::Index>(k);
@@ -258,7 +260,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
                                (data.frequencies_hz[mode] - score.matches[mode].frequency_hz) /
                                std::sqrt(covariance(at, at));
       }
-      single.pass(posterior.chains[c].model[i], weight, x, by_shapes, score);
+      single.pass(posterior.chains[c].model[i], weight, x, scored);
     } else {
       if ((visited - 1) % kept_every == 0)
         single.pass(posterior.chains[c].model[i], weight, densities);
@@ -287,10 +289,9 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
                          .standardised_residual = measured ? residual : kNaN,
                          .state = {},
                          .mode = static_cast<int>(mode) + 1});
-    if (problem.states) {
-      const auto place = problem.states->place(static_cast<int>(mode));
-      out.modes.back().state =
-          problem.states->states().list[static_cast<std::size_t>(place.state)].name;
+    if (const StatesLikelihood* states = problem.states()) {
+      const auto place = states->place(static_cast<int>(mode));
+      out.modes.back().state = states->states().list[static_cast<std::size_t>(place.state)].name;
       out.modes.back().mode = place.mode + 1;
     }
     if (measured && std::abs(residual) > 3.0 && doubted < 0.5)
@@ -529,8 +530,9 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.emulator->error_in_likelihood = damage_case.emulator->emulator_error;
     // Some dozens of runs of a model that may cost minutes; of ours what a second buys.
     constexpr int kOfOutside = 50;
-    out.emulator->check = problem.outside ? check_emulator(problem, posterior, kOfOutside)
-                                          : check_emulator(problem, posterior);
+    out.emulator->check = problem.program() != nullptr
+                              ? check_emulator(problem, posterior, kOfOutside)
+                              : check_emulator(problem, posterior);
     if (out.emulator->check && out.emulator->check->answer_moved()) {
       remarks.push_back(remark::EmulatorMoved{});
     }
@@ -552,7 +554,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
       }
     }
   }
-  if (problem.states) out.baseline = baseline_findings(problem, posterior);
+  if (problem.states() != nullptr) out.baseline = baseline_findings(problem, posterior);
   out.remarks = std::move(remarks);
   conclude(out, draws.space(), evidence);
   if (damage_case.structure) tell_sites(draws, out.models);

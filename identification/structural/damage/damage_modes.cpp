@@ -13,9 +13,9 @@ SingleModes::SingleModes(const DamageProblem& problem)
     : problem_(problem),
       densities_(static_cast<std::size_t>(problem.damage_case.data.modes())),
       macs_(densities_.size()) {
-  if (!problem.states) return;
+  if (problem.states() == nullptr) return;
   const auto doubted = [](const ObservedState& s) { return s.data.doubt > 0.0; };
-  const auto& list = problem.states->states().list;
+  const auto& list = problem.states()->states().list;
   doubted_ = std::ranges::any_of(list, doubted);
   told_ = !doubted_ || std::ranges::all_of(list, doubted);
 }
@@ -27,16 +27,19 @@ void SingleModes::pass(int model, double weight, const std::vector<double>& log_
 }
 
 void SingleModes::pass(int model, double weight, std::span<const double> x,
-                       const FrequencyPredictor& at, const ModalLikelihood::Score& score) {
+                       const ModeObservation::Scored& scored) {
+  const ModeObservation& observed = problem_.modes();
+  const ModalNoise noise = problem_.modal_noise(x);
   std::vector<int> with;
-  const Eigen::MatrixXd c = at.covariance(x, score, with);
-  ModalData data = problem_.states ? problem_.states->data() : problem_.modal->data();
+  const Eigen::MatrixXd c = observed.covariance(scored, noise, with);
+  ModalData data = observed.data();
   if (doubted_) data.doubt = 0.5;  // any: the matching has counted the true one
-  const Eigen::VectorXd l = at.with_errors(x) ? at.single_mode_densities(x, score)
-                                              : single_mode_densities(data, with, c, score);
+  const Eigen::VectorXd l = observed.with_errors(noise)
+                                ? observed.single_mode_densities(scored, noise)
+                                : single_mode_densities(data, with, c, scored.score);
   pass(model, weight, {l.begin(), l.end()});
   for (std::size_t m = 0; m < macs_.size(); ++m)
-    if (const auto& shape = score.matches[m].shape) macs_[m].push_back(shape->mac);
+    if (const auto& shape = scored.score.matches[m].shape) macs_[m].push_back(shape->mac);
 }
 
 void SingleModes::tell(int winner, FitFinding& out) const {
@@ -65,16 +68,16 @@ std::vector<ShapesBeside> best_shapes(const DamageProblem& problem, const Poster
   const auto width = static_cast<std::size_t>(posterior.dimension);
   const std::span<const double> x(posterior.chains[chain].theta.data() + draw * width, width);
   FrequencyPredictor predictor(problem);
-  ModalLikelihood::Score score;
-  if (!predictor.score(posterior.chains[chain].model[draw], x, score)) return {};
+  ModeObservation::Scored scored;
+  if (!predictor.score(posterior.chains[chain].model[draw], x, scored)) return {};
   std::vector<ShapesBeside> out;
-  std::span<const ModalLikelihood::Match> left(score.matches);
-  const int states = problem.states ? static_cast<int>(problem.states->states().list.size()) : 1;
-  for (int s = 0; s < states; ++s) {
-    const ModalLikelihood& of = problem.states ? problem.states->of(s) : *problem.modal;
+  std::span<const ModalLikelihood::Match> left(scored.score.matches);
+  for (int s = 0; s < problem.modes().states(); ++s) {
+    const ModalLikelihood& of = problem.modes().of(s);
     const auto modes = static_cast<std::size_t>(of.data().modes());
     if (of.data().has_shapes()) {
-      out.push_back(shapes_beside(of, predictor.scored_modes(s), left.first(modes)));
+      out.push_back(
+          shapes_beside(of, scored.modes[static_cast<std::size_t>(s)], left.first(modes)));
       out.back().state = s;
     }
     left = left.subspan(modes);

@@ -18,9 +18,9 @@ class SingleModes {
   /// A draw of `model` that counts `weight`; `log_densities`: of each mode, those not measured are
   /// ignored.
   void pass(int model, double weight, const std::vector<double>& log_densities);
-  /// A draw of a problem `by_modes`; `at` has just scored x.
-  void pass(int model, double weight, std::span<const double> x, const FrequencyPredictor& at,
-            const ModalLikelihood::Score& score);
+  /// A draw of a problem `by_modes`, whose score at x is `scored`.
+  void pass(int model, double weight, std::span<const double> x,
+            const ModeObservation::Scored& scored);
   /// `winner`: the most probable model.
   void tell(int winner, FitFinding& out) const;
 

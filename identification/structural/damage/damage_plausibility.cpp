@@ -34,7 +34,7 @@ std::vector<Remark> implausible(const DamageProblem& problem) {
   std::vector<PriorRange> predicted(modes);
   std::vector<double> f(modes), ignored(modes);
   // A model of someone else's is asked no more than it must be.
-  const bool emulated = problem.outside && problem.emulator && !problem.exact();
+  const bool emulated = problem.program() != nullptr && problem.emulator && !problem.exact();
   for (int i = 0; i < kPriorDraws; ++i) {
     const int m = i % space.size();
     if (emulated)

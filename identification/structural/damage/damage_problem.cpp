@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "base/constants.hpp"
 #include "fem/structures/modes/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
+#include "identification/structural/forward/assembled_model.hpp"
+#include "identification/structural/forward/beam_model.hpp"
 #include "inference/moves/between_models/split_merge.hpp"
 
 namespace wheeltap::identification {
@@ -71,17 +72,17 @@ class FrequencyLikelihood final : public inference::Likelihood {
   double of_modes(int model, std::span<const double> x) {
     noise_scale_ = 1.0;
     residuals_.clear();
-    if (!predictor_.score(model, x, score_)) {
+    if (!predictor_.score(model, x, scored_)) {
       std::ranges::fill(prediction_, std::numeric_limits<double>::infinity());
       return -std::numeric_limits<double>::infinity();
     }
     for (std::size_t i = 0; i < prediction_.size(); ++i)
-      prediction_[i] = score_.matches[i].frequency_hz;
-    return score_.log_likelihood;
+      prediction_[i] = scored_.score.matches[i].frequency_hz;
+    return scored_.score.log_likelihood;
   }
 
   const DamageProblem& problem_;
-  ModalLikelihood::Score score_;
+  ModeObservation::Scored scored_;
   bool emulated_;
   const FrequencyData& data_;
   NoiseModel noise_;
@@ -105,21 +106,9 @@ bool is_mirror_symmetric(const Prior& prior, double length) {
 // Where the data tell the images apart the moves remain: shapes of 1 % leave each image its share.
 void find_images(DamageProblem& problem, bool told_apart) {
   const DamageCase& damage_case = problem.damage_case;
-  std::optional<fem::StructureReanalysis::Workspace> workspace;
-  if (problem.structure) workspace = problem.structure->make_workspace();
   SiteSymmetries found = find_symmetries(
       damage_case.structure->nominal, damage_case.kinds,
-      [&](const std::vector<PlacedDefect>& defects) {
-        if (problem.states) return problem.states->frequencies_anywhere(defects);
-        std::vector<double> f(static_cast<std::size_t>(problem.structure->modes()));
-        try {
-          problem.structure->solve(structure_change(damage_case.kinds, defects, problem.mesh.get()),
-                                   *workspace, {.frequencies_hz = f});
-        } catch (const std::invalid_argument&) {
-          f.clear();
-        }
-        return f;
-      });
+      problem.by_modes() ? problem.modes().all_frequencies() : problem.forward().all_frequencies());
   if (found.empty()) return;
   for (const bool whole : {true, false}) {
     problem.problem.moves.push_back({whole ? "image" : "image of one", [maps = found.maps, whole] {
@@ -178,45 +167,49 @@ std::vector<inference::Parameter> scatter_parameters(const DamageCase& damage_ca
   return scatters;
 }
 
-void solve_as_structure(DamageProblem& problem, int wanted) {
+/// A structure, or a beam whose modes or defects need one.
+void observe_assembled(DamageProblem& problem) {
   const DamageCase& damage_case = problem.damage_case;
-  if (damage_case.modal) {
-    problem.modal = std::make_shared<const ModalLikelihood>(*damage_case.modal);
-    const fem::Discretisation d = discretise(damage_case.solved_structure());
-    int elastic = static_cast<int>(fem::mode_count(d)) - damage_case.rigid_body_modes;
-    for (const DefectKind& kind : damage_case.kinds)
-      elastic -= kind.type->may_be_known ? kind.max_count : 0;
-    wanted = damage_case.rigid_body_modes + problem.modal->candidates(elastic);
-  }
   const AnyStructure structure = damage_case.solved_structure();
-  if (const auto* members = std::get_if<fem::Structure>(&structure))
-    problem.mesh = std::make_shared<const fem::Mesh>(*members);
-  problem.structure = std::make_shared<const fem::StructureReanalysis>(
-      std::make_shared<const fem::Discretisation>(problem.mesh ? problem.mesh->discretisation()
-                                                               : discretise(structure)),
-      wanted);
+  const int rigid = damage_case.rigid_body_modes;
+  if (!damage_case.modal) {
+    problem.observed = std::make_shared<const AssembledModel>(structure, damage_case.kinds,
+                                                              damage_case.modes() + rigid, rigid);
+    return;
+  }
+  int elastic = static_cast<int>(fem::mode_count(discretise(structure))) - rigid;
+  for (const DefectKind& kind : damage_case.kinds)
+    elastic -= kind.type->may_be_known ? kind.max_count : 0;
+  std::vector<fem::SparseRow> motions;
+  for (const Sensor& sensor : damage_case.modal->sensors) motions.push_back(sensor.motion);
+  problem.observed = observe_structure(
+      std::make_shared<const AssembledModel>(
+          structure, damage_case.kinds,
+          rigid + ModalLikelihood(*damage_case.modal).candidates(elastic), rigid, motions),
+      *damage_case.modal);
 }
 
-// What predicts modes: states of a structure, one structure, or a beam.
-void make_solution(DamageProblem& problem) {
+/// What predicts: states of a structure, one structure, or a beam, which is returned.
+std::shared_ptr<const BeamModel> observe(DamageProblem& problem) {
   const DamageCase& damage_case = problem.damage_case;
-  const int wanted = damage_case.modes() + damage_case.rigid_body_modes;
   if (!damage_case.states && !damage_case.solved_as_structure()) {
-    problem.reanalysis = std::make_shared<const fem::Reanalysis>(damage_case.beam, wanted);
-    return;
+    const auto beam = std::make_shared<const BeamModel>(
+        damage_case.beam, damage_case.kinds, damage_case.modes(), damage_case.rigid_body_modes);
+    problem.observed = beam;
+    return beam;
   }
   try {
     if (damage_case.states)
-      problem.states =
-          std::make_shared<const StatesLikelihood>(damage_case.states, damage_case.kinds);
+      problem.observed = observe_states(damage_case.states, damage_case.kinds);
     else
-      solve_as_structure(problem, wanted);
+      observe_assembled(problem);
   } catch (const fem::InvalidStructure& error) {
     throw InvalidInput(InvalidInput::Part::beam, error.what());
   } catch (const std::invalid_argument& error) {
     throw InvalidInput(damage_case.states ? InvalidInput::Part::data : InvalidInput::Part::beam,
                        error.what());
   }
+  return nullptr;
 }
 
 void add_symmetries(DamageProblem& problem, bool mirrored) {
@@ -225,7 +218,7 @@ void add_symmetries(DamageProblem& problem, bool mirrored) {
   const bool told_apart =
       (damage_case.modal && damage_case.modal->has_shapes()) || (states && states->has_shapes());
   problem.symmetric =
-      mirrored && !problem.outside && !told_apart && !(states && states->tells_sides());
+      mirrored && problem.program() == nullptr && !told_apart && !(states && states->tells_sides());
   if (mirrored)
     for (int k = 0; k < static_cast<int>(damage_case.kinds.size()); ++k)
       problem.problem.reflections.push_back({k, 0, 0.5 * damage_case.beam.length});
@@ -246,7 +239,8 @@ void add_split_merges(DamageProblem& problem) {
   }
 }
 
-void make_emulator(DamageProblem& problem, const DamageProblemOptions& options) {
+void make_emulator(DamageProblem& problem, const fem::Reanalysis& reanalysis,
+                   const DamageProblemOptions& options) {
   const DamageCase& damage_case = problem.damage_case;
   const EmulatorSpec& spec = *damage_case.emulator;
   const DefectKind& kind = damage_case.kinds[0];
@@ -255,10 +249,10 @@ void make_emulator(DamageProblem& problem, const DamageProblemOptions& options) 
     problem.emulator = std::make_shared<const FrequencyEmulator>(
         spec.table ? FrequencyEmulator::load(*spec.table, damage_case.beam, kind.max_count, modes)
                    : FrequencyEmulator::train(
-                         *problem.reanalysis, spec, kind, modes,
+                         reanalysis, spec, kind, modes,
                          {.threads = options.threads,
                           .progress = options.table_progress,
-                          .model = problem.outside ? outside_model(*problem.outside, kind.max_count)
+                          .model = options.outside ? outside_model(*options.outside, kind.max_count)
                                                    : emulator::ModelFactory()}));
   } catch (const emulator::RunError& error) {
     std::rethrow_if_nested(error);  // of a model of someone else's
@@ -276,218 +270,69 @@ inference::LikelihoodFactory likelihood_of(const DamageProblem& problem, bool em
 
 }  // namespace
 
-FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
-    : problem_(problem),
-      rigid_(static_cast<std::size_t>(problem.damage_case.rigid_body_modes)),
-      all_(static_cast<std::size_t>(problem.damage_case.modes()) + rigid_) {
-  if (problem.modal) {
-    all_.resize(static_cast<std::size_t>(problem.structure->modes()));
-    for (const Sensor& sensor : problem.damage_case.modal->sensors)
-      motions_.push_back(sensor.motion);
-    shapes_.resize(all_.size() * motions_.size());
-  }
-  if (problem.states) states_workspace_ = problem.states->make_workspace();
-  if (problem.structure)
-    structure_workspace_ = problem.structure->make_workspace();
-  else if (problem.reanalysis)
-    workspace_ = problem.reanalysis->make_workspace();
+FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem) : problem_(problem) {
+  if (problem.by_modes())
+    mode_solver_ = problem.modes().make_solver();
+  else
+    solver_ = problem.forward().make_solver();
 }
 
 void FrequencyPredictor::place(int model, std::span<const double> x) {
-  placed_.damages.clear();
-  placed_.supports.clear();
-  for (const DamageProblem::Component& c : problem_.components(model, x)) {
-    const DefectKind& kind = problem_.damage_case.kinds[static_cast<std::size_t>(c.kind)];
-    kind.type->place(kind, c.location, c.severity, placed_);
-  }
+  problem_.components(model, x, defects_);
 }
 
 void FrequencyPredictor::solve_placed(std::span<double> out) {
-  problem_.reanalysis->frequencies_hz(placed_.damages, placed_.supports, *workspace_, all_);
-  std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
+  // The likelihood of what is no structure is 0.
+  if (!solver_->frequencies(defects_, out))
+    std::ranges::fill(out, std::numeric_limits<double>::infinity());
 }
 
-std::size_t FrequencyPredictor::first_elastic() const {
-  // Supports hold rigid-body motions, so there may be fewer of those than without them.
-  std::size_t first = 0;
-  while (first < rigid_ && all_[first] <= 1e-6 * all_[rigid_]) ++first;
-  return first;
+void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<double> out) {
+  if (problem_.by_modes()) {
+    ModeObservation::Scored found;
+    if (!score(model, x, found)) {
+      std::ranges::fill(out, std::numeric_limits<double>::infinity());
+      return;
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = found.score.matches[i].frequency_hz;
+    return;
+  }
+  place(model, x);
+  solve_placed(out);
+}
+
+bool FrequencyPredictor::score(int model, std::span<const double> x, ModeObservation::Scored& out) {
+  place(model, x);
+  const auto theta = x.subspan(static_cast<std::size_t>(problem_.scatters));
+  return mode_solver_->score(theta, defects_, problem_.modal_noise(x), out);
 }
 
 bool FrequencyPredictor::differentiate(int model, std::span<const double> x, std::span<double> out,
                                        std::span<double> jacobian) {
-  if (!problem_.reanalysis || problem_.outside) return false;
-  for (const DefectKind& kind : problem_.damage_case.kinds)
-    if (!kind.type->is_elementary) return false;
+  if (problem_.by_modes()) return false;
   place(model, x);
-  const std::size_t n = all_.size(), damages = placed_.damages.size(),
-                    supports = placed_.supports.size();
-  by_reduction_.resize(n * damages);
-  along_damages_.resize(n * damages);
-  by_stiffness_.resize(n * supports);
-  along_supports_.resize(n * supports);
-  problem_.reanalysis->solve(placed_.damages, placed_.supports, *workspace_,
-                             {.frequencies_hz = all_,
-                              .damage_gradients_hz = by_reduction_,
-                              .element_gradients_hz = {},
-                              .shapes = {},
-                              .points = {},
-                              .support_gradients_hz = by_stiffness_});
-  problem_.reanalysis->location_slopes(placed_.damages, placed_.supports, *workspace_,
-                                       {.modes = static_cast<int>(n),
-                                        .damages_hz_m = along_damages_,
-                                        .supports_hz_m = along_supports_});
-  const std::size_t first = first_elastic();
-  std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());
-
+  if (!solver_->differentiate(defects_, out, slopes_)) return false;
   std::ranges::fill(jacobian, 0.0);
-  const auto fill = [&](std::size_t column, const std::vector<double>& from, std::size_t defect,
-                        std::size_t defects) {
-    for (std::size_t i = 0; i < out.size(); ++i)
-      jacobian[i * x.size() + column] = from[(first + i) * defects + defect];
-  };
-  // In the order of `place`: each defect is one damage or one support.
-  std::size_t damage = 0, support = 0;
   const inference::Model& m = problem_.problem.space[model];
+  std::size_t defect = 0;
   for (std::size_t k = 0; k < problem_.damage_case.kinds.size(); ++k) {
-    const DefectKind& kind = problem_.damage_case.kinds[k];
-    const auto width = static_cast<std::size_t>(kind.parameters());
-    fem::Defects one;
-    kind.type->place(kind, 0.0, 0.0, one);
-    for (int c = 0; c < m.counts[k]; ++c) {
+    const auto width = static_cast<std::size_t>(problem_.damage_case.kinds[k].parameters());
+    for (int c = 0; c < m.counts[k]; ++c, ++defect) {
       const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
-      if (one.supports.empty()) {
-        fill(at, along_damages_, damage, damages);
-        if (width == 2) fill(at + 1, by_reduction_, damage, damages);
-        ++damage;
-      } else {
-        fill(at, along_supports_, support, supports);
-        if (width == 2) fill(at + 1, by_stiffness_, support, supports);
-        ++support;
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        const std::size_t of = i * defects_.size() + defect;
+        jacobian[i * x.size() + at] = slopes_.by_location[of];
+        if (width == 2) jacobian[i * x.size() + at + 1] = slopes_.by_severity[of];
       }
     }
   }
   return true;
 }
 
-void FrequencyPredictor::solve(int model, std::span<const double> x, std::span<double> out) {
-  if (problem_.by_modes()) {
-    ModalLikelihood::Score found;
-    if (!score(model, x, found)) {
-      std::ranges::fill(out, std::numeric_limits<double>::infinity());
-      return;
-    }
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = found.matches[i].frequency_hz;
-    return;
-  }
-  if (problem_.outside) return ask_outside(model, x, out);
-  if (problem_.structure) return solve_structure(model, x, out);
-  place(model, x);
-  solve_placed(out);
-}
-
-bool FrequencyPredictor::solve_changed(int model, std::span<const double> x,
-                                       const fem::StructureReanalysis::Results& results) {
-  in_structure_.clear();
-  for (const DamageProblem::Component& c : problem_.components(model, x))
-    in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
-  try {
-    problem_.structure->solve(
-        structure_change(problem_.damage_case.kinds, in_structure_, problem_.mesh.get()),
-        *structure_workspace_, results);
-  } catch (const fem::ImpossibleChange&) {
-    return false;
-  }
-  return true;
-}
-
-void FrequencyPredictor::solve_structure(int model, std::span<const double> x,
-                                         std::span<double> out) {
-  if (!solve_changed(model, x, {.frequencies_hz = all_})) {
-    // Its likelihood is 0.
-    std::ranges::fill(out, std::numeric_limits<double>::infinity());
-    return;
-  }
-  std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first_elastic()), out.size(), out.begin());
-}
-
-void FrequencyPredictor::ask_outside(int model, std::span<const double> x, std::span<double> out) {
-  const auto& kinds = problem_.damage_case.kinds;
-  auto present = problem_.components(model, x);
-  std::ranges::sort(present, [](const auto& a, const auto& b) {
-    return std::tie(a.kind, a.location) < std::tie(b.kind, b.location);
-  });
-  std::vector<double> sent;
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < kinds.size(); ++k) {
-    for (int c = 0; c < kinds[k].max_count; ++c) {
-      const bool is = next < present.size() && present[next].kind == static_cast<int>(k);
-      const auto one = is ? present[next++] : DamageProblem::Component{};
-      const double numbers[] = {one.location, one.severity, one.extent};
-      sent.insert(sent.end(), numbers, numbers + (kinds[k].extent_prior ? 3 : 2));
-    }
-  }
-  problem_.outside->evaluate(sent, out);
-}
-
-bool FrequencyPredictor::solve_modes(int model, std::span<const double> x,
-                                     fem::ParametricModes::Modes& out) {
-  if (!solve_changed(model, x, {.frequencies_hz = all_, .shapes = shapes_, .motions = motions_}))
-    return false;
-  const std::size_t first = first_elastic(), count = all_.size() - rigid_;
-  const auto sensors = static_cast<Eigen::Index>(motions_.size());
-  out.eigenvalues.resize(static_cast<Eigen::Index>(count));
-  out.shapes.resize(sensors, static_cast<Eigen::Index>(count));
-  for (std::size_t i = 0; i < count; ++i) {
-    const double omega = kTwoPi * all_[first + i];
-    out.eigenvalues[static_cast<Eigen::Index>(i)] = omega * omega;
-    for (Eigen::Index s = 0; s < sensors; ++s)
-      out.shapes(s, static_cast<Eigen::Index>(i)) =
-          shapes_[(first + i) * motions_.size() + static_cast<std::size_t>(s)];
-  }
-  return true;
-}
-
-bool FrequencyPredictor::score(int model, std::span<const double> x, ModalLikelihood::Score& out) {
-  const ModalNoise noise = problem_.modal_noise(x);
-  if (!problem_.states) {
-    if (!solve_modes(model, x, modes_)) return false;
-    out = problem_.modal->score(modes_, noise);
-    return true;
-  }
-  in_structure_.clear();
-  for (const DamageProblem::Component& c : problem_.components(model, x))
-    in_structure_.push_back({c.kind, c.location, c.severity, c.extent});
-  const auto theta = x.subspan(static_cast<std::size_t>(problem_.scatters));
-  if (!problem_.states->solve(theta, in_structure_, states_workspace_, of_states_)) return false;
-  out = problem_.states->score(of_states_, noise);
-  return true;
-}
-
-bool FrequencyPredictor::with_errors(std::span<const double> x) const {
-  return problem_.states && problem_.states->with_errors(problem_.modal_noise(x));
-}
-
-Eigen::VectorXd FrequencyPredictor::single_mode_densities(
-    std::span<const double> x, const ModalLikelihood::Score& score) const {
-  return problem_.states->single_mode_densities(of_states_, problem_.modal_noise(x), score);
-}
-
-Eigen::MatrixXd FrequencyPredictor::covariance(std::span<const double> x,
-                                               const ModalLikelihood::Score& score,
-                                               std::vector<int>& with) const {
-  const ModalNoise noise = problem_.modal_noise(x);
-  if (problem_.states) return problem_.states->frequency_covariance(of_states_, noise, score, with);
-  with.clear();
-  const ModalData& data = problem_.modal->data();
-  for (int i = 0; i < data.modes(); ++i)
-    if (!std::isnan(data.frequencies_hz[static_cast<std::size_t>(i)])) with.push_back(i);
-  return problem_.modal->covariance(noise)(with, with);
-}
-
 void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span<double> out,
                                  std::span<double> variance) {
   place(model, x);
+  place_in_beam(problem_.damage_case.kinds, defects_, placed_);
   if (!placed_.damages.empty()) {
     std::ranges::sort(placed_.damages, {}, &fem::Damage::location);
     const bool wanted = problem_.damage_case.emulator->emulator_error;
@@ -500,10 +345,7 @@ void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span
     if (std::ranges::none_of(out, [](double f) { return std::isnan(f); })) return;
   }
   // No damage needs no emulator; nor does a sum of ANOVA that is no frequency have one.
-  if (problem_.outside)
-    ask_outside(model, x, out);
-  else
-    solve_placed(out);
+  solve_placed(out);
   std::ranges::fill(variance, 0.0);
 }
 
@@ -570,26 +412,26 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
 
   auto out = std::make_unique<DamageProblem>(DamageProblem{
       .damage_case = damage_case,
-      .reanalysis = nullptr,
-      .emulator = nullptr,
       .problem = {.space = inference::ModelSpace::of_components(
                       common, component_kinds(damage_case), combinations(damage_case.kinds)),
                   .likelihood = {}},
       .fe_likelihood = nullptr,
       .common = static_cast<int>(common.size()),
       .scatters = scatters});
-  make_solution(*out);
+  const auto beam = observe(*out);
+  if (options.outside) {
+    if (!beam)
+      throw InvalidInput(InvalidInput::Part::data,
+                         "a predictor of one's own goes with a beam and its frequencies: "
+                         "there must be no shapes, states or structure");
+    out->observed = std::make_shared<const ProgramModel>(options.outside, damage_case.kinds);
+  }
   bool mirrored = !damage_case.structure && fem::is_mirror_symmetric(damage_case.beam);
   for (const DefectKind& kind : damage_case.kinds)
     mirrored = mirrored && is_mirror_symmetric(kind.location, damage_case.beam.length);
-  if (options.outside && !out->reanalysis)
-    throw InvalidInput(InvalidInput::Part::data,
-                       "a predictor of one's own goes with a beam and its frequencies: "
-                       "there must be no shapes, states or structure");
-  out->outside = options.outside;
   add_symmetries(*out, mirrored);
   add_split_merges(*out);
-  if (damage_case.emulator) make_emulator(*out, options);
+  if (damage_case.emulator) make_emulator(*out, beam->reanalysis(), options);
   out->fe_likelihood = likelihood_of(*out, false);
   out->problem.likelihood = likelihood_of(*out, out->emulator && !out->exact());
   if (out->exact()) out->problem.screen = likelihood_of(*out, true);

@@ -4,16 +4,14 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
+#include <variant>
 
-#include "fem/structures/reanalysis/structure_reanalysis.hpp"
-#include "identification/emulation/outside_model.hpp"
 #include "identification/structural/damage/damage_case.hpp"
 #include "identification/structural/damage/frequency_emulator.hpp"
-#include "identification/structural/defects/placed_defect.hpp"
 #include "identification/structural/defects/site_symmetries.hpp"
-#include "identification/structural/likelihood/modal_likelihood.hpp"
-#include "identification/structural/likelihood/states_likelihood.hpp"
+#include "identification/structural/forward/forward_model.hpp"
+#include "identification/structural/forward/mode_observation.hpp"
+#include "identification/structural/forward/program_model.hpp"
 #include "inference/model/target.hpp"
 
 namespace wheeltap::identification {
@@ -21,14 +19,12 @@ namespace wheeltap::identification {
 /// All that a run needs, kept together because the problem's likelihood refers to it.
 struct DamageProblem {
   DamageCase damage_case;
-  std::shared_ptr<const fem::Reanalysis> reanalysis;  ///< of a beam
-  std::shared_ptr<const fem::StructureReanalysis> structure = {};
-  std::shared_ptr<const fem::Mesh> mesh = {};  ///< of a structure of members
-  std::shared_ptr<const FrequencyEmulator>
-      emulator;  ///< null where the FE solution itself predicts
-  std::shared_ptr<const ModalLikelihood> modal = {};    ///< of shapes, where there are any
-  std::shared_ptr<const StatesLikelihood> states = {};  ///< in place of all these
-  std::shared_ptr<OutsideModel> outside = {};           ///< in place of the FE solution
+  /// Of frequencies, which are numbered: what predicts them. Of modes, which are matched: what they
+  /// say.
+  using Numbered = std::shared_ptr<const ForwardModel>;
+  using Matched = std::shared_ptr<const ModeObservation>;
+  std::variant<Numbered, Matched> observed = {};
+  std::shared_ptr<const FrequencyEmulator> emulator = {};  ///< before a forward model; or null
   inference::Problem problem;
   inference::LikelihoodFactory fe_likelihood;  ///< of the FE solution, whatever predicts
   /// The intact beam and the location priors equal their mirror images, and nothing that was
@@ -39,15 +35,21 @@ struct DamageProblem {
   int scatters = 0;  ///< of these, inferred scatters
 
   /// Modes are matched, and not numbered.
-  [[nodiscard]] bool by_modes() const { return modal || states; }
+  [[nodiscard]] bool by_modes() const { return std::holds_alternative<Matched>(observed); }
+  /// Throw std::bad_variant_access of the other sort of problem.
+  [[nodiscard]] const ForwardModel& forward() const { return *std::get<Numbered>(observed); }
+  [[nodiscard]] const ModeObservation& modes() const { return *std::get<Matched>(observed); }
+  /// Of modes in several states; or null.
+  [[nodiscard]] const StatesLikelihood* states() const {
+    return by_modes() ? modes().several_states() : nullptr;
+  }
+  /// A program or a server predicts in place of the FE solution; or null.
+  [[nodiscard]] const ProgramModel* program() const {
+    return by_modes() ? nullptr : dynamic_cast<const ProgramModel*>(&forward());
+  }
 
   /// The components of a parameter vector of `model`, in the order of kinds.
-  struct Component {
-    int kind;
-    double location;
-    double severity;      ///< reduction, or stiffness (∞: rigid)
-    double extent = 0.0;  ///< [m], where it is unknown
-  };
+  using Component = PlacedDefect;
   [[nodiscard]] std::vector<Component> components(int model, std::span<const double> x) const;
   /// The same, in place of what `to` held.
   void components(int model, std::span<const double> x, std::vector<Component>& to) const;
@@ -63,60 +65,30 @@ struct DamageProblem {
 class FrequencyPredictor {
  public:
   explicit FrequencyPredictor(const DamageProblem& problem);
-  /// By the FE solution; the `out.size()` lowest elastic ones.
+  /// By the FE solution; the `out.size()` lowest elastic ones, or those that match the measured
+  /// modes. ∞ where there is no such structure.
   void solve(int model, std::span<const double> x, std::span<double> out);
-  /// Elastic modes of a problem with shapes, at its sensors. False where there is no such
-  /// structure.
-  bool solve_modes(int model, std::span<const double> x, fem::ParametricModes::Modes& out);
   /// What the data say of a state of a problem `by_modes`. False where there is no such structure.
-  bool score(int model, std::span<const double> x, ModalLikelihood::Score& out);
-  /// Of the state that was scored last: the covariance [Hz²] of the measured frequencies, which
-  /// these are, and the modes of a state of the structure (0 where there is but one).
-  [[nodiscard]] Eigen::MatrixXd covariance(std::span<const double> x,
-                                           const ModalLikelihood::Score& score,
-                                           std::vector<int>& with) const;
-  /// Whether pieces of the structure err (StiffnessErrors); and ln p(a mode | all others, x) of
-  /// what was scored last, where they do.
-  [[nodiscard]] bool with_errors(std::span<const double> x) const;
-  [[nodiscard]] Eigen::VectorXd single_mode_densities(std::span<const double> x,
-                                                      const ModalLikelihood::Score& score) const;
-  [[nodiscard]] const fem::ParametricModes::Modes& scored_modes(int state) const {
-    return problem_.states ? of_states_[static_cast<std::size_t>(state)] : modes_;
-  }
+  bool score(int model, std::span<const double> x, ModeObservation::Scored& out);
   /// By the problem's emulator, with the variances [Hz²] of its error (0 where the case switches
   /// them off). Without damages, and where ANOVA's sum is no frequency, by the FE solution.
   void emulate(int model, std::span<const double> x, std::span<double> out,
                std::span<double> variance);
   /// As `solve`, with ∂f/∂x in the units of x: `jacobian` is row-major, a row a frequency, a column
-  /// a parameter of the model. Exact in reductions and stiffnesses; along places it is
-  /// fem::Reanalysis::location_slopes, at two more solutions each. False, and nothing done, where a
-  /// kind of defect is not elementary.
+  /// a parameter of the model. False, and nothing done, where the forward model has no slopes.
   bool differentiate(int model, std::span<const double> x, std::span<double> out,
                      std::span<double> jacobian);
 
  private:
   void place(int model, std::span<const double> x);
   void solve_placed(std::span<double> out);
-  [[nodiscard]] std::size_t first_elastic() const;
-
-  /// False where there is no such structure.
-  bool solve_changed(int model, std::span<const double> x,
-                     const fem::StructureReanalysis::Results& results);
-  void solve_structure(int model, std::span<const double> x, std::span<double> out);
-  void ask_outside(int model, std::span<const double> x, std::span<double> out);
 
   const DamageProblem& problem_;
-  std::optional<fem::Reanalysis::Workspace> workspace_;
-  std::optional<fem::StructureReanalysis::Workspace> structure_workspace_;
-  std::vector<PlacedDefect> in_structure_;
-  fem::ParametricModes::Modes modes_;
-  std::vector<fem::ParametricModes::Modes> of_states_;
-  StatesLikelihood::Workspace states_workspace_ = {};
-  std::size_t rigid_;
-  std::vector<double> all_, shapes_;
-  std::vector<fem::SparseRow> motions_;
+  std::unique_ptr<ForwardModel::Solver> solver_;          // of numbered frequencies
+  std::unique_ptr<ModeObservation::Solver> mode_solver_;  // of modes that are matched
+  std::vector<PlacedDefect> defects_;
+  ForwardModel::Slopes slopes_;
   fem::Defects placed_;
-  std::vector<double> by_reduction_, by_stiffness_, along_damages_, along_supports_;
 };
 
 struct DamageProblemOptions {

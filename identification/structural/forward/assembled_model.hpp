@@ -1,0 +1,31 @@
+// A structure of members, a building or matrices, by the reanalysis of a few defects.
+#pragma once
+
+#include "fem/structures/reanalysis/structure_reanalysis.hpp"
+#include "identification/structural/forward/forward_model.hpp"
+#include "identification/structural/structure_model.hpp"
+
+namespace wheeltap::identification {
+
+class AssembledModel final : public ForwardModel {
+ public:
+  /// `modes`: all that are computed, rigid-body ones included. `motions`: of the sensors at which
+  /// modes are wanted. Throws fem::InvalidStructure, std::invalid_argument.
+  AssembledModel(const AnyStructure& structure, std::vector<DefectKind> kinds, int modes,
+                 int rigid_body_modes, std::vector<fem::SparseRow> motions = {});
+
+  [[nodiscard]] std::unique_ptr<Solver> make_solver() const override;
+
+  [[nodiscard]] AllFrequencies all_frequencies() const override;
+
+ private:
+  class AssembledSolver;
+
+  std::vector<DefectKind> kinds_;
+  std::shared_ptr<const fem::Mesh> mesh_;  ///< of a structure of members
+  fem::StructureReanalysis reanalysis_;
+  std::size_t modes_, rigid_;
+  std::vector<fem::SparseRow> motions_;
+};
+
+}  // namespace wheeltap::identification

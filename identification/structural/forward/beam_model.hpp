@@ -1,0 +1,31 @@
+// A beam, by the exact reanalysis of a few defects.
+#pragma once
+
+#include "fem/beam/reanalysis.hpp"
+#include "identification/structural/forward/forward_model.hpp"
+
+namespace wheeltap::identification {
+
+/// Slopes are those of fem::Reanalysis: exact in reductions and stiffnesses, by two more solutions
+/// along places; there are none where a kind of defect is not elementary (DefectType).
+class BeamModel final : public ForwardModel {
+ public:
+  /// `modes`: elastic ones. Throws std::invalid_argument as fem::Reanalysis does.
+  BeamModel(const fem::Beam& beam, std::vector<DefectKind> kinds, int modes, int rigid_body_modes);
+
+  [[nodiscard]] std::unique_ptr<Solver> make_solver() const override;
+  [[nodiscard]] const fem::Reanalysis& reanalysis() const { return reanalysis_; }
+
+ private:
+  class BeamSolver;
+
+  fem::Reanalysis reanalysis_;
+  std::vector<DefectKind> kinds_;
+  std::size_t modes_, rigid_;
+};
+
+/// What the defects are to a beam.
+void place_in_beam(const std::vector<DefectKind>& kinds, const std::vector<PlacedDefect>& defects,
+                   fem::Defects& out);
+
+}  // namespace wheeltap::identification
