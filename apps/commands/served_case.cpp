@@ -21,19 +21,19 @@ class StructureForward final : public OutsideModel {
  public:
   explicit StructureForward(std::shared_ptr<const UpdateProblem> problem)
       : problem_(std::move(problem)), predictor_(*problem_) {
-    if (problem_->modes) workspace_ = problem_->modes->make_workspace();
+    if (problem_->basis() != nullptr) workspace_ = problem_->basis()->make_workspace();
     for (const auto& parameter : problem_->problem.space.parameters())
       x_.push_back(parameter.prior.from_standard_normal(0.0));
   }
   [[nodiscard]] int inputs() const override { return problem_->structural; }
   [[nodiscard]] int outputs() const override {
     const ModalData& data = problem_->update_case.data;
-    return data.modes() + (problem_->states ? 0 : data.predict);
+    return data.modes() + (problem_->states() != nullptr ? 0 : data.predict);
   }
   void evaluate(std::span<const double> theta, std::span<double> y) override {
     std::ranges::copy(theta, x_.begin());
     if (!predictor_.solve(x_)) throw std::invalid_argument("there is no such structure");
-    if (problem_->states) {
+    if (problem_->states() != nullptr) {
       const auto score = predictor_.score(x_);
       for (std::size_t i = 0; i < y.size(); ++i) y[i] = score.matches[i].frequency_hz;
       return;
@@ -44,7 +44,8 @@ class StructureForward final : public OutsideModel {
   // f = √λ / 2π:  ∂f = ∂λ / (8π² f).
   bool gradient(std::span<const double> theta, std::span<const double> sensitivity,
                 std::span<double> slope) override {
-    if (!problem_->modes || !problem_->modes->differentiate(theta, *workspace_, modes_, slopes_))
+    if (problem_->basis() == nullptr ||
+        !problem_->basis()->differentiate(theta, *workspace_, modes_, slopes_))
       return by_differences(theta, sensitivity, slope);
     std::ranges::fill(slope, 0.0);
     for (std::size_t i = 0; i < sensitivity.size(); ++i) {
@@ -344,7 +345,7 @@ MakeDensity of_parameters(const std::shared_ptr<const AnyProblem>& problem) {
 
 std::vector<ServedModel> served(std::shared_ptr<const UpdateProblem> problem) {
   std::vector<ServedModel> out = {
-      {.name = "forward", .has_gradient = problem->modes != nullptr, .make = [problem] {
+      {.name = "forward", .has_gradient = problem->basis() != nullptr, .make = [problem] {
          return std::make_unique<StructureForward>(problem);
        }}};
   add_densities(problem->problem, of_parameters(problem), out);

@@ -28,7 +28,7 @@ void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem
   const auto& observed = problem.update_case.data.frequencies_hz;
   Eigen::VectorXd noise(static_cast<Eigen::Index>(shape.modes));
   const bool scatters_vary = problem.cov >= 0 || problem.discrepancy >= 0 ||
-                             (problem.outside && problem.outside->emulator);
+                             (problem.program() != nullptr && problem.program()->emulator);
   Eigen::MatrixXd root;
   const auto replicate = [&](std::size_t c, std::vector<float>& values) {
     const auto& from = posterior.chains[c];

@@ -135,10 +135,10 @@ Report predictions_of(const UpdateFindings& findings) {
 }
 
 Report reduced_basis_of(const UpdateProblem& problem, const UpdateFindings& findings) {
-  if (!problem.modes) return {};
-  const auto& training = problem.modes->training();
+  if (problem.basis() == nullptr) return {};
+  const auto& training = problem.basis()->training();
   return {{"columns", training.basis},
-          {"degrees_of_freedom", problem.modes->structure().nominal().size()},
+          {"degrees_of_freedom", problem.basis()->structure().nominal().size()},
           {"complete", training.complete},
           {"solved_for_it", training.solved},
           {"tried_at", training.points},

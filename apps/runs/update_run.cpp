@@ -33,7 +33,7 @@ auto complaining(const UpdateCaseFile& parsed, const Work& work) {
 
 /// What stands in front of the model, before it is trusted.
 void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem, RunWatch& watch) {
-  const auto& emulator = problem.outside->emulator;
+  const auto& emulator = problem.program()->emulator;
   watch.note("predictions by " + in_words(*parsed.outside) +
              (emulator ? ", with an emulator in front: " + std::to_string(emulator->runs()) +
                              " runs of the model, and " + std::to_string(emulator->fresh_runs()) +
@@ -41,7 +41,7 @@ void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem,
                        : std::string()));
   if (!emulator) return;
   const auto& holdout = emulator->error().holdout;
-  const Eigen::MatrixXd noise = problem.likelihood->data().covariance;
+  const Eigen::MatrixXd noise = problem.likelihood().data().covariance;
   for (std::size_t m = 0; m < holdout.size(); ++m) {
     const auto i = static_cast<Eigen::Index>(m);
     const std::string mode = "mode " + std::to_string(m + 1);
@@ -58,7 +58,7 @@ void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem,
 /// A posterior that leans on the emulator's box would go on beyond it.
 void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& posterior,
                      RunWatch& watch) {
-  if (!problem.outside->emulator) return;
+  if (!problem.program()->emulator) return;
   constexpr double kNear = 3.5, kShare = 0.01;  // standard normal, of the draws
   const auto& space = problem.problem.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
@@ -104,7 +104,7 @@ RunCost cost_of_update(const UpdateProblem& problem, const CommonOptions& common
   RunCost cost = cost_of(problem.problem.space.max_dimension(), problem.update_case.data.modes(),
                          problem.seconds_a_likelihood, common, options);
   cost.bytes += bytes_held();
-  if (!problem.outside)
+  if (problem.program() == nullptr)
     measure(cost, problem.problem, engine_options(common, options), probe_seconds(common));
   return cost;
 }
@@ -139,11 +139,11 @@ std::optional<FinishedRun> sample_update(std::shared_ptr<const UpdateCaseFile> p
                                          const SamplingOptions& options, RunWatch& watch) {
   const auto methods = evidence_methods(options.evidence);
   const std::uint64_t seed = common.seed.value_or(1);
-  const auto basis = problem->modes ? problem->modes->training()
-                                    : fem::ParametricModes::Training{.complete = true};
+  const auto basis = problem->basis() != nullptr ? problem->basis()->training()
+                                                 : fem::ParametricModes::Training{.complete = true};
   if (!basis.complete)
     watch.note("reduced basis: " + std::to_string(basis.basis) + " modes stand for " +
-               std::to_string(problem->modes->structure().nominal().size()) +
+               std::to_string(problem->basis()->structure().nominal().size()) +
                " degrees of freedom, " + significant(1e3 * problem->seconds_a_likelihood, 2) +
                " ms a solution");
   if (basis.beyond > 0)
@@ -163,8 +163,8 @@ std::optional<FinishedRun> sample_update(std::shared_ptr<const UpdateCaseFile> p
                                   {.seed = seed, .command_line = common.command_line});
   summary["wheeltap"]["options"] = options_report(options);
   if (parsed->outside)
-    summary["predictor"] = outside_report(*parsed->outside, *problem->outside->model,
-                                          problem->outside->emulator.get());
+    summary["predictor"] = outside_report(*parsed->outside, *problem->program()->model,
+                                          problem->program()->emulator.get());
   const std::string run = run_id(summary["wheeltap"], *posterior);
   return FinishedRun{
       .summary = std::move(summary),

@@ -126,8 +126,8 @@ Examined examine(const UpdateProblem& problem, const Posterior& posterior, Updat
     seen.scores.push_back(predictor.score(x));
     seen.log_likelihood.push_back(seen.scores.back().log_likelihood);
     seen.frequencies_hz.emplace_back(predictor.modes().eigenvalues.cwiseSqrt() / (2.0 * M_PI));
-    out.in_full +=
-        problem.modes && predictor.modes().in_full && !problem.modes->training().complete;
+    out.in_full += problem.basis() != nullptr && predictor.modes().in_full &&
+                   !problem.basis()->training().complete;
   };
   const std::size_t chains = posterior.chains.size(), draws = posterior.chains[0].model.size();
   const std::size_t stride = std::max<std::size_t>(1, chains * draws / kExamined);
@@ -194,9 +194,9 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
   for (int i = 0; i < data.modes(); ++i) {
     const auto m = static_cast<std::size_t>(i);
     ModeFinding f{.mode = i + 1, .measured_hz = data.frequencies_hz[m], .sd_hz = kNaN};
-    if (problem.states) {
-      const auto place = problem.states->place(i);
-      f.state = problem.states->states().list[static_cast<std::size_t>(place.state)].name;
+    if (problem.states() != nullptr) {
+      const auto place = problem.states()->place(i);
+      f.state = problem.states()->states().list[static_cast<std::size_t>(place.state)].name;
       f.mode_of_state = place.mode + 1;
     }
     const auto match = [&](std::size_t s) -> const auto& {
@@ -289,8 +289,8 @@ Conditional conditional(const UpdateProblem& problem, const ModalLikelihood::Sco
   if (common == 0.0) return out;
   std::vector<Index> same;
   const auto known = [&](std::size_t i) -> const auto& {
-    const auto state = static_cast<std::size_t>(problem.states->place(static_cast<int>(i)).state);
-    return problem.states->states().list[state].known;
+    const auto state = static_cast<std::size_t>(problem.states()->place(static_cast<int>(i)).state);
+    return problem.states()->states().list[state].known;
   };
   for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i)
     if (!std::isnan(data.frequencies_hz[i]) && score.matches[i].computed == of.computed &&
@@ -319,7 +319,7 @@ void predict_states(const UpdateProblem& problem, const Examined& seen, std::uin
   const ModalData& data = problem.update_case.data;
   for (std::size_t m = 0; m < out.modes.size(); ++m) {
     if (!std::isnan(out.modes[m].measured_hz) || out.modes[m].has_shape) continue;
-    const auto place = problem.states->place(static_cast<int>(m));
+    const auto place = problem.states()->place(static_cast<int>(m));
     Prediction p{.mode = place.mode + 1, .state = out.modes[m].state};
     std::vector<double> means, replicates;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
@@ -343,7 +343,7 @@ void predict_states(const UpdateProblem& problem, const Examined& seen, std::uin
     p.low_hz = quantile(replicates, 0.025);
     p.high_hz = quantile(replicates, 0.975);
     const ModalData& own =
-        problem.states->states().list[static_cast<std::size_t>(place.state)].data;
+        problem.states()->states().list[static_cast<std::size_t>(place.state)].data;
     if (static_cast<std::size_t>(place.mode) < own.held_out_hz.size() &&
         !std::isnan(own.held_out_hz[static_cast<std::size_t>(place.mode)]))
       p.measured_hz = own.held_out_hz[static_cast<std::size_t>(place.mode)];
@@ -354,7 +354,7 @@ void predict_states(const UpdateProblem& problem, const Examined& seen, std::uin
 /// The next modes after those that the measured ones are matched to.
 void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
                    UpdateFindings& out) {
-  if (problem.states) return predict_states(problem, seen, seed, out);
+  if (problem.states() != nullptr) return predict_states(problem, seen, seed, out);
   const ModalData& data = problem.update_case.data;
   int first = 0;
   for (const ModeFinding& m : out.modes)
@@ -395,7 +395,7 @@ void show_shapes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
   ModePredictor predictor(problem);
   if (!predictor.solve(seen.x[seen.best])) return;
   ShapesBeside beside =
-      shapes_beside(*problem.likelihood, predictor.modes(), seen.scores[seen.best].matches);
+      shapes_beside(problem.likelihood(), predictor.modes(), seen.scores[seen.best].matches);
   out.mac = std::move(beside.mac);
   out.best_shapes = std::move(beside.computed);
 }
@@ -419,7 +419,7 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
                                const std::vector<MethodEvidence>& evidence, std::uint64_t seed) {
   UpdateFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior), seed);
-  if (!problem.outside) out.remarks = implausible(problem.update_case);
+  if (problem.program() == nullptr) out.remarks = implausible(problem.update_case);
   out.numbers = problem.measured();
   SeparateSolutions solutions = separate_solutions(posterior, 0);
   judge_parameters(problem, posterior, solutions.covariance_within, out);
@@ -430,7 +430,7 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
       solution.chi_square = predictor.score(solution.best).chi_square;
   const Examined seen = examine(problem, posterior, out);
   judge_modes(problem, seen, out);
-  if (!problem.states && !problem.outside)
+  if (problem.states() == nullptr && problem.program() == nullptr)
     out.numbering = numbering_of(*problem.update_case.structure, problem.update_case.data,
                                  problem.covariance(problem.noise(seen.x[seen.best])));
   leave_one_out(problem, seen, out);

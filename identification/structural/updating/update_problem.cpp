@@ -134,7 +134,7 @@ const std::vector<std::string>& scatter_names() {
 
 ModalNoise UpdateProblem::noise(std::span<const double> x) const {
   ModalNoise out = scatters(x);
-  if (outside && outside->emulator) {
+  if (const OutsidePredictor* outside = program(); outside != nullptr && outside->emulator) {
     const auto outputs = static_cast<std::size_t>(outside->model->outputs());
     std::vector<double> ignored(outputs);
     out.emulator_variance.resize(outputs);
@@ -156,12 +156,21 @@ ModalNoise UpdateProblem::scatters(std::span<const double> x) const {
           .mixing = at(mixing, data.mixing.value)};
 }
 
+namespace {
+
+bool asks_each_time(const UpdateProblem& problem) {
+  return problem.program() != nullptr && !problem.program()->emulator;
+}
+
+}  // namespace
+
 std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
                                                          const UpdateProblemOptions& options) {
   const auto states = update_case.states ? std::make_shared<const StatesLikelihood>(
                                                update_case.states, std::vector<DefectKind>{})
                                          : nullptr;
-  auto likelihood = states ? nullptr : std::make_shared<const ModalLikelihood>(update_case.data);
+  const auto likelihood =
+      states ? nullptr : std::make_shared<const ModalLikelihood>(update_case.data);
 
   std::vector<inference::Parameter> parameters =
       states ? update_case.states->parameters() : update_case.structure->parameters;
@@ -179,15 +188,14 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   std::vector<std::string> names;
   for (const auto& parameter : parameters) names.push_back(parameter.name);
 
-  std::shared_ptr<const OutsidePredictor> outside;
-  if (options.outside) outside = predictor_in_front(update_case, options);
-  auto modes = states || outside ? nullptr : reduced_basis(update_case, *likelihood, options);
+  decltype(UpdateProblem::solution) solution = UpdateProblem::ByStates{states};
+  if (options.outside)
+    solution = UpdateProblem::ByProgram{predictor_in_front(update_case, options), likelihood};
+  else if (!states)
+    solution = UpdateProblem::ByBasis{reduced_basis(update_case, *likelihood, options), likelihood};
   auto out = std::make_unique<UpdateProblem>(UpdateProblem{
       .update_case = std::move(update_case),
-      .modes = std::move(modes),
-      .likelihood = std::move(likelihood),
-      .states = states,
-      .outside = outside,
+      .solution = std::move(solution),
       .problem = {.space =
                       inference::ModelSpace::of_models(parameters, {{"the structure", 1.0, names}}),
                   .likelihood = {}},
@@ -203,24 +211,25 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   out->seconds_a_likelihood =
       states ? states->check(20).seconds_a_solution
              : seconds_of(*out, prior_draws(*out->update_case.structure,
-                                            outside && !outside->emulator ? 1 : options.training));
+                                            asks_each_time(*out) ? 1 : options.training));
   return out;
 }
 
 ModePredictor::ModePredictor(const UpdateProblem& problem) : problem_(problem) {
-  if (problem.modes) workspace_ = problem.modes->make_workspace();
-  if (problem.states) states_workspace_ = problem.states->make_workspace();
+  if (problem.basis() != nullptr) workspace_ = problem.basis()->make_workspace();
+  if (problem.states() != nullptr) states_workspace_ = problem.states()->make_workspace();
 }
 
 bool ModePredictor::solve(std::span<const double> x) {
-  if (problem_.outside) return ask_outside(x);
-  if (problem_.states) {
-    if (!problem_.states->solve(problem_.theta(x), {}, states_workspace_, of_states_)) return false;
+  if (problem_.program() != nullptr) return ask_outside(x);
+  if (problem_.states() != nullptr) {
+    if (!problem_.states()->solve(problem_.theta(x), {}, states_workspace_, of_states_))
+      return false;
     modes_ = of_states_.back();
     return true;
   }
   try {
-    problem_.modes->solve(problem_.theta(x), *workspace_, modes_);
+    problem_.basis()->solve(problem_.theta(x), *workspace_, modes_);
   } catch (const std::invalid_argument&) {
     return false;
   } catch (const std::runtime_error&) {
@@ -230,21 +239,21 @@ bool ModePredictor::solve(std::span<const double> x) {
 }
 
 ModalLikelihood::Score ModePredictor::score(std::span<const double> x) const {
-  if (problem_.states) return problem_.states->score(of_states_, problem_.noise(x));
+  if (problem_.states() != nullptr) return problem_.states()->score(of_states_, problem_.noise(x));
   ModalNoise noise = problem_.scatters(x);
   noise.emulator_variance = variance_;
-  return problem_.likelihood->score(modes_, noise);
+  return problem_.likelihood().score(modes_, noise);
 }
 
 bool ModePredictor::ask_outside(std::span<const double> x) {
-  const auto outputs = static_cast<std::size_t>(problem_.outside->model->outputs());
+  const auto outputs = static_cast<std::size_t>(problem_.program()->model->outputs());
   frequencies_hz_.resize(outputs);
   variance_.resize(outputs);
   // The box cuts priors off: searches go beyond it far too often to ask the model itself there.
-  const auto& emulator = problem_.outside->emulator;
+  const auto& emulator = problem_.program()->emulator;
   if (emulator && !emulator->contains(problem_.theta(x))) return false;
-  problem_.outside->predict(problem_.theta(x), frequencies_hz_, variance_);
-  if (!problem_.outside->emulator) variance_.clear();
+  problem_.program()->predict(problem_.theta(x), frequencies_hz_, variance_);
+  if (!problem_.program()->emulator) variance_.clear();
   modes_.eigenvalues.resize(static_cast<Eigen::Index>(outputs));
   for (std::size_t i = 0; i < outputs; ++i) {
     if (!(frequencies_hz_[i] > 0.0)) return false;
@@ -254,21 +263,21 @@ bool ModePredictor::ask_outside(std::span<const double> x) {
 }
 
 bool ModePredictor::gradient(std::span<const double> x, std::span<double> out) {
-  if (problem_.states) return false;
+  if (problem_.states() != nullptr) return false;
   const auto structural = static_cast<std::size_t>(problem_.structural);
-  if (problem_.outside) {
-    if (problem_.outside->emulator || !ask_outside(x)) return false;
-    const auto pull = problem_.likelihood->pulls(modes_, problem_.scatters(x));
-    if (!problem_.outside->model->gradient(problem_.theta(x), pull, out.first(structural)))
+  if (problem_.program() != nullptr) {
+    if (problem_.program()->emulator || !ask_outside(x)) return false;
+    const auto pull = problem_.likelihood().pulls(modes_, problem_.scatters(x));
+    if (!problem_.program()->model->gradient(problem_.theta(x), pull, out.first(structural)))
       return false;
   } else {
     try {
-      if (!problem_.modes->differentiate(problem_.theta(x), *workspace_, modes_, slopes_))
+      if (!problem_.basis()->differentiate(problem_.theta(x), *workspace_, modes_, slopes_))
         return false;
     } catch (const std::exception&) {
       return false;
     }
-    if (!problem_.likelihood->slope(modes_, slopes_, problem_.scatters(x), out.first(structural)))
+    if (!problem_.likelihood().slope(modes_, slopes_, problem_.scatters(x), out.first(structural)))
       return false;
   }
   // Scatters move no mode: differences cost next to nothing.

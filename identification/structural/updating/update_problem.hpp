@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <variant>
 
 #include "fem/structures/modes/parametric_modes.hpp"
 #include "identification/emulation/outside_predictor.hpp"
@@ -18,10 +20,21 @@ namespace wheeltap::identification {
 /// "shape_sd", "discrepancy", "shape_discrepancy" and "mixing".
 struct UpdateProblem {
   UpdateCase update_case;
-  std::shared_ptr<const fem::ParametricModes> modes;     ///< null where there are states
-  std::shared_ptr<const ModalLikelihood> likelihood;     ///< likewise
-  std::shared_ptr<const StatesLikelihood> states = {};   ///< in place of both
-  std::shared_ptr<const OutsidePredictor> outside = {};  ///< in place of `modes`
+  /// Modes of one structure, by a reduced basis of them.
+  struct ByBasis {
+    std::shared_ptr<const fem::ParametricModes> modes;
+    std::shared_ptr<const ModalLikelihood> likelihood;
+  };
+  /// Modes of several states of one.
+  struct ByStates {
+    std::shared_ptr<const StatesLikelihood> likelihood;
+  };
+  /// Frequencies, by a program or a server.
+  struct ByProgram {
+    std::shared_ptr<const OutsidePredictor> predictor;
+    std::shared_ptr<const ModalLikelihood> likelihood;
+  };
+  std::variant<ByBasis, ByStates, ByProgram> solution = {};
   inference::Problem problem;
   int structural = 0;  ///< parameters of the structure
   /// Where the scatters stand in a parameter vector; -1: known.
@@ -35,20 +48,40 @@ struct UpdateProblem {
   [[nodiscard]] std::span<const double> theta(std::span<const double> x) const {
     return x.first(static_cast<std::size_t>(structural));
   }
-  /// The lowest elastic modes that are computed, to be foretold.
+  /// Each null where the solution is another.
+  [[nodiscard]] const fem::ParametricModes* basis() const {
+    const auto* by = std::get_if<ByBasis>(&solution);
+    return by == nullptr ? nullptr : by->modes.get();
+  }
+  [[nodiscard]] const StatesLikelihood* states() const {
+    const auto* by = std::get_if<ByStates>(&solution);
+    return by == nullptr ? nullptr : by->likelihood.get();
+  }
+  [[nodiscard]] const OutsidePredictor* program() const {
+    const auto* by = std::get_if<ByProgram>(&solution);
+    return by == nullptr ? nullptr : by->predictor.get();
+  }
+  /// Of one structure's modes. Throws std::bad_variant_access where there are several states.
+  [[nodiscard]] const ModalLikelihood& likelihood() const {
+    const auto* by = std::get_if<ByBasis>(&solution);
+    return by == nullptr ? *std::get<ByProgram>(solution).likelihood : *by->likelihood;
+  }
+  /// The lowest elastic modes that are computed, to be predicted.
   [[nodiscard]] int candidates() const {
-    return modes ? modes->modes() : outside ? outside->model->outputs() : 0;
+    return basis() != nullptr     ? basis()->modes()
+           : program() != nullptr ? program()->model->outputs()
+                                  : 0;
   }
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const {
-    return states ? states->covariance(noise) : likelihood->covariance(noise);
+    return states() != nullptr ? states()->covariance(noise) : likelihood().covariance(noise);
   }
   [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const {
-    if (!states) return likelihood->shape(mode);
-    const auto at = states->place(mode);
-    return states->of(at.state).shape(at.mode);
+    if (states() == nullptr) return likelihood().shape(mode);
+    const auto at = states()->place(mode);
+    return states()->of(at.state).shape(at.mode);
   }
   [[nodiscard]] int measured() const {
-    return states ? states->measured() : likelihood->measured();
+    return states() != nullptr ? states()->measured() : likelihood().measured();
   }
 };
 
