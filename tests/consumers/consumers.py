@@ -178,9 +178,9 @@ def within_another_project(folder):
         assert "CMAKE_CXX_COMPILER_LAUNCHER" not in cache.replace("CMAKE_CXX_COMPILER_LAUNCHER:STRING=\n", "")
         # One real source of the library, to see that it compiles there.
         run("cmake", "--build", build, "--target",
-            "wheeltap/inference/CMakeFiles/wheeltap_inference.dir/standard_normal.cpp.o"
+            "wheeltap/inference/CMakeFiles/wheeltap_inference.dir/statistics/standard_normal.cpp.o"
             if way == "add_subdirectory" else
-            "_deps/wheeltap-build/inference/CMakeFiles/wheeltap_inference.dir/standard_normal.cpp.o")
+            "_deps/wheeltap-build/inference/CMakeFiles/wheeltap_inference.dir/statistics/standard_normal.cpp.o")
 
 
 def uninstall_leaves_nothing(folder):
@@ -221,7 +221,7 @@ def debian_packages(folder):
             assert (folder / "root/usr/share/doc" / name / document).exists(), f"{name} has no {document}"
         assert len(run("dpkg-deb", "-f", package, "Description").splitlines()) > 3, f"{name} says little of itself"
     assert run(folder / "root/usr/bin/wheeltap", "--version").startswith("wheeltap ")
-    assert (folder / "root/usr/include/wheeltap/inference/reversible_jump.hpp").exists()
+    assert (folder / "root/usr/include/wheeltap/inference/engine/reversible_jump.hpp").exists()
     if "python3-wheeltap" in made:
         site = folder / "root/usr/lib/python3/dist-packages"
         run(PYTHON, "-c", "import wheeltap", env={**os.environ, "PYTHONPATH": str(site)})
