@@ -140,7 +140,7 @@ under `parameters`. The examples below need the program where the shell finds it
 export PATH="$PWD/build/release/apps:$PATH"
 ```
 
-They are quick looks ([what that means](guide.md#a-look-first-and-how-long-a-run-takes)); without `--quick` the same
+They are quick looks ([what that means](long-runs.md#quick-runs)); without `--quick` the same
 cases run in full. Each compares a chain without the law with one that has it, on a record simulated with the law.
 
 )";

@@ -24,21 +24,22 @@ import links
 HERE = os.path.dirname(os.path.abspath(__file__))
 # The manual's order. Every page of docs/ must be in it.
 CHAPTERS = {
-    "Begin": ["Build and use <readme>", "guide", "tutorials/index", "gallery", "report", "which-tool"],
+    "Getting started": ["Overview <readme>", "guide", "system-identification", "priors", "results", "report", "long-runs",
+                        "many-cases", "tutorials/index", "gallery", "which-tool"],
     "Structures and damage": ["structures", "sections", "emulators", "updating", "states"],
-    "Records": ["measured-data", "file-formats", "modal", "laws"],
-    "At home": ["python", "libraries", "models-of-others", "scale"],
-    "What it rests on": ["theory", "validation", "speed", "comparison", "measured"],
+    "Measured data": ["measured-data", "file-formats", "modal", "laws"],
+    "Integration": ["python", "libraries", "models-of-others", "scale"],
+    "Theory and validation": ["theory", "validation", "speed", "comparison", "measured"],
     "Reference": ["reference/commands", "reference/keys", "reference/python", "reference/cpp"],
-    "The project": ["contributing", "releasing", "changes", "licences"],
+    "Project": ["contributing", "releasing", "changes", "licences"],
 }
 PAGES = {"README.md": "readme", "CHANGELOG.md": "changes", "docs/README.md": "index", "data/README.md": "data"}
 TUTORIALS = [
-    ("docs/tutorials/first-answer.sh", "A first answer, on the command line"),
-    ("docs/tutorials/beam.py", "Where is the damage? A beam, from Python"),
-    ("docs/tutorials/rig.py", "Which equation of motion? A mass on a spring"),
+    ("docs/tutorials/first-answer.sh", "First damage identification on the command line"),
+    ("docs/tutorials/beam.py", "Damage in a beam, with Python"),
+    ("docs/tutorials/rig.py", "Equation of motion of a mass on a spring"),
     ("examples/python/accelerations_to_damage.py", "From raw accelerations to damage"),
-    ("docs/tutorials/question.py", "A question of your own for the engine"),
+    ("docs/tutorials/question.py", "User-defined models for the engine"),
     ("examples/damaged_beam.cpp", "The libraries: a damaged beam in C++"),
     ("examples/polynomial_degree.cpp", "The libraries: models of your own in C++"),
     ("examples/mixture_components.cpp", "The libraries: how many groups? A mixture in C++"),

@@ -1,8 +1,8 @@
 # %% [markdown]
-# # Where is the damage? A beam, from Python
+# # Damage in a beam, with Python
 #
-# Twenty natural frequencies of a simply supported beam, and the question how many of its elements have lost stiffness, which,
-# and how much. The case is simulated, so that the answer can be held against the truth: 30 % are lost at 0.09 m.
+# How many elements of a simply supported beam have lost stiffness, which ones, and how much? The data are twenty natural
+# frequencies. This case is simulated, so that you can compare the result with the truth: 30 % stiffness reduction at 0.09 m.
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
@@ -20,8 +20,8 @@ case = {
 result = wt.damage(case, seed=1)
 print(result.answer)
 # %% [markdown]
-# The sentence is what heads the report. The probabilities below have an error of their own, since they come from draws;
-# `converged` says whether the run may be relied on at all.
+# `result.answer` contains the sentences at the top of a report. The probabilities below come from draws, so they have a Monte
+# Carlo error. `converged` shows whether you can rely on the run at all.
 # %%
 for model in result.models:
     print(f"{model['name']:>10}: {model['probability']:.3f} ± {model['mcse']:.3f}   (prior {model['prior']:.2f})")
@@ -31,22 +31,22 @@ figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 5), layout="constrained")
 wt.plot.models(result, ax=top)
 wt.plot.inclusion(result, ax=bottom)
 # %% [markdown]
-# There are two peaks, and one damage. The beam is its own mirror image, so a damage at x and one at L - x have the same
-# frequencies: no analysis of these data can tell them apart. What is known is the place *or* its mirror image:
+# The figure has two peaks, although there is one damage. The beam is symmetric: a damage at x and a damage at L - x have the
+# same frequencies, so no analysis of these data can distinguish them. The data determine the location *or* its mirror image:
 # %%
 x = result.draws_of("location[1]", "1 damage")
 folded = np.minimum(x, 1.0 - x)
 print(f"left half: {np.mean(x < 0.5):.2f} of the draws; folded: {folded.mean():.3f} ± {folded.std():.3f} m")
 assert abs(folded.mean() - 0.095) < 0.02
 # %% [markdown]
-# The truth is the element from 0.09 to 0.10 m. Place and severity belong together: a large damage near the support, where
-# the beam hardly bends, acts like a smaller one further in.
+# The true damage is the element from 0.09 to 0.10 m. Location and severity are correlated: a large damage near the support,
+# where the beam hardly bends, has the same effect as a smaller one further inside.
 # %%
 wt.plot.pairs(result, "1 damage");
 # %% [markdown]
-# **What would break the tie?** Something that is not symmetric: mode shapes, a mass added off the middle
-# ([several states](../states.md)), another support. Before going to the rig, simulate the test that you have in mind. Here
-# is the same beam with one end clamped:
+# **How can a test resolve the ambiguity?** Measure a quantity that is not symmetric: mode shapes, frequencies with an added
+# mass away from midspan ([several states](../states.md)), or frequencies with other supports. Simulate the planned test before
+# you carry it out. This example has the same beam with one clamped end:
 # %%
 clamped = {**case, "beam": {**case["beam"], "supports": "clamped-pinned"}}
 told = wt.damage(clamped, seed=1, warmup=2000, draws=2000)

@@ -1,41 +1,43 @@
 # %% [markdown]
-# # A first answer, on the command line
+# # First damage identification on the command line
 #
-# A beam has natural frequencies; damage lowers them, each by as much as the mode bends where the damage is. This
-# tutorial goes from ten frequencies to a place to inspect, in five commands. It needs the program and nothing else.
+# A damage lowers the natural frequencies of a beam. The more a mode bends at the damage, the more its frequency decreases. This
+# tutorial leads from ten frequencies to a location for inspection in five commands. It needs only the program.
 #
-# `wheeltap init` writes a case that runs, and beside it a page that explains each of its keys. Here it is a steel cantilever.
+# `wheeltap init` writes a complete case and a page that explains each of its keys. The case in this tutorial is a steel
+# cantilever.
 # %%
 wheeltap init damage -o my-beam
 head -n 24 my-beam/damage.json
 # %% [markdown]
-# Before looking for damage, see whether the model is the beam. These are its frequencies without damage; compare them
-# with what was measured, or would be, on a sound beam. A model that is 2 % off will have its error called damage.
+# Before you search for damage, check whether the model agrees with the real beam. The command prints the model's frequencies
+# without damage. Compare them with frequencies that were measured, or would be measured, on the undamaged beam. If the model is
+# wrong by 2 %, Wheeltap attributes this error to damage.
 # %%
 wheeltap modes my-beam/damage.json --modes 5
 # %% [markdown]
-# Now the run. There is nothing to tune; `--seed` makes it repeatable.
+# Run the identification. There are no settings to tune; `--seed` makes the run repeatable.
 # %%
 wheeltap damage my-beam/damage.json -o results/my-beam --seed 1 --quiet
 # %% [markdown]
-# The first lines are the answer: how many damages, with what probability, where and how bad, with 95 % intervals. Then
-# comes what to keep in mind. The last lines say whether the run may be relied on (`Converged`), and how small a share of the
-# prior could hold something that it missed.
+# The first lines are the result: the number of damages with its probability, and their location and severity with 95 %
+# intervals. Warnings follow. The last lines show whether you can rely on the run (`Converged`), and how small a share of the
+# prior may contain a solution that the run missed.
 #
-# Everything is in the folder: `report.html` to read and to hand on, `summary.json` with every number, `posterior.nc` with
-# every draw.
+# The folder contains all results: `report.html` to read and to send, `summary.json` with all numbers, `posterior.nc` with all
+# draws.
 # %%
 ls results/my-beam
 # %% [markdown]
-# **Would a smaller damage have been seen?** Simulate the one that you fear, and look for it. Here it is 5 % at 0.5 m,
-# with ten modes known to 0.1 %.
+# **Would the data show a smaller damage?** Simulate the smallest damage that you must find, and search for it. In this example
+# it is 5 % at 0.5 m, and the noise of the ten frequencies is 0.1 %.
 # %%
 wheeltap simulate my-beam/damage.json -o my-beam/feared.json --set 'data={"modes": 10, "cov": 0.001}' \
   --set 'damage.truth=[{"location": 0.5, "reduction": 0.05, "extent": 0.03}]'
 wheeltap damage my-beam/feared.json -o results/feared --seed 1 --quiet | head -n 12
 # %% [markdown]
-# Read its probability of no damage: it is what a sound verdict would have been worth. Where it is not small, such a damage
-# can hide, and the way out is more modes or better known ones, not a longer run.
+# Read the probability of no damage. If it is not small, these data cannot exclude such a damage, and a result of "no damage"
+# proves little. Measure more modes, or measure them more accurately. A longer run does not help.
 #
-# From here on: put your own beam and frequencies into `my-beam/damage.json`, with the [guide](../guide.md) beside you, and read
-# [how to read a report](../report.md) before you act on one.
+# Next, enter your own beam and frequencies into `my-beam/damage.json`; the [guide](../guide.md) describes the keys. Before you
+# act on a result, read [how to read a report](../report.md).

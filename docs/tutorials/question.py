@@ -1,9 +1,9 @@
 # %% [markdown]
-# # A question of your own for the engine
+# # User-defined models for the engine
 #
-# The engine that counts damages knows nothing of beams. Give it models, each with priors and a likelihood, and it
-# returns their probabilities, with an error, and the draws. Here: readings of a crack's length over load cycles, and the question
-# whether it grows at all, steadily, or faster as it goes.
+# The engine that infers the number of damages does not depend on beams. Give it models with priors and likelihoods. It returns
+# the probability of each model, with its error, and the draws. The data in this example are readings of a crack's length over
+# load cycles. Does the crack grow at all, at a constant rate, or at an increasing rate?
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,8 +14,9 @@ cycles = np.linspace(0, 1, 15)                                    # millions
 random = np.random.default_rng(3)
 length = 2.0 + 0.3 * cycles + 0.5 * cycles**2 + 0.05 * random.standard_normal(15)    # mm
 # %% [markdown]
-# A likelihood takes an array with a parameter vector a row, and returns a number a row: ln p(data | parameters), normaliser
-# included. It is called with many rows at once where the engine can, so NumPy does the work.
+# A likelihood function takes an array with one parameter vector in each row. It returns one number for each row: ln p(data |
+# parameters), including all normalising constants. Where possible, the engine passes many rows in one call, so that NumPy works
+# on whole arrays.
 # %%
 def density(mean, noise):
     return (-0.5 * ((length - mean) / noise) ** 2 - np.log(noise * np.sqrt(2 * np.pi))).sum(axis=1)
@@ -43,9 +44,9 @@ for model in result.models:
     print(f"{model['name']:>24}: {model['probability']:.3f} ± {model['mcse']:.3f}")
 assert result.converged, result.warnings
 # %% [markdown]
-# Priors matter here, and they should: `half_normal(1)` says that rates are of the order of 1 mm in a million cycles. A prior
-# a hundred times as wide would make the richer model a hundred times less probable before any data. That is why they must be
-# proper, and stated.
+# The priors influence the probabilities, and they should. `half_normal(1)` states that rates are of the order of 1 mm in a
+# million cycles. A prior a hundred times as wide would make the richer model a hundred times less probable, independently of
+# the data. Therefore priors must be proper, and you must report them.
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
 wt.plot.models(result, ax=left)
@@ -56,4 +57,5 @@ low, high = np.quantile(a + b * cycles + c * cycles**2, [0.025, 0.975], axis=0)
 right.fill_between(cycles, low, high, alpha=0.3, linewidth=0)
 right.set(xlabel="load cycles [10⁶]", ylabel="length [mm]");
 # %% [markdown]
-# The same in C++ is [a page](../libraries.md#a-likelihood-a-prior-a-move) and an [example](../../examples/polynomial_degree.cpp).
+# [User-defined likelihoods and moves](../libraries.md#user-defined-likelihoods-and-moves) describes the same in C++. There is
+# also an [example program](../../examples/polynomial_degree.cpp).

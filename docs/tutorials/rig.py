@@ -1,11 +1,11 @@
 # %% [markdown]
-# # Which equation of motion? A mass on a spring
+# # Equation of motion of a mass on a spring
 #
-# A rig is shaken by a known force, and its displacement is measured. Is its spring linear, or does it harden? Both models are given
-# as chains of masses and links, with priors for what is not known; the run returns the probability of each.
+# A known force excites a test rig, and a sensor measures its displacement. Is the spring linear, or does it harden? Define both
+# models as chains of masses and links, with priors for the unknown parameters. The run returns the probability of each model.
 #
-# The record is simulated here: 0.5 kg on a spring of k = 50 N/m that hardens by k₃ = 1000 N/m³, under white force, at
-# 100 Hz, with 0.05 m of noise.
+# This example simulates the record: 0.5 kg on a spring of k = 50 N/m with a cubic hardening of k₃ = 1000 N/m³. The force is
+# white noise, the sampling rate is 100 Hz, and the measurement noise is 0.05 m.
 # %%
 import matplotlib.pyplot as plt
 
@@ -30,8 +30,9 @@ figure, axis = plt.subplots(figsize=(7, 2.5), layout="constrained")
 axis.plot(record["displacement"], linewidth=1)
 axis.set(xlabel="sample", ylabel="displacement [m]");
 # %% [markdown]
-# How long a record is enough? Where the two models move alike, the data cannot choose, and the simpler one is preferred for
-# claiming less. As the record grows, the hardening shows.
+# How long must the record be? While both models predict nearly the same motion, the data cannot distinguish them, and the
+# simpler model has the higher probability, because it has fewer free parameters. In a longer record, the hardening becomes
+# visible.
 # %%
 for samples in (50, 100, 300, 500):
     result = wt.sid(case, changes={"truth.samples": samples}, seed=1, warmup=1000, draws=1000)
@@ -41,10 +42,11 @@ for samples in (50, 100, 300, 500):
           f"  k: {k['q2.5']:.1f} to {k['q97.5']:.1f} N/m" if k else "")
 assert result.probabilities["duffing"] > 0.99
 # %% [markdown]
-# Of intervals at 95 %, one in twenty misses the truth, k = 50; the one from 300 samples of this record does.
+# On average, one in twenty 95 % intervals does not contain the true value (here k = 50). The interval from 300 samples of this
+# record is such a case.
 #
-# A winner is the best of those that were listed, and no more. So look whether it explains the record before believing in it:
-# the band holds 95 % of what the model predicts, noise included.
+# The most probable model is only the best model of the list. Check whether it explains the record before you accept it. The
+# band contains 95 % of the model's predictions, including noise.
 # %%
 wt.plot.record(result)
 print("fit:", result.summary["fit"]["ok"])
@@ -52,5 +54,6 @@ for name in ("k", "k3"):
     told = result.summary["parameters"]["duffing"][name]
     print(f"{name:>3}: {told['q50']:.4g}   95 %: {told['q2.5']:.4g} to {told['q97.5']:.4g}")
 # %% [markdown]
-# What else a link may have, from friction to gaps, is on the page of [force laws](../laws.md); [how to find the
-# terms of a law](../guide.md#finding-the-law) without writing a model for each is in the guide.
+# [Force laws](../laws.md) describes all other properties of a link, from friction to gaps. [Selection of force-law
+# terms](../system-identification.md#selection-of-force-law-terms) describes how to find the terms of a law without writing a
+# model for each.
