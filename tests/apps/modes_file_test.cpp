@@ -1,4 +1,5 @@
 #include "apps/cases/records/modes_file.hpp"
+#include "apps/failure.hpp"
 
 #include <gmock/gmock.h>
 
