@@ -102,8 +102,8 @@ Simulation parse_simulation(const CaseFile& file, const Json& truth, Simulation 
 
 namespace {
 
-void parse_truth(const CaseFile& file, const Pointer& block, double length, DefectKind& kind,
-                 DamageCase& out) {
+void parse_damage_truth(const CaseFile& file, const Pointer& block, double length, DefectKind& kind,
+                        DamageCase& out) {
   const Json& b = file.json.at(block);
   if (!b.contains("truth")) return;
   const Json& t = b["truth"];
@@ -202,7 +202,7 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
     kind.severity = bounded_prior(file, where / severity, type->lower, type->upper,
                                   std::string(type->bounds_words).c_str());
   }
-  parse_truth(file, where, length, kind, out);
+  parse_damage_truth(file, where, length, kind, out);
   return kind;
 }
 

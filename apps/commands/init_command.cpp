@@ -64,7 +64,7 @@ std::string bounds(const Report& rule) {
   return text;
 }
 
-std::string in_words(const Report& rule) {
+std::string rule_in_words(const Report& rule) {
   std::string text = rule.value("description", std::string());
   if (rule.contains("enum")) {
     std::string list;
@@ -109,7 +109,7 @@ class KeyTable {
     std::string bare = path;
     for (std::size_t at = 0; (at = bare.find("[]")) != std::string::npos;) bare.erase(at, 2);
     if (!seen_.insert(bare).second) return;
-    const std::string words = is_prior(rule) ? "a prior" : in_words(rule);
+    const std::string words = is_prior(rule) ? "a prior" : rule_in_words(rule);
     text_ += "| `" + path + "` | " + (required ? "yes" : "") + " | " + cell(words) + " |\n";
   }
   void walk(const Report& reference, const std::string& path) {

@@ -359,7 +359,7 @@ void make_figures_folder(const fs::path& folder) {
 }
 
 /// Takes the place of whatever has the name, a symbolic link included.
-void put(const fs::path& from, const fs::path& to) {
+void put_file(const fs::path& from, const fs::path& to) {
   io::AtomicFile file(to);
   file.write(io::read_bytes(from));
   file.commit();
@@ -395,8 +395,8 @@ int write_figures(const fs::path& directory) {
   std::vector<std::string> names;
   for (std::string line; std::getline(written, line);) names.push_back(line);
   make_figures_folder(folder);
-  for (const std::string& name : names) put(scratch.folder() / name, folder / name);
-  put(scratch.folder() / kFigureList, folder / kFigureList);
+  for (const std::string& name : names) put_file(scratch.folder() / name, folder / name);
+  put_file(scratch.folder() / kFigureList, folder / kFigureList);
   return static_cast<int>(names.size());
 }
 

@@ -75,7 +75,7 @@ std::vector<std::string> separated(const UpdateFindings& findings) {
 }
 
 /// "[1, 3, 4]".
-std::string listed(const std::vector<int>& numbers) {
+std::string listed_numbers(const std::vector<int>& numbers) {
   std::string text;
   for (const int n : numbers) text += (text.empty() ? "" : ", ") + std::to_string(n);
   return "[" + text + "]";
@@ -228,7 +228,7 @@ std::string numbering_sentence(const UpdateFindings& findings) {
          name_modes(n.measured) + "), which has " + probability_is(n.probability) +
          " under the priors; that they are the model's " + name_modes(n.likeliest.modes) + " has " +
          probability_is(n.likeliest.probability) +
-         ". If that is right, state \"model_modes\": " + listed(n.likeliest.modes) +
+         ". If that is right, state \"model_modes\": " + listed_numbers(n.likeliest.modes) +
          " beside \"from\", or \"frequencies\": [" + nulls +
          "]; mode shapes at two or more sensors settle it.";
 }

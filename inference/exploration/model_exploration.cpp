@@ -238,8 +238,8 @@ class OtherDraws {
 
 // Importance sampling from all that was found: evidence, shares and the population.
 // False where it was stopped: `found` is then as it was.
-bool weigh(const Problem& problem, int model, const ExplorationOptions& options,
-           const Matrix& draws, ModelExploration& found) {
+bool weigh_model(const Problem& problem, int model, const ExplorationOptions& options,
+                 const Matrix& draws, ModelExploration& found) {
   const Eigen::Index d = problem.space[model].dimension;
   base::Random random(options.seed, static_cast<std::uint64_t>(model),
                       found.calls.weigh > 0 ? 2 : 0, base::Purpose::fit);
@@ -459,7 +459,7 @@ ModelExploration survey_model(const Problem& problem, int model,
     return out;
   }
   if (out.modes.empty() && options.draws.rows() == 0) return out;
-  if (!weigh(problem, model, options, options.draws, out)) take_laplace(model, options, out);
+  if (!weigh_model(problem, model, options, options.draws, out)) take_laplace(model, options, out);
   report(1.0);
   return out;
 }
@@ -480,7 +480,7 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
     if (report.stopped()) return;
     if (another || !settled) {
       append(brief.draws, draws);
-      if (!weigh(problem, model, options, draws, found)) return;
+      if (!weigh_model(problem, model, options, draws, found)) return;
     }
     if ((problem.shortened && found.settled() && confirmed(brief, another, found)) ||
         how == Annealing::brief) {
@@ -492,7 +492,7 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
   if (report.stopped()) return;
   climb_from(problem, model, options, some_of(draws), found);
   if (report.stopped() || (found.modes.empty() && draws.rows() == 0)) return;
-  if (weigh(problem, model, options, draws, found)) report(1.0);
+  if (weigh_model(problem, model, options, draws, found)) report(1.0);
 }
 
 ModelExploration explore_model(const Problem& problem, int model,

@@ -65,7 +65,7 @@ WholeFit fit_whole(const SidProblem& problem, int model, std::vector<double> sta
 
 /// The likelihood about the whole's mode, by differences over three tenths of what one parameter
 /// alone could be off by.
-inference::GroupScore score(inference::ModelPosterior& posterior, const WholeFit& whole) {
+inference::GroupScore whole_score(inference::ModelPosterior& posterior, const WholeFit& whole) {
   const auto d = static_cast<Eigen::Index>(whole.z.size());
   const Eigen::VectorXd h = 0.3 * whole.covariance.inverse().diagonal().cwiseSqrt().cwiseInverse();
   const auto at = [&](Eigen::Index i, double a, Eigen::Index j, double b) {
@@ -98,7 +98,7 @@ WindowFit fit_window(const SidCase& sid_case, int model, const WholeFit& whole) 
   WindowFit out;
   try {
     inference::ModelPosterior posterior(problem->problem, 0);
-    if (whole.covariance.allFinite()) out.at_whole = score(posterior, whole);
+    if (whole.covariance.allFinite()) out.at_whole = whole_score(posterior, whole);
     const inference::Laplace at =
         inference::laplace(problem->problem, 0, {.start = whole.z, .check = false});
     out.likelihood_evaluations = at.evidence.likelihood_evaluations + posterior.evaluations();
