@@ -156,7 +156,7 @@ int run(int argc, char** argv) {
   // What is ours is locked by ourselves, and on some file systems of clusters nothing can be.
   ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
   CLI::App app{
-      "Structural health monitoring: how many damages, where, how bad, with honest "
+      "Structural health monitoring: number, positions and severities of damages, with calibrated "
       "probabilities"};
   app.set_version_flag("--version", std::string("wheeltap ") + WHEELTAP_VERSION);
   app.require_subcommand(1);
