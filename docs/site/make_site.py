@@ -30,7 +30,7 @@ CHAPTERS = {
     "Measured data": ["measured-data", "file-formats", "modal", "laws"],
     "Integration": ["python", "libraries", "models-of-others", "scale"],
     "Theory and validation": ["theory", "validation", "speed", "comparison", "measured"],
-    "Reference": ["reference/commands", "reference/keys", "reference/python", "reference/cpp"],
+    "Reference": ["glossary", "reference/commands", "reference/keys", "reference/python", "reference/cpp"],
     "Project": ["contributing", "releasing", "changes", "licences"],
 }
 PAGES = {"README.md": "readme", "CHANGELOG.md": "changes", "docs/README.md": "index", "data/README.md": "data"}

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Holds the documentation to plain technical English: language.py ROOT
+"""Holds all texts to plain technical English: language.py ROOT
 
-Prints file, line and a suggestion for each private term and each sentence of more than 40 words. Code, quoted program
-output and tables are not checked for length; text in backticks is not checked at all.
+Prints file, line and a suggestion for each private term and each sentence of more than 40 words, in the pages of docs/, in the
+comments and string literals of the code, and in the descriptions of the schemas. Code, quoted program output and tables of
+pages are not checked for length; text in backticks is not checked at all.
 """
+import json
 import pathlib
 import re
 import sys
@@ -42,6 +44,7 @@ TERMS = {
     r'\bhearsay\b': 'say what happens',
 }
 LONGEST = 40  # words
+CODE = ['base', 'io', 'signals', 'fem', 'dynamics', 'emulator', 'inference', 'identification', 'apps', 'python', 'tests']
 # Where a term is quoted from the program, which still says so: (file, term).
 QUOTED = {
     ('docs/measured-data.md', 'stands off zero'): 'a message',
@@ -73,34 +76,95 @@ def plain(text):
     return re.sub(r'"[^"]*"', '"x"', text)
 
 
+def terms(name, number, text):
+    for term, better in TERMS.items():
+        if found := re.search(term, text, re.I):
+            if (name, found[0].lower()) not in QUOTED:
+                yield f'{name}:{number}: "{found[0]}": write {better}'
+
+
+def long_sentences(name, number, text):
+    for sentence in re.split(r'(?<=[.!?:;])\s+(?=[A-Z*])', text):
+        words = [w for w in sentence.split() if re.search(r'[A-Za-z]{2}', w)]
+        if len(words) > LONGEST:
+            yield f'{name}:{number}: a sentence of {len(words)} words: split it ("{" ".join(words[:6])} …")'
+
+
+def page_faults(name, text):
+    fence = False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith('```'):
+            fence = not fence
+        if not fence and not line.startswith('    '):
+            yield from terms(name, number, plain(line))
+    for number, paragraph in prose(text):
+        yield from long_sentences(name, number, plain(paragraph))
+
+
+COMMENT = re.compile(r'\s*//+[!<]?(?: |$)(.*)')
+LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
+
+
+def code_texts(text):
+    """(line, text) of each paragraph of comments and of each string literal, adjacent ones joined."""
+    start, lines, literal, literal_start = 0, [], [], 0
+    for number, line in enumerate(text.splitlines() + [''], 1):
+        comment = COMMENT.match(line)
+        words = comment[1].strip() if comment else ''
+        if lines and (not words or re.match(r'(?:-|\d+\.|\\|@) ?', words) or words.startswith('  ')):
+            yield start, ' '.join(lines)
+            lines = []
+        if words:
+            start = start if lines else number
+            lines.append(words)
+        elif not comment:
+            code, trailing = (re.split(r'\s//+[!<]? ', line, maxsplit=1) + [''])[:2]
+            if trailing:
+                yield number, trailing
+            if not code.lstrip().startswith('#include'):
+                found = LITERAL.findall(code)
+                if literal and not code.lstrip().startswith('"'):
+                    yield literal_start, ' '.join(literal)
+                    literal = []
+                if found:
+                    literal_start = literal_start if literal else number
+                    literal += found
+
+
+def descriptions(node):
+    if isinstance(node, dict):
+        for key in ('title', 'description'):
+            if isinstance(node.get(key), str):
+                yield node[key]
+        for value in node.values():
+            yield from descriptions(value)
+    elif isinstance(node, list):
+        for value in node:
+            yield from descriptions(value)
+
+
 def faults(root):
-    pages = sorted([*root.glob('docs/*.md'), root / 'README.md', root / 'data/README.md'])
-    for path in pages:
-        if path.name == 'laws.md':  # written by the program
-            continue
+    for path in sorted([*root.glob('docs/*.md'), root / 'README.md', root / 'data/README.md']):
+        if path.name != 'laws.md':  # written by the program
+            yield from page_faults(path.relative_to(root).as_posix(), path.read_text())
+    for path in sorted(root.glob('apps/schema/*.json')):
         name = path.relative_to(root).as_posix()
-        text = path.read_text()
-        fence = False
-        for number, line in enumerate(text.splitlines(), 1):
-            if line.startswith('```'):
-                fence = not fence
-            if fence or line.startswith('    '):
-                continue
-            shown = plain(line)
-            for term, better in TERMS.items():
-                if found := re.search(term, shown, re.I):
-                    if (name, found[0].lower()) not in QUOTED:
-                        yield f'{name}:{number}: "{found[0]}": write {better}'
-        for number, paragraph in prose(text):
-            for sentence in re.split(r'(?<=[.!?:;])\s+(?=[A-Z*])', plain(paragraph)):
-                words = [w for w in sentence.split() if re.search(r'[A-Za-z]{2}', w)]
-                if len(words) > LONGEST:
-                    yield f'{name}:{number}: a sentence of {len(words)} words: split it ("{" ".join(words[:6])} …")'
+        lines = path.read_text().splitlines()
+        for text in descriptions(json.loads('\n'.join(lines))):
+            number = next((n for n, line in enumerate(lines, 1) if json.dumps(text, ensure_ascii=False) in line), 1)
+            yield from terms(name, number, plain(text))
+            yield from long_sentences(name, number, plain(text))
+    for folder in CODE:
+        for path in sorted([*root.glob(f'{folder}/**/*.hpp'), *root.glob(f'{folder}/**/*.cpp')]):
+            name = path.relative_to(root).as_posix()
+            for number, text in code_texts(path.read_text()):
+                yield from terms(name, number, plain(text))
+                yield from long_sentences(name, number, plain(text))
 
 
 def main():
     found = list(faults(pathlib.Path(sys.argv[1])))
-    print('\n'.join(found) or 'no private terms, no long sentences')
+    print('\n'.join(found) or 'no private terms, no long sentences', f'\n{len(found)} faults' if found else '')
     sys.exit(1 if found else 0)
 
 
