@@ -1,7 +1,6 @@
 #include "apps/json_syntax.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "apps/written_number.hpp"

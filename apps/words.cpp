@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
+#include "base/readable.hpp"
 #include "inference/diagnosis/convergence.hpp"
 
 namespace wheeltap::apps {
@@ -12,12 +12,7 @@ namespace wheeltap::apps {
 using namespace identification;
 
 std::string significant(double x, int digits) {
-  std::string text = base::significant(x, digits);
-  const std::size_t e = text.find('e');
-  if (e == std::string::npos || !std::isfinite(x)) return text;
-  const int power = std::atoi(text.c_str() + e + 1);
-  if (power > 0 && power < 6) return fixed(std::strtod(text.c_str(), nullptr), 0);
-  return text.substr(0, e + 1) + std::to_string(power);
+  return base::readable(x, digits);
 }
 
 std::string resolved(double x, double width) {

@@ -1,7 +1,6 @@
 #include "dynamics/step_check.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace wheeltap::dynamics {

@@ -39,17 +39,9 @@ double from_additive(Additive additive, double g) {
 }  // namespace
 
 std::string_view name(Additive additive) {
-  switch (additive) {
-    case Additive::response:
-      return "response";
-    case Additive::logarithm:
-      return "logarithm";
-    case Additive::square:
-      return "square";
-    case Additive::inverse_square:
-      return "inverse-square";
-  }
-  throw std::invalid_argument("unknown additive quantity");
+  constexpr std::array<std::string_view, 4> kNames{"response", "logarithm", "square",
+                                                   "inverse-square"};
+  return kNames.at(static_cast<std::size_t>(additive));
 }
 
 Additive additive_named(std::string_view text) {

@@ -107,25 +107,6 @@ WHEELTAP_VECTOR_CLONES void join(const Stencil& a, const double (*__restrict y)[
 
 }  // namespace
 
-std::string_view name(AxisRule rule) {
-  switch (rule) {
-    case AxisRule::linear:
-      return "linear";
-    case AxisRule::cubic:
-      return "cubic";
-    case AxisRule::monotone_cubic:
-      return "monotone-cubic";
-  }
-  throw std::invalid_argument("unknown interpolation rule");
-}
-
-AxisRule axis_rule_named(std::string_view text) {
-  for (AxisRule rule : {AxisRule::linear, AxisRule::cubic, AxisRule::monotone_cubic})
-    if (text == name(rule)) return rule;
-  throw std::invalid_argument("interpolation rule \"" + std::string(text) +
-                              "\" is not one of linear, cubic, monotone-cubic");
-}
-
 CubicInterpolant::CubicInterpolant(std::vector<Factor> factors, RowMatrix values,
                                    std::vector<AxisRule> rules)
     : factors_(std::move(factors)), values_(std::move(values)), rules_(std::move(rules)) {

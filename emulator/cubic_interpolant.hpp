@@ -13,10 +13,6 @@ enum class AxisRule {
   monotone_cubic  ///< the same, its slopes limited so that no piece overshoots its two end values
 };
 
-[[nodiscard]] std::string_view name(AxisRule rule);
-/// Inverse of `name`. Throws std::invalid_argument for another text.
-[[nodiscard]] AxisRule axis_rule_named(std::string_view text);
-
 /// Interpolates along the last factor first, on every line of the local stencil, then along the one
 /// before it, and so on. In one dimension, between levels s_0 < s_1 a distance h apart,
 ///   p(t) = y_0 + t h [d_0 + t (3Δ - 2d_0 - d_1 + t (d_0 + d_1 - 2Δ))],  Δ = (y_1 - y_0)/h,

@@ -246,15 +246,6 @@ bool DelaunayInterpolant::contains(std::span<const double> x) const {
   return locate(u, simplex, lambda);
 }
 
-bool DelaunayInterpolant::covers_box() const {
-  std::vector<Factor> ends = factors_;
-  for (Factor& factor : ends) factor.levels = {factor.low(), factor.high()};
-  const Design corners = full_factorial(ends);
-  for (Index i = 0; i < corners.runs(); ++i)
-    if (!contains(corners.point(i))) return false;
-  return true;
-}
-
 std::unique_ptr<const Interpolant> train_delaunay(Table& table, const TrainingOptions&) {
   return std::make_unique<DelaunayInterpolant>(table.factors, table.points, table.values);
 }

@@ -35,9 +35,6 @@ class DelaunayInterpolant final : public Interpolant {
 
   /// True inside the convex hull of the runs.
   [[nodiscard]] bool contains(std::span<const double> x) const override;
-  /// True where the hull is the factors' whole box, as with designs from `with_corners`. (Along the
-  /// box's sides such a design has long thin simplices from corner to corner, and larger errors.)
-  [[nodiscard]] bool covers_box() const;
   [[nodiscard]] std::size_t simplices() const { return simplices_.size() / (dimension() + 1); }
   [[nodiscard]] const std::vector<Factor>& factors() const { return factors_; }
   [[nodiscard]] Eigen::Index responses() const { return values_.cols(); }

@@ -1,21 +1,17 @@
 #include "emulator/design.hpp"
 
 #include <algorithm>
+#include <array>
 #include <boost/random/sobol.hpp>
-#include <charconv>
 #include <cmath>
 #include <random>
 #include <set>
 #include <stdexcept>
 
+#include "base/number.hpp"
+
 namespace wheeltap::emulator {
 namespace {
-
-/// The shortest text that reads back as x.
-std::string number(double x) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, x).ptr};
-}
 
 /// Uniform on [0, 1) from the top 53 bits: the same on every platform, unlike the standard
 /// library's distributions.
@@ -50,17 +46,9 @@ Design on_box(std::vector<Factor> factors, RowMatrix unit) {
 }  // namespace
 
 std::string_view name(Scale scale) {
-  switch (scale) {
-    case Scale::linear:
-      return "linear";
-    case Scale::compliance:
-      return "compliance";
-    case Scale::reciprocal:
-      return "reciprocal";
-    case Scale::logarithm:
-      return "logarithm";
-  }
-  throw std::invalid_argument("unknown scale");
+  constexpr std::array<std::string_view, 4> kNames{"linear", "compliance", "reciprocal",
+                                                   "logarithm"};
+  return kNames.at(static_cast<std::size_t>(scale));
 }
 
 Scale scale_named(std::string_view text) {
@@ -112,17 +100,17 @@ void check_factors(const std::vector<Factor>& factors, std::size_t least_levels)
     for (std::size_t i = 0; i < factor.levels.size(); ++i) {
       const double level = factor.levels[i];
       if (!std::isfinite(level))
-        throw std::invalid_argument(who + " has the level " + number(level) +
+        throw std::invalid_argument(who + " has the level " + base::number(level) +
                                     ", which is not finite");
       if (i > 0 && !(factor.levels[i - 1] < level))
-        throw std::invalid_argument(who + ": level " + number(level) + " follows " +
-                                    number(factor.levels[i - 1]) + "; levels must increase");
+        throw std::invalid_argument(who + ": level " + base::number(level) + " follows " +
+                                    base::number(factor.levels[i - 1]) + "; levels must increase");
       const bool undefined =
           (factor.scale == Scale::compliance && !(level < 1.0)) ||
           ((factor.scale == Scale::reciprocal || factor.scale == Scale::logarithm) &&
            !(level > 0.0));
       if (undefined)
-        throw std::invalid_argument(who + ": level " + number(level) + " has no " +
+        throw std::invalid_argument(who + ": level " + base::number(level) + " has no " +
                                     std::string(name(factor.scale)) + " coordinate; it must be " +
                                     (factor.scale == Scale::compliance ? "< 1" : "> 0"));
     }
@@ -142,9 +130,10 @@ void require_inside(const std::vector<Factor>& factors, std::span<const double> 
                                 std::to_string(factors.size()) + " factors");
   for (std::size_t j = 0; j < x.size(); ++j)
     if (!(x[j] >= factors[j].low() && x[j] <= factors[j].high()))
-      throw std::out_of_range("factor \"" + factors[j].name + "\" = " + number(x[j]) +
-                              " lies outside the emulator's range [" + number(factors[j].low()) +
-                              ", " + number(factors[j].high()) + "]");
+      throw std::out_of_range("factor \"" + factors[j].name + "\" = " + base::number(x[j]) +
+                              " lies outside the emulator's range [" +
+                              base::number(factors[j].low()) + ", " +
+                              base::number(factors[j].high()) + "]");
 }
 
 Design full_factorial(std::vector<Factor> factors) {

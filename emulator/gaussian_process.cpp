@@ -98,27 +98,6 @@ Trend trend(const Cholesky& factor, const RowMatrix& y) {
   return t;
 }
 
-}  // namespace
-
-std::string_view name(Kernel kernel) {
-  switch (kernel) {
-    case Kernel::matern52:
-      return "matern-5/2";
-    case Kernel::squared_exponential:
-      return "squared-exponential";
-  }
-  throw std::invalid_argument("unknown kernel");
-}
-
-Kernel kernel_named(std::string_view text) {
-  for (Kernel kernel : {Kernel::matern52, Kernel::squared_exponential})
-    if (text == name(kernel)) return kernel;
-  throw std::invalid_argument("kernel \"" + std::string(text) +
-                              "\" is not one of matern-5/2, squared-exponential");
-}
-
-namespace {
-
 /// The gradient stays 0 where it is not asked for: it is most of the work.
 LogLikelihood log_likelihood(const RowMatrix& unit_points, const RowMatrix& values,
                              const Correlation& c, bool with_gradient) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "emulator/interpolant.hpp"
 
@@ -14,10 +13,6 @@ enum class Kernel {
   matern52,            ///< (1 + √5 r + 5 r²/3) exp(-√5 r): twice differentiable
   squared_exponential  ///< exp(-r²/2): infinitely smooth
 };
-
-[[nodiscard]] std::string_view name(Kernel kernel);
-/// Inverse of `name`. Throws std::invalid_argument for another text.
-[[nodiscard]] Kernel kernel_named(std::string_view text);
 
 /// What a Gaussian process is told about covariance, less its variance.
 struct Correlation {

@@ -6,9 +6,7 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <sstream>
 
-#include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
 #include "io/tables/delimited_text.hpp"
 
@@ -19,11 +17,6 @@ namespace fs = std::filesystem;
 using Kind = io::FileError::Kind;
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
-
-std::string heading(const Factor& factor) {
-  return factor.unit.empty() ? factor.name : factor.name + " [" + factor.unit + "]";
-}
-
 }  // namespace
 
 Table parse_runs_csv(std::string bytes, const fs::path& name, std::vector<Factor> factors,
@@ -124,21 +117,6 @@ Table parse_runs_csv(std::string bytes, const fs::path& name, std::vector<Factor
 Table read_runs_csv(const fs::path& path, std::vector<Factor> factors,
                     const std::string& response_name) {
   return parse_runs_csv(io::read_bytes(path), path, std::move(factors), response_name);
-}
-
-void write_design_csv(const fs::path& path, const Design& design) {
-  check_factors(design.factors, 1);
-  io::AtomicFile file(path);
-  std::ostringstream stream;
-  stream.precision(17);
-  for (std::size_t j = 0; j < design.factors.size(); ++j)
-    stream << (j ? "," : "") << heading(design.factors[j]);
-  stream << '\n';
-  for (Eigen::Index i = 0; i < design.runs(); ++i)
-    for (Eigen::Index j = 0; j < design.points.cols(); ++j)
-      stream << design.points(i, j) << (j + 1 < design.points.cols() ? ',' : '\n');
-  file.write(stream.str());
-  file.commit();
 }
 
 std::optional<Table> as_grid(const Table& scattered) {

@@ -28,10 +28,6 @@ namespace wheeltap::emulator {
 [[nodiscard]] Table read_runs_csv(const std::filesystem::path& path, std::vector<Factor> factors,
                                   const std::string& response_name);
 
-/// Writes a design's points with such a first line, for another program to run. Atomically, as
-/// `write_table_file` does. Throws FileError (unwritable).
-void write_design_csv(const std::filesystem::path& path, const Design& design);
-
 /// The same runs as a grid where the points are every combination of their values, once each.
 /// std::nullopt otherwise.
 [[nodiscard]] std::optional<Table> as_grid(const Table& scattered);

@@ -1,7 +1,6 @@
 #include "emulator/table.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <stdexcept>
 
 namespace wheeltap::emulator {

@@ -19,6 +19,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "base/start_program.hpp"
 #include "base/stop_signals.hpp"
 
 namespace wheeltap::io {
@@ -143,9 +144,7 @@ std::optional<Ended> apart(const std::optional<Bounds>& bounds,
   }
   Ended ended{.bytes = read_all(ends[0])};
   close(ends[0]);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = base::wait_for(child);
   ended.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (ended.signal == SIGKILL) throw std::bad_alloc();  // by the system, which has no memory left
   ended.whole = ended.signal == 0 && WEXITSTATUS(status) == 0 && !ended.bytes.empty();

@@ -248,25 +248,6 @@ std::vector<double> upsample(std::span<const double> record, int begin, int end,
   return out;
 }
 
-std::vector<double> upsample_periodic(std::span<const double> period, int factor) {
-  require_factor(factor);
-  const std::size_t n = period.size(), size = n * static_cast<std::size_t>(factor);
-  Eigen::FFT<double> fft;
-  std::vector<Complex> in(period.begin(), period.end()), spectrum, out;
-  fft.fwd(spectrum, in);
-  std::vector<Complex> wide(size, 0.0);
-  for (std::size_t i = 0; 2 * i <= n; ++i) {
-    // The line at half the sampling rate is shared between +f and -f.
-    const double share = 2 * i == n && factor > 1 ? 0.5 : 1.0;
-    wide[i] += share * spectrum[i];
-    if (i > 0 && (2 * i != n || factor > 1)) wide[size - i] += share * spectrum[n - i];
-  }
-  fft.inv(out, wide);
-  std::vector<double> result(size);
-  for (std::size_t i = 0; i < size; ++i) result[i] = factor * out[i].real();
-  return result;
-}
-
 std::vector<double> decimate(std::span<const double> x, int factor) {
   require_factor(factor);
   if (factor == 1) return {x.begin(), x.end()};

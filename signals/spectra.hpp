@@ -70,10 +70,6 @@ void detrend(std::span<double> x, int degree);
 [[nodiscard]] std::vector<double> upsample(std::span<const double> record, int begin, int end,
                                            int factor);
 
-/// One period at `factor` times its rate, by its Fourier series: exact for a periodic signal below
-/// half the sampling rate. Slow if the length has large prime factors.
-[[nodiscard]] std::vector<double> upsample_periodic(std::span<const double> period, int factor);
-
 /// Every `factor`-th sample from the first on, after a zero-phase low-pass: content below 0.4 of
 /// the new rate is kept, above 0.5 of it (what would alias) is removed, both to 1e-4 of the
 /// amplitude. Ends are continued by odd reflection. Throws std::invalid_argument for a factor < 1.

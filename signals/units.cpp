@@ -1,6 +1,7 @@
 #include "signals/units.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
 namespace wheeltap::signals {
@@ -149,39 +150,14 @@ std::string canonical(std::string_view text) {
 }  // namespace
 
 std::string_view name(Dimension dimension) {
-  switch (dimension) {
-    case Dimension::time:
-      return "a time";
-    case Dimension::force:
-      return "a force";
-    case Dimension::length:
-      return "a length";
-    case Dimension::velocity:
-      return "a velocity";
-    case Dimension::acceleration:
-      return "an acceleration";
-    case Dimension::frequency:
-      return "a frequency";
-  }
-  return "";
+  constexpr std::array<std::string_view, 6> kNames{"a time",     "a force",         "a length",
+                                                   "a velocity", "an acceleration", "a frequency"};
+  return kNames.at(static_cast<std::size_t>(dimension));
 }
 
 std::string_view si_unit(Dimension dimension) {
-  switch (dimension) {
-    case Dimension::time:
-      return "s";
-    case Dimension::force:
-      return "N";
-    case Dimension::length:
-      return "m";
-    case Dimension::velocity:
-      return "m/s";
-    case Dimension::acceleration:
-      return "m/s^2";
-    case Dimension::frequency:
-      return "Hz";
-  }
-  return "";
+  constexpr std::array<std::string_view, 6> kUnitNames{"s", "N", "m", "m/s", "m/s^2", "Hz"};
+  return kUnitNames.at(static_cast<std::size_t>(dimension));
 }
 
 std::optional<Unit> find_unit(std::string_view text) {

@@ -1,8 +1,6 @@
 #include "apps/cases/beam_case.hpp"
 
-#include <algorithm>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "apps/cases/structures/section_case.hpp"

@@ -17,7 +17,6 @@
 #include "base/log_gamma.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/sections/section.hpp"
-#include "identification/emulation/interpolants.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
 #include "identification/structural/defects/reduction.hpp"
 #include "io/netcdf/netcdf_name.hpp"

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "apps/cases/syntax/case_remedies.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "identification/emulation/interpolants.hpp"
 #include "identification/structural/defects/reduction.hpp"
-#include "io/text/text.hpp"
 
 namespace wheeltap::apps {
 

@@ -1,7 +1,5 @@
 #include "apps/cases/sid_record.hpp"
 
-#include <cmath>
-
 #include "apps/cases/records/record_reading.hpp"
 #include "identification/sid/base_integration.hpp"
 #include "identification/sid/sid_record.hpp"

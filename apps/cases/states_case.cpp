@@ -9,7 +9,6 @@
 #include <set>
 
 #include "apps/cases/modal_data_case.hpp"
-#include "apps/cases/structures/structure_case.hpp"
 #include "apps/nearest.hpp"
 #include "base/constants.hpp"
 #include "fem/structures/mesh.hpp"

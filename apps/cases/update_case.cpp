@@ -1,7 +1,6 @@
 #include "apps/cases/update_case.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "apps/cases/modal_data_case.hpp"
 #include "apps/cases/states_case.hpp"

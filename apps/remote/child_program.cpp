@@ -1,7 +1,6 @@
 #include "apps/remote/child_program.hpp"
 
 #include <fcntl.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,13 +12,12 @@
 #include <system_error>
 #include <utility>
 
-#include "base/stop_signals.hpp"
+#include "base/start_program.hpp"
 
 namespace wheeltap::apps {
 namespace {
 
 constexpr std::size_t kMostSaid = 1 << 16;  // of which the last part is kept
-constexpr int kNoProgram = 127;             // as the shell says it
 
 [[noreturn]] void fail(const char* what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -35,43 +33,33 @@ bool is_of_mpirun(std::string_view variable) {
 }  // namespace
 
 ChildProgram::ChildProgram(const std::vector<std::string>& arguments,
-                           std::vector<std::string> variables) {
-  // All memory is taken before the fork: between it and exec there is no more than system calls.
+                           const std::vector<std::string>& variables) {
   std::vector<std::string> words{"wheeltap"};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv, environment;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
   const auto is_replaced = [&](std::string_view variable) {
     const std::string_view name = variable.substr(0, variable.find('=') + 1);
     return std::ranges::any_of(variables, [&](const auto& mine) { return mine.starts_with(name); });
   };
+  std::vector<std::string> environment = variables;
   for (char** variable = environ; *variable != nullptr; ++variable) {
-    if (!is_of_mpirun(*variable) && !is_replaced(*variable)) environment.push_back(*variable);
+    if (!is_of_mpirun(*variable) && !is_replaced(*variable)) environment.emplace_back(*variable);
   }
-  for (std::string& mine : variables) environment.push_back(mine.data());
-  environment.push_back(nullptr);
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) fail("a pipe");
-  const pid_t parent = getpid();
-  pid_ = fork();
+  const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+  pid_ = base::start_program({.file = "/proc/self/exe",
+                              .words = std::move(words),
+                              .environment = std::move(environment),
+                              .input = nothing,
+                              .output = nothing,
+                              .error = ends[1]});
+  const int error = errno;
+  close(nothing);
   if (pid_ < 0) {
     close(ends[0]);
     close(ends[1]);
+    errno = error;
     fail("a process");
-  }
-  if (pid_ == 0) {
-    setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(kNoProgram);
-    const int nothing = open("/dev/null", O_RDWR);
-    dup2(nothing, STDIN_FILENO);
-    dup2(nothing, STDOUT_FILENO);
-    dup2(ends[1], STDERR_FILENO);
-    for (const int number : base::kStopSignals) std::signal(number, SIG_DFL);
-    for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_DFL);
-    execve("/proc/self/exe", argv.data(), environment.data());
-    _exit(kNoProgram);
   }
   close(ends[1]);
   pipe_ = ends[0];
@@ -86,7 +74,7 @@ ChildProgram::ChildProgram(ChildProgram&& other) noexcept
 ChildProgram::~ChildProgram() {
   if (pid_ > 0) {
     kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
+    (void)base::wait_for(pid_);
   }
   if (pipe_ >= 0) close(pipe_);
 }
@@ -103,8 +91,8 @@ std::optional<int> ChildProgram::ended() {
     if (said_.size() > 2 * kMostSaid) said_.erase(0, said_.size() - kMostSaid);
   }
   if (n < 0) return {};  // it runs, and says nothing
-  int status = 0;
-  if (waitpid(pid_, &status, 0) < 0) fail("waiting for a process");
+  const int status = base::wait_for(pid_);
+  if (status < 0) fail("waiting for a process");
   pid_ = -1;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }

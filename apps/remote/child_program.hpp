@@ -18,7 +18,7 @@ class ChildProgram {
  public:
   /// Throws std::system_error where no process can be made.
   explicit ChildProgram(const std::vector<std::string>& arguments,
-                        std::vector<std::string> variables = {});
+                        const std::vector<std::string>& variables = {});
   ChildProgram(ChildProgram&& other) noexcept;
   ChildProgram(const ChildProgram&) = delete;
   ChildProgram& operator=(const ChildProgram&) = delete;

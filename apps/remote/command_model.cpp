@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -23,7 +22,7 @@
 
 #include "apps/json_text.hpp"
 #include "apps/words.hpp"
-#include "base/stop_signals.hpp"
+#include "base/start_program.hpp"
 #include "io/bytes.hpp"
 #include "io/text/text.hpp"
 
@@ -35,8 +34,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kProgramNotFound = 127, kNotRunnable = 126;  // as the shell says it
-constexpr std::size_t kLongestAnswer = 200;                // characters of a program's own words
+constexpr std::size_t kLongestAnswer = 200;  // characters of a program's own words
 
 fs::path own_directory() {
   std::error_code error;
@@ -74,36 +72,25 @@ std::string number_text(double x) {
 /// Exit status as waitpid has it; none where it had to be killed.
 std::optional<int> run(const std::vector<std::string>& words, const fs::path& directory,
                        double timeout_seconds) {
-  // All memory is taken before the fork: between it and exec there is no more than system calls.
-  std::vector<std::string> copies = words;
-  std::vector<char*> argv;
-  for (std::string& word : copies) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const std::string here = directory.string(), out = (directory / "stdout.txt").string(),
-                    err = (directory / "stderr.txt").string();
-  const pid_t parent = getpid();
-  const pid_t pid = fork();
-  if (pid < 0)
-    throw OutsideModelError(Kind::unreachable,
-                            std::string("no process can be made: ") + std::strerror(errno));
-  if (pid == 0) {
-    setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent || chdir(here.c_str()) != 0) _exit(kProgramNotFound);
-    constexpr int kNew = O_WRONLY | O_CREAT | O_TRUNC, kMode = 0644;
-    dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
-    dup2(open(out.c_str(), kNew, kMode), STDOUT_FILENO);
-    dup2(open(err.c_str(), kNew, kMode), STDERR_FILENO);
-    for (const int number : base::kStopSignals) std::signal(number, SIG_DFL);
-    for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_DFL);
-    execvp(argv[0], argv.data());
-    _exit(errno == ENOENT ? kProgramNotFound : kNotRunnable);
-  }
-  setpgid(pid, pid);  // whichever of the two comes first
+  const auto opened = [](const fs::path& path, int how) {
+    return open(path.c_str(), how | O_CLOEXEC, 0644);
+  };
+  constexpr int kNew = O_WRONLY | O_CREAT | O_TRUNC;
+  const std::array files{opened("/dev/null", O_RDONLY), opened(directory / "stdout.txt", kNew),
+                         opened(directory / "stderr.txt", kNew)};
+  const pid_t pid = base::start_program({.file = words[0].c_str(),
+                                         .words = words,
+                                         .directory = directory.string(),
+                                         .input = files[0],
+                                         .output = files[1],
+                                         .error = files[2]});
+  const std::string trouble = std::strerror(errno);
+  for (const int file : files) close(file);
+  if (pid < 0) throw OutsideModelError(Kind::unreachable, "no process can be made: " + trouble);
   const auto handle = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
   if (handle < 0) {
     kill(-pid, SIGKILL);
-    waitpid(pid, nullptr, 0);
+    (void)base::wait_for(pid);
     throw OutsideModelError(Kind::unreachable, "this system cannot watch processes (pidfd_open)");
   }
   const auto end =
@@ -123,9 +110,7 @@ std::optional<int> run(const std::vector<std::string>& words, const fs::path& di
   // The rest of its group with it: no run leaves processes behind.
   kill(-pid, SIGKILL);
   if (late) kill(pid, SIGKILL);
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = base::wait_for(pid);
   close(handle);
   if (late) return {};
   return status;
@@ -227,10 +212,11 @@ std::string CommandModel::attempt(std::span<const double> x, std::span<double> y
   } else if (WIFSIGNALED(*status)) {
     trouble = "was ended by signal " + std::to_string(WTERMSIG(*status)) + last_words(directory);
   } else if (const int code = WEXITSTATUS(*status);
-             code == kProgramNotFound || code == kNotRunnable) {
+             code == base::kProgramNotFound || code == base::kNotRunnable) {
     const std::string words_of_it = last_words(directory);
-    trouble = words_of_it.empty() ? (code == kProgramNotFound ? "is not there" : "cannot be run")
-                                  : "ended with exit code " + std::to_string(code) + words_of_it;
+    trouble = words_of_it.empty()
+                  ? (code == base::kProgramNotFound ? "is not there" : "cannot be run")
+                  : "ended with exit code " + std::to_string(code) + words_of_it;
   } else if (code != 0) {
     trouble = "ended with exit code " + std::to_string(code) + last_words(directory);
   } else {

@@ -8,7 +8,6 @@
 #include "apps/report/svg_plot.hpp"
 #include "apps/words.hpp"
 #include "base/number.hpp"
-#include "io/text/text.hpp"
 
 namespace wheeltap::apps {
 namespace {

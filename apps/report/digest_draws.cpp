@@ -1,8 +1,6 @@
 #include "apps/report/digest_draws.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 namespace wheeltap::apps {
 
@@ -33,8 +31,7 @@ Report CellCounts::json(double total) const {
 }
 
 StoredDraws::StoredDraws(const io::NetcdfReader& file, const Report& summary)
-    : unknowns_(summary.contains("unknowns") ? summary.at("unknowns")
-                                             : unknowns_of_older(summary)) {
+    : unknowns_(summary.value("unknowns", Report::object())) {
   const int group = file.required_group("posterior");
   const std::vector<std::size_t> shape = file.shape(group, "model");
   if (shape.size() != 2 || shape[0] == 0 || shape[1] == 0) {
@@ -86,51 +83,6 @@ std::vector<Series> StoredDraws::series(const std::string& model) const {
     if (one.variable != nullptr && slot >= 0 && one.slot < one.variable->inner()) {
       out.push_back(std::move(one));
     }
-  }
-  return out;
-}
-
-Report unknowns_of_older(const Report& summary) {
-  Report out = Report::object();
-  std::vector<std::string> kinds;
-  for (const auto& kind : summary.value("kinds", Report::array())) {
-    kinds.push_back(kind.value("name", ""));
-  }
-  const bool several = kinds.size() > 1;
-  for (const auto& [model, table] : summary.at("parameters").items()) {
-    Report list = Report::array();
-    std::map<std::string, int> most;
-    for (const auto& [label, row] : table.items()) {
-      const std::size_t bracket = label.rfind('[');
-      if (kinds.empty() || bracket == std::string::npos || !label.ends_with(']')) {
-        std::string variable = label;  // a NetCDF name holds no "/"
-        std::ranges::replace(variable, '/', '_');
-        list.push_back({{"label", label},
-                        {"variable", variable},
-                        {"prior", (kinds.empty() ? "/parameters/" : "/data/") + label}});
-        continue;
-      }
-      std::string base = label.substr(0, bracket);
-      std::size_t kind = 0;
-      for (std::size_t k = 0; several && k < kinds.size(); ++k) {
-        if (!base.starts_with(kinds[k] + " ")) continue;
-        base = base.substr(kinds[k].size() + 1);
-        kind = k;
-      }
-      const std::string variable = (several ? kinds[kind] + "_" : "") + base;
-      const int slot = std::atoi(label.c_str() + bracket + 1);
-      most[variable] = std::max(most[variable], slot);
-      list.push_back(
-          {{"label", label},
-           {"variable", variable},
-           {"slot", slot},
-           {"prior", (several ? "/damage/" + std::to_string(kind) + "/" : "/damage/") + base}});
-    }
-    for (Report& one : list) {
-      const std::string variable = one.at("variable").get<std::string>();
-      if (variable.ends_with("location")) one["ordered_among"] = most[variable];
-    }
-    out[model] = std::move(list);
   }
   return out;
 }

@@ -95,9 +95,6 @@ class StoredDraws {
   std::vector<double> weights_;
 };
 
-/// "unknowns" of a summary that was written before they were kept, from its labels.
-[[nodiscard]] Report unknowns_of_older(const Report& summary);
-
 /// Histogram, prior density and thinned history of each parameter of the models that matter, and
 /// joint histograms of pairs, as "parameters" and "pairs" of `out`.
 void digest_parameters(const StoredDraws& posterior, const Report& summary, Report& out);

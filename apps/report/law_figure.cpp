@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "apps/law_words.hpp"
+#include "apps/report/svg_plot.hpp"
 #include "apps/words.hpp"
 
 namespace wheeltap::apps {
@@ -48,29 +49,13 @@ bool depends_on_rate(const dynamics::LawInfo& info, const std::vector<CyclePoint
                              1e-6 * (std::abs(points[i].tension) + 1e-300);
 }
 
-/// A step of 1, 2 or 5 times a power of ten, at most four of which reach `largest`.
-double round_step(double largest) {
-  const double power = std::pow(10.0, std::floor(std::log10(largest)));
-  for (const double digit : {0.2, 0.5, 1.0, 2.0, 5.0}) {
-    if (4.0 * digit * power >= largest) return digit * power;
-  }
-  return 10.0 * power;
-}
-
-std::string text_at(double x, double y, const std::string& anchor, const std::string& words,
-                    const std::string& more = "") {
-  return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\" text-anchor=\"" + anchor +
-         "\"" + more + ">" + words + "</text>\n";
-}
-
 std::string panel(double left, const Axis& across, const Axis& up, const std::vector<Line>& lines,
                   double CyclePoint::*abscissa) {
   const auto x = [&](double v) { return left + kFigureWidth * (0.5 + 0.5 * v / across.limit); };
   const auto y = [&](double v) { return kTop + kHeight * (0.5 - 0.5 * v / up.limit); };
   std::string svg;
-  const auto stroke = [&](double x1, double y1, double x2, double y2, const char* colour) {
-    svg += "<path d=\"M" + fixed(x1, 1) + " " + fixed(y1, 1) + "L" + fixed(x2, 1) + " " +
-           fixed(y2, 1) + "\" stroke=\"" + colour + "\"/>\n";
+  const auto stroke_of = [](double v) {
+    return "stroke=\"" + std::string(v == 0.0 ? "#888" : "#e4e4e4") + "\"";
   };
   const auto each_tick = [](const Axis& axis, const auto& draw) {
     const int n = static_cast<int>(std::floor(axis.limit * axis.scale / axis.step + 1e-9));
@@ -80,17 +65,18 @@ std::string panel(double left, const Axis& across, const Axis& up, const std::ve
   };
   const double bottom = kTop + kHeight;
   each_tick(across, [&](double v, const std::string& label) {
-    stroke(x(v), kTop, x(v), bottom, v == 0.0 ? "#888" : "#e4e4e4");
-    svg += text_at(x(v), bottom + 16, "middle", label);
+    svg += svg_line(stroke_of(v), x(v), kTop, x(v), bottom) +
+           svg_text(x(v), bottom + 16, label, kMiddle);
   });
   each_tick(up, [&](double v, const std::string& label) {
-    stroke(left, y(v), left + kFigureWidth, y(v), v == 0.0 ? "#888" : "#e4e4e4");
-    svg += text_at(left - 6, y(v) + 4, "end", label);
+    svg += svg_line(stroke_of(v), left, y(v), left + kFigureWidth, y(v)) +
+           svg_text(left - 6, y(v) + 4, label, kEnd);
   });
-  svg += text_at(left + kFigureWidth / 2, bottom + 36, "middle", across.title);
+  svg += svg_text(left + kFigureWidth / 2, bottom + 36, across.title, kMiddle);
   const std::string middle = fixed(kTop + kHeight / 2, 1), beside = fixed(left - 46, 1);
-  svg += text_at(left - 46, kTop + kHeight / 2, "middle", up.title,
-                 " transform=\"rotate(-90 " + beside + " " + middle + ")\"");
+  svg +=
+      svg_text(left - 46, kTop + kHeight / 2, up.title,
+               kMiddle + std::string(" transform=\"rotate(-90 " + beside + " " + middle + ")\""));
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const char* colour = l == 0 ? "#1f5fa8" : "#c2571a";
     std::string path;
@@ -100,8 +86,8 @@ std::string panel(double left, const Axis& across, const Axis& up, const std::ve
     svg += "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\" stroke-width=\"2\"" +
            (l == 0 ? "" : " stroke-dasharray=\"6 3\"") + "/>\n";
     if (!lines[l].name.empty()) {
-      svg += text_at(left + 8, kTop + 16 + 16 * static_cast<double>(l), "start", lines[l].name,
-                     std::string(" fill=\"") + colour + "\"");
+      svg += svg_text(left + 8, kTop + 16 + 16 * static_cast<double>(l), lines[l].name,
+                      std::string(" text-anchor=\"start\" fill=\"") + colour + "\"");
     }
   }
   return svg;
@@ -130,7 +116,8 @@ std::string law_figure(const dynamics::LawInfo& info) {
   for (const Line& line : lines) {
     for (const CyclePoint& p : line.points) largest = std::max(largest, std::abs(p.tension));
   }
-  const Axis tension{.title = "tension T [N]", .limit = 1.1 * largest, .step = round_step(largest)};
+  const Axis tension{
+      .title = "tension T [N]", .limit = 1.1 * largest, .step = round_step(largest / 4.0)};
   const double speed = 2.0 * std::numbers::pi * kPictured.amplitude / kPictured.period;
   const bool two = depends_on_rate(info, lines[0].points);
   std::string body = panel(
@@ -139,17 +126,12 @@ std::string law_figure(const dynamics::LawInfo& info) {
       tension, lines, &CyclePoint::extension);
   if (two) {
     body += panel(2 * kLeft + kFigureWidth + kApart,
-                  {.title = "rate ė [m/s]", .limit = 1.1 * speed, .step = round_step(speed)},
+                  {.title = "rate ė [m/s]", .limit = 1.1 * speed, .step = round_step(speed / 4.0)},
                   tension, lines, &CyclePoint::rate);
   }
-  const std::string width = fixed(
-                        (two ? 2.0 : 1.0) * (kLeft + kFigureWidth) + kApart + (two ? 16 : 0), 0),
-                    height = fixed(kTop + kHeight + kBelow, 0);
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
-         "\" viewBox=\"0 0 " + width + " " + height +
-         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" +
-         std::string(info.name) + ": " + law_caption(info) +
-         "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" + body + "</svg>\n";
+  return svg_sheet((two ? 2.0 : 1.0) * (kLeft + kFigureWidth) + kApart + (two ? 16 : 0),
+                   kTop + kHeight + kBelow, std::string(info.name) + ": " + law_caption(info),
+                   body);
 }
 
 }  // namespace wheeltap::apps

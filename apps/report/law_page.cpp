@@ -1,6 +1,5 @@
 #include "apps/report/law_page.hpp"
 
-#include <algorithm>
 #include <cctype>
 #include <vector>
 

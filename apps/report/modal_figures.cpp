@@ -16,14 +16,8 @@ using Eigen::Index;
 constexpr double kInterval = 1.96;
 constexpr double kSmall = 170.0;  // width and height of a small picture
 
-std::string text(double x, double y, const std::string& words, const char* anchor = "middle") {
-  return "<text text-anchor=\"" + std::string(anchor) + "\" x=\"" + fixed(x, 1) + "\" y=\"" +
-         fixed(y, 1) + "\">" + escaped(words) + "</text>\n";
-}
-
 std::string stroke(const char* kind, double x0, double y0, double x1, double y1) {
-  return "<path class=\"" + std::string(kind) + "\" d=\"M" + fixed(x0, 1) + " " + fixed(y0, 1) +
-         "L" + fixed(x1, 1) + " " + fixed(y1, 1) + "\"/>\n";
+  return svg_line("class=\"" + std::string(kind) + "\"", x0, y0, x1, y1);
 }
 
 std::string opened(const std::string& label, double width, double height) {
@@ -78,8 +72,8 @@ std::string mac_figure(const MeasuredModes& modes) {
   for (Index i = 0; i < n; ++i) {
     const double at = kLeft + cell * static_cast<double>(i);
     const bool shown = cell >= 12.0 || i % 5 == 4;
-    if (shown) out += text(at + 0.5 * cell, kLeft - 6.0, std::to_string(i + 1));
-    if (shown) out += text(kLeft - 5.0, at + 0.5 * cell + 4.0, std::to_string(i + 1), "end");
+    if (shown) out += svg_text(at + 0.5 * cell, kLeft - 6.0, std::to_string(i + 1), kMiddle);
+    if (shown) out += svg_text(kLeft - 5.0, at + 0.5 * cell + 4.0, std::to_string(i + 1), kEnd);
     for (Index j = 0; j < n; ++j) {
       const double value = mac(modes.shapes.col(i), modes.shapes.col(j));
       const double x = kLeft + cell * static_cast<double>(j);
@@ -88,29 +82,29 @@ std::string mac_figure(const MeasuredModes& modes) {
              "\" style=\"fill-opacity:" + fixed(0.04 + 0.51 * value, 3) + "\"><title>modes " +
              std::to_string(i + 1) + " and " + std::to_string(j + 1) + ": " + fixed(value, 3) +
              "</title></rect>\n";
-      if (cell >= 26.0) out += text(x + 0.5 * cell, at + 0.5 * cell + 4.0, fixed(value, 2));
+      if (cell >= 26.0)
+        out += svg_text(x + 0.5 * cell, at + 0.5 * cell + 4.0, fixed(value, 2), kMiddle);
     }
   }
   return "<div style=\"max-width:" + fixed(size, 0) + "px\">" + out + "</svg></div>\n";
 }
 
 std::string complexity_figures(const MeasuredModes& modes) {
-  constexpr double kMiddle = 0.5 * kSmall, kRadius = 0.5 * kSmall - 22.0;
+  constexpr double kCentre = 0.5 * kSmall, kRadius = 0.5 * kSmall - 22.0;
   std::string out = "<div class=\"small\">\n";
   for (Index m = 0; m < modes.frequencies_hz.size(); ++m) {
     const std::complex<double> turn = std::polar(1.0, -principal_angle(modes.shapes.col(m)));
     out += opened(titled(modes, m) + ", entries in the complex plane", kSmall, kSmall);
-    out += "<circle class=\"grid\" cx=\"" + fixed(kMiddle, 1) + "\" cy=\"" + fixed(kMiddle + 8, 1) +
-           "\" r=\"" + fixed(kRadius, 1) + "\"/>\n";
-    out += stroke("grid", kMiddle - kRadius, kMiddle + 8, kMiddle + kRadius, kMiddle + 8);
-    out += stroke("grid", kMiddle, kMiddle + 8 - kRadius, kMiddle, kMiddle + 8 + kRadius);
+    out += svg_dot("class=\"grid\"", kCentre, kCentre + 8, kRadius);
+    out += stroke("grid", kCentre - kRadius, kCentre + 8, kCentre + kRadius, kCentre + 8);
+    out += stroke("grid", kCentre, kCentre + 8 - kRadius, kCentre, kCentre + 8 + kRadius);
     for (Index c = 0; c < modes.shapes.rows(); ++c) {
       const std::complex<double> entry = turn * modes.shapes(c, m);
       if (!std::isfinite(entry.real())) continue;
-      out += stroke(kind_of(modes, m), kMiddle, kMiddle + 8, kMiddle + kRadius * entry.real(),
-                    kMiddle + 8 - kRadius * entry.imag());
+      out += stroke(kind_of(modes, m), kCentre, kCentre + 8, kCentre + kRadius * entry.real(),
+                    kCentre + 8 - kRadius * entry.imag());
     }
-    out += text(kMiddle, 11.0, titled(modes, m)) + "</svg>\n";
+    out += svg_text(kCentre, 11.0, titled(modes, m), kMiddle) + "</svg>\n";
   }
   return out + "</div>\n";
 }
@@ -129,7 +123,8 @@ std::string bar_figures(const MeasuredModes& modes) {
     out += stroke("grid", kLeft, zero, width - kLeft, zero);
     for (Index c = 0; c < channels; ++c) {
       const double x = kLeft + step * (static_cast<double>(c) + 0.5);
-      if (step >= 12.0 || c % 5 == 4) out += text(x, kHeight - 3.0, std::to_string(c + 1));
+      if (step >= 12.0 || c % 5 == 4)
+        out += svg_text(x, kHeight - 3.0, std::to_string(c + 1), kMiddle);
       const Bar b = spectrum_bar(modes, m, c, angle);
       if (!std::isfinite(b.value)) continue;
       out += "<rect class=\"" + std::string(kind_of(modes, m)) + " bar\" x=\"" +
@@ -140,7 +135,7 @@ std::string bar_figures(const MeasuredModes& modes) {
         out +=
             stroke("whisker", x, y(b.value - kInterval * b.sd), x, y(b.value + kInterval * b.sd));
     }
-    out += text(0.5 * width, 11.0, titled(modes, m)) + "</svg>\n";
+    out += svg_text(0.5 * width, 11.0, titled(modes, m), kMiddle) + "</svg>\n";
   }
   std::string names;
   for (Index c = 0; c < channels; ++c) {

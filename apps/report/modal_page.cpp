@@ -34,13 +34,11 @@ const Report& list_at(const Report& object, const char* key) {
 }
 
 std::string line(const std::string& kind, double x0, double y0, double x1, double y1) {
-  return "<path class=\"" + kind + "\" d=\"M" + fixed(x0, 1) + " " + fixed(y0, 1) + "L" +
-         fixed(x1, 1) + " " + fixed(y1, 1) + "\"/>\n";
+  return svg_line("class=\"" + kind + "\"", x0, y0, x1, y1);
 }
 
 std::string dot(const std::string& kind, double x, double y, double radius) {
-  return "<circle class=\"" + kind + "\" cx=\"" + fixed(x, 1) + "\" cy=\"" + fixed(y, 1) +
-         "\" r=\"" + fixed(radius, 1) + "\"/>\n";
+  return svg_dot("class=\"" + kind + "\"", x, y, radius);
 }
 
 struct Band {

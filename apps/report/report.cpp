@@ -1,15 +1,13 @@
 #include "apps/report/report.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cctype>
 #include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <iostream>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <system_error>
 
@@ -20,12 +18,12 @@
 #include "apps/report/modal_page.hpp"
 #include "apps/results/stored_run.hpp"
 #include "apps/text/answer.hpp"
+#include "base/start_program.hpp"
 #include "dynamics/laws.hpp"
 #include "io/atomic_file.hpp"
 #include "io/bytes.hpp"
 #include "io/netcdf/netcdf_reader.hpp"
 #include "io/read_apart.hpp"
-#include "io/text/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -249,27 +247,13 @@ std::string script_safe(const Report& json) {
 
 std::string html_text(const std::string& text) {
   std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
+  for (const char c : text)
+    out += c == '&'    ? "&amp;"
+           : c == '<'  ? "&lt;"
+           : c == '>'  ? "&gt;"
+           : c == '"'  ? "&quot;"
+           : c == '\'' ? "&#39;"
+                       : std::string(1, c);
   return out;
 }
 
@@ -296,13 +280,6 @@ std::string page_of(const Report& summary, const io::NetcdfReader* draws) {
                                        {"charts", assets::kCharts},
                                        {"page", assets::kPage},
                                        {"licences", licences}});
-}
-
-// The path as one word of the shell: its bytes need be no text, so no program can be told them.
-std::string for_shell(const fs::path& path) {
-  std::string word = "'";
-  for (const char c : path.string()) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
 }
 
 }  // namespace
@@ -377,15 +354,21 @@ int write_figures(const fs::path& directory) {
   });
   const fs::path folder = directory / "figures";
   const Scratch scratch(directory);
-  std::FILE* node =
-      popen(("cd " + for_shell(fs::absolute(scratch.folder())) + " && exec node -").c_str(), "w");
-  if (node == nullptr) throw Failure(Exit::internal, "no process can be started");
-  const auto send = [&](std::string_view text) { std::fwrite(text.data(), 1, text.size(), node); };
-  send(assets::kVega);
-  send(assets::kCharts);
-  send("const run = " + script_safe(data) + ";\n");
-  send(assets::kFigures);
-  const int status = pclose(node);
+  const fs::path script = scratch.folder() / "script.js";
+  std::ofstream file(script, std::ios::binary);
+  file << assets::kVega << assets::kCharts << "const run = " << script_safe(data) << ";\n"
+       << assets::kFigures;
+  file.close();
+  const int input = open(script.c_str(), O_RDONLY | O_CLOEXEC);
+  const pid_t node = base::start_program({.file = "node",
+                                          .words = {"node", "-"},
+                                          .directory = scratch.folder().string(),
+                                          .input = input,
+                                          .output = STDOUT_FILENO,
+                                          .error = STDERR_FILENO});
+  close(input);
+  if (node < 0) throw Failure(Exit::internal, "no process can be started");
+  const int status = base::wait_for(node);
   std::ifstream written(scratch.folder() / kFigureList);
   if (status != 0 || !written) {
     throw Failure(Exit::no_input,

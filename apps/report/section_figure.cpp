@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "apps/report/report.hpp"
+#include "apps/report/svg_plot.hpp"
 #include "apps/words.hpp"
 
 namespace wheeltap::apps {
@@ -11,14 +13,9 @@ namespace {
 
 using Eigen::Vector2d;
 
+constexpr const char* kCentroid = "fill=\"#222\"";
+constexpr const char* kShearCentre = "fill=\"none\" stroke=\"#c2571a\" stroke-width=\"2\"";
 constexpr double kInside = 420.0, kMargin = 46.0, kLegend = 92.0;  // [px]
-
-std::string escaped_markup(const std::string& text) {
-  std::string out;
-  for (const char c : text)
-    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return out;
-}
 
 /// From metres to the sheet.
 struct Sheet {
@@ -34,11 +31,6 @@ struct Sheet {
   [[nodiscard]] double height() const { return 2.0 * kMargin + scale * (high.y() - low.y()); }
 };
 
-std::string label(double x, double y, const std::string& words, const std::string& more = "") {
-  return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\"" + more + ">" + words +
-         "</text>\n";
-}
-
 std::string arrow(double x1, double y1, double x2, double y2, const std::string& name) {
   const double angle = std::atan2(y2 - y1, x2 - x1);
   std::string path =
@@ -47,7 +39,7 @@ std::string arrow(double x1, double y1, double x2, double y2, const std::string&
     path += "M" + fixed(x2, 1) + " " + fixed(y2, 1) + "l" + fixed(6 * std::cos(angle + turn), 1) +
             " " + fixed(6 * std::sin(angle + turn), 1);
   return path + "\" fill=\"none\" stroke=\"#666\"/>\n" +
-         label(x2 + 9 * std::cos(angle) - 3, y2 + 9 * std::sin(angle) + 4, name);
+         svg_text(x2 + 9 * std::cos(angle) - 3, y2 + 9 * std::sin(angle) + 4, name);
 }
 
 }  // namespace
@@ -96,32 +88,28 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
     const Vector2d from = p.centroid - reach * along, to = p.centroid + reach * along;
     body += "<path d=\"M" + sheet.at(from) + "L" + sheet.at(to) +
             "\" stroke=\"#444\" stroke-dasharray=\"9 3 2 3\"/>\n";
-    body += label(sheet.x(to) + 4, sheet.y(to) - 4, std::to_string(k));
+    body += svg_text(sheet.x(to) + 4, sheet.y(to) - 4, std::to_string(k));
   }
   const double cx = sheet.x(p.centroid), cy = sheet.y(p.centroid);
-  body +=
-      "<circle cx=\"" + fixed(cx, 1) + "\" cy=\"" + fixed(cy, 1) + "\" r=\"4\" fill=\"#222\"/>\n";
+  body += svg_dot(kCentroid, cx, cy, 4.0);
   const double sx = sheet.x(centre), sy = sheet.y(centre);
   body += "<path d=\"M" + fixed(sx - 8, 1) + " " + fixed(sy, 1) + "h16M" + fixed(sx, 1) + " " +
-          fixed(sy - 8, 1) + "v16\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n<circle cx=\"" +
-          fixed(sx, 1) + "\" cy=\"" + fixed(sy, 1) +
-          "\" r=\"5\" fill=\"none\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n";
+          fixed(sy - 8, 1) + "v16\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n" +
+          svg_dot(kShearCentre, sx, sy, 5.0);
   const double left = kMargin, below = sheet.height();
   body += arrow(14, sheet.height() - 14, 44, sheet.height() - 14, "y");
   body += arrow(14, sheet.height() - 14, 14, sheet.height() - 44, "z");
-  body += "<circle cx=\"" + fixed(left + 4, 1) + "\" cy=\"" + fixed(below + 14, 1) +
-          "\" r=\"4\" fill=\"#222\"/>\n";
-  body += label(left + 16, below + 18,
-                "centroid (" + significant(p.centroid.x(), 5) + ", " +
-                    significant(p.centroid.y(), 5) + ") m");
-  body += "<circle cx=\"" + fixed(left + 4, 1) + "\" cy=\"" + fixed(below + 34, 1) +
-          "\" r=\"5\" fill=\"none\" stroke=\"#c2571a\" stroke-width=\"2\"/>\n";
-  body += label(
+  body += svg_dot(kCentroid, left + 4, below + 14, 4.0);
+  body += svg_text(left + 16, below + 18,
+                   "centroid (" + significant(p.centroid.x(), 5) + ", " +
+                       significant(p.centroid.y(), 5) + ") m");
+  body += svg_dot(kShearCentre, left + 4, below + 34, 5.0);
+  body += svg_text(
       left + 16, below + 38,
       "shear centre (" + significant(centre.x(), 5) + ", " + significant(centre.y(), 5) + ") m");
-  body += label(left, below + 58,
-                "1, 2: principal axes, I1 = " + significant(axes.largest, 5) +
-                    " m⁴, I2 = " + significant(axes.smallest, 5) + " m⁴");
+  body += svg_text(left, below + 58,
+                   "1, 2: principal axes, I1 = " + significant(axes.largest, 5) +
+                       " m⁴, I2 = " + significant(axes.smallest, 5) + " m⁴");
   // A round length below a third of the width.
   double bar = std::pow(10.0, std::floor(std::log10(size / 3.0)));
   for (const double more : {5.0, 2.0})
@@ -131,14 +119,8 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
     }
   body += "<path d=\"M" + fixed(left, 1) + " " + fixed(below + 74, 1) + "h" +
           fixed(bar * sheet.scale, 1) + "\" stroke=\"#222\" stroke-width=\"2\"/>\n";
-  body += label(left + bar * sheet.scale + 8, below + 78, significant(bar, 2) + " m");
-  const std::string width = fixed(std::max(sheet.width(), 430.0), 0),
-                    height = fixed(below + kLegend, 0);
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
-         "\" viewBox=\"0 0 " + width + " " + height +
-         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" +
-         escaped_markup(title) + "</title>\n<rect width=\"" + width + "\" height=\"" + height +
-         "\" fill=\"#fff\"/>\n" + body + "</svg>\n";
+  body += svg_text(left + bar * sheet.scale + 8, below + 78, significant(bar, 2) + " m");
+  return svg_sheet(std::max(sheet.width(), 430.0), below + kLegend, html_text(title), body);
 }
 
 }  // namespace wheeltap::apps

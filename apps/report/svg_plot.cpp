@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/report/assets.hpp"
+#include "apps/report/report.hpp"
 #include "apps/words.hpp"
 #include "base/number.hpp"
 #include "io/text/text.hpp"
@@ -16,13 +17,7 @@ constexpr double kWidth = 560.0, kLeft = 64.0, kBottom = 40.0, kTop = 26.0;
 std::vector<double> ticks(double low, double high, int about) {
   const double raw = (high - low) / about;
   if (!(raw > 0.0) || !std::isfinite(raw)) return {low};
-  const double unit = std::pow(10.0, std::floor(std::log10(raw)));
-  double step = 10.0 * unit;
-  for (const double s : {1.0, 2.0, 5.0})
-    if (s * unit >= raw) {
-      step = s * unit;
-      break;
-    }
+  const double step = round_step(raw);
   std::vector<double> out;
   for (double t = std::ceil(low / step) * step; t <= high + 1e-9 * step; t += step)
     out.push_back(std::abs(t) < 1e-9 * step ? 0.0 : t);
@@ -57,14 +52,38 @@ td.odd { white-space: normal; min-width: 14rem; text-align: left; }
 }  // namespace
 
 std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : io::printable(text))
-    out += c == '<'   ? "&lt;"
-           : c == '>' ? "&gt;"
-           : c == '&' ? "&amp;"
-           : c == '"' ? "&quot;"
-                      : std::string(1, c);
-  return out;
+  return html_text(io::printable(text));
+}
+
+std::string svg_text(double x, double y, const std::string& words, const std::string& attributes) {
+  return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\"" + attributes + ">" + words +
+         "</text>\n";
+}
+
+std::string svg_line(const std::string& attributes, double x0, double y0, double x1, double y1) {
+  return "<path d=\"M" + fixed(x0, 1) + " " + fixed(y0, 1) + "L" + fixed(x1, 1) + " " +
+         fixed(y1, 1) + "\" " + attributes + "/>\n";
+}
+
+std::string svg_dot(const std::string& attributes, double x, double y, double radius) {
+  return "<circle cx=\"" + fixed(x, 1) + "\" cy=\"" + fixed(y, 1) + "\" r=\"" + fixed(radius, 1) +
+         "\" " + attributes + "/>\n";
+}
+
+std::string svg_sheet(double width, double height, const std::string& title,
+                      const std::string& body) {
+  const std::string w = fixed(width, 0), h = fixed(height, 0);
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "\" height=\"" + h +
+         "\" viewBox=\"0 0 " + w + " " + h +
+         "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>" + title +
+         "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" + body + "</svg>\n";
+}
+
+double round_step(double least) {
+  const double unit = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double s : {1.0, 2.0, 5.0})
+    if (s * unit >= least) return s * unit;
+  return 10.0 * unit;
 }
 
 std::string page_head(const std::string& title, const std::string& headline,
@@ -112,27 +131,22 @@ std::string Plot::framed(const std::string& label, const std::string& horizontal
   // On narrow screens every second label goes (class "between"), so that larger ones have room.
   int number = 0;
   for (const double t : ticks(x0_, x1_, 6))
-    out += "<path class=\"grid\" d=\"M" + fixed(x(t), 1) + " " + fixed(kTop, 1) + "V" +
-           fixed(height_ - kBottom, 1) + "\"/><text" +
-           (number++ % 2 == 1 ? " class=\"between\"" : "") + " text-anchor=\"middle\" x=\"" +
-           fixed(x(t), 1) + "\" y=\"" + fixed(height_ - kBottom + 15.0, 1) + "\">" +
-           base::significant(t, 4) + "</text>\n";
+    out += svg_line("class=\"grid\"", x(t), kTop, x(t), height_ - kBottom) +
+           svg_text(x(t), height_ - kBottom + 15.0, base::significant(t, 4),
+                    (number++ % 2 == 1 ? " class=\"between\"" : "") + std::string(kMiddle));
   for (const double t : ticks(y0_, y1_, 4))
-    out += "<path class=\"grid\" d=\"M" + fixed(kLeft, 1) + " " + fixed(y(t), 1) + "H" +
-           fixed(kWidth - 8.0, 1) + "\"/><text text-anchor=\"end\" x=\"" + fixed(kLeft - 5.0, 1) +
-           "\" y=\"" + fixed(y(t) + 4.0, 1) + "\">" + base::significant(t, 4) + "</text>\n";
+    out += svg_line("class=\"grid\"", kLeft, y(t), kWidth - 8.0, y(t)) +
+           svg_text(kLeft - 5.0, y(t) + 4.0, base::significant(t, 4), kEnd);
   out += inside;
-  out += "<text text-anchor=\"middle\" x=\"" + fixed(0.5 * (kLeft + kWidth), 1) + "\" y=\"" +
-         fixed(height_ - 5.0, 1) + "\">" + escaped(horizontal) + "</text>\n";
-  out += "<text x=\"4\" y=\"14\">" + escaped(vertical) + "</text>\n";
+  out += svg_text(0.5 * (kLeft + kWidth), height_ - 5.0, escaped(horizontal), kMiddle);
+  out += svg_text(4.0, 14.0, escaped(vertical));
   return out + "</svg>\n";
 }
 
 std::string Plot::hairs(const std::vector<double>& marks) const {
   std::string out;
   for (const double m : marks)
-    out += "<path class=\"mark\" d=\"M" + fixed(x(m), 1) + " " + fixed(kTop, 1) + "V" +
-           fixed(height_ - kBottom, 1) + "\"/>\n";
+    out += svg_line("class=\"mark\"", x(m), kTop, x(m), height_ - kBottom);
   return out;
 }
 

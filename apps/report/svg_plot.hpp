@@ -1,4 +1,4 @@
-// Plots on pages that need no script: axes, lines, marks, drawn as SVG.
+// SVG for pages and files that need no script: axes, lines, marks.
 #pragma once
 
 #include <string>
@@ -14,6 +14,22 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string page_head(const std::string& title, const std::string& headline,
                                     const std::vector<std::string>& details);
 [[nodiscard]] std::string page_end();
+
+/// Where text is anchored, as attributes of svg_text.
+inline constexpr const char* kMiddle = " text-anchor=\"middle\"";
+inline constexpr const char* kEnd = " text-anchor=\"end\"";
+
+/// `words` are markup: escape what is not; `attributes` begin with a blank.
+[[nodiscard]] std::string svg_text(double x, double y, const std::string& words,
+                                   const std::string& attributes = "");
+[[nodiscard]] std::string svg_line(const std::string& attributes, double x0, double y0, double x1,
+                                   double y1);
+[[nodiscard]] std::string svg_dot(const std::string& attributes, double x, double y, double radius);
+/// A whole file, white behind `body`; `title` is markup.
+[[nodiscard]] std::string svg_sheet(double width, double height, const std::string& title,
+                                    const std::string& body);
+/// The smallest of 1, 2 and 5 times a power of ten that is not below `least` > 0.
+[[nodiscard]] double round_step(double least);
 
 /// Axes over a range; a range without extent is widened.
 class Plot {

@@ -215,7 +215,7 @@ Report about(const std::string& command, const RunInfo& info, const CaseFile& fi
 Report cost(const Sampling& sampling) {
   const inference::Calls& calls = sampling.calls;
   return {{"likelihood_evaluations", sampling.likelihood_evaluations},
-          {"full_model_calls", sampling.full_model_calls},
+          {"full_model_calls", sampling.full_evaluations},
           {"warmup_evaluations", sampling.warmup_evaluations},
           {"calls",
            {{"explore", calls.explore},
@@ -226,9 +226,9 @@ Report cost(const Sampling& sampling) {
              {{"search", calls.search}, {"anneal", calls.anneal}, {"weigh", calls.weigh}}}}},
           {"wall_seconds", sampling.wall_seconds},
           {"chains", sampling.chains},
-          {"draws_a_chain", sampling.draws_a_chain},
+          {"draws_a_chain", sampling.draws},
           {"thin", sampling.thin},
-          {"warmup_iterations_a_chain", sampling.warmup_iterations}};
+          {"warmup_iterations_a_chain", sampling.warmup}};
 }
 
 }  // namespace wheeltap::apps

@@ -180,7 +180,7 @@ void print_closing(const Page& page, const Findings& findings,
   const inference::Verdict& verdict = sampling.verdict;
   page.out << '\n'
            << sampling.chains << (sampling.chains == 1 ? " chain of " : " chains of ")
-           << sampling.draws_a_chain << " draws in " << duration(sampling.wall_seconds)
+           << sampling.draws << " draws in " << duration(sampling.wall_seconds)
            << "; effective sample size of the " << what << ' '
            << (std::isfinite(verdict.ess_model) ? rounded_count(verdict.ess_model) : "-")
            << ", largest R-hat "

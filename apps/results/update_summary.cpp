@@ -1,7 +1,5 @@
 #include "apps/results/update_summary.hpp"
 
-#include <cmath>
-
 #include "apps/draw_columns.hpp"
 #include "apps/text/answer.hpp"
 #include "apps/text/update_words.hpp"

@@ -1,7 +1,5 @@
 #include "apps/text/damage_words.hpp"
 
-#include <cmath>
-
 #include "apps/words.hpp"
 
 namespace wheeltap::apps {

@@ -1,6 +1,5 @@
 #include "apps/text/fit_words.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "apps/words.hpp"

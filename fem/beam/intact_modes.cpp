@@ -5,7 +5,6 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "base/index.hpp"
 #include "fem/beam/assembly.hpp"

@@ -1,6 +1,5 @@
 #include "fem/sections/section.hpp"
 
-#include <cmath>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>

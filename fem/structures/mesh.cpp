@@ -1,7 +1,6 @@
 #include "fem/structures/mesh.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "base/index.hpp"

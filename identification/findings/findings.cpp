@@ -232,32 +232,15 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
   }
   // The cube of the models that were visited is what each costs.
   const int posterior_draws = out.models.size() <= kFewModelsTold ? 1000 : 100;
-  out.sampling = {.verdict = verdict,
-                  .stationary = inference::stationary_model_probabilities(
-                      model_chains, space.size(), seed, posterior_draws),
-                  .count_round_trips = inference::round_trips(counts, lowest, highest),
-                  .moves = posterior.moves,
-                  .jumps_proposed = posterior.jumps_proposed,
-                  .jumps_accepted = posterior.jumps_accepted,
-                  .balanced = !posterior.log_weight.empty(),
-                  .tempered_draws = posterior.tempered_draws,
-                  .ladder_round_trips = posterior.ladder_round_trips,
-                  .barrier = posterior.barrier,
-                  .impossible = posterior.impossible,
-                  .stopped_early = posterior.stopped_early,
-                  .quick = posterior.quick,
-                  .choices = posterior.choices,
-                  .likelihood_evaluations = posterior.likelihood_evaluations,
-                  .full_model_calls = posterior.full_evaluations > 0
-                                          ? posterior.full_evaluations
-                                          : posterior.likelihood_evaluations,
-                  .warmup_evaluations = posterior.warmup_evaluations,
-                  .calls = posterior.calls,
-                  .wall_seconds = posterior.wall_seconds,
-                  .chains = static_cast<int>(posterior.chains.size()),
-                  .draws_a_chain = posterior.draws,
-                  .thin = posterior.thin,
-                  .warmup_iterations = posterior.warmup};
+  Sampling& sampling = out.sampling;
+  static_cast<inference::RunRecord&>(sampling) = posterior;
+  if (sampling.full_evaluations == 0) sampling.full_evaluations = sampling.likelihood_evaluations;
+  sampling.verdict = verdict;
+  sampling.stationary =
+      inference::stationary_model_probabilities(model_chains, space.size(), seed, posterior_draws);
+  sampling.count_round_trips = inference::round_trips(counts, lowest, highest);
+  sampling.balanced = !posterior.log_weight.empty();
+  sampling.chains = static_cast<int>(posterior.chains.size());
   return out;
 }
 

@@ -88,28 +88,14 @@ struct EvidenceFinding {
   inference::ImpliedProbabilities implied;
 };
 
-/// How the draws were made.
-struct Sampling {
+/// How the draws were made, and what they establish. `full_evaluations` counts those of an emulator
+/// as well; without a stand-in it is `likelihood_evaluations`.
+struct Sampling : inference::RunRecord {
   inference::Verdict verdict;
   inference::ModelProbabilities stationary;
   long count_round_trips = 0;  ///< between the lowest and the highest count
-  std::vector<inference::MoveStatistics> moves;
-  std::vector<std::vector<long>> jumps_proposed, jumps_accepted;
   bool balanced = false;
-  bool tempered_draws = false;
-  long ladder_round_trips = 0;
-  double barrier = 0.0;
-  long impossible = 0;
-  bool stopped_early = false;
-  bool quick = false;  ///< a look, not a posterior
-  std::vector<inference::Choice> choices;
-
-  long likelihood_evaluations = 0;
-  long full_model_calls = 0;
-  long warmup_evaluations = 0;
-  inference::Calls calls{};
-  double wall_seconds = 0.0;
-  int chains = 0, draws_a_chain = 0, thin = 1, warmup_iterations = 0;
+  int chains = 0;
 };
 
 struct Findings {

@@ -66,8 +66,7 @@ class TemperedChain {
 
   /// Learns weights from now on, whenever a scan adapts.
   void balance_models() { ladder_.balancing = true; }
-  /// w of the coldest rung: zeros where the posterior itself is wanted there.
-  void set_cold_weights(const std::vector<double>& weights) { ladder_.weights.back() = weights; }
+  /// w of the coldest rung.
   [[nodiscard]] const std::vector<double>& cold_weights() const { return ladder_.weights.back(); }
   /// Puts the replica at β = 1 there.
   void set_cold(const State& state) { ladder_.states.back() = state; }

@@ -1,6 +1,5 @@
 #include "inference/diagnosis/posterior.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "inference/diagnosis/standing.hpp"

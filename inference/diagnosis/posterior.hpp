@@ -78,22 +78,14 @@ enum class Choice {
   drawn_by_searches,         ///< stopped before its chains had drawn: draws of what searches found
 };
 
-/// All that a run found. It shares its space and refers to nothing else: the problem may be gone.
-struct Posterior {
-  std::shared_ptr<const ModelSpace> space;
-  std::vector<Chain> chains;
-  std::vector<ModelFindings> found;  ///< one a model
-  /// ln of what a draw of each model counts, one a model; empty: all count the same. Not empty
-  /// where `Options::balance` drew models more evenly than they are probable.
-  std::vector<double> log_weight;
+/// How the draws of a run were made.
+struct RunRecord {
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> jumps_proposed;  ///< models × models, after warm-up
   std::vector<std::vector<long>> jumps_accepted;
   int draws = 0;   ///< kept a chain
   int warmup = 0;  ///< iterations a chain at β = 1 before the first draw
   int thin = 1;
-  int dimension = 0;    ///< row length of Chain::theta
-  int predictions = 0;  ///< row length of Chain::prediction
   long warmup_evaluations = 0;
   Calls calls{};
   long likelihood_evaluations = 0;  ///< all of them, warm-up included
@@ -109,6 +101,18 @@ struct Posterior {
   double barrier = 0.0;  ///< Λ of the ladder (Syed et al. 2022), the largest of any chain; 0: none
   long impossible = 0;   ///< likelihoods that were NaN or +∞ and counted as -∞
   std::vector<Choice> choices;
+};
+
+/// All that a run found. It shares its space and refers to nothing else: the problem may be gone.
+struct Posterior : RunRecord {
+  std::shared_ptr<const ModelSpace> space;
+  std::vector<Chain> chains;
+  std::vector<ModelFindings> found;  ///< one a model
+  /// ln of what a draw of each model counts, one a model; empty: all count the same. Not empty
+  /// where `Options::balance` drew models more evenly than they are probable.
+  std::vector<double> log_weight;
+  int dimension = 0;    ///< row length of Chain::theta
+  int predictions = 0;  ///< row length of Chain::prediction
 
   /// Draw i of chain c.
   [[nodiscard]] Draw draw(std::size_t c, std::size_t i) const { return chains[c].draw(i, *space); }

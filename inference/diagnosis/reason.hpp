@@ -99,9 +99,8 @@ using Reason =
                  AnnealingDrawsBeyond, ChainsDisagree, TooFewEffectiveDraws, ParameterDisagrees,
                  ParameterMovesSlowly, TooFewRoundTrips, StoppedEarly, QuickLook>;
 
-/// One short neutral phrase, for logs, examples and users of the library, who would otherwise write
-/// out fourteen cases to learn what is wrong. What to do about it is for those to say who know what
-/// their reader can do: the program's words are its own (apps/text/verdict_words.hpp).
+/// A sentence with the numbers of the reason; of ChainsDisagree and TooFewEffectiveDraws a clause
+/// without a full stop. What to do about it depends on the caller (apps/text/verdict_words.hpp).
 [[nodiscard]] std::string describe(const Reason& reason, const ModelSpace& space);
 
 }  // namespace wheeltap::inference

@@ -3,7 +3,6 @@
 #include <concepts>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -32,63 +31,37 @@ struct CheckpointFields {
 
   template <class A>
   static void of(A& a, In<A, State>& s) {
-    a("model", s.model);
-    a("z", s.z);
-    a("x", s.x);
-    a("log_likelihood", s.log_likelihood);
-    a("log_screen", s.log_screen);
-    a("log_prior_factor", s.log_prior_factor);
-    a("prediction", s.prediction);
-    a("residuals", s.residuals);
-    a("noise_scale", s.noise_scale);
-    a("screened", s.screened);
-    a("evaluated", s.evaluated);
+    a("model", s.model, "z", s.z, "x", s.x, "log_likelihood", s.log_likelihood, "log_screen",
+      s.log_screen, "log_prior_factor", s.log_prior_factor, "prediction", s.prediction, "residuals",
+      s.residuals, "noise_scale", s.noise_scale, "screened", s.screened, "evaluated", s.evaluated);
   }
   template <class A>
   static void of(A& a, In<A, Target::Tally>& t) {
-    a("values", t.values);
-    a("impossible", t.impossible);
+    a("values", t.values, "impossible", t.impossible);
   }
   template <class A>
   static void of(A& a, In<A, Target::Memory>& m) {
-    a("bias", m.bias);
-    a("log_model", m.log_model);
-    a("evaluations", m.evaluations);
-    a("full_evaluations", m.full_evaluations);
-    a("proper", m.proper);
-    a("stand_in", m.stand_in);
+    a("bias", m.bias, "log_model", m.log_model, "evaluations", m.evaluations, "full_evaluations",
+      m.full_evaluations, "proper", m.proper, "stand_in", m.stand_in);
   }
   template <class A>
   static void of(A& a, In<A, Ladder>& l) {
-    a("betas", l.betas);
-    a("states", l.states);
-    a("rejection", l.rejection);
-    a("tried", l.tried);
-    a("direction", l.direction);
-    a("replica", l.replica);
-    a("weights", l.weights);
-    a("balancing", l.balancing);
-    a("scans", l.scans);
-    a("round_trips", l.round_trips);
+    a("betas", l.betas, "states", l.states, "rejection", l.rejection, "tried", l.tried, "direction",
+      l.direction, "replica", l.replica, "weights", l.weights, "balancing", l.balancing, "scans",
+      l.scans, "round_trips", l.round_trips);
   }
   template <class A>
   static void of(A& a, In<A, PilotSamples::OfModel>& m) {
-    a("dimension", m.dimension);
-    a("values", m.values);
-    a("stride", m.stride);
+    a("dimension", m.dimension, "values", m.values, "stride", m.stride);
   }
   template <class A>
   static void of(A& a, In<A, PilotSamples>& s) {
-    a("models", s.models_);
-    a("visits", s.visits_);
+    a("models", s.models_, "visits", s.visits_);
   }
   template <class A>
   static void of(A& a, In<A, KeptDraws::OfModel>& m) {
-    a("dimension", m.dimension);
-    a("z", m.z);
-    a("log_posterior", m.log_posterior);
-    a("visits", m.visits);
-    a("stride", m.stride);
+    a("dimension", m.dimension, "z", m.z, "log_posterior", m.log_posterior, "visits", m.visits,
+      "stride", m.stride);
   }
   template <class A>
   static void of(A& a, In<A, KeptDraws>& k) {
@@ -96,104 +69,61 @@ struct CheckpointFields {
   }
   template <class A>
   static void of(A& a, In<A, KernelRecord>& r) {
-    a("proposed", r.proposed);
-    a("accepted", r.accepted);
-    a("jumps_proposed", r.jumps_proposed);
-    a("jumps_accepted", r.jumps_accepted);
+    a("proposed", r.proposed, "accepted", r.accepted, "jumps_proposed", r.jumps_proposed,
+      "jumps_accepted", r.jumps_accepted);
   }
   template <class A>
   static void of(A& a, In<A, MoveStatistics>& m) {
-    a("name", m.name);
-    a("proposed", m.proposed);
-    a("accepted", m.accepted);
+    a("name", m.name, "proposed", m.proposed, "accepted", m.accepted);
   }
   template <class A>
   static void of(A& a, In<A, Lesson>& l) {
-    a("steps", l.steps);
-    a("begun", l.begun);
-    a("ended", l.ended);
-    a("round_scans", l.round_scans);
-    a("scans", l.scans);
-    a("barrier", l.barrier);
-    a("learnt", l.learnt);
+    a("steps", l.steps, "begun", l.begun, "ended", l.ended, "round_scans", l.round_scans, "scans",
+      l.scans, "barrier", l.barrier, "learnt", l.learnt);
   }
   template <class A>
   static void of(A& a, In<A, ChainState>& c) {
-    a("state", c.state);
-    a("iteration", c.iteration);
-    a("target", c.target);
-    a("ladder", c.ladder);
-    a("by_rung", c.by_rung);
-    a("models", c.models);
-    a("records", c.records);
-    a("kept", c.kept);
-    a("at_mode", c.at_mode);
-    a("moves", c.moves);
-    a("proposed", c.proposed);
-    a("accepted", c.accepted);
-    a("lesson", c.lesson);
+    a("state", c.state, "iteration", c.iteration, "target", c.target, "ladder", c.ladder, "by_rung",
+      c.by_rung, "models", c.models, "records", c.records, "kept", c.kept, "at_mode", c.at_mode,
+      "moves", c.moves, "proposed", c.proposed, "accepted", c.accepted, "lesson", c.lesson);
   }
   template <class A>
   static void of(A& a, In<A, Mode>& m) {
-    a("z", m.z);
-    a("log_posterior", m.log_posterior);
-    a("covariance", m.covariance);
-    a("log_mass", m.log_mass);
-    a("climbs", m.climbs);
+    a("z", m.z, "log_posterior", m.log_posterior, "covariance", m.covariance, "log_mass",
+      m.log_mass, "climbs", m.climbs);
   }
   template <class A>
   static void of(A& a, In<A, WeightyModes>& w) {
-    a("modes", w.modes);
-    a("precisions", w.precisions);
-    a("shares", w.shares);
+    a("modes", w.modes, "precisions", w.precisions, "shares", w.shares);
   }
   template <class A>
   static void of(A& a, In<A, EvidenceWarning>& w) {
-    a("kind", w.kind);
-    a("value", w.value);
-    a("error", w.error);
+    a("kind", w.kind, "value", w.value, "error", w.error);
   }
   template <class A>
   static void of(A& a, In<A, Evidence>& e) {
-    a("log_evidence", e.log_evidence);
-    a("standard_error", e.standard_error);
-    a("likelihood_evaluations", e.likelihood_evaluations);
-    a("warnings", e.warnings);
+    a("log_evidence", e.log_evidence, "standard_error", e.standard_error, "likelihood_evaluations",
+      e.likelihood_evaluations, "warnings", e.warnings);
   }
   template <class A>
   static void of(A& a, In<A, ExplorationCalls>& c) {
-    a("search", c.search);
-    a("anneal", c.anneal);
-    a("weigh", c.weigh);
+    a("search", c.search, "anneal", c.anneal, "weigh", c.weigh);
   }
   template <class A>
   static void of(A& a, In<A, ModelExploration>& m) {
-    a("modes", m.modes);
-    a("shares", m.shares);
-    a("climbs", m.climbs);
-    a("spacing", m.spacing);
-    a("glanced", m.glanced);
-    a("passed_over", m.passed_over);
-    a("population", m.population);
-    a("annealed_draws", m.annealed_draws);
-    a("annealed_log_posterior", m.annealed_log_posterior);
-    a("annealed", m.annealed);
-    a("sampled", m.sampled);
-    a("effective_draws", m.effective_draws);
-    a("efficiency", m.efficiency);
-    a("calls", m.calls);
+    a("modes", m.modes, "shares", m.shares, "climbs", m.climbs, "spacing", m.spacing, "glanced",
+      m.glanced, "passed_over", m.passed_over, "population", m.population, "annealed_draws",
+      m.annealed_draws, "annealed_log_posterior", m.annealed_log_posterior, "annealed", m.annealed,
+      "sampled", m.sampled, "effective_draws", m.effective_draws, "efficiency", m.efficiency,
+      "calls", m.calls);
   }
   template <class A>
   static void of(A& a, In<A, NormalMixture::Component>& c) {
-    a("weight", c.weight);
-    a("mean", c.mean);
-    a("factor", c.factor);
+    a("weight", c.weight, "mean", c.mean, "factor", c.factor);
   }
   template <class A>
   static void of(A& a, In<A, RandomWalk::Block>& b) {
-    a("first", b.first);
-    a("factor", b.factor);
-    a("adaptations", b.adaptations);
+    a("first", b.first, "factor", b.factor, "adaptations", b.adaptations);
   }
   template <class A>
   static void of(A& a, In<A, Chain>& c) {
@@ -208,48 +138,22 @@ struct CheckpointFields {
   }
   template <class A>
   static void of(A& a, In<A, Calls>& c) {
-    a("explore", c.explore);
-    a("search", c.search);
-    a("anneal", c.anneal);
-    a("weigh", c.weigh);
-    a("tune", c.tune);
-    a("sample", c.sample);
-    a("evidence", c.evidence);
+    a("explore", c.explore, "search", c.search, "anneal", c.anneal, "weigh", c.weigh, "tune",
+      c.tune, "sample", c.sample, "evidence", c.evidence);
   }
   template <class A>
   static void of(A& a, In<A, Posterior>& p) {
-    a("chains", p.chains);
-    a("log_weight", p.log_weight);
-    a("draws", p.draws);
-    a("warmup", p.warmup);
-    a("thin", p.thin);
-    a("dimension", p.dimension);
-    a("warmup_evaluations", p.warmup_evaluations);
-    a("calls", p.calls);
-    a("wall_seconds", p.wall_seconds);
-    a("quick", p.quick);
-    a("tempered_draws", p.tempered_draws);
-    a("barrier", p.barrier);
-    a("choices", p.choices);
+    a("chains", p.chains, "log_weight", p.log_weight, "draws", p.draws, "warmup", p.warmup, "thin",
+      p.thin, "dimension", p.dimension, "warmup_evaluations", p.warmup_evaluations, "calls",
+      p.calls, "wall_seconds", p.wall_seconds, "quick", p.quick, "tempered_draws", p.tempered_draws,
+      "barrier", p.barrier, "choices", p.choices);
   }
   template <class A>
   static void of(A& a, In<A, Position>& p) {
-    a("stage", p.stage);
-    a("tempering", p.tempering);
-    a("explore", p.explore);
-    a("models", p.models);
-    a("model", p.model);
-    a("best", p.best);
-    a("look", p.look);
-    a("looks_left", p.looks_left);
-    a("before", p.before);
-    a("round", p.round);
-    a("tuned", p.tuned);
-    a("sample", p.sample);
-    a("goal", p.goal);
-    a("refits", p.refits);
-    a("first_part", p.first_part);
-    a("part_chains", p.part_chains);
+    a("stage", p.stage, "tempering", p.tempering, "explore", p.explore, "models", p.models, "model",
+      p.model, "best", p.best, "look", p.look, "looks_left", p.looks_left, "before", p.before,
+      "round", p.round, "tuned", p.tuned, "sample", p.sample, "goal", p.goal, "refits", p.refits,
+      "first_part", p.first_part, "part_chains", p.part_chains);
   }
   // Mixtures are immutable: they go through what they are made of.
   struct Mixture {
@@ -258,8 +162,7 @@ struct CheckpointFields {
   };
   template <class A>
   static void of(A& a, In<A, Mixture>& m) {
-    a("degrees_of_freedom", m.degrees_of_freedom);
-    a("components", m.components);
+    a("degrees_of_freedom", m.degrees_of_freedom, "components", m.components);
   }
   struct PilotParts {
     bool fitted = false;
@@ -296,34 +199,22 @@ struct CheckpointFields {
   }
   template <class A>
   static void of(A& a, In<A, PilotParts>& p) {
-    a("fitted", p.fitted);
-    a("density", p.density);
-    a("weight", p.weight);
-    a("archive", p.archive);
+    a("fitted", p.fitted, "density", p.density, "weight", p.weight, "archive", p.archive);
   }
   template <class A>
   static void of(A& a, In<A, Pilot>& p) {
     PilotParts parts = parts_of(p);
     a("fit", parts);
     if constexpr (A::kReads) put(std::move(parts), p);
-    a("scales", p.scales);
-    a("efficiencies", p.efficiencies);
+    a("scales", p.scales, "efficiencies", p.efficiencies);
   }
   template <class A>
   static void of(A& a, In<A, RunState>& s) {
-    a("at", s.at);
-    a("chains", s.chains);
-    a("explorations", s.explorations);
-    a("log_probability", s.log_probability);
-    a("probability", s.probability);
-    a("by_rung", s.by_rung);
-    a("pilot", s.pilot);
-    a("tuning_bias", s.tuning_bias);
-    a("sampling_bias", s.sampling_bias);
-    a("weighty_modes", s.weighty_modes);
-    a("at_mixture", s.at_mixture);
-    a("posterior", s.posterior);
-    a("shared_evaluations", s.shared_evaluations);
+    a("at", s.at, "chains", s.chains, "explorations", s.explorations, "log_probability",
+      s.log_probability, "probability", s.probability, "by_rung", s.by_rung, "pilot", s.pilot,
+      "tuning_bias", s.tuning_bias, "sampling_bias", s.sampling_bias, "weighty_modes",
+      s.weighty_modes, "at_mixture", s.at_mixture, "posterior", s.posterior, "shared_evaluations",
+      s.shared_evaluations);
   }
 };
 

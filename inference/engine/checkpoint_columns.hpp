@@ -78,9 +78,11 @@ class Writer {
          std::size_t last = std::numeric_limits<std::size_t>::max())
       : to_(to), first_(std::move(first)), last_(last) {}
 
-  template <class T>
-  void operator()(const char* member, const T& value) {
+  /// Names and members in turn.
+  template <class T, class... More>
+  void operator()(const char* member, const T& value, const More&... more) {
     names_.within(member, [&] { put(value); });
+    if constexpr (sizeof...(more) > 0) (*this)(more...);
   }
   /// Another chain begins, of so many draws.
   void chain(std::size_t draws) {
@@ -162,9 +164,10 @@ class Reader {
   static constexpr bool kReads = true;
   explicit Reader(const Checkpoint& from) : from_(from) {}
 
-  template <class T>
-  void operator()(const char* member, T& value) {
+  template <class T, class... More>
+  void operator()(const char* member, T& value, More&... more) {
     names_.within(member, [&] { get(value); });
+    if constexpr (sizeof...(more) > 0) (*this)(more...);
   }
   void chain(std::size_t /*draws*/) {}
   template <class N>

@@ -6,7 +6,6 @@
 
 #include "base/constants.hpp"
 #include "inference/diagnosis/convergence.hpp"
-#include "inference/engine/explore.hpp"
 #include "inference/evidence/bridge_sampling.hpp"
 #include "inference/evidence/importance_sampling.hpp"
 #include "inference/statistics/diagnostics.hpp"

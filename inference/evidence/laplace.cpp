@@ -253,13 +253,6 @@ Optimum maximum_a_posteriori(const Problem& problem, int model, const ModeOption
   return found;
 }
 
-Optimum maximum_likelihood(const Problem& problem, int model, const ModeOptions& options) {
-  ModelPosterior posterior(problem, model);
-  if (posterior.dimension() == 0) return nothing_to_search(posterior);
-  return search([&](std::span<const double> z) { return posterior(z).log_likelihood; },
-                posterior.dimension(), options, posterior.name());
-}
-
 Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
   const Optimum mode = maximum_a_posteriori(problem, model, options);
   Laplace result;
@@ -291,33 +284,6 @@ Laplace laplace(const Problem& problem, int model, const ModeOptions& options) {
   result.evidence.standard_error = d == 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   result.evidence.likelihood_evaluations += mode.evaluations + posterior.evaluations();
   return result;
-}
-
-InformationCriteria information_criteria(const Problem& problem, int model, long observations,
-                                         const ModeOptions& options) {
-  if (observations < 1)
-    throw std::invalid_argument(
-        "information criteria: observations = " + std::to_string(observations) + ", must be >= 1");
-  const Optimum best = maximum_likelihood(problem, model, options);
-  ModelPosterior posterior(problem, model);
-  const double fit = best.z.empty() ? posterior({}).log_likelihood : best.value;
-  const auto k = static_cast<double>(posterior.dimension());
-  return {k * std::log(static_cast<double>(observations)) - 2.0 * fit, 2.0 * k - 2.0 * fit, fit,
-          best.evaluations};
-}
-
-Dic deviance_information_criterion(const ModelSamples& samples) {
-  double n = 0.0, mean = 0.0, squares = 0.0;
-  for (const auto& chain : samples.log_likelihood)
-    for (const double l : chain) {  // Welford
-      n += 1.0;
-      const double e = -2.0 * l - mean;
-      mean += e / n;
-      squares += e * (-2.0 * l - mean);
-    }
-  if (n < 2.0) throw std::invalid_argument("deviance information criterion: fewer than 2 draws");
-  const double effective = 0.5 * squares / (n - 1.0);
-  return {mean + effective, effective};
 }
 
 }  // namespace wheeltap::inference

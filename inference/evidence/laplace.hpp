@@ -1,4 +1,4 @@
-// The mode of one model, Laplace's evidence, and the information criteria.
+// The mode of one model, and Laplace's evidence.
 #pragma once
 
 #include <cstdint>
@@ -24,10 +24,6 @@ struct ModeOptions {
 /// search has a finite likelihood.
 [[nodiscard]] Optimum maximum_a_posteriori(const Problem& problem, int model,
                                            const ModeOptions& options);
-/// The same for the likelihood alone, within |z| <= 8: the prior's support but for a share of
-/// 1e-15.
-[[nodiscard]] Optimum maximum_likelihood(const Problem& problem, int model,
-                                         const ModeOptions& options);
 
 struct Laplace {
   Evidence evidence;  ///< standard error NaN
@@ -43,28 +39,5 @@ struct Laplace {
 /// normal: a likelihood that is constant within an element, for one, has the curvature of its
 /// prior.
 [[nodiscard]] Laplace laplace(const Problem& problem, int model, const ModeOptions& options);
-
-struct InformationCriteria {
-  double bic = 0.0;  ///< k ln n - 2 ln L_max
-  double aic = 0.0;  ///< 2k - 2 ln L_max
-  double max_log_likelihood = 0.0;
-  long likelihood_evaluations = 0;
-};
-
-/// `observations` is the n of BIC. Throws std::invalid_argument for observations < 1.
-[[nodiscard]] InformationCriteria information_criteria(const Problem& problem, int model,
-                                                       long observations,
-                                                       const ModeOptions& options);
-
-struct Dic {
-  double dic = 0.0;  ///< mean deviance + effective_parameters, deviance = -2 ln L
-  double effective_parameters = 0.0;
-};
-
-/// Deviance information criterion from posterior draws, its effective number of parameters half the
-/// variance of the deviance (Gelman et al. 2014, Bayesian Data Analysis, eq. 7.10): unlike the
-/// deviance at the posterior mean (Spiegelhalter et al. 2002) it does not depend on the
-/// parameterisation and is not misled by several modes.
-[[nodiscard]] Dic deviance_information_criterion(const ModelSamples& samples);
 
 }  // namespace wheeltap::inference

@@ -15,7 +15,6 @@
 #include "inference/evidence/multiple_importance_sampling.hpp"
 #include "inference/evidence/tmcmc.hpp"
 #include "inference/mixtures/normal_mixture.hpp"
-#include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {
 namespace {

@@ -1,9 +1,7 @@
 #include "inference/exploration/starting_points.hpp"
 
-#include <cmath>
 #include <limits>
 #include <memory>
-#include <utility>
 
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"

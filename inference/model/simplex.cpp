@@ -51,15 +51,4 @@ std::vector<double> Simplex::shares(std::span<const double> sticks) const {
   return shares;
 }
 
-std::vector<double> Simplex::sticks_of(std::span<const double> shares) const {
-  require_count("shares", shares.size(), sticks_.size() + 1);
-  std::vector<double> sticks(sticks_.size());
-  double left = shares.back();
-  for (std::size_t i = sticks.size(); i-- > 0;) {
-    left += shares[i];
-    sticks[i] = left > 0.0 ? shares[i] / left : 0.0;
-  }
-  return sticks;
-}
-
 }  // namespace wheeltap::inference

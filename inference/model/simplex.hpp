@@ -30,8 +30,6 @@ class Simplex {
   /// The shares of `sticks`, n - 1 values between 0 and 1. Throws std::invalid_argument where there
   /// are more or fewer.
   [[nodiscard]] std::vector<double> shares(std::span<const double> sticks) const;
-  /// The sticks of `shares`, which may have any positive sum. A stick of nothing left is 0.
-  [[nodiscard]] std::vector<double> sticks_of(std::span<const double> shares) const;
 
  private:
   std::vector<Parameter> sticks_;

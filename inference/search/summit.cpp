@@ -1,7 +1,5 @@
 #include "inference/search/summit.hpp"
 
-#include <cmath>
-
 #include "base/constants.hpp"
 #include "base/eigen_solvers.hpp"
 

@@ -349,11 +349,6 @@ double mean(const ChainsOf& draws) {
   return sum / n;
 }
 
-double iact(const ChainsOf& draws) {
-  const Split s = split(draws);
-  return s.valid ? static_cast<double>(s.values.size()) / basic_ess(s) : kNaN;
-}
-
 ModelProbabilities stationary_model_probabilities(const std::vector<std::vector<int>>& model_chains,
                                                   int models, std::uint64_t seed,
                                                   int posterior_draws) {

@@ -28,8 +28,6 @@ using ChainsOf = std::vector<std::vector<double>>;
 [[nodiscard]] double mcse_mean(const ChainsOf& draws);
 /// Mean over the draws of all chains, which may be of any lengths; NaN where there are none.
 [[nodiscard]] double mean(const ChainsOf& draws);
-/// Integrated autocorrelation time of the mean, draws / ess_mean.
-[[nodiscard]] double iact(const ChainsOf& draws);
 
 /// All of the above in one pass over the data (one sort serves them all).
 struct Convergence {

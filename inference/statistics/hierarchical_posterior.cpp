@@ -77,15 +77,6 @@ double LineMixture::expectation(const std::function<double(double)>& f) const {
   return sum;
 }
 
-double HierarchicalPosterior::scatter_quantile(double p) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < scatter.size(); ++i) {
-    sum += weight[i];
-    if (sum >= p) return scatter[i];
-  }
-  return scatter.back();
-}
-
 HierarchicalPosterior hierarchical_posterior(std::span<const GroupEstimate> groups,
                                              const HierarchicalOptions& options) {
   for (const GroupEstimate& g : groups)

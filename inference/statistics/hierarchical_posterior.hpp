@@ -65,9 +65,6 @@ struct HierarchicalPosterior {
   std::vector<double> scatter, weight;  ///< τ and its probability, nodes of the quadrature
   double own_error = 0.0;               ///< λ
   int groups = 0;                       ///< that say something
-
-  /// Of τ: the least node below which the posterior has p.
-  [[nodiscard]] double scatter_quantile(double p) const;
 };
 
 /// Throws std::invalid_argument for an sd <= 0, options that are not positive, or fewer than two

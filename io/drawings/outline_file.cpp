@@ -1,6 +1,5 @@
 #include "io/drawings/outline_file.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "io/bytes.hpp"

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <utility>
 
 #include "base/constants.hpp"
 #include "io/netcdf/netcdf_classic.hpp"

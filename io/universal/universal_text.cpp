@@ -3,7 +3,6 @@
 #include <bit>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 
 #include "io/universal/universal_file.hpp"
 

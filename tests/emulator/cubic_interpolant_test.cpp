@@ -163,8 +163,6 @@ TEST(CubicInterpolant, Misuse) {
   std::vector<double> y(kResponses);
   EXPECT_THROW(f.evaluate(std::vector{0.0, 0.7}, y), std::out_of_range);
   EXPECT_THROW(CubicInterpolant(factors, f.values(), {AxisRule::cubic}), std::invalid_argument);
-  EXPECT_EQ(axis_rule_named("monotone-cubic"), AxisRule::monotone_cubic);
-  EXPECT_THROW((void)axis_rule_named("spline"), std::invalid_argument);
   std::vector<Factor> many;
   for (int j = 0; j < 7; ++j) many.push_back({std::to_string(j), "", {0, 1}});
   EXPECT_THROW(CubicInterpolant(many, RowMatrix::Zero(128, 1), std::vector(7, AxisRule::cubic)),

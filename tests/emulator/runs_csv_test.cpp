@@ -87,24 +87,6 @@ TEST_F(RunsCsv, MissingFile) {
   }
 }
 
-TEST_F(RunsCsv, ADesignGoesOutAndComesBack) {
-  std::vector<Factor> factors = {{"location[1]", "m", {0.05, 0.95}},
-                                 {"reduction", "", {0, 0.6}, Scale::compliance}};
-  const Design design = latin_hypercube(factors, 25, 2);
-  write_design_csv(path, design);
-  std::string text = test::bytes_of(path);
-  std::string runs;
-  std::size_t at = 0;
-  for (std::size_t end; (end = text.find('\n', at)) != std::string::npos; at = end + 1)
-    runs += text.substr(at, end - at) + (at == 0 ? ",f1 [Hz]\n" : ",1\n");
-  const Table t = read(runs, factors);
-  EXPECT_EQ(t.points, design.points) << "to the last bit";
-  EXPECT_EQ(t.factors[1].levels, factors[1].levels);
-  EXPECT_EQ(t.factors[1].scale, Scale::compliance);
-  EXPECT_FALSE(as_grid(t));
-  EXPECT_THROW(write_design_csv(directory / "absent/design.csv", design), io::FileError);
-}
-
 TEST_F(RunsCsv, AFullFactorialInAnyOrderIsAGrid) {
   std::vector<Factor> factors = {{"a", "", {0, 1, 4}}, {"b", "", {2, 3}}};
   Table whole{.factors = factors,

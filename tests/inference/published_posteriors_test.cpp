@@ -36,7 +36,7 @@ PublishedEstimate estimate(const Posterior& posterior, Indicator&& of_model) {
     for (const double v : values) sum += v;
     n += static_cast<double>(values.size());
   }
-  return {sum / n, mcse_mean(chains), iact(chains)};
+  return {sum / n, mcse_mean(chains), n / ess_mean(chains)};
 }
 
 TEST(PublishedPosteriors, CoalMiningDisasters) {

@@ -101,23 +101,6 @@ TEST(AutoregressiveCoefficients, OfSecondOrder) {
   EXPECT_THROW((void)ar_coefficients(std::vector<double>{1.0}), std::invalid_argument);
 }
 
-// Standard errors 1/√N of sample partial autocorrelations: five of them.
-TEST(PartialAutocorrelation, RecoversTheProcess) {
-  std::mt19937_64 generator(6);
-  std::normal_distribution<double> normal;
-  const std::vector<double> phi = ar_coefficients(std::vector<double>{0.6, -0.4});
-  std::vector<double> x(20000, 0.0);
-  for (std::size_t n = 2; n < x.size(); ++n)
-    x[n] = phi[0] * x[n - 1] + phi[1] * x[n - 2] + normal(generator);
-  const std::vector<double> partial = partial_autocorrelation(x, 4);
-  const double tolerance = 5.0 / std::sqrt(20000.0);
-  EXPECT_NEAR(partial[0], 0.6, tolerance);
-  EXPECT_NEAR(partial[1], -0.4, tolerance);
-  EXPECT_NEAR(partial[2], 0.0, tolerance);
-  EXPECT_NEAR(partial[3], 0.0, tolerance);
-  EXPECT_LT(ljung_box(x, 20).p_value, 1e-10);
-}
-
 /// n samples of the process with these partial autocorrelations, past its start.
 std::vector<double> process(const std::vector<double>& partial, std::size_t n, unsigned seed) {
   std::mt19937_64 generator(seed);

@@ -110,23 +110,6 @@ TEST(Detrend, RemovesALine) {
   EXPECT_THROW(detrend(y, 2), std::invalid_argument);
 }
 
-TEST(UpsamplePeriodic, IsExactBelowHalfTheRate) {
-  for (int n : {60, 61}) {
-    const auto f = [n](double t) {
-      return 0.5 + std::sin(2.0 * wheeltap::kPi * 7.0 * t / n) +
-             0.3 * std::cos(2.0 * wheeltap::kPi * 29.0 * t / n + 1.0);
-    };
-    std::vector<double> x;
-    for (int i = 0; i < n; ++i) x.push_back(f(i));
-    for (int factor : {1, 3, 4}) {
-      const std::vector<double> y = upsample_periodic(x, factor);
-      ASSERT_EQ(y.size(), static_cast<std::size_t>(n * factor));
-      for (std::size_t i = 0; i < y.size(); ++i)
-        EXPECT_NEAR(y[i], f(static_cast<double>(i) / factor), 1e-12);
-    }
-  }
-}
-
 TEST(Upsample, IsAccurateInsideAndKeepsTheSamples) {
   // Components up to 0.43 of the sampling rate.
   const auto f = [](double t) {

@@ -1,5 +1,7 @@
 #include "apps/cases/records/record_reading.hpp"
 
+#include <array>
+
 #include "apps/words.hpp"
 #include "base/number.hpp"
 #include "io/text/text.hpp"
@@ -16,25 +18,10 @@ std::string in_lines(int skipped) {
 }
 
 const char* name(TimeBasis basis) {
-  switch (basis) {
-    case TimeBasis::unit:
-      return "unit";
-    case TimeBasis::scale:
-      return "scale";
-    case TimeBasis::stamps:
-      return "time stamps";
-    case TimeBasis::epoch:
-      return "counts since 1970";
-    case TimeBasis::days:
-      return "dates of a spreadsheet";
-    case TimeBasis::assumed:
-      return "assumed";
-    case TimeBasis::header:
-      return "header";
-    case TimeBasis::stated:
-      return "stated";
-  }
-  return "";
+  constexpr std::array<const char*, 8> kNames{
+      "unit",    "scale",  "time stamps", "counts since 1970", "dates of a spreadsheet",
+      "assumed", "header", "stated"};
+  return kNames.at(static_cast<std::size_t>(basis));
 }
 
 /// Where the block of a record names a column: in one of its channels, or itself.

@@ -1,7 +1,6 @@
 #include "apps/cases/syntax/case_file.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "base/eigen_solvers.hpp"
 #include "fem/structures/mechanisms.hpp"

@@ -539,7 +539,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.emulator->training_calls = problem.emulator->trained_runs();
     out.emulator->validation_calls = problem.emulator->fresh_runs();
     out.emulator->likelihood_calls = posterior.full_evaluations;
-    out.sampling.full_model_calls = out.emulator->training_calls + out.emulator->validation_calls +
+    out.sampling.full_evaluations = out.emulator->training_calls + out.emulator->validation_calls +
                                     out.emulator->likelihood_calls +
                                     (out.emulator->check ? out.emulator->check->draws : 0);
     for (const ModelFinding& model : out.models) {

@@ -1,7 +1,6 @@
 #include "identification/structural/defects/site_line.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <stdexcept>

@@ -74,36 +74,6 @@ TEST(MaximumAPosteriori, IsFoundAtTheEdgeOfALongRecordsPossibleParameters) {
   EXPECT_NEAR(maximum_a_posteriori(edge, 0, {}).z[0], 0.0, 1e-3);
 }
 
-TEST(MaximumLikelihood, IsNotThePosteriorMode) {
-  const Problem problem = nested_means();
-  ModelPosterior posterior(problem, 1);
-  EXPECT_NEAR(maximum_likelihood(problem, 1, {}).z[0], 0.5, 1e-6);
-  EXPECT_NEAR(maximum_a_posteriori(problem, 1, {}).z[0], 10.0 / 21.0, 1e-6);
-}
-
-TEST(InformationCriteria, MatchTheirDefinitions) {
-  const Problem problem = nested_means();
-  const InformationCriteria null = information_criteria(problem, 0, 20, {});
-  const InformationCriteria free = information_criteria(problem, 1, 20, {});
-  EXPECT_NEAR(null.bic, 5.0, 1e-9);
-  EXPECT_NEAR(null.aic, 5.0, 1e-9);
-  EXPECT_NEAR(free.bic, std::log(20.0), 1e-9);
-  EXPECT_NEAR(free.aic, 2.0, 1e-9);
-  EXPECT_THROW((void)information_criteria(problem, 0, 0, {}), std::invalid_argument);
-}
-
-// μ | y ~ N(m, v) with m = 10/21, v = 1/21 and deviance 20 (ȳ - μ)²: mean 20 (v + (ȳ-m)²), and half
-// its variance is ½ · 400 (2v² + 4v(ȳ-m)²).
-TEST(Dic, MatchesTheClosedForm) {
-  const ModelSamples samples = metropolis(nested_means(), 1, {.seed = 1, .draws = 50000});
-  const Dic dic = deviance_information_criterion(samples);
-  const double v = 1.0 / 21.0, e = 0.5 - 10.0 / 21.0;
-  const double effective = 200.0 * (2.0 * v * v + 4.0 * v * e * e);
-  // A variance of chi-squared-like values from about 40 000 effective draws: 4 % at 4 sd.
-  EXPECT_NEAR(dic.effective_parameters, effective, 0.08 * effective);
-  EXPECT_NEAR(dic.dic, 20.0 * (v + e * e) + effective, 0.1);
-}
-
 TEST(Laplace, SearchesOnGrowingRecords) {
   const Problem growing = logistic_map(300);
   Problem at_once = growing;

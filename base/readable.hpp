@@ -1,0 +1,23 @@
+// Numbers in text for people.
+#pragma once
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "base/number.hpp"
+
+namespace wheeltap::base {
+
+/// `digits` significant ones, no trailing zeros: plain from 1e-4 to a million ("350", not
+/// "3.5e+02"), "5.4e-6" outside.
+[[nodiscard]] inline std::string readable(double x, int digits) {
+  std::string text = significant(x, digits);
+  const std::size_t e = text.find('e');
+  if (e == std::string::npos || !std::isfinite(x)) return text;
+  const int power = std::atoi(text.c_str() + e + 1);
+  if (power > 0 && power < 6) return fixed(std::strtod(text.c_str(), nullptr), 0);
+  return text.substr(0, e + 1) + std::to_string(power);
+}
+
+}  // namespace wheeltap::base

@@ -1,0 +1,34 @@
+// Another program in a process of its own.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace wheeltap::base {
+
+/// What the shell returns where there is no such program, or where it cannot be run.
+inline constexpr int kProgramNotFound = 127, kNotRunnable = 126;
+
+struct ProgramStart {
+  const char* file;                        ///< sought along PATH where it has no "/"
+  std::vector<std::string> words;          ///< the first is the program's name
+  std::vector<std::string> environment{};  ///< "NAME=VALUE"; none: that of this process
+  std::string directory = ".";             ///< where it runs
+  /// File descriptors: its standard input, output and error. This process should have opened them
+  /// with O_CLOEXEC.
+  int input, output, error;
+};
+
+/// Starts it in a process group of its own, so that a terminal's Ctrl-C does not reach it, with
+/// default signal handlers; the system kills it where this process ends. Returns its process
+/// identifier, or -1 with errno where no process can be made. A program that is missing ends with
+/// kProgramNotFound, one that cannot be run with kNotRunnable.
+[[nodiscard]] pid_t start_program(ProgramStart start);
+
+/// Waits for the end of a child process. Returns its status as waitpid has it; -1 with errno where
+/// it is no child of this process.
+[[nodiscard]] int wait_for(pid_t child);
+
+}  // namespace wheeltap::base
