@@ -121,21 +121,6 @@ std::vector<double> autocorrelation(std::span<const double> x, int lags) {
   return rho;
 }
 
-std::vector<double> partial_autocorrelation(std::span<const double> x, int lags) {
-  const std::vector<double> rho = autocorrelation(x, lags);
-  std::vector<double> partial, phi;
-  double variance = 1.0;
-  for (std::size_t k = 0; k < rho.size(); ++k) {
-    double numerator = rho[k];
-    for (std::size_t j = 0; j < k; ++j) numerator -= phi[j] * rho[k - 1 - j];
-    const double next = variance > 0.0 ? numerator / variance : 0.0;
-    extend(phi, next);
-    partial.push_back(next);
-    variance *= 1.0 - next * next;
-  }
-  return partial;
-}
-
 std::vector<double> burg_partial_autocorrelation(std::span<const double> x, int lags) {
   require_lags(lags, 1, x.size());
   std::vector<double> forward(x.begin(), x.end()), backward = forward, partial;

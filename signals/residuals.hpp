@@ -33,13 +33,10 @@ void ar_innovations(std::span<const double> residuals,
 /// std::invalid_argument unless 1 <= lags < x.size().
 [[nodiscard]] std::vector<double> autocorrelation(std::span<const double> x, int lags);
 
-/// Sample partial autocorrelations π_1 … π_lags (Yule-Walker by Durbin-Levinson): starting values
-/// for an AR model of the residuals.
-[[nodiscard]] std::vector<double> partial_autocorrelation(std::span<const double> x, int lags);
-
-/// The same by Burg's method (1975): each π_m is the value in [-1, 1] that leaves the least squares
-/// of forward and backward prediction together. Where residuals are nearly as smooth as a response,
-/// Yule-Walker's are far too small in size, and these are not. 0 from where nothing is left.
+/// Sample partial autocorrelations π_1 … π_lags by Burg's method (1975): each π_m is the value in
+/// [-1, 1] that leaves the least squares of forward and backward prediction together. Where
+/// residuals are nearly as smooth as a response, Yule-Walker's are far too small in size, and these
+/// are not. 0 from where nothing is left.
 [[nodiscard]] std::vector<double> burg_partial_autocorrelation(std::span<const double> x, int lags);
 
 /// The order p <= `most` of an autoregression of these residuals by Schwarz's criterion, the least

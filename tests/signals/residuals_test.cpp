@@ -109,7 +109,7 @@ TEST(PartialAutocorrelation, RecoversTheProcess) {
   std::vector<double> x(20000, 0.0);
   for (std::size_t n = 2; n < x.size(); ++n)
     x[n] = phi[0] * x[n - 1] + phi[1] * x[n - 2] + normal(generator);
-  const std::vector<double> partial = partial_autocorrelation(x, 4);
+  const std::vector<double> partial = burg_partial_autocorrelation(x, 4);
   const double tolerance = 5.0 / std::sqrt(20000.0);
   EXPECT_NEAR(partial[0], 0.6, tolerance);
   EXPECT_NEAR(partial[1], -0.4, tolerance);
