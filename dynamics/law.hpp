@@ -35,11 +35,26 @@ enum class Side { opening, closing };
 
 inline constexpr int kMaxLawCoefficients = 5;
 
-/// How one coefficient of a law is called in a case file, its SI unit, what it is when left out,
-/// within which bounds the law makes sense, and what a reader is told of it.
+/// What a coefficient c is to its law, from which the motion of a link gives c a scale.
+struct LawRole {
+  enum class Kind {
+    other,      ///< no scale
+    factor,     ///< of a tension c eᵖ ėᵍ
+    extension,  ///< an extension of the link
+  } kind = Kind::other;
+  int p = 0, q = 0;  ///< of a factor
+};
+
+constexpr LawRole factor_of(int p, int q = 0) {
+  return {.kind = LawRole::Kind::factor, .p = p, .q = q};
+}
+
+/// How one coefficient of a law is called in a case file, its SI unit, its role, what it is when
+/// left out, within which bounds the law makes sense, and what a reader is told of it.
 struct LawCoefficient {
   std::string_view name;
   std::string_view unit;
+  LawRole role = {};
   double otherwise = std::numeric_limits<double>::quiet_NaN();  ///< NaN: must be given
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();

@@ -9,16 +9,17 @@
 #include "apps/cases/damage_parts.hpp"
 #include "apps/cases/emulator_case.hpp"
 #include "apps/cases/modal_data_case.hpp"
-#include "apps/cases/simulation.hpp"
 #include "apps/cases/states_case.hpp"
 #include "apps/cases/structures/structure_case.hpp"
 #include "apps/cases/syntax/case_remedies.hpp"
+#include "apps/structure_words.hpp"
 #include "base/constants.hpp"
 #include "base/log_gamma.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/sections/section.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
 #include "identification/structural/defects/reduction.hpp"
+#include "identification/structural/structure_plausibility.hpp"
 #include "io/netcdf/netcdf_name.hpp"
 #include "io/text/text.hpp"
 
@@ -283,6 +284,14 @@ void check_beam_modes(const CaseFile& f, DamageCase& out) {
   }
 }
 
+void check_modes(const CaseFile& f, DamageCase& out) {
+  if (out.structure) {
+    check_structure_modes(f, out);
+  } else {
+    check_beam_modes(f, out);
+  }
+}
+
 std::vector<std::string> notes_of(const Json& json) {
   if (!json.contains("notes")) return {};
   if (json["notes"].is_string()) return {json["notes"].get<std::string>()};
@@ -366,6 +375,36 @@ void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
   if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kFreshRunsOfOthers;
 }
 
+/// Modes of the case's truth, for states; /data may be without any.
+SimulatedModes simulated_modes(const CaseFile& f, DamageCaseFile& parsed) {
+  DamageCase& out = parsed.damage;
+  take_data(f, out);
+  check_modes(f, out);
+  warn_of(out.structure ? implausible(out.structure->nominal) : implausible(out.beam));
+  const Simulation& simulation = *out.simulation;
+  out.data = explained(parsed, [&] { return simulate(out, simulation.seed); });
+  SimulatedModes made{.frequencies_hz = out.data.frequencies_hz,
+                      .shapes = {},
+                      .cov = simulation.cv,
+                      .shape_sd = simulation.shape_sd};
+  const bool shapes = out.modal && !out.modal->sensors.empty();
+  if (shapes)
+    made.shapes =
+        explained(parsed, [&] { return simulated_shapes(out, out.data.modes(), simulation.seed); });
+  const Json& data = f.json.at("data");
+  const auto require_positive = [&](const Pointer& where, double value, const char* what) {
+    if (!(value > 0.0)) f.refuse(where, Json(value).dump() + ": must be > 0" + what);
+  };
+  if (!data.contains("cov") && !data.contains("sd") && !data.contains("covariance"))
+    require_positive(damage_key("/data/cov"), made.cov, " (0.01 is 1 % of each frequency)");
+  for (std::size_t i = 0; i < made.frequencies_hz.size(); ++i)
+    require_positive(damage_key("/data/frequencies") / i, made.frequencies_hz[i],
+                     " (Hz, or null for a mode not measured)");
+  if (shapes && !data.contains("shape_sd"))
+    require_positive(damage_key("/data/shape_sd"), made.shape_sd, "");
+  return made;
+}
+
 /// Frequencies of the case's truth, in place of those that it does not give.
 void simulate_data(const CaseFile& f, DamageCaseFile& parsed) {
   DamageCase& out = parsed.damage;
@@ -440,24 +479,17 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
       out.kinds, [](const DefectKind& kind) { return kind.type->has_low_rank; });
   const bool states = needs == Needs::data && (has_states(f) || !of_low_rank);
   if (states && !has_states(f) && out.simulation && !has_measured(json["data"])) {
-    // Made first, as `wheeltap simulate` makes it, and read then.
-    SimulatedCase made = simulated_damage(f, {});
-    DamageCaseFile read = parse_damage_case({.path = f.path, .json = std::move(made.json)}, needs);
-    read.file = f;
-    read.damage.data.simulated = true;
-    read.damage.data.origin = std::move(made.origin);
-    return read;
-  }
-  if (states) {
+    const SimulatedModes made = simulated_modes(f, parsed);
+    const std::string origin = out.data.origin;
+    take_states(f, model, uniform, out, &made);
+    out.data.simulated = true;
+    out.data.origin = origin;
+  } else if (states) {
     take_states(f, model, uniform, out);
   } else if (json.contains("data")) {
     take_data(f, out);
   }
-  if (structure) {
-    check_structure_modes(f, out);
-  } else {
-    check_beam_modes(f, out);
-  }
+  check_modes(f, out);
   if (needs == Needs::structure || states) return parsed;
   if (out.data.frequencies_hz.empty()) simulate_data(f, parsed);
   finish_data(f, out);

@@ -30,8 +30,13 @@ std::string count_of(std::size_t n, const std::string& what) {
 
 class ModalDataParser {
  public:
-  ModalDataParser(const CaseFile& file, const Pointer& where, const AnyStructure& structure)
-      : file_(file), where_(where), json_(file.json.at(where)), structure_(structure) {
+  ModalDataParser(const CaseFile& file, const Pointer& where, const AnyStructure& structure,
+                  const SimulatedModes* simulated = nullptr)
+      : file_(file),
+        where_(where),
+        json_(file.json.at(where)),
+        structure_(structure),
+        simulated_(simulated) {
     try {
       if (const auto* members = std::get_if<fem::Structure>(&structure)) mesh_.emplace(*members);
       names_ = (mesh_ ? mesh_->discretisation() : discretise(structure)).names;
@@ -185,16 +190,19 @@ class ModalDataParser {
       from_file_ = std::move(table.sd_hz);
       out_.origin = "from " + json_["file"].get<std::string>();
     }
-    if (has("shapes")) return;
+    if (simulated_ != nullptr) out_.frequencies_hz = simulated_->frequencies_hz;
+    if (!shape_rows().empty()) return;
     double before = 0.0;
     for (std::size_t i = 0; i < out_.frequencies_hz.size(); ++i) {
       const double f = out_.frequencies_hz[i];
       if (std::isnan(f)) continue;
       if (f < before)
-        file_.refuse(has("file") ? where_ / "file" : where_ / "frequencies" / i,
-                     "without shapes frequencies must increase: the first is the lowest elastic "
-                     "mode, and null stands for one that was not measured" +
-                         increasing(out_.frequencies_hz));
+        file_.refuse(
+            has("file") ? where_ / "file" : where_ / "frequencies" / i,
+            simulated_value(f) +
+                "without shapes frequencies must increase: the first is the lowest elastic "
+                "mode, and null stands for one that was not measured" +
+                increasing(out_.frequencies_hz));
       before = f;
     }
   }
@@ -212,9 +220,10 @@ class ModalDataParser {
           bounded_prior(file_, at, 0.0, kInfinity, "a coefficient of variation is > 0");
       return;
     }
-    if (has("cov")) {
+    if (has("cov") || (given == 0 && simulated_ != nullptr)) {
+      const double cov = has("cov") ? json_["cov"].get<double>() : simulated_->cov;
       sd.clear();
-      for (const double f : out_.frequencies_hz) sd.push_back(json_["cov"].get<double>() * f);
+      for (const double f : out_.frequencies_hz) sd.push_back(cov * f);
     }
     if (has("sd")) {
       at = where_ / "sd";
@@ -423,13 +432,28 @@ class ModalDataParser {
 
   // ---- shapes
 
+  [[nodiscard]] std::vector<std::vector<double>> shape_rows() const {
+    std::vector<std::vector<double>> out;
+    if (simulated_ != nullptr) {
+      for (const auto& row : simulated_->shapes.rowwise()) out.emplace_back(row.begin(), row.end());
+    } else if (has("shapes")) {
+      for (const Json& row : json_.at("shapes")) out.push_back(numbers(row));
+    }
+    return out;
+  }
+
+  /// A simulated value as CaseFile::refuse prints one of the case.
+  [[nodiscard]] std::string simulated_value(const Json& value) const {
+    return simulated_ == nullptr ? std::string() : value.dump() + ": ";
+  }
+
   void parse_shapes() {
-    if (!has("shapes")) {
+    const std::vector<std::vector<double>> rows = shape_rows();
+    if (rows.empty()) {
       for (const char* key : {"shape_covariance"})
         if (has(key)) file_.refuse(where_ / key, "goes with \"shapes\" only");
       return;
     }
-    const Json& rows = json_.at("shapes");
     if (!has("sensors"))
       file_.refuse(where_ / "sensors", "is missing: \"shapes\" have one number a sensor");
     if (out_.frequencies_hz.empty()) out_.frequencies_hz.assign(rows.size(), kNaN);
@@ -445,7 +469,7 @@ class ModalDataParser {
       if (rows[i].size() != sensors)
         file_.refuse(at, "must have one number a sensor: " + std::to_string(sensors) + ", has " +
                              std::to_string(rows[i].size()));
-      const std::vector<double> values = numbers(rows[i]);
+      const std::vector<double>& values = rows[i];
       std::size_t measured = 0;
       double largest = 0.0;
       for (std::size_t s = 0; s < sensors; ++s) {
@@ -455,7 +479,8 @@ class ModalDataParser {
         largest = std::max(largest, std::abs(values[s]));
       }
       if (measured == 1)
-        file_.refuse(at, "has one number only: a shape without its scale needs two");
+        file_.refuse(at, simulated_value(values) +
+                             "has one number only: a shape without its scale needs two");
       if (measured > 0 && largest == 0.0) file_.refuse(at, "is zero throughout");
       if (measured == 0 && std::isnan(out_.frequencies_hz[i]))
         file_.refuse(at, "mode " + std::to_string(i + 1) + " has neither frequency nor shape");
@@ -490,8 +515,8 @@ class ModalDataParser {
         }
         out_.shape_covariances.push_back(std::move(c));
       }
-    } else if (has("shape_sd")) {
-      const double sd = json_["shape_sd"].get<double>();
+    } else if (has("shape_sd") || (simulated_ != nullptr && !has("shape_covariance"))) {
+      const double sd = has("shape_sd") ? json_["shape_sd"].get<double>() : simulated_->shape_sd;
       out_.shape_covariances.assign(modes, sd * sd * MatrixXd::Identity(sensors, sensors));
     } else if (has("shape_covariance")) {
       const Json& list = json_["shape_covariance"];
@@ -527,6 +552,7 @@ class ModalDataParser {
   Pointer where_;
   const Json& json_;
   const AnyStructure& structure_;
+  const SimulatedModes* simulated_;
   std::optional<fem::Mesh> mesh_;
   std::vector<fem::DofName> names_;
   std::vector<double> from_file_;
@@ -542,8 +568,8 @@ void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool sh
 }
 
 ModalData parse_modal_data(const CaseFile& file, const Pointer& where,
-                           const AnyStructure& structure) {
-  return ModalDataParser(file, where, structure).parse();
+                           const AnyStructure& structure, const SimulatedModes* simulated) {
+  return ModalDataParser(file, where, structure, simulated).parse();
 }
 
 }  // namespace wheeltap::apps

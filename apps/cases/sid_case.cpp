@@ -285,10 +285,12 @@ class Parser {
     } else {
       model.noise.assign(responses, positive(where / "noise"));
     }
-    const Json order =
-        m.value("residuals", json_.value("residuals", Json::object())).value("ar", Json(0));
-    model.chooses_order = order == "auto";
-    if (!model.chooses_order) add_autoregression(out_, model, order.get<int>());
+    const Json residuals = m.value("residuals", json_.value("residuals", Json::object()));
+    for (const ResidualKind* kind : residual_kinds()) {
+      const Json value = residuals.value(std::string(kind->key), Json());
+      if (value == "auto") model.residuals.chosen_kind = kind;
+      if (value.is_number()) add_residuals(out_, model, kind->make(value.get<int>()));
+    }
     used_.resize(out_.parameters.size(), true);
     parse_initial(model);
     out_.models.push_back(std::move(model));

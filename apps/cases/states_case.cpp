@@ -235,7 +235,7 @@ CaseFile with_known(const CaseFile& file) {
 }
 
 ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const StructureModel> model,
-                            bool damage) {
+                            bool damage, const SimulatedModes* simulated) {
   CaseFile file = given;
   std::vector<Pointer> where;
   std::vector<std::string> names;
@@ -267,7 +267,8 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
     ObservedState state{
         .name = names[s],
         .damaged = damage && names.size() > 0 && where[s].to_string().starts_with("/data")};
-    state.data = parse_modal_data(file, where[s], out.model->nominal);
+    state.data = parse_modal_data(file, where[s], out.model->nominal,
+                                  where[s] == kData ? simulated : nullptr);
     if (!state.data.stiffness_discrepancy.none() &&
         (!damage || std::holds_alternative<fem::MatrixStructure>(out.model->nominal)))
       given.refuse(where[s] / "discrepancy" / "stiffness",
@@ -316,11 +317,11 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
 }
 
 void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> model, bool uniform,
-                 DamageCase& out) {
+                 DamageCase& out, const SimulatedModes* simulated) {
   if (out.emulator)
     file.refuse(Pointer("/predictor"),
                 "an emulator predicts one beam: with unknown coefficients or states use \"fe\"");
-  ObservedStates states = parse_states(file, std::move(model), true);
+  ObservedStates states = parse_states(file, std::move(model), true, simulated);
   states.uniform = uniform;
   const bool healthy = std::ranges::any_of(states.list, [](const auto& s) { return !s.damaged; });
   const ModalData all = states.joined();

@@ -8,6 +8,8 @@
 
 namespace wheeltap::apps {
 
+struct SimulatedModes;
+
 /// Whether the data are those of states: coefficients are unknown ("parameters"), or there are
 /// "states", "masses", "temperature" or "known".
 [[nodiscard]] bool has_states(const CaseFile& file);
@@ -17,13 +19,16 @@ namespace wheeltap::apps {
 [[nodiscard]] CaseFile with_known(const CaseFile& file);
 
 /// The states at /data, and, where `damage` is asked about, of the healthy structure at
-/// /baseline/data. Throws Failure, identification::InvalidInput.
+/// /baseline/data. `simulated`: in place of modes at /data. Throws Failure,
+/// identification::InvalidInput.
 [[nodiscard]] identification::ObservedStates parse_states(
-    const CaseFile& file, std::shared_ptr<const identification::StructureModel> model, bool damage);
+    const CaseFile& file, std::shared_ptr<const identification::StructureModel> model, bool damage,
+    const SimulatedModes* simulated = nullptr);
 
 /// Reads states into a damage case: all that was measured, in a row. `uniform`: the parameters
 /// leave the structure as symmetric as it is at the medians. Throws Failure.
 void take_states(const CaseFile& file, std::shared_ptr<const identification::StructureModel> model,
-                 bool uniform, identification::DamageCase& out);
+                 bool uniform, identification::DamageCase& out,
+                 const SimulatedModes* simulated = nullptr);
 
 }  // namespace wheeltap::apps

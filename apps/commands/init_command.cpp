@@ -157,6 +157,7 @@ Report ordered_schema(const std::string& kind) {
   found["definitions"].update(own);
   fill_lists(found);
   add_laws(found);
+  add_residual_models(found);
   add_defects(found);
   return found;
 }

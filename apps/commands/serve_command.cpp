@@ -43,8 +43,8 @@ std::vector<ServedModel> models_of(CaseFile file, const CommonOptions& common) {
     return served(prepare_update(parse_update_case(std::move(file)), common, watch));
   if (kind == "sid") {
     SidCaseFile parsed = parse_sid_case(std::move(file));
-    // As a run does before anything else, where a case leaves the orders to it.
-    identification::choose_orders(parsed.sid, common.seed.value_or(1), common.threads);
+    // As a run does before anything else, where a case leaves the residual model to it.
+    identification::choose_residuals(parsed.sid, common.seed.value_or(1), common.threads);
     return explained(parsed, [&] {
       return served(std::shared_ptr<const identification::SidProblem>(
           identification::make_sid_problem(parsed.sid)));

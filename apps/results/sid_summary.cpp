@@ -63,10 +63,15 @@ Report of_drawn(const SidFindings& findings, const Value& value) {
   return out;
 }
 
-/// {model: order of its residuals' autoregression, …}.
-Report orders_of(const SidCase& sid_case) {
+/// {kind of residual model: {model: its value, …}, …}.
+Report residuals_of(const SidCase& sid_case) {
   Report out = Report::object();
-  for (const SidModel& model : sid_case.models) out[model.name] = model.order();
+  for (const ResidualKind* kind : residual_kinds()) {
+    for (const SidModel& model : sid_case.models) {
+      const ResidualModel& own = *model.residuals.model;
+      out[std::string(kind->key)][model.name] = own.kind() == kind ? own.value() : 0;
+    }
+  }
   return out;
 }
 
@@ -284,7 +289,7 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
   Report diagnosed = diagnostics(findings, warnings(findings, {}));
   if (findings.look) diagnosed["notes"].push_back(in_words(*findings.look));
   for (const SidModel& model : sid_case.models) {
-    if (const std::string note = order_note(model); !note.empty())
+    if (const std::string note = residuals_note(model); !note.empty())
       diagnosed["notes"].push_back(note);
   }
   if (findings.refined) diagnosed["notes"].push_back(repeat_note(*findings.refined));
@@ -297,7 +302,7 @@ Report sid_summary(const SidCaseFile& parsed, const SidProblem& problem,
       {"log_bayes_factors", bayes_factors_report(findings)},
       {"parameters", parameter_tables(findings)},
       {"priors", priors_of(sid_case)},
-      {"residuals", {{"ar", orders_of(sid_case)}}},
+      {"residuals", residuals_of(sid_case)},
       {"unknowns", sid_unknowns_of(findings)},
       {"fit", fit_report(findings.fit_verdict)},
       {"fit_at_mean", fits_report(findings)},

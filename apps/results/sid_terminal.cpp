@@ -137,12 +137,10 @@ void print_sid(std::ostream& out, const SidCaseFile& parsed, const SidFindings& 
     const ModelFinding& model = findings.models[m];
     if (!told[m]) continue;
     print_condition(page, model, several);
-    if (sid_case.models[m].chooses_order) {
-      const int order = findings.of_models[m]->order;
-      out << (order == 0
-                  ? std::string("Residuals: white, by BIC")
-                  : "Residuals: autoregression of order " + std::to_string(order) + ", by BIC")
-          << '\n';
+    if (const auto& residuals = sid_case.models[m].residuals; residuals.chosen_kind != nullptr) {
+      const ResidualWords words = residuals.model->words();
+      out << "Residuals: " << words.name << words.detail << ", by "
+          << residuals.chosen_kind->criterion << '\n';
     }
     print_parameters(page, model.parameters);
     print_modes(page, findings.of_models[m]->modes);

@@ -352,13 +352,13 @@ class Speaker {
                   ", " + p_value(channel.p_value) + ")";
     }
     return "Under \"" + r.model + "\" the residuals are not white: " + coloured + ". " +
-           (r.autoregressive
-                ? "The autoregression does not take up all of it: let its order be chosen "
-                  "(\"residuals\": {\"ar\": \"auto\"}), or offer a model that explains more."
+           (!r.residual_model.empty()
+                ? "The " + r.residual_model + " does not take up all of it: " + r.remedy +
+                      (r.remedy.empty() ? "" : ", or ") + "offer a model that explains more."
                 : "The likelihood takes them for independent, so its probabilities and intervals "
-                  "are too sure; add \"residuals\": {\"ar\": \"auto\"} to the case, or a model "
-                  "that "
-                  "explains more.") +
+                  "are too sure; add \"residuals\": {\"" +
+                      std::string(residual_kinds().front()->key) +
+                      "\": \"auto\"} to the case, or a model that explains more.") +
            (r.others.empty()       ? ""
             : r.others.size() == 1 ? " Under \"" + r.others[0] + "\" they are much the same."
                                    : " Under " + std::to_string(r.others.size()) +

@@ -31,13 +31,17 @@ std::string sentence(const remark::WindowsUnsound& r) {
   return text + ": the intervals between windows are rough there. Use fewer, longer windows.";
 }
 
-std::string order_note(const SidModel& model) {
-  if (!model.chooses_order) return {};
-  const std::string chosen = "Under \"" + model.name + "\" the residuals are taken for ";
-  return model.order() == 0
-             ? chosen + "white, as those of its best fit are."
-             : chosen + "an autoregression of order " + std::to_string(model.order()) +
-                   ", chosen by BIC from those of its best fit with white ones.";
+std::string residuals_note(const SidModel& model) {
+  const SidResiduals& residuals = model.residuals;
+  if (residuals.chosen_kind == nullptr) return {};
+  const ResidualWords words = residuals.model->words();
+  const std::string chosen = "Under \"" + model.name + "\" the residuals are taken for " +
+                             std::string(words.article) + (words.article.empty() ? "" : " ") +
+                             std::string(words.name) + words.detail + ", ";
+  return chosen + (residuals.model->is_white()
+                       ? "as those of its best fit are."
+                       : "chosen by " + std::string(residuals.chosen_kind->criterion) +
+                             " from those of its best fit with white ones.");
 }
 
 }  // namespace wheeltap::apps

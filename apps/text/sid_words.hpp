@@ -13,6 +13,6 @@ namespace wheeltap::apps {
 
 /// What the residuals of a model were taken for where the case leaves it open; empty where it does
 /// not.
-[[nodiscard]] std::string order_note(const identification::SidModel& model);
+[[nodiscard]] std::string residuals_note(const identification::SidModel& model);
 
 }  // namespace wheeltap::apps

@@ -18,6 +18,7 @@ struct Bilinear {
           "spring that is softer on that side.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
+                         .role = factor_of(1),
                          .symbol = "kb",
                          .words = "the stiffness that it adds on its side",
                          .example = 1500.0}}},

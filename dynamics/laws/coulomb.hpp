@@ -30,6 +30,7 @@ struct Coulomb {
           "small v asks for small steps. Give one only to compare with work that did.",
       .coefficients = {{{.name = "force",
                          .unit = "N",
+                         .role = factor_of(0),
                          .lower = 0.0,
                          .symbol = "F",
                          .words = "the force at which it slips",

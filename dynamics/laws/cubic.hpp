@@ -18,6 +18,7 @@ struct Cubic {
           "e = ±sqrt(-k/k3).",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m^3",
+                         .role = factor_of(3),
                          .symbol = "k3",
                          .words = "the coefficient of e^3",
                          .example = 1e7}}}};

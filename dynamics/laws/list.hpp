@@ -2,7 +2,8 @@
 // the name in `LawList`; a test of its own goes to tests/dynamics/laws_test.cpp.
 //
 // A law T(e, ė) is a struct with
-//   kInfo                    its name in a case file and its coefficients with units and bounds,
+//   kInfo                    its name in a case file and its coefficients with units, roles and
+//                            bounds,
 //   tension(c, e, ė)         the tension [N] for coefficients c[i], over any vector type V,
 //   slopes(c, e_max)         its steepest slopes, for the choice of the step,
 // and, where they apply,

@@ -16,6 +16,7 @@ struct Quadratic {
                                      "beside a `stiffness` or a cubic.",
                                  .coefficients = {{{.name = "stiffness",
                                                     .unit = "N/m^2",
+                                                    .role = factor_of(2),
                                                     .symbol = "k2",
                                                     .words = "the coefficient of e^2",
                                                     .example = 6e4}}}};

@@ -16,6 +16,7 @@ struct QuadraticDamping {
                                      "`damping` is the part that is linear in ė.",
                                  .coefficients = {{{.name = "damping",
                                                     .unit = "N s^2/m^2",
+                                                    .role = factor_of(0, 2),
                                                     .symbol = "c2",
                                                     .words = "the coefficient of ė |ė|",
                                                     .example = 60.0}}},

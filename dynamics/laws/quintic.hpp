@@ -15,6 +15,7 @@ struct Quintic {
       .description = "a spring that hardens (k5 > 0) or softens beyond the reach of a cubic one",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m^5",
+                         .role = factor_of(5),
                          .symbol = "k5",
                          .words = "the coefficient of e^5",
                          .example = 1e11}}}};

@@ -275,7 +275,8 @@ struct NoiseMisstated {
 };
 /// Residuals are not white; those of `others`, less probable models, are much the same.
 struct ColouredResiduals {
-  bool autoregressive = false;  ///< they are innovations of an autoregression already
+  std::string residual_model = {};  ///< its name, if they are its innovations; empty: white
+  std::string remedy = {};          ///< that the residual model names, if any
 
   struct Channel {
     std::string name;

@@ -57,6 +57,13 @@ std::string SidChannel::used_unit() const {
   return std::string(signals::si_unit(dimension()));
 }
 
+std::vector<double> SidResiduals::at(std::size_t c, std::span<const double> theta) const {
+  std::vector<double> out;
+  if (coefficients.empty()) return out;
+  for (const dynamics::Coefficient& one : coefficients[c]) out.push_back(one.at(theta));
+  return out;
+}
+
 using dynamics::Coefficient;
 using Role = SidChannel::Role;
 
@@ -109,7 +116,7 @@ std::vector<int> SidCase::parameters_of(const SidModel& model) const {
   for (const auto& c : model.initial.displacement) use(c);
   for (const auto& c : model.initial.velocity) use(c);
   for (const auto& c : model.noise) use(c);
-  for (const auto& channel : model.autocorrelations) {
+  for (const auto& channel : model.residuals.coefficients) {
     for (const auto& c : channel) use(c);
   }
   for (const SidChannel& channel : channels) {

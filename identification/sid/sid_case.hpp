@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dynamics/simulate.hpp"
+#include "identification/sid/residuals/residual_model.hpp"
 #include "inference/model/model_space.hpp"
 #include "signals/excitation.hpp"
 #include "signals/record.hpp"
@@ -92,26 +93,36 @@ struct SidDiscovery {
   std::vector<LinkMotion> motions = {};
 };
 
+/// The residual model of a SidModel, with the parameters of the case that it uses.
+struct SidResiduals {
+  std::shared_ptr<const ResidualModel> model = white_residuals();
+  /// Of each response channel, in the order of ResidualModel::parameters; empty: none.
+  std::vector<std::vector<dynamics::Coefficient>> coefficients = {};
+  /// The kind whose value choose_residuals determines; null: `model` is given.
+  const ResidualKind* chosen_kind = nullptr;
+
+  /// The values of response channel c.
+  [[nodiscard]] std::vector<double> at(std::size_t c, std::span<const double> theta) const;
+};
+
 struct SidModel {
   std::string name;
   double weight = 1.0;
   dynamics::Chain chain = {};
   dynamics::InitialState initial = {};
   std::vector<dynamics::Coefficient> noise = {};  ///< sd, one a response channel
-  /// Partial autocorrelations of each response channel's residuals; empty: white.
-  std::vector<std::vector<dynamics::Coefficient>> autocorrelations = {};
-  bool chooses_order = false;        ///< of the autoregression: left to choose_orders
+  SidResiduals residuals = {};
   std::vector<int> parameters = {};  ///< those it uses, increasing
   std::vector<int> terms = {};       ///< those of SidCase::discovery that it has, increasing
 
-  /// Of a response channel; empty: white.
-  [[nodiscard]] std::vector<dynamics::Coefficient> autocorrelations_of(std::size_t channel) const {
-    return autocorrelations.empty() ? std::vector<dynamics::Coefficient>{}
-                                    : autocorrelations[channel];
+  /// ResidualModel::log_density and innovations of response channel c.
+  [[nodiscard]] double log_density(std::size_t c, std::span<const double> r,
+                                   std::span<const double> theta) const {
+    return residuals.model->log_density(r, noise[c].at(theta), residuals.at(c, theta));
   }
-  /// Of the autoregression; 0: white.
-  [[nodiscard]] int order() const {
-    return autocorrelations.empty() ? 0 : static_cast<int>(autocorrelations.front().size());
+  [[nodiscard]] Innovations innovations(std::size_t c, std::span<const double> r,
+                                        std::span<const double> theta) const {
+    return residuals.model->innovations(r, noise[c].at(theta), residuals.at(c, theta));
   }
 };
 

@@ -291,21 +291,6 @@ class Motions {
 
 // ---- priors -----------------------------------------------------------------------------------
 
-// p and q of a coefficient of a tension c eᵖ ėᵍ, by its unit; none for any other.
-std::optional<std::pair<int, int>> powers(std::string_view unit) {
-  const auto exponent = [](std::string_view text) {
-    return text.size() > 2 && text[1] == '^' ? text[2] - '0' : 1;
-  };
-  if (unit == "N") return std::pair{0, 0};
-  if (unit.starts_with("N/m")) return std::pair{exponent(unit.substr(2)), 0};
-  if (unit.starts_with("N s")) {
-    const std::size_t slash = unit.find('/');
-    if (slash == std::string_view::npos) return std::nullopt;
-    return std::pair{0, exponent(unit.substr(slash + 1))};
-  }
-  return std::nullopt;
-}
-
 // A law that resists motion: it has a memory, or a tension without any extension.
 bool resists(const LawInfo& info) {
   if (info.memory) return true;
@@ -379,19 +364,18 @@ inference::Prior default_prior(const LawInfo& law, std::size_t coefficient, Side
                                const LinkMotion& motion) {
   const dynamics::LawCoefficient& c = law.coefficients[coefficient];
   const bool stop = law.one_sided && law.size() > 1;
-  if (c.unit == "m") {
+  if (c.role.kind == dynamics::LawRole::Kind::extension) {
     if (!stop) return inference::LogNormal{std::log(motion.extension), kYieldSpread};
     return inference::Uniform{0.0, side == Side::opening ? motion.opening : motion.closing};
   }
-  const auto power = powers(c.unit);
-  if (!power) {
+  if (c.role.kind != dynamics::LawRole::Kind::factor) {
     throw std::invalid_argument(std::string(law.name) + "'s " + std::string(c.name) + " [" +
                                 std::string(c.unit) +
                                 "] has no scale in the record: give it a number, or a prior under "
                                 "\"parameters\"");
   }
-  const double scale = motion.tension / (std::pow(motion.extension, power->first) *
-                                         std::pow(motion.rate, power->second));
+  const double scale =
+      motion.tension / (std::pow(motion.extension, c.role.p) * std::pow(motion.rate, c.role.q));
   if (stop) return inference::HalfNormal{kStop * scale};
   if (resists(law)) return inference::HalfNormal{scale};
   return inference::Normal{0.0, scale};

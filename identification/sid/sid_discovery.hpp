@@ -51,8 +51,8 @@ void add_subsets(SidCase& sid_case);
 /// half-normal of 10 s, being stiffer than what it stops, with its gap uniform up to the largest
 /// extension; a yield extension is log-normal about e with a factor of e¹ for one sd. Evidence
 /// depends on these widths: a term that the data do not need is held against by about the ratio of
-/// its posterior's width to its prior's. Throws std::invalid_argument for a coefficient whose unit
-/// tells no scale.
+/// its posterior's width to its prior's. Throws std::invalid_argument for a coefficient whose role
+/// (dynamics::LawRole) has no scale.
 [[nodiscard]] inference::Prior default_prior(const dynamics::LawInfo& law, std::size_t coefficient,
                                              dynamics::Side side, const LinkMotion& motion);
 

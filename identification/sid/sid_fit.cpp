@@ -13,19 +13,17 @@ namespace {
 
 using inference::Posterior;
 
-std::optional<ResidualWhiteness> whiteness(
-    std::span<const double> residuals, const std::vector<dynamics::Coefficient>& autocorrelations,
-    std::span<const double> theta) {
-  const auto order = static_cast<int>(autocorrelations.size());
-  const auto white = innovations(residuals, autocorrelations, theta);
-  const int lags = std::clamp(static_cast<int>(white.size()) / 5, 2, 20) + order;
+/// Of residuals, or of innovations of a model with `fitted` parameters of its own.
+std::optional<ResidualWhiteness> whiteness(std::span<const double> white, bool of_innovations,
+                                           int fitted) {
+  const int lags = std::clamp(static_cast<int>(white.size()) / 5, 2, 20) + fitted;
   if (static_cast<int>(white.size()) <= lags + 1) return {};
   const std::vector<double> rho = signals::autocorrelation(white, lags);
   const auto worst =
       std::ranges::max_element(rho, {}, [](double x) { return std::abs(x); }) - rho.begin();
-  return ResidualWhiteness{.of_innovations = order > 0,
+  return ResidualWhiteness{.of_innovations = of_innovations,
                            .lags = lags,
-                           .test = signals::ljung_box(white, lags, order),
+                           .test = signals::ljung_box(white, lags, fitted),
                            .lag_1 = rho[0],
                            .worst_lag = static_cast<int>(worst) + 1,
                            .worst = rho[static_cast<std::size_t>(worst)]};
@@ -49,33 +47,13 @@ ChannelFit fit_of(const SidChannel& channel, std::span<const double> r, std::spa
           .nrmse = total > 0.0 ? std::sqrt(squares / total) : nan,
           .r2 = total > 0.0 ? 1.0 - squares / total : nan,
           .noise_sd = model.noise[c].at(theta),
-          .whiteness = whiteness(r, model.autocorrelations_of(c), theta),
-          .plain_whiteness = whiteness(r, {}, theta)};
+          .whiteness =
+              whiteness(model.innovations(c, r, theta).values, !model.residuals.model->is_white(),
+                        static_cast<int>(model.residuals.at(c, theta).size())),
+          .plain_whiteness = whiteness(r, false, 0)};
 }
 
 }  // namespace
-
-std::vector<double> innovations(std::span<const double> residuals,
-                                const std::vector<dynamics::Coefficient>& autocorrelations,
-                                std::span<const double> theta) {
-  if (autocorrelations.empty()) return {residuals.begin(), residuals.end()};
-  std::vector<double> pacf;
-  for (const auto& pi : autocorrelations) pacf.push_back(pi.at(theta));
-  const std::vector<double> phi = signals::ar_coefficients(pacf);
-  std::vector<double> out;
-  for (std::size_t n = phi.size(); n < residuals.size(); ++n) {
-    double e = residuals[n];
-    for (std::size_t j = 0; j < phi.size(); ++j) e -= phi[j] * residuals[n - 1 - j];
-    out.push_back(e);
-  }
-  return out;
-}
-
-double innovation_variance(const SidModel& model, std::size_t c, std::span<const double> theta) {
-  double variance = std::pow(model.noise[c].at(theta), 2);
-  for (const auto& pi : model.autocorrelations_of(c)) variance *= 1.0 - std::pow(pi.at(theta), 2);
-  return variance;
-}
 
 std::vector<ChannelFit> forward_run(const SidProblem& problem, int m,
                                     std::span<const double> theta) {
@@ -161,10 +139,8 @@ std::optional<double> step_error(const SidProblem& problem, const Posterior& pos
   for (std::size_t i = 0; i < better.size(); ++i) better[i] -= residuals[i];
   double sum = 0.0;
   for (std::size_t c = 0; c < channels; ++c) {
-    const double variance = innovation_variance(model, c, theta);
-    const auto change =
-        innovations({better.data() + c * samples, samples}, model.autocorrelations_of(c), theta);
-    for (const double value : change) sum += value * value / variance;
+    const Innovations change = model.innovations(c, {better.data() + c * samples, samples}, theta);
+    for (const double value : change.values) sum += value * value / change.variance;
   }
   return std::sqrt(sum);
 }

@@ -15,16 +15,8 @@
 
 namespace wheeltap::identification {
 
-/// Residuals freed of their autoregression (all but the first p), and the variance that the model
-/// gives these of its response channel c.
-[[nodiscard]] std::vector<double> innovations(
-    std::span<const double> residuals, const std::vector<dynamics::Coefficient>& autocorrelations,
-    std::span<const double> theta);
-[[nodiscard]] double innovation_variance(const SidModel& model, std::size_t c,
-                                         std::span<const double> theta);
-
-/// Ljung & Box's test of a response's residuals, freed of their autoregression where the model has
-/// one.
+/// Ljung & Box's test of a response's residuals, or of the innovations of a residual model that is
+/// not white.
 struct ResidualWhiteness {
   bool of_innovations = false;
   int lags = 0;
@@ -45,7 +37,7 @@ struct ChannelFit {
   double r2 = 0.0;               ///< 1 - nrmse²; NaN with it
   double noise_sd = 0.0;         ///< the model's
   std::optional<ResidualWhiteness> whiteness;  ///< none for too few samples
-  /// Of the residuals as they are; as `whiteness` where the model has no autoregression.
+  /// Of the residuals as they are; as `whiteness` where the residual model is white.
   std::optional<ResidualWhiteness> plain_whiteness;
 };
 
@@ -72,7 +64,7 @@ struct ChannelFit {
 ///
 ///   ‖(r - r') / σ‖,  r' the residuals with steps a quarter as long,
 ///
-/// over all samples and channels, freed of their autoregression where the model has one. To first
+/// over all samples and channels, as innovations of the residual model. To first
 /// order no parameter is off by more than so many of its standard deviations. None where the
 /// solution is exact or the finer steps would be too many.
 [[nodiscard]] std::optional<double> step_error(const SidProblem& problem,

@@ -36,13 +36,9 @@ class RecordLikelihood final : public inference::Likelihood {
   double bound(int m, std::span<const double> x) {
     const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
     const Misfit& misfit = problem_.misfits[static_cast<std::size_t>(m)];
-    if (!model.autocorrelations.empty()) return std::numeric_limits<double>::quiet_NaN();
+    if (!model.residuals.model->is_white()) return std::numeric_limits<double>::quiet_NaN();
     scatter(problem_.sid_case, m, x, theta_);
-    double sum = log_scales(misfit);
-    for (const auto& noise : model.noise) {
-      sum += signals::gaussian_log_likelihood(0.0, misfit.samples(), noise.at(theta_));
-    }
-    return sum;
+    return white_density(model, misfit, {});
   }
 
   double log_likelihood_above(double floor, int m, std::span<const double> x) override {
@@ -51,30 +47,19 @@ class RecordLikelihood final : public inference::Likelihood {
     scatter(problem_.sid_case, m, x, theta_);
     const auto channels = static_cast<std::size_t>(misfit.channels());
     const auto samples = static_cast<std::size_t>(misfit.samples());
-    double sum = log_scales(misfit);
-    if (model.autocorrelations.empty()) {
+    if (model.residuals.model->is_white()) {
       sums_.resize(channels);
       weights_.clear();
-      double best = sum;  // of a perfect fit
-      for (std::size_t c = 0; c < channels; ++c) {
-        const double sigma = model.noise[c].at(theta_);
-        weights_.push_back(0.5 / (sigma * sigma));
-        best += signals::gaussian_log_likelihood(0.0, misfit.samples(), sigma);
-      }
+      const double best = perfect_fit(model, misfit);
       if (!std::isfinite(best) || best < floor) return kImpossible;
       if (!misfit.sums_of_squares_within(theta_, weights_, best - floor, sums_)) return kImpossible;
-      for (std::size_t c = 0; c < channels; ++c) {
-        sum +=
-            signals::gaussian_log_likelihood(sums_[c], misfit.samples(), model.noise[c].at(theta_));
-      }
-      return sum;
+      return white_density(model, misfit, sums_);
     }
+    double sum = log_scales(misfit);
     residuals_.resize(channels * samples);
     if (!misfit.residuals(theta_, residuals_)) return kImpossible;
     for (std::size_t c = 0; c < channels; ++c) {
-      correlations_at(model, c);
-      sum += signals::ar_log_likelihood({residuals_.data() + c * samples, samples}, pacf_,
-                                        model.noise[c].at(theta_));
+      sum += model.log_density(c, {residuals_.data() + c * samples, samples}, theta_);
     }
     return std::isnan(sum) ? kImpossible : sum;
   }
@@ -86,7 +71,7 @@ class RecordLikelihood final : public inference::Likelihood {
   void log_likelihoods_above(std::span<const double> floors, int m, std::span<const double> xs,
                              std::span<double> out) override {
     const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
-    if (!model.autocorrelations.empty()) {
+    if (!model.residuals.model->is_white()) {
       Likelihood::log_likelihoods(m, xs, out);
       return;
     }
@@ -101,23 +86,14 @@ class RecordLikelihood final : public inference::Likelihood {
       scatter(problem_.sid_case, m, xs.subspan(i * d, d), theta_);
       thetas_.insert(thetas_.end(), theta_.begin(), theta_.end());
       if (floors.empty()) continue;
-      double best = log_scales(misfit);  // of a perfect fit
-      for (std::size_t c = 0; c < channels; ++c) {
-        const double sigma = model.noise[c].at(theta_);
-        weights_.push_back(0.5 / (sigma * sigma));
-        best += signals::gaussian_log_likelihood(0.0, misfit.samples(), sigma);
-      }
+      const double best = perfect_fit(model, misfit);
       limits_.push_back(std::isfinite(best) ? best - floors[i] : -1.0);
     }
     sums_.resize(out.size() * channels);
     misfit.sums_of_squares_within(thetas_, static_cast<int>(out.size()), weights_, limits_, sums_);
     for (std::size_t i = 0; i < out.size(); ++i) {
       scatter(problem_.sid_case, m, xs.subspan(i * d, d), theta_);
-      out[i] = log_scales(misfit);
-      for (std::size_t c = 0; c < channels; ++c) {
-        out[i] += signals::gaussian_log_likelihood(sums_[i * channels + c], misfit.samples(),
-                                                   model.noise[c].at(theta_));
-      }
+      out[i] = white_density(model, misfit, std::span(sums_).subspan(i * channels, channels));
     }
   }
 
@@ -165,29 +141,42 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
  private:
+  /// ln p with white residuals of these sums of squares, one a channel; none: of a perfect fit.
+  double white_density(const SidModel& model, const Misfit& misfit,
+                       std::span<const double> sums) const {
+    double sum = log_scales(misfit);
+    for (std::size_t c = 0; c < model.noise.size(); ++c) {
+      sum += signals::gaussian_log_likelihood(sums.empty() ? 0.0 : sums[c], misfit.samples(),
+                                              model.noise[c].at(theta_));
+    }
+    return sum;
+  }
+
+  /// Its density; adds the weights of the sums of squares, 1 / (2 σ²).
+  double perfect_fit(const SidModel& model, const Misfit& misfit) {
+    for (const auto& noise : model.noise)
+      weights_.push_back(0.5 / (noise.at(theta_) * noise.at(theta_)));
+    return white_density(model, misfit, {});
+  }
+
   /// Those of the first `sets` vectors: innovations in units of their standard deviation.
   void whiten(const SidModel& model, const Misfit& misfit, std::size_t sets) {
     const auto channels = static_cast<std::size_t>(misfit.channels());
     const auto samples = static_cast<std::size_t>(misfit.samples());
     for (std::size_t c = 0; c < channels; ++c) {
-      correlations_at(model, c);
+      const std::vector<double> own = model.residuals.at(c, theta_);
       const double sigma = model.noise[c].at(theta_);
       for (std::size_t set = 0; set < sets; ++set) {
         const std::span<double> r(residuals_.data() + (set * channels + c) * samples, samples);
-        if (!pacf_.empty()) signals::ar_innovations(r, pacf_, r);
+        model.residuals.model->standardise(r, own, r);
         for (double& e : r) e /= sigma;
       }
     }
   }
 
-  void correlations_at(const SidModel& model, std::size_t channel) {
-    pacf_.clear();
-    for (const auto& pi : model.autocorrelations_of(channel)) pacf_.push_back(pi.at(theta_));
-  }
-
   /// What the parameters of noise and scales do to ln p, the residuals (the first of residuals_)
   /// left as they are. A sd has the curvature of the chord to its best value given the residuals,
-  /// ln √(S/N) away; a correlation that of second differences.
+  /// ln √(S/N) away; a parameter of the residual model that of second differences.
   void add_noise(const SidModel& model, const Misfit& misfit, std::span<const double> x,
                  std::span<const double> steps, std::span<double> gradient,
                  std::span<double> information) {
@@ -201,19 +190,16 @@ class RecordLikelihood final : public inference::Likelihood {
       for (std::size_t c = 0; c < channels; ++c) {
         const std::span<const double> r(residuals_.data() + c * samples, samples);
         if (model.noise[c].parameter == p) {
-          correlations_at(model, c);
           innovations_.resize(samples);
-          signals::ar_innovations(r, pacf_, innovations_);
+          model.residuals.model->standardise(r, model.residuals.at(c, theta_), innovations_);
           for (const double e : innovations_) squares += e * e / (x[i] * x[i]);
           count += static_cast<double>(samples);
         }
-        const auto of_p = [p](const auto& pi) { return pi.parameter == p; };
-        if (std::ranges::any_of(model.autocorrelations_of(c), of_p)) {
-          const double sigma = model.noise[c].at(theta_);
-          const auto value = [&](double pi) {
-            theta_[static_cast<std::size_t>(p)] = pi;
-            correlations_at(model, c);
-            return signals::ar_log_likelihood(r, pacf_, sigma);
+        const auto& own = model.residuals.coefficients;
+        if (!own.empty() && std::ranges::count(own[c], p, &dynamics::Coefficient::parameter) > 0) {
+          const auto value = [&](double at) {
+            theta_[static_cast<std::size_t>(p)] = at;
+            return model.log_density(c, r, theta_);
           };
           const double up = value(x[i] + steps[i]), down = value(x[i] - steps[i]),
                        here = value(x[i]);
@@ -251,7 +237,7 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
   const SidProblem& problem_;
-  std::vector<double> theta_, thetas_, weights_, limits_, sums_, residuals_, pacf_, innovations_;
+  std::vector<double> theta_, thetas_, weights_, limits_, sums_, residuals_, innovations_;
   std::vector<char> done_;
 };
 

@@ -26,10 +26,10 @@ struct SidProblem {
 
 /// The log likelihood of model m is
 ///
-///   Σ over channels c of  ln p(r_c | σ_c, π_c) + N ln |scale_c|,
+///   Σ over channels c of  ln p(r_c | σ_c, c_c) + N ln |scale_c|,
 ///
-/// r_c the N scored residuals of the channel in SI units, white and Gaussian or autoregressive with
-/// the partial autocorrelations π_c (signals/residuals.hpp); the last term, the density of the raw
+/// r_c the N scored residuals of the channel in SI units and p the density of its residual model
+/// with the parameters c_c (residuals/residual_model.hpp); the last term, the density of the raw
 /// samples, only where the scale is a parameter. Of several records it is their sum, each with the
 /// initial state of its own record; `misfits` are those of the first. Throws InvalidInput (models,
 /// model).

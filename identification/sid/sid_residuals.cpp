@@ -5,13 +5,12 @@
 
 #include "identification/sid/sid_problem.hpp"
 #include "inference/search/mode_search.hpp"
-#include "signals/residuals.hpp"
 
 namespace wheeltap::identification {
 namespace {
 
 /// That the residuals of the model's best white fit ask for.
-int order_of(const SidCase& sid_case, const SidModel& model, std::uint64_t seed, int threads) {
+int value_of(const SidCase& sid_case, const SidModel& model, std::uint64_t seed, int threads) {
   SidCase alone = sid_case;
   alone.models = {model};
   alone.further.clear();
@@ -32,37 +31,39 @@ int order_of(const SidCase& sid_case, const SidModel& model, std::uint64_t seed,
   const auto samples = static_cast<std::size_t>(misfit.samples());
   std::vector<double> residuals(samples * static_cast<std::size_t>(misfit.channels()));
   if (!misfit.residuals(problem->theta(0, x), residuals)) return 0;
-  int order = 0;
+  int value = 0;
   for (std::size_t at = 0; at < residuals.size(); at += samples) {
-    order = std::max(order, signals::autoregressive_order({residuals.data() + at, samples},
-                                                          kMostAutoregressive));
+    value = std::max(value, model.residuals.chosen_kind->choose({residuals.data() + at, samples}));
   }
-  return order;
+  return value;
 }
 
 }  // namespace
 
-void add_autoregression(SidCase& sid_case, SidModel& model, int order) {
+void add_residuals(SidCase& sid_case, SidModel& model,
+                   std::shared_ptr<const ResidualModel> residuals) {
   const std::size_t responses = sid_case.responses().size();
-  for (std::size_t c = 0; order > 0 && c < responses; ++c) {
-    model.autocorrelations.emplace_back();
-    for (int j = 1; j <= order; ++j) {
-      const std::string channel = responses > 1 ? "[" + std::to_string(c + 1) + "]" : "";
-      model.autocorrelations.back().push_back(sid_case.parameter(
-          "ar" + channel + "[" + std::to_string(j) + "]", inference::Uniform{-1.0, 1.0}));
+  model.residuals.coefficients.clear();
+  for (std::size_t c = 0; c < responses; ++c) {
+    const std::string channel = responses > 1 ? "[" + std::to_string(c + 1) + "]" : "";
+    auto& own = model.residuals.coefficients.emplace_back();
+    for (ResidualParameter& p : residuals->parameters(channel)) {
+      own.push_back(sid_case.parameter(p.name, std::move(p.prior)));
     }
   }
+  model.residuals.model = std::move(residuals);
 }
 
-void choose_orders(SidCase& sid_case, std::uint64_t seed, int threads) {
+void choose_residuals(SidCase& sid_case, std::uint64_t seed, int threads) {
   for (SidModel& model : sid_case.models) {
-    if (!model.chooses_order) continue;
-    const int order = order_of(sid_case, model, seed, threads);
-    add_autoregression(sid_case, model, order);
+    const ResidualKind* kind = model.residuals.chosen_kind;
+    if (kind == nullptr) continue;
+    const auto chosen = kind->make(value_of(sid_case, model, seed, threads));
+    add_residuals(sid_case, model, chosen);
     for (SidCase& record : sid_case.further) {
       record.parameters = sid_case.parameters;
       const auto m = static_cast<std::size_t>(&model - sid_case.models.data());
-      add_autoregression(record, record.models[m], order);
+      add_residuals(record, record.models[m], chosen);
       sid_case.parameters = record.parameters;
     }
   }

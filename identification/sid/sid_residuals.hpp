@@ -1,4 +1,4 @@
-// How the residuals of a record are correlated, chosen where the case leaves it open.
+// The residual models of a case: their parameters, and the choice where the case leaves it open.
 #pragma once
 
 #include <cstdint>
@@ -7,20 +7,16 @@
 
 namespace wheeltap::identification {
 
-/// Largest order that is chosen from.
-inline constexpr int kMostAutoregressive = 20;
+/// Gives each response of `model` this residual model, whose parameters become parameters of the
+/// case, the same in every model that has them.
+void add_residuals(SidCase& sid_case, SidModel& model,
+                   std::shared_ptr<const ResidualModel> residuals);
 
-/// Gives the residuals of each response an autoregression of this order, whose partial
-/// autocorrelations are parameters of the case with priors U(-1, 1): "ar[1]" …, with several
-/// responses "ar[2][1]" …, the same in every model that has them.
-void add_autoregression(SidCase& sid_case, SidModel& model, int order);
-
-/// For every model that leaves its order open (SidModel::chooses_order): fits it with white
-/// residuals (inference::search_modes, from 30 draws of the prior), and takes the largest of the
-/// orders that its responses' residuals at the weightiest mode ask for
-/// (signals::autoregressive_order); of several records it looks at the first. A model that fits
-/// nothing keeps white residuals. The choice comes from the record itself, so that probabilities
-/// between models are conditional on it.
-void choose_orders(SidCase& sid_case, std::uint64_t seed, int threads);
+/// For every model that leaves its residual model open (SidResiduals::chosen_kind): fits it with
+/// white residuals (inference::search_modes, from 30 draws of the prior), and takes the largest of
+/// the values that its responses' residuals at the weightiest mode ask for (ResidualKind::choose);
+/// of several records it looks at the first. A model that fits nothing keeps white residuals. The
+/// choice comes from the record itself, so that probabilities between models are conditional on it.
+void choose_residuals(SidCase& sid_case, std::uint64_t seed, int threads);
 
 }  // namespace wheeltap::identification

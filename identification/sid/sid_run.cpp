@@ -112,7 +112,7 @@ int samples_of_a_look(int samples, double seconds_a_likelihood) {
 }
 
 SidRun run_sid(SidCase sid_case, const SidRunOptions& options) {
-  choose_orders(sid_case, options.engine.seed, options.engine.threads);
+  choose_residuals(sid_case, options.engine.seed, options.engine.threads);
   SidRun run{.problem = make_sid_problem(std::move(sid_case)),
              .engine = {},
              .posterior = {},

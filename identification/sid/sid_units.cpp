@@ -109,8 +109,11 @@ void add_uses(const SidCase& sid_case, Uses& uses) {
     for (std::size_t c = 0; c < model.noise.size() && c < responses.size(); ++c) {
       uses.add(model.noise[c], responses[c]->used_unit());
     }
-    for (const auto& channel : model.autocorrelations) {
-      for (const auto& a : channel) uses.add(a, "1");
+    const auto own = model.residuals.model->parameters({});
+    for (const auto& channel : model.residuals.coefficients) {
+      for (std::size_t i = 0; i < channel.size(); ++i) {
+        uses.add(channel[i], own[i].unit == "1" ? "1" : unit(std::string(own[i].unit)));
+      }
     }
   }
   for (const SidChannel& channel : sid_case.channels) {

@@ -83,9 +83,12 @@ TEST(SidCase, InferredStatesAndCorrelationsAreParameters) {
 TEST(SidCase, AnOrderLeftOpenIsNotYetParameters) {
   const Workspace where;
   const SidCase open = parse_sid(where, with("/residuals", {{"ar", "auto"}})).sid;
-  EXPECT_TRUE(open.models[0].chooses_order);
-  EXPECT_EQ(open.models[0].order(), 0);
-  EXPECT_FALSE(parse_sid(where, with("/residuals", {{"ar", 2}})).sid.models[0].chooses_order);
+  EXPECT_NE(open.models[0].residuals.chosen_kind, nullptr);
+  EXPECT_TRUE(open.models[0].residuals.model->is_white());
+  const SidResiduals given =
+      parse_sid(where, with("/residuals", {{"ar", 2}})).sid.models[0].residuals;
+  EXPECT_EQ(given.chosen_kind, nullptr);
+  EXPECT_EQ(given.model->value(), 2);
   EXPECT_THAT(refusal(where, with("/residuals", {{"ar", "best"}})), HasSubstr("/residuals/ar"));
   EXPECT_THAT(refusal(where, with("/residuals", {{"ar", 21}})), HasSubstr("/residuals/ar"));
 }

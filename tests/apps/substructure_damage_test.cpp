@@ -193,5 +193,20 @@ TEST_F(SubstructureDamage, Refusals) {
   refused(bad, "a substructure is a part of \"matrices\"");
 }
 
+// Simulated modes are held to the rules of measured ones, and named with their values.
+TEST_F(SubstructureDamage, RefusesModesOfATruthThatMakeNoSense) {
+  given["damage"]["truth"] = {{{"substructure", "middle"}, {"reduction", 0.3}}};
+  given["data"] = {{"modes", 3}};
+  refused(given, "/data/cov: 0.0: must be > 0 (0.01 is 1 % of each frequency)");
+  given["data"] = {{"modes", 3}, {"cov", 0.9}, {"seed", 5}};
+  refused(given, "/data/frequencies/2: -0.74");
+  given["data"] = {{"modes", 3}, {"cov", 0.9}, {"seed", 3}};
+  refused(given, "without shapes frequencies must increase");
+  given["data"] = {{"modes", 3}, {"cov", 0.002}, {"sensors", {{{"dof", 1}}, {{"dof", 3}}}}};
+  refused(given, "/data/shape_sd: 0.0: must be > 0");
+  given["data"] = {{"modes", 3}, {"cov", 0.002}, {"sensors", {{{"dof", 1}}}}, {"shape_sd", 0.01}};
+  refused(given, "/data/shapes/0: [1.0");
+}
+
 }  // namespace
 }  // namespace wheeltap::apps

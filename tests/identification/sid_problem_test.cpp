@@ -93,7 +93,8 @@ TEST(SidProblem, AutoregressionOfNoCorrelationIsWhite) {
   SidCase c = with_parameter(small_sid_case(), "ar[1]", inference::Uniform{-1.0, 1.0}, 0.0);
   c = with_parameter(c, "ar[2]", inference::Uniform{-1.0, 1.0}, 0.0);
   for (SidModel& model : c.models) {
-    model.autocorrelations = {{Coefficient::of_parameter(2), Coefficient::of_parameter(3)}};
+    model.residuals = {kAutoregressive.make(2),
+                       {{Coefficient::of_parameter(2), Coefficient::of_parameter(3)}}};
   }
   const auto coloured = make_sid_problem(simulated(c));
   ASSERT_EQ(coloured->problem.space[0].dimension, 3);  // k, ar[1], ar[2]
@@ -131,7 +132,8 @@ TEST(SidProblem, GaussNewtonHasTheSlopesOfTheLikelihood) {
   c = with_parameter(c, "ar[1]", inference::Uniform{-1.0, 1.0}, 0.0);
   c = with_parameter(c, "ar[2]", inference::Uniform{-1.0, 1.0}, 0.0);
   for (SidModel& model : c.models)
-    model.autocorrelations = {{Coefficient::of_parameter(4), Coefficient::of_parameter(5)}};
+    model.residuals = {kAutoregressive.make(2),
+                       {{Coefficient::of_parameter(4), Coefficient::of_parameter(5)}}};
   const auto coloured = make_sid_problem(simulated(c));
   expect_slopes(*coloured, 1, {49.0, 1100.0, 0.06, 2.01, 0.5, -0.2}, 1e-3);
 }

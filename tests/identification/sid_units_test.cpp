@@ -27,7 +27,7 @@ SidCase rig(const std::string& force, const std::string& displacement) {
                dynamics::make_law<dynamics::laws::QuadraticDamping>({p("c2")})};
   model.chain.links = {link};
   model.noise = {p("sigma")};
-  model.autocorrelations = {{p("ar[1]")}};
+  model.residuals = {kAutoregressive.make(1), {{p("ar[1]")}}};
   model.initial.displacement = {p("y0")}, model.initial.velocity = {p("v0")};
   c.models = {model};
   SidChannel driver{.column = "x", .role = Role::force, .mass = 1};

@@ -221,6 +221,7 @@ Json schema(std::string_view name) {
   (*found)["definitions"].update(own);
   fill_lists(*found);
   add_laws(*found);
+  add_residual_models(*found);
   add_defects(*found);
   bound_integers(*found);
   return *found;

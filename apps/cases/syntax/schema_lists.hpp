@@ -9,6 +9,7 @@
 #include "apps/law_words.hpp"
 #include "dynamics/laws.hpp"
 #include "identification/emulation/interpolants.hpp"
+#include "identification/sid/residuals/residual_model.hpp"
 #include "identification/structural/defects/defect_kind.hpp"
 
 namespace wheeltap::apps {
@@ -59,6 +60,25 @@ void add_laws(AnyJson& rules) {
   for (const dynamics::LawInfo& law : dynamics::law_infos())
     link["properties"][std::string(law.name)] = law_rule<AnyJson>(law);
   link["x-hint"] = "`wheeltap laws` explains the force laws";
+}
+
+/// Adds a key for every residual model that cases can name to a schema that has residuals.
+template <class AnyJson>
+void add_residual_models(AnyJson& rules) {
+  if (!rules.at("definitions").contains("residuals")) return;
+  const auto kinds = identification::residual_kinds();
+  auto& object = rules["definitions"]["residuals"];
+  std::string description;
+  for (const identification::ResidualKind* kind : kinds) {
+    description += (description.empty() ? "" : "; ") + std::string(kind->description);
+    object["properties"][std::string(kind->key)] = {
+        {"description", std::string(kind->value_description)},
+        {"anyOf",
+         {{{"type", "integer"}, {"minimum", 0}, {"maximum", kind->highest}},
+          {{"type", "string"}, {"enum", AnyJson::array({"auto"})}}}}};
+  }
+  object["description"] = description;
+  if (kinds.size() == 1) object["required"].push_back(std::string(kinds.front()->key));
 }
 
 /// Names the types of defect there are, and adds a key for the severity of each, to a schema that

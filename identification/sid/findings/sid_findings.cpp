@@ -70,7 +70,7 @@ bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
 
 /// Residuals of two models that a reader need not be told of twice.
 bool much_the_same(const remark::ColouredResiduals& a, const remark::ColouredResiduals& b) {
-  return a.autoregressive == b.autoregressive &&
+  return a.residual_model == b.residual_model &&
          std::ranges::equal(a.channels, b.channels, [](const auto& x, const auto& y) {
            return x.name == y.name && x.lag == y.lag &&
                   std::abs(x.autocorrelation - y.autocorrelation) < 0.05 &&
@@ -95,8 +95,11 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
   for (const int m : told(findings)) {
     const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
     remark::NoiseMisstated off{.model = model.name, .channels = {}};
-    remark::ColouredResiduals coloured{
-        .autoregressive = !model.autocorrelations.empty(), .model = model.name, .channels = {}};
+    remark::ColouredResiduals coloured{.model = model.name, .channels = {}};
+    if (!model.residuals.model->is_white()) {
+      coloured.residual_model = model.residuals.model->words().name;
+      coloured.remedy = model.residuals.model->words().remedy;
+    }
     const std::vector<ChannelFit>& fits = finding(findings, m).at_best;
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const ChannelFit& fit = fits[c];
@@ -329,7 +332,6 @@ SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
         .at_mean = forward_run(problem, m, mean),
         .at_best = forward_run(problem, m, problem.theta(m, best)),
         .further = further_fits(problem, m, problem.theta(m, best)),
-        .order = problem.sid_case.models[static_cast<std::size_t>(m)].order(),
         .substeps = problem.misfits[static_cast<std::size_t>(m)].simulator().substeps(mean),
         .step_error = step_error(problem, posterior, m),
         .links = {},

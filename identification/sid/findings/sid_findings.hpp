@@ -20,7 +20,6 @@ struct SidModelFinding {
   std::vector<double> best_draw;  ///< in the order of its parameters
   std::vector<ChannelFit> at_mean, at_best;
   std::vector<std::vector<ChannelFit>> further;  ///< at the best draw, of each further record
-  int order = 0;     ///< of its residuals' autoregression, as given or chosen
   int substeps = 0;  ///< of a sample, at the posterior mean (Simulator::substeps)
   std::optional<double> step_error;
   // Of a model of at least 5 %:

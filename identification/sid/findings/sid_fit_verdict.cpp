@@ -35,8 +35,9 @@ double predictive_p(const SidProblem& problem, const Posterior& posterior,
       const std::vector<double> r(
           draw.residuals.begin() + static_cast<std::ptrdiff_t>(c * samples),
           draw.residuals.begin() + static_cast<std::ptrdiff_t>((c + 1) * samples));
-      for (const double e : innovations(r, m.autocorrelations_of(c), theta)) {
-        squares += e * e / innovation_variance(m, c, theta);
+      const Innovations white = m.innovations(c, r, theta);
+      for (const double e : white.values) {
+        squares += e * e / white.variance;
         ++terms;
       }
     }
