@@ -25,23 +25,29 @@ class FrequencyLikelihood final : public inference::Likelihood {
         data_(problem.damage_case.data),
         noise_(data_),
         predictor_(problem),
-        prediction_(data_.frequencies_hz.size()),
-        variance_(prediction_.size()),
-        gradient_prediction_(prediction_.size()) {}
+        variance_(data_.frequencies_hz.size()),
+        gradient_prediction_(data_.frequencies_hz.size()) {}
 
   double log_likelihood(int model, std::span<const double> x) override {
-    if (problem_.by_modes()) return of_modes(model, x);
+    evaluate(-std::numeric_limits<double>::infinity(), model, x, own_);
+    return own_.log_likelihood;
+  }
+
+  void evaluate(double /*floor*/, int model, std::span<const double> x,
+                inference::Evaluation& out) override {
+    out.clear();
+    out.prediction.resize(data_.frequencies_hz.size());
+    if (problem_.by_modes()) return of_modes(model, x, out);
     const double cv = data_.cv_prior ? x[0] : 0.0;
-    noise_scale_ = data_.cv_prior ? cv : 1.0;
+    out.noise_scale = data_.cv_prior ? cv : 1.0;
     if (emulated_) {
-      predictor_.emulate(model, x, prediction_, variance_);
+      predictor_.emulate(model, x, out.prediction, variance_);
     } else {
-      predictor_.solve(model, x, prediction_);
+      predictor_.solve(model, x, out.prediction);
     }
-    residuals_.clear();
-    return noise_.log_likelihood(
-        prediction_, emulated_ ? std::span<const double>(variance_) : std::span<const double>(), cv,
-        residuals_);
+    out.log_likelihood = noise_.log_likelihood(
+        out.prediction, emulated_ ? std::span<const double>(variance_) : std::span<const double>(),
+        cv, out.residuals);
   }
 
   // With r = (f_obs - f) / sd:  ∂ ln p/∂f = r / sd,  ∂ ln p/∂cv = (r² - 1) cv f_obs² / sd².
@@ -64,21 +70,15 @@ class FrequencyLikelihood final : public inference::Likelihood {
     return true;
   }
 
-  [[nodiscard]] std::span<const double> prediction() const override { return prediction_; }
-  [[nodiscard]] std::span<const double> residuals() const override { return residuals_; }
-  [[nodiscard]] double noise_scale() const override { return noise_scale_; }
-
  private:
-  double of_modes(int model, std::span<const double> x) {
-    noise_scale_ = 1.0;
-    residuals_.clear();
+  void of_modes(int model, std::span<const double> x, inference::Evaluation& out) {
     if (!predictor_.score(model, x, scored_)) {
-      std::ranges::fill(prediction_, std::numeric_limits<double>::infinity());
-      return -std::numeric_limits<double>::infinity();
+      std::ranges::fill(out.prediction, std::numeric_limits<double>::infinity());
+      return;
     }
-    for (std::size_t i = 0; i < prediction_.size(); ++i)
-      prediction_[i] = scored_.score.matches[i].frequency_hz;
-    return scored_.score.log_likelihood;
+    for (std::size_t i = 0; i < out.prediction.size(); ++i)
+      out.prediction[i] = scored_.score.matches[i].frequency_hz;
+    out.log_likelihood = scored_.score.log_likelihood;
   }
 
   const DamageProblem& problem_;
@@ -87,9 +87,8 @@ class FrequencyLikelihood final : public inference::Likelihood {
   const FrequencyData& data_;
   NoiseModel noise_;
   FrequencyPredictor predictor_;
-  std::vector<double> prediction_, variance_, residuals_;
-  std::vector<double> gradient_prediction_, jacobian_;
-  double noise_scale_ = 1.0;
+  inference::Evaluation own_;
+  std::vector<double> variance_, gradient_prediction_, jacobian_;
 };
 
 // Same density at x and L - x, tried at quantiles from the bulk to the tails.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "identification/findings/marginal.hpp"
 #include "inference/evidence/importance_sampling.hpp"
@@ -60,20 +61,21 @@ std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
   FrequencyPredictor predictor(problem);
   const NoiseModel noise_model = problem.noise();
   std::vector<double> emulated(modes), ignored(modes);
+  inference::Evaluation fe;
   long compared = 0;
   for (std::size_t n = 0; n < all; n += stride) {
     const auto& chain = posterior.chains[n / static_cast<std::size_t>(posterior.draws)];
     const std::size_t i = n % static_cast<std::size_t>(posterior.draws);
     const std::span<const double> x(chain.theta.data() + i * width, width);
-    const double log_fe = likelihood->log_likelihood(chain.model[i], x);
+    likelihood->evaluate(-std::numeric_limits<double>::infinity(), chain.model[i], x, fe);
     draws.push_back({chain.model[i], x, of_model[static_cast<std::size_t>(chain.model[i])], 0.0});
-    log_weights.push_back(log_fe - chain.log_likelihood[i]);
+    log_weights.push_back(fe.log_likelihood - chain.log_likelihood[i]);
     if (problem.problem.space[chain.model[i]].counts[0] == 0) continue;
     ++compared;
     predictor.emulate(chain.model[i], x, emulated, ignored);
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
-      const double error = emulated[mode] - likelihood->prediction()[mode];
+      const double error = emulated[mode] - fe.prediction[mode];
       const double noise = noise_model.sd(mode, noise_model.cv(x), 0.0);
       squares[mode] += error * error / (noise * noise);
       largest[mode] = std::max(largest[mode], std::abs(error) / noise);

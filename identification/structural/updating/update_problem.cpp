@@ -17,26 +17,30 @@ class UpdateLikelihood final : public inference::Likelihood {
   explicit UpdateLikelihood(const UpdateProblem& problem)
       : problem_(problem), predictor_(problem) {}
 
-  double log_likelihood(int /*model*/, std::span<const double> x) override {
+  double log_likelihood(int model, std::span<const double> x) override {
+    evaluate(-std::numeric_limits<double>::infinity(), model, x, own_);
+    return own_.log_likelihood;
+  }
+  void evaluate(double /*floor*/, int /*model*/, std::span<const double> x,
+                inference::Evaluation& out) override {
+    out.clear();
     if (!predictor_.solve(x)) {
-      std::ranges::fill(prediction_, std::numeric_limits<double>::quiet_NaN());
-      return -std::numeric_limits<double>::infinity();
+      out.prediction.assign(problem_.update_case.data.frequencies_hz.size(),
+                            std::numeric_limits<double>::quiet_NaN());
+      return;
     }
     const auto score = predictor_.score(x);
-    prediction_.clear();
-    for (const auto& match : score.matches) prediction_.push_back(match.frequency_hz);
-    return score.log_likelihood;
+    for (const auto& match : score.matches) out.prediction.push_back(match.frequency_hz);
+    out.log_likelihood = score.log_likelihood;
   }
   bool gradient(int /*model*/, std::span<const double> x, std::span<double> out) override {
     return predictor_.gradient(x, out);
   }
-  [[nodiscard]] std::span<const double> prediction() const override { return prediction_; }
 
  private:
   const UpdateProblem& problem_;
   ModePredictor predictor_;
-  std::vector<double> prediction_ =
-      std::vector<double>(problem_.update_case.data.frequencies_hz.size());
+  inference::Evaluation own_;
 };
 
 /// How exactly modes are to be computed: to a thousandth of the smallest scatter of a frequency,
