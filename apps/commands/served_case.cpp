@@ -32,14 +32,15 @@ class StructureForward final : public OutsideModel {
   }
   void evaluate(std::span<const double> theta, std::span<double> y) override {
     std::ranges::copy(theta, x_.begin());
-    if (!predictor_.solve(x_)) throw std::invalid_argument("there is no such structure");
+    if (!predictor_.predict(0, x_, ForwardModel::Quantity::modes, predicted_))
+      throw std::invalid_argument("there is no such structure");
     if (problem_->states() != nullptr) {
-      const auto score = predictor_.score(x_);
+      const auto score = problem_->modes().score(predicted_, problem_->modal_noise(x_));
       for (std::size_t i = 0; i < y.size(); ++i) y[i] = score.matches[i].frequency_hz;
       return;
     }
     for (std::size_t i = 0; i < y.size(); ++i)
-      y[i] = std::sqrt(predictor_.modes().eigenvalues[static_cast<Eigen::Index>(i)]) / kTwoPi;
+      y[i] = std::sqrt(predicted_.modes[0].eigenvalues[static_cast<Eigen::Index>(i)]) / kTwoPi;
   }
   // f = √λ / 2π:  ∂f = ∂λ / (8π² f).
   bool gradient(std::span<const double> theta, std::span<const double> sensitivity,
@@ -78,7 +79,8 @@ class StructureForward final : public OutsideModel {
   }
 
   std::shared_ptr<const UpdateProblem> problem_;
-  ModePredictor predictor_;
+  StructuralPredictor predictor_;
+  Prediction predicted_;
   std::optional<fem::ParametricModes::Workspace> workspace_;
   fem::ParametricModes::Modes modes_;
   fem::ParametricModes::Slopes slopes_;

@@ -281,19 +281,15 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
       remarks.push_back(remark::SpuriousMode{.mode = static_cast<int>(mode) + 1,
                                              .hz = data.frequencies_hz[mode],
                                              .probability = doubted});
+    const StructuralProblem::Row row = problem.row(static_cast<int>(mode));
     out.modes.push_back({.observed = data.frequencies_hz[mode],
                          .sd = measured && !data.sd_hz.empty() ? data.sd_hz[mode] : kNaN,
                          .mean = predicted.mean,
                          .q2_5 = predicted.q2_5,
                          .q97_5 = predicted.q97_5,
                          .standardised_residual = measured ? residual : kNaN,
-                         .state = {},
-                         .mode = static_cast<int>(mode) + 1});
-    if (const StatesLikelihood* states = problem.states()) {
-      const auto place = states->place(static_cast<int>(mode));
-      out.modes.back().state = states->states().list[static_cast<std::size_t>(place.state)].name;
-      out.modes.back().mode = place.mode + 1;
-    }
+                         .state = row.state,
+                         .mode = row.mode});
     if (measured && std::abs(residual) > 3.0 && doubted < 0.5)
       off.push_back(static_cast<int>(mode) + 1);
   }
