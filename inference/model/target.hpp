@@ -21,8 +21,8 @@ struct Evaluation {
   /// The predicted observables, or empty: recorded for posterior predictive checks and convergence
   /// of the responses.
   std::vector<double> prediction = {};
-  /// Standardised residuals (observed - predicted) / sd, or empty. Where they are given, ln p(data |
-  /// ·) = c - ½ Σ residual², up to a c that adding a component does not change, and births can be
+  /// Standardised residuals (observed - predicted) / sd, or empty. Where they are given, ln p(data
+  /// | ·) = c - ½ Σ residual², up to a c that adding a component does not change, and births can be
   /// proposed where they explain the residual.
   std::vector<double> residuals = {};
   /// Where the noise is a parameter: the factor common to all sds, so that residual · noise_scale

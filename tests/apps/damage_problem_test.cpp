@@ -109,8 +109,8 @@ TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
     for (std::size_t j = 0; j < x.size(); ++j) {
       if (j == o || j == o + 2) continue;  // a damage's place
       const double h = 1e-4 * x[j];
-      const double expected = (at(j, x[j] + h).log_likelihood - at(j, x[j] - h).log_likelihood) /
-                              (2.0 * h);
+      const double expected =
+          (at(j, x[j] + h).log_likelihood - at(j, x[j] - h).log_likelihood) / (2.0 * h);
       EXPECT_NEAR(gradient[j], expected, 1e-5 * std::abs(expected) + 1e-8 / h) << j;
       EXPECT_NE(gradient[j], 0.0);
     }
@@ -225,8 +225,7 @@ TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
   const inference::Evaluation naive = without->evaluation(1, theta);
   double sum = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double f = naive.prediction[i],
-                 observed = input["data"]["frequencies"][i].get<double>();
+    const double f = naive.prediction[i], observed = input["data"]["frequencies"][i].get<double>();
     // Grown with the compliance that the damage adds, 0.3 / 0.7 of an element's (and 0.001).
     const double variance = aware->emulator->error(1).scale[i] * (0.3 / 0.7 + 1e-3);
     EXPECT_GT(variance, 0.0);

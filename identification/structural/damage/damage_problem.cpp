@@ -180,8 +180,8 @@ void make_emulator(DamageProblem& problem, const fem::Reanalysis& reanalysis,
   }
   if (const auto outside = problem.emulator->reaches_outside(kind))
     throw InvalidInput(outside->part, outside->message);
-  problem.emulated = std::make_shared<const EmulatedModel>(
-      problem.emulator, problem.model, damage_case.kinds, spec.emulator_error);
+  problem.emulated = std::make_shared<const EmulatedModel>(problem.emulator, problem.model,
+                                                           damage_case.kinds, spec.emulator_error);
 }
 
 }  // namespace

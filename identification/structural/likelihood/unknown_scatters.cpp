@@ -10,7 +10,7 @@ UnknownScatters::UnknownScatters(const ModalData& data)
              .mixing = data.mixing.value,
              .stiffness_discrepancy = data.stiffness_discrepancy.value} {
   const auto add = [this](const std::string& name, const std::optional<inference::Prior>& prior,
-                          double ModalNoise::* place) {
+                          double ModalNoise::*place) {
     if (!prior) return;
     parameters_.push_back({name, *prior});
     places_.push_back(place);
@@ -31,7 +31,7 @@ ModalNoise UnknownScatters::noise(std::span<const double> values) const {
   return out;
 }
 
-bool UnknownScatters::contains(double ModalNoise::* scatter) const {
+bool UnknownScatters::contains(double ModalNoise::*scatter) const {
   return std::ranges::find(places_, scatter) != places_.end();
 }
 

@@ -19,7 +19,7 @@ class UnknownScatters {
   /// The scatters of a state with these values of the parameters.
   [[nodiscard]] ModalNoise noise(std::span<const double> values) const;
   /// Whether this one is a parameter: `contains(&ModalNoise::cov)`.
-  [[nodiscard]] bool contains(double ModalNoise::* scatter) const;
+  [[nodiscard]] bool contains(double ModalNoise::*scatter) const;
 
  private:
   std::vector<inference::Parameter> parameters_;

@@ -154,7 +154,8 @@ bool StructuralPredictor::gradient_of_frequencies(int model, std::span<const dou
   if (!predict(model, x, Quantity::slopes, scratch_)) return false;
   const inference::Model& m = problem_.problem.space[model];
   const NoiseModel noise(data);
-  const double cv = data.cv_prior ? x[0] : 0.0;
+  const std::size_t at_cv = problem_.observations.front().first;
+  const double cv = data.cv_prior ? x[at_cv] : 0.0;
   std::ranges::fill(out, 0.0);
   for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i) {
     const double observed = data.frequencies_hz[i];
@@ -170,7 +171,8 @@ bool StructuralPredictor::gradient_of_frequencies(int model, std::span<const dou
         if (width == 2) out[at + 1] += residual / sd * scratch_.by_severity[of];
       }
     }
-    if (data.cv_prior) out[0] += (residual * residual - 1.0) * cv * (observed / sd) * (observed / sd);
+    if (data.cv_prior)
+      out[at_cv] += (residual * residual - 1.0) * cv * (observed / sd) * (observed / sd);
   }
   return true;
 }
@@ -179,7 +181,8 @@ bool StructuralPredictor::gradient_of_modes(std::span<const double> x, std::span
   const auto first = static_cast<std::size_t>(problem_.first_theta);
   scratch_.error_variance.clear();
   if (!solver_->gradient(problem_.theta(x), problem_.modes().of(0), problem_.modal_noise(x),
-                         scratch_, out.subspan(first, static_cast<std::size_t>(problem_.structural))))
+                         scratch_,
+                         out.subspan(first, static_cast<std::size_t>(problem_.structural))))
     return false;
   // Scatters move no mode: differences cost next to nothing.
   std::vector<double> moved(x.begin(), x.end());

@@ -120,8 +120,8 @@ Examined examine(const UpdateProblem& problem, const Posterior& posterior, Updat
     seen.scores.push_back(scored.score);
     seen.log_likelihood.push_back(scored.score.log_likelihood);
     seen.frequencies_hz.emplace_back(modes.eigenvalues.cwiseSqrt() / (2.0 * M_PI));
-    out.in_full += problem.basis() != nullptr && modes.in_full &&
-                   !problem.basis()->training().complete;
+    out.in_full +=
+        problem.basis() != nullptr && modes.in_full && !problem.basis()->training().complete;
   };
   const std::size_t chains = posterior.chains.size(), draws = posterior.chains[0].model.size();
   const std::size_t stride = std::max<std::size_t>(1, chains * draws / kExamined);
@@ -411,7 +411,8 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
                                const std::vector<MethodEvidence>& evidence, std::uint64_t seed) {
   UpdateFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior), seed);
-  if (problem.basis() != nullptr || problem.states() != nullptr) out.remarks = implausible(problem.update_case);
+  if (problem.basis() != nullptr || problem.states() != nullptr)
+    out.remarks = implausible(problem.update_case);
   out.numbers = problem.measured();
   SeparateSolutions solutions = separate_solutions(posterior, 0);
   judge_parameters(problem, posterior, solutions.covariance_within, out);

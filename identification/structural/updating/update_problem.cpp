@@ -78,7 +78,7 @@ std::shared_ptr<const fem::ParametricModes> reduced_basis(const UpdateCase& upda
 }
 
 OutsidePredictor predictor_in_front(const UpdateCase& update_case,
-                                                           const UpdateProblemOptions& options) {
+                                    const UpdateProblemOptions& options) {
   const ModalData& data = update_case.data;
   const auto& unknowns = update_case.structure->parameters;
   const auto must = [](const char* what, int has, int wanted) {
@@ -135,8 +135,8 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
       states ? update_case.states->parameters() : update_case.structure->parameters;
   if (structural.empty())
     throw std::invalid_argument("parameters is empty: there is nothing to be learnt");
-  const std::vector<inference::Parameter> parameters = out->place_parameters(
-      StructuralProblem::First::structure, structural, options.observations);
+  const std::vector<inference::Parameter> parameters =
+      out->place_parameters(StructuralProblem::First::structure, structural, options.observations);
   std::vector<std::string> names;
   for (const auto& parameter : parameters) names.push_back(parameter.name);
 
@@ -147,8 +147,8 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   else if (states)
     out->model = std::make_shared<const StatesModel>(states);
   else
-    out->model = std::make_shared<const BasisModel>(
-        reduced_basis(update_case, out->modes().of(0), options));
+    out->model =
+        std::make_shared<const BasisModel>(reduced_basis(update_case, out->modes().of(0), options));
   out->update_case = std::move(update_case);
   out->problem.space =
       inference::ModelSpace::of_models(parameters, {{"the structure", 1.0, names}});
