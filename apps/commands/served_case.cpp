@@ -166,7 +166,7 @@ LinePlace line_place(const DefectKind& kind, std::span<const double> said) {
 class DamageForward final : public OutsideModel {
  public:
   explicit DamageForward(std::shared_ptr<const DamageProblem> problem)
-      : problem_(std::move(problem)), predictor_(*problem_) {
+      : problem_(std::move(problem)), predictor_(*problem_, problem_->predicting()) {
     for (const DefectKind& kind : problem_->damage_case.kinds) {
       if (kind.severity_prior() == nullptr)
         throw std::invalid_argument("a " + kind.name +
@@ -174,7 +174,6 @@ class DamageForward final : public OutsideModel {
                                     "there is none");
       inputs_ += static_cast<int>(defect_numbers(kind)) * kind.max_count;
     }
-    variance_.resize(static_cast<std::size_t>(outputs()));
   }
   [[nodiscard]] int inputs() const override { return inputs_; }
   [[nodiscard]] int outputs() const override { return problem_->damage_case.modes(); }
@@ -202,18 +201,14 @@ class DamageForward final : public OutsideModel {
     for (int p = 0; p < problem_->common; ++p)
       x.push_back(space.prior(model, p).from_standard_normal(0.0));
     x.insert(x.end(), present.begin(), present.end());
-    if (problem_->emulator && !problem_->exact())
-      predictor_.emulate(model, x, y, variance_);
-    else
-      predictor_.solve(model, x, y);
+    predictor_.solve(model, x, y);
     if (!std::ranges::all_of(y, [](double f) { return std::isfinite(f); }))
       throw std::invalid_argument("there is no such structure");
   }
 
  private:
   std::shared_ptr<const DamageProblem> problem_;
-  FrequencyPredictor predictor_;
-  std::vector<double> variance_;
+  StructuralPredictor predictor_;
   int inputs_ = 0;
 };
 

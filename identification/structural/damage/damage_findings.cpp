@@ -208,7 +208,6 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   const Posterior& posterior = draws.posterior();
   const auto modes = static_cast<std::size_t>(data.modes());
   if (posterior.predictions != data.modes()) return {};
-  const auto width = static_cast<std::size_t>(posterior.dimension);
   const auto prediction = [&](std::size_t c, std::size_t i, std::size_t mode) {
     return static_cast<double>(posterior.chains[c].prediction[i * modes + mode]);
   };
@@ -221,7 +220,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   if (problem.by_modes()) stride = std::max(1L, all / kSolved);  // each is solved again
   // Of those visited, so many are remembered mode by mode.
   const long kept_every = stride * std::max(1L, all / (stride * kKept));
-  FrequencyPredictor by_shapes(problem);
+  StructuralPredictor by_shapes(problem);
   ModeObservation::Scored scored;
   const ModalLikelihood::Score& score = scored.score;
   long visited = 0;
@@ -229,7 +228,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   std::vector<double> mean_residual(modes), spurious(modes), densities(modes);
   SingleModes single(problem);
   draws.for_each([&](std::size_t c, std::size_t i) {
-    const std::span<const double> x(posterior.chains[c].theta.data() + i * width, width);
+    const std::span<const double> x = posterior.theta(c, i);
     const auto variances = emulator_error.next(posterior.chains[c].model[i], x);
     if (visited++ % stride != 0) return;
     const double weight = draws.weight(c, i);
@@ -323,11 +322,9 @@ void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>
     if (std::ranges::any_of(model.counts, [](int n) { return n > 0; }))
       damaged += model.probability();
   const Posterior& posterior = draws.posterior();
-  const auto width = static_cast<std::size_t>(posterior.dimension);
   double sum = 0.0, weights = 0.0;
   draws.for_each([&](std::size_t c, std::size_t i) {
-    sum += draws.weight(c, i) *
-           problem.modal_noise({posterior.chains[c].theta.data() + i * width, width}).discrepancy;
+    sum += draws.weight(c, i) * problem.modal_noise(posterior.theta(c, i)).discrepancy;
     weights += draws.weight(c, i);
   });
   if (damaged > 0.5 && sum > kOff * weights)
@@ -411,17 +408,17 @@ void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
 
 EmulatorVariances::EmulatorVariances(const DamageProblem& problem)
     : stride_(emulator_stride(problem)),
-      ignored_(static_cast<std::size_t>(problem.damage_case.data.modes())),
       last_(static_cast<std::size_t>(problem.problem.space.size())) {
-  if (problem.emulator && !problem.exact()) predictor_.emplace(problem);
+  predicted_.frequencies_hz.resize(static_cast<std::size_t>(problem.rows()));
+  if (problem.emulator && !problem.exact()) predictor_.emplace(problem, *problem.emulated);
 }
 
 std::span<const double> EmulatorVariances::next(int model, std::span<const double> x) {
   if (!predictor_) return {};
   std::vector<double>& variance = last_[static_cast<std::size_t>(model)];
   if (visited_++ % stride_ == 0 || variance.empty()) {
-    variance.resize(ignored_.size());
-    predictor_->emulate(model, x, ignored_, variance);
+    predictor_->predict(model, x, ForwardModel::Quantity::frequencies, predicted_);
+    variance = predicted_.error_variance;
   }
   return variance;
 }

@@ -62,7 +62,7 @@ void SingleModes::tell(int winner, FitFinding& out) const {
 std::vector<ShapesBeside> best_shapes(const DamageProblem& problem, const Posterior& posterior) {
   const auto [chain, draw] = posterior.best_draw();
   const std::span<const double> x = posterior.theta(chain, draw);
-  FrequencyPredictor predictor(problem);
+  StructuralPredictor predictor(problem);
   ModeObservation::Scored scored;
   if (!predictor.score(posterior.chains[chain].model[draw], x, scored)) return {};
   std::vector<ShapesBeside> out;

@@ -186,23 +186,6 @@ void make_emulator(DamageProblem& problem, const fem::Reanalysis& reanalysis,
 
 }  // namespace
 
-FrequencyPredictor::FrequencyPredictor(const DamageProblem& problem)
-    : StructuralPredictor(problem) {
-  if (problem.emulated) emulated_.emplace(problem, *problem.emulated);
-}
-
-void FrequencyPredictor::emulate(int model, std::span<const double> x, std::span<double> out,
-                                 std::span<double> variance) {
-  prediction_.frequencies_hz.resize(out.size());
-  if (!emulated_->predict(model, x, ForwardModel::Quantity::frequencies, prediction_)) {
-    std::ranges::fill(out, std::numeric_limits<double>::infinity());
-    std::ranges::fill(variance, 0.0);
-    return;
-  }
-  std::ranges::copy(prediction_.frequencies_hz, out.begin());
-  std::ranges::copy(prediction_.error_variance, variance.begin());
-}
-
 std::vector<DamageProblem::Component> DamageProblem::components(int model_index,
                                                                 std::span<const double> x) const {
   std::vector<Component> list;
@@ -254,8 +237,7 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   add_split_merges(*out);
   if (damage_case.emulator) make_emulator(*out, beam->reanalysis(), options);
   out->fe_likelihood = likelihood_of(*out, *out->model);
-  out->problem.likelihood =
-      likelihood_of(*out, out->emulator && !out->exact() ? *out->emulated : *out->model);
+  out->problem.likelihood = likelihood_of(*out, out->predicting());
   if (out->exact()) out->problem.screen = likelihood_of(*out, *out->emulated);
   return out;
 }

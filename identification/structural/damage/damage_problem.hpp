@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 
 #include "identification/structural/damage/damage_case.hpp"
 #include "identification/structural/damage/frequency_emulator.hpp"
@@ -41,21 +40,11 @@ struct DamageProblem : StructuralProblem {
 
   /// The emulator screens proposals only.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
+  /// What the likelihood predicts with.
+  [[nodiscard]] const ForwardModel& predicting() const {
+    return emulated && !exact() ? *emulated : *model;
+  }
   [[nodiscard]] NoiseModel noise() const { return NoiseModel(damage_case.data); }
-};
-
-/// Frequencies [Hz] of a state, for one thread: by the FE solution, or a program, or an emulator.
-class FrequencyPredictor : public StructuralPredictor {
- public:
-  explicit FrequencyPredictor(const DamageProblem& problem);
-  /// By the problem's emulator, with the variances [Hz²] of its error (0 where the case switches
-  /// them off). Without damages, and where ANOVA's sum is no frequency, by the FE solution.
-  void emulate(int model, std::span<const double> x, std::span<double> out,
-               std::span<double> variance);
-
- private:
-  std::optional<StructuralPredictor> emulated_;
-  Prediction prediction_;
 };
 
 struct DamageProblemOptions {

@@ -58,9 +58,9 @@ std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
   std::vector<Checked> draws;
   const std::vector<double> of_model = model_weights(posterior);
   std::vector<double> log_weights, squares(modes, 0.0), largest(modes, 0.0);
-  FrequencyPredictor predictor(problem);
+  StructuralPredictor predictor(problem, *problem.emulated);
   const NoiseModel noise_model = problem.noise();
-  std::vector<double> emulated(modes), ignored(modes);
+  std::vector<double> emulated(modes);
   inference::Evaluation fe;
   long compared = 0;
   for (std::size_t n = 0; n < all; n += stride) {
@@ -72,7 +72,7 @@ std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
     log_weights.push_back(fe.log_likelihood - chain.log_likelihood[i]);
     if (problem.problem.space[chain.model[i]].counts[0] == 0) continue;
     ++compared;
-    predictor.emulate(chain.model[i], x, emulated, ignored);
+    predictor.solve(chain.model[i], x, emulated);
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
       const double error = emulated[mode] - fe.prediction[mode];
