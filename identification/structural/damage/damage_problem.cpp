@@ -41,7 +41,7 @@ void find_images(DamageProblem& problem, bool told_apart) {
                                        return std::make_unique<inference::Image>(maps, whole);
                                      }});
   }
-  if (!told_apart) problem.symmetries = std::move(found);
+  if (!told_apart && problem.as_case) problem.symmetries = std::move(found);
 }
 
 // Every combination of the kinds' counts, the last kind running fastest, with product weights.
@@ -186,13 +186,6 @@ void make_emulator(DamageProblem& problem, const fem::Reanalysis& reanalysis,
 
 }  // namespace
 
-std::vector<DamageProblem::Component> DamageProblem::components(int model_index,
-                                                                std::span<const double> x) const {
-  std::vector<Component> list;
-  components(model_index, x, list);
-  return list;
-}
-
 std::vector<std::string> outside_inputs(const DamageCase& damage_case) {
   std::vector<std::string> names;
   for (const DefectKind& kind : damage_case.kinds) {
@@ -222,6 +215,10 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
     out->model = std::make_shared<const ProgramModel>(options.outside, damage_case.kinds);
   }
   if (options.model) out->model = options.model;
+  if (options.model && damage_case.emulator)
+    throw InvalidInput(
+        InvalidInput::Part::emulator,
+        "is trained on the case's structure: it does not go with a model of one's own");
   out->as_case = !options.outside && !options.model && options.observations.empty();
   const std::vector<inference::Parameter> common = out->place_parameters(
       StructuralProblem::First::noise,

@@ -33,11 +33,7 @@ struct DamageProblem : StructuralProblem {
     return dynamic_cast<const ProgramModel*>(model.get());
   }
 
-  /// The components of a parameter vector of `model`, in the order of kinds.
   using Component = PlacedDefect;
-  using StructuralProblem::components;
-  [[nodiscard]] std::vector<Component> components(int model_index, std::span<const double> x) const;
-
   /// The emulator screens proposals only.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
   /// What the likelihood predicts with.
@@ -55,7 +51,8 @@ struct DamageProblemOptions {
   /// may be at the most, those that there are first, in order of place, and then zeros.
   std::shared_ptr<OutsideModel> outside = {};
   /// Predicts in place of the FE solution: the lowest elastic frequencies [Hz], or modes where the
-  /// case has shapes or correlated frequencies. It is trusted to know the case's structure.
+  /// case has shapes or correlated frequencies. It is trusted to know the case's structure, and
+  /// goes without an emulator.
   std::shared_ptr<const ForwardModel> model = {};
   std::vector<std::shared_ptr<const Observation>> observations = {};  ///< beside the case's data
 };

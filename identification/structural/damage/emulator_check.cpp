@@ -50,7 +50,6 @@ std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
   // Without the likelihood there is nothing that an emulator could move.
   if (!problem.emulator || problem.exact() || posterior.likelihood_evaluations == 0) return {};
   const FrequencyData& data = problem.damage_case.data;
-  const auto width = static_cast<std::size_t>(posterior.dimension);
   const auto modes = static_cast<std::size_t>(data.modes());
   const auto all = static_cast<std::size_t>(posterior.draws) * posterior.chains.size();
   const std::size_t stride = std::max<std::size_t>(1, all / static_cast<std::size_t>(most));
@@ -66,7 +65,8 @@ std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
   for (std::size_t n = 0; n < all; n += stride) {
     const auto& chain = posterior.chains[n / static_cast<std::size_t>(posterior.draws)];
     const std::size_t i = n % static_cast<std::size_t>(posterior.draws);
-    const std::span<const double> x(chain.theta.data() + i * width, width);
+    const std::span<const double> x =
+        posterior.theta(n / static_cast<std::size_t>(posterior.draws), i);
     likelihood->evaluate(-std::numeric_limits<double>::infinity(), chain.model[i], x, fe);
     draws.push_back({chain.model[i], x, of_model[static_cast<std::size_t>(chain.model[i])], 0.0});
     log_weights.push_back(fe.log_likelihood - chain.log_likelihood[i]);

@@ -30,7 +30,7 @@ class OutsideModes final : public ForwardModel {
   explicit OutsideModes(OutsidePredictor predictor) : predictor_(std::move(predictor)) {}
 
   [[nodiscard]] std::unique_ptr<Solver> make_solver() const override;
-  [[nodiscard]] bool is_expensive() const override { return true; }
+  [[nodiscard]] bool is_expensive() const override { return !predictor_.emulator; }
   [[nodiscard]] const OutsidePredictor& predictor() const { return predictor_; }
 
  private:

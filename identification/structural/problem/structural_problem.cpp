@@ -76,15 +76,15 @@ int StructuralProblem::measured() const {
   return states() != nullptr ? states()->measured() : modes().of(0).measured();
 }
 
-void StructuralProblem::components(int model_index, std::span<const double> x,
+void StructuralProblem::components(int m, std::span<const double> x,
                                    std::vector<PlacedDefect>& to) const {
   to.clear();
-  const inference::Model& m = problem.space[model_index];
+  const inference::Model& of = problem.space[m];
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const DefectKind& kind = kinds[k];
     const auto width = static_cast<std::size_t>(kind.parameters());
-    for (int c = 0; c < m.counts[k]; ++c) {
-      const auto at = static_cast<std::size_t>(m.offsets[k]) + width * static_cast<std::size_t>(c);
+    for (int c = 0; c < of.counts[k]; ++c) {
+      const auto at = static_cast<std::size_t>(of.offsets[k]) + width * static_cast<std::size_t>(c);
       to.push_back({.kind = static_cast<int>(k),
                     .location = x[at],
                     .severity = kind.severity_prior() ? x[at + 1] : kind.known_severity(),

@@ -72,9 +72,14 @@ struct StructuralProblem {
   /// Numbers measured, scales of shapes not counted.
   [[nodiscard]] int measured() const;
 
-  /// The defects of a parameter vector of `model`, in the order of kinds, in place of what `to`
-  /// held.
-  void components(int model, std::span<const double> x, std::vector<PlacedDefect>& to) const;
+  /// The defects of a parameter vector of a model, in the order of kinds.
+  [[nodiscard]] std::vector<PlacedDefect> components(int m, std::span<const double> x) const {
+    std::vector<PlacedDefect> list;
+    components(m, x, list);
+    return list;
+  }
+  /// The same, in place of what `to` held.
+  void components(int m, std::span<const double> x, std::vector<PlacedDefect>& to) const;
 
   enum class First { noise, structure };
   /// Fills in `observations` and the places of parameters. Returns the parameters that all models

@@ -112,15 +112,6 @@ ModalNoise UpdateProblem::noise(std::span<const double> x) const {
   return out;
 }
 
-namespace {
-
-bool asks_each_time(const UpdateProblem& problem) {
-  const OutsidePredictor* outside = problem.program();
-  return outside != nullptr ? !outside->emulator : problem.model->is_expensive();
-}
-
-}  // namespace
-
 std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
                                                          const UpdateProblemOptions& options) {
   auto out = std::make_unique<UpdateProblem>();
@@ -156,7 +147,7 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   out->seconds_a_likelihood =
       states ? states->check(20).seconds_a_solution
              : seconds_of(*out, prior_draws(*out->update_case.structure,
-                                            asks_each_time(*out) ? 1 : options.training));
+                                            out->model->is_expensive() ? 1 : options.training));
   return out;
 }
 
