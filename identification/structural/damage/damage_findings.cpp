@@ -1,7 +1,6 @@
 #include "identification/structural/damage/damage_findings.hpp"
 
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -244,8 +243,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     }
     if (problem.by_modes()) {
       if (!by_shapes.score(posterior.chains[c].model[i], x, scored)) return;
-      mean_p +=
-          weight * boost::math::gamma_q(0.5 * std::max(score.freedoms, 1), 0.5 * score.chi_square);
+      mean_p += weight * chi_square_tail(std::max(score.freedoms, 1), score.chi_square);
       for (std::size_t mode = 0; mode < modes; ++mode)
         spurious[mode] += weight * score.matches[mode].spurious;
       // In units of all that they may be off by: what the model leaves out is a part of it.
@@ -263,7 +261,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     } else {
       if ((visited - 1) % kept_every == 0)
         single.pass(posterior.chains[c].model[i], weight, densities);
-      mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
+      mean_p += weight * chi_square_tail(data.measured(), squares);
     }
     weight_seen += weight;
   });

@@ -1,7 +1,6 @@
 #include "identification/structural/updating/update_findings.hpp"
 
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -22,11 +21,6 @@ using inference::Posterior;
 
 /// Draws that are looked at again, with their shapes.
 constexpr std::size_t kExamined = 2000;
-
-double tail(double freedoms, double chi_square) {
-  return freedoms > 0.0 ? boost::math::gamma_q(0.5 * freedoms, 0.5 * std::max(0.0, chi_square))
-                        : 1.0;
-}
 
 /// Draws in standard normal coordinates, one a row: all of them, of more than a million
 /// every n-th.
@@ -215,7 +209,7 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
       double p = 0.0;
       for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
         f.shape_chi_square += match(s).shape->chi_square / out.examined;
-        p += tail(f.shape_freedoms, match(s).shape->chi_square) / out.examined;
+        p += chi_square_tail(f.shape_freedoms, match(s).shape->chi_square) / out.examined;
       }
       f.shape_p = p;
     }
@@ -238,14 +232,14 @@ void judge_update_fit(const UpdateProblem& problem, const Examined& seen, Update
       numbers = score.freedoms;
     }
     if (s < static_cast<std::size_t>(out.examined))
-      fit.p += tail(score.freedoms, score.chi_square) / out.examined;
+      fit.p += chi_square_tail(score.freedoms, score.chi_square) / out.examined;
   }
   // Parameters that the data move, each its share of one.
   double used = 0.0;
   for (int p = 0; p < problem.structural; ++p)
     used += std::clamp(out.contractions[static_cast<std::size_t>(p)].contraction, 0.0, 1.0);
   const bool known = problem.modes().scatters().parameters().empty();
-  if (known && numbers - used >= 1.0) fit.best_p = tail(numbers - used, least);
+  if (known && numbers - used >= 1.0) fit.best_p = chi_square_tail(numbers - used, least);
   double rest = 0.0, spread = 0.0, mean = 0.0, count = 0.0;
   const auto counts = [](const ModeFinding& m) {
     return !std::isnan(m.measured_hz) && m.spurious < 0.5;
@@ -302,6 +296,25 @@ Conditional conditional(const UpdateProblem& problem, const ModalLikelihood::Sco
   return out;
 }
 
+/// Of the measured frequencies, relative, on average.
+double relative_variance(const ModalData& data, const MatrixXd& covariance) {
+  double sum = 0.0, count = 0.0;
+  for (int i = 0; i < data.modes(); ++i)
+    if (const double f = data.frequencies_hz[static_cast<std::size_t>(i)]; !std::isnan(f))
+      sum += covariance(i, i) / (f * f), ++count;
+  return sum / std::max(1.0, count);
+}
+
+/// The band of replicates of a mode, and what was held out of `data` of it.
+void set_band(std::vector<double>& replicates, const ModalData& data, std::size_t mode,
+              PredictedMode& p) {
+  std::ranges::sort(replicates);
+  p.low_hz = quantile(replicates, 0.025);
+  p.high_hz = quantile(replicates, 0.975);
+  if (mode < data.held_out_hz.size() && !std::isnan(data.held_out_hz[mode]))
+    p.measured_hz = data.held_out_hz[mode];
+}
+
 /// Modes of states in which no frequency was measured, as well known as the others are on average.
 void predict_states(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
                     UpdateFindings& out) {
@@ -315,27 +328,17 @@ void predict_states(const UpdateProblem& problem, const Examined& seen, std::uin
       ModalNoise noise = problem.noise(seen.x[s]);
       const Conditional error = conditional(problem, seen.scores[s], noise, m);
       noise.discrepancy = 0.0;
-      const MatrixXd covariance = problem.covariance(noise);
-      double relative = 0.0, count = 0.0;
-      for (int i = 0; i < data.modes(); ++i)
-        if (const double f = data.frequencies_hz[static_cast<std::size_t>(i)]; !std::isnan(f))
-          relative += covariance(i, i) / (f * f), ++count;
+      const double relative = relative_variance(data, problem.covariance(noise));
       base::Random random(seed, m, s, base::Purpose::prediction);
       means.push_back(seen.scores[s].matches[m].frequency_hz + error.mean);
       replicates.push_back(means.back() +
-                           std::sqrt(error.variance + relative / std::max(1.0, count) *
-                                                          means.back() * means.back()) *
+                           std::sqrt(error.variance + relative * means.back() * means.back()) *
                                random.normal());
     }
     p.frequency_hz = marginal({means});
-    std::ranges::sort(replicates);
-    p.low_hz = quantile(replicates, 0.025);
-    p.high_hz = quantile(replicates, 0.975);
     const ModalData& own =
         problem.states()->states().list[static_cast<std::size_t>(place.state)].data;
-    if (static_cast<std::size_t>(place.mode) < own.held_out_hz.size() &&
-        !std::isnan(own.held_out_hz[static_cast<std::size_t>(place.mode)]))
-      p.measured_hz = own.held_out_hz[static_cast<std::size_t>(place.mode)];
+    set_band(replicates, own, static_cast<std::size_t>(place.mode), p);
     out.predictions.push_back(std::move(p));
   }
 }
@@ -358,23 +361,12 @@ void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint
     // As well as the modes measured are known, on average.
     std::vector<double> replicates;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
-      const MatrixXd covariance = problem.covariance(problem.noise(seen.x[s]));
-      double relative = 0.0, count = 0.0;
-      for (int i = 0; i < data.modes(); ++i) {
-        const double f = data.frequencies_hz[static_cast<std::size_t>(i)];
-        if (!std::isnan(f)) relative += covariance(i, i) / (f * f), ++count;
-      }
+      const double relative = relative_variance(data, problem.covariance(problem.noise(seen.x[s])));
       base::Random random(seed, static_cast<std::uint64_t>(k), s, base::Purpose::prediction);
       const double f = seen.frequencies_hz[s][at];
-      replicates.push_back(f *
-                           (1.0 + std::sqrt(relative / std::max(1.0, count)) * random.normal()));
+      replicates.push_back(f * (1.0 + std::sqrt(relative) * random.normal()));
     }
-    std::ranges::sort(replicates);
-    p.low_hz = quantile(replicates, 0.025);
-    p.high_hz = quantile(replicates, 0.975);
-    if (static_cast<std::size_t>(k) < data.held_out_hz.size() &&
-        !std::isnan(data.held_out_hz[static_cast<std::size_t>(k)]))
-      p.measured_hz = data.held_out_hz[static_cast<std::size_t>(k)];
+    set_band(replicates, data, static_cast<std::size_t>(k), p);
     out.predictions.push_back(std::move(p));
   }
 }
