@@ -1,7 +1,6 @@
 #include "identification/structural/likelihood/mode_contributions.hpp"
 
 #include <algorithm>
-#include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <numbers>
