@@ -17,7 +17,7 @@
 namespace wheeltap::identification {
 namespace {
 
-double log_normal_density(double observed, double mean, double sd) {
+double log_gaussian(double observed, double mean, double sd) {
   const double r = (observed - mean) / sd;
   return -0.5 * r * r - std::log(sd) - 0.5 * std::log(2.0 * std::numbers::pi);
 }
@@ -122,8 +122,8 @@ TEST(StructuralProblem, AForwardModelOfOnesOwnFindsDamage) {
   for (std::size_t i = 0; i < 4; ++i) {
     const double f = model->frequency(i, {&defect, 1});
     EXPECT_EQ(found.prediction[i], f);
-    expected += log_normal_density(data.frequencies_hz[i], f,
-                                   std::hypot(data.sd_hz[i], 0.01 * data.frequencies_hz[i]));
+    expected += log_gaussian(data.frequencies_hz[i], f,
+                             std::hypot(data.sd_hz[i], 0.01 * data.frequencies_hz[i]));
   }
   EXPECT_NEAR(found.log_likelihood, expected, 1e-9 * std::abs(expected));
   std::vector<double> slope(2);
@@ -140,7 +140,7 @@ class Flexibility final : public Observation {
     double sum = 0.0;
     for (Eigen::Index j = 0; j < modes.eigenvalues.size(); ++j)
       sum += std::pow(modes.shapes(1, j), 2) / modes.eigenvalues[j];
-    return log_normal_density(measured_, sum, sd_);
+    return log_gaussian(measured_, sum, sd_);
   }
 
  private:
@@ -157,7 +157,7 @@ TEST(StructuralProblem, AnObservationOfOnesOwnUpdates) {
   const auto modes = alone->problem.likelihood(), all = both->problem.likelihood();
   for (const std::vector<double>& x : {std::vector{1400.0, 900.0}, std::vector{1390.0, 910.0}}) {
     const double expected =
-        modes->log_likelihood(0, x) + log_normal_density(measured, 1.0 / x[0] + 1.0 / x[1], sd);
+        modes->log_likelihood(0, x) + log_gaussian(measured, 1.0 / x[0] + 1.0 / x[1], sd);
     EXPECT_NEAR(all->log_likelihood(0, x), expected, 1e-4 * std::abs(expected));
   }
   std::vector<double> slope(2);
@@ -185,7 +185,7 @@ class Ratio final : public Observation {
                      inference::Evaluation& out) const override {
     const double ratio = predicted.frequencies_hz[1] / predicted.frequencies_hz[0];
     out.residuals.push_back((measured_ - ratio) / noise[0]);
-    return log_normal_density(measured_, ratio, noise[0]);
+    return log_gaussian(measured_, ratio, noise[0]);
   }
 
  private:
@@ -211,7 +211,7 @@ TEST(StructuralProblem, AnObservationWithNoiseOfItsOwnFindsDamage) {
   EXPECT_EQ(all.residuals.size(), 5U);
   EXPECT_NEAR(all.log_likelihood,
               frequencies.log_likelihood +
-                  log_normal_density(measured, all.prediction[1] / all.prediction[0], 0.05),
+                  log_gaussian(measured, all.prediction[1] / all.prediction[0], 0.05),
               1e-9);
   const auto posterior =
       inference::reversible_jump(both->problem, {.seed = 1, .warmup = 2000, .draws = 2000});
