@@ -60,7 +60,7 @@ class Likelihood {
     out.clear();
     out.log_likelihood = log_likelihood_above(floor, model, x);
   }
-  /// As a value, whatever the log likelihood.
+  /// The same as a value, without a floor.
   [[nodiscard]] Evaluation evaluation(int model, std::span<const double> x) {
     Evaluation out;
     evaluate(-std::numeric_limits<double>::infinity(), model, x, out);
